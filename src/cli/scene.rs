@@ -22,6 +22,8 @@ use crate::shape::{self, Shape};
 const SCENE: &str = include_str!("new.toml");
 /// A working mechanism: the finger of scenes/mechanisms/f85-finger.toml.
 const MECHANISM: &str = include_str!("../../scenes/mechanisms/f85-finger.toml");
+/// A finger with a tendon: scenes/mechanisms/tendon-finger.toml.
+const TENDON: &str = include_str!("../../scenes/mechanisms/tendon-finger.toml");
 
 /// Write a commented scene file as a starting point for your own gripper or mechanism; it runs without changes.
 #[derive(Debug, Args)]
@@ -34,7 +36,7 @@ pub(crate) struct NewArgs {
     #[arg(value_name = "FILE.toml")]
     file: PathBuf,
 
-    /// Kind of scene: a gripper, or a mechanism of bodies and joints
+    /// Kind of scene: a gripper, a mechanism of bodies and joints, or a finger that a tendon closes
     #[arg(long, value_enum, default_value_t = NewKind::Gripper)]
     kind: NewKind,
 }
@@ -44,6 +46,7 @@ pub(crate) struct NewArgs {
 enum NewKind {
     Gripper,
     Mechanism,
+    Tendon,
 }
 
 /// Runs `phalanx new`.
@@ -59,24 +62,23 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
                 _ => bad_input(&error.to_string(), "give a file in a directory where you may write"),
             },
         )?;
-    let is_gripper = args.kind == NewKind::Gripper;
-    let text = if is_gripper { SCENE } else { MECHANISM };
+    let (text, content) = match args.kind {
+        NewKind::Gripper => (SCENE, "a gripper with two phalanges per finger"),
+        NewKind::Mechanism => (MECHANISM, "a mechanism, a finger with a loop"),
+        NewKind::Tendon => (TENDON, "a mechanism, a finger that a tendon closes"),
+    };
     if let Err(error) = file.write_all(text.as_bytes()).and_then(|()| file.sync_all()) {
         let _ = fs::remove_file(&args.file);
         return Err(Failure::incomplete(format!("cannot write {path}: {error}")));
     }
-    if !is_gripper {
-        return print(&format!(
-            "wrote {path}: a commented scene of a mechanism, a finger with a loop\n\
-             watch it close:     phalanx run {path} --open        (or --html FILE.html)\n\
-             show all fields:    phalanx scene show {path}\n"
-        ));
-    }
+    let figure = match args.kind {
+        NewKind::Gripper => format!("draw its symbols:   phalanx scene show {path} --figure FILE.svg\n"),
+        NewKind::Mechanism | NewKind::Tendon => String::new(),
+    };
     print(&format!(
-        "wrote {path}: a commented scene of a gripper with two phalanges per finger\n\
+        "wrote {path}: a commented scene of {content}\n\
          watch it close:     phalanx run {path} --open        (or --html FILE.html)\n\
-         show all fields:    phalanx scene show {path}\n\
-         draw its symbols:   phalanx scene show {path} --figure FILE.svg\n"
+         show all fields:    phalanx scene show {path}\n{figure}"
     ))
 }
 
@@ -200,12 +202,14 @@ fn summarize(scene: &Scene) -> String {
 
 fn summarize_mechanism(mechanism: &Mechanism) -> String {
     let count = |count: usize, one: &str, several: &str| format!("{count} {}", if count == 1 { one } else { several });
+    let pulls = mechanism.tendons.iter().filter(|tendon| tendon.actuator.is_some());
+    let actuators = mechanism.actuators.len() + pulls.count();
     let freedoms = (3 * mechanism.bodies.len()).saturating_sub(mechanism.constraint_count());
     [
         count(mechanism.bodies.len(), "body", "bodies"),
         count(mechanism.joints.len(), "joint", "joints"),
         count(freedoms, "degree of freedom", "degrees of freedom"),
-        count(mechanism.actuators.len(), "actuator", "actuators"),
+        count(actuators, "actuator", "actuators"),
         count(mechanism.point_contacts().len(), "contact", "contacts"),
     ]
     .join(", ")

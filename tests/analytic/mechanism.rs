@@ -203,7 +203,13 @@ fn jacobians_match_differences_along_the_reference_cases() {
 
 #[test]
 fn sizes_and_structure_of_the_reference_cases() {
-    let sizes = [("a_andrews", 1, 1), ("b_swinging_slider", 3, 2), ("c_f85_link_pad", 2, 2), ("c_f85_two_disc", 7, 3)];
+    let sizes = [
+        ("e_tendon3", 4, 3),
+        ("a_andrews", 1, 1),
+        ("b_swinging_slider", 3, 2),
+        ("c_f85_link_pad", 2, 2),
+        ("c_f85_two_disc", 7, 3),
+    ];
     for (name, coordinates, group) in sizes {
         let size = MechanismSize::new(&mechanism_case(name).mechanism).expect("dyads");
         assert_eq!((size.coordinates, size.group), (coordinates, group), "{name}");

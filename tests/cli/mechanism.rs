@@ -8,6 +8,7 @@ use crate::support::cli::{
 use serde_json::Value;
 
 const FINGER: &str = "scenes/mechanisms/f85-finger.toml";
+const TENDON_FINGER: &str = "scenes/mechanisms/tendon-finger.toml";
 
 /// Each scene ends as its reference solution, which its comment states.
 #[test]
@@ -92,10 +93,50 @@ fn commands_for_fingers_refuse_mechanisms() {
 }
 
 #[test]
-fn a_new_mechanism_is_the_shipped_finger() {
-    let file = path_in(&directory("new-mechanism"), "linkage.toml");
-    assert_contains(&succeed(&["new", &file, "--kind", "mechanism"]), &["a finger with a loop", "run"]);
-    assert_eq!(fs::read_to_string(file).expect("a scene"), fs::read_to_string(FINGER).expect("a scene"));
+fn new_mechanisms_are_shipped_scenes() {
+    for (kind, content, shipped) in
+        [("mechanism", "a finger with a loop", FINGER), ("tendon", "a finger that a tendon closes", TENDON_FINGER)]
+    {
+        let file = path_in(&directory("new-mechanism"), &format!("{kind}.toml"));
+        assert_contains(&succeed(&["new", &file, "--kind", kind]), &[content, "run"]);
+        assert_eq!(fs::read_to_string(file).expect("a scene"), fs::read_to_string(shipped).expect("a scene"));
+    }
+}
+
+/// Both models of a finger with a tendon agree, and its tension is in reports, tables, logs and pages.
+#[test]
+fn tendons_are_reported_logged_and_drawn() {
+    let directory = directory("tendon");
+    let [log, csv, replayed, page] =
+        ["run.mcap", "run.csv", "replayed.csv", "run.html"].map(|name| path_in(&directory, name));
+    let files = ["--log", &log, "--csv", &csv, "--html", &page, "--set", "log.joint_forces=true"];
+    let run = succeed_json(&[&["run", TENDON_FINGER][..], &files].concat());
+    let engine = succeed_json(&["run", TENDON_FINGER, "--model", "engine"]);
+    for (path, allowed) in [("/joints/base/angle_rad", 1e-4), ("/tendons/flexor/tension_n", 0.1)] {
+        let [found, other] = [&run, &engine].map(|run| run.pointer(path).and_then(Value::as_f64).expect("a number"));
+        assert!((found - other).abs() < allowed, "{path}: {found}, {other}");
+    }
+    assert_contains(&succeed(&["replay", &log, "--csv", &replayed]), &["flexor", "tension, N"]);
+    let written = fs::read_to_string(csv).expect("a table");
+    assert_contains(&written, &["flexor_length_m,flexor_rate_m_s,flexor_tension_n"]);
+    assert_eq!(written, fs::read_to_string(replayed).expect("a table"));
+    assert_contains(&fs::read_to_string(page).expect("a page"), &["Tendon tension"]);
+    assert_contains(&succeed(&["scene", "check", TENDON_FINGER]), &["1 actuator"]);
+}
+
+/// A cable that leaves its pulley ends the run in both models, by name and time.
+#[test]
+fn a_cable_that_lifts_off_ends_the_run() {
+    let scene = fs::read_to_string(TENDON_FINGER).expect("a scene");
+    // The cable comes from below, and is straight when the finger has closed by 13 degrees.
+    let moved = scene.replace("[\"45 mm\", \"-8 mm\"]", "[\"-15 mm\", \"-40 mm\"]");
+    let file = path_in(&directory("lifts-off"), "scene.toml");
+    fs::write(&file, moved).expect("a file");
+    for model in ["analytic", "engine"] {
+        let run = phalanx(&["run", &file, "--model", model]);
+        assert_eq!(run.status.code(), Some(3), "{model}: {}", stderr(&run));
+        assert_contains(&stderr(&run), &["tendon flexor", "lifts off its pulley in place 2", "ms"]);
+    }
 }
 
 /// A mechanism that the analytic model does not take is rejected with its sizes, not with a panic.

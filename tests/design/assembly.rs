@@ -70,6 +70,7 @@ fn pin(name: &str, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2]) -> Joint
         start_rate: 0.0,
         damping: 0.0,
         armature: 0.0,
+        friction: None,
         lower: None,
         upper: None,
         limit: None,

@@ -79,21 +79,23 @@ fn single_contact_space(law: ContactLaw, mass: f64, gap: f64, rate: f64, slip: f
     let scene = experiment_95();
     let plan = engine::build_plan(&scene).unwrap();
     let motion = motion(&scene, &plan);
-    let mut candidate = *motion
+    let mut candidate = motion
         .candidates
         .iter()
         .find(|candidate| plan.contact_channel(candidate.index) == Some(FingerContact::Proximal as usize))
-        .unwrap();
+        .unwrap()
+        .clone();
     (candidate.gap, candidate.law, candidate.friction) = (gap, law.normal, law.friction);
     let rows = 1 + usize::from(law.friction.is_some());
     let mut space = engine::ContactSpace::default();
+    space.rows = vec![candidate.normal_row.clone(); rows];
     space.active_contacts.push(engine::ActiveContact {
         candidate,
         normal: 0,
         tangent: law.friction.map(|_| 1),
+        rolling: None,
         bristle_state: 0.0,
     });
-    space.rows = vec![candidate.normal_row; rows];
     space.w = vec![0.0; rows * rows];
     (0..rows).for_each(|i| space.w[i * rows + i] = 1.0 / mass);
     space.free = vec![0.0; rows];

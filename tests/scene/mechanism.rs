@@ -4,8 +4,9 @@ use std::f64::consts::FRAC_PI_4;
 
 use phalanx::drawing::{self, Drawing};
 use phalanx::law::NormalLaw;
+use phalanx::mechanism::tendon::length_in;
 use phalanx::mechanism::{
-    Command, ForcePoint, JointCombination, JointKind, Mechanism, OutlineShape, SpringKind, assemble,
+    Command, ForcePoint, JointCombination, JointKind, Mechanism, OutlineShape, PathElement, SpringKind, assemble,
 };
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Scene};
@@ -265,9 +266,38 @@ fn every_part_is_read_and_shown_again() {
     let written = scene::show_written(&scene);
     assert!(written.contains("[[contacts]]") && written.contains("[laws.pad]"), "{written}");
     assert_eq!(parse(&written).mechanism, scene.mechanism, "{written}");
-    for name in ["f85-finger", "four-bar", "slider-crank", "andrews", "jaws"] {
+    for name in ["f85-finger", "four-bar", "slider-crank", "andrews", "jaws", "tendon-finger"] {
         assert_round_trip(&shipped(name));
     }
+}
+
+#[test]
+fn tendons_are_read_and_shown_again() {
+    let scene = shipped("tendon-finger");
+    let of = scene.mechanism.as_ref().expect("a mechanism");
+    let flexor = &of.tendons[0];
+    assert_eq!(
+        (flexor.stiffness_n_per_m, flexor.damping_n_s_per_m, &flexor.joints[..]),
+        (2e5, 20.0, &[(2, 0.006)][..])
+    );
+    let pulley = PathElement { body: None, point_m: [0.0; 2], radius_m: 0.008, side: -1.0 };
+    assert_eq!((flexor.path[1], flexor.path[2].body, flexor.path[3].body), (pulley, Some(1), Some(0)));
+    // The spring has the tension of the pretension at the start: 1 N at 2e5 N/m.
+    let length_m = length_in(of, flexor, &drawing::poses_at_start(of));
+    assert!((length_m - flexor.rest_m - 5e-6).abs() < 1e-15, "{length_m}, {}", flexor.rest_m);
+    let text = std::fs::read_to_string("scenes/mechanisms/tendon-finger.toml").expect("a scene");
+    let pulled = text.replace(
+        "joint = \"shaft\"\ntorque = \"0.35 N*m\"\nno_load_speed = \"40 rad/s\"",
+        "tendon = \"flexor\"\ntimes = [\"0 ms\", \"20 ms\"]\ntensions = [\"0 N\", \"30 N\"]",
+    );
+    let scene = parse(&pulled);
+    let of = scene.mechanism.as_ref().expect("a mechanism");
+    let pull = of.tendons[0].actuator.as_ref().expect("an actuator");
+    assert_eq!((pull.name.as_str(), pull.tension.at(0.01).0, of.actuators.len()), ("motor", 15.0, 0));
+    assert_round_trip(&scene);
+    let columns: Vec<String> = Schema::from_scene(&scene).channels().into_iter().map(|channel| channel.name).collect();
+    let expected = "motor_force_n flexor_length_m flexor_rate_m_s flexor_tension_n distal_x_m";
+    assert!(columns.join(" ").contains(expected), "{columns:?}");
 }
 
 #[test]
@@ -285,16 +315,10 @@ fn single_values_replace_those_of_a_mechanism() {
     assert!(error.contains("[[contacts]]"), "{error}");
 }
 
-/// Every drawn body has a pose, and its velocity is the rate of that pose.
-#[test]
-fn drawings_follow_the_bodies() {
-    let text = EVERYTHING.replace(
-        "[bodies.ball.outlines.rim]",
-        "[bodies.ball.outlines.wall]\ntype = \"half_plane\"\npoint = [\"0 mm\", \"5 mm\"]\nnormal = [1, 1]\n[bodies.ball.outlines.rim]",
-    );
-    let scene = parse(&text);
+/// Checks that every drawn body has a pose, and that its velocity is the rate of that pose; returns names and poses.
+fn drawn_poses(scene: &Scene) -> (Vec<String>, Vec<drawing::Pose>) {
     let of = scene.mechanism.as_ref().expect("a mechanism");
-    let counts = Schema::from_scene(&scene).counts();
+    let counts = Schema::from_scene(scene).counts();
     let at = |time_s: f64| {
         let mut sample = Sample::new(time_s, counts);
         for (index, [x, y, angle]) in drawing::poses_at_start(of).into_iter().enumerate() {
@@ -305,22 +329,46 @@ fn drawings_follow_the_bodies() {
         }
         sample
     };
-    let drawn = Drawing::from_scene(&scene);
-    let names: Vec<&str> = drawn.bodies.iter().map(|body| body.name.as_str()).collect();
-    assert_eq!(names, ["ground.floor", "ball.wall", "ground", "arm", "ball", "left", "right"]);
-    assert_eq!(drawn.contacts.len(), 4);
-    let [[left, bottom], [right, top]] = drawn.extent_m;
-    // The arm turns about a pin at y = 100 mm, and is drawn with it.
-    assert!(left < -0.04 && right > 0.04 && bottom < 0.02 && top > 0.1, "{:?}", drawn.extent_m);
-    let [before, after] = [-1e-6, 1e-6].map(|time_s| drawing::poses(&scene, &at(time_s)));
-    for (body, velocity) in drawing::velocities(&scene, &at(0.0)).iter().enumerate() {
+    let names: Vec<String> = Drawing::from_scene(scene).bodies.into_iter().map(|body| body.name).collect();
+    let [before, after] = [-1e-6, 1e-6].map(|time_s| drawing::poses(scene, &at(time_s)));
+    for (body, velocity) in drawing::velocities(scene, &at(0.0)).iter().enumerate() {
         let rate = |a: f64, b: f64| (b - a) / 2e-6;
         let found = [0, 1].map(|k| rate(before[body].position_m[k], after[body].position_m[k]));
         assert!((0..2).all(|k| (found[k] - velocity.position_m[k]).abs() < 1e-9), "{}: {found:?}", names[body]);
         assert!((rate(before[body].angle_rad, after[body].angle_rad) - velocity.angle_rad).abs() < 1e-8);
     }
-    assert_eq!((before.len(), before[0].angle_rad), (names.len(), 0.0));
-    assert!((before[1].angle_rad + FRAC_PI_4 - 5f64.to_radians()).abs() < 1e-5);
+    assert_eq!(before.len(), names.len());
+    (names, before)
+}
+
+#[test]
+fn drawings_follow_the_bodies() {
+    let text = EVERYTHING.replace(
+        "[bodies.ball.outlines.rim]",
+        "[bodies.ball.outlines.wall]\ntype = \"half_plane\"\npoint = [\"0 mm\", \"5 mm\"]\nnormal = [1, 1]\n[bodies.ball.outlines.rim]",
+    );
+    let scene = parse(&text);
+    let (names, poses) = drawn_poses(&scene);
+    assert_eq!(names, ["ground.floor", "ball.wall", "ground", "arm", "ball", "left", "right"]);
+    let drawn = Drawing::from_scene(&scene);
+    assert_eq!(drawn.contacts.len(), 4);
+    let [[left, bottom], [right, top]] = drawn.extent_m;
+    // The arm turns about a pin at y = 100 mm, and is drawn with it.
+    assert!(left < -0.04 && right > 0.04 && bottom < 0.02 && top > 0.1, "{:?}", drawn.extent_m);
+    assert_eq!(poses[0].angle_rad, 0.0);
+    assert!((poses[1].angle_rad + FRAC_PI_4 - 5f64.to_radians()).abs() < 1e-5);
+}
+
+/// The first segment of the cable leads along y = −8 mm to the pulley, whose lowest point is there.
+#[test]
+fn cables_are_drawn_along_their_paths() {
+    let (names, poses) = drawn_poses(&shipped("tendon-finger"));
+    let bar = |name: &str| poses[names.iter().position(|other| other == name).expect("a bar")];
+    assert_eq!(names.iter().filter(|name| name.starts_with("flexor[")).count(), 9);
+    for (name, x_m) in [("flexor[0]", 0.045), ("flexor[1]", 0.0225), ("flexor[2]", 0.0)] {
+        let [x, y] = bar(name).position_m;
+        assert!((x - x_m).abs() < 1e-6 && (y + 0.008).abs() < 1e-6, "{name}: {x}, {y}");
+    }
 }
 
 /// A scene of free bodies with one outline each, and the entries of contacts.

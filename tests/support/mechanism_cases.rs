@@ -8,7 +8,7 @@ use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
 use phalanx::mechanism::{
     Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
-    OutlineId, OutlineShape, Pose, Spring, SpringKind, Start,
+    OutlineId, OutlineShape, PathElement, Pose, Spring, SpringKind, Start, Tendon, TendonActuator,
 };
 use phalanx::scene::Scene;
 use serde_json::Value;
@@ -32,8 +32,10 @@ pub struct MechanismSample {
     pub rates: Vec<Pose>,
     /// Coordinates and rates of the joints.
     pub joints: Vec<[f64; 2]>,
-    /// Torques or forces of the actuators.
+    /// Torques or forces of the actuators of joints.
     pub actuators: Vec<f64>,
+    /// Lengths and tensions of the tendons.
+    pub tendons: Vec<[f64; 2]>,
     /// Contacts whose gap is below 2 mm.
     pub contacts: BTreeMap<String, ContactValues>,
     pub energies: BTreeMap<String, f64>,
@@ -76,6 +78,11 @@ fn parse_case(name: &str, case: &Value) -> MechanismCase {
         rates: poses(&value["rates"]),
         joints: mechanism.joints.iter().map(|joint| numbers(&value["joints"][&joint.name])).collect(),
         actuators: mechanism.actuators.iter().map(|actuator| number(&value["actuators"][&actuator.name])).collect(),
+        tendons: mechanism
+            .tendons
+            .iter()
+            .map(|tendon| ["length", "tension"].map(|key| number(&value["tendons"][&tendon.name][key])))
+            .collect(),
         contacts: object(&value["contacts"]).map(|(name, value)| (name.clone(), contact_values(value))).collect(),
         energies: object(&value["energies"]).map(|(name, value)| (name.clone(), number(value))).collect(),
     };
@@ -115,7 +122,15 @@ fn mechanism(scene: &Value) -> Mechanism {
         mechanism.joints[coupling.on.terms[0].0].start = None;
     }
     mechanism.springs = list(&scene["spring"]).map(|value| spring(value, &mechanism)).collect();
-    mechanism.actuators = list(&scene["actuator"]).map(|value| actuator(value, &mechanism)).collect();
+    mechanism.tendons = list(&scene["tendon"]).map(|value| tendon(value, &mechanism)).collect();
+    let (pulls, motors): (Vec<&Value>, Vec<&Value>) =
+        list(&scene["actuator"]).partition(|actuator| actuator["tendon"].is_string());
+    for pull in pulls {
+        let tendon =
+            mechanism.tendons.iter_mut().find(|tendon| tendon.name == text(&pull["tendon"])).expect("a tendon");
+        tendon.actuator = Some(TendonActuator { name: text(&pull["name"]), tension: profile(&pull["tension"]) });
+    }
+    mechanism.actuators = motors.into_iter().map(|value| actuator(value, &mechanism)).collect();
     mechanism.contacts = list(&scene["contact"]).map(|value| contact(value, &mechanism)).collect();
     mechanism
 }
@@ -172,6 +187,7 @@ fn joint(value: &Value, mechanism: &Mechanism) -> Joint {
         start_rate: or(&value["start_rate"], 0.0),
         damping: or(&value["damping"], 0.0),
         armature: or(&value["armature"], 0.0),
+        friction: None,
         lower: value["lower"].as_f64(),
         upper: value["upper"].as_f64(),
         limit: value["limit"].is_object().then(|| normal_law(&value["limit"])),
@@ -202,6 +218,24 @@ fn spring(value: &Value, mechanism: &Mechanism) -> Spring {
         stiffness: number(&value["stiffness"]),
         damping: or(&value["damping"], 0.0),
         rest: or(&value["rest"], 0.0),
+    }
+}
+
+fn tendon(value: &Value, mechanism: &Mechanism) -> Tendon {
+    let element = |element: &Value| PathElement {
+        body: body_index(&text(&element["body"]), mechanism),
+        point_m: numbers(&element["point"]),
+        radius_m: or(&element["radius"], 0.0),
+        side: or(&element["side"], 1.0),
+    };
+    Tendon {
+        name: text(&value["name"]),
+        path: list(&value["path"]).map(element).collect(),
+        joints: object(&value["joints"]).map(|(name, c)| (joint_index(name, mechanism), number(c))).collect(),
+        stiffness_n_per_m: or(&value["stiffness"], 0.0),
+        damping_n_s_per_m: or(&value["damping"], 0.0),
+        rest_m: or(&value["rest"], 0.0),
+        actuator: None,
     }
 }
 
@@ -240,6 +274,7 @@ fn contact(value: &Value, mechanism: &Mechanism) -> ContactPair {
         points: outline_id(&value["points"], mechanism),
         face: outline_id(&value["face"], mechanism),
         law: ContactLaw { normal: normal_law(value), friction },
+        rolling: None,
         force_point,
     }
 }

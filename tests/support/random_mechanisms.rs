@@ -3,9 +3,10 @@
 
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
+use phalanx::mechanism::tendon::{center_in, length_in, wraps};
 use phalanx::mechanism::{
     Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
-    OutlineId, OutlineShape, Spring, SpringKind,
+    OutlineId, OutlineShape, PathElement, Spring, SpringKind, Tendon, TendonActuator,
 };
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
@@ -50,6 +51,8 @@ pub fn random_mechanism(seed: u64) -> Mechanism {
         add_linear_spring(&mut mechanism, &mut random);
     }
     add_contacts(&mut mechanism, &mut random);
+    add_tendon(&mut mechanism, &mut Random::for_seed(seed + 1_000_000));
+    add_friction(&mut mechanism, &mut Random::for_seed(seed + 2_000_000));
     mechanism
 }
 
@@ -114,6 +117,7 @@ fn add_joint(
         start_rate: 0.0,
         damping: if random.chance(0.5) { random.log_within(1e-6, 1e-3) } else { 0.0 },
         armature: if random.chance(0.2) { random.log_within(1e-7, 1e-5) } else { 0.0 },
+        friction: None,
         lower: None,
         upper: None,
         limit: None,
@@ -212,10 +216,82 @@ fn add_linear_spring(mechanism: &mut Mechanism, random: &mut Random) {
     });
 }
 
+/// Adds Coulomb friction to some joints.
+fn add_friction(mechanism: &mut Mechanism, random: &mut Random) {
+    for joint in &mut mechanism.joints {
+        if !random.chance(0.3) {
+            continue;
+        }
+        let size = if joint.kind == JointKind::Revolute { 1.0 } else { 0.02 };
+        let torque = random.log_within(1e-4, 1e-2) / size;
+        joint.friction = Some(FrictionLaw {
+            mu_static: torque,
+            mu_dynamic: torque * random.within(0.6, 1.0),
+            v_static_m_s: 0.1 * size,
+            v_dynamic_m_s: 0.2 * size,
+            bristle: None,
+        });
+    }
+}
+
+/// Adds a cable to some mechanisms: over eyelets and a pulley of random bodies, elastic, pulled, or both, on a spool of a
+/// joint.
+fn add_tendon(mechanism: &mut Mechanism, random: &mut Random) {
+    if random.chance(0.5) {
+        return;
+    }
+    let element = |random: &mut Random| PathElement {
+        body: random_base(mechanism, random),
+        point_m: [random.within(-0.04, 0.04), random.within(-0.04, 0.04)],
+        radius_m: 0.0,
+        side: random.choose(&[1.0, -1.0]),
+    };
+    let mut path: Vec<PathElement> = (0..2 + (random.unit() * 3.0) as usize).map(|_| element(random)).collect();
+    let poses: Vec<[f64; 3]> = mechanism.bodies.iter().map(|body| body.pose).collect();
+    path.dedup_by(|a, b| {
+        let [a, b] = [center_in(a, &poses), center_in(b, &poses)];
+        (a[0] - b[0]).hypot(a[1] - b[1]) < 0.02
+    });
+    if path.len() < 2 {
+        return;
+    }
+    if path.len() > 2 && random.chance(0.6) {
+        path[1].radius_m = random.within(0.002, 0.006);
+        let is_wrapped =
+            |path: &[PathElement]| wraps(path, |element| center_in(element, &poses)).all(|(_, wrap)| wrap > 0.4);
+        if !is_wrapped(&path) {
+            path[1].side *= -1.0;
+        }
+        path[1].radius_m *= f64::from(is_wrapped(&path));
+    }
+    let is_spool = |joint: &&(usize, &Joint)| joint.1.kind == JointKind::Revolute && joint.1.start.is_some();
+    let spool = mechanism.joints.iter().enumerate().filter(|joint| is_spool(&joint)).map(|(joint, _)| joint).last();
+    let pull = random.chance(0.5).then(|| TendonActuator {
+        name: "pull".to_string(),
+        tension: Profile::Table {
+            points: vec![(0.0, random.within(-1.0, 1.0)), (8e-3, random.within(-1.0, 2.0)), (14e-3, 0.3)],
+            interpolation: Interpolation::Linear,
+        },
+    });
+    let is_elastic = pull.is_none() || random.chance(0.5);
+    let mut tendon = Tendon {
+        name: "cable".to_string(),
+        path,
+        joints: spool.filter(|_| random.chance(0.5)).map(|joint| (joint, 0.005)).into_iter().collect(),
+        stiffness_n_per_m: if is_elastic { random.log_within(20.0, 2e4) } else { 0.0 },
+        damping_n_s_per_m: if is_elastic && random.chance(0.7) { random.log_within(1e-3, 2.0) } else { 0.0 },
+        rest_m: 0.0,
+        actuator: pull,
+    };
+    tendon.rest_m = length_in(mechanism, &tendon, &poses) + random.within(-1e-3, 1e-3);
+    mechanism.tendons.push(tendon);
+}
+
 /// Adds discs to some bodies, which can touch the floor and bars of other bodies from a distance.
 fn add_contacts(mechanism: &mut Mechanism, random: &mut Random) {
     let friction =
         FrictionLaw { mu_static: 0.6, mu_dynamic: 0.5, v_static_m_s: 0.01, v_dynamic_m_s: 0.02, bristle: None };
+    let rolling = FrictionLaw { mu_static: 1e-4, mu_dynamic: 1e-4, v_static_m_s: 1.0, v_dynamic_m_s: 2.0, ..friction };
     let step = Damping::Step { max_n_s_per_m: 30.0, transition_m: 1e-4 };
     for body in 0..mechanism.bodies.len() {
         let [_, y, _] = mechanism.bodies[body].pose;
@@ -231,6 +307,7 @@ fn add_contacts(mechanism: &mut Mechanism, random: &mut Random) {
             points: OutlineId { body: Some(body), outline: 0 },
             face: OutlineId { body: None, outline: 0 },
             law: ContactLaw { normal, friction: random.chance(0.7).then_some(friction) },
+            rolling: random.chance(0.5).then_some(rolling),
             force_point: random.choose(&[ForcePoint::Face, ForcePoint::Points, ForcePoint::Middle]),
         });
     }

@@ -28,6 +28,7 @@ pub(crate) fn message_name(kind: SubjectKind) -> &'static str {
         SubjectKind::Slider => "phalanx.Slider",
         SubjectKind::Actuator => "phalanx.Actuator",
         SubjectKind::LinearActuator => "phalanx.LinearActuator",
+        SubjectKind::Tendon => "phalanx.Tendon",
         SubjectKind::Body => "phalanx.Body",
         SubjectKind::Contact => "phalanx.Contact",
         SubjectKind::Limit => "phalanx.Limit",

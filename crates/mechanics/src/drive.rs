@@ -91,6 +91,55 @@ impl Profile {
         }
     }
 
+    /// Returns max(0, value) over time. A linear table gains a time at each of its zeros, so that it is exact.
+    pub fn positive_part(&self) -> Self {
+        let mut positive = self.clone();
+        match &mut positive {
+            Profile::Constant { value } | Profile::Ramp { value, .. } | Profile::HalfSine { value, .. } => {
+                *value = value.max(0.0);
+            }
+            Profile::Reversal { value, at_s } => {
+                let points = vec![(0.0, value.max(0.0)), (*at_s, (-*value).max(0.0))];
+                return Profile::Table { points, interpolation: Interpolation::Step };
+            }
+            Profile::Table { points, interpolation } => {
+                let zero = |pair: &[(f64, f64)]| {
+                    let [(t0, y0), (t1, y1)] = [pair[0], pair[1]];
+                    let crosses = *interpolation == Interpolation::Linear && y0 * y1 < 0.0;
+                    crosses.then(|| (t0 + (t1 - t0) * y0 / (y0 - y1), 0.0))
+                };
+                let zeros: Vec<(f64, f64)> = points.windows(2).filter_map(zero).collect();
+                points.extend(zeros);
+                points.sort_by(|a, b| a.0.total_cmp(&b.0));
+                points.iter_mut().for_each(|point| point.1 = point.1.max(0.0));
+            }
+        }
+        positive
+    }
+
+    /// Returns a set point that follows a constant or a linear table from `start` at t = 0, with at most this rate.
+    pub fn rate_limited(&self, start: f64, limit: f64) -> Self {
+        let (mut t, mut y) = (0.0, start);
+        let mut points = vec![(t, y)];
+        loop {
+            let ((x, slope), end) = (self.at(t), self.next_discontinuity(t));
+            let is_reached = (x - y).abs() <= 1e-12 * (1.0 + x.abs());
+            let rate = match is_reached {
+                true if slope.abs() <= limit => slope,
+                true => limit.copysign(slope),
+                false => limit.copysign(x - y),
+            };
+            let meeting = if is_reached { f64::INFINITY } else { t + (x - y) / (rate - slope) };
+            let next = if meeting > t { end.min(meeting) } else { end };
+            if next.is_infinite() {
+                return Profile::Table { points, interpolation: Interpolation::Linear };
+            }
+            y = if next == meeting { x + slope * (next - t) } else { y + rate * (next - t) };
+            t = next;
+            points.push((t, y));
+        }
+    }
+
     /// Returns the profile multiplied by `factor`.
     pub fn scaled(&self, factor: f64) -> Self {
         let mut scaled = self.clone();
@@ -247,6 +296,44 @@ mod tests {
             let doubled = actuation.scaled(2.0);
             for t in [0.0, 0.7e-3, 2.1e-3, 6e-3] {
                 assert_eq!(doubled.at(t).0, 2.0 * actuation.at(t).0, "{actuation:?} at {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn rate_limited_set_points_follow_as_small_steps_do() {
+        let points = vec![(0.1, 0.0), (0.2, 1.0), (0.5, 1.2), (0.6, -1.0), (2.0, 0.4)];
+        for target in [
+            Profile::Constant { value: -0.7 },
+            Profile::Table { points: points.clone(), interpolation: Interpolation::Linear },
+            Profile::Table { points, interpolation: Interpolation::Step },
+        ] {
+            for limit in [0.3, 2.0, 50.0] {
+                let set_point = target.rate_limited(0.25, limit);
+                let (mut y, steps) = (0.25f64, 300_000);
+                for step in 0..steps {
+                    let (t, h) = (3.0 * step as f64 / steps as f64, 3.0 / steps as f64);
+                    let (found, rate) = set_point.at(t);
+                    assert!((found - y).abs() < 1e-3, "{target:?} {limit} at {t}: {found}, {y}");
+                    assert!(rate.abs() <= limit * (1.0 + 1e-9));
+                    y += (target.at(t + h).0 - y).clamp(-limit * h, limit * h);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn positive_parts_are_exact() {
+        let points = vec![(0.0, -1.0), (1.0, 3.0), (2.0, -1.0), (3.0, -2.0)];
+        for profile in [
+            Profile::Table { points: points.clone(), interpolation: Interpolation::Linear },
+            Profile::Table { points, interpolation: Interpolation::Step },
+            Profile::Reversal { value: -2.0, at_s: 1.3 },
+            Profile::HalfSine { value: -2.0, length_s: 1.3 },
+        ] {
+            for t in [-1.0, 0.1, 0.25, 0.3, 1.2, 1.7, 1.8, 2.5, 4.0] {
+                let (found, expected) = (profile.positive_part().at(t).0, profile.at(t).0.max(0.0));
+                assert!((found - expected).abs() < 1e-15, "{profile:?} at {t}: {found}, {expected}");
             }
         }
     }

@@ -60,7 +60,7 @@ impl DamperRange {
                 true => DamperRange::Engaging,
                 false => DamperRange::Engaged,
             },
-            Damping::Step { .. } | Damping::HuntCrossley { .. } => DamperRange::Any,
+            Damping::Step { .. } | Damping::Constant { .. } | Damping::HuntCrossley { .. } => DamperRange::Any,
         }
     }
 }

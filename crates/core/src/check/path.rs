@@ -283,6 +283,9 @@ fn perturb_mechanism(mechanism: &mut Mechanism, factor: f64) {
         let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &mut actuator.command;
         *profile = profile.scaled(factor);
     }
+    for actuator in mechanism.tendons.iter_mut().filter_map(|tendon| tendon.actuator.as_mut()) {
+        actuator.tension = actuator.tension.scaled(factor);
+    }
     mechanism.joints.iter_mut().for_each(|joint| joint.start_rate *= factor);
     mechanism.bodies.iter_mut().for_each(|body| body.rate = body.rate.map(|rate| rate * factor));
 }

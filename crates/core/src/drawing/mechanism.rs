@@ -1,13 +1,14 @@
-//! Drawing of a mechanism: outlines, bars between the joints of a body, and pins.
+//! Drawing of a mechanism: outlines, bars between the joints of a body, pins, pulleys and cables.
 //!
 //! A half plane is drawn as a body of its own, whose frame has the half plane below its x-axis.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::{Body, BodyRole, Drawing, Pose, Shape};
-use crate::mechanism::{Command, Joint, JointKind, Mechanism, Outline, OutlineShape, assemble};
+use crate::mechanism::tendon::{Segment, center_in, segment};
+use crate::mechanism::{Command, Joint, JointKind, Mechanism, Outline, OutlineShape, PathElement, assemble};
 use crate::numeric::elementary::{atan2, hypot, sin_cos};
-use crate::numeric::plane::{add, dot, perp, rotate, scale, sub};
+use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, rotate, scale, sub};
 use crate::trace::{BodyState, Sample};
 
 /// Radius of pins and half the width of bars, as a part of the size of the mechanism.
@@ -60,6 +61,7 @@ pub(super) fn poses(mechanism: &Mechanism, sample: &Sample) -> Vec<Pose> {
     let bodies: Vec<Pose> = sample.bodies().map(|body| pose(body.centre_m, body.angle_rad)).collect();
     placements(mechanism)
         .map(|(body, local)| in_world(body.map_or(Pose::default(), |body| bodies[body]), local))
+        .chain(cables(mechanism, &|body| sample.body(body)).into_iter().map(|bar| bar.pose))
         .collect()
 }
 
@@ -72,7 +74,55 @@ pub(super) fn velocities(mechanism: &Mechanism, sample: &Sample) -> Vec<Pose> {
         let arm = rotate(local.position_m, [cos, sin]);
         pose(add(velocity_m_s, scale(perp(arm), spin_rad_s)), spin_rad_s)
     };
-    placements(mechanism).map(velocity).collect()
+    let cables = cables(mechanism, &|body| sample.body(body)).into_iter().map(|bar| bar.rate);
+    placements(mechanism).map(velocity).chain(cables).collect()
+}
+
+/// A bar of a drawn cable with its motion, and its ends along it per length of its segment at the start.
+struct CableBar {
+    name: String,
+    pose: Pose,
+    rate: Pose,
+    ends: [f64; 2],
+    segment_m: f64,
+}
+
+/// Bars on a segment of a cable: their place along it, and their ends. They cover it while it has 0.5 to 1.5 times its
+/// length at the start.
+const CABLE_BARS: [(f64, [f64; 2]); 3] = [(0.0, [0.0, 0.5]), (0.5, [-0.25, 0.25]), (1.0, [-0.5, 0.0])];
+
+/// The bars of all cables with the bodies in these states.
+fn cables(mechanism: &Mechanism, body: &dyn Fn(usize) -> BodyState) -> Vec<CableBar> {
+    let guesses: Vec<[f64; 3]> = mechanism.bodies.iter().map(|body| body.pose).collect();
+    let state = |element: &PathElement| {
+        let BodyState { centre_m, angle_rad, velocity_m_s, spin_rad_s } =
+            element.body.map_or_else(BodyState::default, body);
+        let (sin, cos) = sin_cos(angle_rad);
+        let arm = rotate(element.point_m, [cos, sin]);
+        (add(centre_m, arm), add(velocity_m_s, scale(perp(arm), spin_rad_s)))
+    };
+    let mut bars = Vec::new();
+    for tendon in &mechanism.tendons {
+        for (index, ends) in tendon.path.windows(2).enumerate() {
+            let [(from, from_rate), (to, to_rate)] = [state(&ends[0]), state(&ends[1])];
+            let Segment { length, direction } = segment([&ends[0], &ends[1]], sub(to, from));
+            let spin = cross(direction, sub(to_rate, from_rate)) / length;
+            // The angle is continuous within half a turn from that of the guess.
+            let guessed = sub(center_in(&ends[1], &guesses), center_in(&ends[0], &guesses));
+            let angle_rad = nearest_equivalent_angle(atan2(direction[1], direction[0]), atan2(guessed[1], guessed[0]));
+            let tangent = |center, k: usize| sub(center, scale(perp(direction), ends[k].signed_radius_m()));
+            let velocity = |rate, k: usize| add(rate, scale(direction, ends[k].signed_radius_m() * spin));
+            let between = |a: [f64; 2], b: [f64; 2], part: f64| add(scale(a, 1.0 - part), scale(b, part));
+            bars.extend(CABLE_BARS.iter().enumerate().map(|(k, &(part, bar_ends))| CableBar {
+                name: format!("{}[{}]", tendon.name, CABLE_BARS.len() * index + k),
+                pose: pose(between(tangent(from, 0), tangent(to, 1), part), angle_rad),
+                rate: pose(between(velocity(from_rate, 0), velocity(to_rate, 1), part), spin),
+                ends: bar_ends,
+                segment_m: length,
+            }));
+        }
+    }
+    bars
 }
 
 /// Poses of all bodies at the start; the guesses of a mechanism that cannot be assembled.
@@ -133,6 +183,8 @@ fn parts(mechanism: &Mechanism) -> Vec<Part> {
             shapes.extend(bars.map(|ends| bar(ends[0], ends[1], 0.5 * PIN_PART * size_m)));
         }
         shapes.extend(points.iter().map(|point| circle(*point, PIN_PART * size_m)));
+        let elements = mechanism.tendons.iter().flat_map(|tendon| &tendon.path).filter(|element| element.body == body);
+        shapes.extend(elements.map(|element| circle(element.point_m, element.radius_m.max(0.5 * PIN_PART * size_m))));
         let is_driven = mechanism.actuators.iter().any(|actuator| {
             body.is_some() && actuator.on.terms.iter().any(|(joint, _)| mechanism.joints[*joint].bodies[1] == body)
         });
@@ -146,7 +198,18 @@ fn parts(mechanism: &Mechanism) -> Vec<Part> {
         Body { name: mechanism.body_name(body).to_owned(), role, fixed: body.is_none(), shapes }
     });
     let drawn = half_planes.chain(bodies);
-    placements(mechanism).zip(drawn).map(|((body, pose), drawn)| Part { body, pose, drawn }).collect()
+    let start = poses_at_start(mechanism);
+    let at_start = |body: usize| {
+        let [x, y, angle_rad] = start[body];
+        BodyState { centre_m: [x, y], angle_rad, ..BodyState::default() }
+    };
+    let cable = |CableBar { name, pose, ends, segment_m, .. }: CableBar| {
+        let [from_m, to_m] = ends.map(|end| [end * segment_m, 0.0]);
+        let shapes = vec![bar(from_m, to_m, 0.2 * PIN_PART * size_m)];
+        Part { body: None, pose, drawn: Body { name, role: BodyRole::Coupler, fixed: false, shapes } }
+    };
+    let cables = cables(mechanism, &at_start).into_iter().map(cable);
+    placements(mechanism).zip(drawn).map(|((body, pose), drawn)| Part { body, pose, drawn }).chain(cables).collect()
 }
 
 /// Points of the joints of a body, in its frame.

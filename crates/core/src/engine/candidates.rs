@@ -16,7 +16,7 @@ use crate::numeric::plane::{cross, perp, sub};
 use crate::scene::Response;
 
 /// A possible contact, stop, brake, motor or servo at one instant.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct ContactCandidate {
     /// Element index in the plan.
     pub index: usize,
@@ -33,6 +33,9 @@ pub struct ContactCandidate {
     pub normal_row: Row,
     /// Slip of the body's surface relative to the other one; zero for a stop.
     pub slip_row: Row,
+    /// Law and row of rolling resistance: a moment against the relative rotation.
+    pub rolling: Option<FrictionLaw>,
+    pub roll_row: Row,
     /// Torque characteristic of a motor with a no-load speed.
     pub motor: Option<MotorSlope>,
     /// Law of a servo, in place of the normal law; its gap is minus the error of its coordinate.
@@ -89,6 +92,8 @@ impl ContactCandidate {
             point: [0.0; 2],
             normal_row,
             slip_row,
+            rolling: None,
+            roll_row: Row::none(),
             motor: None,
             servo: None,
             prescribed_gap_motion: [0.0; 2],
@@ -178,12 +183,11 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
     candidates.clear();
     for (index, stop) in plan.stops.iter().enumerate() {
         let normal_row = stop.gap.row(&linkage.poses);
-        let slip_row = Row { on: (normal_row.on.0, [0.0; 3]), against: None };
         candidates.push(ContactCandidate {
             gap: stop.gap.value(&linkage.poses),
             rounding: f64::EPSILON * TAU,
             uses_contact_law: true,
-            ..ContactCandidate::new(index, Source::Stop(index), stop.law, [normal_row, slip_row])
+            ..ContactCandidate::new(index, Source::Stop(index), stop.law, [normal_row, Row::none()])
         });
     }
     for (index, contact) in plan.contacts.iter().enumerate() {
@@ -194,6 +198,11 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
         let rows = [normal, perp(normal)].map(|direction| contact_row(plan, index, &linkage.poses, &points, direction));
         candidates.push(ContactCandidate {
             friction: contact.law.friction,
+            rolling: contact.rolling,
+            roll_row: Row::new(
+                (contact.body, [0.0, 0.0, 1.0]),
+                contact.against.body.map(|partner| (partner, [0.0, 0.0, -1.0])),
+            ),
             gap,
             rounding: gap_rounding(plan, contact, &linkage.poses),
             normal,
@@ -211,19 +220,12 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
     candidates.extend(servos.map(|(index, servo)| servo_candidate(plan, index, servo, &linkage.poses)));
 }
 
-/// Models a brake as a contact: friction with coefficient 1 under a force set by [`set_shaft_torques`].
+/// Models a brake as a contact: friction under a force set by [`set_shaft_torques`].
 fn brake_candidate(plan: &Plan, index: usize, poses: &[BodyPose]) -> ContactCandidate {
-    let PlannedBrake { shaft, brake, .. } = plan.brakes[index];
-    let width = brake.v_static_rad_s;
+    let PlannedBrake { shaft, kind, .. } = &plan.brakes[index];
     ContactCandidate {
-        friction: Some(FrictionLaw {
-            mu_static: 1.0,
-            mu_dynamic: 1.0,
-            v_static_m_s: width,
-            v_dynamic_m_s: 2.0 * width,
-            bristle: brake.bristle,
-        }),
-        one_way: brake.one_way,
+        friction: Some(kind.law()),
+        one_way: kind.is_one_way(),
         ..shaft_candidate(plan.first_brake() + index, Source::Brake(index), shaft.row(poses))
     }
 }
@@ -240,7 +242,6 @@ fn motor_candidate(plan: &Plan, index: usize, no_load_speed_rad_s: f64, poses: &
 /// Models a servo as a contact; [`set_shaft_torques`] sets its target.
 fn servo_candidate(plan: &Plan, index: usize, servo: &PlannedServo, poses: &[BodyPose]) -> ContactCandidate {
     let normal_row = servo.coordinate.row(poses);
-    let slip_row = Row { on: (normal_row.on.0, [0.0; 3]), against: None };
     let law = NormalLaw::constant_force(0.0);
     ContactCandidate {
         gap: servo.coordinate.value(poses),
@@ -248,18 +249,17 @@ fn servo_candidate(plan: &Plan, index: usize, servo: &PlannedServo, poses: &[Bod
         servo: Some(servo.law),
         is_motor: servo.is_motor,
         uses_contact_law: true,
-        ..ContactCandidate::new(plan.first_servo() + index, Source::Servo(index), law, [normal_row, slip_row])
+        ..ContactCandidate::new(plan.first_servo() + index, Source::Servo(index), law, [normal_row, Row::none()])
     }
 }
 
 /// Returns a candidate along the slip row of a shaft. No body changes its penetration, which together with the stiffness
 /// of its law defines the normal force.
 fn shaft_candidate(index: usize, source: Source, slip_row: Row) -> ContactCandidate {
-    let normal_row = Row { on: (slip_row.on.0, [0.0; 3]), against: None };
     ContactCandidate {
         gap: -1.0,
         rounding: f64::EPSILON,
-        ..ContactCandidate::new(index, source, NormalLaw::constant_force(0.0), [normal_row, slip_row])
+        ..ContactCandidate::new(index, source, NormalLaw::constant_force(0.0), [Row::none(), slip_row])
     }
 }
 
@@ -270,9 +270,7 @@ pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64
     let times = [1e-9, 0.5, 1.0 - 1e-9].map(|fraction| t + fraction * dt);
     for candidate in candidates {
         let torques = match candidate.source {
-            Source::Brake(index) => {
-                times.map(|t| plan.brakes[index].brake.torque_n_m * plan.brakes[index].brake.engagement(t).0)
-            }
+            Source::Brake(index) => times.map(|t| plan.brakes[index].kind.normal_force(t)),
             Source::Motor(index) => {
                 let torques = times.map(|t| plan.motors[index].characteristic(t).0);
                 candidate.motor = candidate.motor.map(|motor| MotorSlope { sign: torques[1].signum(), ..motor });
@@ -348,12 +346,15 @@ pub(crate) fn gap_and_slip_row_at(
     poses: &[BodyPose],
 ) -> (f64, Row) {
     match candidate.source {
-        Source::Stop(_) | Source::Brake(_) | Source::Motor(_) | Source::Servo(_) => (candidate.gap, candidate.slip_row),
+        Source::Stop(_) | Source::Brake(_) | Source::Motor(_) | Source::Servo(_) => {
+            (candidate.gap, candidate.slip_row.clone())
+        }
         Source::Contact(index) => {
             let points = closest_points(world, plan, index, poses);
-            points.map_or((candidate.gap, candidate.slip_row), |points| {
-                (points.gap, contact_row(plan, index, poses, &points, perp(points.normal)))
-            })
+            points.map_or_else(
+                || (candidate.gap, candidate.slip_row.clone()),
+                |points| (points.gap, contact_row(plan, index, poses, &points, perp(points.normal))),
+            )
         }
     }
 }
@@ -367,7 +368,7 @@ fn contact_row(plan: &Plan, index: usize, poses: &[BodyPose], points: &ClosestPo
     let contact = &plan.contacts[index];
     let [body_point, partner_point] = points.at(contact.point_convention);
     let partner = |body: usize| side(body, partner_point, [-direction[0], -direction[1]]);
-    Row { on: side(contact.body, body_point, direction), against: contact.against.body.map(partner) }
+    Row::new(side(contact.body, body_point, direction), contact.against.body.map(partner))
 }
 
 /// Returns the rounding error of a gap between two surfaces.

@@ -9,7 +9,7 @@ use rapier2d_f64::prelude::*;
 use super::coordinate::BodyPose;
 use super::plan::{ContactPointConvention, Plan, Shape, SurfaceId};
 use super::world::{World, surface_pose_in_frame};
-use crate::numeric::elementary::{cos, hypot, sin, sin_cos};
+use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, cross, dot, perp, rotate, scale, sub};
 use crate::shape::max_radius;
 

@@ -12,18 +12,28 @@ use super::dense::{refill, reset};
 use super::linkage::Linkage;
 use super::plan::Plan;
 use super::world::World;
+use crate::law::friction_coefficient;
 use crate::numeric::elementary::sin_cos;
 
 /// A contact that can become active within the step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct ActiveContact {
     pub candidate: ContactCandidate,
     /// Index of the normal row.
     pub normal: usize,
     /// Index of the tangent row, which follows the normal row.
     pub tangent: Option<usize>,
+    /// Index of the row of rolling resistance.
+    pub rolling: Option<usize>,
     /// Bristle state σ at the start of the step.
     pub bristle_state: f64,
+}
+
+impl ActiveContact {
+    /// Indices of all rows.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = usize> {
+        std::iter::once(self.normal).chain(self.tangent).chain(self.rolling)
+    }
 }
 
 /// W and the free motion of every row, frozen at the start of one step.
@@ -73,20 +83,29 @@ impl ContactSpace {
                 continue;
             }
             let normal = self.rows.len();
-            self.rows.push(candidate.normal_row);
+            self.rows.push(candidate.normal_row.clone());
             let tangent = candidate.has_tangent().then(|| {
-                self.rows.push(candidate.slip_row);
+                self.rows.push(candidate.slip_row.clone());
                 normal + 1
             });
+            let rolling = candidate.rolling.map(|_| {
+                self.rows.push(candidate.roll_row.clone());
+                self.rows.len() - 1
+            });
             let bristle_state = bristle_states.get(candidate.index).copied().unwrap_or(0.0);
-            self.active_contacts.push(ActiveContact { candidate: *candidate, normal, tangent, bristle_state });
+            self.active_contacts.push(ActiveContact {
+                candidate: candidate.clone(),
+                normal,
+                tangent,
+                rolling,
+                bristle_state,
+            });
         }
         if self.rows.is_empty() {
             return;
         }
-        let rows_with_rounding = self.active_contacts.iter().flat_map(|contact| {
-            std::iter::once(contact.normal).chain(contact.tangent).map(|_| contact.candidate.rounding / dt)
-        });
+        let rows_with_rounding =
+            self.active_contacts.iter().flat_map(|contact| contact.rows().map(|_| contact.candidate.rounding / dt));
         refill(&mut self.rate_resolution, rows_with_rounding);
         refill(&mut self.rate, self.rows.iter().map(|row| row.rate(velocities)));
         refill(&mut self.free, self.rows.iter().map(|row| row.rate(accelerations)));
@@ -120,6 +139,7 @@ impl ContactSpace {
                 (Source::Stop(index), _) => (contact.normal, &plan.stops[index].gap),
                 (Source::Servo(index), _) => (contact.normal, &plan.servos[index].coordinate),
                 (Source::Motor(index), Some(tangent)) => (tangent, &plan.motors[index].shaft),
+                (Source::Brake(index), Some(tangent)) => (tangent, &plan.brakes[index].shaft),
                 _ => continue,
             };
             self.free[row] += coordinate.second_rate(&linkage.poses, velocities);
@@ -188,7 +208,7 @@ const CLOSING_MARGIN: f64 = 1.5;
 /// Shortest interval for the evaluation of curvature, s.
 const MIN_CURVATURE_STEP_S: f64 = 1e-7;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct CorrectedRow {
     /// Index of the row in the contact space.
     pub index: usize,
@@ -429,6 +449,13 @@ impl Workspace {
                 self.cross_derivative[t] = -friction.d_normal * slope;
                 self.bristle_state[index] = friction.state;
             }
+            if let Some((r, rolling)) = contact.rolling.zip(contact.candidate.rolling.as_ref()) {
+                let (arm, arm_slope) = friction_coefficient(rolling, rate[r]);
+                self.force[r] = -arm * law.force;
+                self.force_scale[r] = rolling.mu_static * law.force.abs();
+                self.diagonal_derivative[r] = -arm_slope * law.force;
+                self.cross_derivative[r] = -arm * slope;
+            }
         }
         let mut largest: f64 = 0.0;
         for (i, w) in space.w.chunks_exact(rows).enumerate() {
@@ -460,7 +487,7 @@ impl Workspace {
             for contact in &space.active_contacts {
                 let n = contact.normal;
                 jacobian_row[n] = -h * w[n] * self.diagonal_derivative[n];
-                if let Some(t) = contact.tangent {
+                for t in contact.tangent.into_iter().chain(contact.rolling) {
                     jacobian_row[n] -= h * w[t] * self.cross_derivative[t];
                     jacobian_row[t] = -h * w[t] * self.diagonal_derivative[t];
                 }

@@ -1,8 +1,8 @@
-//! Scalar coordinates of up to two bodies, with their rows in the velocities: the angle of a joint, the position of a
-//! slider, the length of a spring.
+//! Scalar coordinates with their rows in the velocities of bodies: the angle of a joint, the position of a slider, the
+//! length of a spring or a cable, and sums of coordinates.
 
-use crate::numeric::elementary::{hypot, powi, sin_cos};
-use crate::numeric::plane::{add, cross, dot, perp, rotate, scale, sub};
+use crate::numeric::elementary::{powi, sin_cos};
+use crate::numeric::plane::{add, cross, dot, opening_angle, perp, rotate, scale, sub};
 
 /// Velocity (x, y, angle) of a body, or a force and a torque about its centre of mass.
 pub type Twist = [f64; 3];
@@ -16,12 +16,14 @@ pub struct BodyPose {
 }
 
 /// A generalised direction: the impulse on each body per unit impulse along the row.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Row {
     /// Body and its components of the row.
     pub on: (usize, Twist),
     /// Body that takes the reaction, with its components.
     pub against: Option<(usize, Twist)>,
+    /// Further bodies of a cable or a sum.
+    pub others: Vec<(usize, Twist)>,
 }
 
 /// Product of a row and a velocity.
@@ -30,20 +32,48 @@ fn power(row: &Twist, v: &Twist) -> f64 {
 }
 
 impl Row {
+    /// A row of one body or two.
+    pub(crate) fn new(on: (usize, Twist), against: Option<(usize, Twist)>) -> Self {
+        Self { on, against, others: Vec::new() }
+    }
+
+    /// A row that no motion changes.
+    pub(crate) fn none() -> Self {
+        Self::new((0, [0.0; 3]), None)
+    }
+
+    /// Adds up components of bodies.
+    fn sum(parts: impl Iterator<Item = (usize, Twist)>) -> Self {
+        let mut sides: Vec<(usize, Twist)> = Vec::new();
+        for (body, part) in parts {
+            match sides.iter_mut().find(|(other, _)| *other == body) {
+                Some((_, sum)) => (0..3).for_each(|axis| sum[axis] += part[axis]),
+                None => sides.push((body, part)),
+            }
+        }
+        let mut sides = sides.into_iter();
+        Self { on: sides.next().unwrap_or_default(), against: sides.next(), others: sides.collect() }
+    }
+
+    /// All bodies with their components.
+    pub(crate) fn sides(&self) -> impl Iterator<Item = &(usize, Twist)> {
+        std::iter::once(&self.on).chain(&self.against).chain(&self.others)
+    }
+
     /// Returns the rate along the row.
     pub fn rate(&self, velocities: &[Twist]) -> f64 {
         let along = |(body, row): &(usize, Twist)| power(row, &velocities[*body]);
-        along(&self.on) + self.against.as_ref().map_or(0.0, along)
+        let pair = along(&self.on) + self.against.as_ref().map_or(0.0, along);
+        self.others.iter().fold(pair, |sum, other| sum + along(other))
     }
 
     pub fn rate_of(&self, body: usize, velocity: &Twist) -> f64 {
-        let body_row = std::iter::once(&self.on).chain(&self.against).filter(|(on, _)| *on == body);
-        body_row.map(|(_, row)| power(row, velocity)).sum()
+        self.sides().filter(|(on, _)| *on == body).map(|(_, row)| power(row, velocity)).sum()
     }
 
     /// Adds a multiple of the row to a generalised impulse.
     pub fn add_to(&self, impulse: &mut [Twist], size: f64) {
-        for (body, row) in std::iter::once(&self.on).chain(&self.against) {
+        for (body, row) in self.sides() {
             for axis in 0..3 {
                 impulse[*body][axis] += size * row[axis];
             }
@@ -52,20 +82,39 @@ impl Row {
 }
 
 /// A measure of the poses less an offset.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Coordinate {
     pub measure: Measure,
     pub offset: f64,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Measure {
     /// Sum of the angles of up to two bodies times their ratios.
     Angle { on: (usize, f64), against: Option<(usize, f64)> },
     /// Position of the second point relative to the first, along an axis fixed in the first body.
     Slide { points: [BodyPoint; 2], axis: [f64; 2] },
-    /// Distance between two points.
-    Distance { points: [BodyPoint; 2] },
+    /// Length of a cable over circles; between two points, their distance.
+    Cable { circles: Vec<Circle> },
+    /// Sum of coordinates times factors.
+    Sum { terms: Vec<(Coordinate, f64)> },
+}
+
+/// A circle about a point of a body that a cable wraps; an eyelet has radius 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Circle {
+    pub center: BodyPoint,
+    /// Positive if the cable passes counter-clockwise, with the centre to its left.
+    pub signed_radius_m: f64,
+}
+
+/// The straight part of a cable between two circles, with the arms and velocities of their centres.
+struct Segment {
+    bodies: [Option<usize>; 2],
+    arms: [[f64; 2]; 2],
+    length: f64,
+    /// Unit vector along the cable.
+    along: [f64; 2],
 }
 
 /// A point relative to the centre of mass of its body, in the frame of the body; a point of the world for the ground.
@@ -102,22 +151,30 @@ impl Coordinate {
         Self { offset: self.offset + offset, ..self }
     }
 
-    /// Returns the coordinate times −1; not for distances.
+    /// Returns the sum of coordinates times factors.
+    pub(crate) fn sum(terms: Vec<(Self, f64)>) -> Self {
+        Self { measure: Measure::Sum { terms }, offset: 0.0 }
+    }
+
+    /// Returns the coordinate times −1; not for lengths.
     pub(crate) fn negated(self) -> Self {
         let negate = |(body, ratio): (usize, f64)| (body, -ratio);
         let measure = match self.measure {
             Measure::Angle { on, against } => Measure::Angle { on: negate(on), against: against.map(negate) },
             Measure::Slide { points, axis } => Measure::Slide { points, axis: scale(axis, -1.0) },
-            distance @ Measure::Distance { .. } => distance,
+            Measure::Sum { terms } => {
+                Measure::Sum { terms: terms.into_iter().map(|(term, factor)| (term, -factor)).collect() }
+            }
+            cable @ Measure::Cable { .. } => cable,
         };
         Self { measure, offset: -self.offset }
     }
 
     pub fn value(&self, poses: &[BodyPose]) -> f64 {
-        self.value_at(|body| poses[body])
+        self.value_at(&|body| poses[body])
     }
 
-    fn value_at(&self, pose: impl Fn(usize) -> BodyPose) -> f64 {
+    fn value_at(&self, pose: &dyn Fn(usize) -> BodyPose) -> f64 {
         let value = match &self.measure {
             Measure::Angle { on, against } => {
                 let angle = |(body, ratio): &(usize, f64)| ratio * pose(*body).angle;
@@ -127,10 +184,12 @@ impl Coordinate {
                 let at = Points::new(points, pose);
                 dot(rotate(*axis, at.base.direction), at.between)
             }
-            Measure::Distance { points } => {
-                let [x, y] = Points::new(points, pose).between;
-                hypot(x, y)
+            Measure::Cable { circles } => {
+                let straight: f64 = segments(circles, pose).map(|segment| segment.length).sum();
+                straight
+                    + wraps(circles, pose).map(|(index, wrap)| circles[index].signed_radius_m.abs() * wrap).sum::<f64>()
             }
+            Measure::Sum { terms } => terms.iter().map(|(term, factor)| factor * term.value_at(pose)).sum(),
         };
         value - self.offset
     }
@@ -146,7 +205,7 @@ impl Coordinate {
             let (sin, cos) = sin_cos(angle);
             BodyPose { com: [x, y], direction: [cos, sin], angle }
         };
-        self.value(after) - self.value_at(pose_before)
+        self.value(after) - self.value_at(&pose_before)
     }
 
     /// Returns the row that gives the rate of the coordinate from the velocities of the bodies.
@@ -154,17 +213,37 @@ impl Coordinate {
         match &self.measure {
             Measure::Angle { on, against } => {
                 let side = |(body, ratio): &(usize, f64)| (*body, [0.0, 0.0, *ratio]);
-                Row { on: side(on), against: against.as_ref().map(side) }
+                Row::new(side(on), against.as_ref().map(side))
             }
             Measure::Slide { points, axis } => {
                 let at = Points::new(points, |body| poses[body]);
                 point_row(points, rotate(*axis, at.base.direction), [at.base_arm, at.arms[1]])
             }
-            Measure::Distance { points } => {
-                let at = Points::new(points, |body| poses[body]);
-                let [x, y] = at.between;
-                point_row(points, scale(at.between, 1.0 / hypot(x, y)), at.arms)
+            Measure::Cable { circles } => Row::sum(segments(circles, &|body| poses[body]).flat_map(|segment| {
+                let side = |k: usize, sign: f64| {
+                    let [x, y] = scale(segment.along, sign);
+                    Some((segment.bodies[k]?, [x, y, cross(segment.arms[k], [x, y])]))
+                };
+                [side(0, -1.0), side(1, 1.0)].into_iter().flatten()
+            })),
+            Measure::Sum { terms } => Row::sum(terms.iter().flat_map(|(term, factor)| {
+                let row = term.row(poses);
+                let sides: Vec<_> = row.sides().map(|(body, row)| (*body, row.map(|part| factor * part))).collect();
+                sides
+            })),
+        }
+    }
+
+    /// Returns the circle of a cable within the coordinate that the cable has lifted off.
+    pub(crate) fn lifted(&self, poses: &[BodyPose]) -> Option<usize> {
+        match &self.measure {
+            // NaN is a cable that cannot pass its circles.
+            Measure::Cable { circles } => {
+                let pose = |body: usize| poses[body];
+                wraps(circles, &pose).find(|(_, wrap)| wrap.is_nan() || *wrap < 0.0).map(|(index, _)| index)
             }
+            Measure::Sum { terms } => terms.iter().find_map(|(term, _)| term.lifted(poses)),
+            _ => None,
         }
     }
 
@@ -176,22 +255,21 @@ impl Coordinate {
 
     /// Returns the second time derivative of the coordinate at these velocities without accelerations.
     pub fn second_rate(&self, poses: &[BodyPose], velocities: &[Twist]) -> f64 {
-        let (Measure::Slide { points, .. } | Measure::Distance { points }) = &self.measure else { return 0.0 };
-        let at = Points::new(points, |body| poses[body]);
-        let [first, second] = [0, 1].map(|k: usize| points[k].body.map_or([0.0; 3], |body| velocities[body]));
-        let velocity = |[x, y, rate]: Twist, arm: [f64; 2]| add([x, y], scale(perp(arm), rate));
-        let rate = sub(velocity(second, at.arms[1]), velocity(first, at.arms[0]));
-        let centripetal = sub(scale(at.arms[0], powi(first[2], 2)), scale(at.arms[1], powi(second[2], 2)));
         match &self.measure {
-            Measure::Slide { axis, .. } => {
+            Measure::Angle { .. } => 0.0,
+            Measure::Slide { points, axis } => {
+                let at = Points::new(points, |body| poses[body]);
+                let turning = points[0].body.map_or(0.0, |body| velocities[body][2]);
+                let [rate, centripetal] = relative_motion(points.map(|point| point.body), at.arms, velocities);
                 let axis = rotate(*axis, at.base.direction);
-                dot(axis, centripetal) + 2.0 * first[2] * dot(perp(axis), rate)
-                    - powi(first[2], 2) * dot(axis, at.between)
+                dot(axis, centripetal) + 2.0 * turning * dot(perp(axis), rate)
+                    - powi(turning, 2) * dot(axis, at.between)
             }
-            _ => {
-                let length = hypot(at.between[0], at.between[1]);
-                let axis = scale(at.between, 1.0 / length);
-                dot(axis, centripetal) + powi(cross(axis, rate), 2) / length
+            Measure::Cable { circles } => {
+                segments(circles, &|body| poses[body]).map(|segment| segment.second_rate(velocities)).sum()
+            }
+            Measure::Sum { terms } => {
+                terms.iter().map(|(term, factor)| factor * term.second_rate(poses, velocities)).sum()
             }
         }
     }
@@ -211,5 +289,47 @@ fn point_row(points: &[BodyPoint; 2], axis: [f64; 2], arms: [[f64; 2]; 2]) -> Ro
     let side = |k: usize, axis: [f64; 2]| points[k].body.map(|body| (body, [axis[0], axis[1], cross(arms[k], axis)]));
     let [first, second] = [side(0, scale(axis, -1.0)), side(1, axis)];
     let on = second.or(first).unwrap_or((0, [0.0; 3]));
-    Row { on, against: second.and(first) }
+    Row::new(on, second.and(first))
+}
+
+/// Velocity and centripetal acceleration of the second of two points of bodies relative to the first.
+fn relative_motion(bodies: [Option<usize>; 2], arms: [[f64; 2]; 2], velocities: &[Twist]) -> [[f64; 2]; 2] {
+    let [first, second] = bodies.map(|body| body.map_or([0.0; 3], |body| velocities[body]));
+    let velocity = |[x, y, rate]: Twist, arm: [f64; 2]| add([x, y], scale(perp(arm), rate));
+    let rate = sub(velocity(second, arms[1]), velocity(first, arms[0]));
+    [rate, sub(scale(arms[0], powi(first[2], 2)), scale(arms[1], powi(second[2], 2)))]
+}
+
+impl Segment {
+    /// Second time derivative of the length of the cable by this part, without accelerations. The part turns at the rate
+    /// of its ends across it; the arcs that it leaves or joins cancel.
+    fn second_rate(&self, velocities: &[Twist]) -> f64 {
+        let [rate, centripetal] = relative_motion(self.bodies, self.arms, velocities);
+        dot(self.along, centripetal) + powi(cross(self.along, rate), 2) / self.length
+    }
+}
+
+/// The straight parts of a cable. Between circles with signed radii r and s, the part is at the distance s − r from the
+/// line of the centres.
+fn segments(circles: &[Circle], pose: &dyn Fn(usize) -> BodyPose) -> impl Iterator<Item = Segment> {
+    circles.windows(2).map(move |pair| {
+        let Points { arms, between, .. } = Points::new(&[pair[0].center, pair[1].center], pose);
+        let offset = pair[1].signed_radius_m - pair[0].signed_radius_m;
+        let squared = dot(between, between);
+        let length = (squared - offset * offset).sqrt();
+        let along = scale(sub(scale(between, length), scale(perp(between), offset)), 1.0 / squared);
+        Segment { bodies: [pair[0].center.body, pair[1].center.body], arms, length, along }
+    })
+}
+
+/// The angles by which a cable wraps its circles, with their indices; negative where it has lifted off.
+fn wraps(circles: &[Circle], pose: &dyn Fn(usize) -> BodyPose) -> impl Iterator<Item = (usize, f64)> {
+    let directions: Vec<[f64; 2]> = segments(circles, pose).map(|segment| segment.along).collect();
+    let wrap = move |index: usize| {
+        let [before, after] = [directions[index - 1], directions[index]];
+        let is_left = circles[index].signed_radius_m > 0.0;
+        if is_left { opening_angle(before, after) } else { opening_angle(after, before) }
+    };
+    let pulleys = (1..circles.len().saturating_sub(1)).filter(|index| circles[*index].signed_radius_m != 0.0);
+    pulleys.map(move |index| (index, wrap(index)))
 }

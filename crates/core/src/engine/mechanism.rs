@@ -1,16 +1,16 @@
 //! The plan of a mechanism.
 
-use super::coordinate::{BodyPose, Coordinate, Measure, Twist};
+use super::coordinate::{BodyPose, Circle, Coordinate, Measure, Twist};
 use super::plan::{
-    Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact, PlannedDrive,
-    PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop, PlannedSurface,
-    ServoLaw, Shape, SurfaceId,
+    BrakeKind, Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact,
+    PlannedDrive, PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop,
+    PlannedSurface, PlannedTendon, ServoLaw, Shape, SurfaceId,
 };
 use crate::drive::Profile;
 use crate::gripper::{self, Body};
 use crate::mechanism::{
     Actuator, Command, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlinePoint, OutlineShape,
-    PointContact, SpringKind, Start, assemble,
+    PathElement, PointContact, SpringKind, Start, Tendon, assemble,
 };
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, perp, scale, sub};
@@ -103,10 +103,11 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         add_contact(&mut plan, mechanism, contact, channel);
     }
     for limit in mechanism.limits() {
-        let beyond = coordinates[limit.joint].less(limit.value);
+        let beyond = coordinates[limit.joint].clone().less(limit.value);
         plan.stops.push(PlannedStop { gap: if limit.side > 0.0 { beyond.negated() } else { beyond }, law: limit.law });
         plan.stop_channels.push(points.len() + plan.stop_channels.len());
     }
+    mechanism.tendons.iter().for_each(|tendon| add_tendon(&mut plan, tendon, &coordinates));
     Ok(plan)
 }
 
@@ -129,7 +130,7 @@ fn gyration_m(mechanism: &Mechanism, index: usize, body: &Body) -> f64 {
         }),
         None => mechanism.bodies[index].outlines.iter().any(|outline| match outline.shape {
             OutlineShape::Disc { center_m, .. } => center_m != body.com_m,
-            OutlineShape::Capsule { .. } | OutlineShape::HalfPlane { .. } => true,
+            _ => true,
         }),
     };
     if counts { gyration_m } else { 0.0 }
@@ -138,7 +139,7 @@ fn gyration_m(mechanism: &Mechanism, index: usize, body: &Body) -> f64 {
 /// Returns a combination of joint coordinates: that of one joint, or an angle of up to two bodies.
 fn combined(on: &JointCombination, coordinates: &[Coordinate], name: &str) -> Result<Coordinate, String> {
     if let [(joint, 1.0)] = on.terms[..] {
-        return Ok(coordinates[joint].less(on.offset));
+        return Ok(coordinates[joint].clone().less(on.offset));
     }
     let unsupported = || {
         format!(
@@ -148,11 +149,11 @@ fn combined(on: &JointCombination, coordinates: &[Coordinate], name: &str) -> Re
     };
     let (mut ratios, mut offset): (Vec<(usize, f64)>, f64) = (Vec::new(), on.offset);
     for (joint, factor) in &on.terms {
-        let Coordinate { measure: Measure::Angle { on, against }, offset: of_joint } = coordinates[*joint] else {
+        let Coordinate { measure: Measure::Angle { on, against }, offset: of_joint } = &coordinates[*joint] else {
             return Err(unsupported());
         };
         offset += factor * of_joint;
-        for (body, ratio) in std::iter::once(on).chain(against) {
+        for &(body, ratio) in std::iter::once(on).chain(against) {
             match ratios.iter_mut().find(|(other, _)| *other == body) {
                 Some((_, sum)) => *sum += factor * ratio,
                 None => ratios.push((body, factor * ratio)),
@@ -172,7 +173,7 @@ fn combined(on: &JointCombination, coordinates: &[Coordinate], name: &str) -> Re
 /// coordinate, and with a moving palm.
 fn add_couplings(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordinate]) {
     for coupling in &mechanism.couplings {
-        let terms = coupling.on.terms.iter().map(|(joint, factor)| (coordinates[*joint], [*factor, 0.0]));
+        let terms = coupling.on.terms.iter().map(|(joint, factor)| (coordinates[*joint].clone(), [*factor, 0.0]));
         plan.gears.push(PlannedGear { terms: terms.collect() });
     }
     let poses: Vec<BodyPose> = plan.bodies.iter().map(PlannedBody::pose).collect();
@@ -190,7 +191,7 @@ fn add_couplings(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordina
         let rate_rad_s = terms.iter().map(rate).sum();
         plan.bodies.push(PlannedBody { rate_rad_s, ..PlannedBody::at_origin(inertia) });
         let with_palm = palm.map(|palm| (Coordinate::angle_of(palm), [-1.0, 0.0]));
-        let joints = terms.iter().map(|(joint, factor)| (coordinates[*joint], [-factor, 0.0]));
+        let joints = terms.iter().map(|(joint, factor)| (coordinates[*joint].clone(), [-factor, 0.0]));
         let terms = [(Coordinate::angle_of(wheel), [1.0, 0.0])].into_iter().chain(joints).chain(with_palm);
         plan.gears.push(PlannedGear { terms: terms.collect() });
         plan.rotors.push(PlannedRotor { body: wheel, inertia_kg_m2: inertia });
@@ -219,7 +220,12 @@ fn own_rotor(joint: &Joint, palm: Option<usize>) -> Option<usize> {
 
 fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordinate]) -> Result<(), String> {
     for (joint, coordinate) in mechanism.joints.iter().zip(coordinates) {
-        add_damper(plan, *coordinate, joint.damping);
+        add_damper(plan, coordinate.clone(), joint.damping);
+        plan.brakes.extend(joint.friction.map(|law| PlannedBrake {
+            shaft: coordinate.clone(),
+            kind: BrakeKind::Friction(law),
+            actuator: None,
+        }));
     }
     for spring in &mechanism.springs {
         let extension = match &spring.kind {
@@ -227,18 +233,19 @@ fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: 
                 let coordinate = combined(on, coordinates, &spring.name)?;
                 if *preload != 0.0 {
                     let kind = gripper::SpringKind::Constant { torque_n_m: -preload };
-                    plan.springs.push(PlannedSpring { extension: coordinate, kind });
+                    plan.springs.push(PlannedSpring { extension: coordinate.clone(), kind });
                 }
                 coordinate.less(spring.rest)
             }
             SpringKind::Linear { bodies, points_m } => {
-                let points = [0, 1].map(|k: usize| plan.body_point(bodies[k], points_m[k]));
-                Coordinate { measure: Measure::Distance { points }, offset: spring.rest }
+                let circle =
+                    |k: usize| Circle { center: plan.body_point(bodies[k], points_m[k]), signed_radius_m: 0.0 };
+                Coordinate { measure: Measure::Cable { circles: vec![circle(0), circle(1)] }, offset: spring.rest }
             }
         };
         if spring.stiffness != 0.0 {
             let kind = gripper::SpringKind::Torsional { stiffness_n_m_per_rad: spring.stiffness, preload_rad: 0.0 };
-            plan.springs.push(PlannedSpring { extension, kind });
+            plan.springs.push(PlannedSpring { extension: extension.clone(), kind });
         }
         add_damper(plan, extension, spring.damping);
     }
@@ -256,7 +263,11 @@ fn add_damper(plan: &mut Plan, coordinate: Coordinate, damping: f64) {
 fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
     let limit = actuator.limit.unwrap_or(f64::INFINITY);
     let actuator_index = plan.actuators.len();
-    let brake = |brake| PlannedBrake { shaft: coordinate, brake, actuator: actuator_index };
+    let brake = |brake| PlannedBrake {
+        shaft: coordinate.clone(),
+        kind: BrakeKind::Brake(brake),
+        actuator: Some(actuator_index),
+    };
     plan.brakes.extend(actuator.brake.map(brake));
     match &actuator.command {
         Command::Effort(profile) => {
@@ -275,6 +286,33 @@ fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
             plan.servos.push(PlannedServo { coordinate, target: target.clone(), law, is_motor: true });
         }
     }
+}
+
+/// Adds a tendon: its spring is a stop on its elongation, and its actuator a motor that shortens it.
+fn add_tendon(plan: &mut Plan, tendon: &Tendon, coordinates: &[Coordinate]) {
+    let circle = |element: &PathElement| Circle {
+        center: plan.body_point(element.body, element.point_m),
+        signed_radius_m: element.side * element.radius_m,
+    };
+    let cable = Measure::Cable { circles: tendon.path.iter().map(circle).collect() };
+    let mut terms = vec![(Coordinate { measure: cable, offset: 0.0 }, 1.0)];
+    terms.extend(tendon.joints.iter().map(|(joint, factor)| (coordinates[*joint].clone(), *factor)));
+    let length = Coordinate::sum(terms);
+    let stop = tendon.law().map(|law| {
+        plan.stops.push(PlannedStop { gap: length.clone().less(tendon.rest_m).negated(), law });
+        plan.stops.len() - 1
+    });
+    let motor = tendon.actuator.as_ref().map(|actuator| {
+        plan.actuators.push(PlannedActuator::Motor(plan.motors.len()));
+        plan.motors.push(PlannedMotor {
+            shaft: length.clone().negated(),
+            actuation: actuator.tension.positive_part(),
+            limit: f64::INFINITY,
+            no_load_speed_rad_s: None,
+        });
+        plan.motors.len() - 1
+    });
+    plan.tendons.push(PlannedTendon { length, stop, motor });
 }
 
 /// Adds a contact of a point, as a disc, or of an ellipse with a face. The body of the contact is the first of both in the
@@ -312,7 +350,8 @@ fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, c
         ForcePoint::Each => ContactPointConvention::EachSurface,
     };
     if let SurfaceId { body: Some(body), index: surface } = own {
-        plan.contacts.push(PlannedContact { body, surface, against, point_convention, law: pair.law });
+        let (law, rolling) = (pair.law, pair.rolling);
+        plan.contacts.push(PlannedContact { body, surface, against, point_convention, law, rolling });
         plan.contact_channels.push(channel);
     }
 }

@@ -26,9 +26,9 @@ pub use linkage::{Inertia, Linkage, SingularConstraints};
 pub use mechanism::{build_mechanism_plan, build_plan};
 pub use motion::{JointReactions, Motion, RapierContact, StepError};
 pub use plan::{
-    Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact, PlannedDrive,
-    PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop, PlannedSurface,
-    ServoLaw, Shape, SurfaceId,
+    BrakeKind, Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact,
+    PlannedDrive, PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop,
+    PlannedSurface, PlannedTendon, ServoLaw, Shape, SurfaceId,
 };
 pub use stepper::next_step;
 pub use substeps::{Change, ChangeKind, ContactExtremum, ContactSolveError, ContactSolver, Tolerance};

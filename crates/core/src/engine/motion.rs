@@ -18,6 +18,7 @@ use super::plan::{Plan, PlannedDrive};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::world::{LawContactHook, World};
 use crate::integrator::Clock;
+use crate::law::friction_coefficient;
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{cos, exp, hypot, sin};
 use crate::numeric::plane::add;
@@ -96,7 +97,7 @@ pub struct Motion<'a> {
     pub last_dt_s: f64,
     /// Work of motors, their servos, and drives.
     pub motor_work_j: f64,
-    /// Work of contacts, brakes and dampers.
+    /// Work of contacts, cables, brakes and dampers.
     pub contact_work_j: f64,
     /// Smooth forces at the node.
     forces: Vec<Twist>,
@@ -234,7 +235,7 @@ impl<'a> Motion<'a> {
         );
         self.contact_work_j += work;
         self.motor_work_j -= on_driven;
-        let normals = self.candidates.iter().map(|candidate| (candidate.normal, candidate.normal_row));
+        let normals = self.candidates.iter().map(|candidate| (candidate.normal, candidate.normal_row.clone()));
         refill(&mut self.previous_normals, normals);
         candidates::collect(&self.world, self.plan, &self.linkage, &mut self.candidates);
         candidates::set_normal_rotation_rates(&mut self.candidates, &self.plan.bodies, &self.previous_normals, dt);
@@ -293,9 +294,23 @@ impl<'a> Motion<'a> {
             .map_or((0.0, 0.0), |contact| (contact.normal / self.last_dt_s, contact.tangential / self.last_dt_s))
     }
 
+    /// Returns the force of a stop or contact under a law at the node; before the first step, that of its law.
+    pub(crate) fn normal_force(&self, candidate: &ContactCandidate) -> f64 {
+        match self.last_dt_s > 0.0 {
+            true => self.forces(candidate.index).0,
+            false => candidate.normal_force(candidate.gap, candidate.normal_row.rate(&self.velocities)).force,
+        }
+    }
+
     /// Returns the impulses of rapier's own contact in the last step.
     pub(crate) fn rapier_contact(&self, index: usize) -> Option<&RapierContact> {
         self.rapier_contacts.iter().find(|contact| contact.index == index)
+    }
+
+    /// Returns a tendon with its circle that the cable has lifted off, if there is one.
+    pub fn lifted_cable(&self) -> Option<(usize, usize)> {
+        let tendons = self.plan.tendons.iter().enumerate();
+        tendons.filter_map(|(index, tendon)| Some((index, tendon.length.lifted(&self.linkage.poses)?))).next()
     }
 
     pub fn candidate(&self, index: usize) -> Option<&ContactCandidate> {
@@ -332,6 +347,9 @@ impl<'a> Motion<'a> {
             candidate.normal_row.add_to(&mut self.impulse, self.contact.late_impulse[active.normal]);
             if let Some(tangent) = active.tangent {
                 candidate.slip_row.add_to(&mut self.impulse, self.contact.late_impulse[tangent]);
+            }
+            if let Some(rolling) = active.rolling {
+                candidate.roll_row.add_to(&mut self.impulse, self.contact.late_impulse[rolling]);
             }
         }
         for ((v, impulse), inertia) in self.velocities.iter_mut().zip(&self.impulse).zip(&self.linkage.inertias) {
@@ -370,7 +388,7 @@ impl<'a> Motion<'a> {
             let at_end = candidates::find(candidates, active.candidate.index);
             if let (Source::Brake(_) | Source::Motor(_), Some(tangent)) = (active.candidate.source, active.tangent) {
                 let creep = dt * friction(&active.candidate, tangent).d_slip;
-                let slip_row = at_end.unwrap_or(&active.candidate).slip_row;
+                let slip_row = at_end.unwrap_or(&active.candidate).slip_row.clone();
                 rate_correction.rows.push(tangent_row(tangent, slip_row, 0.0, creep));
                 continue;
             }
@@ -379,7 +397,7 @@ impl<'a> Motion<'a> {
                 let [target_rate, target_acceleration] = active.candidate.prescribed_gap_motion;
                 rate_correction.rows.push(CorrectedRow {
                     index: normal,
-                    row: at_end.normal_row,
+                    row: at_end.normal_row.clone(),
                     target: contact.rate[normal] + target_rate + dt * target_acceleration,
                     removable: f64::INFINITY,
                     stiffness: dt * (law.d_rate + dt * law.d_delta),
@@ -392,10 +410,14 @@ impl<'a> Motion<'a> {
                 continue;
             }
             let Some(candidate) = at_end else { continue };
+            if let Some((rolling, law)) = active.rolling.zip(candidate.rolling.as_ref()) {
+                let creep = dt * friction_coefficient(law, contact.rate[rolling]).1 * force;
+                rate_correction.rows.push(tangent_row(rolling, candidate.roll_row.clone(), 0.0, creep.max(0.0)));
+            }
             let law = candidate.normal_force(contact.gap[index], contact.rate[normal]);
             rate_correction.rows.push(CorrectedRow {
                 index: normal,
-                row: candidate.normal_row,
+                row: candidate.normal_row.clone(),
                 target: contact.rate[normal],
                 removable: contact.late_impulse[normal],
                 stiffness: dt * (law.d_rate + dt * law.d_delta),
@@ -404,12 +426,12 @@ impl<'a> Motion<'a> {
             let Some(tangent) = active.tangent else { continue };
             let after = friction(candidate, tangent);
             let creep = (dt * after.d_slip).max(0.0);
-            rate_correction.rows.push(tangent_row(tangent, candidate.slip_row, after.d_normal, creep));
+            rate_correction.rows.push(tangent_row(tangent, candidate.slip_row.clone(), after.d_normal, creep));
         }
         rate_correction.solve(&mut self.linkage, &mut self.velocities);
         let is_motor_row = |row: usize| {
             let contacts = &space.active_contacts;
-            let is_row = |contact: &ActiveContact| contact.normal == row || contact.tangent == Some(row);
+            let is_row = |contact: &ActiveContact| contact.rows().any(|other| other == row);
             contacts.iter().any(|contact| contact.candidate.is_motor && is_row(contact))
         };
         let (mut contact_work, mut motor_work) = (0.0, 0.0);
@@ -453,6 +475,13 @@ impl<'a> Motion<'a> {
         let mut loads = std::mem::take(&mut self.impulse);
         for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.source, Source::Brake(_))) {
             candidate.slip_row.add_to(&mut loads, self.forces(candidate.index).1);
+        }
+        for candidate in self.plan.tendons.iter().filter_map(|tendon| self.candidate(tendon.stop?)) {
+            candidate.normal_row.add_to(&mut loads, self.normal_force(candidate));
+        }
+        for (active, rolling) in self.space.active_contacts.iter().filter_map(|active| Some((active, active.rolling?)))
+        {
+            active.candidate.roll_row.add_to(&mut loads, self.contact.force.get(rolling).copied().unwrap_or(0.0));
         }
         self.impulse = loads;
         let Self { plan, linkage, impulse, velocities, driven, candidates, space, .. } = self;

@@ -4,7 +4,7 @@
 
 use super::coordinate::{BodyPoint, BodyPose, Coordinate, Measure, Twist};
 use crate::gripper::Body;
-use crate::law::{ContactLaw, NormalForce, NormalLaw};
+use crate::law::{ContactLaw, FrictionLaw, NormalForce, NormalLaw};
 use crate::mechanism::{JointKind, PrescribedMotion};
 use crate::numeric::elementary::{cos, sin, sin_cos};
 use crate::numeric::plane::{add, rotate, sub};
@@ -126,6 +126,14 @@ pub enum PlannedActuator {
     Servo(usize),
 }
 
+/// A tendon: its length, the stop that is its spring and damper, and the motor that pulls it.
+#[derive(Clone, Debug)]
+pub struct PlannedTendon {
+    pub length: Coordinate,
+    pub stop: Option<usize>,
+    pub motor: Option<usize>,
+}
+
 /// u = kp δ + kd δ̇ with the error δ of the coordinate, |u| ≤ limit; the force is u − |u| q̇/ω₀ at the rate q̇.
 #[derive(Clone, Copy, Debug)]
 pub struct ServoLaw {
@@ -177,13 +185,54 @@ pub struct PlannedDrive {
     pub motion: PrescribedMotion,
 }
 
-/// A brake on a shaft.
-#[derive(Clone, Copy, Debug)]
+/// A brake on a shaft, or the friction of a joint.
+#[derive(Clone, Debug)]
 pub struct PlannedBrake {
     pub shaft: Coordinate,
-    pub brake: Brake,
+    pub kind: BrakeKind,
     /// Index of its actuator in the mechanism.
-    pub actuator: usize,
+    pub actuator: Option<usize>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum BrakeKind {
+    Brake(Brake),
+    /// A law under a normal force of 1.
+    Friction(FrictionLaw),
+}
+
+impl BrakeKind {
+    /// Friction law under the force of [`BrakeKind::normal_force`].
+    pub(crate) fn law(&self) -> FrictionLaw {
+        match *self {
+            BrakeKind::Brake(Brake { v_static_rad_s, bristle, .. }) => FrictionLaw {
+                mu_static: 1.0,
+                mu_dynamic: 1.0,
+                v_static_m_s: v_static_rad_s,
+                v_dynamic_m_s: 2.0 * v_static_rad_s,
+                bristle,
+            },
+            BrakeKind::Friction(law) => law,
+        }
+    }
+
+    pub(crate) fn is_one_way(&self) -> bool {
+        matches!(self, BrakeKind::Brake(brake) if brake.one_way)
+    }
+
+    pub(crate) fn normal_force(&self, t: f64) -> f64 {
+        match self {
+            BrakeKind::Brake(brake) => brake.torque_n_m * brake.engagement(t).0,
+            BrakeKind::Friction(_) => 1.0,
+        }
+    }
+
+    fn next_discontinuity(&self, t: f64) -> f64 {
+        match self {
+            BrakeKind::Brake(brake) => brake.next_discontinuity(t),
+            BrakeKind::Friction(_) => f64::INFINITY,
+        }
+    }
 }
 
 /// Inertia of a rotor on a body, driven by the rate of the body relative to the palm, not by the palm's own rotation.
@@ -194,14 +243,14 @@ pub struct PlannedRotor {
 }
 
 /// A spring: a torque or force against its extension.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PlannedSpring {
     pub extension: Coordinate,
     pub kind: SpringKind,
 }
 
 /// A one-sided stop: keeps its gap, an angle or a length, above zero.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PlannedStop {
     pub gap: Coordinate,
     pub law: NormalLaw,
@@ -223,6 +272,8 @@ pub struct PlannedContact {
     pub against: SurfaceId,
     pub point_convention: ContactPointConvention,
     pub law: ContactLaw,
+    /// Rolling resistance, of mechanisms only.
+    pub rolling: Option<FrictionLaw>,
 }
 
 /// Choice of the material points of two surfaces at which contact forces act.
@@ -257,7 +308,9 @@ pub struct Plan {
     pub springs: Vec<PlannedSpring>,
     pub stops: Vec<PlannedStop>,
     pub contacts: Vec<PlannedContact>,
-    /// Contact channel in samples of each stop.
+    /// Tendons of a mechanism, in its order.
+    pub tendons: Vec<PlannedTendon>,
+    /// Contact channel in samples of each stop; the springs of tendons follow, which have none.
     pub stop_channels: Vec<usize>,
     /// Contact channel in samples of each contact.
     pub contact_channels: Vec<usize>,
@@ -277,10 +330,10 @@ impl Plan {
     }
 
     /// Returns the coordinate along which an actuator acts.
-    pub fn shaft(&self, actuator: PlannedActuator) -> Coordinate {
+    pub fn shaft(&self, actuator: PlannedActuator) -> &Coordinate {
         match actuator {
-            PlannedActuator::Motor(index) => self.motors[index].shaft,
-            PlannedActuator::Servo(index) => self.servos[index].coordinate,
+            PlannedActuator::Motor(index) => &self.motors[index].shaft,
+            PlannedActuator::Servo(index) => &self.servos[index].coordinate,
         }
     }
 
@@ -288,7 +341,7 @@ impl Plan {
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         let motors = self.motors.iter().map(|motor| motor.actuation.next_discontinuity(t));
         let servos = self.servos.iter().map(|servo| servo.target.next_discontinuity(t));
-        let brakes = self.brakes.iter().map(|brake| brake.brake.next_discontinuity(t));
+        let brakes = self.brakes.iter().map(|brake| brake.kind.next_discontinuity(t));
         let palm = self.palm().map(|(_, motion)| motion.next_discontinuity(t));
         motors.chain(servos).chain(brakes).chain(palm).fold(f64::INFINITY, f64::min)
     }
@@ -303,12 +356,17 @@ impl Plan {
 
     /// Returns the contact channel of a stop or contact by its element index; `None` for other elements.
     pub fn contact_channel(&self, index: usize) -> Option<usize> {
-        self.stop_channels.iter().chain(&self.contact_channels).nth(index).copied()
+        match index.checked_sub(self.stops.len()) {
+            Some(contact) => self.contact_channels.get(contact).copied(),
+            None => self.stop_channels.get(index).copied(),
+        }
     }
 
     /// Returns the element index of a contact channel; `None` if the contact does not exist.
     pub(crate) fn element_index(&self, channel: usize) -> Option<usize> {
-        self.stop_channels.iter().chain(&self.contact_channels).position(|other| *other == channel)
+        let position = |channels: &[usize]| channels.iter().position(|other| *other == channel);
+        position(&self.stop_channels)
+            .or_else(|| position(&self.contact_channels).map(|contact| self.stops.len() + contact))
     }
 
     /// Element index of the first brake.

@@ -443,7 +443,7 @@ impl ContactSolver {
                 // The normal row of a brake or a motor does no work.
                 Source::Brake(_) | Source::Motor(_) => {}
             }
-            contact.tangent.into_iter().for_each(|row| *total_work += work(row));
+            contact.tangent.into_iter().chain(contact.rolling).for_each(|row| *total_work += work(row));
         }
         for (index, contact) in space.active_contacts.iter().enumerate() {
             let n = contact.normal;
@@ -549,7 +549,16 @@ fn relative_error(space: &ContactSpace, [from, rate, force]: [&[f64]; 3], error:
         let slip_allowed = slip.map_or(allowed, |law| allowed.min(tolerance.slip * law.min_slip_scale_m_s()));
         (error[n].abs() / allowed).max(error[t].abs() / slip_allowed)
     };
-    space.active_contacts.iter().map(contact_error).fold(0.0, f64::max)
+    let rolling_error = |contact: &ActiveContact| {
+        let row = contact.rolling.zip(contact.candidate.rolling.as_ref());
+        row.map_or(0.0, |(row, law)| {
+            let allowed = tolerance.absolute + tolerance.relative * rate[row].abs();
+            let is_sliding = from[row].abs().min(rate[row].abs()) > law.v_dynamic_m_s;
+            let narrow = if is_sliding { f64::INFINITY } else { tolerance.slip * law.min_slip_scale_m_s() };
+            error[row].abs() / allowed.min(narrow)
+        })
+    };
+    space.active_contacts.iter().map(|contact| contact_error(contact).max(rolling_error(contact))).fold(0.0, f64::max)
 }
 
 /// Returns the smallest positive time at which gap + rate t + ½ acceleration t² is zero; infinite if there is none.

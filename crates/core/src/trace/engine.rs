@@ -108,8 +108,9 @@ fn step_through(
         substeps += u64::from(motion.contact.substeps);
         recorder.joint_forces.update(motion);
         recorder.step(motion)?;
-        if let Some(reason) = &recorder.failure {
-            return Ok(Some(Reason::Obstacle(reason.to_string())));
+        let lifted = || recorder.describe_lifted(motion);
+        if let Some(reason) = recorder.failure.clone().or_else(lifted) {
+            return Ok(Some(Reason::Obstacle(reason)));
         }
         if !recorder.should_continue() {
             return Ok(Some(Reason::Stopped));

@@ -2,9 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use super::schema::JointState;
+use super::schema::{JointState, TendonState};
 use super::{BodyState, ContactSample, Energy, Sample};
-use crate::engine::{ContactCandidate, JointReactions, Motion, PalmFrame, Twist, kinetic_energy, potential_energies};
+use crate::engine::{
+    ContactCandidate, JointReactions, Motion, PalmFrame, PlannedActuator, Twist, kinetic_energy, potential_energies,
+};
 use crate::law::{elastic_energy, normal_force};
 use crate::numeric::plane::{perp, rotate, scale, sub};
 use crate::scene::{ContactId, Disc, Scene, Side};
@@ -60,7 +62,7 @@ pub(super) fn read_state(scene: &Scene, motion: &Motion, sample: &mut Sample) {
         set_orientation_of_l22(sample, finger);
     }
     let effort = |index: usize| {
-        let brakes = plan.brakes.iter().enumerate().filter(|(_, brake)| brake.actuator == index);
+        let brakes = plan.brakes.iter().enumerate().filter(|(_, brake)| brake.actuator == Some(index));
         let brake_torque: f64 = brakes.map(|(brake, _)| motion.brake_torque(brake)).sum();
         plan.effort(plan.actuators[index], motion.clock.now(), state) + brake_torque
     };
@@ -77,6 +79,13 @@ pub(super) fn read_state(scene: &Scene, motion: &Motion, sample: &mut Sample) {
                 _ => (0..plan.actuators.len()).map(on_link).sum(),
             },
         );
+    }
+    for (index, tendon) in plan.tendons.iter().enumerate() {
+        let spring = tendon.stop.and_then(|stop| motion.candidate(stop)).map_or(0.0, |stop| motion.normal_force(stop));
+        let pull =
+            tendon.motor.map_or(0.0, |motor| plan.effort(PlannedActuator::Motor(motor), motion.clock.now(), state));
+        let (length_m, rate_m_s) = (tendon.length.value(state.0), tendon.length.row(state.0).rate(state.1));
+        sample.set_tendon(index, &TendonState { length_m, rate_m_s, tension_n: spring + pull });
     }
     for (index, body) in reported_bodies(scene, sample).enumerate() {
         let state = match body {

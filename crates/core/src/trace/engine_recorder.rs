@@ -320,6 +320,12 @@ impl<'a> EngineRecorder<'a> {
         self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(&object))
     }
 
+    /// Explains which cable has lifted off which pulley, if one has.
+    pub(crate) fn describe_lifted(&self, motion: &Motion) -> Option<String> {
+        let (mechanism, (tendon, element)) = (self.scene.mechanism.as_ref()?, motion.lifted_cable()?);
+        Some(mechanism.describe_lifted(&mechanism.tendons[tendon], element))
+    }
+
     /// Whether the run may continue; called after every step and after every contact sub-step.
     pub fn should_continue(&self) -> bool {
         self.ejected_s.is_none() && self.sink.should_continue()

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use super::reading::{Reader, contact_sample, stored_energy};
-use super::schema::Schema;
+use super::schema::{Schema, TendonState};
 use super::simulate::simulate;
 use super::{BodyState, ContactSample, Counts, Energy, JointState, Outcome, RequiredData, RunError, Sample, Sink};
 use crate::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize};
@@ -131,6 +131,10 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> Reader<N, Z
         for index in 0..self.counts.actuators {
             let effort = if required_data.passive { model.actuator(t, qv, mode, index) } else { 0.0 };
             sample.set_actuator(index, effort);
+        }
+        for index in 0..self.counts.tendons {
+            let [length_m, rate_m_s, tension_n] = model.tendon(t, qv, mode, index);
+            sample.set_tendon(index, &TendonState { length_m, rate_m_s, tension_n });
         }
         for body in 0..self.counts.bodies {
             let ([x, y, angle], [vx, vy, spin_rad_s]) = model.body(qv, body);

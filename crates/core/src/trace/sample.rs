@@ -2,7 +2,7 @@
 
 use super::schema::{
     ActuatorState, BodyState, Channel, ContactSample, Counts, Energy, FINGER_JOINTS, FingerState, Interpolation,
-    JointState, Source, State,
+    JointState, Source, State, TendonState,
 };
 pub use crate::gripper::FingerContact;
 use crate::numeric::array_from;
@@ -218,6 +218,15 @@ impl Sample {
         self.set_state(self.counts.actuator(index), &ActuatorState { torque_n_m });
     }
 
+    /// Returns a tendon.
+    pub fn tendon(&self, index: usize) -> TendonState {
+        self.state(self.counts.tendon(index))
+    }
+
+    pub fn set_tendon(&mut self, index: usize, tendon: &TendonState) {
+        self.set_state(self.counts.tendon(index), tendon);
+    }
+
     /// Sets angles, rates and torque of a finger. The forces of its joints stay.
     pub fn set_finger(&mut self, index: usize, finger: &FingerState) {
         let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, qd11_rad_s, qd21_rad_s, .. } = *finger;
@@ -315,7 +324,7 @@ impl Sample {
         self.contacts().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
     }
 
-    /// Returns a sample of the same joints and actuators, and of the bodies and contacts with these indices.
+    /// Returns a sample of the same joints, actuators and tendons, and of the bodies and contacts with these indices.
     #[must_use]
     pub fn select(&self, bodies: &[usize], contacts: &[usize]) -> Sample {
         let limits = contacts.iter().filter(|index| self.counts.fingers == 0 && self.is_stop(**index)).count();
@@ -354,7 +363,8 @@ impl Sample {
         self.prepare(t, counts);
         let mut subjects = Subjects { instant, a: &a.values, b: &b.values, out: &mut self.values };
         subjects.interpolate::<5, JointState>(counts.joint(0), counts.actuator(0));
-        subjects.interpolate::<1, ActuatorState>(counts.actuator(0), counts.body(0));
+        subjects.interpolate::<1, ActuatorState>(counts.actuator(0), counts.tendon(0));
+        subjects.interpolate::<3, TendonState>(counts.tendon(0), counts.body(0));
         subjects.interpolate::<6, BodyState>(counts.body(0), counts.contact(0));
         subjects.interpolate::<11, ContactSample>(counts.contact(0), counts.energy());
         subjects.interpolate::<7, Energy>(counts.energy(), counts.values());

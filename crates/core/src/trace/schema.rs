@@ -1,4 +1,4 @@
-//! What a run records. Subjects (joints, actuators, bodies, contacts, and the system with its energies) have the
+//! What a run records. Subjects (joints, actuators, tendons, bodies, contacts, and the system with its energies) have the
 //! quantities of their kind; each quantity of a subject is a channel. A [`Sample`](super::Sample) is a time and one
 //! number per channel in the order of the schema.
 //!
@@ -53,8 +53,9 @@ pub enum SubjectKind {
     /// A prismatic joint.
     Slider,
     Actuator,
-    /// The actuator of a prismatic joint, which exerts a force.
+    /// The actuator of a prismatic joint or a tendon, which exerts a force.
     LinearActuator,
+    Tendon,
     Body,
     Contact,
     /// A contact of a joint with its limit: its gap is an angle, its force a torque.
@@ -71,6 +72,7 @@ impl SubjectKind {
             SubjectKind::Slider => (&SLIDER_QUANTITIES, &[]),
             SubjectKind::Actuator => (&ActuatorState::QUANTITIES, &[]),
             SubjectKind::LinearActuator => (&LINEAR_ACTUATOR_QUANTITIES, &[]),
+            SubjectKind::Tendon => (&TendonState::QUANTITIES, &[]),
             SubjectKind::Body => (&BodyState::QUANTITIES, &[]),
             SubjectKind::Contact => (&ContactSample::QUANTITIES, &[]),
             SubjectKind::Limit => (&LIMIT_QUANTITIES, &LIMIT_INDICES),
@@ -84,6 +86,7 @@ impl SubjectKind {
         match self {
             SubjectKind::Joint | SubjectKind::Slider => "joint",
             SubjectKind::Actuator | SubjectKind::LinearActuator => "actuator",
+            SubjectKind::Tendon => "tendon",
             SubjectKind::Body => "body",
             SubjectKind::Contact => "contact",
             SubjectKind::Limit => "limit",
@@ -168,6 +171,26 @@ impl State<1> for ActuatorState {
 }
 
 const LINEAR_ACTUATOR_QUANTITIES: [Quantity; 1] = [linear("force_n", "N")];
+
+/// State of a tendon: its length with the terms of joints, the rate of the length, and the tension.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TendonState {
+    pub length_m: f64,
+    pub rate_m_s: f64,
+    pub tension_n: f64,
+}
+
+impl State<3> for TendonState {
+    const QUANTITIES: [Quantity; 3] = [cubic("length_m", "m", 1), linear("rate_m_s", "m/s"), linear("tension_n", "N")];
+
+    fn values(&self) -> [f64; 3] {
+        [self.length_m, self.rate_m_s, self.tension_n]
+    }
+
+    fn from_values([length_m, rate_m_s, tension_n]: [f64; 3]) -> Self {
+        Self { length_m, rate_m_s, tension_n }
+    }
+}
 
 /// State of a rigid body, such as a disc, at one instant. The angle is counter-clockwise and not reduced by whole
 /// turns.
@@ -269,7 +292,7 @@ pub struct Energy {
     pub kinetic_j: f64,
     pub gravity_j: f64,
     pub spring_j: f64,
-    /// Energy stored in the Hertz springs of contacts and joint limit.
+    /// Energy stored in the Hertz springs of contacts and joint limit, and in cables.
     pub elastic_j: f64,
     /// Energy dissipated in dampers, in the clamp and in friction.
     pub dissipated_j: f64,
@@ -396,6 +419,7 @@ pub struct Schema {
     pub fingers: Vec<String>,
     pub joints: Vec<JointName>,
     pub actuators: Vec<JointName>,
+    pub tendons: Vec<String>,
     pub bodies: Vec<String>,
     pub contacts: Vec<ContactName>,
     /// Number of contacts at the end that are joint limits of a mechanism.
@@ -452,6 +476,7 @@ impl Schema {
         let joint_name = |name: &str, joint| JointName { name: name.to_string(), is_linear: is_linear(joint) };
         let contact = |name, is_angular| ContactName { name, is_angular, exists: true };
         let surfaces = mechanism.point_contacts().into_iter().map(|point| contact(point.name, false));
+        let pulls = mechanism.tendons.iter().filter_map(|tendon| tendon.actuator.as_ref());
         let limits = mechanism.limits();
         let limit_names = limits.iter().map(|limit| {
             // The limit of a prismatic joint has the units of a contact between surfaces.
@@ -464,7 +489,9 @@ impl Schema {
                 .actuators
                 .iter()
                 .map(|actuator| joint_name(&actuator.name, &mechanism.joints[actuator.on.terms[0].0]))
+                .chain(pulls.map(|actuator| JointName { name: actuator.name.clone(), is_linear: true }))
                 .collect(),
+            tendons: mechanism.tendons.iter().map(|tendon| tendon.name.clone()).collect(),
             bodies: mechanism.bodies.iter().map(|body| body.name.clone()).collect(),
             contacts: surfaces.chain(limit_names).collect(),
             limits: limits.len(),
@@ -527,6 +554,7 @@ impl Schema {
             joints: fingers.iter().flat_map(|finger| FINGER_JOINTS.map(|joint| of_finger(finger, joint))).collect(),
             actuators: fingers.iter().map(|finger| of_finger(finger, "motor")).collect(),
             fingers,
+            tendons: Vec::new(),
             bodies: Vec::new(),
             contacts: GripperContact::for_fingers(count).iter().map(contact).collect(),
             limits: 0,
@@ -552,13 +580,14 @@ impl Schema {
             fingers: self.fingers.len(),
             joints: self.joints.len(),
             actuators: self.actuators.len(),
+            tendons: self.tendons.len(),
             bodies: self.bodies.len(),
             contacts: self.contacts.len(),
             limits: self.limits,
         }
     }
 
-    /// Returns the subjects in the order of the numbers of a sample: joints, actuators, bodies, contacts, energies.
+    /// Returns the subjects in the order of the numbers of a sample: joints, actuators, tendons, bodies, contacts, energies.
     pub fn subjects(&self) -> Vec<Subject> {
         let counts = self.counts();
         let has_joint_forces = self.has_joint_forces;
@@ -571,7 +600,9 @@ impl Schema {
             let kind = if *is_linear { SubjectKind::LinearActuator } else { SubjectKind::Actuator };
             present(kind, name, counts.actuator(k))
         });
-        let mut subjects: Vec<Subject> = joints.chain(actuators).collect();
+        let tendons = self.tendons.iter().enumerate();
+        let tendons = tendons.map(|(k, name)| present(SubjectKind::Tendon, name, counts.tendon(k)));
+        let mut subjects: Vec<Subject> = joints.chain(actuators).chain(tendons).collect();
         let bodies = self.bodies.iter().enumerate();
         subjects.extend(bodies.map(|(k, name)| present(SubjectKind::Body, name, counts.body(k))));
         subjects.extend(self.contacts.iter().enumerate().map(|(k, contact)| Subject {
@@ -631,6 +662,7 @@ pub struct Counts {
     pub joints: usize,
     /// Actuators, including those of fingers.
     pub actuators: usize,
+    pub tendons: usize,
     pub bodies: usize,
     pub contacts: usize,
     /// Contacts at the end that are joint limits of a mechanism; those of fingers follow from `fingers`.
@@ -641,7 +673,7 @@ impl Counts {
     /// Counts of a system of fingers and discs.
     pub(super) fn of_fingers(fingers: usize, bodies: usize, contacts: usize) -> Self {
         let joints = FINGER_JOINTS.len() * fingers;
-        Self { fingers, joints, actuators: fingers, bodies, contacts, limits: 0 }
+        Self { fingers, joints, actuators: fingers, tendons: 0, bodies, contacts, limits: 0 }
     }
 
     pub(super) fn joint(self, index: usize) -> usize {
@@ -652,8 +684,12 @@ impl Counts {
         self.joint(self.joints) + ActuatorState::QUANTITIES.len() * index
     }
 
+    pub(super) fn tendon(self, index: usize) -> usize {
+        self.actuator(self.actuators) + TendonState::QUANTITIES.len() * index
+    }
+
     pub(super) fn body(self, index: usize) -> usize {
-        self.actuator(self.actuators) + BodyState::QUANTITIES.len() * index
+        self.tendon(self.tendons) + BodyState::QUANTITIES.len() * index
     }
 
     pub(super) fn contact(self, index: usize) -> usize {

@@ -6,9 +6,6 @@
 use super::NormalLaw;
 use crate::numeric::elementary::{ln_1p, pow};
 
-/// Depth over which a contact is resolved, m (limit: rad). The law has no depth of its own.
-pub(super) const DEPTH_SCALE_M: f64 = 1e-5;
-
 /// c(δ) and dc/dδ.
 #[inline(always)]
 pub(super) fn damping(law: &NormalLaw, factor_s_per_m: f64, delta: f64) -> (f64, f64) {

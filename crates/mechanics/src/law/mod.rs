@@ -5,6 +5,7 @@
 mod bristle;
 mod friction;
 mod hunt_crossley;
+mod restitution;
 mod step;
 
 use crate::numeric::Real;
@@ -12,6 +13,7 @@ use crate::numeric::elementary::{pow, powi};
 
 pub use bristle::{Bristle, BristleStep, bristle_force, friction_cone, friction_with_state, implicit_bristle_step};
 pub use friction::{FrictionRange, friction_coefficient, friction_force, friction_range};
+pub use restitution::damping_from_restitution;
 pub use step::smoothstep;
 
 /// Normal law F = max(0, k δᵉ + c(δ) δ̇) (thesis (2.38)): a Hertz spring with a damper.
@@ -36,12 +38,20 @@ pub enum Damping {
         /// δ_max, in m (limit: rad): penetration at which the damper is fully engaged.
         transition_m: f64,
     },
+    /// c is constant: the damper of a cable.
+    Constant {
+        /// c, in N·s/m.
+        n_s_per_m: f64,
+    },
     /// c = (3/2) a k δᵉ (Hunt and Crossley 1975).
     HuntCrossley {
         /// a, in s/m (limit: s/rad). For slow impacts, the coefficient of restitution is 1 − a v.
         factor_s_per_m: f64,
     },
 }
+
+/// Depth over which a contact is resolved whose law has no depth of its own, m (limit: rad).
+const DEPTH_SCALE_M: f64 = 1e-5;
 
 impl NormalLaw {
     /// Returns a law with a constant normal force, evaluated at a depth of 1; used for brakes.
@@ -59,7 +69,7 @@ impl NormalLaw {
     pub const fn damping_max(&self) -> f64 {
         match self.damping {
             Damping::Step { max_n_s_per_m, .. } => max_n_s_per_m,
-            Damping::HuntCrossley { .. } => 0.0,
+            Damping::Constant { .. } | Damping::HuntCrossley { .. } => 0.0,
         }
     }
 
@@ -76,7 +86,7 @@ impl NormalLaw {
     pub const fn depth_scale_m(&self) -> f64 {
         match self.damping {
             Damping::Step { transition_m, .. } => transition_m,
-            Damping::HuntCrossley { .. } => hunt_crossley::DEPTH_SCALE_M,
+            Damping::Constant { .. } | Damping::HuntCrossley { .. } => DEPTH_SCALE_M,
         }
     }
 }
@@ -124,6 +134,7 @@ pub struct NormalForce {
 pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
     match law.damping {
         Damping::Step { max_n_s_per_m, transition_m } => step::damping(max_n_s_per_m, transition_m, delta),
+        Damping::Constant { n_s_per_m } => (n_s_per_m, 0.0),
         Damping::HuntCrossley { factor_s_per_m } => hunt_crossley::damping(law, factor_s_per_m, delta),
     }
 }
@@ -133,6 +144,7 @@ pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
 pub fn is_damped(law: &NormalLaw) -> bool {
     match law.damping {
         Damping::Step { max_n_s_per_m, .. } => max_n_s_per_m > 0.0,
+        Damping::Constant { n_s_per_m } => n_s_per_m > 0.0,
         Damping::HuntCrossley { factor_s_per_m } => factor_s_per_m > 0.0,
     }
 }
@@ -198,6 +210,7 @@ pub fn stopping_depth(law: &NormalLaw, speed: f64, inverse_mass: f64) -> f64 {
             speed,
             inverse_mass,
         )),
+        Damping::Constant { .. } => spring_depth(0.5 * speed * speed),
         Damping::HuntCrossley { factor_s_per_m } => {
             spring_depth(hunt_crossley::energy_at_greatest_depth(factor_s_per_m, speed))
         }

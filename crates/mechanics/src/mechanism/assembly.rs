@@ -426,6 +426,11 @@ fn joint_conditions(joint: &Joint, poses: &[Pose]) -> [(f64, Terms); 2] {
     }
 }
 
+/// Returns the coordinate of a joint in these poses.
+pub fn coordinate_in(joint: &Joint, poses: &[Pose]) -> f64 {
+    coordinate(joint, poses).0
+}
+
 /// Coordinate of a joint.
 fn coordinate(joint: &Joint, poses: &[Pose]) -> (f64, Terms) {
     match joint.kind {

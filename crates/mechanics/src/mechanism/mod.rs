@@ -8,18 +8,20 @@
 //! |---|---|
 //! | `outline` | outlines of bodies and their contacts |
 //! | `structure` | the order in which bodies are placed: joints with coordinates, and dyads that close loops |
+//! | `tendon` | segments, wraps and lengths of cables |
 
 pub mod structure;
+pub mod tendon;
 
 mod assembly;
 mod outline;
 
 use crate::drive::{Brake, Profile};
-use crate::law::NormalLaw;
+use crate::law::{Damping, FrictionLaw, NormalLaw};
 use crate::numeric::elementary::hypot;
 use crate::palm_motion::PalmMotion;
 
-pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
+pub use assembly::{AssemblyError, Condition, Measure, Start, assemble, coordinate_in};
 pub use outline::{
     ContactPair, ForcePoint, Outline, OutlineId, OutlinePoint, OutlineShape, PlaneArea, PointContact, rounded_core,
 };
@@ -37,6 +39,7 @@ pub struct Mechanism {
     pub joints: Vec<Joint>,
     pub couplings: Vec<Coupling>,
     pub springs: Vec<Spring>,
+    pub tendons: Vec<Tendon>,
     pub actuators: Vec<Actuator>,
     pub rotors: Vec<Rotor>,
     pub contacts: Vec<ContactPair>,
@@ -86,6 +89,8 @@ pub struct Joint {
     pub damping: f64,
     /// Inertia of rotor and gear: ½ armature q̇² of kinetic energy, kg·m² or kg.
     pub armature: f64,
+    /// Coulomb friction against the rate, N·m or N with rates in rad/s or m/s: the law under a normal force of 1.
+    pub friction: Option<FrictionLaw>,
     pub lower: Option<f64>,
     pub upper: Option<f64>,
     /// Law of both limits; `None` for a joint without limits.
@@ -147,6 +152,44 @@ pub enum SpringKind {
     Linear { bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2] },
 }
 
+/// A massless cable without friction, with one tension T ≥ 0 along its whole length L. L is the sum of the straight
+/// segments and the arcs of its path, and of terms of joints. T is the force of a spring and a damper that cannot push,
+/// and the tension of an actuator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tendon {
+    pub name: String,
+    /// Eyelets and pulleys in the order of the cable; the first and the last element are eyelets. Empty for a belt between
+    /// spools.
+    pub path: Vec<PathElement>,
+    /// Terms c q of the length, by joint: a spool of radius r is ±r.
+    pub joints: Vec<(usize, f64)>,
+    /// k in T = max(0, k (L − rest) + c dL/dt) for L > rest; without stiffness and damping, the actuator alone pulls.
+    pub stiffness_n_per_m: f64,
+    pub damping_n_s_per_m: f64,
+    pub rest_m: f64,
+    pub actuator: Option<TendonActuator>,
+}
+
+/// A path element of a tendon: an eyelet, or a pulley that does not turn with the cable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathElement {
+    pub body: Option<usize>,
+    /// Eyelet, or centre of the pulley, in the frame of its body.
+    pub point_m: [f64; 2],
+    /// Radius of the pulley; 0 for an eyelet.
+    pub radius_m: f64,
+    /// +1: the cable passes the pulley counter-clockwise, with the centre to its left; −1: clockwise.
+    pub side: f64,
+}
+
+/// An actuator that pulls a tendon.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TendonActuator {
+    pub name: String,
+    /// Tension over time, N; negative values count as 0.
+    pub tension: Profile,
+}
+
 /// A motor: a command, then a limit, then the fall of the torque with the speed; and a brake.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
@@ -206,6 +249,18 @@ impl Spring {
             SpringKind::Torsional { on, .. } => Some(on),
             SpringKind::Linear { .. } => None,
         }
+    }
+}
+
+impl Tendon {
+    /// Law of the spring and damper over the elongation beyond `rest_m`; `None` for a cable without them.
+    pub fn law(&self) -> Option<NormalLaw> {
+        let damping = Damping::Constant { n_s_per_m: self.damping_n_s_per_m };
+        (self.stiffness_n_per_m > 0.0 || self.damping_n_s_per_m > 0.0).then_some(NormalLaw {
+            stiffness_n_per_m_e: self.stiffness_n_per_m,
+            exponent: 1.0,
+            damping,
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Outlines of bodies, and the contacts of their points with faces.
 
 use super::Mechanism;
-use crate::law::ContactLaw;
+use crate::law::{ContactLaw, FrictionLaw};
 use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use crate::numeric::plane::{add, cross, dot, perp, rotate, scale, sub};
 use std::f64::consts::{PI, TAU};
@@ -56,6 +56,9 @@ pub struct ContactPair {
     pub points: OutlineId,
     pub face: OutlineId,
     pub law: ContactLaw,
+    /// Rolling resistance: a moment against the relative rotation of the bodies. The law of friction with lengths, m, for
+    /// coefficients, and rates in rad/s.
+    pub rolling: Option<FrictionLaw>,
     pub force_point: ForcePoint,
 }
 

@@ -93,7 +93,7 @@ impl System {
                 ContactId::Stop(_) => continue,
             };
             let Some(face) = face else { continue };
-            mechanism.contacts.push(ContactPair { points: discs[disc], face, law, force_point });
+            mechanism.contacts.push(ContactPair { points: discs[disc], face, law, rolling: None, force_point });
         }
         Ok(mechanism)
     }
@@ -203,6 +203,7 @@ fn add_finger(
             start_rate,
             damping: 0.0,
             armature: if index == Q11 { motor.inertia_kg_m2 } else { 0.0 },
+            friction: None,
             lower: limit.map(|_| -lengths.phi22_rad),
             upper: None,
             limit,

@@ -188,8 +188,8 @@ outlines|polygon vertices ellipse semi_axes box rectangle square triangle|an out
     describe the sides that touch by capsules, and corners by discs
 joints|pin hinge slider ball fixed weld rigid|a joint is revolute or prismatic|\
     write type = \"revolute\" for a pin, \"prismatic\" for a slider; join rigidly connected parts to one body
-|tendon tendons cable cables rope pulley pulleys winch|there are no tendons|\
-    drive the joints by actuators, and relate them by couplings
+|tendon tendons cable cables rope pulley pulleys winch|a finger has no tendons|\
+    describe the finger as kind = \"mechanism\", with [tendons.NAME]
 |l31 l32 t32 phi32 q31 q32 phalanges n_phalanges third_phalanx medial middle intermediate links n_links joints n_joints|\
     a finger has two phalanges, l21 and t22|leave further ones out; t22 and phi22 shape the distal phalanx
 |fingers n_fingers thumb|a scene has one finger, or two that face each other|choose by kind = \"finger\" or kind = \"gripper\"
@@ -204,7 +204,7 @@ contact|law model normal type restitution hunt-crossley hunt_crossley kelvin-voi
     set these four, or [contact.materials] for Hertz; there are two friction laws: contact.friction.law = \"regularised\" or \"bristle\"";
 
 /// Number of lines of [`UNSUPPORTED`] for mechanisms.
-const MECHANISM_LINES: usize = 3;
+const MECHANISM_LINES: usize = 2;
 
 /// Whether a mechanism has no such key, by one of its own lines.
 fn is_of_mechanism(path: &str, word: &str) -> bool {

@@ -42,7 +42,7 @@ macro_rules! dimensions {
 }
 
 dimensions!(Length Angle Time Mass Force Torque Speed AngularRate Acceleration Density Inertia Frequency Pressure);
-dimensions!(AngularStiffness LinearDamping AngularDamping);
+dimensions!(AngularStiffness LinearStiffness LinearDamping AngularDamping);
 
 markers! { Measure:
     /// A ratio, or a value in SI units if its unit has a fractional power.

@@ -64,7 +64,7 @@ fn curves(schema: &Schema, kind: SubjectKind, items: &[Item], quantities: &[Quan
     items.iter().flat_map(|item| quantities.iter().map(move |quantity| curve(item, quantity))).collect()
 }
 
-/// Returns the panels of a mechanism: contacts, joints, actuators, bodies without joints, and energies.
+/// Returns the panels of a mechanism: contacts, joints, actuators, tendons, bodies without joints, and energies.
 fn mechanism_panels(mechanism: &Mechanism, schema: &Schema, contacts: &[Item]) -> Vec<PanelPlan> {
     let items = |names: &mut dyn Iterator<Item = &JointName>, is_linear: bool| -> Vec<Item> {
         let chosen = names.filter(|joint| joint.is_linear == is_linear);
@@ -72,6 +72,7 @@ fn mechanism_panels(mechanism: &Mechanism, schema: &Schema, contacts: &[Item]) -
     };
     let [joints, sliders] = [false, true].map(|is_linear| items(&mut schema.joints.iter(), is_linear));
     let [motors, drives] = [false, true].map(|is_linear| items(&mut schema.actuators.iter(), is_linear));
+    let tendons: Vec<Item> = schema.tendons.iter().map(|name| (name.clone(), name.clone())).collect();
     let is_free = |body: &usize| mechanism.joints.iter().all(|joint| !joint.bodies.contains(&Some(*body)));
     let free = (0..mechanism.bodies.len()).filter(is_free).map(|body| &mechanism.bodies[body].name);
     let bodies: Vec<Item> = free.map(|name| (name.clone(), name.clone())).collect();
@@ -88,6 +89,8 @@ fn mechanism_panels(mechanism: &Mechanism, schema: &Schema, contacts: &[Item]) -
         of("Slider rate", "m/s", SubjectKind::Slider, &sliders, &[("", "rate_m_s", None)]),
         of("Torque", "N·m", SubjectKind::Actuator, &motors, &[("", "torque_n_m", None)]),
         of("Force", "N", SubjectKind::LinearActuator, &drives, &[("", "force_n", None)]),
+        of("Tendon tension", "N", SubjectKind::Tendon, &tendons, &[("", "tension_n", None)]),
+        of("Tendon length", "m", SubjectKind::Tendon, &tendons, &[("", "length_m", Some("rate_m_s"))]),
         of("Position", "m", SubjectKind::Body, &bodies, &[("x", "x_m", Some("vx_m_s")), ("y", "y_m", Some("vy_m_s"))]),
         of("Spin", "rad/s", SubjectKind::Body, &bodies, &[("spin", "spin_rad_s", None)]),
         energy_panel(schema, true),

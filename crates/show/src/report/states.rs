@@ -1,6 +1,6 @@
 //! Final states of fingers and bodies in the JSON document. A single finger has the key `final`; two fingers have the
 //! key `fingers`, and their object the key `object`; without fingers, bodies have the key `discs`. A mechanism has
-//! `joints`, `actuators` and `bodies`.
+//! `joints`, `actuators`, `tendons` and `bodies`.
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -31,7 +31,7 @@ impl Serialize for BodyReport {
     }
 }
 
-/// A joint or an actuator at the end of the run, serialised as its quantities.
+/// A joint, an actuator or a tendon at the end of the run, serialised as its quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointReport(pub Vec<(&'static Quantity, f64)>);
 
@@ -48,6 +48,8 @@ pub struct States {
     pub joints: Named<JointReport>,
     /// Actuators of a mechanism.
     pub actuators: Named<JointReport>,
+    /// Tendons of a mechanism.
+    pub tendons: Named<JointReport>,
     /// A single finger has an empty name.
     pub fingers: Named<FingerState>,
     /// Sorted by name if there are no fingers.
@@ -105,6 +107,7 @@ impl States {
         States {
             joints: quantities_of([SubjectKind::Joint, SubjectKind::Slider]),
             actuators: quantities_of([SubjectKind::Actuator, SubjectKind::LinearActuator]),
+            tendons: quantities_of([SubjectKind::Tendon; 2]),
             fingers: fingers.map(|(name, state)| (name.clone(), state)).collect(),
             bodies,
             kind: schema.kind(),
@@ -119,6 +122,7 @@ impl States {
             SceneKind::Mechanism => vec![
                 ("joints", present(State::Joints(&self.joints))),
                 ("actuators", present(State::Joints(&self.actuators))),
+                ("tendons", present(State::Joints(&self.tendons))),
                 ("bodies", present(State::Bodies(&self.bodies))),
             ],
             SceneKind::Bodies => vec![("discs", present(State::Bodies(&self.bodies)))],

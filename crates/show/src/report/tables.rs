@@ -45,7 +45,7 @@ fn is_slider(joint: &JointReport) -> bool {
     joint.0.iter().any(|(quantity, _)| ["position_m", "force_n"].contains(&quantity.key))
 }
 
-/// Quantities of joints or actuators of the same kind; `None` without any.
+/// Quantities of joints, actuators or tendons of the same kind; `None` without any.
 fn joint_table(all: &[&(String, JointReport)], heading: &str) -> Option<Report> {
     let (_, first) = all.first()?;
     let unit = |unit: &'static str| match unit {

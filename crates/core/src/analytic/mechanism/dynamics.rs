@@ -15,9 +15,10 @@ use super::pairs;
 use crate::analytic::model::normal_force_on_branch;
 use crate::analytic::multibody::components::ContactLaws;
 use crate::analytic::multibody::contact_kinematics::{
-    ContactKinematics, WithDerivatives, contact_forces, contact_forces_with_derivatives,
+    ContactForces, ContactKinematics, WithDerivatives, contact_forces, contact_forces_with_derivatives,
 };
 use crate::integrator::{Linearised, Rates, System};
+use crate::law::{friction_coefficient, friction_force, friction_with_state};
 use crate::mechanism::SpringKind;
 use crate::numeric::{Dual, Real, array_from};
 
@@ -43,17 +44,17 @@ pub(super) fn passive_effort<const N: usize, const K: usize, const C: usize>(
 }
 
 /// Derivatives of the loads on all coordinates and of the rates of all quadratures.
-struct Sums<const N: usize, const Z: usize> {
-    load_q: [[f64; N]; N],
-    load_v: [[f64; N]; N],
-    load_t: [f64; N],
-    g_q: [[f64; N]; Z],
-    g_v: [[f64; N]; Z],
-    g_t: [f64; Z],
+pub(super) struct Sums<const N: usize, const Z: usize> {
+    pub load_q: [[f64; N]; N],
+    pub load_v: [[f64; N]; N],
+    pub load_t: [f64; N],
+    pub g_q: [[f64; N]; Z],
+    pub g_v: [[f64; N]; Z],
+    pub g_t: [f64; Z],
 }
 
 impl<const N: usize, const Z: usize> Sums<N, Z> {
-    const ZERO: Self = Self {
+    pub const ZERO: Self = Self {
         load_q: [[0.0; N]; N],
         load_v: [[0.0; N]; N],
         load_t: [0.0; N],
@@ -64,7 +65,7 @@ impl<const N: usize, const Z: usize> Sums<N, Z> {
 
     /// Adds the derivatives of the load of a force along a row of a group; `by_v` is that of the force by the rates.
     #[inline(always)]
-    fn add_block<const K: usize>(
+    pub fn add_block<const K: usize>(
         &mut self,
         (first, size): (usize, usize),
         row: &[Dual<K>; K],
@@ -82,8 +83,8 @@ impl<const N: usize, const Z: usize> Sums<N, Z> {
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Index of the quadrature for the work of contacts, limits and dampers; that of actuators follows.
-    const CONTACT_WORK: usize = C;
-    const DRIVE_WORK: usize = C + 1;
+    pub(super) const CONTACT_WORK: usize = C;
+    pub(super) const DRIVE_WORK: usize = C + 1;
 
     /// Rates of the poses of two bodies.
     #[inline(always)]
@@ -199,7 +200,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     let frames = Self::frames(motions, pair.bodies);
                     let kinematics = pairs::contact(pair, &frames, mode.features[index]);
                     let rates = Self::pair_rates(motions, pair.bodies);
-                    let forces = contact_forces(&kinematics, &rates, contact.bristle.map(|bristle| v[bristle]), laws);
+                    let state = contact.bristle.map(|bristle| v[bristle]);
+                    let mut forces = contact_forces(&kinematics, &rates, state, laws);
+                    contact.add_rolling(&rates, &mut forces);
                     let spread = self.spread(motions, pair.bodies, &forces.load);
                     spread.iter().zip(load.iter_mut()).for_each(|(force, load)| *load += force);
                     g[index] += forces.normal;
@@ -217,6 +220,15 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     g[index] += force;
                     g[Self::CONTACT_WORK] -= force * rate;
                 }
+                Surfaces::Friction(joint) => {
+                    let (group, motion) = (self.group_of_joint(*joint), &motions.joints[*joint]);
+                    let state = contact.bristle.map(|bristle| v[bristle]);
+                    let effort = contact.friction_effort(motion.rate, state);
+                    (0..group.size()).for_each(|i| load[group.first + i] += motion.row[i] * effort);
+                    g[Self::CONTACT_WORK] += effort * motion.rate;
+                    contact.bristle.into_iter().for_each(|bristle| load[bristle] -= effort * contact.stretch_gain());
+                }
+                Surfaces::Tendon(_) => {}
             }
         }
     }
@@ -292,7 +304,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Adds the derivatives of forces between two bodies: loads on their poses, and numbers added to quadratures or to
     /// the rates of bristle states.
-    fn add_pair_derivatives<const Z: usize>(
+    pub(super) fn add_pair_derivatives<const Z: usize>(
         &self,
         motions: &Motions<Dual<K>, K>,
         bodies: [Option<usize>; 2],
@@ -382,7 +394,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 Surfaces::Point(pair) => {
                     let kinematics = pairs::contact(pair, &frames(pair.bodies), mode.features[index]);
                     let state = contact.bristle.map(|bristle| v[bristle]);
-                    let forces = contact_forces_with_derivatives(&kinematics, &rates(pair.bodies), state, laws);
+                    let rates = rates(pair.bodies);
+                    let mut forces = contact_forces_with_derivatives(&kinematics, &rates, state, laws);
+                    contact.add_rolling_with_derivatives(&rates, &mut forces);
                     let quadratures = [(index, forces.normal), (Self::CONTACT_WORK, forces.power)];
                     let bristle = contact.bristle.map(|bristle| (bristle, forces.bristle_rate));
                     self.add_pair_derivatives(motions, pair.bodies, &forces.load, &quadratures, bristle, sums);
@@ -406,6 +420,31 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                             force_by_v * rate.value + force.value * side * row.value;
                     }
                 }
+                Surfaces::Friction(joint) => {
+                    let (group, motion) = (self.group_of_joint(*joint), &motions.joints[*joint]);
+                    let (first, rate) = (group.first, motion.rate.value);
+                    let state = contact.bristle.map(|bristle| Dual::<2>::variable(v[bristle], 1));
+                    let Dual { value, grad: [by_rate, by_state] } =
+                        contact.friction_effort(Dual::<2>::variable(rate, 0), state);
+                    let effort = motion.rate.chain(value, by_rate);
+                    sums.add_block((first, group.size()), &motion.row, effort, |j| by_rate * motion.row[j].value);
+                    let gain = contact.stretch_gain();
+                    for i in 0..group.size() {
+                        let (row, rate_q) = (motion.row[i].value, motion.rate.grad[i]);
+                        sums.g_q[Self::CONTACT_WORK][first + i] += (by_rate * rate + value) * rate_q;
+                        sums.g_v[Self::CONTACT_WORK][first + i] += (by_rate * rate + value) * row;
+                        if let Some(bristle) = contact.bristle {
+                            sums.load_v[first + i][bristle] += row * by_state;
+                            sums.load_q[bristle][first + i] -= gain * by_rate * rate_q;
+                            sums.load_v[bristle][first + i] -= gain * by_rate * row;
+                        }
+                    }
+                    if let Some(bristle) = contact.bristle {
+                        sums.load_v[bristle][bristle] -= gain * by_state;
+                        sums.g_v[Self::CONTACT_WORK][bristle] += by_state * rate;
+                    }
+                }
+                Surfaces::Tendon(_) => {}
             }
         }
         for &(index, bristle) in &self.bristles {
@@ -425,6 +464,57 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 }
 
 impl Contact {
+    /// Moment of rolling resistance on the first body at a normal force.
+    pub(super) fn rolling_moment(&self, rates: &[f64; POSES], normal: f64) -> f64 {
+        self.rolling.as_ref().map_or(0.0, |law| friction_force(law, rates[2] - rates[5], normal))
+    }
+
+    fn add_rolling(&self, rates: &[f64; POSES], forces: &mut ContactForces<f64, POSES>) {
+        let moment = self.rolling_moment(rates, forces.normal);
+        forces.load[2] += moment;
+        forces.load[5] -= moment;
+        forces.power += moment * (rates[2] - rates[5]);
+    }
+
+    fn add_rolling_with_derivatives(
+        &self,
+        rates: &[f64; POSES],
+        forces: &mut ContactForces<WithDerivatives<POSES, POSES>, POSES>,
+    ) {
+        let Some(law) = &self.rolling else { return };
+        let (spin, normal) = (rates[2] - rates[5], forces.normal);
+        let (arm, slope) = friction_coefficient(law, spin);
+        let by_spin = -slope * normal.value;
+        let turn = [0.0, 0.0, 1.0, 0.0, 0.0, -1.0];
+        let moment = WithDerivatives::<POSES, POSES> {
+            value: -arm * normal.value,
+            by_q: array_from(|k| -arm * normal.by_q[k]),
+            by_v: array_from(|k| -arm * normal.by_v[k] + by_spin * turn[k]),
+            by_bristle: 0.0,
+        };
+        let add = |sum: &mut WithDerivatives<POSES, POSES>, factor: f64, by_turn: f64| {
+            sum.value += factor * moment.value;
+            for k in 0..POSES {
+                sum.by_q[k] += factor * moment.by_q[k];
+                sum.by_v[k] += factor * moment.by_v[k] + by_turn * turn[k];
+            }
+        };
+        add(&mut forces.load[2], 1.0, 0.0);
+        add(&mut forces.load[5], -1.0, 0.0);
+        add(&mut forces.power, spin, moment.value);
+    }
+
+    /// Torque or force of the friction of a joint.
+    fn friction_effort<T: Real>(&self, rate: T, state: Option<T>) -> T {
+        let one = T::constant(1.0);
+        self.friction.as_ref().map_or(T::zero(), |law| friction_with_state(law, rate, state, one))
+    }
+
+    /// Gain from the friction to the rate of the bristle state; 0 without a bristle.
+    fn stretch_gain(&self) -> f64 {
+        self.friction.and_then(|law| law.bristle).map_or(0.0, |bristle| bristle.stretch_gain())
+    }
+
     /// Returns the laws if the contact has a force in this mode.
     fn laws<const C: usize>(&self, mode: &MechanismMode<C>, index: usize) -> Option<ContactLaws<'_>> {
         let state = mode[index];
@@ -443,6 +533,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
         let (mut a, mut g) = ([0.0; N], [0.0; Z]);
         self.with_factors((q, v), |motions, factors| {
             self.add_loads(t, v, mode, motions, &mut a, &mut g);
+            self.add_tendon_loads(t, v, mode, motions, &mut a, &mut g);
             self.solve(factors, &mut a);
         });
         Rates { a, g }
@@ -456,6 +547,10 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
                 self.add_group_derivatives(t, (group, &rates.a), mode, motions, &mut sums);
             }
             self.add_all_pair_derivatives(v, mode, motions, &mut sums);
+            if !self.cables.is_empty() {
+                let plain = motions.value();
+                self.add_tendon_derivatives(t, v, mode, (&plain, motions), &mut sums);
+            }
         });
         let count = self.coordinates_in_use();
         let (mut a_q, mut a_v, mut a_t) = (sums.load_q, sums.load_v, sums.load_t);

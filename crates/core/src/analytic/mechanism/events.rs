@@ -14,6 +14,9 @@ use crate::mechanism::structure::Placement;
 use crate::numeric::array_from;
 use std::f64::consts::PI;
 
+/// Margin below which a cable counts as lifted in the description of an obstacle, rad: the end is not located exactly.
+const WRAP_ROUNDING: f64 = 1e-6;
+
 /// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators, then one
 /// for the features of all faces.
 pub const fn event_function_count(contacts: usize) -> usize {
@@ -49,6 +52,16 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 let mut row = [0.0; N];
                 (0..group.size()).for_each(|i| row[group.first + i] = -limit.side * motion.row[i]);
                 (limit.side * (motion.coordinate - limit.value), row, [0.0; N])
+            }
+            Surfaces::Friction(joint) => {
+                let (group, motion) = (self.group_of_joint(*joint), &motions.joints[*joint]);
+                let mut row = [0.0; N];
+                (0..group.size()).for_each(|i| row[group.first + i] = motion.row[i]);
+                (1.0, [0.0; N], row)
+            }
+            Surfaces::Tendon(index) => {
+                let elongation = self.elongation(motions, &self.cables[*index].tendon, v);
+                (elongation.value, elongation.row.map(|part| -part), [0.0; N])
             }
         };
         let (rate, slip) = (-row_dot(&normal_row, v), row_dot(&tangent_row, v));
@@ -87,7 +100,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             Surfaces::Point(pair) => {
                 mode.features[index].map(|feature| (index, pair, Self::frames(motions, pair.bodies), feature))
             }
-            Surfaces::Limit(_) => None,
+            Surfaces::Limit(_) | Surfaces::Tendon(_) | Surfaces::Friction(_) => None,
         })
     }
 
@@ -104,7 +117,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             Surfaces::Point(pair) if contacts[index].has_force() => {
                 Some(self.with_motions(state, |motions| pair.nearest_feature(&Self::frames(motions, pair.bodies))))
             }
-            Surfaces::Point(_) | Surfaces::Limit(_) => None,
+            _ => None,
         }
     }
 
@@ -144,6 +157,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let clearance = 1.0 - angle.abs() / PI;
             if self.depends_on_joint[joint] && clearance < smallest.0 {
                 smallest = (clearance, -angle.signum() * rate / PI);
+            }
+        }
+        for (_, _, [margin, rate]) in self.wrap_margins(motions) {
+            if smallest.0 > margin || margin.is_nan() {
+                smallest = (margin, rate);
             }
         }
         smallest
@@ -230,7 +248,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     }
 
     fn is_reported(&self, event: usize) -> bool {
-        event < C
+        event < self.reported_contacts()
     }
 
     fn mode_after_step(&self, functions: &[EventFunction<N>; G], mode: &MechanismMode<C>) -> Option<MechanismMode<C>> {
@@ -297,6 +315,10 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
                     "the joint {name} has made half a turn, but it closes a loop, in which turns cannot be counted: give it a \
                      start, which makes its coordinate independent"
                 );
+            }
+            let beyond = self.wrap_margins(motions).find(|(_, _, [margin, _])| margin.is_nan() || *margin < WRAP_ROUNDING);
+            if let Some((tendon, element, _)) = beyond {
+                return self.mechanism.describe_lifted(&self.cables[tendon].tendon, element);
             }
             match dyads.min_by(|a, b| sine(a.1.sine).total_cmp(&sine(b.1.sine))) {
                 Some((Placement::Dyad { outer, inner }, _)) => {

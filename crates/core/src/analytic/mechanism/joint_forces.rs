@@ -11,7 +11,7 @@ use super::nearest::PointOnFace;
 use super::pairs;
 use crate::analytic::mode::StateRef;
 use crate::integrator::System;
-use crate::mechanism::JointKind;
+use crate::mechanism::{JointKind, Limit};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{cross, perp, sub};
 
@@ -56,7 +56,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     ) -> Vec<JointForce> {
         let a = <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
         let mut wrenches = self.with_motions((q, v), |motions| self.required_wrenches(&a, motions));
-        self.with_motions((q, v), |motions| self.subtract_loads(t, &a, mode, motions, &mut wrenches));
+        self.with_motions((q, v), |motions| self.subtract_loads(t, (&a, v), mode, motions, &mut wrenches));
         self.subtract_contacts((q, v), mode, &mut wrenches);
         self.with_motions((q, v), |motions| self.solve_joint_forces(motions, &wrenches))
     }
@@ -91,15 +91,20 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
     }
 
-    /// Subtracts the loads of joints, actuators and springs.
+    /// Subtracts the loads of joints, actuators, springs and tendons at these accelerations and rates.
     fn subtract_loads(
         &self,
         t: f64,
-        a: &[f64; N],
+        (a, v): StateRef<'_, N>,
         mode: &MechanismMode<C>,
         motions: &Motions<f64, K>,
         wrenches: &mut Wrenches,
     ) {
+        let tensions: Vec<f64> =
+            self.cables.iter().map(|cable| self.tension(t, v, mode, motions, cable).1.total()).collect();
+        for (body, point, force) in self.tendon_forces(motions, &tensions) {
+            wrenches.add(body, force.map(|part| -part), point, 0.0);
+        }
         for (index, joint) in self.mechanism.joints.iter().enumerate() {
             let (group, motion) = (self.group_of_joint(index), &motions.joints[index]);
             let acceleration = (0..group.size()).fold(motion.bias, |sum, k| sum + motion.row[k] * a[group.first + k]);
@@ -109,6 +114,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 if joint_of(&actuator.on) == index {
                     total += effort(actuator, range, t, motion.coordinate, motion.rate).value;
                 }
+            }
+            for (cable, tension) in self.cables.iter().zip(&tensions) {
+                let factors = cable.tendon.joints.iter().filter(|(term, _)| *term == index).map(|(_, factor)| factor);
+                total -= factors.sum::<f64>() * tension;
             }
             let (point, direction, turn) = self.effort_direction(index, motions);
             wrenches.add_pair(joint.bodies, direction.map(|part| -total * part), point, -total * turn);
@@ -129,13 +138,19 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 Surfaces::Point(PointOnFace { bodies: [body, face], .. }) => {
                     let (normal, tangent) = (reading.geometry.normal, perp(reading.geometry.normal));
                     let force = [0, 1].map(|k| reading.normal * normal[k] + reading.tangential * tangent[k]);
-                    wrenches.add_pair([body, face], force, reading.geometry.point, 0.0);
+                    let rates = self.with_motions(state, |motions| Self::pair_rates(motions, [body, face]));
+                    let moment = contact.rolling_moment(&rates, reading.normal);
+                    wrenches.add_pair([body, face], force, reading.geometry.point, moment);
                 }
-                Surfaces::Limit(limit) => {
-                    let total = -limit.side * reading.normal;
+                Surfaces::Tendon(_) => {}
+                Surfaces::Limit(Limit { joint, .. }) | Surfaces::Friction(joint) => {
+                    let total = match contact.surfaces {
+                        Surfaces::Limit(limit) => -limit.side * reading.normal,
+                        _ => reading.tangential,
+                    };
                     let (point, direction, turn) =
-                        self.with_motions(state, |motions| self.effort_direction(limit.joint, motions));
-                    let bodies = self.mechanism.joints[limit.joint].bodies;
+                        self.with_motions(state, |motions| self.effort_direction(joint, motions));
+                    let bodies = self.mechanism.joints[joint].bodies;
                     wrenches.add_pair(bodies, direction.map(|part| -total * part), point, -total * turn);
                 }
             }

@@ -3,6 +3,7 @@
 //! mechanism and the scalar laws.
 
 mod actuator;
+mod cable;
 mod dyad;
 mod dynamics;
 mod events;
@@ -14,6 +15,7 @@ mod motion;
 mod nearest;
 mod pairs;
 mod reading;
+mod tendon;
 
 pub use events::event_function_count;
 pub use joint_forces::JointForce;

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use super::actuator::{MAX_ACTUATORS, Ranges};
+use super::cable::Cable;
 use super::factor::Factor;
 use super::group::PlacedGroup;
 use super::motion::Motions;
@@ -19,11 +20,15 @@ use std::ops::Index;
 /// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
 const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-7, force: 1e-8 };
 
-/// The two surfaces of a contact, or the limit of a joint.
+/// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint.
 #[derive(Clone, Debug)]
 pub(super) enum Surfaces {
     Point(PointOnFace),
     Limit(Limit),
+    /// A cable with a spring or a damper, by its index: the depth is its elongation.
+    Tendon(usize),
+    /// Friction of a joint, by its index, under a normal force of 1.
+    Friction(usize),
 }
 
 #[derive(Clone, Debug)]
@@ -31,6 +36,8 @@ pub(super) struct Contact {
     pub surfaces: Surfaces,
     pub normal: NormalLaw,
     pub friction: Option<FrictionLaw>,
+    /// Rolling resistance of a contact between surfaces.
+    pub rolling: Option<FrictionLaw>,
     /// Index of the contact's bristle state among the rates, if the contact has a bristle.
     pub bristle: Option<usize>,
 }
@@ -72,8 +79,10 @@ pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     pub(super) groups: Vec<PlacedGroup>,
     /// Group of each body.
     pub(super) group_of: Vec<usize>,
-    /// All contacts in the order of [`Mechanism::point_contacts`], then of [`Mechanism::limits`].
+    /// All contacts in the order of [`Mechanism::point_contacts`], of [`Mechanism::limits`], of the tendons, then of
+    /// friction in joints.
     pub(super) contacts: Vec<Contact>,
+    pub(super) cables: Vec<Cable>,
     pub(super) bristles: Vec<(usize, Bristle)>,
     pub(super) time_index: Option<usize>,
     /// Whether a force depends on the coordinate of each joint.
@@ -91,7 +100,7 @@ pub struct MechanismSize {
     pub coordinates: usize,
     /// Coordinates of the largest group.
     pub group: usize,
-    /// Contacts and limits.
+    /// Contacts, limits, elastic tendons, and joints with friction.
     pub contacts: usize,
     pub actuators: usize,
 }
@@ -109,11 +118,15 @@ impl MechanismSize {
         let sizes = || groups.iter().map(|group| group.coordinates.len());
         let points = mechanism.point_contacts();
         let has_bristle = |pair: usize| mechanism.contacts[pair].law.bristle().is_some();
-        let bristles = points.iter().filter(|point| has_bristle(point.pair)).count();
+        let bristles = points.iter().filter(|point| has_bristle(point.pair)).count()
+            + joint_frictions(mechanism).filter(|(_, friction)| friction.bristle.is_some()).count();
         Self {
             coordinates: sizes().sum::<usize>() + usize::from(depends_on_time(mechanism)) + bristles,
             group: sizes().max().unwrap_or(0),
-            contacts: points.len() + mechanism.limits().len(),
+            contacts: points.len()
+                + mechanism.limits().len()
+                + elastic_tendons(mechanism).count()
+                + joint_frictions(mechanism).count(),
             actuators: mechanism.actuators.len(),
         }
     }
@@ -124,6 +137,16 @@ impl MechanismSize {
             && self.contacts <= capacity.contacts
             && self.actuators <= capacity.actuators
     }
+}
+
+/// Joints with friction, with their laws.
+fn joint_frictions(mechanism: &Mechanism) -> impl Iterator<Item = (usize, FrictionLaw)> {
+    mechanism.joints.iter().enumerate().filter_map(|(index, joint)| Some((index, joint.friction?)))
+}
+
+/// Tendons with a spring or a damper, with their laws.
+fn elastic_tendons(mechanism: &Mechanism) -> impl Iterator<Item = (usize, NormalLaw)> {
+    mechanism.tendons.iter().enumerate().filter_map(|(index, tendon)| Some((index, tendon.law()?)))
 }
 
 /// Groups of a mechanism without components that the model does not have.
@@ -168,13 +191,14 @@ fn depends_on_time(mechanism: &Mechanism) -> bool {
     })
 }
 
-/// Whether a spring, a limit, a servo or a coupling depends on the coordinate of a joint.
+/// Whether a spring, a limit, a servo, a coupling or a tendon depends on the coordinate of a joint.
 fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
     let is_servo = |actuator: &Actuator| matches!(actuator.command, Command::Servo { .. });
     mechanism.springs.iter().any(|spring| spring.on().is_some_and(|on| joint_of(on) == joint))
         || mechanism.limits().iter().any(|limit| limit.joint == joint)
         || mechanism.actuators.iter().any(|actuator| joint_of(&actuator.on) == joint && is_servo(actuator))
         || mechanism.couplings.iter().any(|coupling| coupling.on.terms.iter().any(|(term, _)| *term == joint))
+        || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
 }
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
@@ -217,14 +241,37 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 face: Face::new(&mechanism.outline(pair.face).shape),
                 force_point: pair.force_point,
             });
-            contacts.push(Contact { surfaces, normal: pair.law.normal, friction: pair.law.friction, bristle });
+            contacts.push(Contact {
+                surfaces,
+                normal: pair.law.normal,
+                friction: pair.law.friction,
+                rolling: pair.rolling,
+                bristle,
+            });
         }
         contacts.extend(mechanism.limits().into_iter().map(|limit| Contact {
             surfaces: Surfaces::Limit(limit),
             normal: limit.law,
             friction: None,
+            rolling: None,
             bristle: None,
         }));
+        let mut cables: Vec<Cable> = mechanism.tendons.iter().map(Cable::new).collect();
+        for (index, normal) in elastic_tendons(mechanism) {
+            cables[index].contact = Some(contacts.len());
+            let surfaces = Surfaces::Tendon(index);
+            contacts.push(Contact { surfaces, normal, friction: None, rolling: None, bristle: None });
+        }
+        for (joint, law) in joint_frictions(mechanism) {
+            let bristle = law.bristle.map(|bristle| {
+                bristles.push((next, bristle));
+                next += 1;
+                next - 1
+            });
+            let normal = NormalLaw::constant_force(1.0);
+            let surfaces = Surfaces::Friction(joint);
+            contacts.push(Contact { surfaces, normal, friction: Some(law), rolling: None, bristle });
+        }
         let workspace = Workspace {
             state: None,
             motions: Motions::new(mechanism),
@@ -236,6 +283,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             groups,
             group_of,
             contacts,
+            cables,
             bristles,
             time_index,
             depends_on_joint: (0..mechanism.joints.len()).map(|joint| has_force(mechanism, joint)).collect(),
@@ -345,6 +393,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &actuator.command;
             profile.next_discontinuity(t)
         };
-        self.mechanism.actuators.iter().map(next).fold(f64::INFINITY, f64::min)
+        let pulls = self.cables.iter().filter_map(|cable| cable.tendon.actuator.as_ref());
+        let pulls = pulls.map(|actuator| actuator.tension.next_discontinuity(t));
+        self.mechanism.actuators.iter().map(next).chain(pulls).fold(f64::INFINITY, f64::min)
     }
 }

@@ -163,6 +163,20 @@ pub(super) struct Motions<T, const K: usize> {
 }
 
 impl<T: Real, const K: usize> Motions<T, K> {
+    /// Motions in plain numbers.
+    pub fn value(&self) -> Motions<f64, K> {
+        let joint = |motion: &JointMotion<T, K>| JointMotion {
+            coordinate: motion.coordinate.value(),
+            row: array_from(|k| motion.row[k].value()),
+            rate: motion.rate.value(),
+            bias: motion.bias.value(),
+        };
+        Motions {
+            bodies: self.bodies.iter().map(BodyMotion::value).collect(),
+            joints: self.joints.iter().map(joint).collect(),
+        }
+    }
+
     pub fn new(mechanism: &Mechanism) -> Self {
         Self {
             bodies: vec![BodyMotion::ground(); mechanism.bodies.len() + 1],

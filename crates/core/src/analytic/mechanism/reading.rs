@@ -27,9 +27,12 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         self.with_motions(state, |motions| (motions.joints[joint].coordinate, motions.joints[joint].rate))
     }
 
-    /// Torque or force of an actuator.
+    /// Torque or force of an actuator; those of tendons follow those of joints.
     pub fn actuator(&self, t: f64, state: (&[f64; N], &[f64; N]), mode: &MechanismMode<C>, index: usize) -> f64 {
-        let actuator = &self.mechanism.actuators[index];
+        let Some(actuator) = self.mechanism.actuators.get(index) else {
+            let mut pulls = self.cables.iter().filter(|cable| cable.tendon.actuator.is_some());
+            return pulls.nth(index - self.mechanism.actuators.len()).map_or(0.0, |cable| cable.pull(t).0);
+        };
         let (coordinate, rate) = self.joint(state, joint_of(&actuator.on));
         effort(actuator, mode.ranges.0[index], t, coordinate, rate).value
     }
@@ -48,6 +51,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 Surfaces::Limit(limit) => {
                     let motion = &motions.joints[limit.joint];
                     (limit.side * (limit.value - motion.coordinate), -limit.side * motion.rate, 0.0, none, none)
+                }
+                Surfaces::Friction(joint) => (-1.0, 0.0, motions.joints[*joint].rate, none, none),
+                Surfaces::Tendon(index) => {
+                    let elongation = self.elongation(motions, &self.cables[*index].tendon, v);
+                    (-elongation.value, -elongation.rate, 0.0, none, none)
                 }
             };
             let force = normal_force_on_branch(&contact.normal, branch, -gap, -gap_rate).force.max(0.0);
@@ -86,8 +94,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             }
         });
         for (index, contact) in self.contacts.iter().enumerate() {
-            energies.elastic +=
-                elastic_energy(&contact.normal, self.contact_reading(state, index, ContactState::Free).delta);
+            if !matches!(contact.surfaces, Surfaces::Friction(_)) {
+                energies.elastic +=
+                    elastic_energy(&contact.normal, self.contact_reading(state, index, ContactState::Free).delta);
+            }
         }
         energies.elastic += self.bristles.iter().map(|(index, bristle)| bristle.energy(state.1[*index])).sum::<f64>();
         energies

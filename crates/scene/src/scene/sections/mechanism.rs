@@ -8,17 +8,19 @@ use std::collections::BTreeMap;
 use toml::{Table, Value};
 
 use super::law::FrictionSettings;
+use super::names::{GROUND, find, find_at};
 use super::outline::{OutlineSettings, outline, outline_settings, si};
+use super::tendon::{self, Known, TendonSettings};
 use super::{MECHANISM, law, list, table};
-use crate::law::{ContactLaw, Damping, NormalLaw};
+use crate::law::{Bristle, ContactLaw, Damping, FrictionLaw, NormalLaw, damping_from_restitution};
 use crate::limits::{MAX_BODIES, MAX_CONTACTS};
 use crate::mechanism::{
     Actuator, Body, Command, Condition, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind,
-    Mechanism, Outline, OutlineId, OutlineShape, PlaneArea, Spring, SpringKind, assemble,
+    Mechanism, Outline, OutlineId, OutlineShape, PlaneArea, Pose, Spring, SpringKind, Tendon, TendonActuator, assemble,
+    coordinate_in,
 };
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{rotate, sub};
-use crate::scene::keys::closest_match;
 use crate::scene::quantity::{
     Angle, AngularRate, Coordinate, CoordinateRate, Density, Effort, Force, Inertia, JointDamping, JointInertia,
     JointStiffness, Keyword, LawDamping, Length, Mass, NotNegative, Plain, Positive, Quantity, Speed, Time, Torque,
@@ -27,9 +29,6 @@ use crate::scene::quantity::{
 use crate::scene::section_input::{SceneInput, SectionInput};
 use crate::scene::{Interpolation, Problem, Profile};
 use crate::units::{Dimension, format};
-
-/// Name of the fixed body.
-const GROUND: &str = "ground";
 
 /// Sections of a mechanism.
 #[derive(JsonSchema)]
@@ -48,10 +47,13 @@ pub struct MechanismSettings {
     /// Springs with a damper, one section per name.
     #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub springs: BTreeMap<String, LinkageSpringSettings>,
+    /// Tendons, one section per name: cables over eyelets and pulleys.
+    #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub tendons: BTreeMap<String, TendonSettings>,
     /// Linear relations of joint coordinates, one section per name: gears, synchronised jaws.
     #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub couplings: BTreeMap<String, CouplingSettings>,
-    /// Actuators of joints, one section per name. Each has a torque (force) over time, or follows a target.
+    /// Actuators of joints and tendons, one section per name. Each has a torque (force) over time, or follows a target.
     #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub actuators: BTreeMap<String, ActuatorSettings>,
     /// Laws of contacts and joint limits, one section per name.
@@ -172,6 +174,16 @@ pub struct JointSettings {
     pub damping: Option<NotNegative<JointDamping>>,
     /// Inertia of rotor and gear, reflected to the joint. Default: none.
     pub armature: Option<NotNegative<JointInertia>>,
+    /// Torque (force) of Coulomb friction while the joint moves. Default: none.
+    pub friction: Option<Positive<Effort>>,
+    /// Largest torque (force) of friction, before the joint moves. Default: `friction`.
+    pub static_friction: Option<Positive<Effort>>,
+    /// Rates at which friction reaches `static_friction`, and from which it is `friction`. Default: 0.01 and 0.02 rad/s, of
+    /// a prismatic joint 1 and 2 mm/s.
+    pub friction_rates: Option<[Positive<CoordinateRate>; 2]>,
+    /// Stiffness of a bristle, by which friction holds without creep. Default: none; below the first of `friction_rates`,
+    /// the joint creeps.
+    pub friction_stiffness: Option<Positive<JointStiffness>>,
     /// Lower limit of the coordinate. Default: none.
     pub lower: Option<Quantity<Coordinate>>,
     /// Upper limit of the coordinate. Default: none.
@@ -237,14 +249,21 @@ pub struct CouplingSettings {
 /// falls with the speed.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct ActuatorSettings {
-    /// The driven joint. Required.
-    #[schemars(extend("minLength" = 1, "x-required" = "add the driven joint: joint = \"driver\""))]
+    /// The driven joint. Required, or `tendon`.
+    #[schemars(extend("minLength" = 1, "x-alternative" = "tendon", "x-required" = "add the driven joint: joint = \"driver\""))]
     pub joint: Option<String>,
+    /// The pulled tendon, in place of `joint`.
+    #[schemars(extend("minLength" = 1))]
+    pub tendon: Option<String>,
+    /// Constant tension of a tendon.
+    pub tension: Option<NotNegative<Force>>,
+    /// Tensions of a tendon at `times`.
+    pub tensions: Option<Vec<NotNegative<Force>>>,
     /// Constant torque of a revolute joint.
     pub torque: Option<Quantity<Torque>>,
     /// Constant force of a prismatic joint.
     pub force: Option<Quantity<Force>>,
-    /// Times of `torques`, `forces` or `targets`, increasing. Values are linear between the times, and constant before the
+    /// Times of `torques`, `forces`, `tensions` or `targets`, increasing. Values are linear between the times, and constant before the
     /// first and after the last.
     pub times: Option<Vec<Quantity<Time>>>,
     /// Torques at `times`.
@@ -255,6 +274,9 @@ pub struct ActuatorSettings {
     pub target: Option<Quantity<Coordinate>>,
     /// Coordinates at `times` that the controller follows.
     pub targets: Option<Vec<Quantity<Coordinate>>>,
+    /// Largest rate of the set point, which begins at the coordinate at the start and follows `target` or `targets`.
+    /// Default: none; the set point is the target.
+    pub target_rate: Option<Positive<CoordinateRate>>,
     /// Gain on the error of the coordinate. Default: 0, for a target whose rate alone is followed.
     pub kp: Option<NotNegative<JointStiffness>>,
     /// Gain on the error of the rate. Default: 0.
@@ -268,12 +290,18 @@ pub struct ActuatorSettings {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LawType {
     HuntCrossley,
+    Restitution,
+    SpringDamper,
     Step,
 }
 
 impl Keyword for LawType {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("hunt_crossley", LawType::HuntCrossley), ("step", LawType::Step)];
+    const KEYWORDS: &'static [(&'static str, Self)] = &[
+        ("hunt_crossley", LawType::HuntCrossley),
+        ("restitution", LawType::Restitution),
+        ("spring_damper", LawType::SpringDamper),
+        ("step", LawType::Step),
+    ];
 }
 
 /// A law of contacts or joint limits: a normal law, and friction of contacts.
@@ -287,8 +315,8 @@ pub struct NamedLawSettings {
 /// Keys of a law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct NamedLawKeys {
-    /// "hunt_crossley": k δ^e (1 + 1.5 a δ'), recommended; "step": k δ^e + c δ' with a damper that engages over
-    /// `transition`.
+    /// "hunt_crossley": k δ^e (1 + 1.5 a δ'), recommended; "restitution": the same with a from the rebound of a free mass;
+    /// "spring_damper": k δ^e + c δ'; "step": k δ^e + c δ' with a damper that engages over `transition`.
     #[schemars(extend("default" = "hunt_crossley"))]
     pub r#type: Word<LawType>,
     /// Stiffness k in N/m^e (limit: N·m/rad^e), a plain number because its unit depends on the exponent e. Required.
@@ -297,9 +325,18 @@ pub struct NamedLawKeys {
     /// Exponent e, at least 1.
     #[schemars(extend("default" = 1.5, "minimum" = 1.0))]
     pub exponent: Quantity<Plain>,
-    /// Factor a of "hunt_crossley", in s/m (limit: s/rad); damping c of "step", fully engaged beyond the transition.
-    /// Default: none.
+    /// Factor a of "hunt_crossley", in s/m (limit: s/rad); damping c of the others, with "step" fully engaged beyond the
+    /// transition. Default: none.
+    #[schemars(extend("x-with" = "type = hunt_crossley|spring_damper|step"))]
     pub damping: Option<NotNegative<LawDamping>>,
+    /// Speed of rebound over speed of impact of a free mass at `speed`, above 0 and at most 1.
+    #[schemars(extend("x-with" = "type = restitution", "exclusiveMinimum" = 0.0, "maximum" = 1.0,
+        "x-required" = "add the coefficient of restitution: restitution = 0.6"))]
+    pub restitution: Option<Quantity<Plain>>,
+    /// Impact speed at which the rebound has this coefficient; slower impacts rebound better.
+    #[schemars(extend("x-with" = "type = restitution", "x-required" = "add the impact speed: speed = \"0.5 m/s\", or a rate \
+        for a limit"))]
+    pub speed: Option<Positive<CoordinateRate>>,
     /// Penetration over which the damper engages.
     #[schemars(extend("x-with" = "type = step", "x-required" = "add the penetration over which the damper engages: \
         transition = \"0.1 mm\", or an angle for a limit"))]
@@ -328,6 +365,11 @@ pub struct ContactEntry {
     /// Name of the law. Required.
     #[schemars(extend("minLength" = 1, "x-required" = "add the name of a law: law = \"pad\", with a section [laws.pad]"))]
     pub law: Option<String>,
+    /// Rolling resistance: the lever arm of a moment against the relative rotation, times the normal force. Default: none.
+    pub rolling_arm: Option<Positive<Length>>,
+    /// Relative rate from which the moment is full; below it, bodies creep.
+    #[schemars(extend("default" = "0.1 rad/s"))]
+    pub rolling_rate: Positive<AngularRate>,
     /// Where the force acts: on the surface of the face, on that of the points, in the middle of the overlap, or for
     /// each body on its own surface.
     #[schemars(extend("default" = "face"))]
@@ -350,8 +392,8 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
         sections.iter().for_each(|(name, section)| check_name(input, section, key, name));
         sections
     };
-    let [bodies, joints, springs, couplings, actuators, laws] =
-        ["bodies", "joints", "springs", "couplings", "actuators", "laws"].map(sections);
+    let [bodies, joints, springs, tendons, couplings, actuators, laws] =
+        ["bodies", "joints", "springs", "tendons", "couplings", "actuators", "laws"].map(sections);
     if bodies.is_empty() {
         let help = "add at least one body: [bodies.link] with mass, inertia and guess";
         root.checker.report_missing_at("[bodies.NAME]", root.subsection("bodies").span, help);
@@ -385,10 +427,15 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
     let known_joints = Joints { names: &joint_names, kinds: &kinds };
     let springs: Vec<Option<Spring>> =
         springs.iter().map(|(name, section)| spring(name, section, &body_names, &known_joints)).collect();
+    let known = Known { bodies: &body_names, joints: &joint_names, kinds: &kinds };
+    let mut all_tendons: Vec<_> = tendons.iter().map(|(name, section)| tendon::tendon(name, section, &known)).collect();
+    let (pulls, motors): (Vec<_>, Vec<_>) = actuators.into_iter().partition(|(_, section)| section.has("tendon"));
+    let tendon_names: Vec<&str> = tendons.iter().map(|(name, _)| *name).collect();
+    pulls.iter().for_each(|(name, section)| pull(name, section, &tendon_names, &mut all_tendons));
     let all_couplings: Vec<Option<Coupling>> =
         couplings.iter().map(|(name, section)| coupling(name, section, &known_joints)).collect();
     let actuators: Vec<Option<Actuator>> =
-        actuators.iter().map(|(name, section)| actuator(name, section, &known_joints)).collect();
+        motors.iter().map(|(name, section)| actuator(name, section, &known_joints)).collect();
     let mut mechanism = Mechanism {
         gravity_m_s2,
         // Contacts refer to all outlines.
@@ -397,23 +444,30 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
         joints: all_joints.into_iter().collect::<Option<_>>()?,
         couplings: all_couplings.into_iter().collect::<Option<_>>()?,
         springs: springs.into_iter().collect::<Option<_>>()?,
+        tendons: all_tendons.into_iter().collect::<Option<_>>()?,
         actuators: actuators.into_iter().collect::<Option<_>>()?,
         rotors: Vec::new(),
         contacts: Vec::new(),
     };
     mechanism.contacts = contacts(root, &mechanism, &laws)?;
     // A start that does not fit is reported only if everything else is valid.
-    if root.checker.is_clean()
-        && let Err(error) = assemble(&mechanism)
-    {
-        let (section, key) = match error.condition() {
-            Condition::Joint(joint) => (&joints[joint].1, ""),
-            Condition::Coupling(coupling) => (&couplings[coupling].1, ""),
-            Condition::Start(joint) => (&joints[joint].1, "start"),
-        };
-        let message = error.to_string();
-        let (message, help) = message.split_once(": ").unwrap_or((&message, ""));
-        section.report(key, message, "cannot be assembled", help);
+    if root.checker.is_clean() {
+        match assemble(&mechanism) {
+            Ok(start) => {
+                tendon::tension(&mut mechanism, &tendons, &start.poses);
+                limit_target_rates(&mut mechanism, &motors, &start.poses);
+            }
+            Err(error) => {
+                let (section, key) = match error.condition() {
+                    Condition::Joint(joint) => (&joints[joint].1, ""),
+                    Condition::Coupling(coupling) => (&couplings[coupling].1, ""),
+                    Condition::Start(joint) => (&joints[joint].1, "start"),
+                };
+                let message = error.to_string();
+                let (message, help) = message.split_once(": ").unwrap_or((&message, ""));
+                section.report(key, message, "cannot be assembled", help);
+            }
+        }
     }
     Some(mechanism)
 }
@@ -432,32 +486,6 @@ fn check_name(input: &SceneInput, section: &SectionInput<'_>, key: &str, name: &
     let span = input.name_span(&section.path("")).or(section.span.clone());
     let help = format!("use a letter followed by letters, digits and _, as in [{key}.link_2]");
     section.checker.push(Problem::new(span, message, "invalid name", help));
-}
-
-/// Finds a name among those of a kind, or reports it at a key.
-fn find(input: &SectionInput<'_>, key: &str, name: &str, what: &str, known: &[&str]) -> Option<usize> {
-    find_at(input, input.span(key), key, name, what, known)
-}
-
-fn find_at(
-    input: &SectionInput<'_>,
-    span: Option<std::ops::Range<usize>>,
-    key: &str,
-    name: &str,
-    what: &str,
-    known: &[&str],
-) -> Option<usize> {
-    let found = known.iter().position(|other| *other == name);
-    if found.is_none() {
-        let message = format!("`{}` names no {what}: there is no {what} `{}`", input.path(key), name.escape_debug());
-        let label = closest_match(name, known).map_or("unknown name".into(), |near| format!("did you mean `{near}`?"));
-        let help = match known {
-            [] => format!("there is no {what} yet: add one"),
-            _ => format!("the scene has: {}", known.join(", ")),
-        };
-        input.checker.push(Problem::new(span, message, label, help));
-    }
-    found
 }
 
 /// Finds the two bodies of a joint or a spring.
@@ -600,7 +628,18 @@ fn joint(
     let settings: JointSettings = section.read();
     let kind = joint_kind(section)?;
     let (linear, of) = joint_words(kind);
-    let keys = ["start", "start_rate", "damping", "armature", "lower", "upper"];
+    let keys = [
+        "start",
+        "start_rate",
+        "damping",
+        "armature",
+        "friction",
+        "static_friction",
+        "friction_rates",
+        "friction_stiffness",
+        "lower",
+        "upper",
+    ];
     let units_fit = check_units(section, &keys, linear, of);
     if settings.start.is_none() {
         section.report_unused("start_rate", "without `start`");
@@ -630,6 +669,7 @@ fn joint(
         let message = format!("`{}` must be below `upper`", section.path("lower"));
         return section.refuse("lower", message, "not below `upper`", "swap the limits, or remove one");
     }
+    let friction = joint_friction(section, &settings, linear)?;
     let bodies = bodies?;
     let points_m = match (settings.points, settings.at) {
         (Some(points), _) => points.map(si),
@@ -655,10 +695,46 @@ fn joint(
         start_rate: settings.start_rate.map_or(0.0, |rate| *rate),
         damping: settings.damping.map_or(0.0, |damping| *damping),
         armature: settings.armature.map_or(0.0, |armature| *armature),
+        friction,
         lower: limits[0],
         upper: limits[1],
         limit,
     })
+}
+
+/// Relaxation time of the bristle of a joint, s.
+const BRISTLE_RELAXATION_S: f64 = 1e-3;
+
+/// Friction of a joint, as the law under a normal force of 1; the outer `None` if it is invalid.
+fn joint_friction(section: &SectionInput<'_>, settings: &JointSettings, linear: bool) -> Option<Option<FrictionLaw>> {
+    let Some(friction) = settings.friction else {
+        for key in ["static_friction", "friction_rates", "friction_stiffness"] {
+            section.report_unused(key, "without `friction`");
+        }
+        return Some(None);
+    };
+    let default_rates = if linear { [1e-3, 2e-3] } else { [0.01, 0.02] };
+    let [v_static_m_s, v_dynamic_m_s] = settings.friction_rates.map_or(default_rates, |rates| rates.map(|rate| *rate));
+    let law = FrictionLaw {
+        mu_static: settings.static_friction.map_or(*friction, |friction| *friction),
+        mu_dynamic: *friction,
+        v_static_m_s,
+        v_dynamic_m_s,
+        bristle: settings.friction_stiffness.map(|stiffness| Bristle {
+            damping_n_s_per_m: *stiffness * BRISTLE_RELAXATION_S,
+            relaxation_s: BRISTLE_RELAXATION_S,
+        }),
+    };
+    if law.mu_static < law.mu_dynamic {
+        let message = format!("`{}` is below `friction`", section.path("static_friction"));
+        let help = "raise it, or remove it (default: friction)";
+        return section.refuse("static_friction", message, "below `friction`", help);
+    }
+    if v_static_m_s >= v_dynamic_m_s {
+        let message = format!("the first of `{}` must be below the second", section.path("friction_rates"));
+        return section.refuse("friction_rates", message, "not increasing", "write them in increasing order");
+    }
+    Some(Some(law))
 }
 
 /// The joints that other sections name.
@@ -738,7 +814,19 @@ fn actuator(name: &str, section: &SectionInput<'_>, joints: &Joints<'_>) -> Opti
     let (linear, of) = joint_words(kind);
     let units_fit = check_units(
         section,
-        &["torque", "force", "torques", "forces", "target", "targets", "kp", "kd", "limit", "no_load_speed"],
+        &[
+            "torque",
+            "force",
+            "torques",
+            "forces",
+            "target",
+            "targets",
+            "kp",
+            "kd",
+            "target_rate",
+            "limit",
+            "no_load_speed",
+        ],
         linear,
         of,
     );
@@ -779,7 +867,9 @@ fn actuator(name: &str, section: &SectionInput<'_>, joints: &Joints<'_>) -> Opti
         }
         Command::Servo { kp: kp.unwrap_or(0.0), kd: kd.unwrap_or(0.0), target: profile? }
     } else {
-        ["kp", "kd"].iter().for_each(|gain| section.report_unused(gain, &format!("with `{key}`: there is no target")));
+        ["kp", "kd", "target_rate"]
+            .iter()
+            .for_each(|gain| section.report_unused(gain, &format!("with `{key}`: there is no target")));
         Command::Effort(profile?)
     };
     units_fit.then(|| Actuator {
@@ -792,12 +882,62 @@ fn actuator(name: &str, section: &SectionInput<'_>, joints: &Joints<'_>) -> Opti
     })
 }
 
+/// Limits the rates of set points, which begin at the coordinates of these poses.
+fn limit_target_rates(mechanism: &mut Mechanism, sections: &[(&str, SectionInput<'_>)], poses: &[Pose]) {
+    for (actuator, (_, section)) in mechanism.actuators.iter_mut().zip(sections) {
+        let ActuatorSettings { target_rate, .. } = section.read_quietly();
+        if let (Some(rate), Command::Servo { target, .. }) = (target_rate, &mut actuator.command) {
+            let terms = actuator.on.terms.iter();
+            let start = terms.map(|(joint, factor)| factor * coordinate_in(&mechanism.joints[*joint], poses));
+            *target = target.rate_limited(start.sum::<f64>() - actuator.on.offset, *rate);
+        }
+    }
+}
+
+/// Resolves the actuator of a tendon.
+fn pull(name: &str, section: &SectionInput<'_>, names: &[&str], tendons: &mut [Option<Tendon>]) {
+    let ActuatorSettings { tendon, tension, tensions, times, .. } = section.read();
+    let of_joints = [
+        "joint",
+        "torque",
+        "force",
+        "torques",
+        "forces",
+        "target",
+        "targets",
+        "kp",
+        "kd",
+        "target_rate",
+        "limit",
+        "no_load_speed",
+    ];
+    of_joints.iter().for_each(|key| section.report_unused(key, "with `tendon`"));
+    let tension = match (tension, tensions) {
+        (Some(value), _) => {
+            ["times", "tensions"].iter().for_each(|key| section.report_unused(key, "with `tension`"));
+            Some(Profile::Constant { value: *value })
+        }
+        (None, Some(values)) => values_over_time(section, "tensions", times, values),
+        (None, None) => {
+            section.report_missing("tension", "add the tension: tension = \"30 N\", or times and tensions");
+            None
+        }
+    };
+    let index = tendon.and_then(|tendon| find(section, "tendon", &tendon, "tendon", names));
+    let Some(tendon) = index.and_then(|index| tendons[index].as_mut()) else { return };
+    if let Some(other) = &tendon.actuator {
+        let message = format!("the tendon `{}` has two actuators, {} and {name}", tendon.name, other.name);
+        section.report("tendon", message, "pulled twice", "remove one of them, and add up the tensions");
+    }
+    tendon.actuator = tension.map(|tension| TendonActuator { name: name.to_owned(), tension });
+}
+
 /// A table of values over increasing times.
-fn values_over_time<D>(
+fn values_over_time<D, R>(
     section: &SectionInput<'_>,
     key: &str,
     times: Option<Vec<Quantity<Time>>>,
-    values: Vec<Quantity<D>>,
+    values: Vec<Quantity<D, R>>,
 ) -> Option<Profile> {
     let Some(times) = times else {
         section.report_missing("times", &format!("add the times of `{key}`: times = [\"0 ms\", \"20 ms\"]"));
@@ -830,7 +970,7 @@ struct NamedLaw {
 }
 
 fn named_law(section: &SectionInput<'_>) -> Option<NamedLaw> {
-    let NamedLawKeys { r#type, stiffness, exponent, damping, transition } = section.read();
+    let NamedLawKeys { r#type, stiffness, exponent, damping, restitution, speed, transition } = section.read();
     section.is_valid("type").then_some(())?;
     let friction = law::friction_of(section);
     let given = section.dimensions("damping").first().copied();
@@ -838,6 +978,10 @@ fn named_law(section: &SectionInput<'_>) -> Option<NamedLaw> {
         LawType::HuntCrossley => ("hunt_crossley", |dimension| {
             matches!(dimension, Dimension::LinearImpactDamping | Dimension::AngularImpactDamping)
         }),
+        LawType::Restitution => ("restitution", |_| false),
+        LawType::SpringDamper => {
+            ("spring_damper", |dimension| matches!(dimension, Dimension::LinearDamping | Dimension::AngularDamping))
+        }
         LawType::Step => {
             ("step", |dimension| matches!(dimension, Dimension::LinearDamping | Dimension::AngularDamping))
         }
@@ -848,7 +992,12 @@ fn named_law(section: &SectionInput<'_>) -> Option<NamedLaw> {
         let message = format!("`{}` is {}, which type = \"{of}\" does not have", section.path("damping"), wrong.name());
         return section.refuse("damping", message, "of another law", format!("write {}", examples.join(" or ")));
     }
-    let linear: Vec<bool> = given.into_iter().chain(section.dimensions("transition")).map(is_linear).collect();
+    let linear: Vec<bool> = given
+        .into_iter()
+        .chain(section.dimensions("transition"))
+        .chain(section.dimensions("speed"))
+        .map(is_linear)
+        .collect();
     if linear.len() == 2 && linear[0] != linear[1] {
         let message = format!("`{}` and `damping` are for different uses of a law", section.path("transition"));
         let help = "give a length and N*s/m for contacts, or an angle and N*m*s/rad for limits";
@@ -857,6 +1006,8 @@ fn named_law(section: &SectionInput<'_>) -> Option<NamedLaw> {
     let damping_si = damping.map_or(0.0, |damping| *damping);
     let damping = match r#type.0 {
         LawType::HuntCrossley => Damping::HuntCrossley { factor_s_per_m: damping_si },
+        LawType::Restitution => damping_from_restitution(*restitution?, *speed?),
+        LawType::SpringDamper => Damping::Constant { n_s_per_m: damping_si },
         LawType::Step => Damping::Step { max_n_s_per_m: damping_si, transition_m: *transition? },
     };
     let normal = NormalLaw { stiffness_n_per_m_e: *stiffness?, exponent: *exponent, damping };
@@ -921,7 +1072,17 @@ fn contact_entry(
     mechanism: &Mechanism,
     laws: &[(&str, Option<NamedLaw>)],
 ) -> Option<Vec<ContactPair>> {
-    let ContactEntry { between, points, face, faces, law, at } = section.read();
+    let ContactEntry { between, points, face, faces, law, at, rolling_arm, rolling_rate } = section.read();
+    if rolling_arm.is_none() {
+        section.report_unused("rolling_rate", "without `rolling_arm`");
+    }
+    let rolling = rolling_arm.map(|arm| FrictionLaw {
+        mu_static: *arm,
+        mu_dynamic: *arm,
+        v_static_m_s: *rolling_rate,
+        v_dynamic_m_s: 2.0 * *rolling_rate,
+        bristle: None,
+    });
     let law = law.and_then(|name| law_for(section, "law", &name, laws, true, "a contact"));
     let pairs = match between {
         Some(between) => {
@@ -945,7 +1106,12 @@ fn contact_entry(
     let are_valid: Vec<bool> =
         pairs.iter().map(|(pair, span)| check_pair(section, *pair, span.clone(), mechanism)).collect();
     let law = law.filter(|_| are_valid.into_iter().all(|is_valid| is_valid))?;
-    Some(pairs.into_iter().map(|([points, face], _)| ContactPair { points, face, law, force_point: at.0 }).collect())
+    Some(
+        pairs
+            .into_iter()
+            .map(|([points, face], _)| ContactPair { points, face, law, rolling, force_point: at.0 })
+            .collect(),
+    )
 }
 
 /// Pairs of points and a face with their position in the file.
@@ -1098,11 +1264,19 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Table {
             settings.insert("axis".into(), axis_rad.into());
         }
         let given = |value: f64| Some(value).filter(|value| *value != 0.0);
+        let bristle = joint.friction.and_then(|law| law.bristle);
+        if let Some(FrictionLaw { v_static_m_s, v_dynamic_m_s, .. }) = joint.friction {
+            let rates = [v_static_m_s, v_dynamic_m_s].map(|rate| Value::from(units.text(rate, Kind::Rate)));
+            settings.insert("friction_rates".into(), rates.to_vec().into());
+        }
         settings.extend(units.texts([
             ("start", joint.start, Kind::Coordinate),
             ("start_rate", given(joint.start_rate).or(joint.start.and(Some(0.0))), Kind::Rate),
             ("damping", given(joint.damping), Kind::Damping),
             ("armature", given(joint.armature), Kind::Inertia),
+            ("friction", joint.friction.map(|law| law.mu_dynamic), Kind::Effort),
+            ("static_friction", joint.friction.map(|law| law.mu_static), Kind::Effort),
+            ("friction_stiffness", bristle.map(|of| of.damping_n_s_per_m / of.relaxation_s), Kind::Stiffness),
             ("lower", joint.lower, Kind::Coordinate),
             ("upper", joint.upper, Kind::Coordinate),
         ]));
@@ -1168,12 +1342,20 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Table {
         settings.extend(Units { linear }.texts([("value", Some(coupling.on.offset), Kind::Coordinate)]));
         (coupling.name.clone(), settings)
     };
+    let actuators = mechanism.actuators.iter().map(|each| actuator_settings(each, mechanism));
+    let pulls = mechanism.tendons.iter().filter_map(|tendon| {
+        let TendonActuator { name, tension } = tendon.actuator.as_ref()?;
+        let mut settings = table([("tendon", tendon.name.as_str().into())]);
+        insert_profile(&mut settings, tension, "tension", &Value::from);
+        Some((name.clone(), settings))
+    });
     let mut file = table([
         ("bodies", named(mechanism.bodies.iter().enumerate().map(body).collect())),
         ("joints", named(mechanism.joints.iter().map(|each| (each.name.clone(), joint(each))).collect())),
         ("springs", named(mechanism.springs.iter().map(spring).collect())),
+        ("tendons", named(mechanism.tendons.iter().map(|each| tendon::tendon_settings(each, mechanism)).collect())),
         ("couplings", named(mechanism.couplings.iter().map(coupling).collect())),
-        ("actuators", named(mechanism.actuators.iter().map(|each| actuator_settings(each, mechanism)).collect())),
+        ("actuators", named(actuators.chain(pulls).collect())),
         ("laws", named(laws.settings())),
     ]);
     let ground = named(mechanism.ground_outlines.iter().map(outline_settings).collect());
@@ -1184,6 +1366,8 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Table {
             ("face", mechanism.outline_name(contact.face).into()),
             ("law", laws.name(&contact.law, true).into()),
             ("at", contact.force_point.keyword().into()),
+            ("rolling_arm", contact.rolling.map_or(f64::NAN, |law| law.mu_static).into()),
+            ("rolling_rate", contact.rolling.map_or(f64::NAN, |law| law.v_static_m_s).into()),
         ]))
     };
     file.insert("contacts".into(), mechanism.contacts.iter().map(contact).collect::<Vec<_>>().into());
@@ -1202,18 +1386,23 @@ fn actuator_settings(actuator: &Actuator, mechanism: &Mechanism) -> (String, Tab
             (target, "target", Kind::Coordinate)
         }
     };
-    match profile {
-        Profile::Table { points, .. } => {
-            settings.insert("times".into(), list(points.iter().map(|point| point.0)));
-            let texts: Vec<Value> = points.iter().map(|point| units.text(point.1, kind).into()).collect();
-            settings.insert(format!("{key}s"), texts.into());
-        }
-        other => _ = settings.insert(key.into(), units.text(other.at(0.0).0, kind).into()),
-    }
+    insert_profile(&mut settings, profile, key, &|value| units.text(value, kind).into());
     settings.extend(
         units.texts([("limit", actuator.limit, Kind::Effort), ("no_load_speed", actuator.no_load_speed, Kind::Rate)]),
     );
     (actuator.name.clone(), settings)
+}
+
+/// Inserts a constant, or times and values.
+fn insert_profile(settings: &mut Table, profile: &Profile, key: &str, setting: &dyn Fn(f64) -> Value) {
+    match profile {
+        Profile::Table { points, .. } => {
+            settings.insert("times".into(), list(points.iter().map(|point| point.0)));
+            let values: Vec<Value> = points.iter().map(|point| setting(point.1)).collect();
+            settings.insert(format!("{key}s"), values.into());
+        }
+        other => _ = settings.insert(key.into(), setting(other.at(0.0).0)),
+    }
 }
 
 /// The joint of a spring or actuator: scene files write combinations only in couplings.
@@ -1293,6 +1482,10 @@ impl Laws {
                     let units = pick([Dimension::AngularImpactDamping, Dimension::LinearImpactDamping]);
                     vec![("type", "hunt_crossley".to_owned()), ("damping", format(factor_s_per_m, units))]
                 }
+                Damping::Constant { n_s_per_m } => vec![
+                    ("type", "spring_damper".to_owned()),
+                    ("damping", format(n_s_per_m, pick([Dimension::AngularDamping, Dimension::LinearDamping]))),
+                ],
                 Damping::Step { max_n_s_per_m, transition_m } => vec![
                     ("type", "step".to_owned()),
                     ("damping", format(max_n_s_per_m, pick([Dimension::AngularDamping, Dimension::LinearDamping]))),

@@ -26,7 +26,9 @@
 //! | `law` | contact, limit |
 //! | `mechanism` | bodies, ground, joints, springs, couplings, actuators, laws and contacts of a mechanism |
 //! | `outline` | outlines of a mechanism |
+//! | `tendon` | tendons of a mechanism |
 //! | `motion` | moves, vibrations, path |
+//! | `names` | no section: names by which sections refer to each other |
 //! | `run` | integrator, engine, validate, criteria, log |
 
 // Names of sections in brackets, such as [motor], are not links.
@@ -40,9 +42,11 @@ pub(crate) mod finger;
 pub(crate) mod law;
 pub(crate) mod mechanism;
 pub(crate) mod motion;
+mod names;
 pub(crate) mod outline;
 pub(crate) mod run;
 pub(crate) mod start;
+pub(crate) mod tendon;
 
 use std::collections::BTreeMap;
 

@@ -1,0 +1,97 @@
+//! Geometry of the cable of a tendon: straight segments between eyelets and pulleys, and wraps around pulleys.
+
+use super::assembly::coordinate_in;
+use super::{Mechanism, PathElement, Pose, Tendon};
+use crate::numeric::Real;
+use crate::numeric::elementary::sin_cos;
+use crate::numeric::plane::{Vector, add, dot, opening_angle, perp, rotate, scale, scale_by, sub};
+use std::f64::consts::FRAC_PI_2;
+
+/// Largest wrap of a pulley: beyond it the strands may cross, and the wrap is not known from the directions alone.
+pub const MAX_WRAP_RAD: f64 = 3.0 * FRAC_PI_2;
+
+/// A straight segment of a cable between two path elements.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment<T> {
+    pub length: T,
+    /// Unit vector of the direction of travel.
+    pub direction: Vector<T>,
+}
+
+impl PathElement {
+    /// Radius with the sign of the side.
+    pub fn signed_radius_m(&self) -> f64 {
+        self.side * self.radius_m
+    }
+
+    pub fn is_pulley(&self) -> bool {
+        self.radius_m > 0.0
+    }
+}
+
+/// Returns the segment between two path elements; `between` is the vector from the centre of the first to that of the
+/// second. Not a number if no straight line touches both on their sides.
+#[inline(always)]
+pub fn segment<T: Real>([first, second]: [&PathElement; 2], between: Vector<T>) -> Segment<T> {
+    let offset = second.signed_radius_m() - first.signed_radius_m();
+    let squared = dot(between, between);
+    let length = (squared - offset * offset).sqrt();
+    let direction = scale(sub(scale(between, length), scale_by(perp(between), offset)), squared.recip());
+    Segment { length, direction }
+}
+
+/// Returns the angle by which a cable wraps a pulley, from −π/2 to [`MAX_WRAP_RAD`]; negative where it lifts off.
+pub fn wrap(pulley: &PathElement, [before, after]: [Vector<f64>; 2]) -> f64 {
+    if pulley.side > 0.0 { opening_angle(before, after) } else { opening_angle(after, before) }
+}
+
+/// Returns the length of a cable with the centres of its path elements at these positions: segments and wrapped arcs.
+pub fn path_length(path: &[PathElement], center: impl Fn(&PathElement) -> Vector<f64>) -> f64 {
+    let (mut length, mut before) = (0.0, None);
+    for pair in path.windows(2) {
+        let segment = segment([&pair[0], &pair[1]], sub(center(&pair[1]), center(&pair[0])));
+        let arc = before.map_or(0.0, |before| match pair[0].is_pulley() {
+            true => pair[0].radius_m * wrap(&pair[0], [before, segment.direction]),
+            false => 0.0,
+        });
+        length += arc + segment.length;
+        before = Some(segment.direction);
+    }
+    length
+}
+
+/// Returns the wraps of the pulleys of a cable, with the indices of their path elements.
+pub fn wraps(path: &[PathElement], center: impl Fn(&PathElement) -> Vector<f64>) -> impl Iterator<Item = (usize, f64)> {
+    let direction =
+        move |pair: &[PathElement]| segment([&pair[0], &pair[1]], sub(center(&pair[1]), center(&pair[0]))).direction;
+    let turns = path.windows(3).enumerate().filter(|(_, turn)| turn[1].is_pulley());
+    turns.map(move |(index, turn)| (index + 1, wrap(&turn[1], [direction(&turn[..2]), direction(&turn[1..])])))
+}
+
+/// Returns the position of a path element in these poses.
+pub fn center_in(element: &PathElement, poses: &[Pose]) -> Vector<f64> {
+    let [x, y, angle] = element.body.map_or([0.0; 3], |body| poses[body]);
+    let (sin, cos) = sin_cos(angle);
+    add([x, y], rotate(element.point_m, [cos, sin]))
+}
+
+/// Returns the length of a tendon in these poses, with the terms of its joints.
+pub fn length_in(mechanism: &Mechanism, tendon: &Tendon, poses: &[Pose]) -> f64 {
+    let joints = tendon.joints.iter().map(|(joint, factor)| factor * coordinate_in(&mechanism.joints[*joint], poses));
+    path_length(&tendon.path, |element| center_in(element, poses)) + joints.sum::<f64>()
+}
+
+impl Mechanism {
+    /// Explains that a cable is not on a pulley of its path, and what helps.
+    pub fn describe_lifted(&self, tendon: &Tendon, element: usize) -> String {
+        let pulley = &tendon.path[element];
+        format!(
+            "the cable of the tendon {} lifts off its pulley in place {} of the path ({}, radius {:.4} mm): swap the side of \
+             the pulley, remove it, or change the path so that the cable stays on it",
+            tendon.name,
+            element + 1,
+            self.body_name(pulley.body),
+            pulley.radius_m * 1e3
+        )
+    }
+}

@@ -1,0 +1,233 @@
+//! Tendons of a mechanism: their paths, spools, springs and actuators.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::{Table, Value};
+
+use super::names::{GROUND, find};
+use super::{list, table};
+use crate::mechanism::tendon::{center_in, length_in, wraps};
+use crate::mechanism::{JointKind, Mechanism, PathElement, Pose, Tendon};
+use crate::scene::quantity::{
+    Force, Keyword, Length, LinearDamping, LinearStiffness, NotNegative, Positive, Quantity, Word,
+};
+use crate::scene::section_input::SectionInput;
+
+/// A massless cable without friction, with one tension along its whole length: the force of its spring and damper, which
+/// cannot push, and the tension of an actuator.
+#[derive(JsonSchema)]
+pub struct TendonSettings {
+    #[serde(flatten)]
+    pub keys: TendonKeys,
+    /// Eyelets and pulleys in the order of the cable; the first and the last are eyelets. Required without `spools`.
+    pub path: Vec<PathEntry>,
+    /// Spools that wind up the cable.
+    pub spools: Vec<SpoolEntry>,
+}
+
+/// Keys of a tendon.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct TendonKeys {
+    /// Stiffness of the cable. Default: none; the cable is then pulled by an actuator only.
+    pub stiffness: Option<Positive<LinearStiffness>>,
+    /// Damping of the cable. Default: none.
+    pub damping: Option<NotNegative<LinearDamping>>,
+    /// Tension at the start at rest, which determines the free length. Default: 0.
+    pub pretension: Option<NotNegative<Force>>,
+    /// Free length of the cable with its terms of spools, in place of `pretension`.
+    pub rest: Option<Quantity<Length>>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    Clockwise,
+    CounterClockwise,
+}
+
+impl Keyword for Turn {
+    const KEYWORDS: &'static [(&'static str, Self)] = &[("cw", Turn::Clockwise), ("ccw", Turn::CounterClockwise)];
+}
+
+impl Turn {
+    fn sign(self) -> f64 {
+        if self == Turn::CounterClockwise { 1.0 } else { -1.0 }
+    }
+
+    fn keyword(sign: f64) -> &'static str {
+        if sign > 0.0 { "ccw" } else { "cw" }
+    }
+}
+
+/// A place of a cable's path: an eyelet or a pulley.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct PathEntry {
+    /// Body of an eyelet. Required, or `pulley`.
+    #[schemars(extend("minLength" = 1, "x-alternative" = "pulley",
+        "x-required" = "add the body: eyelet = \"distal\", or pulley = \"ground\" with radius and turn"))]
+    pub eyelet: Option<String>,
+    /// Body of a pulley, which does not turn with the cable.
+    #[schemars(extend("minLength" = 1))]
+    pub pulley: Option<String>,
+    /// The eyelet, or the centre of the pulley, in the frame of its body.
+    #[schemars(extend("default" = ["0 mm", "0 mm"]))]
+    pub at: [Quantity<Length>; 2],
+    /// Radius of the pulley.
+    pub radius: Option<Positive<Length>>,
+    /// Direction in which the cable passes the pulley: "cw" (the centre to its right) or "ccw".
+    pub turn: Option<Word<Turn>>,
+}
+
+/// A spool on a revolute joint, or a pulley concentric with it.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct SpoolEntry {
+    /// The joint. Required.
+    #[schemars(extend("minLength" = 1, "x-required" = "add the joint of the spool: joint = \"winch\""))]
+    pub joint: Option<String>,
+    /// Radius of the spool. Required.
+    #[schemars(extend("x-required" = "add the radius: radius = \"6 mm\""))]
+    pub radius: Option<Positive<Length>>,
+    /// Rotation of the joint that winds up the cable.
+    #[schemars(extend("default" = "ccw"))]
+    pub turn: Word<Turn>,
+}
+
+/// Names and kinds of the joints of a mechanism, and names of its bodies.
+pub(super) struct Known<'a> {
+    pub bodies: &'a [&'a str],
+    pub joints: &'a [&'a str],
+    pub kinds: &'a [Option<JointKind>],
+}
+
+/// Resolves a tendon without its actuator and its free length; `None` if a part is invalid.
+pub(super) fn tendon(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Tendon> {
+    let TendonKeys { stiffness, damping, .. } = section.read();
+    let elements: Vec<_> = section.list("path").iter().map(|entry| element(entry, known.bodies)).collect();
+    let spools: Vec<_> = section.list("spools").iter().map(|entry| spool(entry, known)).collect();
+    if stiffness.is_none() {
+        ["damping", "pretension", "rest"].iter().for_each(|key| section.report_unused(key, "without `stiffness`"));
+    }
+    if section.has("rest") {
+        section.report_unused("pretension", "with `rest`");
+    }
+    let (path, joints): (Vec<PathElement>, Vec<(usize, f64)>) =
+        (elements.into_iter().collect::<Option<_>>()?, spools.into_iter().collect::<Option<_>>()?);
+    let ends_at_pulley = |end: Option<&PathElement>| end.is_some_and(PathElement::is_pulley);
+    if path.len() == 1 || path.is_empty() && joints.is_empty() {
+        let message = format!(
+            "`{}` has {} places, but a cable leads from one eyelet to another",
+            section.path("path"),
+            path.len()
+        );
+        let help =
+            "write at least two: path = [{ eyelet = \"ground\", at = [\"0 mm\", \"0 mm\"] }, { eyelet = \"distal\" }]";
+        return section.refuse("path", message, "too short", help);
+    }
+    if ends_at_pulley(path.first()) || ends_at_pulley(path.last()) {
+        let message = format!("`{}` begins or ends with a pulley", section.path("path"));
+        let help =
+            "begin and end with an eyelet; a winch is a spool: spools = [{ joint = \"winch\", radius = \"6 mm\" }]";
+        return section.refuse("path", message, "a pulley at an end", help);
+    }
+    Some(Tendon {
+        name: name.to_owned(),
+        path,
+        joints,
+        stiffness_n_per_m: stiffness.map_or(0.0, |stiffness| *stiffness),
+        damping_n_s_per_m: damping.map_or(0.0, |damping| *damping),
+        rest_m: 0.0,
+        actuator: None,
+    })
+}
+
+fn element(entry: &SectionInput<'_>, bodies: &[&str]) -> Option<PathElement> {
+    let PathEntry { eyelet, pulley, at, radius, turn } = entry.read();
+    let known: Vec<&str> = [GROUND].into_iter().chain(bodies.iter().copied()).collect();
+    let key = if pulley.is_some() { "pulley" } else { "eyelet" };
+    if pulley.is_some() {
+        entry.report_unused("eyelet", "with `pulley`");
+        if radius.is_none() {
+            entry.report_missing("radius", "add the radius of the pulley: radius = \"4 mm\"");
+        }
+        if turn.is_none() {
+            entry.report_missing(
+                "turn",
+                "add the direction in which the cable passes the pulley: turn = \"cw\" or \"ccw\"",
+            );
+        }
+    } else {
+        ["radius", "turn"].iter().for_each(|key| entry.report_unused(key, "without `pulley`"));
+    }
+    let (radius_m, side) = if pulley.is_some() { (*radius?, turn?.0.sign()) } else { (0.0, 1.0) };
+    let body = find(entry, key, &pulley.or(eyelet)?, "body", &known)?.checked_sub(1);
+    Some(PathElement { body, point_m: at.map(|part| *part), radius_m, side })
+}
+
+fn spool(entry: &SectionInput<'_>, known: &Known<'_>) -> Option<(usize, f64)> {
+    let SpoolEntry { joint, radius, turn } = entry.read();
+    let joint = find(entry, "joint", &joint?, "joint", known.joints)?;
+    if matches!(known.kinds[joint]?, JointKind::Prismatic { .. }) {
+        let message = format!("`{}` names a prismatic joint, which has no spool", entry.path("joint"));
+        let help = "name a revolute joint; a cable to a slider ends in an eyelet of its body";
+        return entry.refuse("joint", message, "a prismatic joint", help);
+    }
+    Some((joint, turn.0.sign() * *radius?))
+}
+
+/// Sets the free lengths of all tendons from these poses at the start, and checks that the cables can pass their paths.
+pub(super) fn tension(mechanism: &mut Mechanism, sections: &[(&str, SectionInput<'_>)], poses: &[Pose]) {
+    for (index, (_, section)) in sections.iter().enumerate() {
+        let tendon = &mechanism.tendons[index];
+        let length_m = length_in(mechanism, tendon, poses);
+        let lifted = wraps(&tendon.path, |element| center_in(element, poses)).find(|(_, wrap)| *wrap <= 0.0);
+        if length_m.is_nan() {
+            let message = format!("the cable of `{}` cannot pass its path at the start", section.path(""));
+            let help = "neighbouring places must be apart: an eyelet outside of its neighbouring pulleys, and pulleys that \
+                        the cable passes on different sides without overlap";
+            section.report("path", message, "places coincide or overlap", help);
+        } else if let Some((element, _)) = lifted {
+            let text = mechanism.describe_lifted(tendon, element);
+            let (message, help) = text.split_once(": ").unwrap_or((&text, ""));
+            section.report("path", format!("at the start {message}"), "not on a pulley", help);
+        } else if tendon.law().is_none() && tendon.actuator.is_none() {
+            let message = format!("`{}` has neither a stiffness nor an actuator, and never pulls", section.path(""));
+            let help = format!(
+                "add a stiffness: stiffness = \"2e4 N/m\", or an actuator with tendon = \"{}\" and a tension",
+                tendon.name
+            );
+            section.report("", message, "without tension", help);
+        }
+        let TendonKeys { pretension, rest, .. } = section.read_quietly();
+        let tendon = &mut mechanism.tendons[index];
+        let stretch_m = pretension.map_or(0.0, |force| *force / tendon.stiffness_n_per_m.max(f64::MIN_POSITIVE));
+        tendon.rest_m = rest.map_or(length_m - stretch_m, |rest| *rest);
+    }
+}
+
+/// Settings of a tendon.
+pub(super) fn tendon_settings(tendon: &Tendon, mechanism: &Mechanism) -> (String, Table) {
+    let element = |element: &PathElement| {
+        let body = mechanism.body_name(element.body).into();
+        let mut entry =
+            table([(if element.is_pulley() { "pulley" } else { "eyelet" }, body), ("at", list(element.point_m))]);
+        if element.is_pulley() {
+            entry.extend(table([("radius", element.radius_m.into()), ("turn", Turn::keyword(element.side).into())]));
+        }
+        Value::from(entry)
+    };
+    let spool = |(joint, factor): &(usize, f64)| {
+        let joint = mechanism.joints[*joint].name.as_str().into();
+        Value::from(table([("joint", joint), ("radius", factor.abs().into()), ("turn", Turn::keyword(*factor).into())]))
+    };
+    let mut settings = table([
+        ("path", tendon.path.iter().map(element).collect::<Vec<_>>().into()),
+        ("spools", tendon.joints.iter().map(spool).collect::<Vec<_>>().into()),
+    ]);
+    if tendon.law().is_some() {
+        settings.extend(table([
+            ("stiffness", tendon.stiffness_n_per_m.into()),
+            ("damping", tendon.damping_n_s_per_m.into()),
+            ("rest", tendon.rest_m.into()),
+        ]));
+    }
+    (tendon.name.clone(), settings)
+}
