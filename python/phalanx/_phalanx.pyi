@@ -16,6 +16,9 @@ __all__ = [
     "Column",
     "Result",
     "Scene",
+    "Simulation",
+    "SimulationBatch",
+    "SimulationState",
     "Table",
     "__version__",
     "_column_value",
@@ -197,6 +200,139 @@ class Result:
 
     def __len__(self) -> int:
         """Returns the number of samples."""
+
+@final
+class Simulation:
+    """A scene that the caller advances: a controller in the loop.
+
+    `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
+    `simulation.set_torque("motor", 0.48)`. Between two calls the model takes its own steps and locates its events; results
+    do not depend on how the time is divided. The duration of the scene is not its end.
+
+    `copy.copy(simulation)` and `state` continue with the same bits. Raises SceneError for an invalid scene, and RunError
+    if the model does not simulate it.
+    """
+
+    def __new__(cls, scene: _SceneLike, model: _Model = "analytic") -> Simulation: ...
+    def advance(self, duration: float) -> None:
+        """Advances by a duration, s.
+
+        Raises RunError with its `time_s` if the model cannot advance further; the simulation is then at that time.
+        Other Python threads continue; Ctrl-C interrupts, after which only a `state` can be continued.
+        """
+
+    def advance_to(self, time: float) -> None:
+        """Advances to a time, s; see `advance`."""
+
+    @property
+    def time(self) -> float:
+        """Present time, s."""
+
+    def __getitem__(self, column: str, /) -> float:
+        """Returns the present value of a column, such as `simulation["q11_rad"]`; NaN for a contact that does not exist.
+
+        `columns` lists the names. Units: angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
+        """
+
+    @property
+    def columns(self) -> list[str]:
+        """Names of all columns with their units: `time_s` first, the energies last."""
+
+    @property
+    def contacts(self) -> dict[str, dict[str, float]]:
+        """Present values by contact, with the keys of its columns: `simulation.contacts["distal"]["normal_n"]`."""
+
+    @property
+    def events(self) -> list[Event]:
+        """Contact events so far in order of time."""
+
+    @property
+    def torque_inputs(self) -> list[str]:
+        """Names of the actuators with a torque or a force as input."""
+
+    @property
+    def target_inputs(self) -> list[str]:
+        """Names of the actuators with a target as input."""
+
+    def set_torque(self, actuator: str, torque: float) -> None:
+        """Sets the torque of an actuator, N·m (of a prismatic joint: the force, N), from now on.
+
+        Raises SceneError that lists the actuators if the name is wrong.
+        """
+
+    def set_target(self, actuator: str, target: float, rate: float = 0.0) -> None:
+        """Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s.
+
+        Raises SceneError that lists the actuators if the name is wrong.
+        """
+
+    @property
+    def state(self) -> SimulationState:
+        """The whole state.
+
+        Assigning it, also to another simulation of the same scene, continues from there with the same bits.
+        """
+
+    @state.setter
+    def state(self, state: SimulationState, /) -> None: ...
+    def __copy__(self) -> Simulation:
+        """Returns an independent copy."""
+
+    def __deepcopy__(self, _memo: object, /) -> Simulation:
+        """Returns an independent copy."""
+
+@final
+class SimulationState:
+    """State of a `Simulation`, from which it can continue."""
+
+@final
+class SimulationBatch:
+    """Many simulations that advance together on all cores, with arrays as inputs and outputs.
+
+    scenes: one scene for each simulation; `[scene] * 100` gives 100 equal ones. A simulation that fails stays at the time
+    of its failure, and the others continue.
+    """
+
+    def __new__(cls, scenes: Sequence[_SceneLike], model: _Model = "analytic") -> SimulationBatch: ...
+    def advance(self, duration: float) -> None:
+        """Advances all simulations by a duration, s. Ctrl-C interrupts; only a state can be continued then."""
+
+    @property
+    def time(self) -> _Numbers:
+        """Present time of each simulation, s."""
+
+    def __getitem__(self, column: str, /) -> _Numbers:
+        """Returns the present values of a column, one for each simulation, such as `batch["q11_rad"]`."""
+
+    def set_torque(self, actuator: str, torque: float | Sequence[float] | _Numbers) -> None:
+        """Sets the torque of an actuator in all simulations, N·m (of a prismatic joint: the force, N).
+
+        torque: one number, or one for each. Simulations that have failed ignore it.
+        """
+
+    def set_target(self, actuator: str, target: float | Sequence[float] | _Numbers) -> None:
+        """Sets the target of a servo in all simulations, rad or m: one number, or one for each.
+
+        Simulations that have failed ignore it.
+        """
+
+    @property
+    def events(self) -> list[list[Event]]:
+        """Contact events of each simulation so far."""
+
+    @property
+    def failures(self) -> list[str | None]:
+        """Reason of the failure of each simulation; None if it can advance."""
+
+    @property
+    def states(self) -> list[SimulationState]:
+        """States of all simulations, for `restore`."""
+
+    def restore(self, indices: Sequence[int], states: Sequence[SimulationState]) -> None:
+        """Restores the states of the simulations with these indices; `states` has one for each."""
+
+    def __len__(self) -> int:
+        """Number of simulations."""
 
 @final
 class Table:

@@ -60,13 +60,15 @@ class StudyError(_LocatedError):
 
 
 class RunError(PhalanxError):
-    """A run was not completed, or a log cannot be read or written."""
+    """A run or a simulation was not completed, or a log cannot be read or written."""
 
-    def __init__(self, message: str, result: Result | None = None) -> None:
+    def __init__(self, message: str, result: Result | None = None, time_s: float | None = None) -> None:
         super().__init__(message)
         self.result = result
         """The run up to the error; None if the error concerns no run."""
+        self.time_s = time_s
+        """Time beyond which a `Simulation` cannot advance, s; None for other errors."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         # A result cannot be pickled.
-        return (type(self), (self.args[0],))
+        return (type(self), (self.args[0], None, self.time_s))

@@ -51,8 +51,17 @@ pub fn table(py: Python<'_>, error: &TableError) -> PyErr {
 /// `RunError` for a run that was not completed, or a log that cannot be read or written; `result` contains the run up
 /// to the error.
 pub fn run(py: Python<'_>, message: impl Display, result: Option<Py<PyAny>>) -> PyErr {
+    run_error(py, message, ("result", result))
+}
+
+/// `RunError` for a simulation that cannot advance beyond `time_s`.
+pub fn failure(py: Python<'_>, message: impl Display, time_s: f64) -> PyErr {
+    run_error(py, message, ("time_s", time_s))
+}
+
+fn run_error<'py>(py: Python<'py>, message: impl Display, (name, value): (&str, impl IntoPyObject<'py>)) -> PyErr {
     let attributes = PyDict::new(py);
-    match attributes.set_item("result", result) {
+    match attributes.set_item(name, value) {
         Ok(()) => create_exception(py, "RunError", &format!("error: {message}"), &attributes),
         Err(error) => error,
     }

@@ -9,6 +9,7 @@
 //! | `scene` | scenes |
 //! | `result`, `simulate` | results of runs and logs; running simulations and reading logs |
 //! | `table` | tables of sweeps |
+//! | `simulation` | simulations that Python advances |
 //! | `study`, `evaluate` | sweeps of study files and of arrays |
 //! | `documents` | JSON documents of other commands as dictionaries |
 
@@ -21,6 +22,7 @@ mod interruptible;
 mod result;
 mod scene;
 mod simulate;
+mod simulation;
 mod study;
 mod table;
 
@@ -42,6 +44,8 @@ mod _phalanx {
     use super::scene::Scene;
     #[pymodule_export]
     use super::simulate::{read_log, run};
+    #[pymodule_export]
+    use super::simulation::{Simulation, SimulationBatch, SimulationState};
     #[pymodule_export]
     use super::study::{_study_files, study_info, sweep, sweep_merge, sweep_shard};
     #[pymodule_export]

@@ -15,6 +15,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
 
 use super::simulate::{self, RunInput};
+use super::simulation::event_list;
 use super::{columns, conversion, errors};
 
 /// The results of a run, or of the run in a log. All values are in SI; column names contain the units.
@@ -110,13 +111,7 @@ impl Result {
     /// Contact events in order of time, as `phalanx.Event`.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        let class = py.import("phalanx.events")?.getattr("Event")?;
-        let to_python = |event: &Event| {
-            let contact = self.schema.contacts.get(event.contact);
-            let name = contact.map_or("", |contact| contact.name.as_str());
-            class.call1((event.time_s, name, event.kind.name(), event.approach_speed, event.impulse))
-        };
-        self.events.iter().map(to_python).collect()
+        event_list(py, &self.schema, &self.events)
     }
 
     /// The document of `phalanx run --json` (for a log: `phalanx replay --json`) as a dictionary.

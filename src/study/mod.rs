@@ -2,6 +2,7 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `batch` | simulations that advance together, on all cores |
 //! | `capture` | positioning errors that a gripper captures |
 //! | `posture` | text form of a gripper's posture |
 //! | `hold` | largest acceleration under which a gripper holds its object |
@@ -12,6 +13,7 @@
 //! | `size` | sizing of spring and motor for the finger of a scene |
 //! | `sweep` | parameter sweeps over fields of a scene |
 
+pub mod batch;
 pub mod capture;
 pub mod hold;
 pub mod parts;

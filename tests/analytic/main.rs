@@ -20,4 +20,5 @@ mod laws_scenes;
 mod mechanism;
 mod mixed_systems;
 mod newton_euler;
+mod simulation;
 mod singularity;

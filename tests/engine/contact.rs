@@ -8,10 +8,10 @@ use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{Scene, Stepping};
 use phalanx::trace::FingerContact;
 
-fn motion<'a>(scene: &Scene, plan: &'a Plan) -> Motion<'a> {
+fn motion(scene: &Scene, plan: &Plan) -> Motion {
     let settings = &scene.engine;
     let world = engine::build_world(plan, settings.construction, settings.response, settings.iterations);
-    Motion::new(plan, world).expect("a world")
+    Motion::new(plan.clone(), world).expect("a world")
 }
 
 /// Returns M⁻¹ of all bodies, and the constraint Jacobian J of the five pins of the finger.

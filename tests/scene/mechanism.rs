@@ -248,7 +248,7 @@ fn every_part_is_read_and_shown_again() {
     assert_eq!(of.ground_outlines[0].shape, OutlineShape::HalfPlane { point_m: [0.0; 2], normal: [0.0, 1.0] });
     assert_eq!(of.couplings[0].on.terms, [(1, 1.0), (0, 1.0)]);
     assert_eq!(of.springs[1].kind, SpringKind::Torsional { on: JointCombination::of_joint(2), preload: 0.02 });
-    let Command::Servo { kp, kd, target } = &of.actuators[0].command else { panic!("a controller") };
+    let Command::Servo { kp, kd, target, .. } = &of.actuators[0].command else { panic!("a controller") };
     assert_eq!((*kp, *kd, target.at(0.03).0, of.actuators[0].limit), (2e4, 60.0, 0.025, Some(20.0)));
     assert_eq!(of.actuators[1].no_load_speed, Some(100.0));
     let contacts: Vec<String> = of.point_contacts().into_iter().map(|contact| contact.name).collect();

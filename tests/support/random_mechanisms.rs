@@ -190,7 +190,12 @@ fn drive(mechanism: &mut Mechanism, random: &mut Random, index: usize) {
             Command::Effort(table([(); 3].map(|()| random.within(-0.05, 0.05) / size)))
         } else {
             let target = table([(); 3].map(|()| start + size * random.within(-0.5, 0.5)));
-            Command::Servo { kp: random.log_within(0.05, 1.0), kd: random.log_within(1e-4, 1e-2), target }
+            Command::Servo {
+                kp: random.log_within(0.05, 1.0),
+                kd: random.log_within(1e-4, 1e-2),
+                target,
+                rate_hz: None,
+            }
         };
         mechanism.actuators.push(Actuator {
             name: format!("motor{index}"),

@@ -1,5 +1,7 @@
 //! The integration loop: steps, event location, mode changes, termination.
 
+use std::fmt::Debug;
+
 use super::clock::Clock;
 use super::control::{Controller, ToleranceSchedule};
 use super::event_location::{Crossing, first_crossing, may_have_passed};
@@ -103,46 +105,164 @@ where
     K: Method<N, Z>,
     O: Observer<N, Z, Y::Mode>,
 {
-    let controller = Controller::new(method.error_order());
-    let mode = system.mode_at(t0, &start.q, &start.v);
-    let mut run = Run::<N, Z, S, Y, K> {
-        system,
-        options,
-        method,
-        controller,
-        clock: Clock::at(t0),
-        state: start,
-        events: system.eval_events(&start.q, &start.v, &mode),
-        mode,
-        latest_time: f64::INFINITY,
-        h: FIRST_STEP_S,
-        chatter: Chatter::new(),
-        stall_detector: StallDetector::new(&options.tolerances, t0),
-        tolerance_schedule: ToleranceSchedule::new(&options.tolerances),
-        counters: Counters::default(),
-    };
-    let result = loop {
-        if run.clock.until(t_end) <= MIN_STEP_S {
-            break Ok(());
-        }
-        if let Err(reason) = run.advance(t_end, observer) {
-            break Err(Failure { time_s: run.clock.now(), reason });
-        }
-    };
-    End { time_s: run.clock.now(), state: run.state, counters: run.counters, result }
+    let mut integration = Integration::new(method, system, options, t0, start);
+    let result = integration.advance(system, t_end, t_end, observer);
+    End { time_s: integration.time_s(), state: *integration.state(), counters: *integration.counters(), result }
 }
 
-/// State of an integration in progress.
-struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K> {
-    system: &'a Y,
-    options: &'a Options,
+/// An integration in progress. Its system is a parameter of its functions, the same in every call.
+///
+/// Steps have their natural length: the last one may end after the time to which the integration has advanced. It is
+/// pending until that time reaches its end; states before are read inside it. Therefore results do not depend on the
+/// times to which the integration advances.
+#[derive(Clone)]
+pub struct Integration<const N: usize, const Z: usize, const S: usize, M, K> {
+    run: Run<N, Z, S, M, K>,
+    pending: Option<Pending<N, Z, S>>,
+}
+
+impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<N, Z>> Integration<N, Z, S, M, K> {
+    /// Starts an integration with a method that has no history yet.
+    pub fn new<Y>(method: K, system: &Y, options: &Options, t0: f64, start: State<N, Z>) -> Self
+    where
+        Y: Hybrid<N, Z, S, Mode = M>,
+    {
+        let mode = system.mode_at(t0, &start.q, &start.v);
+        let run = Run {
+            options: *options,
+            controller: Controller::new(method.error_order()),
+            method,
+            clock: Clock::at(t0),
+            state: start,
+            events: system.eval_events(&start.q, &start.v, &mode),
+            mode,
+            latest_time: f64::INFINITY,
+            h: FIRST_STEP_S,
+            chatter: Chatter::new(),
+            stall_detector: StallDetector::new(&options.tolerances, t0),
+            tolerance_schedule: ToleranceSchedule::new(&options.tolerances),
+            counters: Counters::default(),
+        };
+        Self { run, pending: None }
+    }
+
+    /// Time at the end of the last committed step, s.
+    pub fn time_s(&self) -> f64 {
+        self.run.clock.now()
+    }
+
+    /// State at the end of the last committed step.
+    pub fn state(&self) -> &State<N, Z> {
+        &self.run.state
+    }
+
+    pub fn mode(&self) -> &M {
+        &self.run.mode
+    }
+
+    pub fn counters(&self) -> &Counters {
+        &self.run.counters
+    }
+
+    /// Commits all steps that end before or at time `t`, at most `t_end`. A step ends at `t_end`, the end of the run,
+    /// which must not change while a step is pending.
+    ///
+    /// # Errors
+    /// Returns an error if the integration cannot reach `t`, or if the observer ends it.
+    pub fn advance<Y, O>(&mut self, system: &Y, t: f64, t_end: f64, observer: &mut O) -> Result<(), Failure>
+    where
+        Y: Hybrid<N, Z, S, Mode = M>,
+        O: Observer<N, Z, M>,
+    {
+        self.step_to(system, t, (t_end, t_end), observer)
+    }
+
+    /// Like [`Integration::advance`], but the last step ends at `t`: a pending step is discarded.
+    ///
+    /// # Errors
+    /// See [`Integration::advance`].
+    pub fn advance_exactly<Y, O>(&mut self, system: &Y, t: f64, t_end: f64, observer: &mut O) -> Result<(), Failure>
+    where
+        Y: Hybrid<N, Z, S, Mode = M>,
+        O: Observer<N, Z, M>,
+    {
+        self.advance(system, t, t_end, observer)?;
+        self.pending = None;
+        self.step_to(system, t, (t, t_end), observer)
+    }
+
+    /// Commits all steps that end before or at time `t`; a step ends at `stop`.
+    fn step_to<Y, O>(&mut self, system: &Y, t: f64, (stop, t_end): (f64, f64), observer: &mut O) -> Result<(), Failure>
+    where
+        Y: Hybrid<N, Z, S, Mode = M>,
+        O: Observer<N, Z, M>,
+    {
+        let Self { run, pending } = self;
+        while run.clock.until(t) > MIN_STEP_S {
+            if pending.is_none() {
+                let found = run.find_next(system, stop).map_err(|reason| run.failure(reason))?;
+                *pending = Some(found);
+            }
+            let Some(next) = pending else { break };
+            if next.ends_after(&run.clock, t) {
+                break;
+            }
+            let result = run.commit(system, next, t_end, observer);
+            *pending = None;
+            result.map_err(|reason| run.failure(reason))?;
+        }
+        Ok(())
+    }
+
+    /// Reads states inside the pending step; `None` if no step is pending. `read` receives the step, its mode, and the
+    /// evaluation of its inside. The integration does not change.
+    pub fn read_pending<Y, R>(
+        &self,
+        system: &Y,
+        read: impl FnOnce(&Step<N, Z>, &M, &mut dyn StepTools<N, Z>) -> R,
+    ) -> Option<R>
+    where
+        Y: Hybrid<N, Z, S, Mode = M>,
+    {
+        let Some(Pending { next: Next::Step(accepted), linearised, .. }) = &self.pending else { return None };
+        let run = &self.run;
+        let mut end = run.clock;
+        end.advance(accepted.size);
+        let step = Step {
+            t0: run.clock.now(),
+            t1: end.now(),
+            h: accepted.size,
+            start: &run.state,
+            end: &accepted.attempt.end,
+        };
+        // Readings inside a committed step start from the same history.
+        let mut method = run.method.clone();
+        method.accept_step();
+        let origin = run.origin(system, &run.options.tolerances, linearised);
+        let mut tools = StepEvaluator { method: &mut method, origin, size: accepted.size, dense: None };
+        Some(read(&step, &run.mode, &mut tools))
+    }
+
+    /// Continues from the end of the last committed step with another right-hand side in the given mode.
+    pub fn restart<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y, state: State<N, Z>, mode: M) {
+        self.pending = None;
+        (self.run.state, self.run.mode) = (state, mode);
+        self.run.update_events(system);
+        self.run.restart_method();
+    }
+}
+
+/// State of an integration at the end of the last committed step.
+#[derive(Clone)]
+struct Run<const N: usize, const Z: usize, const S: usize, M, K> {
+    options: Options,
     method: K,
     controller: Controller,
     clock: Clock,
     state: State<N, Z>,
     /// Event functions of `mode` at `state`.
     events: EventSet<N, S>,
-    mode: Y::Mode,
+    mode: M,
     /// Latest time before the next discontinuity of the right-hand side.
     latest_time: f64,
     h: f64,
@@ -152,16 +272,41 @@ struct Run<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S
     counters: Counters,
 }
 
+/// What follows the last committed step.
+#[derive(Clone)]
+struct Pending<const N: usize, const Z: usize, const S: usize> {
+    linearised: Linearised<N, Z>,
+    next: Next<N, Z, S>,
+    stop: f64,
+    /// Whether the right-hand side is discontinuous at the stop.
+    stops_at_discontinuity: bool,
+}
+
+impl<const N: usize, const Z: usize, const S: usize> Pending<N, Z, S> {
+    /// Whether the step ends after time `t`.
+    fn ends_after(&self, clock: &Clock, t: f64) -> bool {
+        match &self.next {
+            Next::Step(accepted) if accepted.reaches_stop => self.stop > t,
+            Next::Step(accepted) => accepted.size > clock.until(t),
+            Next::Event(_) => false,
+        }
+    }
+}
+
 /// Outcome of the search for the next step.
-enum Progress<const N: usize, const Z: usize> {
-    Step(AcceptedStep<N, Z>),
+#[derive(Clone)]
+enum Next<const N: usize, const Z: usize, const S: usize> {
+    Step(AcceptedStep<N, Z, S>),
     /// An event with this index at the current time: no step is taken.
     Event(usize),
 }
 
 /// A step that satisfies the tolerances.
-struct AcceptedStep<const N: usize, const Z: usize> {
+#[derive(Clone)]
+struct AcceptedStep<const N: usize, const Z: usize, const S: usize> {
     attempt: Attempt<N, Z>,
+    /// Event functions at its end.
+    events: EventSet<N, S>,
     size: f64,
     /// Acceptable size before the step was shortened; the next step starts from it.
     resume_size: f64,
@@ -170,42 +315,70 @@ struct AcceptedStep<const N: usize, const Z: usize> {
     reaches_stop: bool,
 }
 
-impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Method<N, Z>> Run<'_, N, Z, S, Y, K> {
-    /// Takes one step, or handles one event at the current time.
-    fn advance<O: Observer<N, Z, Y::Mode>>(&mut self, t_end: f64, observer: &mut O) -> Result<(), Reason> {
+impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z, S, M, K> {
+    fn failure(&self, reason: Reason) -> Failure {
+        Failure { time_s: self.clock.now(), reason }
+    }
+
+    /// Start of the next step.
+    fn origin<'a, Y: Hybrid<N, Z, S, Mode = M>>(
+        &'a self,
+        system: &'a Y,
+        tolerances: &'a Tolerances,
+        linearised: &'a Linearised<N, Z>,
+    ) -> StepStart<'a, Y, N, Z> {
+        let Self { mode, latest_time, state, .. } = self;
+        let (t, latest_time) = (self.clock.now(), *latest_time);
+        StepStart { system, mode, linearised, tolerances, t, latest_time, state }
+    }
+
+    /// Finds the next step, at most up to `stop`, or an event at the current time.
+    fn find_next<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y, stop: f64) -> Result<Pending<N, Z, S>, Reason> {
         // Written so that a NaN clearance counts as negative.
         if self.events.clearance.partial_cmp(&0.0).is_none_or(|order| order.is_lt()) {
-            return Err(Reason::Obstacle(self.system.describe_obstacle(&self.state.q)));
+            return Err(Reason::Obstacle(system.describe_obstacle(&self.state.q)));
         }
         if self.counters.steps >= self.options.max_steps {
             return Err(Reason::Budget(self.options.max_steps));
         }
         let t = self.clock.now();
-        let linearised = self.system.linearise(t, &self.state.q, &self.state.v, &self.mode);
+        let linearised = system.linearise(t, &self.state.q, &self.state.v, &self.mode);
         self.counters.jacobians += 1;
         if !linearised.rates.a.iter().all(|a| a.is_finite()) {
             return Err(Reason::NotFinite);
         }
-        let discontinuity = self.system.next_discontinuity(t);
+        let discontinuity = system.next_discontinuity(t);
         self.latest_time = discontinuity.next_down();
-        let stop = discontinuity.min(t_end);
-        let accepted = match self.find_step(&linearised, stop)? {
-            Progress::Step(accepted) => accepted,
-            Progress::Event(event_index) => {
-                self.apply_event(event_index, observer);
+        let stop = discontinuity.min(stop);
+        let next = self.find_step(system, &linearised, stop)?;
+        Ok(Pending { linearised, next, stop, stops_at_discontinuity: stop == discontinuity })
+    }
+
+    /// Takes the step that was found, or handles the event at the current time.
+    fn commit<Y: Hybrid<N, Z, S, Mode = M>, O: Observer<N, Z, M>>(
+        &mut self,
+        system: &Y,
+        pending: &Pending<N, Z, S>,
+        t_end: f64,
+        observer: &mut O,
+    ) -> Result<(), Reason> {
+        let accepted = match &pending.next {
+            Next::Step(accepted) => accepted,
+            Next::Event(event_index) => {
+                self.apply_event(system, *event_index, observer);
                 return Ok(());
             }
         };
-        self.take_step(&linearised, &accepted, stop, observer)?;
+        self.take_step(system, &pending.linearised, accepted, pending.stop, observer)?;
         if self.stall_detector.is_stalled(self.counters.steps, self.clock.now(), t_end) && accepted.event.is_none() {
             self.method.on_stall();
             if self.stall_detector.may_project() {
-                self.project_quasi_static(t_end);
+                self.project_quasi_static(system, t_end);
             }
         }
         if let Some(event_index) = accepted.event {
-            self.apply_event(event_index, observer);
-        } else if accepted.reaches_stop && stop == discontinuity {
+            self.apply_event(system, event_index, observer);
+        } else if accepted.reaches_stop && pending.stops_at_discontinuity {
             self.h = FIRST_STEP_S;
             self.restart_method();
         }
@@ -213,7 +386,12 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
     }
 
     /// Finds a step with an acceptable error, shortened to the first event within it.
-    fn find_step(&mut self, linearised: &Linearised<N, Z>, stop: f64) -> Result<Progress<N, Z>, Reason> {
+    fn find_step<Y: Hybrid<N, Z, S, Mode = M>>(
+        &mut self,
+        system: &Y,
+        linearised: &Linearised<N, Z>,
+        stop: f64,
+    ) -> Result<Next<N, Z, S>, Reason> {
         let (state, mode) = (self.state, self.mode);
         let mut tolerances = self.tolerance_schedule.tolerances(&self.options.tolerances, &self.counters);
         error_weight::raise_above_noise(
@@ -224,7 +402,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             self.stall_detector.noise_scale(),
         );
         let origin = StepStart {
-            system: self.system,
+            system,
             mode: &mode,
             linearised,
             tolerances: &tolerances,
@@ -233,7 +411,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             state: &state,
         };
         let requested_size = self.h;
-        let max_step = self.system.max_step(origin.t, &state.q, &state.v, &mode);
+        let max_step = system.max_step(origin.t, &state.q, &state.v, &mode);
         let mut h = requested_size.min(self.approach_limit()).min(max_step);
         let remaining = self.clock.until(stop);
         loop {
@@ -249,11 +427,11 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 h = self.controller.reject(size, attempt.error);
                 continue;
             }
-            let events = self.system.eval_events(&attempt.end.q, &attempt.end.v, &mode);
+            let events = system.eval_events(&attempt.end.q, &attempt.end.v, &mode);
             let clearance = |w: &EventSet<N, S>| (w.clearance, w.clearance_rate);
             if events.clearance.is_nan() || may_have_passed(clearance(&self.events), clearance(&events), size) {
                 if size < MIN_APPROACH_STEP_S {
-                    return Err(Reason::Obstacle(self.system.describe_obstacle(&attempt.end.q)));
+                    return Err(Reason::Obstacle(system.describe_obstacle(&attempt.end.q)));
                 }
                 self.counters.rejected += 1;
                 h = APPROACH_CUT * size;
@@ -265,15 +443,15 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 continue;
             }
             let (at_start, at_end) = (&self.events.functions, &events.functions);
-            let crossing = first_crossing(self.system, &mode, at_start, at_end, size, &|| self.method.dense());
+            let crossing = first_crossing(system, &mode, at_start, at_end, size, &|| self.method.dense());
             let Some(crossing) = crossing else {
-                self.events = events;
                 let resume_size = if reaches_stop { requested_size } else { size };
-                return Ok(Progress::Step(AcceptedStep { attempt, size, resume_size, event: None, reaches_stop }));
+                let event = None;
+                return Ok(Next::Step(AcceptedStep { attempt, events, size, resume_size, event, reaches_stop }));
             };
             match self.locate_event(&origin, crossing, size) {
-                EventLocation::Located(accepted) => return Ok(Progress::Step(accepted)),
-                EventLocation::AtStart(event_index) => return Ok(Progress::Event(event_index)),
+                EventLocation::Located(accepted) => return Ok(Next::Step(accepted)),
+                EventLocation::AtStart(event_index) => return Ok(Next::Event(event_index)),
                 EventLocation::Rejected { size, error } => h = self.controller.reject(size, error),
             }
         }
@@ -281,7 +459,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
 
     /// Attempts a step; its error includes the error weights of active contacts.
     #[inline(always)]
-    fn attempt(&mut self, origin: &StepStart<Y, N, Z>, size: f64) -> Attempt<N, Z> {
+    fn attempt<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, origin: &StepStart<Y, N, Z>, size: f64) -> Attempt<N, Z> {
         let mut attempt = self.method.attempt(origin, size);
         self.counters.rhs += attempt.rhs;
         if attempt.is_acceptable() {
@@ -307,11 +485,17 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
 
     /// Repeats a step of `size` until it ends on the event. If an earlier event is found on the way, locates that one
     /// instead.
-    fn locate_event(&mut self, origin: &StepStart<Y, N, Z>, mut crossing: Crossing, size: f64) -> EventLocation<N, Z> {
+    fn locate_event<Y: Hybrid<N, Z, S, Mode = M>>(
+        &mut self,
+        origin: &StepStart<Y, N, Z>,
+        mut crossing: Crossing,
+        size: f64,
+    ) -> EventLocation<N, Z, S> {
+        let system = origin.system;
         let mut full_size = size;
         'crossing: loop {
             let event_index = crossing.event_index;
-            let tolerance = self.system.event_tolerance(event_index, origin.mode);
+            let tolerance = system.event_tolerance(event_index, origin.mode);
             let (mut low, mut high) = (0.0, crossing.negative_at * full_size);
             let mut target = crossing.theta * full_size;
             // The earliest step found that ends past the event, and the last one that ends before it.
@@ -327,7 +511,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 if !attempt.is_acceptable() {
                     return EventLocation::Rejected { size: target, error: attempt.error };
                 }
-                let events = self.system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode);
+                let events = system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode);
                 if error_weight::unloads(
                     &self.events.functions,
                     &events.functions,
@@ -340,17 +524,14 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
                 let value = events.functions[event_index].value;
                 let is_within_tolerance = value.abs() <= tolerance;
                 let event = (is_within_tolerance || value < 0.0).then_some(event_index);
-                let candidate = Some((
-                    AcceptedStep { attempt, size: target, resume_size: size, event, reaches_stop: false },
-                    events,
-                ));
+                let (resume_size, reaches_stop) = (size, false);
+                let candidate = Some(AcceptedStep { attempt, events, size: target, resume_size, event, reaches_stop });
                 // The shortened step may contain the crossing, or an earlier crossing of another event function.
                 let (at_start, at_end) = (&self.events.functions, &events.functions);
-                let recheck =
-                    first_crossing(origin.system, origin.mode, at_start, at_end, target, &|| self.method.dense());
+                let recheck = first_crossing(system, origin.mode, at_start, at_end, target, &|| self.method.dense());
                 if let Some(earlier) = recheck.filter(|c| c.event_index != event_index && c.theta < 1.0) {
                     let value = events.functions[earlier.event_index].value;
-                    if value.abs() > self.system.event_tolerance(earlier.event_index, origin.mode) {
+                    if value.abs() > system.event_tolerance(earlier.event_index, origin.mode) {
                         (crossing, full_size) = (earlier, target);
                         continue 'crossing;
                     }
@@ -371,10 +552,9 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             }
             // If rounding prevents a closer step, one that ends past the event is better: after one that ends before
             // it, the next step would repeat the search.
-            let Some((accepted, events)) = after_event.or(before_event) else {
+            let Some(accepted) = after_event.or(before_event) else {
                 return EventLocation::AtStart(event_index);
             };
-            self.events = events;
             if accepted.size != last_size {
                 // The method stores its last attempt; repeat the accepted one.
                 self.method.attempt(origin, accepted.size);
@@ -385,10 +565,11 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
     }
 
     /// Advances to the end of an accepted step and notifies the observer.
-    fn take_step<O: Observer<N, Z, Y::Mode>>(
+    fn take_step<Y: Hybrid<N, Z, S, Mode = M>, O: Observer<N, Z, M>>(
         &mut self,
+        system: &Y,
         linearised: &Linearised<N, Z>,
-        accepted: &AcceptedStep<N, Z>,
+        accepted: &AcceptedStep<N, Z, S>,
         stop: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
@@ -400,6 +581,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             self.clock.advance(accepted.size);
         }
         self.state = accepted.attempt.end;
+        self.events = accepted.events;
         self.counters.steps += 1;
         let proposed_size = self.controller.accept(accepted.size, accepted.attempt.error);
         self.h =
@@ -407,7 +589,7 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
 
         let step = Step { t0, t1: self.clock.now(), h: accepted.size, start: &start, end: &self.state };
         let origin = StepStart {
-            system: self.system,
+            system,
             mode: &self.mode,
             linearised,
             tolerances: &self.options.tolerances,
@@ -420,58 +602,68 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
             return Err(Reason::Stopped);
         }
         if accepted.event.is_none() && self.chatter.take_clamped() {
-            self.mode = self.system.mode_at(self.clock.now(), &self.state.q, &self.state.v);
-            self.update_events();
-        } else if let Some(mode) = self.system.mode_after_step(&self.events.functions, &self.mode) {
+            self.mode = system.mode_at(self.clock.now(), &self.state.q, &self.state.v);
+            self.update_events(system);
+        } else if let Some(mode) = system.mode_after_step(&self.events.functions, &self.mode) {
             self.mode = mode;
-            self.update_events();
+            self.update_events(system);
         }
         Ok(())
     }
 
     /// Applies the mode change of an event at the current state and restarts the method.
-    fn apply_event<O: Observer<N, Z, Y::Mode>>(&mut self, event_index: usize, observer: &mut O) {
-        self.mode = self.system.mode_after_event(event_index, &self.state.q, &self.state.v, &self.mode);
-        let is_reported = self.system.is_reported(event_index);
-        self.report_event(event_index, is_reported, observer);
+    fn apply_event<Y: Hybrid<N, Z, S, Mode = M>, O: Observer<N, Z, M>>(
+        &mut self,
+        system: &Y,
+        event_index: usize,
+        observer: &mut O,
+    ) {
+        self.mode = system.mode_after_event(event_index, &self.state.q, &self.state.v, &self.mode);
+        let is_reported = system.is_reported(event_index);
+        self.report_event(system, (event_index, is_reported), observer);
         if !is_reported {
             return;
         }
-        if let Some(first) = self.system.restart_step(event_index, &self.state.q, &self.state.v, &self.mode) {
+        if let Some(first) = system.restart_step(event_index, &self.state.q, &self.state.v, &self.mode) {
             self.h = self.h.min(first);
         }
         self.restart_method();
     }
 
     /// Counts and reports an event, and handles chattering.
-    fn report_event<O: Observer<N, Z, Y::Mode>>(&mut self, event_index: usize, is_reported: bool, observer: &mut O) {
+    fn report_event<Y: Hybrid<N, Z, S, Mode = M>, O: Observer<N, Z, M>>(
+        &mut self,
+        system: &Y,
+        (event_index, is_reported): (usize, bool),
+        observer: &mut O,
+    ) {
         if is_reported {
             self.counters.events += 1;
             observer.event(self.clock.now(), &self.state, event_index, &self.mode);
         }
         if self.chatter.record(event_index, self.clock.now()) {
-            self.mode = self.system.with_clamped_law(event_index, &self.mode);
+            self.mode = system.with_clamped_law(event_index, &self.mode);
         }
-        self.update_events();
+        self.update_events(system);
     }
 
     /// Projects oscillating contacts onto their equilibrium depth.
-    fn project_quasi_static(&mut self, t_end: f64) {
+    fn project_quasi_static<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y, t_end: f64) {
         let t = self.clock.now();
         let projected =
-            self.system.project_quasi_static(t, (&self.state.q, &self.state.v), &self.mode, &self.options.tolerances);
+            system.project_quasi_static(t, (&self.state.q, &self.state.v), &self.mode, &self.options.tolerances);
         if let Some(projected) =
             projected.filter(|projected| self.stall_detector.should_project(projected.decay_rate, t_end - t))
         {
             (self.state.q, self.state.v) = (projected.q, projected.v);
-            self.mode = self.system.mode_at(t, &self.state.q, &self.state.v);
-            self.update_events();
+            self.mode = system.mode_at(t, &self.state.q, &self.state.v);
+            self.update_events(system);
             self.restart_method();
         }
     }
 
-    fn update_events(&mut self) {
-        self.events = self.system.eval_events(&self.state.q, &self.state.v, &self.mode);
+    fn update_events<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y) {
+        self.events = system.eval_events(&self.state.q, &self.state.v, &self.mode);
     }
 
     fn restart_method(&mut self) {
@@ -481,8 +673,8 @@ impl<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>, K: Meth
 }
 
 /// Result of an event location.
-enum EventLocation<const N: usize, const Z: usize> {
-    Located(AcceptedStep<N, Z>),
+enum EventLocation<const N: usize, const Z: usize, const S: usize> {
+    Located(AcceptedStep<N, Z, S>),
     /// An attempted step was not accurate enough.
     Rejected {
         size: f64,

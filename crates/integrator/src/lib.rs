@@ -26,7 +26,7 @@ use phalanx_mechanics::numeric;
 
 pub use clock::Clock;
 pub use control::Tolerances;
-pub use driver::{End, Failure, Options, Reason, integrate, integrate_by};
+pub use driver::{End, Failure, Integration, Options, Reason, integrate, integrate_by};
 pub use method::{Attempt, Method, StepStart};
 pub use radau_or_rodas::RadauOrRodas;
 pub use radau5::Radau5;

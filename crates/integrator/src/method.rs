@@ -35,7 +35,7 @@ pub struct StepStart<'a, Y: System<N, Z>, const N: usize, const Z: usize> {
     pub state: &'a State<N, Z>,
 }
 
-pub trait Method<const N: usize, const Z: usize> {
+pub trait Method<const N: usize, const Z: usize>: Clone {
     fn new() -> Self;
 
     /// Order of the error estimate's leading term in h.

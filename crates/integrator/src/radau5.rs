@@ -90,6 +90,7 @@ type Stage<const N: usize> = ([f64; N], [f64; N]);
 type Stages<const N: usize> = [Stage<N>; 3];
 
 /// Radau IIA with the stages of the last step, which give the initial guess of the next ones.
+#[derive(Clone)]
 pub struct Radau5<const N: usize, const Z: usize> {
     coefficients: Coefficients,
     last: Option<Dense<N, Z>>,

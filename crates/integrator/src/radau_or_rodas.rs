@@ -9,6 +9,7 @@ use super::{Dense, Radau5, Rodas5p, System};
 /// A stiff stop whose contact force depends on the last digits of its coordinates turns the Newton corrections into
 /// noise, so that steps of Radau IIA are rejected. Rodas5P has no iteration and takes a tenth of the time there at the
 /// same tolerances.
+#[derive(Clone)]
 pub struct RadauOrRodas<const N: usize, const Z: usize> {
     radau: Radau5<N, Z>,
     rodas: Rodas5p<N, Z>,

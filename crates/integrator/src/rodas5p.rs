@@ -7,6 +7,7 @@ use super::{Dense, State, System};
 use crate::numeric::array_from;
 
 /// Rodas5P with the stages of its last attempt, for dense output; it has no other history.
+#[derive(Clone)]
 pub struct Rodas5p<const N: usize, const Z: usize> {
     t0: f64,
     h: f64,

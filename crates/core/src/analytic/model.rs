@@ -314,6 +314,11 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     pub fn motor_torque(&self, t: f64) -> f64 {
         self.actuation.at(t).0
     }
+
+    /// Replaces the torque of the motor over time.
+    pub fn set_actuation(&mut self, actuation: Profile) {
+        self.actuation = actuation;
+    }
 }
 
 /// Returns the first two coordinates or rates, which belong to the finger.

@@ -55,6 +55,7 @@ enum Pair {
 pub struct SingularConstraints;
 
 /// Masses, poses and joints of all bodies, and the factorised joint system.
+#[derive(Clone)]
 pub struct Linkage {
     pub inertias: Vec<Inertia>,
     pub poses: Vec<BodyPose>,

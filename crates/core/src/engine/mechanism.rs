@@ -279,7 +279,7 @@ fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
                 no_load_speed_rad_s: actuator.no_load_speed,
             });
         }
-        Command::Servo { kp, kd, target } => {
+        Command::Servo { kp, kd, target, .. } => {
             let slope = actuator.no_load_speed.map_or(0.0, f64::recip);
             let law = ServoLaw { kp: *kp, kd: *kd, limit, slope, target_rate: 0.0 };
             plan.actuators.push(PlannedActuator::Servo(plan.servos.len()));

@@ -17,6 +17,7 @@ use super::linkage::{Linkage, SingularConstraints};
 use super::plan::{Plan, PlannedDrive};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::world::{LawContactHook, World};
+use crate::drive::Profile;
 use crate::integrator::Clock;
 use crate::law::friction_coefficient;
 use crate::mechanism::JointKind;
@@ -77,8 +78,9 @@ impl JointReactions {
 }
 
 /// State of the engine at the end of its last step, called a node.
-pub struct Motion<'a> {
-    pub plan: &'a Plan,
+#[derive(Clone)]
+pub struct Motion {
+    pub plan: Plan,
     pub world: World,
     pub linkage: Linkage,
     pub clock: Clock,
@@ -129,11 +131,11 @@ pub struct Motion<'a> {
     previous_torques: Vec<f64>,
 }
 
-impl<'a> Motion<'a> {
+impl Motion {
     /// Creates the motion of a world at t = 0; fails if the joint constraints are singular.
-    pub fn new(plan: &'a Plan, world: World) -> Result<Self, StepError> {
-        let linkage = Linkage::new(&world, plan);
-        let bodies = plan.bodies.len();
+    pub fn new(plan: Plan, world: World) -> Result<Self, StepError> {
+        let linkage = Linkage::new(&world, &plan);
+        let (bodies, elements) = (plan.bodies.len(), plan.first_servo() + plan.servos.len());
         let mut motion = Self {
             plan,
             world,
@@ -155,7 +157,7 @@ impl<'a> Motion<'a> {
             impulse: vec![[0.0; 3]; bodies],
             predicted_mean_velocities: vec![[0.0; 3]; bodies],
             driven: Vec::new(),
-            bristle_states: vec![0.0; plan.first_servo() + plan.servos.len()],
+            bristle_states: vec![0.0; elements],
             open: Vec::new(),
             overshoot: Vec::new(),
             opening_acceleration: 0.0,
@@ -168,17 +170,23 @@ impl<'a> Motion<'a> {
         motion.linkage.factorise()?;
         motion.read_mean_velocities();
         motion.velocities.copy_from_slice(&motion.mean_velocities);
-        forces::set_driven_velocities(plan, 0.0, &mut motion.velocities);
+        forces::set_driven_velocities(&motion.plan, 0.0, &mut motion.velocities);
         motion.linkage.project(&mut motion.velocities);
-        candidates::collect(&motion.world, plan, &motion.linkage, &mut motion.candidates);
+        candidates::collect(&motion.world, &motion.plan, &motion.linkage, &mut motion.candidates);
         motion.update_node();
         Ok(motion)
     }
 
+    /// Replaces the input of an actuator over time, from the node on.
+    pub fn set_input(&mut self, actuator: usize, input: Profile) {
+        self.plan.set_input(actuator, input);
+        self.update_node();
+    }
+
     /// Takes one step, while `keep_running` returns true. Of all errors only [`StepError::TooLong`] leaves it usable.
     pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
-        let power_before = forces::palm_power(self.plan, &self.linkage, &self.velocities, self.clock.now());
-        candidates::set_shaft_torques(self.plan, &self.linkage.poses, self.clock.now(), dt, &mut self.candidates);
+        let power_before = forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
+        candidates::set_shaft_torques(&self.plan, &self.linkage.poses, self.clock.now(), dt, &mut self.candidates);
         // Predicted mean velocities of the step.
         for (v, a) in self.predicted_mean_velocities.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
             *v = std::array::from_fn(|axis| a.0[axis] + 0.5 * dt * a.1[axis]);
@@ -205,9 +213,9 @@ impl<'a> Motion<'a> {
         self.update_bristles(dt);
         self.contact_work_j += self.contact.work;
         self.motor_work_j += self.contact.motor_work;
-        self.motor_work_j -= forces::driven_contact_work(self.plan, &self.space, &self.contact, &self.velocities, dt);
+        self.motor_work_j -= forces::driven_contact_work(&self.plan, &self.space, &self.contact, &self.velocities, dt);
         self.motor_work_j -=
-            forces::table_work(self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
+            forces::table_work(&self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
 
         for (pose, before) in self.linkage.poses.iter().zip(&mut self.previous_poses) {
             *before = [pose.com[0], pose.com[1], pose.angle];
@@ -227,7 +235,7 @@ impl<'a> Motion<'a> {
         // With rapier's own contact, impulses act on the rates before the step.
         let (work, on_driven) = read_rapier_impulses(
             &self.world,
-            self.plan,
+            &self.plan,
             &self.candidates,
             &self.velocities,
             &self.mean_velocities,
@@ -237,11 +245,11 @@ impl<'a> Motion<'a> {
         self.motor_work_j -= on_driven;
         let normals = self.candidates.iter().map(|candidate| (candidate.normal, candidate.normal_row.clone()));
         refill(&mut self.previous_normals, normals);
-        candidates::collect(&self.world, self.plan, &self.linkage, &mut self.candidates);
+        candidates::collect(&self.world, &self.plan, &self.linkage, &mut self.candidates);
         candidates::set_normal_rotation_rates(&mut self.candidates, &self.plan.bodies, &self.previous_normals, dt);
         // A torque discontinuity at the node belongs to the next step.
         let before_node = self.clock.now() - 1e-9 * dt;
-        forces::smooth_forces(self.plan, &self.linkage, before_node, &mut self.forces);
+        forces::smooth_forces(&self.plan, &self.linkage, before_node, &mut self.forces);
         self.kick(0.5 * dt);
         self.correct_contact_rates();
 
@@ -252,7 +260,7 @@ impl<'a> Motion<'a> {
                 self.motor_work_j += 0.5 * (before + motor.characteristic(before_node).0) * shaft_rotation;
             }
         }
-        let power_after = forces::palm_power(self.plan, &self.linkage, &self.velocities, self.clock.now());
+        let power_after = forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
         self.motor_work_j += 0.5 * dt * (power_before + power_after);
         self.update_node();
         Ok(())
@@ -357,7 +365,7 @@ impl<'a> Motion<'a> {
             v[1] += inertia.inverse_mass * impulse[1];
             v[2] += inertia.inverse_inertia * impulse[2];
         }
-        forces::set_driven_velocities(self.plan, self.clock.now(), &mut self.velocities);
+        forces::set_driven_velocities(&self.plan, self.clock.now(), &mut self.velocities);
         self.linkage.project(&mut self.velocities);
     }
 
@@ -449,12 +457,12 @@ impl<'a> Motion<'a> {
     fn update_node(&mut self) {
         candidates::zero_rounding_gaps(&mut self.candidates, &self.velocities);
         let now = self.clock.now();
-        forces::smooth_forces(self.plan, &self.linkage, now, &mut self.forces);
+        forces::smooth_forces(&self.plan, &self.linkage, now, &mut self.forces);
         // Buffer for the previous accelerations.
         self.predicted_mean_velocities.copy_from_slice(&self.accelerations);
-        forces::driven_accelerations(self.plan, now, &mut self.driven);
+        forces::driven_accelerations(&self.plan, now, &mut self.driven);
         self.impulse.copy_from_slice(&self.forces);
-        forces::add_speed_dependent_forces(self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
+        forces::add_speed_dependent_forces(&self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
         self.linkage.accelerations(&self.impulse, &self.velocities, &self.driven, &mut self.accelerations);
         let changes = self.accelerations.iter().zip(&self.predicted_mean_velocities).zip(&self.plan.bodies).map(
             |((now, before), body)| {
@@ -470,8 +478,8 @@ impl<'a> Motion<'a> {
     pub fn read_joint_forces(&mut self, out: &mut JointReactions) {
         let now = self.clock.now();
         self.impulse.copy_from_slice(&self.forces);
-        forces::add_speed_dependent_forces(self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
-        forces::driven_accelerations(self.plan, now, &mut self.driven);
+        forces::add_speed_dependent_forces(&self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
+        forces::driven_accelerations(&self.plan, now, &mut self.driven);
         let mut loads = std::mem::take(&mut self.impulse);
         for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.source, Source::Brake(_))) {
             candidate.slip_row.add_to(&mut loads, self.forces(candidate.index).1);
@@ -530,7 +538,7 @@ impl<'a> Motion<'a> {
             let [x, y] = planned.anchors_m[0];
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }
-        let (plan, now) = (self.plan, self.clock.now());
+        let (plan, now) = (&self.plan, self.clock.now());
         forces::mean_driven_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
         let opening = (&self.open[..], dt);
         self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
@@ -579,7 +587,7 @@ impl<'a> Motion<'a> {
             body.add_torque(impulse[2] / dt, false);
         }
         forces::set_rapier_velocities(
-            self.plan,
+            &self.plan,
             &self.linkage.poses,
             &self.world.bodies,
             &mut physics.bodies,

@@ -337,6 +337,14 @@ impl Plan {
         }
     }
 
+    /// Replaces the torque or force of an actuator over time, or the target of a servo.
+    pub fn set_input(&mut self, actuator: usize, input: Profile) {
+        match self.actuators[actuator] {
+            PlannedActuator::Motor(index) => self.motors[index].actuation = input,
+            PlannedActuator::Servo(index) => self.servos[index].target = input,
+        }
+    }
+
     /// Returns the next time after `t` at which a motor torque, a brake or the palm motion has a discontinuity.
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         let motors = self.motors.iter().map(|motor| motor.actuation.next_discontinuity(t));

@@ -21,6 +21,29 @@ pub struct World {
     pub response: Response,
 }
 
+impl Clone for World {
+    fn clone(&self) -> Self {
+        let Self { physics, bodies, contacts, joints, construction, response } = self;
+        let physics = PhysicsWorld {
+            gravity: physics.gravity,
+            integration_parameters: physics.integration_parameters,
+            islands: physics.islands.clone(),
+            broad_phase: physics.broad_phase.clone(),
+            narrow_phase: physics.narrow_phase.clone(),
+            bodies: physics.bodies.clone(),
+            colliders: physics.colliders.clone(),
+            impulse_joints: physics.impulse_joints.clone(),
+            multibody_joints: physics.multibody_joints.clone(),
+            soft_bodies: physics.soft_bodies.clone(),
+            ccd_solver: physics.ccd_solver.clone(),
+            // The pipelines are working memory of a step.
+            ..PhysicsWorld::new()
+        };
+        let (bodies, contacts, joints) = (bodies.clone(), contacts.clone(), joints.clone());
+        Self { physics, bodies, contacts, joints, construction: *construction, response: *response }
+    }
+}
+
 /// Disables solver contacts and response for the pairs that carry this hook; the contact laws replace them, and
 /// rapier's broad phase still finds the pairs. `None` rather than empty solver flags, so that rapier skips the unused
 /// contact geometry.

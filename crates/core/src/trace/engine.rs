@@ -1,8 +1,11 @@
-//! Runs the engine model of a scene and reports the run to a sink.
+//! Builds the engine model of a scene, and advances it.
 
-use super::engine_recorder::EngineRecorder;
-use super::grid::Span;
-use super::{Outcome, RunError, Sink, SinkError};
+use super::engine_reading::read_state;
+use super::engine_recorder::{EngineRecorder, EngineRecorderState};
+use super::grid::RecordingOptions;
+use super::stepper::{Interruption, Stepper};
+use super::{Outcome, RunError, Sample, Sink, SinkError};
+use crate::drive::Profile;
 use crate::engine::{Motion, StepError, Tolerance, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
 use crate::scene::keywords::SceneKind;
@@ -15,17 +18,12 @@ const SUBSTEPS_PER_STEP: u64 = 10;
 /// Smallest fraction of a step that is tried when longer steps would open the joints too far.
 const MIN_STEP_FRACTION: f64 = 1e-9;
 
-/// Simulates `scene` with the engine model and the settings in `scene.engine`.
-///
-/// `scene.engine.max_steps` limits the number of steps, and ten times as many contact sub-steps.
-///
-/// The sink receives a sample at every point of the grid `scene.log.numeric_hz` (interpolated between steps, so logging
-/// does not change the run), at every step shorter than the grid interval, and at both ends; and every event, in order
-/// of time.
+/// Builds the engine model of a scene at its start. `scene.engine.max_steps` limits the number of its steps, and ten
+/// times as many contact sub-steps.
 ///
 /// # Errors
-/// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
-pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+/// Returns an error if the scene is rejected.
+pub(super) fn build_engine(scene: &Scene, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
     let initial_outcome = || match scene.kind() {
         SceneKind::Finger => Outcome::stationary_finger(),
         _ => Outcome::default(),
@@ -35,10 +33,14 @@ pub fn run_engine(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunErro
     let plan = plan.map_err(|reason| RunError::rejected(reason, initial_outcome()))?;
     let engine = &scene.engine;
     let world = build_world(&plan, engine.construction, engine.response, engine.iterations);
-    match Motion::new(&plan, world) {
-        Ok(motion) => simulate(motion, scene, sink),
-        Err(error) => Err(RunError::rejected(error.to_string(), initial_outcome())),
+    let mut motion =
+        Motion::new(plan, world).map_err(|error| RunError::rejected(error.to_string(), initial_outcome()))?;
+    let recorder = EngineRecorderState::new(scene, &mut motion, recording);
+    motion.contact.tolerance = Tolerance::from_stepping(engine.stepping);
+    if let Stepping::Adaptive { tolerance_m, .. } = engine.stepping {
+        motion.tolerance_m = tolerance_m;
     }
+    Ok(Box::new(EngineStepper { scene: scene.clone(), motion, recorder, steps: 0, substeps: 0 }))
 }
 
 /// Returns why the engine model does not simulate the scene.
@@ -59,64 +61,88 @@ fn unsupported(scene: &Scene) -> Option<&'static str> {
     }
 }
 
-/// Simulates a scene from its initial motion.
-fn simulate(mut motion: Motion, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    let span = Span::from_scene(scene);
-    let mut recorder = EngineRecorder::new(scene, &mut motion, span, sink);
-    recorder.begin(&motion)?;
-    let failure_reason = step_through(&mut motion, &scene.engine, span.end_s, &mut recorder)?;
-    let time_s = motion.clock.now();
-    recorder.complete_last(&mut motion);
-    let outcome = recorder.finish()?;
-    match failure_reason {
-        Some(reason) if outcome.ejected_s.is_none() => {
-            Err(RunError::Simulation { failure: Failure { time_s, reason }, partial_outcome: Box::new(outcome) })
-        }
-        _ => Ok(outcome),
-    }
+/// The engine model of a scene, and its recorder. Its steps end at the times to which it advances.
+#[derive(Clone)]
+struct EngineStepper {
+    scene: Scene,
+    motion: Motion,
+    recorder: EngineRecorderState,
+    steps: u64,
+    substeps: u64,
 }
 
-/// Steps to the end of the run and records every step; returns the reason if the run does not get there.
-fn step_through(
-    motion: &mut Motion,
-    settings: &Engine,
-    end_s: f64,
-    recorder: &mut EngineRecorder<'_>,
-) -> Result<Option<Reason>, SinkError> {
-    motion.contact.tolerance = Tolerance::from_stepping(settings.stepping);
-    if let Stepping::Adaptive { tolerance_m, .. } = settings.stepping {
-        motion.tolerance_m = tolerance_m;
+impl EngineStepper {
+    fn recorder<'a>(&'a mut self, sink: &'a mut dyn Sink) -> (EngineRecorder<'a>, &'a mut Motion) {
+        (EngineRecorder { scene: &self.scene, sink, state: &mut self.recorder }, &mut self.motion)
     }
-    let (mut steps, mut substeps) = (0, 0);
-    let budget = settings.max_steps.saturating_mul(SUBSTEPS_PER_STEP);
-    while motion.clock.now() < end_s {
-        if steps == settings.max_steps {
-            return Ok(Some(Reason::Budget(settings.max_steps)));
+
+    /// Takes one step, which ends at `end_s` at the latest; returns the reason if the run cannot continue.
+    fn step(&mut self, end_s: f64, sink: &mut dyn Sink) -> Result<Option<Reason>, SinkError> {
+        let Engine { max_steps, stepping, .. } = self.scene.engine;
+        let (steps, budget) = (self.steps, max_steps.saturating_mul(SUBSTEPS_PER_STEP));
+        if steps == max_steps {
+            return Ok(Some(Reason::Budget(max_steps)));
         }
-        if substeps >= budget {
+        if self.substeps >= budget {
             return Ok(Some(Reason::SubstepBudget { budget, steps }));
         }
+        let (mut recorder, motion) = self.recorder(sink);
         let stop_s = end_s.min(motion.clock.now() + recorder.time_to_exit_s());
-        let dt = next_step(motion, settings.stepping, stop_s);
+        let dt = next_step(motion, stepping, stop_s);
         if let Err(error) = advance(motion, dt, &|| recorder.should_continue()) {
             return Ok(Some(match recorder.should_continue() {
                 true => Reason::Obstacle(error.to_string()),
                 false => Reason::Stopped,
             }));
         }
-        steps += 1;
-        substeps += u64::from(motion.contact.substeps);
-        recorder.joint_forces.update(motion);
+        recorder.state.joint_forces.update(motion);
         recorder.step(motion)?;
         let lifted = || recorder.describe_lifted(motion);
-        if let Some(reason) = recorder.failure.clone().or_else(lifted) {
-            return Ok(Some(Reason::Obstacle(reason)));
-        }
-        if !recorder.should_continue() {
-            return Ok(Some(Reason::Stopped));
-        }
+        let reason = match recorder.state.failure.clone().or_else(lifted) {
+            Some(reason) => Some(Reason::Obstacle(reason)),
+            None => (!recorder.should_continue()).then_some(Reason::Stopped),
+        };
+        self.steps += 1;
+        self.substeps += u64::from(self.motion.contact.substeps);
+        Ok(reason)
     }
-    Ok(None)
+}
+
+impl Stepper for EngineStepper {
+    fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), SinkError> {
+        let (mut recorder, motion) = self.recorder(sink);
+        recorder.begin(motion)
+    }
+
+    fn advance(&mut self, t: f64, sink: &mut dyn Sink) -> Result<(), Interruption> {
+        while self.motion.clock.now() < t {
+            if let Some(reason) = self.step(t, sink)? {
+                return Err(Failure { time_s: self.motion.clock.now(), reason }.into());
+            }
+        }
+        Ok(())
+    }
+
+    fn read(&self, t: f64, sample: &mut Sample) {
+        sample.clone_from(self.recorder.last());
+        sample.time_s = t;
+        read_state(&self.scene, &self.motion, sample);
+    }
+
+    fn set_input(&mut self, _: f64, index: usize, input: Profile, _: &mut dyn Sink) -> Result<(), Interruption> {
+        self.motion.set_input(index, input);
+        Ok(())
+    }
+
+    fn finish(&mut self, sink: &mut dyn Sink) -> Result<Outcome, SinkError> {
+        let (mut recorder, motion) = self.recorder(sink);
+        recorder.complete_last(motion);
+        recorder.finish()
+    }
+
+    fn clone_boxed(&self) -> Box<dyn Stepper> {
+        Box::new(self.clone())
+    }
 }
 
 /// Takes one step, shorter than `dt` if it would open the joints too far.

@@ -44,7 +44,7 @@ fn reported_bodies<'a>(scene: &'a Scene, sample: &Sample) -> impl Iterator<Item 
 
 /// Reads joints, actuators and bodies of a scene at a node of its motion, relative to a moving palm.
 pub(super) fn read_state(scene: &Scene, motion: &Motion, sample: &mut Sample) {
-    let (plan, state) = (motion.plan, (&motion.linkage.poses[..], &motion.velocities[..]));
+    let (plan, state) = (&motion.plan, (&motion.linkage.poses[..], &motion.velocities[..]));
     let frame = PalmFrame::at(plan, motion.clock.now());
     for index in 0..sample.counts().joints {
         let coordinate = plan.joint_coordinate(&plan.joints[planned_joint(sample, index)]);
@@ -115,7 +115,7 @@ fn set_orientation_of_l22(sample: &mut Sample, finger: usize) {
 /// Sets coordinates and rates of `sample` by extrapolating freely from `from` with the accelerations of all bodies in
 /// the last step of `motion`.
 pub(super) fn extrapolate(scene: &Scene, sample: &mut Sample, from: &Sample, motion: &Motion) {
-    let (plan, poses, velocities) = (motion.plan, &motion.linkage.poses, &motion.velocities);
+    let (plan, poses, velocities) = (&motion.plan, &motion.linkage.poses, &motion.velocities);
     let time_s = sample.time_s - from.time_s;
     let frame = PalmFrame::at(plan, motion.clock.now());
     for index in 0..sample.counts().joints {
@@ -156,8 +156,8 @@ pub(super) fn flipped_normals(scene: &Scene) -> Vec<bool> {
 
 /// Returns the stored energies of the node.
 pub(super) fn stored_energy(motion: &Motion) -> Energy {
-    let frame = PalmFrame::at(motion.plan, motion.clock.now());
-    let (gravity_j, spring_j) = potential_energies(motion.plan, &motion.linkage, &frame);
+    let frame = PalmFrame::at(&motion.plan, motion.clock.now());
+    let (gravity_j, spring_j) = potential_energies(&motion.plan, &motion.linkage, &frame);
     let with_law = motion.candidates.iter().filter(|candidate| candidate.uses_contact_law && candidate.has_gap());
     Energy {
         kinetic_j: kinetic_energy(&motion.linkage, &motion.velocities, &frame),
@@ -172,7 +172,7 @@ pub(super) fn stored_energy(motion: &Motion) -> Energy {
 /// Returns a contact at the node; `index` is its element index in the plan.
 pub(super) fn sample_contact(motion: &Motion, index: Option<usize>, impulse_n_s: f64) -> ContactSample {
     let candidate = index.and_then(|index| motion.candidate(index));
-    let frame = PalmFrame::at(motion.plan, motion.clock.now());
+    let frame = PalmFrame::at(&motion.plan, motion.clock.now());
     candidate.map_or(ContactSample::NONE, |candidate| {
         let (normal_n, tangential_n) = contact_forces(motion, candidate);
         ContactSample {
@@ -204,7 +204,7 @@ fn contact_forces(motion: &Motion, candidate: &ContactCandidate) -> (f64, f64) {
 
 /// Forces in the joints during the last step. Without contacts they change linearly between the nodes; those of contacts
 /// follow from the contact forces of a sample, so that joint and contact forces of a sample belong together.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct JointForces {
     is_required: bool,
     /// Forces without contacts at the start of the step.
@@ -237,7 +237,7 @@ impl JointForces {
             dt if dt > 0.0 => 1.0 - (motion.clock.now() - sample.time_s) / dt,
             _ => 1.0,
         };
-        let frame = PalmFrame::at(motion.plan, sample.time_s);
+        let frame = PalmFrame::at(&motion.plan, sample.time_s);
         let reaction = |sample: &Sample, joint: usize| {
             let (start, end) = (self.start[joint], self.joints.free[joint]);
             let mut force: Twist = std::array::from_fn(|k| start[k] + fraction * (end[k] - start[k]));

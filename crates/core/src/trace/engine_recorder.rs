@@ -4,17 +4,22 @@ use super::consistency::ConsistencyCheck;
 use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
 use super::engine_reading::{self as reading, JointForces, sample_contact, stored_energy};
 use super::extrema::StepExtrema;
-use super::grid::{Grid, Span};
+use super::grid::{Grid, RecordingOptions};
 use super::sample::OVERLAP_ROUNDING;
-use super::schema::Schema;
 use super::{ContactSample, Counts, Energy, Outcome, Reach, Sample, Sink, SinkError, Work};
 use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, ZERO_RATE};
 use crate::scene::Scene;
 
 /// Observer that records an engine run.
 pub(super) struct EngineRecorder<'a> {
-    scene: &'a Scene,
-    sink: &'a mut dyn Sink,
+    pub scene: &'a Scene,
+    pub sink: &'a mut dyn Sink,
+    pub state: &'a mut EngineRecorderState,
+}
+
+/// State of a recorder between two steps.
+#[derive(Clone)]
+pub(super) struct EngineRecorderState {
     grid: Grid,
     end_s: f64,
     /// Region whose boundary ends the run.
@@ -42,24 +47,23 @@ pub(super) struct EngineRecorder<'a> {
     pub failure: Option<String>,
 }
 
-impl<'a> EngineRecorder<'a> {
+impl EngineRecorderState {
     /// Creates a recorder for a motion of a scene at its start.
-    pub fn new(scene: &'a Scene, motion: &mut Motion, span: Span, sink: &'a mut dyn Sink) -> Self {
+    pub fn new(scene: &Scene, motion: &mut Motion, recording: RecordingOptions) -> Self {
+        let RecordingOptions { counts, span, ends_at_exit, required_data } = recording;
         let start_energy = stored_energy(motion);
         let flipped = reading::flipped_normals(scene);
         let trackers = vec![ContactTracker::default(); flipped.len()];
         let mut last = Sample::default();
-        let (counts, energy) = (Schema::from_scene(scene).counts(), start_energy.relative_to(&start_energy, 0.0, 0.0));
+        let energy = start_energy.relative_to(&start_energy, 0.0, 0.0);
         read_node(scene, motion, (counts, energy), (&trackers, &flipped), &mut last);
-        let joint_forces = JointForces::new(sink.required_data().joint_forces, motion);
+        let joint_forces = JointForces::new(required_data.joint_forces, motion);
         joint_forces.set(motion, &mut last);
         Self {
-            scene,
             joint_forces,
-            sink,
             grid: Grid::new(span),
             end_s: span.end_s,
-            reach: Reach::from_system(&scene.system),
+            reach: Reach::from_system(&scene.system).filter(|_| ends_at_exit),
             ejected_s: None,
             last,
             node: Sample::default(),
@@ -77,35 +81,49 @@ impl<'a> EngineRecorder<'a> {
         }
     }
 
+    /// Returns the sample at the end of the last step.
+    pub fn last(&self) -> &Sample {
+        &self.last
+    }
+}
+
+impl EngineRecorder<'_> {
     /// Emits the touch-downs of contacts that exist at the start, and the first sample.
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
         for candidate in motion.candidates.iter().filter(|candidate| candidate.gap < 0.0 && candidate.has_gap()) {
             let Some(channel) = motion.plan.contact_channel(candidate.index) else { continue };
-            let contact = self.last.contact(channel);
+            let contact = self.state.last.contact(channel);
             // The overlap of surfaces that just touch and recede is rounding error.
             if contact.gap_m >= -OVERLAP_ROUNDING && contact.gap_rate_m_s > ZERO_RATE {
                 continue;
             }
             self.process_change(channel, ChangeKind::Closes, 0.0, contact.approach_at_start(), 0.0)?;
-            self.trackers[channel].summary.update(self.last.contact(channel).force_and_penetration());
+            self.state.trackers[channel].summary.update(self.state.last.contact(channel).force_and_penetration());
         }
-        self.sink.sample(&self.last)
+        self.sink.sample(&self.state.last)
     }
 
     /// Processes one step: emits its events and samples and updates the summary.
     pub fn step(&mut self, motion: &Motion) -> Result<(), SinkError> {
         let (end_s, dt) = (motion.clock.now(), motion.last_dt_s);
-        self.work.steps += 1;
-        self.work.contact_substeps += u64::from(motion.contact.substeps);
-        self.work.newton_iterations += u64::from(motion.contact.iterations);
-        self.work.rejected += u64::from(motion.contact.repeated);
+        self.state.work.steps += 1;
+        self.state.work.contact_substeps += u64::from(motion.contact.substeps);
+        self.state.work.newton_iterations += u64::from(motion.contact.iterations);
+        self.state.work.rejected += u64::from(motion.contact.repeated);
         let gap_m = motion.linkage.max_joint_opening();
-        self.loop_gap_m = self.loop_gap_m.max(gap_m);
-        let mut node = std::mem::take(&mut self.node);
-        let energy = stored_energy(motion).relative_to(&self.start_energy, motion.contact_work_j, motion.motor_work_j);
-        self.failure = self.consistency.check(&energy, gap_m, dt);
-        read_node(self.scene, motion, (self.last.counts(), energy), (&self.trackers, &self.flipped), &mut node);
-        self.joint_forces.set(motion, &mut node);
+        self.state.loop_gap_m = self.state.loop_gap_m.max(gap_m);
+        let mut node = std::mem::take(&mut self.state.node);
+        let energy =
+            stored_energy(motion).relative_to(&self.state.start_energy, motion.contact_work_j, motion.motor_work_j);
+        self.state.failure = self.state.consistency.check(&energy, gap_m, dt);
+        read_node(
+            self.scene,
+            motion,
+            (self.state.last.counts(), energy),
+            (&self.state.trackers, &self.state.flipped),
+            &mut node,
+        );
+        self.state.joint_forces.set(motion, &mut node);
         self.record_touch_downs_between_steps(motion, end_s - dt)?;
         self.find_extrema(motion);
         for index in 0..motion.contact.changes.len() {
@@ -116,24 +134,24 @@ impl<'a> EngineRecorder<'a> {
             };
             let time_s = end_s - dt + after_s;
             self.emit_extrema_before(motion, &node, after_s)?;
-            if kind == ChangeKind::Closes && !self.trackers[channel].engine.is_touching {
+            if kind == ChangeKind::Closes && !self.state.trackers[channel].engine.is_touching {
                 self.emit_touch_down(motion, &node, channel, time_s, closing)?;
             }
             self.process_change(channel, kind, time_s, closing, impulse)?;
         }
         self.emit_extrema_before(motion, &node, dt)?;
-        for channel in 0..self.trackers.len() {
+        for channel in 0..self.state.trackers.len() {
             self.finish_step(motion, channel, end_s)?;
         }
         // An inconsistent step ends the run as a failure instead.
-        let is_consistent = self.failure.is_none();
+        let is_consistent = self.state.failure.is_none();
         if is_consistent
-            && has_surface_touched(&self.trackers, &self.last)
-            && self.reach.is_some_and(|reach| reach.leaves(&self.last, &node))
+            && has_surface_touched(&self.state.trackers, &self.state.last)
+            && self.state.reach.is_some_and(|reach| reach.leaves(&self.state.last, &node))
         {
-            self.ejected_s = Some(end_s);
+            self.state.ejected_s = Some(end_s);
         }
-        self.node = node;
+        self.state.node = node;
         self.emit_step(motion)
     }
 
@@ -152,38 +170,38 @@ impl<'a> EngineRecorder<'a> {
 
     /// Finds the instants of the step at which a penetration or a contact force exceeds all earlier values.
     fn find_extrema(&mut self, motion: &Motion) {
-        self.step_extrema.clear();
-        for (channel, tracker) in self.trackers.iter_mut().enumerate() {
+        self.state.step_extrema.clear();
+        for (channel, tracker) in self.state.trackers.iter_mut().enumerate() {
             let Some(index) = motion.plan.element_index(channel) else { continue };
             let within = motion.contact_extrema(index);
             let depth = motion.candidate(index).map_or(0.0, |candidate| -candidate.gap);
             let end = [motion.forces(index).0, depth];
-            self.step_extrema.add_contact(channel, &mut tracker.summary, within, motion.last_dt_s, end);
+            self.state.step_extrema.add_contact(channel, &mut tracker.summary, within, motion.last_dt_s, end);
         }
-        self.step_extrema.sort();
+        self.state.step_extrema.sort();
     }
 
     /// Emits samples at the extrema of a step of length `dt` that lie before `after_s`.
     fn emit_extrema_before(&mut self, motion: &Motion, now: &Sample, after_s: f64) -> Result<(), SinkError> {
         let dt = motion.last_dt_s;
-        while let Some((_, (channel, extremum))) = self.step_extrema.next_before(after_s) {
+        while let Some((_, (channel, extremum))) = self.state.step_extrema.next_before(after_s) {
             let time_s = now.time_s - dt + extremum.after_s;
-            let sample = &mut self.within;
-            sample.interpolate_from(&self.last, now, time_s);
+            let sample = &mut self.state.within;
+            sample.interpolate_from(&self.state.last, now, time_s);
             let mut set_extremum = |channel: usize, extremum: &ContactExtremum| {
                 let mut contact = sample.contact(channel);
-                contact.set_extremum(extremum, self.trackers[channel].engine.impulse);
+                contact.set_extremum(extremum, self.state.trackers[channel].engine.impulse);
                 sample.set_contact(channel, &contact);
             };
             set_extremum(channel, &extremum);
-            while let Some((other, simultaneous)) = self.step_extrema.next_at(extremum.after_s) {
+            while let Some((other, simultaneous)) = self.state.step_extrema.next_at(extremum.after_s) {
                 set_extremum(other, &simultaneous);
             }
-            if time_s > self.emitted_s && time_s < now.time_s {
+            if time_s > self.state.emitted_s && time_s < now.time_s {
                 self.emit_grid(motion, now, time_s)?;
-                self.joint_forces.set(motion, &mut self.within);
-                update_summaries(&mut self.trackers, &self.within);
-                self.sink.extreme(&self.within)?;
+                self.state.joint_forces.set(motion, &mut self.state.within);
+                update_summaries(&mut self.state.trackers, &self.state.within);
+                self.sink.extreme(&self.state.within)?;
             }
         }
         Ok(())
@@ -199,28 +217,28 @@ impl<'a> EngineRecorder<'a> {
         time_s: f64,
         closing: f64,
     ) -> Result<(), SinkError> {
-        if time_s <= self.last.time_s {
+        if time_s <= self.state.last.time_s {
             return Ok(());
         }
-        let mut sample = std::mem::take(&mut self.within);
-        sample.interpolate_from(&self.last, now, time_s);
-        reading::extrapolate(self.scene, &mut sample, &self.last, motion);
+        let mut sample = std::mem::take(&mut self.state.within);
+        sample.interpolate_from(&self.state.last, now, time_s);
+        reading::extrapolate(self.scene, &mut sample, &self.state.last, motion);
         for index in 0..sample.counts().contacts {
-            let (mut contact, before) = (sample.contact(index), self.last.contact(index));
+            let (mut contact, before) = (sample.contact(index), self.state.last.contact(index));
             contact.set_before_touch_down_elsewhere(&before);
             if index == channel {
                 contact.set_touch_down(&before, closing);
             }
             sample.set_contact(index, &contact);
         }
-        self.joint_forces.set(motion, &mut sample);
+        self.state.joint_forces.set(motion, &mut sample);
         self.emit_grid(motion, &sample, time_s)?;
-        self.emitted_s = time_s;
-        update_summaries(&mut self.trackers, &sample);
+        self.state.emitted_s = time_s;
+        update_summaries(&mut self.state.trackers, &sample);
         self.sink.sample(&sample)?;
         // The rest of the step has the rates after the impact.
         sample.copy_rates(now);
-        self.within = std::mem::replace(&mut self.last, sample);
+        self.state.within = std::mem::replace(&mut self.state.last, sample);
         Ok(())
     }
 
@@ -228,12 +246,12 @@ impl<'a> EngineRecorder<'a> {
     fn finish_step(&mut self, motion: &Motion, channel: usize, end_s: f64) -> Result<(), SinkError> {
         let Some(index) = motion.plan.element_index(channel) else { return Ok(()) };
         let force = motion.forces(index).0;
-        if force > 0.0 && !self.trackers[channel].engine.is_touching {
+        if force > 0.0 && !self.state.trackers[channel].engine.is_touching {
             // rapier's own contact reports no touch-down, and a step that began with an overlap has passed it.
             let closing_rate = motion.rapier_contact(index).map_or(0.0, |contact| contact.closing_rate);
             self.process_change(channel, ChangeKind::Closes, end_s - motion.last_dt_s, closing_rate, 0.0)?;
         }
-        let tracker = &mut self.trackers[channel];
+        let tracker = &mut self.state.trackers[channel];
         if let Some(candidate) = motion.candidate(index) {
             tracker.engine.is_touching &= !candidate.is_separated() || force > 0.0;
         }
@@ -242,7 +260,7 @@ impl<'a> EngineRecorder<'a> {
             self.process_change(channel, kind, end_s, 0.0, 0.0)?;
         }
         // The contact normal turns between two steps, so a bristle may have crossed the edge of its friction cone.
-        let slip_event = self.trackers[channel].update_slip(motion.is_slipping(index));
+        let slip_event = self.state.trackers[channel].update_slip(motion.is_slipping(index));
         slip_event.map_or(Ok(()), |event| self.emit_event(channel, end_s, event))
     }
 
@@ -255,7 +273,7 @@ impl<'a> EngineRecorder<'a> {
         closing: f64,
         impulse: f64,
     ) -> Result<(), SinkError> {
-        let event = self.trackers[channel].process_change(kind, time_s, closing, impulse);
+        let event = self.state.trackers[channel].process_change(kind, time_s, closing, impulse);
         event.map_or(Ok(()), |event| self.emit_event(channel, time_s, event))
     }
 
@@ -266,12 +284,12 @@ impl<'a> EngineRecorder<'a> {
         if is_friction_event {
             return self.sink.event(&event);
         }
-        self.work.events += 1;
+        self.state.work.events += 1;
         // Rates jump after an event: interpolation needs the sample just before it.
-        if self.emitted_s < self.last.time_s {
-            self.emitted_s = self.last.time_s;
-            update_summaries(&mut self.trackers, &self.last);
-            self.sink.sample(&self.last)?;
+        if self.state.emitted_s < self.state.last.time_s {
+            self.state.emitted_s = self.state.last.time_s;
+            update_summaries(&mut self.state.trackers, &self.state.last);
+            self.sink.sample(&self.state.last)?;
         }
         self.sink.event(&event)
     }
@@ -280,17 +298,17 @@ impl<'a> EngineRecorder<'a> {
     /// short, an extremum lies there, or the run is over.
     fn emit_step(&mut self, motion: &Motion) -> Result<(), SinkError> {
         let dt = motion.last_dt_s;
-        let now = std::mem::take(&mut self.node);
+        let now = std::mem::take(&mut self.state.node);
         let time_s = now.time_s;
         self.emit_grid(motion, &now, time_s)?;
-        self.node = std::mem::replace(&mut self.last, now);
-        if self.grid.includes_end(time_s, dt) || time_s >= self.end_s {
-            self.emitted_s = time_s;
-            update_summaries(&mut self.trackers, &self.last);
-            self.sink.sample(&self.last)
-        } else if self.step_extrema.at_end {
-            update_summaries(&mut self.trackers, &self.last);
-            self.sink.extreme(&self.last)
+        self.state.node = std::mem::replace(&mut self.state.last, now);
+        if self.state.grid.includes_end(time_s, dt) || time_s >= self.state.end_s {
+            self.state.emitted_s = time_s;
+            update_summaries(&mut self.state.trackers, &self.state.last);
+            self.sink.sample(&self.state.last)
+        } else if self.state.step_extrema.at_end {
+            update_summaries(&mut self.state.trackers, &self.state.last);
+            self.sink.extreme(&self.state.last)
         } else {
             Ok(())
         }
@@ -298,17 +316,17 @@ impl<'a> EngineRecorder<'a> {
 
     /// Emits the grid points before `until_s`, between the last sample and `end`.
     fn emit_grid(&mut self, motion: &Motion, end: &Sample, until_s: f64) -> Result<(), SinkError> {
-        while let Some(t) = self.grid.next_before(until_s) {
+        while let Some(t) = self.state.grid.next_before(until_s) {
             // A fine grid can have millions of points within one step.
             if !self.sink.should_continue() {
                 break;
             }
-            if t > self.last.time_s {
-                self.emitted_s = t;
-                self.point.interpolate_from(&self.last, end, t);
-                self.joint_forces.set(motion, &mut self.point);
-                update_summaries(&mut self.trackers, &self.point);
-                self.sink.sample(&self.point)?;
+            if t > self.state.last.time_s {
+                self.state.emitted_s = t;
+                self.state.point.interpolate_from(&self.state.last, end, t);
+                self.state.joint_forces.set(motion, &mut self.state.point);
+                update_summaries(&mut self.state.trackers, &self.state.point);
+                self.sink.sample(&self.state.point)?;
             }
         }
         Ok(())
@@ -316,8 +334,9 @@ impl<'a> EngineRecorder<'a> {
 
     /// Upper bound of the next step, s, so that it ends where the object leaves the reach of the fingers.
     pub(crate) fn time_to_exit_s(&self) -> f64 {
-        let object = self.last.bodies().next().filter(|_| has_surface_touched(&self.trackers, &self.last));
-        self.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(&object))
+        let object =
+            self.state.last.bodies().next().filter(|_| has_surface_touched(&self.state.trackers, &self.state.last));
+        self.state.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(&object))
     }
 
     /// Explains which cable has lifted off which pulley, if one has.
@@ -328,29 +347,29 @@ impl<'a> EngineRecorder<'a> {
 
     /// Whether the run may continue; called after every step and after every contact sub-step.
     pub fn should_continue(&self) -> bool {
-        self.ejected_s.is_none() && self.sink.should_continue()
+        self.state.ejected_s.is_none() && self.sink.should_continue()
     }
 
     /// Adds the forces in joints to the last sample of a mechanism, which reports show, if the sink does not require them.
     pub fn complete_last(&mut self, motion: &mut Motion) {
         if self.scene.mechanism.is_some() && !self.sink.required_data().joint_forces {
-            JointForces::new(true, motion).set(motion, &mut self.last);
+            JointForces::new(true, motion).set(motion, &mut self.state.last);
         }
     }
 
     /// Emits the last sample if the run ended between grid points, and returns the summary.
-    pub fn finish(mut self) -> Result<Outcome, SinkError> {
-        if self.emitted_s < self.last.time_s {
-            update_summaries(&mut self.trackers, &self.last);
-            self.sink.sample(&self.last)?;
+    pub fn finish(&mut self) -> Result<Outcome, SinkError> {
+        if self.state.emitted_s < self.state.last.time_s {
+            update_summaries(&mut self.state.trackers, &self.state.last);
+            self.sink.sample(&self.state.last)?;
         }
-        let contacts = self.trackers.iter().map(|tracker| tracker.summary).collect();
+        let contacts = self.state.trackers.iter().map(|tracker| tracker.summary).collect();
         Ok(Outcome {
-            last: self.last,
+            last: self.state.last.clone(),
             contacts,
-            work: self.work,
-            loop_gap_m: self.loop_gap_m,
-            ejected_s: self.ejected_s,
+            work: self.state.work,
+            loop_gap_m: self.state.loop_gap_m,
+            ejected_s: self.state.ejected_s,
         })
     }
 }

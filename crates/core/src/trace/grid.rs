@@ -1,5 +1,7 @@
-//! Uniform grid of sampling times, independent of the integrator steps.
+//! What a run records, and the uniform grid of its sampling times, independent of the integrator steps.
 
+use super::schema::{Counts, Schema};
+use super::{RequiredData, Sink};
 use crate::scene::Scene;
 
 /// Duration and sampling rate of a run.
@@ -12,11 +14,36 @@ pub(super) struct Span {
 }
 
 impl Span {
+    /// Without an end, and without points inside steps.
+    pub const UNSAMPLED: Self = Span { end_s: f64::INFINITY, numeric_hz: 0.0, is_thinned: false };
+
     /// Returns duration and sampling rate of a scene.
     pub fn from_scene(scene: &Scene) -> Self {
         // The object of a gripper is at rest in the grasp for most of a run.
         let is_thinned = scene.system.fingers.len() > 1;
         Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz, is_thinned }
+    }
+}
+
+/// What a run records.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RecordingOptions {
+    pub counts: Counts,
+    pub span: Span,
+    /// Whether the run ends where the object leaves the reach of the fingers.
+    pub ends_at_exit: bool,
+    pub required_data: RequiredData,
+}
+
+impl RecordingOptions {
+    /// Options of a run of a scene into a sink.
+    pub fn of_run(scene: &Scene, sink: &dyn Sink) -> Self {
+        Self {
+            counts: Schema::from_scene(scene).counts(),
+            span: Span::from_scene(scene),
+            ends_at_exit: true,
+            required_data: sink.required_data(),
+        }
     }
 }
 

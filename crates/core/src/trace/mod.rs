@@ -23,18 +23,19 @@ mod reading;
 mod recorder;
 mod recording;
 mod sample;
+mod sampled;
 pub mod schema;
-mod simulate;
+mod simulation;
 mod sink;
+mod stepper;
 
-pub use analytic::run_analytic;
 pub use decimator::Decimated;
-#[cfg(feature = "engine")]
-pub use engine::run_engine;
-pub use model::{Model, run};
+use model::build;
+pub use model::{Model, run, run_analytic};
 pub use outcome::{ContactSummary, Outcome, RunError, Work};
 pub use reach::Reach;
 pub use recording::{Recording, record};
 pub use sample::{Event, EventKind, FingerContact, Sample, interpolate};
 pub use schema::{BodyState, Channel, ContactName, ContactSample, Counts, Energy, FingerState, JointState, Schema};
+pub use simulation::{Simulation, SimulationError};
 pub use sink::{Cancellable, KeepRunning, RequiredData, Sink, SinkError};

@@ -1,8 +1,13 @@
 //! Common interface of the two models.
 
+use super::analytic::build_analytic;
 #[cfg(feature = "engine")]
-use super::run_engine;
-use super::{Outcome, RunError, Sink, run_analytic};
+use super::engine::build_engine;
+use super::grid::RecordingOptions;
+use super::sampled::with_sampled_servos;
+use super::stepper::{Interruption, Stepper};
+use super::{Outcome, RunError, Sink};
+use crate::scene::keywords::SceneKind;
 use crate::scene::{Keyword, Scene};
 
 /// Which of the two independent models simulates a scene.
@@ -28,16 +33,53 @@ impl Keyword for Model {
 
 /// Simulates a scene of any kind with the given model.
 ///
+/// The sink receives a sample at every point of the grid `scene.log.numeric_hz`, at every step shorter than the grid
+/// interval, and at both ends; and every event, in order of time. In gripper runs of the analytic model with more than
+/// 1000 grid points, longer steps get 4 to 7 of their grid points. Samples of the engine model on the grid are
+/// interpolated between its steps, so logging does not change the run.
+///
 /// Without the `engine` feature, runs of the engine model are rejected.
 ///
 /// # Errors
 /// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
-    match model {
-        Model::Analytic => run_analytic(scene, sink),
+    let moves = scene.kind() != SceneKind::Bodies || scene.system.discs.iter().any(|disc| disc.motion.moves());
+    if model == Model::Analytic && !moves {
+        return Ok(Outcome::default());
+    }
+    let mut stepper = build(model, scene, RecordingOptions::of_run(scene, sink))?;
+    stepper.begin(sink)?;
+    let result = stepper.advance(scene.duration_s, sink);
+    if let Err(Interruption::Sink(error)) = result {
+        return Err(error.into());
+    }
+    let outcome = stepper.finish(sink)?;
+    match result {
+        Err(Interruption::Failure(failure)) if outcome.ejected_s.is_none() => {
+            Err(RunError::Simulation { failure, partial_outcome: Box::new(outcome) })
+        }
+        _ => Ok(outcome),
+    }
+}
+
+/// Simulates a scene with the analytic model, see [`run`].
+///
+/// # Errors
+/// See [`run`].
+pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    run(Model::Analytic, scene, sink)
+}
+
+/// Builds a model of a scene at its start.
+///
+/// # Errors
+/// Returns an error if the model does not simulate the scene.
+pub(super) fn build(model: Model, scene: &Scene, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
+    with_sampled_servos(scene, |scene| match model {
+        Model::Analytic => build_analytic(scene, recording),
         #[cfg(feature = "engine")]
-        Model::Engine => run_engine(scene, sink),
+        Model::Engine => build_engine(scene, recording),
         #[cfg(not(feature = "engine"))]
         Model::Engine => Err(RunError::rejected("this build has no engine model".to_string(), Outcome::default())),
-    }
+    })
 }

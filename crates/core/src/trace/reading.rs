@@ -1,30 +1,31 @@
-//! Converts states of the analytic model to samples; the conversion is the only part of a run that differs between its
-//! two kernels.
+//! Converts states of the analytic model to samples, and changes its inputs: the only parts of a run that differ between
+//! its kernels.
 
 use std::ops::Index;
 
-use super::{BodyState, ContactSample, Counts, Energy, FingerContact, FingerState, RequiredData, Sample};
+use super::{BodyState, ContactSample, Energy, FingerContact, FingerState, RequiredData, Sample};
 use crate::analytic::multibody::{Multibody, kinematics_of};
 use crate::analytic::{
     ContactReading, ContactState, Energies, FingerMode, FingerMotion, Mode, PassiveJoints, QUADRATURES,
 };
-use crate::integrator::State;
-use crate::scene::System;
+use crate::drive::Profile;
+use crate::integrator::{State, System};
 
-/// Converts the states of a model to samples.
-pub(super) trait Reader<const N: usize, const Z: usize> {
-    /// Branches of all contact laws.
-    type Mode: Copy + Index<usize, Output = ContactState>;
+/// A kernel of the analytic model, as runs use it: its states become samples, and its inputs can change.
+pub(super) trait Kernel<const N: usize, const Z: usize>:
+    System<N, Z, Mode: Index<usize, Output = ContactState> + Send> + Clone + Send + 'static
+{
+    /// What a sample needs of earlier ones.
+    type History: Clone + Default + Send;
 
-    /// Reads the required data of one state; `start` contains the energies at the start of the run, the reference for
-    /// work and dissipation.
+    /// Reads the required data of one state into a sample, which is prepared for it; `start` contains the energies at
+    /// the start of the run, the reference for work and dissipation.
     fn read(
         &self,
-        t: f64,
-        state: &State<N, Z>,
-        mode: &Self::Mode,
+        state: (&State<N, Z>, &Self::Mode),
         start: &Energy,
         required_data: RequiredData,
+        history: &mut Self::History,
         sample: &mut Sample,
     );
 
@@ -34,6 +35,9 @@ pub(super) trait Reader<const N: usize, const Z: usize> {
 
     /// Reads one contact of a state.
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Self::Mode) -> ContactSample;
+
+    /// Replaces the input of an actuator from time `t` on; state and mode follow where they depend on inputs.
+    fn set_input(&mut self, index: usize, input: Profile, t: f64, state: (&mut State<N, Z>, &mut Self::Mode));
 }
 
 /// Converts the energies of a state to those of a sample.
@@ -61,19 +65,21 @@ pub(super) fn contact_sample(reading: Option<&ContactReading>, impulse_n_s: f64)
     })
 }
 
-impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, W> {
-    type Mode = FingerMode;
+impl<const N: usize, const W: usize> Kernel<N, QUADRATURES> for FingerMotion<N, W>
+where
+    Self: System<N, QUADRATURES, Mode = FingerMode>,
+{
+    type History = ();
 
     fn read(
         &self,
-        t: f64,
-        state: &State<N, QUADRATURES>,
-        mode: &FingerMode,
+        (state, mode): (&State<N, QUADRATURES>, &FingerMode),
         start: &Energy,
         required_data: RequiredData,
+        (): &mut (),
         sample: &mut Sample,
     ) {
-        let State { q, v, z } = state;
+        let (t, State { q, v, z }) = (sample.time_s, state);
         let terms = (required_data.energies || required_data.joint_forces).then(|| self.terms(q));
         let kinematics = match &terms {
             Some(terms) => (terms.pose, terms.rates),
@@ -96,7 +102,6 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
             qd22_rad_s: passive.qd22,
             motor_torque_n_m: if required_data.passive { self.motor_torque(t) } else { 0.0 },
         };
-        sample.prepare(t, Counts::of_fingers(1, 0, FingerContact::ALL.len()));
         sample.set_finger(0, &finger);
         for (index, reading) in contacts.iter().enumerate() {
             sample.set_contact(index, &contact_sample(reading.as_ref(), z[index]));
@@ -119,27 +124,27 @@ impl<const N: usize, const W: usize> Reader<N, QUADRATURES> for FingerMotion<N, 
         let reading = self.contact_reading(state.q, state.v, FingerContact::ALL[index], mode[index]);
         contact_sample(reading.as_ref(), state.z[index])
     }
+
+    fn set_input(&mut self, _: usize, input: Profile, _: f64, _: (&mut State<N, QUADRATURES>, &mut FingerMode)) {
+        self.set_actuation(input);
+    }
 }
 
-/// A model, and its system, which defines the layout of the samples.
-pub(super) struct SystemReader<'a, const N: usize, const C: usize> {
-    pub model: &'a Multibody<N, C>,
-    pub system: &'a System,
-}
-
-impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemReader<'_, N, C> {
-    type Mode = Mode<C>;
+impl<const N: usize, const C: usize, const Z: usize> Kernel<N, Z> for Multibody<N, C>
+where
+    Self: System<N, Z, Mode = Mode<C>>,
+{
+    type History = ();
 
     fn read(
         &self,
-        t: f64,
-        state: &State<N, Z>,
-        mode: &Mode<C>,
+        (state, mode): (&State<N, Z>, &Mode<C>),
         start: &Energy,
         required_data: RequiredData,
+        (): &mut (),
         sample: &mut Sample,
     ) {
-        let (model, State { q, v, z }) = (self.model, state);
+        let (model, t, counts, State { q, v, z }) = (self, sample.time_s, sample.counts(), state);
         let terms = model.terms(q);
         let kinematics = |finger: usize| kinematics_of(&terms[finger]);
         let torques = if required_data.passive { model.motor_torques(t, v) } else { [0.0; 2] };
@@ -166,9 +171,6 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
             let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.disc_pose(disc, q), model.disc_rates(disc, v));
             BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
         };
-        let counts =
-            Counts::of_fingers(self.system.fingers.len(), self.system.reported_discs().len(), model.contact_count());
-        sample.prepare(t, counts);
         (0..counts.fingers).for_each(|k| sample.set_finger(k, &finger(k)));
         (0..counts.bodies).for_each(|k| sample.set_body(k, &disc(k)));
         for k in 0..counts.contacts {
@@ -202,11 +204,15 @@ impl<const N: usize, const C: usize, const Z: usize> Reader<N, Z> for SystemRead
     }
 
     fn is_slipping(&self, index: usize, mode: &Mode<C>) -> Option<bool> {
-        mode.is_slipping(index).filter(|_| self.model.has_stiction(index))
+        mode.is_slipping(index).filter(|_| self.has_stiction(index))
     }
 
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Mode<C>) -> ContactSample {
-        let reading = self.model.contact_reading(&state.q, &state.v, index, mode[index]);
+        let reading = self.contact_reading(&state.q, &state.v, index, mode[index]);
         contact_sample(reading.as_ref(), state.z[index])
+    }
+
+    fn set_input(&mut self, index: usize, input: Profile, _: f64, _: (&mut State<N, Z>, &mut Mode<C>)) {
+        self.set_actuation(index, input);
     }
 }

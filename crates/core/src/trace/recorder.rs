@@ -1,9 +1,11 @@
 //! Converts the steps of the analytic model into samples, events and summary figures.
 
+use std::ops::Index;
+
 use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
 use super::extrema::{BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, StepExtrema, bisect, parabola_peak};
-use super::grid::{Grid, Span};
-use super::reading::Reader;
+use super::grid::{Grid, RecordingOptions};
+use super::reading::Kernel;
 use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
 use crate::integrator::{Observer, State, Step, StepTools};
@@ -17,7 +19,17 @@ struct Interior<'a, M, const N: usize, const Z: usize> {
     contacts: usize,
 }
 
-impl<M, const N: usize, const Z: usize> Interior<'_, M, N, Z> {
+impl<M: Index<usize, Output = ContactState>, const N: usize, const Z: usize> Interior<'_, M, N, Z> {
+    /// Returns the state at time `t` after the start of the step.
+    fn state_at(&mut self, t: f64) -> State<N, Z> {
+        let theta = (t - self.step.t0) / self.step.h;
+        // Damper forces cannot be evaluated on the dense output.
+        match (0..self.contacts).any(|index| self.mode[index].has_force()) {
+            true => self.resolve(theta),
+            false => self.tools.interpolate(theta),
+        }
+    }
+
     fn time_s(&self, theta: f64) -> f64 {
         self.step.t0 + theta * self.step.h
     }
@@ -36,9 +48,16 @@ impl<M, const N: usize, const Z: usize> Interior<'_, M, N, Z> {
 }
 
 /// Observer that records a run of the analytic model.
-pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> {
-    reader: &'a R,
-    sink: &'a mut dyn Sink,
+pub(super) struct Recorder<'a, R: Kernel<N, Z>, const N: usize, const Z: usize> {
+    pub kernel: &'a R,
+    pub sink: &'a mut dyn Sink,
+    pub state: &'a mut RecorderState<R, N, Z>,
+    pub error: Option<SinkError>,
+}
+
+/// State of a recorder between two steps.
+#[derive(Clone)]
+pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize> {
     required_data: RequiredData,
     grid: Grid,
     end_s: f64,
@@ -62,91 +81,108 @@ pub(super) struct Recorder<'a, R: Reader<N, Z>, const N: usize, const Z: usize> 
     /// Time up to which samples have been emitted.
     emitted_s: f64,
     peaks: StepExtrema<()>,
-    error: Option<SinkError>,
+    history: R::History,
 }
 
-impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> {
+impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
     pub fn new(
-        reader: &'a R,
-        mode: R::Mode,
-        start: &State<N, Z>,
-        (span, reach): (Span, Option<Reach>),
-        sink: &'a mut dyn Sink,
+        kernel: &R,
+        (start, mode): (&State<N, Z>, R::Mode),
+        reach: Option<Reach>,
+        RecordingOptions { counts, span, required_data, .. }: RecordingOptions,
     ) -> Self {
-        let mut last = Sample::default();
-        reader.read(0.0, start, &mode, &Energy::default(), RequiredData::ALL, &mut last);
+        let [mut last, end, within] = [0; 3].map(|_| Sample::new(0.0, counts));
+        let mut history = R::History::default();
+        kernel.read((start, &mode), &Energy::default(), RequiredData::ALL, &mut history, &mut last);
         let start_energy = last.energy();
-        reader.read(0.0, start, &mode, &start_energy, RequiredData::ALL, &mut last);
+        kernel.read((start, &mode), &start_energy, RequiredData::ALL, &mut history, &mut last);
         Self {
-            reader,
-            required_data: sink.required_data(),
-            sink,
+            required_data,
             grid: Grid::new(span),
             end_s: span.end_s,
             reach,
             ejected_s: None,
             mode,
             start_energy,
-            trackers: vec![ContactTracker::default(); last.counts().contacts],
+            trackers: vec![ContactTracker::default(); counts.contacts],
             last,
             last_state: *start,
             last_mode: mode,
-            end: Sample::default(),
-            within: Sample::default(),
+            end,
+            within,
             emitted_s: 0.0,
             peaks: StepExtrema::default(),
-            error: None,
+            history,
         }
     }
 
+    /// Reads a state inside a step at time `t`, with all its data.
+    pub fn read_within(
+        &self,
+        kernel: &R,
+        t: f64,
+        (step, mode, tools): (&Step<N, Z>, &R::Mode, &mut dyn StepTools<N, Z>),
+        sample: &mut Sample,
+    ) {
+        let contacts = self.trackers.len();
+        let mut interior = Interior { step, mode, tools, impulses: step.start.z, contacts };
+        let state = interior.state_at(t);
+        self.read_at(kernel, t, (&state, mode), sample);
+    }
+
+    /// Reads a state at time `t` with all its data; later readings do not depend on it.
+    pub fn read_at(&self, kernel: &R, t: f64, state: (&State<N, Z>, &R::Mode), sample: &mut Sample) {
+        sample.prepare(t, self.last.counts());
+        kernel.read(state, &self.start_energy, RequiredData::ALL, &mut self.history.clone(), sample);
+    }
+}
+
+impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, R, N, Z> {
     /// Emits the touch-downs of contacts that exist at the start, and the first sample.
     pub fn begin(&mut self) -> Result<(), SinkError> {
-        for (index, tracker) in self.trackers.iter_mut().enumerate() {
+        for (index, tracker) in self.state.trackers.iter_mut().enumerate() {
             // An overlap is a contact with or without a force; a zero gap is a contact only if it closes.
-            if self.mode[index] == ContactState::Free {
+            if self.state.mode[index] == ContactState::Free {
                 continue;
             }
-            let contact = self.last.contact(index);
+            let contact = self.state.last.contact(index);
             let event = tracker.touch_down(0.0, contact.approach_at_start(), 0.0);
-            if self.mode[index] == ContactState::Released {
+            if self.state.mode[index] == ContactState::Released {
                 tracker.summary.update(contact.force_and_penetration());
             }
             self.sink.event(&event.at(0.0, index))?;
         }
         // A start outside the workspace of a loop has no passive angles; the run then ends before its first step.
-        if self.last.energy().kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.last) }
+        if self.state.last.energy().kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.state.last) }
     }
 
     /// Emits the last sample if the run ended between grid points, and returns the summary.
-    pub fn finish(mut self, end: &State<N, Z>, work: Work) -> Result<Outcome, SinkError> {
-        if let Some(error) = self.error.take() {
-            return Err(error);
+    pub fn finish(&mut self, end: &State<N, Z>, work: Work) -> Result<Outcome, SinkError> {
+        if self.state.emitted_s < self.state.last.time_s {
+            self.sink.sample(&self.state.last)?;
         }
-        if self.emitted_s < self.last.time_s {
-            self.sink.sample(&self.last)?;
-        }
-        if self.required_data != RequiredData::ALL {
-            let (state, mode) = (&self.last_state, &self.last_mode);
-            self.reader.read(self.last.time_s, state, mode, &self.start_energy, RequiredData::ALL, &mut self.last);
+        if self.state.required_data != RequiredData::ALL {
+            let RecorderState { last_state, last_mode, start_energy, history, last, .. } = &mut *self.state;
+            self.kernel.read((last_state, last_mode), start_energy, RequiredData::ALL, history, last);
         }
         // The integrator ends one step after the exit.
-        let end = if self.ejected_s.is_some() { &self.last_state } else { end };
+        let end = if self.state.ejected_s.is_some() { &self.state.last_state } else { end };
         let summary = |(index, tracker): (usize, &ContactTracker)| ContactSummary {
             impulse_n_s: end.z[index],
             ..tracker.summary
         };
-        let contacts = self.trackers.iter().enumerate().map(summary).collect();
-        Ok(Outcome { last: self.last, contacts, work, loop_gap_m: 0.0, ejected_s: self.ejected_s })
+        let contacts = self.state.trackers.iter().enumerate().map(summary).collect();
+        Ok(Outcome { last: self.state.last.clone(), contacts, work, loop_gap_m: 0.0, ejected_s: self.state.ejected_s })
     }
 
     /// Emits the samples of one step: grid points and extrema inside it, and its end if the step is short, an extremum
     /// lies there, or the run is over.
     fn emit_step(&mut self, mut interior: Interior<'_, R::Mode, N, Z>) -> Result<(), SinkError> {
-        let (end, step, mode) = (self.last.time_s, interior.step, interior.mode);
+        let (end, step, mode) = (self.state.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
-        let has_active_contact = (0..self.trackers.len()).any(|index| mode[index].has_force());
-        self.grid.begin_step(end.min(self.end_s));
-        while let Some(t) = self.grid.next_before(end.min(self.end_s)) {
+        let has_active_contact = (0..self.state.trackers.len()).any(|index| mode[index].has_force());
+        self.state.grid.begin_step(end.min(self.state.end_s));
+        while let Some(t) = self.state.grid.next_before(end.min(self.state.end_s)) {
             // A fine grid can have millions of points within one step.
             if !self.sink.should_continue() {
                 break;
@@ -156,20 +192,20 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
             if theta > 0.0 {
                 if has_active_contact {
                     self.read_within(t, &interior.resolve(theta), mode);
-                    update_summaries(&mut self.trackers, &self.within);
+                    update_summaries(&mut self.state.trackers, &self.state.within);
                 } else {
                     self.read_within(t, &interior.tools.interpolate(theta), mode);
                 }
-                self.emitted_s = t;
-                self.sink.sample(&self.within)?;
+                self.state.emitted_s = t;
+                self.sink.sample(&self.state.within)?;
             }
         }
         self.emit_peaks(&mut interior, 1.0)?;
-        if self.grid.includes_end(end, step.h) || end >= self.end_s {
-            self.emitted_s = end;
-            self.sink.sample(&self.last)
-        } else if self.peaks.at_end {
-            self.sink.extreme(&self.last)
+        if self.state.grid.includes_end(end, step.h) || end >= self.state.end_s {
+            self.state.emitted_s = end;
+            self.sink.sample(&self.state.last)
+        } else if self.state.peaks.at_end {
+            self.sink.extreme(&self.state.last)
         } else {
             Ok(())
         }
@@ -177,26 +213,28 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
 
     /// Emits samples at the extrema of the step before `theta`.
     fn emit_peaks(&mut self, interior: &mut Interior<'_, R::Mode, N, Z>, theta: f64) -> Result<(), SinkError> {
-        while let Some((theta_peak, ())) = self.peaks.next_before(theta) {
-            while self.peaks.next_at(theta_peak).is_some() {}
+        while let Some((theta_peak, ())) = self.state.peaks.next_before(theta) {
+            while self.state.peaks.next_at(theta_peak).is_some() {}
             let t = interior.time_s(theta_peak);
-            if t > self.emitted_s && t < interior.step.t1 {
+            if t > self.state.emitted_s && t < interior.step.t1 {
                 self.read_within(t, &interior.resolve(theta_peak), interior.mode);
-                update_summaries(&mut self.trackers, &self.within);
-                self.sink.extreme(&self.within)?;
+                update_summaries(&mut self.state.trackers, &self.state.within);
+                self.sink.extreme(&self.state.within)?;
             }
         }
         Ok(())
     }
 
     fn read_within(&mut self, t: f64, state: &State<N, Z>, mode: &R::Mode) {
-        self.reader.read(t, state, mode, &self.start_energy, self.required_data, &mut self.within);
+        let RecorderState { start_energy, required_data, history, within, .. } = &mut *self.state;
+        within.time_s = t;
+        self.kernel.read((state, mode), start_energy, *required_data, history, within);
     }
 
     /// Emits slip and stick events of bristle friction: steps end at these events, and the next step has another mode.
     fn record_slip_events(&mut self, time_s: f64, mode: &R::Mode) -> Result<(), SinkError> {
-        for (contact, tracker) in self.trackers.iter_mut().enumerate() {
-            if let Some(event) = tracker.update_slip(self.reader.is_slipping(contact, mode)) {
+        for (contact, tracker) in self.state.trackers.iter_mut().enumerate() {
+            if let Some(event) = tracker.update_slip(self.kernel.is_slipping(contact, mode)) {
                 self.sink.event(&event.at(time_s, contact))?;
             }
         }
@@ -206,48 +244,51 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
     /// Shortens the current step to where the object leaves the reach of the fingers, if something has touched the
     /// object; returns whether it does.
     fn end_at_exit(&mut self, interior: &mut Interior<'_, R::Mode, N, Z>) -> bool {
-        let Some(reach) = self.reach.filter(|reach| reach.leaves(&self.last, &self.end)) else { return false };
-        if !has_surface_touched(&self.trackers, &self.end) {
+        let Some(reach) = self.state.reach.filter(|reach| reach.leaves(&self.state.last, &self.state.end)) else {
+            return false;
+        };
+        if !has_surface_touched(&self.state.trackers, &self.state.end) {
             return false;
         }
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
             self.read_within(interior.time_s(middle), &interior.tools.resolve(middle), interior.mode);
-            if reach.is_outside(&self.within.body(0)) { outside = middle } else { inside = middle }
+            if reach.is_outside(&self.state.within.body(0)) { outside = middle } else { inside = middle }
         }
         if outside < 1.0 {
-            (self.last_state, self.last_mode) = (interior.resolve(outside), *interior.mode);
+            (self.state.last_state, self.state.last_mode) = (interior.resolve(outside), *interior.mode);
             interior.impulses = interior.step.start.z;
-            let (exit_s, state, mode) = (interior.time_s(outside), &self.last_state, interior.mode);
-            self.reader.read(exit_s, state, mode, &self.start_energy, self.required_data, &mut self.end);
+            let RecorderState { last_state, start_energy, required_data, history, end, .. } = &mut *self.state;
+            end.time_s = interior.time_s(outside);
+            self.kernel.read((last_state, interior.mode), start_energy, *required_data, history, end);
         }
-        self.end_s = self.end.time_s;
-        self.ejected_s = Some(self.end_s);
+        self.state.end_s = self.state.end.time_s;
+        self.state.ejected_s = Some(self.state.end_s);
         true
     }
 
     /// Searches the largest force and penetration within the step from the last sample to its end.
     fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
-        self.peaks.clear();
-        let length_s = self.end.time_s - self.last.time_s;
-        for (index, tracker) in self.trackers.iter_mut().enumerate() {
+        self.state.peaks.clear();
+        let length_s = self.state.end.time_s - self.state.last.time_s;
+        for (index, tracker) in self.state.trackers.iter_mut().enumerate() {
             // A released contact can still get deeper without a force.
             let is_active = mode[index].has_force();
             if !is_active && mode[index] != ContactState::Released {
                 continue;
             }
-            let (start, end) = (self.last.contact(index), self.end.contact(index));
-            let read = |state: &State<N, Z>| self.reader.contact(state, index, mode);
+            let (start, end) = (self.state.last.contact(index), self.state.end.contact(index));
+            let read = |state: &State<N, Z>| self.kernel.contact(state, index, mode);
             let summary = &mut tracker.summary;
             summary.update_max_penetration(-start.gap_m);
             if summary.update_max_penetration(-end.gap_m) {
-                self.peaks.push(1.0);
+                self.state.peaks.push(1.0);
             }
             if start.gap_rate_m_s < 0.0 && end.gap_rate_m_s > 0.0 {
                 let deepest = bisect(&mut |theta| -read(&tools.interpolate(theta)).gap_rate_m_s);
                 if summary.update_max_penetration(-read(&tools.resolve(deepest)).gap_m) {
-                    self.peaks.push(deepest);
+                    self.state.peaks.push(deepest);
                 }
             }
             let mut highest = start.normal_n.max(end.normal_n);
@@ -259,59 +300,63 @@ impl<'a, R: Reader<N, Z>, const N: usize, const Z: usize> Recorder<'a, R, N, Z> 
                 let mut force = |theta: f64| read(&tools.resolve(theta)).normal_n;
                 let (theta, peak) = parabola_peak(start.normal_n, end.normal_n, &mut force);
                 if summary.update_peak_force(peak) {
-                    self.peaks.push(theta);
+                    self.state.peaks.push(theta);
                 }
             }
         }
-        self.peaks.sort();
+        self.state.peaks.sort();
     }
 }
 
-impl<R: Reader<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, R, N, Z> {
+impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, R, N, Z> {
     fn step(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
-        self.mode = *mode;
-        (self.last_state, self.last_mode) = (*step.end, *mode);
+        self.state.mode = *mode;
+        (self.state.last_state, self.state.last_mode) = (*step.end, *mode);
         if let Err(error) = self.record_slip_events(step.t0, mode) {
             self.error = Some(error);
             return false;
         }
-        self.reader.read(step.t1, step.end, mode, &self.start_energy, self.required_data, &mut self.end);
-        let (impulses, contacts) = (step.start.z, self.trackers.len());
+        let RecorderState { start_energy, required_data, history, end, .. } = &mut *self.state;
+        end.time_s = step.t1;
+        self.kernel.read((step.end, mode), start_energy, *required_data, history, end);
+        let (impulses, contacts) = (step.start.z, self.state.trackers.len());
         let mut interior = Interior { step, mode, tools, impulses, contacts };
         let exits = self.end_at_exit(&mut interior);
-        if self.required_data.peaks && !exits {
+        if self.state.required_data.peaks && !exits {
             self.search_peaks(mode, interior.tools);
         } else {
-            self.peaks.clear();
-            update_summaries(&mut self.trackers, &self.end);
+            self.state.peaks.clear();
+            update_summaries(&mut self.state.trackers, &self.state.end);
         }
-        std::mem::swap(&mut self.last, &mut self.end);
+        std::mem::swap(&mut self.state.last, &mut self.state.end);
         if let Err(error) = self.emit_step(interior) {
             self.error = Some(error);
         }
-        self.error.is_none() && self.ejected_s.is_none() && self.sink.should_continue()
+        self.error.is_none() && self.state.ejected_s.is_none() && self.sink.should_continue()
     }
 
     fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &R::Mode) {
-        let was_separated = self.last.contact(index).gap_m > 0.0 || !matches!(self.mode[index], ContactState::Released);
+        let was_separated =
+            self.state.last.contact(index).gap_m > 0.0 || !matches!(self.state.mode[index], ContactState::Released);
         let kind = match mode[index] {
             ContactState::Active if was_separated => EventKind::TouchDown,
             ContactState::Active => EventKind::Reload,
             _ => EventKind::LiftOff,
         };
-        let (tracker, impulse) = (&mut self.trackers[index], state.z[index]);
+        let (tracker, impulse) = (&mut self.state.trackers[index], state.z[index]);
         let event = match kind {
             EventKind::TouchDown => {
-                let approach = -self.reader.contact(state, index, mode).gap_rate_m_s;
+                let approach = -self.kernel.contact(state, index, mode).gap_rate_m_s;
                 tracker.touch_down(t, approach, impulse)
             }
             EventKind::LiftOff => tracker.lift_off(impulse),
             EventKind::Reload | EventKind::Slips | EventKind::Sticks => ReportedEvent::of_kind(kind),
         };
-        self.mode = *mode;
+        self.state.mode = *mode;
         // Rates jump after an event: interpolation needs the sample just before it.
-        let emitted = if self.emitted_s < self.last.time_s { self.sink.sample(&self.last) } else { Ok(()) };
-        self.emitted_s = self.last.time_s;
+        let emitted =
+            if self.state.emitted_s < self.state.last.time_s { self.sink.sample(&self.state.last) } else { Ok(()) };
+        self.state.emitted_s = self.state.last.time_s;
         if let Err(error) = emitted.and_then(|()| self.sink.event(&event.at(t, index))) {
             self.error.get_or_insert(error);
         }

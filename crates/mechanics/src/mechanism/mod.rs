@@ -207,8 +207,8 @@ pub struct Actuator {
 pub enum Command {
     /// Torque or force over time.
     Effort(Profile),
-    /// kp (target − q) + kd (d target/dt − q̇).
-    Servo { kp: f64, kd: f64, target: Profile },
+    /// kp (target − q) + kd (d target/dt − q̇). With a rate it is computed at that rate, and constant in between.
+    Servo { kp: f64, kd: f64, target: Profile, rate_hz: Option<f64> },
 }
 
 /// A limit of a joint: the penetration is δ = side (q − value), and the force on the joint −side F.

@@ -184,8 +184,8 @@ pub fn join(path: &str, key: &str) -> String {
 /// Unsupported features, one per line: the section they are expected in (empty: any), their keys, the reason, and the
 /// alternative. The lines of mechanisms come first.
 const UNSUPPORTED: &str = "\
-outlines|polygon vertices ellipse semi_axes box rectangle square triangle|an outline is a disc, a capsule or a half plane|\
-    describe the sides that touch by capsules, and corners by discs
+outlines|rectangle square triangle circle|an outline is a disc, a capsule, a box, a polygon, an ellipse or a half plane|\
+    write type = \"box\" with size = [width, height], type = \"polygon\" with vertices, or type = \"disc\" with a radius
 joints|pin hinge slider ball fixed weld rigid|a joint is revolute or prismatic|\
     write type = \"revolute\" for a pin, \"prismatic\" for a slider; join rigidly connected parts to one body
 |tendon tendons cable cables rope pulley pulleys winch|a finger has no tendons|\

@@ -34,7 +34,7 @@ fn command(actuator: &Actuator, t: f64, coordinate: f64, rate: f64) -> Effort {
             let (value, by_time) = profile.at(t);
             Effort { value, by_time, ..Effort::default() }
         }
-        Command::Servo { kp, kd, target } => {
+        Command::Servo { kp, kd, target, .. } => {
             let (target, target_rate) = target.at(t);
             Effort {
                 value: kp * (target - coordinate) + kd * (target_rate - rate),
@@ -97,7 +97,7 @@ pub(super) fn effort(actuator: &Actuator, range: u8, t: f64, coordinate: f64, ra
 fn scale(actuator: &Actuator) -> f64 {
     let largest = match &actuator.command {
         Command::Effort(profile) => profile.largest(),
-        Command::Servo { kp, kd, target } => kp.max(*kd) * target.largest().max(1.0),
+        Command::Servo { kp, kd, target, .. } => kp.max(*kd) * target.largest().max(1.0),
     };
     actuator.limit.unwrap_or(largest).max(f64::MIN_POSITIVE)
 }

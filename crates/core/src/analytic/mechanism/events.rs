@@ -1,7 +1,7 @@
 //! Event functions of a mechanism: ends of the branches of contact laws and of the ranges of actuators, and the
 //! singularities of its dyads.
 
-use super::actuator::{MAX_ACTUATORS, margin, margin_tolerance, range, range_after};
+use super::actuator::{MAX_ACTUATORS, Ranges, margin, margin_tolerance, range, range_after};
 use super::model::{MechanismMode, MechanismModel, Surfaces, joint_of};
 use super::motion::Motions;
 use super::nearest::{Feature, Frame, PointOnFace};
@@ -107,8 +107,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Event function of the features: of the contact that is nearest to the end of its region.
     fn feature_event(&self, motions: &Motions<f64, K>, mode: &MechanismMode<C>) -> EventFunction<N> {
         let margins = self.contacts_on_features(motions, mode).map(|(_, pair, frames, on)| pair.margin(&frames, on));
-        let value = margins.fold(f64::INFINITY, f64::min) + FEATURE_MARGIN_M;
-        EventFunction { value, root_search: RootSearch::Smooth, ..EventFunction::INACTIVE }
+        // A step that leaves a region and returns to it has a small error only: forces are continuous at its end.
+        EventFunction { value: margins.fold(f64::INFINITY, f64::min) + FEATURE_MARGIN_M, ..EventFunction::INACTIVE }
     }
 
     /// The feature on which a contact starts in a mode; `None` without a force.
@@ -125,6 +125,18 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     fn actuator_state(&self, motions: &Motions<f64, K>, q: &[f64; N], index: usize) -> (f64, f64, f64) {
         let motion = &motions.joints[joint_of(&self.mechanism.actuators[index].on)];
         (self.time_index.map_or(0.0, |time| q[time]), motion.coordinate, motion.rate)
+    }
+
+    /// Ranges of all actuators in a state.
+    pub(super) fn ranges(&self, t: f64, (q, v): StateRef<'_, N>) -> Ranges {
+        let mut ranges = Ranges::UNMONITORED;
+        self.with_motions((q, v), |motions| {
+            for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
+                let (_, coordinate, rate) = self.actuator_state(motions, q, index);
+                ranges.0[index] = range(actuator, t, coordinate, rate);
+            }
+        });
+        ranges
     }
 
     /// Event function of the range of an actuator.
@@ -266,13 +278,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     }
 
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> MechanismMode<C> {
-        let mut ranges = super::actuator::Ranges::UNMONITORED;
-        self.with_motions((q, v), |motions| {
-            for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
-                let (_, coordinate, rate) = self.actuator_state(motions, q, index);
-                ranges.0[index] = range(actuator, t, coordinate, rate);
-            }
-        });
+        let ranges = self.ranges(t, (q, v));
         let accelerations = |mode: &Mode<C>| {
             let mode = MechanismMode { contacts: *mode, features: [None; C], ranges };
             <Self as System<N, Z>>::rates(self, t, q, v, &mode).a

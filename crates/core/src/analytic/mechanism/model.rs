@@ -13,8 +13,11 @@ use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::mechanism::structure::{Group, StructureError, find_groups};
-use crate::mechanism::{Actuator, Command, ForcePoint, JointCombination, Limit, Mechanism, Pose, SpringKind};
+use crate::mechanism::{
+    Actuator, Command, ForcePoint, JointCombination, JointKind, Limit, Mechanism, Pose, SpringKind,
+};
 use crate::numeric::Dual;
+use crate::scene::Profile;
 use std::ops::Index;
 
 /// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
@@ -71,8 +74,9 @@ struct Workspace<const N: usize, const K: usize> {
 
 /// The analytic model of a mechanism with at most N coordinates and bristles, K coordinates a group, and C contacts.
 ///
-/// Coordinates are the independent coordinates of all groups, then time, if an actuator follows a target over time. If
-/// friction has bristles, the next rates are the bristle states; nothing depends on the coordinates at these indices.
+/// Coordinates are the independent coordinates of all groups. If friction has bristles, the next rates are the bristle
+/// states; nothing depends on the coordinates at these indices. Time is the last coordinate if an event of an actuator
+/// depends on it.
 #[derive(Clone, Debug)]
 pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     pub(super) mechanism: Mechanism,
@@ -224,8 +228,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             groups.push(placed);
         }
         let start = groups.iter().flat_map(|group| group.start(mechanism, (poses, rates))).collect();
-        let time_index = depends_on_time(mechanism).then_some(first);
-        let mut next = first + usize::from(time_index.is_some());
+        let mut next = first;
         let mut bristles = Vec::new();
         let mut contacts = Vec::new();
         for point in mechanism.point_contacts() {
@@ -272,6 +275,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let surfaces = Surfaces::Friction(joint);
             contacts.push(Contact { surfaces, normal, friction: Some(law), rolling: None, bristle });
         }
+        let time_index = depends_on_time(mechanism).then_some(next);
         let workspace = Workspace {
             state: None,
             motions: Motions::new(mechanism),
@@ -287,7 +291,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             bristles,
             time_index,
             depends_on_joint: (0..mechanism.joints.len()).map(|joint| has_force(mechanism, joint)).collect(),
-            coordinate_count: next,
+            coordinate_count: next + usize::from(time_index.is_some()),
             event_tolerances: EVENT_TOLERANCES,
             workspace: RefCell::new(workspace),
             start,
@@ -306,6 +310,37 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     pub fn contact_count(&self) -> usize {
         self.contacts.len()
+    }
+
+    /// Whether a joint is revolute.
+    pub fn is_revolute(&self, joint: usize) -> bool {
+        self.mechanism.joints[joint].kind == JointKind::Revolute
+    }
+
+    /// Replaces the effort of an actuator over time, or the target of a servo, from time `t` on. The ranges of the mode
+    /// follow, and time becomes a coordinate if an event depends on it from now on.
+    ///
+    /// # Panics
+    /// Panics if time has no place among the coordinates.
+    pub fn set_input(
+        &mut self,
+        index: usize,
+        input: Profile,
+        t: f64,
+        (q, v): (&mut [f64; N], &mut [f64; N]),
+        mode: &mut MechanismMode<C>,
+    ) {
+        let (Command::Effort(profile) | Command::Servo { target: profile, .. }) =
+            &mut self.mechanism.actuators[index].command;
+        *profile = input;
+        if self.time_index.is_none() && depends_on_time(&self.mechanism) {
+            self.time_index = Some(self.coordinate_count);
+            self.coordinate_count += 1;
+        }
+        if let Some(time) = self.time_index {
+            (q[time], v[time]) = (t, 1.0);
+        }
+        mode.ranges = self.ranges(t, (q, v));
     }
 
     /// Number of coordinates and bristle states in use.

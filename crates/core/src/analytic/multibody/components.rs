@@ -261,6 +261,10 @@ impl Drive {
         self.brake.and_then(|brake| brake.bristle)
     }
 
+    pub fn set_actuation(&mut self, actuation: Profile) {
+        self.actuation = actuation;
+    }
+
     /// Next time at which the torque of the motor, or a property of the brake, is discontinuous.
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         let brake = self.brake.as_ref().map_or(f64::INFINITY, |brake| brake.next_discontinuity(t));

@@ -11,7 +11,7 @@ use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
 use crate::numeric::array_from;
-use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, GripperContact, PalmMotion, Side, System};
+use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, GripperContact, PalmMotion, Profile, Side, System};
 use crate::shape::PlacedShape;
 
 /// Position-dependent terms of both fingers; `None` for a missing finger.
@@ -238,6 +238,12 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             (0..FINGERS).for_each(|i| torques[i] += drive.weights[i] * torque);
         }
         torques
+    }
+
+    /// Replaces the torque of a motor over time: that of the differential, or those of the fingers.
+    pub fn set_actuation(&mut self, motor: usize, actuation: Profile) {
+        let drive = if self.drives.len() > self.fingers.len() { self.drives.len() - 1 } else { motor };
+        self.drives[drive].set_actuation(actuation);
     }
 
     /// Next time at which a torque, or a derivative of the palm's pose, is discontinuous.

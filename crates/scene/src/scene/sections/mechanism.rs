@@ -22,9 +22,9 @@ use crate::mechanism::{
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{rotate, sub};
 use crate::scene::quantity::{
-    Angle, AngularRate, Coordinate, CoordinateRate, Density, Effort, Force, Inertia, JointDamping, JointInertia,
-    JointStiffness, Keyword, LawDamping, Length, Mass, NotNegative, Plain, Positive, Quantity, Speed, Time, Torque,
-    Word,
+    Angle, AngularRate, Coordinate, CoordinateRate, Density, Effort, Force, Frequency, Inertia, JointDamping,
+    JointInertia, JointStiffness, Keyword, LawDamping, Length, Mass, NotNegative, Plain, Positive, Quantity, Speed,
+    Time, Torque, Word,
 };
 use crate::scene::section_input::{SceneInput, SectionInput};
 use crate::scene::{Interpolation, Problem, Profile};
@@ -281,6 +281,8 @@ pub struct ActuatorSettings {
     pub kp: Option<NotNegative<JointStiffness>>,
     /// Gain on the error of the rate. Default: 0.
     pub kd: Option<NotNegative<JointDamping>>,
+    /// Rate at which the controller is computed; its torque (force) is constant in between. Default: it is continuous.
+    pub rate: Option<Positive<Frequency>>,
     /// Largest torque (force). Default: none.
     pub limit: Option<Positive<Effort>>,
     /// Rate at which the torque (force) has fallen to 0. Default: it does not fall.
@@ -865,9 +867,10 @@ fn actuator(name: &str, section: &SectionInput<'_>, joints: &Joints<'_>) -> Opti
             section.report_missing("kp", &format!("add the gains of the controller: {help}"));
             return None;
         }
-        Command::Servo { kp: kp.unwrap_or(0.0), kd: kd.unwrap_or(0.0), target: profile? }
+        let rate_hz = settings.rate.map(|rate| *rate);
+        Command::Servo { kp: kp.unwrap_or(0.0), kd: kd.unwrap_or(0.0), target: profile?, rate_hz }
     } else {
-        ["kp", "kd", "target_rate"]
+        ["kp", "kd", "target_rate", "rate"]
             .iter()
             .for_each(|gain| section.report_unused(gain, &format!("with `{key}`: there is no target")));
         Command::Effort(profile?)
@@ -1217,6 +1220,8 @@ fn check_pair(
         }
         _ => return true,
     };
+    let is_about_points = matches!(shapes[0], OutlineShape::HalfPlane { .. }) && points.body != face.body;
+    let span = section.span("points").filter(|_| is_about_points).or(span);
     section.checker.push(Problem::new(span, message, label, help));
     false
 }
@@ -1381,7 +1386,8 @@ fn actuator_settings(actuator: &Actuator, mechanism: &Mechanism) -> (String, Tab
     let mut settings = table([("joint", joint.name.as_str().into())]);
     let (profile, key, kind) = match &actuator.command {
         Command::Effort(profile) => (profile, if linear { "force" } else { "torque" }, Kind::Effort),
-        Command::Servo { kp, kd, target } => {
+        Command::Servo { kp, kd, target, rate_hz } => {
+            settings.extend(rate_hz.map(|rate_hz| ("rate".to_string(), format(rate_hz, Dimension::Frequency).into())));
             settings.extend(units.texts([("kp", Some(*kp), Kind::Stiffness), ("kd", Some(*kd), Kind::Damping)]));
             (target, "target", Kind::Coordinate)
         }

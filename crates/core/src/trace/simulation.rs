@@ -1,0 +1,349 @@
+//! A simulation that its user advances, with inputs that change: a controller in the loop.
+
+use std::cell::OnceCell;
+
+use super::grid::{RecordingOptions, Span};
+use super::sample::{Event, Sample};
+use super::schema::{Channel, ContactSample, Schema};
+use super::stepper::{Interruption, Stepper};
+use super::{KeepRunning, Model, RequiredData, RunError, Sink, SinkError, build};
+use crate::drive::{Interpolation, Profile};
+use crate::integrator::Failure;
+use crate::mechanism::Command;
+use crate::scene::{Motor, Scene};
+
+/// Time after which a target stops that was set with a rate, s.
+pub const MOVING_TARGET_S: f64 = 1e4;
+
+/// A scene in one of the models, advanced by its user.
+///
+/// Between two calls the model takes its natural steps and locates its events; the last step may end after the time of
+/// the simulation, and values are then those inside that step. Results do not depend on how the time is divided. An
+/// input that changes ends a step at that time. The end of the scene does not end a simulation.
+///
+/// A clone continues independently, bit for bit.
+pub struct Simulation {
+    schema: Schema,
+    channels: Vec<Channel>,
+    inputs: Vec<Input>,
+    stepper: Box<dyn Stepper>,
+    time_s: f64,
+    events: Vec<Event>,
+    failure: Option<Failure>,
+    /// Sample at the present time, once it has been read.
+    sample: OnceCell<Sample>,
+}
+
+impl Clone for Simulation {
+    fn clone(&self) -> Self {
+        Self {
+            schema: self.schema.clone(),
+            channels: self.channels.clone(),
+            inputs: self.inputs.clone(),
+            stepper: self.stepper.clone_boxed(),
+            time_s: self.time_s,
+            events: self.events.clone(),
+            failure: self.failure.clone(),
+            sample: self.sample.clone(),
+        }
+    }
+}
+
+/// An error of a simulation.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SimulationError {
+    /// The model does not simulate this scene.
+    #[error("{0}")]
+    Rejected(String),
+    /// A wrong name or value; the simulation is unchanged and can continue.
+    #[error("{0}")]
+    Input(String),
+    /// The model cannot advance further, or was cancelled; restore a clone to continue.
+    #[error("the simulation cannot continue {0}")]
+    Failed(#[from] Failure),
+}
+
+/// Input of an actuator: its torque, or the target of a servo, over time.
+#[derive(Clone, Debug)]
+struct Input {
+    name: String,
+    /// Index of the actuator in the model.
+    index: usize,
+    is_servo: bool,
+    profile: Profile,
+}
+
+/// Stores events.
+struct EventList<'a> {
+    events: &'a mut Vec<Event>,
+    keep_running: KeepRunning<'a>,
+}
+
+impl Sink for EventList<'_> {
+    fn required_data(&self) -> RequiredData {
+        RequiredData::NONE
+    }
+
+    fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.events.push(*event);
+        Ok(())
+    }
+
+    fn should_continue(&self) -> bool {
+        (self.keep_running)()
+    }
+}
+
+impl Simulation {
+    /// Creates the simulation of a scene at its start.
+    ///
+    /// # Errors
+    /// Returns an error if the model does not simulate the scene.
+    pub fn new(scene: &Scene, model: Model) -> Result<Self, SimulationError> {
+        let schema = Schema::from_scene(scene);
+        let recording = RecordingOptions {
+            counts: schema.counts(),
+            span: Span::UNSAMPLED,
+            ends_at_exit: false,
+            // The analytic model computes the forces in joints when they are read.
+            required_data: RequiredData { joint_forces: model == Model::Engine, ..RequiredData::NONE },
+        };
+        let mut stepper = build(model, scene, recording).map_err(|error| match error {
+            RunError::Simulation { failure, .. } => SimulationError::Rejected(failure.reason.to_string()),
+            RunError::Sink(error) => SimulationError::Rejected(error.to_string()),
+        })?;
+        let mut events = Vec::new();
+        let begun = stepper.begin(&mut EventList { events: &mut events, keep_running: &|| true });
+        begun.map_err(|error| SimulationError::Rejected(error.to_string()))?;
+        let (channels, inputs) = (schema.channels(), inputs(scene, &schema, model));
+        Ok(Self { schema, channels, inputs, stepper, time_s: 0.0, events, failure: None, sample: OnceCell::new() })
+    }
+
+    /// Present time, s.
+    pub fn time_s(&self) -> f64 {
+        self.time_s
+    }
+
+    pub fn schema(&self) -> &Schema {
+        &self.schema
+    }
+
+    /// Channels of the sample, in the order of the columns of a recording.
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Names of the actuators with a torque (for a prismatic joint a force) as input.
+    pub fn torque_inputs(&self) -> impl Iterator<Item = &str> {
+        self.names(false)
+    }
+
+    /// Names of the actuators with a target as input.
+    pub fn target_inputs(&self) -> impl Iterator<Item = &str> {
+        self.names(true)
+    }
+
+    fn names(&self, is_servo: bool) -> impl Iterator<Item = &str> {
+        self.inputs.iter().filter(move |input| input.is_servo == is_servo).map(|input| &input.name[..])
+    }
+
+    /// Reason why the simulation cannot advance; `None` if it can.
+    pub fn failure(&self) -> Option<&Failure> {
+        self.failure.as_ref()
+    }
+
+    /// Events so far, in order of time: those in steps that end before the present time, or at it.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// Removes and returns the events so far.
+    pub fn take_events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.events)
+    }
+
+    /// Returns the sample at the present time.
+    pub fn sample(&self) -> &Sample {
+        self.sample.get_or_init(|| {
+            let mut sample = Sample::default();
+            self.stepper.read(self.time_s, &mut sample);
+            sample
+        })
+    }
+
+    /// Returns a number of the sample by the name of its column, such as `q11_rad`; NaN for contacts that do not exist.
+    ///
+    /// # Errors
+    /// Returns an error that lists the columns if there is no such column.
+    pub fn get(&self, column: &str) -> Result<f64, SimulationError> {
+        match self.channels.iter().find(|channel| channel.name == column) {
+            Some(channel) => Ok(channel.value(self.sample())),
+            None => {
+                let names: Vec<&str> = self.channels.iter().map(|channel| &channel.name[..]).collect();
+                Err(SimulationError::Input(format!("`{column}` is no column; columns: {}", names.join(", "))))
+            }
+        }
+    }
+
+    /// Returns the contacts of the scene with their names.
+    pub fn contacts(&self) -> impl Iterator<Item = (&str, ContactSample)> {
+        let contacts = self.schema.contacts.iter().zip(self.sample().contacts());
+        contacts.filter(|(name, _)| name.exists).map(|(name, contact)| (&name.name[..], contact))
+    }
+
+    /// Advances by a duration, s.
+    ///
+    /// # Errors
+    /// See [`Simulation::advance_to`].
+    pub fn advance(&mut self, duration_s: f64) -> Result<(), SimulationError> {
+        self.advance_to(self.time_s + duration_s)
+    }
+
+    /// Advances to a time, s.
+    ///
+    /// # Errors
+    /// Returns an error if the time is before the present one, or if the model cannot reach it; the simulation is then
+    /// at the time of the failure and stays there.
+    pub fn advance_to(&mut self, time_s: f64) -> Result<(), SimulationError> {
+        self.advance_while(time_s, &|| true)
+    }
+
+    /// Advances to a time, s, as long as `keep_running` returns true, which is called once per step. After it returned
+    /// false the simulation cannot continue.
+    ///
+    /// # Errors
+    /// See [`Simulation::advance_to`].
+    pub fn advance_while(&mut self, time_s: f64, keep_running: KeepRunning<'_>) -> Result<(), SimulationError> {
+        if !(time_s >= self.time_s && time_s.is_finite()) {
+            let now_s = self.time_s;
+            return Err(SimulationError::Input(format!(
+                "the simulation is at {now_s} s and cannot advance to {time_s} s; give a finite time that is not earlier"
+            )));
+        }
+        self.step(time_s, |stepper, sink| stepper.advance(time_s, sink), keep_running)
+    }
+
+    /// Sets the torque of an actuator, N·m (of a prismatic joint: the force, N), from now on.
+    ///
+    /// # Errors
+    /// Returns an error that lists the actuators if the name is wrong, or if the model cannot end a step here.
+    pub fn set_torque(&mut self, actuator: &str, torque: f64) -> Result<(), SimulationError> {
+        self.set_input(actuator, false, Profile::Constant { value: torque }, [torque, 0.0])
+    }
+
+    /// Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s, for at most
+    /// [`MOVING_TARGET_S`].
+    ///
+    /// # Errors
+    /// See [`Simulation::set_torque`].
+    pub fn set_target(&mut self, actuator: &str, target: f64, rate: f64) -> Result<(), SimulationError> {
+        let profile = match rate {
+            0.0 => Profile::Constant { value: target },
+            _ => {
+                let end = (self.time_s + MOVING_TARGET_S, target + rate * MOVING_TARGET_S);
+                Profile::Table { points: vec![(self.time_s, target), end], interpolation: Interpolation::Linear }
+            }
+        };
+        self.set_input(actuator, true, profile, [target, rate])
+    }
+
+    fn set_input(
+        &mut self,
+        name: &str,
+        is_servo: bool,
+        profile: Profile,
+        values: [f64; 2],
+    ) -> Result<(), SimulationError> {
+        if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+            return Err(SimulationError::Input(format!("the input of `{name}` is {value}; give a finite number")));
+        }
+        let found = self.inputs.iter().position(|input| input.name == name && input.is_servo == is_servo);
+        let position = found.ok_or_else(|| self.unknown_input(name, is_servo))?;
+        let input = &mut self.inputs[position];
+        if input.profile == profile {
+            return Ok(());
+        }
+        input.profile.clone_from(&profile);
+        let (time_s, index) = (self.time_s, input.index);
+        self.step(time_s, |stepper, sink| stepper.set_input(time_s, index, profile, sink), &|| true)
+    }
+
+    fn unknown_input(&self, name: &str, is_servo: bool) -> SimulationError {
+        let quoted = |is_servo| self.names(is_servo).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        let (input, other) = if is_servo { ("target", "torque") } else { ("torque", "target") };
+        let allowed = match quoted(is_servo) {
+            names if names.is_empty() => format!("no actuator of the scene has a {input}"),
+            names => format!("actuators with a {input}: {names}"),
+        };
+        SimulationError::Input(match self.names(!is_servo).any(|known| known == name) {
+            true => format!("the actuator `{name}` has a {other}, not a {input}; use `set_{other}`, or {allowed}"),
+            false => format!("`{name}` is no actuator with a {input}; {allowed}"),
+        })
+    }
+
+    /// Moves the stepper to a time, and stores its failure.
+    fn step(
+        &mut self,
+        time_s: f64,
+        step: impl FnOnce(&mut dyn Stepper, &mut dyn Sink) -> Result<(), Interruption>,
+        keep_running: KeepRunning<'_>,
+    ) -> Result<(), SimulationError> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone().into());
+        }
+        self.sample.take();
+        let mut sink = EventList { events: &mut self.events, keep_running };
+        match step(&mut *self.stepper, &mut sink) {
+            Ok(()) => {
+                self.time_s = time_s;
+                Ok(())
+            }
+            Err(Interruption::Failure(failure)) => {
+                self.time_s = failure.time_s;
+                self.failure = Some(failure.clone());
+                Err(failure.into())
+            }
+            Err(Interruption::Sink(error)) => unreachable!("a list of events cannot fail: {error}"),
+        }
+    }
+}
+
+/// Inputs of a scene: the actuators of a mechanism, or the motors of fingers or of their differential.
+fn inputs(scene: &Scene, schema: &Schema, model: Model) -> Vec<Input> {
+    if let Some(mechanism) = &scene.mechanism {
+        let actuators = mechanism.actuators.iter().enumerate();
+        return actuators
+            .map(|(index, actuator)| {
+                let (is_servo, profile) = match &actuator.command {
+                    Command::Effort(profile) => (false, profile),
+                    Command::Servo { target, .. } => (true, target),
+                };
+                Input { name: actuator.name.clone(), index, is_servo, profile: profile.clone() }
+            })
+            .collect();
+    }
+    let input = |index: usize, name: &str, motor: &Motor| Input {
+        name: name.to_string(),
+        index,
+        is_servo: false,
+        profile: motor.actuation.clone(),
+    };
+    let fingers = &scene.system.fingers;
+    match &scene.system.differential {
+        Some(differential) => vec![input(0, "motor", &differential.motor)],
+        None => {
+            let named = schema.actuators.iter().zip(fingers).enumerate();
+            // The engine model has no actuator where there is no motor.
+            let motors = named.filter(|(_, (_, finger))| finger.motor != Motor::NONE);
+            let of_model = motors.enumerate().map(|(rank, (index, named))| match model {
+                Model::Analytic => (index, named),
+                Model::Engine => (rank, named),
+            });
+            of_model.map(|(index, (actuator, finger))| input(index, &actuator.name, &finger.motor)).collect()
+        }
+    }
+}

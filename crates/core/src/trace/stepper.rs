@@ -1,0 +1,157 @@
+//! Steppers: a model of a scene whose run is advanced in pieces and recorded.
+
+use super::grid::RecordingOptions;
+use super::reading::Kernel;
+use super::recorder::{Recorder, RecorderState};
+use super::{Outcome, Reach, Sample, Sink, SinkError, Work};
+use crate::drive::Profile;
+use crate::integrator::{self, Counters, Failure, Hybrid, Integration, Options, RadauOrRodas, State, Tolerances};
+use crate::scene::{Integrator, Method, Scene};
+
+/// Reason why a stepper did not advance.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Interruption {
+    #[error(transparent)]
+    Failure(#[from] Failure),
+    #[error(transparent)]
+    Sink(#[from] SinkError),
+}
+
+/// A model of a scene whose run is advanced in pieces. Between two calls its steps may end later than the time to which
+/// it has advanced; see [`Integration`].
+pub(super) trait Stepper: Send {
+    /// Emits the events and the sample of the start.
+    fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), SinkError>;
+
+    /// Advances to time `t` and emits events and samples of all steps that end before.
+    fn advance(&mut self, t: f64, sink: &mut dyn Sink) -> Result<(), Interruption>;
+
+    /// Reads the state at time `t`, to which the stepper has advanced.
+    fn read(&self, t: f64, sample: &mut Sample);
+
+    /// Ends a step at time `t`, to which the stepper has advanced, and replaces the input of an actuator from then on.
+    fn set_input(&mut self, t: f64, index: usize, input: Profile, sink: &mut dyn Sink) -> Result<(), Interruption>;
+
+    /// Emits the last sample, and summarises the run.
+    fn finish(&mut self, sink: &mut dyn Sink) -> Result<Outcome, SinkError>;
+
+    fn clone_boxed(&self) -> Box<dyn Stepper>;
+}
+
+/// A kernel of the analytic model, its integration, and its recorder.
+#[derive(Clone)]
+pub(super) struct AnalyticStepper<M: Kernel<N, Z>, const N: usize, const Z: usize, const G: usize> {
+    kernel: M,
+    integration: Integration<N, Z, G, M::Mode, RadauOrRodas<N, Z>>,
+    recorder: RecorderState<M, N, Z>,
+    duration_s: f64,
+    /// Number of durations at whose end the integration ends a step.
+    durations: u32,
+}
+
+impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G: usize> AnalyticStepper<M, N, Z, G> {
+    /// Creates the stepper of a kernel at its start.
+    pub fn new_boxed(
+        kernel: M,
+        start: State<N, Z>,
+        settings: &Integrator,
+        (scene, reach): (&Scene, Option<Reach>),
+        recording: RecordingOptions,
+    ) -> Box<dyn Stepper> {
+        let method: RadauOrRodas<N, Z> = match settings.method {
+            Method::Rodas5p => RadauOrRodas::rodas(),
+            Method::RadauIIa5 => integrator::Method::new(),
+        };
+        let mode = kernel.mode_at(0.0, &start.q, &start.v);
+        let reach = reach.filter(|_| recording.ends_at_exit);
+        Box::new(Self {
+            recorder: RecorderState::new(&kernel, (&start, mode), reach, recording),
+            integration: Integration::new(method, &kernel, &options(settings), 0.0, start),
+            kernel,
+            duration_s: scene.duration_s,
+            durations: 1,
+        })
+    }
+
+    /// Advances to time `t`, where a step ends if it is `exact`.
+    fn step_to(&mut self, t: f64, exact: bool, sink: &mut dyn Sink) -> Result<(), Interruption> {
+        let mut recorder = Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, error: None };
+        loop {
+            let end_s = f64::from(self.durations) * self.duration_s;
+            let until_s = t.min(end_s);
+            let result = match exact {
+                true => self.integration.advance_exactly(&self.kernel, until_s, end_s, &mut recorder),
+                false => self.integration.advance(&self.kernel, until_s, end_s, &mut recorder),
+            };
+            if let Some(error) = recorder.error.take() {
+                return Err(error.into());
+            }
+            result?;
+            if t <= end_s {
+                return Ok(());
+            }
+            self.durations += 1;
+        }
+    }
+}
+
+impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G: usize> Stepper
+    for AnalyticStepper<M, N, Z, G>
+{
+    fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), SinkError> {
+        Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, error: None }.begin()
+    }
+
+    fn advance(&mut self, t: f64, sink: &mut dyn Sink) -> Result<(), Interruption> {
+        self.step_to(t, false, sink)
+    }
+
+    fn read(&self, t: f64, sample: &mut Sample) {
+        let Self { kernel, integration, recorder, .. } = self;
+        let read_pending = integration
+            .read_pending(kernel, |step, mode, tools| recorder.read_within(kernel, t, (step, mode, tools), sample));
+        if read_pending.is_none() {
+            recorder.read_at(kernel, t, (integration.state(), integration.mode()), sample);
+        }
+    }
+
+    fn set_input(&mut self, t: f64, index: usize, input: Profile, sink: &mut dyn Sink) -> Result<(), Interruption> {
+        self.step_to(t, true, sink)?;
+        let (mut state, mut mode) = (*self.integration.state(), *self.integration.mode());
+        self.kernel.set_input(index, input, t, (&mut state, &mut mode));
+        self.integration.restart(&self.kernel, state, mode);
+        Ok(())
+    }
+
+    fn finish(&mut self, sink: &mut dyn Sink) -> Result<Outcome, SinkError> {
+        let work = work(self.integration.counters());
+        let mut recorder = Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, error: None };
+        recorder.finish(self.integration.state(), work)
+    }
+
+    fn clone_boxed(&self) -> Box<dyn Stepper> {
+        Box::new(self.clone())
+    }
+}
+
+fn options(settings: &Integrator) -> Options {
+    Options {
+        tolerances: Tolerances {
+            atol_q: settings.atol_angle_rad,
+            atol_v: settings.atol_rate_rad_s,
+            rtol_v: settings.rtol,
+        },
+        max_steps: settings.max_steps,
+    }
+}
+
+fn work(counters: &Counters) -> Work {
+    Work {
+        steps: counters.steps,
+        rejected: counters.rejected,
+        rhs_evaluations: counters.rhs,
+        jacobian_evaluations: counters.jacobians,
+        events: counters.events,
+        ..Work::default()
+    }
+}

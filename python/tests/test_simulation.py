@@ -1,0 +1,131 @@
+"""Simulations that Python advances: inputs, copies, batches, and the environment of the examples."""
+
+import copy
+import importlib.util
+import unittest
+
+import numpy as np
+import phalanx
+from common import ANCHOR, ROOT, SCENES
+
+FINGER = SCENES / "mechanisms" / "f85-finger.toml"
+FAILS = SCENES / "hard" / "through-the-fold.toml"
+KP, KD, TARGET, LIMIT = 2.0, 0.02, 0.5, 0.25
+
+
+class Simulations(unittest.TestCase):
+    def test_a_simulation_ends_as_a_run_does(self):
+        result = phalanx.run(ANCHOR)
+        simulation = phalanx.Simulation(ANCHOR)
+        for piece in range(1, 51):
+            simulation.advance_to(20e-3 * piece / 50)
+        self.assertEqual(simulation.time, 20e-3)
+        self.assertEqual(simulation.columns, result.columns)
+        for column in ("q11_rad", "distal_normal_n", "kinetic_j"):
+            self.assertEqual(simulation[column], result[column][-1], column)
+        self.assertEqual(simulation.events, result.events)
+        contact = simulation.contacts["distal"]
+        self.assertEqual(contact["normal_n"], simulation["distal_normal_n"])
+        self.assertIn("gap_rad", simulation.contacts["limit"])
+
+    def test_a_controller_equals_the_sampled_servo(self):
+        scene = phalanx.Scene.load(FINGER).to_dict()
+        motor = scene["actuators"]["motor"]
+        scene["actuators"]["motor"] = {key: value for key, value in motor.items() if not key.startswith("torque")}
+        gains = {"target": f"{TARGET} rad", "kp": f"{KP} N*m/rad", "kd": f"{KD} N*m*s/rad", "limit": f"{LIMIT} N*m"}
+        scene["actuators"]["motor"] |= gains | {"rate": "1 kHz"}
+        result = phalanx.run(phalanx.Scene.from_dict(scene))
+        simulation = phalanx.Simulation(FINGER)
+        for sample in range(60):
+            torque = KP * (TARGET - simulation["driver_rad"]) - KD * simulation["driver_rate_rad_s"]
+            simulation.set_torque("motor", min(max(torque, -LIMIT), LIMIT))
+            simulation.advance_to((sample + 1) * 1e-3)
+        for column in ("driver_rad", "coupler_rad", "follower_rad", "driver_rate_rad_s"):
+            self.assertAlmostEqual(simulation[column], result[column][-1], delta=1e-9, msg=column)
+        for event, expected in zip(simulation.events, result.events, strict=True):
+            self.assertEqual((event.contact, event.kind), (expected.contact, expected.kind))
+            self.assertAlmostEqual(event.time_s, expected.time_s, delta=1e-9)
+
+    def test_states_and_copies_continue_with_the_same_bits(self):
+        def closed(simulation):
+            simulation.set_torque("motor", 0.4)
+            simulation.advance_to(9e-3)
+            return [simulation[column] for column in simulation.columns], simulation.events
+
+        simulation = phalanx.Simulation(ANCHOR)
+        simulation.advance(4.321e-3)
+        state, copied, deep = simulation.state, copy.copy(simulation), copy.deepcopy(simulation)
+        expected = closed(simulation)
+        for other in (copied, deep):
+            self.assertEqual(closed(other), expected)
+        simulation.state = state
+        self.assertEqual(simulation.time, 4.321e-3)
+        self.assertEqual(closed(simulation), expected)
+
+    def test_errors_name_what_is_allowed_and_when(self):
+        simulation = phalanx.Simulation(FAILS)
+        with self.assertRaises(phalanx.RunError) as caught:
+            simulation.advance(1.0)
+        self.assertAlmostEqual(caught.exception.time_s, 6.401e-3, delta=1e-5)
+        self.assertEqual(simulation.time, caught.exception.time_s)
+        self.assertIn("at t = 0.0064", str(caught.exception))
+        with self.assertRaisesRegex(phalanx.SceneError, "actuators with a torque: `motor`"):
+            phalanx.Simulation(ANCHOR).set_torque("moter", 1.0)
+        with self.assertRaisesRegex(KeyError, "q11_rad"):
+            simulation["q12"]
+        self.assertEqual((simulation.torque_inputs, simulation.target_inputs), (["motor"], []))
+
+    def test_a_batch_equals_its_simulations(self):
+        scene = phalanx.Scene.load(ANCHOR)
+        batch = phalanx.SimulationBatch([scene] * 5 + [phalanx.Scene.load(FAILS)])
+        torques = np.linspace(0.3, 0.6, 6)
+        starts = batch.states
+        for _ in range(2):
+            batch.set_torque("motor", torques)
+            batch.advance(5e-3)
+            batch.advance(5e-3)
+            for index, torque in enumerate(torques[:5]):
+                simulation = phalanx.Simulation(scene)
+                simulation.set_torque("motor", float(torque))
+                simulation.advance_to(5e-3)
+                simulation.advance(5e-3)
+                self.assertEqual(batch["q11_rad"][index], simulation["q11_rad"])
+                self.assertEqual(batch.events[index], simulation.events)
+            self.assertEqual(batch.failures[:5], [None] * 5)
+            self.assertIn("at t = ", batch.failures[5])
+            self.assertLess(batch.time[5], 10e-3)
+            batch.restore(range(6), starts)
+            self.assertEqual(list(batch.time), [0.0] * 6)
+        with self.assertRaisesRegex(phalanx.SceneError, "6 simulations, but 2"):
+            batch.set_torque("motor", [0.1, 0.2])
+
+    def test_the_environment_of_the_examples(self):
+        path = ROOT / "python" / "examples" / "grasp_environment.py"
+        specification = importlib.util.spec_from_file_location("grasp_environment", path)
+        example = importlib.util.module_from_spec(specification)
+        specification.loader.exec_module(example)
+        environment = example.GraspEnvironment()
+
+        def episode(torque):
+            observation, _ = environment.reset(seed=3)
+            self.assertTrue(environment.observation_space.contains(observation))
+            rewards, done = [], False
+            while not done:
+                action = np.full(2, torque)
+                self.assertTrue(environment.action_space.contains(action))
+                observation, reward, terminated, truncated, information = environment.step(action)
+                self.assertTrue(environment.observation_space.contains(observation))
+                rewards.append(reward)
+                done = terminated or truncated
+            return rewards, information
+
+        rewards, information = episode(0.48)
+        self.assertTrue(information["grasped"], information)
+        self.assertGreater(sum(rewards), 5.0)
+        self.assertEqual(episode(0.48)[0], rewards)
+        self.assertLess(sum(episode(0.0)[0]), 0.0)
+        self.assertTrue(environment.action_space.contains(environment.action_space.sample()))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,59 @@
+//! Simulations that advance together, on all cores.
+
+use rayon::prelude::*;
+
+use crate::scene::Scene;
+use crate::trace::{Model, Simulation, SimulationError};
+
+/// Creates one simulation for each scene.
+///
+/// # Errors
+/// Returns the index of a scene that the model does not simulate, and the reason.
+pub fn create(scenes: &[Scene], model: Model) -> Result<Vec<Simulation>, (usize, SimulationError)> {
+    let create = |(index, scene)| Simulation::new(scene, model).map_err(|error| (index, error));
+    scenes.par_iter().enumerate().map(create).collect()
+}
+
+/// Advances all simulations by a duration, s, as long as `keep_running` returns true. A simulation that has failed stays
+/// at its time.
+///
+/// # Errors
+/// Returns an error if the duration is negative or not finite.
+pub fn advance(
+    simulations: &mut [Simulation],
+    duration_s: f64,
+    keep_running: &(dyn Fn() -> bool + Sync),
+) -> Result<(), SimulationError> {
+    each(simulations, |_, simulation| simulation.advance_while(simulation.time_s() + duration_s, &|| keep_running()))
+}
+
+/// Returns a number of the sample of each simulation by the name of its column.
+///
+/// # Errors
+/// See [`Simulation::get`].
+pub fn read(simulations: &mut [Simulation], column: &str) -> Result<Vec<f64>, SimulationError> {
+    simulations.par_iter_mut().map(|simulation| simulation.get(column)).collect()
+}
+
+/// Sets an input of each simulation with a function such as [`Simulation::set_torque`]; `values` has one value for each.
+///
+/// # Errors
+/// See [`Simulation::set_torque`]. A simulation that has failed is no error.
+pub fn set(
+    simulations: &mut [Simulation],
+    values: &[f64],
+    set: impl Fn(&mut Simulation, f64) -> Result<(), SimulationError> + Sync,
+) -> Result<(), SimulationError> {
+    each(simulations, |index, simulation| set(simulation, values[index]))
+}
+
+/// Applies a function to all simulations; failures of the models are no errors.
+fn each(
+    simulations: &mut [Simulation],
+    apply: impl Fn(usize, &mut Simulation) -> Result<(), SimulationError> + Sync,
+) -> Result<(), SimulationError> {
+    simulations.par_iter_mut().enumerate().try_for_each(|(index, simulation)| match apply(index, simulation) {
+        Err(SimulationError::Failed(_)) => Ok(()),
+        result => result,
+    })
+}
