@@ -18,6 +18,7 @@ mod laws_bristle;
 mod laws_forces;
 mod laws_scenes;
 mod mechanism;
+mod mechanism_stiction;
 mod mixed_systems;
 mod newton_euler;
 mod simulation;

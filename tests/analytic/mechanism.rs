@@ -3,12 +3,16 @@
 
 use phalanx::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize, event_function_count};
 use phalanx::analytic::{ContactState, EVENT_FUNCTIONS, Energies, FingerMode, Model as FingerKernel, QUADRATURES};
+use phalanx::drive::Brake;
 use phalanx::gripper::{Finger, FingerContact, Posture, close_loop};
 use phalanx::integrator::{
     Hybrid, Linearised, Method, Observer, Options, Radau5, RadauOrRodas, State, Step, StepTools, System, Tolerances,
     integrate_by,
 };
-use phalanx::mechanism::{self, ForcePoint, JointCombination, Mechanism, assemble};
+use phalanx::law::Bristle;
+use phalanx::mechanism::{
+    self, ContactPair, ForcePoint, JointCombination, Mechanism, OutlineId, PrescribedMotion, assemble,
+};
 use phalanx::scene::Scene;
 use std::f64::consts::TAU;
 
@@ -19,7 +23,7 @@ use crate::support::random_mechanisms::random_mechanism;
 use crate::support::runs::experiment_95;
 
 const N: usize = 8;
-const K: usize = 3;
+const K: usize = 4;
 const C: usize = 32;
 const Z: usize = C + 2;
 const G: usize = event_function_count(C);
@@ -170,7 +174,7 @@ impl Observer<N, Z, MechanismMode<C>> for States<'_> {
 
 #[test]
 fn jacobians_match_differences_along_the_reference_cases() {
-    for case in all_cases() {
+    for case in all_cases().into_iter().chain([with_all_components()]) {
         let model = Model::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
         let mut states = States { model: &model, found: Vec::new() };
         let options =
@@ -387,23 +391,83 @@ fn random_mechanisms_keep_their_energy_balance_or_name_their_singularity() {
     assert!(complete > 120 && singular > 0, "{complete} complete, {singular} singular");
 }
 
+/// Two fingers with components on both of them, brakes with and without a bristle, an object that does not rotate, and a
+/// disc with prescribed motion that hits it.
+fn with_all_components() -> MechanismCase {
+    let mut case = mechanism_case("c_f85_two_disc");
+    case.name = "components".to_string();
+    let Mechanism { bodies, joints, springs, actuators, rotors, contacts, .. } = &mut case.mechanism;
+    let joint = |name: &str| joints.iter().position(|joint| joint.name == name).expect("a joint");
+    let on =
+        |left: f64| JointCombination { terms: vec![(joint("r_driver"), 0.5), (joint("l_driver"), left)], offset: 0.1 };
+    rotors.push(mechanism::Rotor { name: "seesaw".to_string(), on: on(0.5), inertia: 2e-5 });
+    springs.push(mechanism::Spring {
+        name: "between".to_string(),
+        kind: mechanism::SpringKind::Torsional { on: on(-0.5), preload: 0.01 },
+        stiffness: 0.05,
+        damping: 1e-4,
+        rest: 0.2,
+    });
+    let brake = |bristle| Brake {
+        torque_n_m: 0.1,
+        start_s: 0.015,
+        rise_s: 5e-3,
+        release_s: Some(0.03),
+        one_way: false,
+        v_static_rad_s: 0.5,
+        bristle,
+    };
+    let mut differential = actuators[0].clone();
+    (differential.name, differential.on) = ("differential".to_string(), on(-0.5));
+    differential.brake = Some(brake(Some(Bristle { damping_n_s_per_m: 0.02, relaxation_s: 1e-3 })));
+    actuators.push(differential);
+    actuators[0].brake = Some(brake(None));
+    contacts[0].force_point = ForcePoint::Each;
+    let object = bodies.iter().position(|body| body.name == "object").expect("the object");
+    let mut hammer = bodies[object].clone();
+    bodies[object].inertia_kg_m2 = f64::INFINITY;
+    (hammer.name, hammer.pose, hammer.rate) = ("hammer".to_string(), [0.0, 0.175, 0.0], [0.1, -0.8, 2.0]);
+    hammer.motion = Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [0.0, 5.0] });
+    let face = OutlineId { body: Some(bodies.len()), outline: 0 };
+    contacts.push(ContactPair { face, force_point: ForcePoint::Each, ..contacts[1] });
+    bodies.push(hammer);
+    case.start = assemble(&case.mechanism).expect("an assembled mechanism");
+    case.samples.clear();
+    case
+}
+
+#[test]
+fn combinations_brakes_and_prescribed_bodies_keep_the_energy_balance() {
+    let case = with_all_components();
+    let model = Model::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
+    let size = MechanismSize::new(&case.mechanism).expect("dyads");
+    assert_eq!((size.coordinates, size.group), (4 + 2 + 1 + 1, 4));
+    let tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-10, rtol_v: 1e-10 };
+    let options = Options { tolerances, max_steps: 1_000_000 };
+    let (method, start) = (RadauOrRodas::<N, Z>::rodas(), model.start::<Z>());
+    let mut states = States { model: &model, found: Vec::new() };
+    let end = integrate_by::<N, Z, G, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut states);
+    end.result.unwrap_or_else(|failure| panic!("{failure}"));
+    let stored = |state: &State<N, Z>| {
+        let energies = model.energies((&state.q, &state.v));
+        energies.kinetic + energies.gravity + energies.spring - state.z[C] - state.z[C + 1]
+    };
+    let (first, last) = (stored(&start), stored(&end.state));
+    assert!((last - first).abs() < 1e-8, "{first} {last}");
+    let hammer = model.contact_count() - case.mechanism.limits().len() - 1;
+    assert!(end.state.z[hammer] > 1e-3, "the hammer hits the object: {:?}", end.state.z);
+    let object = case.mechanism.bodies.len() - 2;
+    assert_eq!(model.body((&end.state.q, &end.state.v), object).0[2], 0.0);
+}
+
 /// The model names what it does not simulate.
 #[test]
 fn components_without_equations_are_refused_by_name() {
-    let of_both = JointCombination { terms: vec![(0, 0.5), (2, 0.5)], offset: 0.0 };
+    let motion = PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [0.0; 2] };
     type Change<'a> = &'a dyn Fn(&mut Mechanism);
-    let changes: [(&str, Change<'_>); 5] = [
-        ("the actuator `motor` on several joints", &|m| m.actuators[0].on = of_both.clone()),
-        ("the spring `spring` on several joints", &|m| {
-            m.springs[0].kind = mechanism::SpringKind::Torsional { on: of_both.clone(), preload: 0.1 };
-        }),
-        ("the rotor `wheel`", &|m| {
-            m.rotors.push(mechanism::Rotor { name: "wheel".into(), on: of_both.clone(), inertia: 1e-6 });
-        }),
-        ("the body `l12`, which does not rotate,", &|m| m.bodies[1].inertia_kg_m2 = f64::INFINITY),
-        ("the force on each surface of the contact `ground.object/l22.surface`", &|m| {
-            m.contacts[1].force_point = ForcePoint::Each;
-        }),
+    let changes: [(&str, Change<'_>); 2] = [
+        ("the joint of the body `l12`, which does not rotate,", &|m| m.bodies[1].inertia_kg_m2 = f64::INFINITY),
+        ("the joint of the body `l12` with prescribed motion", &|m| m.bodies[1].motion = Some(motion.clone())),
     ];
     for (expected, change) in changes {
         let mut mechanism = five_bar(&experiment_95());

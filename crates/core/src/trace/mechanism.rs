@@ -14,9 +14,10 @@ use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::Scene;
 
 /// Sizes of mechanisms that the model is compiled for; the last one is the largest.
-const SIZES: [MechanismSize; 3] = [
-    MechanismSize { coordinates: 8, group: 3, contacts: 12, actuators: 8 },
-    MechanismSize { coordinates: 8, group: 3, contacts: 32, actuators: 8 },
+const SIZES: [MechanismSize; 4] = [
+    MechanismSize { coordinates: 3, group: 3, contacts: 4, actuators: 8 },
+    MechanismSize { coordinates: 9, group: 3, contacts: 12, actuators: 8 },
+    MechanismSize { coordinates: 9, group: 3, contacts: 32, actuators: 8 },
     MechanismSize { coordinates: 24, group: 12, contacts: 64, actuators: 8 },
 ];
 
@@ -29,10 +30,12 @@ pub(super) fn build_mechanism(
     let rejected = |reason: String| RunError::rejected(reason, Outcome::default());
     let size = MechanismSize::new(mechanism).map_err(|error| rejected(error.to_string()))?;
     if size.fits(&SIZES[0]) {
-        build_sized::<8, 3, 12, 14, 45>(scene, mechanism, recording)
+        build_sized::<3, 3, 4, 6, 21>(scene, mechanism, recording)
     } else if size.fits(&SIZES[1]) {
-        build_sized::<8, 3, 32, 34, 105>(scene, mechanism, recording)
+        build_sized::<9, 3, 12, 14, 45>(scene, mechanism, recording)
     } else if size.fits(&SIZES[2]) {
+        build_sized::<9, 3, 32, 34, 105>(scene, mechanism, recording)
+    } else if size.fits(&SIZES[3]) {
         build_sized::<24, 12, 64, 66, 201>(scene, mechanism, recording)
     } else {
         let [.., largest] = SIZES;

@@ -242,6 +242,13 @@ impl JointCombination {
     }
 }
 
+impl Body {
+    /// Whether the body can rotate.
+    pub fn rotates(&self) -> bool {
+        self.inertia_kg_m2.is_finite()
+    }
+}
+
 impl Spring {
     /// Combination of a torsional spring.
     pub fn on(&self) -> Option<&JointCombination> {

@@ -1,12 +1,13 @@
 //! The order in which the bodies of a mechanism are placed: joints with coordinates first, then pairs of bodies that
 //! close a loop (dyads).
 //!
-//! Bodies that are connected by joints or couplings, other than through the ground, form a group. Within a group, an
+//! Bodies that are connected by joints or by components that act on several joints, other than through the ground, form a
+//! group, and so do all bodies with prescribed motion. Within a group, an
 //! independent coordinate opens a joint, a coupling gives the coordinate of a joint from other joints, and a dyad (two
 //! bodies with three joints) is placed by the intersection of two circles or lines. Nearly every planar linkage is a row
 //! of dyads after its driven joints. The search tries joints with a start, an actuator, a spring or a limit first.
 
-use super::{JointKind, Mechanism};
+use super::{JointKind, Mechanism, Spring};
 
 /// A group of connected bodies, with the order of their placement.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,13 +25,17 @@ pub enum Coordinate {
     Joint(usize),
     /// A component (x, y or θ) of the pose of a body without joints to the ground.
     Body(usize, usize),
+    /// Time, on which the poses of bodies with prescribed motion depend.
+    Time,
 }
 
 /// One or two bodies that are placed from bodies with a known pose.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Placement {
-    /// A body whose pose is three coordinates, from `first` on.
-    Free { body: usize, first: usize },
+    /// A body whose pose is coordinates, from `first` on: three `axes`, or two for a body that does not rotate.
+    Free { body: usize, first: usize, axes: usize },
+    /// A body with prescribed motion.
+    Prescribed { body: usize },
     /// A body at a joint whose coordinate is known.
     Joint { at: Attachment, coordinate: Source },
     /// Two bodies that close a loop at the joint `inner`.
@@ -86,7 +91,8 @@ pub fn find_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> 
             groups.push(search.run()?);
         }
     }
-    match groups.iter().all(|group| group.coordinates.is_empty()) {
+    let is_free = |coordinate: &Coordinate| *coordinate != Coordinate::Time;
+    match !groups.iter().flat_map(|group| &group.coordinates).any(is_free) {
         true => Err(StructureError::NoCoordinate),
         false => Ok(groups),
     }
@@ -102,12 +108,15 @@ fn connected_bodies(mechanism: &Mechanism) -> Vec<usize> {
             group_of.iter_mut().filter(|group| **group == merged).for_each(|group| *group = kept);
         }
     };
-    mechanism.joints.iter().for_each(|joint| merge(&mut joint.bodies.into_iter().flatten()));
-    for coupling in &mechanism.couplings {
-        merge(
-            &mut coupling.on.terms.iter().flat_map(|(joint, _)| mechanism.joints[*joint].bodies.into_iter().flatten()),
-        );
+    let Mechanism { joints, couplings, springs, actuators, rotors, bodies, .. } = mechanism;
+    joints.iter().for_each(|joint| merge(&mut joint.bodies.into_iter().flatten()));
+    let couplings = couplings.iter().map(|coupling| &coupling.on);
+    let springs = springs.iter().filter_map(Spring::on);
+    let actuators = actuators.iter().map(|actuator| &actuator.on);
+    for on in couplings.chain(springs).chain(actuators).chain(rotors.iter().map(|rotor| &rotor.on)) {
+        merge(&mut on.terms.iter().flat_map(|(joint, _)| joints[*joint].bodies.into_iter().flatten()));
     }
+    merge(&mut (0..bodies.len()).filter(|body| bodies[*body].motion.is_some()));
     group_of
 }
 
@@ -182,10 +191,18 @@ impl<'a> Search<'a> {
             self.joints.iter().filter_map(|joint| self.attachment(&partial, *joint)).collect();
         open.sort_by_key(|at| self.rank(at.joint));
         if open.is_empty() {
-            let body = *self.bodies.iter().find(|body| !partial.is_placed(Some(**body)))?;
-            let first = partial.group.coordinates.len();
-            partial.group.coordinates.extend((0..3).map(|axis| Coordinate::Body(body, axis)));
-            partial.add(Placement::Free { body, first });
+            let index = *self.bodies.iter().find(|body| !partial.is_placed(Some(**body)))?;
+            let (first, body) = (partial.group.coordinates.len(), &self.mechanism.bodies[index]);
+            if body.motion.is_some() {
+                if first == 0 {
+                    partial.group.coordinates.push(Coordinate::Time);
+                }
+                partial.add(Placement::Prescribed { body: index });
+            } else {
+                let axes = if body.rotates() { 3 } else { 2 };
+                partial.group.coordinates.extend((0..axes).map(|axis| Coordinate::Body(index, axis)));
+                partial.add(Placement::Free { body: index, first, axes });
+            }
             return self.extend(partial, furthest);
         }
         open.into_iter().find_map(|at| {
@@ -260,7 +277,7 @@ impl Partial {
 
     fn add(&mut self, placement: Placement) {
         match &placement {
-            Placement::Free { body, .. } => self.group.bodies.push(*body),
+            Placement::Free { body, .. } | Placement::Prescribed { body } => self.group.bodies.push(*body),
             Placement::Joint { at, coordinate } => {
                 self.group.bodies.push(at.body);
                 self.joints.push(at.joint);

@@ -15,7 +15,7 @@ use super::keys::join;
 use super::keywords::SceneKind::{self, Bodies, Finger, Gripper, Mechanism};
 use super::quantity::Keyword;
 use super::section::{Key, NO_SECTION, Section};
-use super::sections::{Engine, Integrator, LogSettings, SceneFile};
+use super::sections::{Engine, Integrator, LogSettings, MechanismFile, SceneFile};
 use super::value::ValueType;
 
 /// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of any kind, as text.
@@ -46,13 +46,18 @@ pub fn schema() -> String {
 /// Returns the schema of one kind of scene. Built once, because a sweep reads thousands of scenes, and on first use,
 /// because most programs read one kind.
 pub fn schema_for(kind: SceneKind) -> &'static Value {
-    static SECTIONS: OnceLock<Value> = OnceLock::new();
+    static SECTIONS: [OnceLock<Value>; 2] = [const { OnceLock::new() }; 2];
     static SCHEMAS: [OnceLock<Value>; SceneKind::ALL.len()] = [const { OnceLock::new() }; SceneKind::ALL.len()];
     SCHEMAS[kind as usize].get_or_init(|| {
         // The sections are references: inlined, a finger and its contacts would be generated many times.
-        let all = SECTIONS.get_or_init(|| {
+        let all = SECTIONS[usize::from(kind == Mechanism)].get_or_init(|| {
             let settings = SchemaSettings::draft07().for_serialize().with(|settings| settings.transforms.clear());
-            settings.into_generator().into_root_schema_for::<SceneFile>().to_value()
+            let generator = settings.into_generator();
+            let root = match kind {
+                Mechanism => generator.into_root_schema_for::<MechanismFile>(),
+                Finger | Bodies | Gripper => generator.into_root_schema_for::<SceneFile>(),
+            };
+            root.to_value()
         });
         let mut adapter = Adapter { kind, sections: &all["definitions"], adapted: BTreeMap::new() };
         adapter.adapt(all, false).into()

@@ -135,3 +135,29 @@ pub(super) fn range_after(actuator: &Actuator, old: u8, t: f64, coordinate: f64,
 impl Ranges {
     pub const UNMONITORED: Self = Self([UNMONITORED; MAX_ACTUATORS]);
 }
+
+/// Torque or force of the brake of an actuator, with its effect on the state of its bristle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BrakeEffort {
+    pub effort: Effort,
+    /// Index of the bristle state.
+    pub bristle: Option<usize>,
+    /// Derivative by the bristle state.
+    pub by_bristle: f64,
+    /// Rate of the bristle state per effort.
+    pub gain: f64,
+}
+
+/// Effort of the brake of an actuator at the state of its bristle.
+pub(super) fn brake_effort(actuator: &Actuator, t: f64, rate: f64, state: Option<(usize, f64)>) -> Option<BrakeEffort> {
+    let brake = actuator.brake.as_ref()?;
+    let found = |[value, by_rate, by_time]: [f64; 3]| Effort { value, by_rate, by_time, by_coordinate: 0.0 };
+    Some(match brake.bristle.as_ref().zip(state) {
+        Some((bristle, (index, state))) => {
+            let effort = found(brake.bristle_torque(t, rate + state, bristle));
+            let gain = -bristle.stretch_gain();
+            BrakeEffort { effort, bristle: Some(index), by_bristle: effort.by_rate, gain }
+        }
+        None => BrakeEffort { effort: found(brake.torque(t, rate)), bristle: None, by_bristle: 0.0, gain: 0.0 },
+    })
+}

@@ -2,7 +2,9 @@
 //! as the intersection of two circles or lines, then the rates of its outer joints from the closure of its inner joint,
 //! which is linear.
 
-use super::motion::{BodyMotion, GroupNumber, JointMotion, Motions, axis, column, pair, place, triple};
+use super::motion::{
+    BodyMotion, JointMotion, Motions, axis, carried_bias, carry, column, pair, place, rate_along, triple,
+};
 use crate::mechanism::structure::Attachment;
 use crate::mechanism::{Joint, JointKind, Mechanism};
 use crate::numeric::elementary::{atan2, sin_cos};
@@ -25,131 +27,113 @@ pub(super) struct Transmission {
     pub angle_rate: f64,
 }
 
-/// The closure of the inner joint of a dyad: two linear functions of the motions of its bodies.
-struct Closure<T> {
-    /// Derivatives of both functions by x, y and θ of each body.
-    by_motion: [[[T; 3]; 2]; 2],
-    /// Terms of the accelerations that are quadratic in the rates.
-    quadratic: [T; 2],
-}
+/// Derivatives of the two closure functions of an inner joint by x, y and θ of each body of the dyad.
+type Closure<T> = [[[T; 3]; 2]; 2];
 
-impl<T: Real> Closure<T> {
-    /// The closure of a joint whose bodies A and B are the bodies `of` of the dyad.
-    #[inline(always)]
-    fn new<const K: usize>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T, K>; 2]) -> Self {
-        let (zero, one) = (T::zero(), T::constant(1.0));
-        let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
-        let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
-        let [across_a, across_b] = [perp(arms[0]), perp(arms[1])];
-        let squared = [first.rate[2].squared(), second.rate[2].squared()];
-        let mut by_motion = [[[zero; 3]; 2]; 2];
-        let quadratic;
-        match joint.kind {
-            JointKind::Revolute => {
-                // P_A − P_B = 0.
-                by_motion[0][of[0]] = [one, zero, across_a[0]];
-                by_motion[1][of[0]] = [zero, one, across_a[1]];
-                by_motion[0][of[1]] = [-one, zero, -across_b[0]];
-                by_motion[1][of[1]] = [zero, -one, -across_b[1]];
-                quadratic = pair(|axis| arms[1][axis] * squared[1] - arms[0][axis] * squared[0]);
-            }
-            JointKind::Prismatic { axis_rad } => {
-                // n·(P_B − P_A) = 0 and θ_B − θ_A = offset.
-                let u = axis(axis_rad, first);
-                let n = perp(u);
-                let offset = sub(add(second.origin, arms[1]), add(first.origin, arms[0]));
-                let speed = sub(second.rate_at(arms[1]), first.rate_at(arms[0]));
-                by_motion[0][of[0]] = [-n[0], -n[1], -dot(n, across_a) - dot(u, offset)];
-                by_motion[0][of[1]] = [n[0], n[1], dot(n, across_b)];
-                by_motion[1][of[0]] = [zero, zero, -one];
-                by_motion[1][of[1]] = [zero, zero, one];
-                let centripetal = dot(n, arms[0]) * squared[0] - dot(n, arms[1]) * squared[1];
-                let turning = first.rate[2] * dot(u, speed) * 2.0 + squared[0] * dot(n, offset);
-                quadratic = [centripetal - turning, zero];
-            }
-        }
-        Self { by_motion, quadratic }
-    }
-
-    #[inline(always)]
-    fn applied(&self, equation: usize, body: usize, motion: [T; 3]) -> T {
-        let [x, y, angle] = self.by_motion[equation][body];
-        x * motion[0] + y * motion[1] + angle * motion[2]
-    }
-}
-
-/// Places the two bodies of a dyad; returns them with the motions of the outer joints.
+/// Closure of an inner joint whose bodies A and B are the bodies `of` of the dyad.
 #[inline(always)]
-pub(super) fn close_dyad<T: GroupNumber<K>, const K: usize>(
+fn closure<T: Real, const K: usize>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T, K>; 2]) -> Closure<T> {
+    let (zero, one) = (T::zero(), T::constant(1.0));
+    let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
+    let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
+    let [across_a, across_b] = [perp(arms[0]), perp(arms[1])];
+    let mut by_motion = [[[zero; 3]; 2]; 2];
+    match joint.kind {
+        JointKind::Revolute => {
+            // P_A − P_B = 0.
+            by_motion[0][of[0]] = [one, zero, across_a[0]];
+            by_motion[1][of[0]] = [zero, one, across_a[1]];
+            by_motion[0][of[1]] = [-one, zero, -across_b[0]];
+            by_motion[1][of[1]] = [zero, -one, -across_b[1]];
+        }
+        JointKind::Prismatic { axis_rad } => {
+            // n·(P_B − P_A) = 0 and θ_B − θ_A = offset.
+            let u = axis(axis_rad, first);
+            let n = perp(u);
+            let offset = sub(add(second.origin, arms[1]), add(first.origin, arms[0]));
+            by_motion[0][of[0]] = [-n[0], -n[1], -dot(n, across_a) - dot(u, offset)];
+            by_motion[0][of[1]] = [n[0], n[1], dot(n, across_b)];
+            by_motion[1][of[0]] = [zero, zero, -one];
+            by_motion[1][of[1]] = [zero, zero, one];
+        }
+    }
+    by_motion
+}
+
+/// Terms of the accelerations of the closure that are quadratic in the rates.
+#[inline(always)]
+fn quadratic_terms<T: Real, const K: usize>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T, K>; 2]) -> [T; 2] {
+    let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
+    let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
+    let squared = [first.rate[2].squared(), second.rate[2].squared()];
+    match joint.kind {
+        JointKind::Revolute => pair(|axis| arms[1][axis] * squared[1] - arms[0][axis] * squared[0]),
+        JointKind::Prismatic { axis_rad } => {
+            let u = axis(axis_rad, first);
+            let n = perp(u);
+            let offset = sub(add(second.origin, arms[1]), add(first.origin, arms[0]));
+            let speed = sub(second.rate_at(arms[1]), first.rate_at(arms[0]));
+            let centripetal = dot(n, arms[0]) * squared[0] - dot(n, arms[1]) * squared[1];
+            let turning = first.rate[2] * dot(u, speed) * 2.0 + squared[0] * dot(n, offset);
+            [centripetal - turning, T::zero()]
+        }
+    }
+}
+
+/// A function of the closure at a motion of one body.
+#[inline(always)]
+fn applied<T: Real>(closure: &Closure<T>, equation: usize, body: usize, motion: [T; 3]) -> T {
+    let [x, y, angle] = closure[equation][body];
+    x * motion[0] + y * motion[1] + angle * motion[2]
+}
+
+/// Moves the two placed bodies of a dyad and its outer joints.
+#[inline(always)]
+pub(super) fn close_dyad<T: Real, const K: usize>(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
     bases: [&BodyMotion<T, K>; 2],
-    mode: &AssemblyMode,
+    (bodies, motions): (&mut [BodyMotion<T, K>; 2], &mut [JointMotion<T, K>; 2]),
     v: &[f64],
-) -> ([BodyMotion<T, K>; 2], [JointMotion<T, K>; 2]) {
+) {
     let joints = pair(|k| &mechanism.joints[outer[k].joint]);
-    let inner = (&mechanism.joints[inner], inner_bodies(&mechanism.joints[inner], outer));
-    let values = pair(|k| bases[k].value());
-    let coordinates = solve_dyad_joints(joints, inner, outer, [&values[0], &values[1]], mode);
-    // The derivatives of the outer coordinates are the rows of their rates in plain numbers.
-    let rows = match T::HAS_GRADIENT {
-        true => outer_rows(joints, inner, outer, [&values[0], &values[1]], &pair(|k| JointMotion::at(coordinates[k]))),
-        false => [[0.0; K]; 2],
+    let inner = &mechanism.joints[inner];
+    let of = inner_bodies(inner, outer);
+    (0..2).for_each(|k| carry(bases[k], &mut bodies[k]));
+    let closure = closure(inner, of, bodies);
+    let columns = pair(|k| column(joints[k], &outer[k], [bases[k], &bodies[k]]));
+    let inverse = inverse_closure(&closure, &columns);
+    // Motions of both outer joints that close the dyad, from the motions of its bodies with these joints at rest.
+    let closing = |carried: [[T; 3]; 2], terms: [T; 2]| {
+        let residual = pair(|equation| {
+            applied(&closure, equation, 0, carried[0]) + applied(&closure, equation, 1, carried[1]) + terms[equation]
+        });
+        pair(|k| -(inverse[k][0] * residual[0] + inverse[k][1] * residual[1]))
     };
-    let lifted = pair(|k| JointMotion::at(T::with_gradient(coordinates[k], &rows[k])));
-    let mut motions = lifted;
-    let rows = outer_rows(joints, inner, outer, bases, &lifted);
-    for k in 0..2 {
-        motions[k].row = rows[k];
-        motions[k].rate = v.iter().enumerate().fold(T::zero(), |sum, (i, rate)| sum + rows[k][i] * *rate);
-    }
-    let placed = |motions: &[JointMotion<T, K>; 2]| pair(|k| place(joints[k], &outer[k], bases[k], &motions[k]));
-    let mut bodies = placed(&motions);
-    let closure = Closure::new(inner.0, inner.1, &bodies);
-    let columns = pair(|k| column(joints[k], &outer[k], [bases[k], &bodies[k]]));
-    let residual = pair(|equation| {
-        closure.applied(equation, 0, bodies[0].bias)
-            + closure.applied(equation, 1, bodies[1].bias)
-            + closure.quadratic[equation]
-    });
-    let inverse = inverse_closure(&closure, &columns);
-    for k in 0..2 {
-        let bias = -(inverse[k][0] * residual[0] + inverse[k][1] * residual[1]);
-        motions[k].bias = bias;
-        (0..3).for_each(|axis| bodies[k].bias[axis] += columns[k][axis] * bias);
-    }
-    (bodies, motions)
-}
-
-/// Rows of the rates of both outer joints, from the closure with the outer joints at rest.
-#[inline(always)]
-fn outer_rows<T: Real, const K: usize>(
-    joints: [&Joint; 2],
-    (inner, of): (&Joint, [usize; 2]),
-    outer: &[Attachment; 2],
-    bases: [&BodyMotion<T, K>; 2],
-    coordinates: &[JointMotion<T, K>; 2],
-) -> [[T; K]; 2] {
-    let bodies = pair(|k| place(joints[k], &outer[k], bases[k], &coordinates[k]));
-    let closure = Closure::new(inner, of, &bodies);
-    let columns = pair(|k| column(joints[k], &outer[k], [bases[k], &bodies[k]]));
-    let inverse = inverse_closure(&closure, &columns);
-    let mut rows = [[T::zero(); K]; 2];
     for i in 0..K {
-        let motion = |k: usize| triple(|axis| bodies[k].jacobian[axis][i]);
-        let residual =
-            pair(|equation| closure.applied(equation, 0, motion(0)) + closure.applied(equation, 1, motion(1)));
-        for (k, row) in rows.iter_mut().enumerate() {
-            row[i] = -(inverse[k][0] * residual[0] + inverse[k][1] * residual[1]);
+        let carried = pair(|k| triple(|axis| bodies[k].jacobian[axis][i]));
+        let rows = closing(carried, [T::zero(); 2]);
+        for k in 0..2 {
+            motions[k].row[i] = rows[k];
+            (0..3).for_each(|axis| bodies[k].jacobian[axis][i] += columns[k][axis] * rows[k]);
         }
     }
-    rows
+    for k in 0..2 {
+        motions[k].rate = rate_along(&motions[k].row, v);
+        bodies[k].update_rate(v);
+        bodies[k].bias = carried_bias(joints[k], &outer[k], [bases[k], &bodies[k]], motions[k].rate);
+    }
+    let biases = closing(pair(|k| bodies[k].bias), quadratic_terms(inner, of, bodies));
+    for k in 0..2 {
+        motions[k].bias = biases[k];
+        (0..3).for_each(|axis| bodies[k].bias[axis] += columns[k][axis] * biases[k]);
+    }
 }
 
 /// Inverse of the 2 × 2 matrix of the closure by the rates of the outer joints.
 #[inline(always)]
 fn inverse_closure<T: Real>(closure: &Closure<T>, columns: &[[T; 3]; 2]) -> [[T; 2]; 2] {
-    let matrix = pair(|equation| pair(|k| closure.applied(equation, k, columns[k])));
+    let matrix = pair(|equation| pair(|k| applied(closure, equation, k, columns[k])));
     let inverse_det = (matrix[0][0] * matrix[1][1] - matrix[0][1] * matrix[1][0]).recip();
     [
         [matrix[1][1] * inverse_det, -(matrix[0][1] * inverse_det)],
@@ -163,10 +147,11 @@ fn inner_bodies(inner: &Joint, outer: &[Attachment; 2]) -> [usize; 2] {
     if inner.bodies[0] == Some(outer[0].body) { [0, 1] } else { [1, 0] }
 }
 
-/// Motion of the inner joint of a dyad with placed bodies.
+/// Motion of the inner joint of a dyad at its coordinate.
 #[inline(always)]
 pub(super) fn inner_motion<T: Real, const K: usize>(
     inner: &Joint,
+    coordinate: T,
     outer: &[Attachment; 2],
     bodies: &[BodyMotion<T, K>; 2],
 ) -> JointMotion<T, K> {
@@ -174,7 +159,7 @@ pub(super) fn inner_motion<T: Real, const K: usize>(
     let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
     match inner.kind {
         JointKind::Revolute => JointMotion {
-            coordinate: second.angle - first.angle - inner.offset_rad,
+            coordinate,
             row: array_from(|k| second.jacobian[2][k] - first.jacobian[2][k]),
             rate: second.rate[2] - first.rate[2],
             bias: second.bias[2] - first.bias[2],
@@ -182,14 +167,10 @@ pub(super) fn inner_motion<T: Real, const K: usize>(
         JointKind::Prismatic { axis_rad } => {
             let u = axis(axis_rad, first);
             let [a, b] = [first.point(inner.points_m[0]), second.point(inner.points_m[1])];
-            let coordinate = dot(u, sub(b.position, a.position));
+            let across = |axis: usize, k: usize| u[axis] * (b.jacobian[axis][k] - a.jacobian[axis][k]);
             JointMotion {
                 coordinate,
-                row: array_from(|k| {
-                    pair(|axis| u[axis] * (b.jacobian[axis][k] - a.jacobian[axis][k]))
-                        .into_iter()
-                        .fold(T::zero(), |sum, part| sum + part)
-                }),
+                row: array_from(|k| across(0, k) + across(1, k)),
                 rate: dot(u, sub(b.rate, a.rate)),
                 // The bodies turn together: n·ḋ = ω q, with the distance d = q u.
                 bias: dot(u, sub(b.bias, a.bias)) + first.rate[2].squared() * coordinate,
@@ -198,24 +179,12 @@ pub(super) fn inner_motion<T: Real, const K: usize>(
     }
 }
 
-/// Coordinates of the outer joints of a dyad, from the poses of its bases.
-pub(super) fn solve_dyad<const K: usize>(
-    mechanism: &Mechanism,
-    (outer, inner): (&[Attachment; 2], usize),
-    bases: [&BodyMotion<f64, K>; 2],
-    mode: &AssemblyMode,
-) -> [f64; 2] {
-    let joints = pair(|k| &mechanism.joints[outer[k].joint]);
-    let inner = &mechanism.joints[inner];
-    solve_dyad_joints(joints, (inner, inner_bodies(inner, outer)), outer, bases, mode)
-}
-
 /// Locus of a point of a body that is attached at a joint.
 #[derive(Clone, Copy)]
 enum Locus {
     /// A circle about the pivot; `arm` is the arm to the point in the body frame.
     Circle { center: [f64; 2], arm: [f64; 2] },
-    /// A line; `angle` is the angle of the body, and `sign` the direction of its coordinate along it.
+    /// A line in the direction of the coordinate of the joint; `angle` is the angle of the body.
     Line { point: [f64; 2], direction: [f64; 2], angle: f64 },
 }
 
@@ -238,50 +207,51 @@ impl Locus {
             }
         }
     }
-
-    /// Coordinate of the joint for a position of the point.
-    fn coordinate<const K: usize>(
-        &self,
-        joint: &Joint,
-        at: &Attachment,
-        base: &BodyMotion<f64, K>,
-        position: [f64; 2],
-    ) -> f64 {
-        let sign = if at.is_second { 1.0 } else { -1.0 };
-        match self {
-            Locus::Circle { center, arm } => {
-                let offset = sub(position, *center);
-                let angle = atan2(offset[1], offset[0]) - atan2(arm[1], arm[0]);
-                sign * (angle - base.angle) - joint.offset_rad
-            }
-            Locus::Line { point, direction, .. } => dot(sub(position, *point), *direction),
-        }
-    }
 }
 
-/// Coordinates of the outer joints of a dyad: the intersection of the loci of its inner joint. Not a number if there is
-/// none.
-fn solve_dyad_joints<const K: usize>(
-    joints: [&Joint; 2],
-    (inner, of): (&Joint, [usize; 2]),
-    outer: &[Attachment; 2],
+/// Poses of the two bodies of a dyad and coordinates of its outer joints, from the intersection of the loci of its inner
+/// joint. Not a number if there is none.
+pub(super) fn place_dyad<const K: usize>(
+    mechanism: &Mechanism,
+    (outer, inner): (&[Attachment; 2], usize),
     bases: [&BodyMotion<f64, K>; 2],
     mode: &AssemblyMode,
-) -> [f64; 2] {
+) -> ([BodyMotion<f64, K>; 2], [f64; 2]) {
+    let joints = pair(|k| &mechanism.joints[outer[k].joint]);
+    let inner = &mechanism.joints[inner];
+    let of = inner_bodies(inner, outer);
     // Points of the inner joint, in the order of the bodies of the dyad.
     let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
     let loci = pair(|k| Locus::new(joints[k], &outer[k], bases[k], points[k]));
-    let raw = match inner.kind {
-        JointKind::Revolute => {
-            let position = intersection(&loci, mode.sign);
-            pair(|k| loci[k].coordinate(joints[k], &outer[k], bases[k], position))
-        }
-        JointKind::Prismatic { axis_rad } => slide(joints, (inner, of, axis_rad), outer, bases, (&loci, mode.sign)),
+    let nearest = |k: usize, raw: f64| match joints[k].kind {
+        JointKind::Revolute => nearest_equivalent_angle(raw, mode.coordinates[k]),
+        JointKind::Prismatic { .. } => raw,
     };
-    pair(|k| match joints[k].kind {
-        JointKind::Revolute => nearest_equivalent_angle(raw[k], mode.coordinates[k]),
-        JointKind::Prismatic { .. } => raw[k],
-    })
+    if let JointKind::Prismatic { axis_rad } = inner.kind {
+        let raw = slide(joints, (inner, of, axis_rad), outer, bases, (&loci, mode.sign));
+        let coordinates = pair(|k| nearest(k, raw[k]));
+        return (pair(|k| place(joints[k], &outer[k], bases[k], coordinates[k])), coordinates);
+    }
+    let position = intersection(&loci, mode.sign);
+    let mut bodies = [BodyMotion::ground(); 2];
+    let mut coordinates = [0.0; 2];
+    for (k, body) in bodies.iter_mut().enumerate() {
+        match loci[k] {
+            Locus::Circle { center, arm } => {
+                let (sign, offset) = (if outer[k].is_second { 1.0 } else { -1.0 }, sub(position, center));
+                body.direction = scale_by([dot(arm, offset), cross(arm, offset)], 1.0 / dot(arm, arm));
+                let angle = atan2(body.direction[1], body.direction[0]);
+                coordinates[k] = nearest(k, sign * (angle - bases[k].angle) - joints[k].offset_rad);
+                body.angle = bases[k].angle + sign * (coordinates[k] + joints[k].offset_rad);
+            }
+            Locus::Line { point, direction, angle } => {
+                *body = BodyMotion::at([0.0, 0.0, angle], [0.0; 3]);
+                coordinates[k] = dot(sub(position, point), direction);
+            }
+        }
+        body.origin = sub(position, body.rotated(points[k]));
+    }
+    (bodies, coordinates)
 }
 
 /// Intersection of two circles, a circle and a line, or two lines.

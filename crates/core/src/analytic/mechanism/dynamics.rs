@@ -5,11 +5,11 @@
 //! group: ∂a/∂q = −M⁻¹ ∂r/∂q. Rates enter the inertial terms quadratically, so that their derivative by the rates is
 //! twice the derivative of the rates by the coordinates.
 
-use super::actuator::{Effort, effort};
+use super::actuator::{BrakeEffort, Effort, brake_effort, effort};
 use super::factor::Factor;
-use super::group::PlacedGroup;
-use super::model::{Contact, MechanismMode, MechanismModel, Surfaces, joint_of};
-use super::motion::{JointMotion, Motions, pair};
+use super::group::{Element, PlacedGroup};
+use super::model::{Contact, MechanismMode, MechanismModel, Surfaces};
+use super::motion::{Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;
 use crate::analytic::model::normal_force_on_branch;
@@ -19,29 +19,10 @@ use crate::analytic::multibody::contact_kinematics::{
 };
 use crate::integrator::{Linearised, Rates, System};
 use crate::law::{friction_coefficient, friction_force, friction_with_state};
-use crate::mechanism::SpringKind;
 use crate::numeric::{Dual, Real, array_from};
 
-/// Passive torque or force on a joint: damping and torsional springs, with derivatives; and its damping.
-pub(super) fn passive_effort<const N: usize, const K: usize, const C: usize>(
-    model: &MechanismModel<N, K, C>,
-    joint: usize,
-    coordinate: f64,
-    rate: f64,
-) -> (Effort, f64) {
-    let damping = model.mechanism.joints[joint].damping;
-    let mut total = Effort { value: -damping * rate, by_rate: -damping, ..Effort::default() };
-    for spring in &model.mechanism.springs {
-        if let SpringKind::Torsional { on, preload } = &spring.kind
-            && joint_of(on) == joint
-        {
-            total.value += preload - spring.stiffness * (coordinate - spring.rest) - spring.damping * rate;
-            total.by_coordinate -= spring.stiffness;
-            total.by_rate -= spring.damping;
-        }
-    }
-    (total, -total.by_rate)
-}
+/// Largest number of coordinates of a group for which loops have a constant length.
+const MAX_UNROLLED_WIDTH: usize = 4;
 
 /// Derivatives of the loads on all coordinates and of the rates of all quadratures.
 pub(super) struct Sums<const N: usize, const Z: usize> {
@@ -81,8 +62,26 @@ impl<const N: usize, const Z: usize> Sums<N, Z> {
     }
 }
 
+impl<const N: usize, const Z: usize> Sums<N, Z> {
+    /// Adds the derivatives of the power of a force on a group; `by_v` is that of the power by the rates.
+    #[inline(always)]
+    fn add_power<const K: usize>(
+        &mut self,
+        work: usize,
+        (first, size): (usize, usize),
+        power: Dual<K>,
+        by_v: impl Fn(usize) -> f64,
+    ) {
+        for i in 0..size {
+            self.g_q[work][first + i] += power.grad[i];
+            self.g_v[work][first + i] += by_v(i);
+        }
+    }
+}
+
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
-    /// Index of the quadrature for the work of contacts, limits and dampers; that of actuators follows.
+    /// Index of the quadrature for the work of contacts, limits, dampers and brakes; that of actuators and prescribed
+    /// motions follows.
     pub(super) const CONTACT_WORK: usize = C;
     pub(super) const DRIVE_WORK: usize = C + 1;
 
@@ -97,52 +96,32 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         pair(|side| Frame::new(motions.body(bodies[side])))
     }
 
-    /// Spreads a row over the poses of two bodies to a row over all coordinates.
-    pub(super) fn spread(&self, motions: &Motions<f64, K>, bodies: [Option<usize>; 2], row: &[f64; POSES]) -> [f64; N] {
-        let mut spread = [0.0; N];
-        for (side, body) in bodies.into_iter().enumerate() {
-            let Some(body) = body else { continue };
-            let (group, jacobian) = (&self.groups[self.group_of[body]], &motions.body(Some(body)).jacobian);
-            for i in 0..group.size() {
-                for axis in 0..3 {
-                    spread[group.first + i] += row[3 * side + axis] * jacobian[axis][i];
-                }
-            }
-        }
-        spread
+    /// Number of coordinates of a group in loops, which are unrolled if the groups are small.
+    fn width(group: &PlacedGroup) -> usize {
+        if K <= MAX_UNROLLED_WIDTH { K } else { group.size() }
     }
 
-    /// Mass matrix of a group.
+    /// Lower triangle of the mass matrix of a group.
     pub(super) fn mass(&self, group: &PlacedGroup, motions: &Motions<f64, K>) -> [[f64; K]; K] {
         let mut mass = [[0.0; K]; K];
-        let size = group.size();
+        let width = Self::width(group);
         for &index in &group.group.bodies {
-            let (body, motion) = (&self.mechanism.bodies[index], motions.body(Some(index)));
-            let [x, y] = motion.point(body.com_m).jacobian;
-            let turn = &motion.jacobian[2];
-            for i in 0..size {
-                for j in 0..=i {
-                    mass[i][j] += body.mass_kg * (x[i] * x[j] + y[i] * y[j]) + body.inertia_kg_m2 * turn[i] * turn[j];
-                }
+            let (body, turn) = (&self.mechanism.bodies[index], &motions.bodies[index].jacobian[2]);
+            let [x, y] = &motions.centers[index].jacobian;
+            for i in 0..width {
+                let [by_x, by_y] = [body.mass_kg * x[i], body.mass_kg * y[i]];
+                let by_turn = body.inertia_kg_m2 * turn[i];
+                (0..=i).for_each(|j| mass[i][j] += by_x * x[j] + by_y * y[j] + by_turn * turn[j]);
             }
         }
-        for (joint, motion) in self.joints_of(group, motions) {
-            let armature = self.mechanism.joints[joint].armature;
-            if armature != 0.0 {
-                (0..size).for_each(|i| (0..=i).for_each(|j| mass[i][j] += armature * motion.row[i] * motion.row[j]));
-            }
+        for element in group.elements.iter().filter(|element| element.inertia != 0.0) {
+            let row = motions.combination(&element.on).row;
+            (0..width).for_each(|i| (0..=i).for_each(|j| mass[i][j] += element.inertia * row[i] * row[j]));
+        }
+        if group.is_prescribed() {
+            mass[0][0] = 1.0;
         }
         mass
-    }
-
-    /// Joints of a group.
-    fn joints_of<'a, T>(
-        &'a self,
-        group: &'a PlacedGroup,
-        motions: &'a Motions<T, K>,
-    ) -> impl Iterator<Item = (usize, &'a JointMotion<T, K>)> {
-        let is_member = move |index: &usize| std::ptr::eq(self.group_of_joint(*index), group);
-        (0..self.mechanism.joints.len()).filter(is_member).map(|index| (index, &motions.joints[index]))
     }
 
     /// Adds all loads on the coordinates and the powers of all forces.
@@ -155,40 +134,21 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         load: &mut [f64; N],
         g: &mut [f64; Z],
     ) {
-        let gravity = self.mechanism.gravity_m_s2;
         for group in &self.groups {
-            for &index in &group.group.bodies {
-                let (body, motion) = (&self.mechanism.bodies[index], motions.body(Some(index)));
-                let center = motion.point(body.com_m);
-                let force = [0, 1].map(|axis| body.mass_kg * (gravity[axis] - center.bias[axis]));
-                let torque = -body.inertia_kg_m2 * motion.bias[2];
-                for i in 0..group.size() {
-                    load[group.first + i] += center.jacobian[0][i] * force[0]
-                        + center.jacobian[1][i] * force[1]
-                        + motion.jacobian[2][i] * torque;
-                }
-            }
-        }
-        for (joint, motion) in motions.joints.iter().enumerate() {
-            let group = self.group_of_joint(joint);
-            let (passive, damping) = passive_effort(self, joint, motion.coordinate, motion.rate);
-            g[Self::CONTACT_WORK] -= damping * motion.rate * motion.rate;
-            let effort = passive.value - self.mechanism.joints[joint].armature * motion.bias;
-            (0..group.size()).for_each(|i| load[group.first + i] += motion.row[i] * effort);
-        }
-        for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
-            let (group, motion) =
-                (self.group_of_joint(joint_of(&actuator.on)), &motions.joints[joint_of(&actuator.on)]);
-            let effort = effort(actuator, mode.ranges.0[index], t, motion.coordinate, motion.rate);
-            g[Self::DRIVE_WORK] += effort.value * motion.rate;
-            (0..group.size()).for_each(|i| load[group.first + i] += motion.row[i] * effort.value);
+            let of_group = self.group_loads(t, (group, v), mode, motions, g);
+            load[group.first..].iter_mut().zip(of_group).take(group.size()).for_each(|(load, part)| *load = part);
         }
         for (index, bodies, points_m) in self.linear_springs() {
             let state = pairs::spring(points_m, &Self::frames(motions, bodies));
             let rates = Self::pair_rates(motions, bodies);
             let (forces, power) = pairs::spring_loads(&self.mechanism.springs[index], &state, &rates);
-            self.spread(motions, bodies, &forces).iter().zip(load.iter_mut()).for_each(|(force, load)| *load += force);
+            self.add_pair_loads(motions, bodies, &forces, load);
             g[Self::CONTACT_WORK] += power;
+        }
+        for (index, actuator) in self.mechanism.actuators.iter().enumerate().filter(|each| each.1.brake.is_some()) {
+            let rate = motions.combination(&actuator.on).rate;
+            let Some(brake) = self.brake_effort(t, v, index, rate) else { continue };
+            brake.bristle.into_iter().for_each(|bristle| load[bristle] += brake.gain * brake.effort.value);
         }
         for &(index, bristle) in &self.bristles {
             load[index] -= bristle.rate() * v[index];
@@ -203,8 +163,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     let state = contact.bristle.map(|bristle| v[bristle]);
                     let mut forces = contact_forces(&kinematics, &rates, state, laws);
                     contact.add_rolling(&rates, &mut forces);
-                    let spread = self.spread(motions, pair.bodies, &forces.load);
-                    spread.iter().zip(load.iter_mut()).for_each(|(force, load)| *load += force);
+                    self.add_pair_loads(motions, pair.bodies, &forces.load, load);
                     g[index] += forces.normal;
                     g[Self::CONTACT_WORK] += forces.power;
                     if let Some(bristle) = contact.bristle {
@@ -233,6 +192,70 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
     }
 
+    /// Loads of inertia, gravity, elements, actuators and brakes on a group, and the powers of elements, actuators and
+    /// brakes.
+    fn group_loads<const Z: usize>(
+        &self,
+        t: f64,
+        (group, v): (&PlacedGroup, &[f64; N]),
+        mode: &MechanismMode<C>,
+        motions: &Motions<f64, K>,
+        g: &mut [f64; Z],
+    ) -> [f64; K] {
+        let mut load = [0.0; K];
+        let (width, gravity) = (Self::width(group), self.mechanism.gravity_m_s2);
+        for &index in &group.group.bodies {
+            let (body, motion, center) =
+                (&self.mechanism.bodies[index], &motions.bodies[index], &motions.centers[index]);
+            let [x, y] = pair(|axis| body.mass_kg * (gravity[axis] - center.bias[axis]));
+            let (turn, [by_x, by_y]) = (-body.inertia_kg_m2 * motion.bias[2], &center.jacobian);
+            for i in 0..width {
+                load[i] += by_x[i] * x + by_y[i] * y + motion.jacobian[2][i] * turn;
+            }
+        }
+        for element in &group.elements {
+            let motion = motions.combination(&element.on);
+            g[Self::CONTACT_WORK] -= element.damping * motion.rate * motion.rate;
+            let effort = element.effort(motion.coordinate, motion.rate) - element.inertia * motion.bias;
+            (0..width).for_each(|i| load[i] += motion.row[i] * effort);
+        }
+        for &index in &group.actuators {
+            let actuator = &self.mechanism.actuators[index];
+            let motion = motions.combination(&actuator.on);
+            let mut effort = effort(actuator, mode.ranges.0[index], t, motion.coordinate, motion.rate).value;
+            g[Self::DRIVE_WORK] += effort * motion.rate;
+            if let Some(brake) = self.brake_effort(t, v, index, motion.rate) {
+                g[Self::CONTACT_WORK] += brake.effort.value * motion.rate;
+                effort += brake.effort.value;
+            }
+            (0..width).for_each(|i| load[i] += motion.row[i] * effort);
+        }
+        load
+    }
+
+    /// Effort of the brake of an actuator, if it has one.
+    pub(super) fn brake_effort(&self, t: f64, v: &[f64; N], actuator: usize, rate: f64) -> Option<BrakeEffort> {
+        let state = self.brake_bristles[actuator].map(|index| (index, v[index]));
+        brake_effort(&self.mechanism.actuators[actuator], t, rate, state)
+    }
+
+    /// Adds loads on the poses of two bodies, or a row over them, to those on all coordinates.
+    pub(super) fn add_pair_loads(
+        &self,
+        motions: &Motions<f64, K>,
+        bodies: [Option<usize>; 2],
+        loads: &[f64; POSES],
+        load: &mut [f64; N],
+    ) {
+        for (body, loads) in bodies.into_iter().zip(loads.chunks_exact(3)) {
+            let Some(body) = body else { continue };
+            let (group, [x, y, turn]) = (&self.groups[self.group_of[body]], &motions.bodies[body].jacobian);
+            for (i, load) in load[group.first..].iter_mut().take(group.size()).enumerate() {
+                *load += loads[0] * x[i] + loads[1] * y[i] + loads[2] * turn[i];
+            }
+        }
+    }
+
     /// Solves the mass matrices of all groups for one vector of loads, in place.
     pub(super) fn solve(&self, factors: &[Factor<K>], x: &mut [f64; N]) {
         for (group, factor) in self.groups.iter().zip(factors) {
@@ -244,7 +267,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     fn add_group_derivatives<const Z: usize>(
         &self,
         t: f64,
-        (group, a): (&PlacedGroup, &[f64; N]),
+        (group, v, a): (&PlacedGroup, &[f64; N], &[f64; N]),
         mode: &MechanismMode<C>,
         motions: &Motions<Dual<K>, K>,
         sums: &mut Sums<N, Z>,
@@ -255,8 +278,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let acceleration =
             |row: &[Dual<K>; K], bias: Dual<K>| (0..size).fold(bias, |sum, k| sum + row[k] * accelerations[k]);
         for &index in &group.group.bodies {
-            let (body, motion) = (&self.mechanism.bodies[index], motions.body(Some(index)));
-            let center = motion.point(body.com_m);
+            let (body, motion, center) =
+                (&self.mechanism.bodies[index], &motions.bodies[index], &motions.centers[index]);
             for axis in 0..2 {
                 let row = &center.jacobian[axis];
                 let total = acceleration(row, center.bias[axis]) - self.mechanism.gravity_m_s2[axis];
@@ -269,36 +292,44 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 -2.0 * body.inertia_kg_m2 * rate.grad[j]
             });
         }
-        for (joint, motion) in self.joints_of(group, motions) {
-            let (passive, damping) = passive_effort(self, joint, motion.coordinate.value, motion.rate.value);
-            let armature = self.mechanism.joints[joint].armature;
-            let force = motion.coordinate.chain2(motion.rate, passive.value, passive.by_coordinate, passive.by_rate)
-                - acceleration(&motion.row, motion.bias) * armature;
+        for element in &group.elements {
+            let Element { stiffness, damping, inertia, .. } = *element;
+            let motion = motions.combination(&element.on);
+            let effort = element.effort(motion.coordinate.value, motion.rate.value);
+            let force = motion.coordinate.chain2(motion.rate, effort, -stiffness, -damping)
+                - acceleration(&motion.row, motion.bias) * inertia;
             sums.add_block((first, size), &motion.row, force, |j| {
-                passive.by_rate * motion.row[j].value - 2.0 * armature * motion.rate.grad[j]
+                -damping * motion.row[j].value - 2.0 * inertia * motion.rate.grad[j]
             });
-            for j in 0..size {
-                let factor = -2.0 * damping * motion.rate.value;
-                sums.g_q[Self::CONTACT_WORK][first + j] += factor * motion.rate.grad[j];
-                sums.g_v[Self::CONTACT_WORK][first + j] += factor * motion.row[j].value;
-            }
+            let power = -(motion.rate * motion.rate * damping);
+            let power_by_rate = -2.0 * damping * motion.rate.value;
+            sums.add_power(Self::CONTACT_WORK, (first, size), power, |j| power_by_rate * motion.row[j].value);
         }
-        for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
-            if !std::ptr::eq(self.group_of_joint(joint_of(&actuator.on)), group) {
-                continue;
+        for &index in &group.actuators {
+            let actuator = &self.mechanism.actuators[index];
+            let motion = motions.combination(&actuator.on);
+            let (row, rate) = (&motion.row, motion.rate.value);
+            let effort = effort(actuator, mode.ranges.0[index], t, motion.coordinate.value, rate);
+            let brake = self.brake_effort(t, v, index, rate);
+            let brake_effort = brake.map_or(Effort::default(), |brake| brake.effort);
+            for (work, effort) in [(Self::DRIVE_WORK, effort), (Self::CONTACT_WORK, brake_effort)] {
+                let force = motion.coordinate.chain2(motion.rate, effort.value, effort.by_coordinate, effort.by_rate);
+                sums.add_block((first, size), row, force, |j| effort.by_rate * row[j].value);
+                let power_by_rate = effort.by_rate * rate + effort.value;
+                sums.add_power(work, (first, size), force * motion.rate, |j| power_by_rate * row[j].value);
+                (0..size).for_each(|i| sums.load_t[first + i] += row[i].value * effort.by_time);
+                sums.g_t[work] += effort.by_time * rate;
             }
-            let motion = &motions.joints[joint_of(&actuator.on)];
-            let effort = effort(actuator, mode.ranges.0[index], t, motion.coordinate.value, motion.rate.value);
-            let force = motion.coordinate.chain2(motion.rate, effort.value, effort.by_coordinate, effort.by_rate);
-            let row = &motion.row;
-            sums.add_block((first, size), row, force, |j| effort.by_rate * row[j].value);
-            let (power, by_rate) = (force * motion.rate, effort.by_rate * motion.rate.value + effort.value);
-            for (i, entry) in row.iter().enumerate().take(size) {
-                sums.load_t[first + i] += entry.value * effort.by_time;
-                sums.g_q[Self::DRIVE_WORK][first + i] += power.grad[i];
-                sums.g_v[Self::DRIVE_WORK][first + i] += by_rate * entry.value;
+            if let Some(BrakeEffort { effort, bristle: Some(bristle), by_bristle, gain }) = brake {
+                for (i, entry) in row.iter().enumerate().take(size) {
+                    sums.load_v[first + i][bristle] += entry.value * by_bristle;
+                    sums.load_q[bristle][first + i] += gain * effort.by_rate * motion.rate.grad[i];
+                    sums.load_v[bristle][first + i] += gain * effort.by_rate * entry.value;
+                }
+                sums.load_v[bristle][bristle] += gain * by_bristle;
+                sums.load_t[bristle] += gain * effort.by_time;
+                sums.g_v[Self::CONTACT_WORK][bristle] += by_bristle * rate;
             }
-            sums.g_t[Self::DRIVE_WORK] += effort.by_time * motion.rate.value;
         }
     }
 
@@ -313,12 +344,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         bristle: Option<(usize, WithDerivatives<POSES, POSES>)>,
         sums: &mut Sums<N, Z>,
     ) {
-        // Derivatives of a number by all coordinates and their rates, from those by poses and rates of poses.
-        let chain = |number: &WithDerivatives<POSES, POSES>| {
-            let (mut by_q, mut by_v) = ([0.0; N], [0.0; N]);
+        // Adds the derivatives of a number to rows over all coordinates and their rates.
+        let add = |number: &WithDerivatives<POSES, POSES>, by_q: &mut [f64; N], by_v: &mut [f64; N]| {
             for (side, body) in bodies.into_iter().enumerate() {
                 let Some(body) = body else { continue };
-                let (group, motion) = (&self.groups[self.group_of[body]], motions.body(Some(body)));
+                let (group, motion) = (&self.groups[self.group_of[body]], &motions.bodies[body]);
                 for axis in 0..3 {
                     let (d_pose, d_rate) = (number.by_q[3 * side + axis], number.by_v[3 * side + axis]);
                     let (jacobian, rate) = (&motion.jacobian[axis], &motion.rate[axis]);
@@ -331,40 +361,31 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             if let Some((index, _)) = bristle {
                 by_v[index] += number.by_bristle;
             }
-            (by_q, by_v)
         };
         for (side, body) in bodies.into_iter().enumerate() {
             let Some(body) = body else { continue };
-            let (group, motion) = (&self.groups[self.group_of[body]], motions.body(Some(body)));
-            for axis in 0..3 {
-                let load = &loads[3 * side + axis];
-                let (by_q, by_v) = chain(load);
-                for i in 0..group.size() {
-                    let number = motion.jacobian[axis][i];
-                    let row = group.first + i;
-                    for j in 0..N {
-                        sums.load_q[row][j] += number.value * by_q[j];
-                        sums.load_v[row][j] += number.value * by_v[j];
+            let (group, motion) = (&self.groups[self.group_of[body]], &motions.bodies[body]);
+            let (first, size) = (group.first, group.size());
+            for i in 0..size {
+                // The load on a coordinate is a sum of those on the pose.
+                let mut on_coordinate = WithDerivatives::default();
+                for axis in 0..3 {
+                    let (load, number) = (&loads[3 * side + axis], motion.jacobian[axis][i]);
+                    for k in 0..POSES {
+                        on_coordinate.by_q[k] += number.value * load.by_q[k];
+                        on_coordinate.by_v[k] += number.value * load.by_v[k];
                     }
-                    for j in 0..group.size() {
-                        sums.load_q[row][group.first + j] += number.grad[j] * load.value;
-                    }
+                    on_coordinate.by_bristle += number.value * load.by_bristle;
+                    (0..size).for_each(|j| sums.load_q[first + i][first + j] += number.grad[j] * load.value);
                 }
+                add(&on_coordinate, &mut sums.load_q[first + i], &mut sums.load_v[first + i]);
             }
         }
         for (index, number) in quadratures {
-            let (by_q, by_v) = chain(number);
-            for j in 0..N {
-                sums.g_q[*index][j] += by_q[j];
-                sums.g_v[*index][j] += by_v[j];
-            }
+            add(number, &mut sums.g_q[*index], &mut sums.g_v[*index]);
         }
         if let Some((index, number)) = bristle {
-            let (by_q, by_v) = chain(&number);
-            for j in 0..N {
-                sums.load_q[index][j] += by_q[j];
-                sums.load_v[index][j] += by_v[j];
-            }
+            add(&number, &mut sums.load_q[index], &mut sums.load_v[index]);
         }
     }
 
@@ -409,16 +430,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     let law = normal_force_on_branch(&limit.law, laws.state, depth.value, rate.value);
                     let force = depth.chain2(rate, law.force, law.d_delta, law.d_rate);
                     let (load, power) = (force * -side, -(force * rate));
-                    sums.add_block((first, group.size()), &motion.row, load, |j| -law.d_rate * motion.row[j].value);
-                    for i in 0..group.size() {
-                        let row = motion.row[i];
-                        let force_by_v = law.d_rate * side * row.value;
-                        sums.g_q[index][first + i] += force.grad[i];
-                        sums.g_v[index][first + i] += force_by_v;
-                        sums.g_q[Self::CONTACT_WORK][first + i] += power.grad[i];
-                        sums.g_v[Self::CONTACT_WORK][first + i] -=
-                            force_by_v * rate.value + force.value * side * row.value;
-                    }
+                    let of_group = (first, group.size());
+                    sums.add_block(of_group, &motion.row, load, |j| -law.d_rate * motion.row[j].value);
+                    sums.add_power(index, of_group, force, |j| law.d_rate * side * motion.row[j].value);
+                    let power_by_rate = -side * (law.d_rate * rate.value + force.value);
+                    sums.add_power(Self::CONTACT_WORK, of_group, power, |j| power_by_rate * motion.row[j].value);
                 }
                 Surfaces::Friction(joint) => {
                     let (group, motion) = (self.group_of_joint(*joint), &motions.joints[*joint]);
@@ -534,6 +550,11 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
         self.with_factors((q, v), |motions, factors| {
             self.add_loads(t, v, mode, motions, &mut a, &mut g);
             self.add_tendon_loads(t, v, mode, motions, &mut a, &mut g);
+            // Forces on bodies with prescribed motion change no acceleration; what moves these bodies does work against
+            // them.
+            if let Some(time) = self.prescribed {
+                g[Self::DRIVE_WORK] -= std::mem::take(&mut a[time]);
+            }
             self.solve(factors, &mut a);
         });
         Rates { a, g }
@@ -542,16 +563,19 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Linearised<N, Z> {
         let rates = <Self as System<N, Z>>::rates(self, t, q, v, mode);
         let mut sums = Sums::<N, Z>::ZERO;
-        self.with_derivatives((q, v), |motions| {
+        self.with_derivatives((q, v), |plain, motions| {
             for group in &self.groups {
-                self.add_group_derivatives(t, (group, &rates.a), mode, motions, &mut sums);
+                self.add_group_derivatives(t, (group, v, &rates.a), mode, motions, &mut sums);
             }
             self.add_all_pair_derivatives(v, mode, motions, &mut sums);
-            if !self.cables.is_empty() {
-                let plain = motions.value();
-                self.add_tendon_derivatives(t, v, mode, (&plain, motions), &mut sums);
-            }
+            self.add_tendon_derivatives(t, v, mode, (plain, motions), &mut sums);
         });
+        if let Some(time) = self.prescribed {
+            let (work, loads) = (Self::DRIVE_WORK, [&mut sums.load_q[time], &mut sums.load_v[time]]);
+            for (powers, load) in [&mut sums.g_q[work], &mut sums.g_v[work]].into_iter().zip(loads) {
+                powers.iter_mut().zip(load.iter_mut()).for_each(|(power, load)| *power -= std::mem::take(load));
+            }
+        }
         let count = self.coordinates_in_use();
         let (mut a_q, mut a_v, mut a_t) = (sums.load_q, sums.load_v, sums.load_t);
         self.with_factors((q, v), |_, factors| {

@@ -2,7 +2,7 @@
 //! singularities of its dyads.
 
 use super::actuator::{MAX_ACTUATORS, Ranges, margin, margin_tolerance, range, range_after};
-use super::model::{MechanismMode, MechanismModel, Surfaces, joint_of};
+use super::model::{MechanismMode, MechanismModel, Surfaces};
 use super::motion::Motions;
 use super::nearest::{Feature, Frame, PointOnFace};
 use crate::analytic::ContactState;
@@ -11,7 +11,6 @@ use crate::analytic::mode::{ContactVariables, Mode, StateRef, row_dot};
 use crate::fivebar::kinematics::SINGULAR_SINE;
 use crate::integrator::{EventFunction, EventSet, Hybrid, RootSearch, System};
 use crate::mechanism::structure::Placement;
-use crate::numeric::array_from;
 use std::f64::consts::PI;
 
 /// Margin below which a cable counts as lifted in the description of an obstacle, rad: the end is not located exactly.
@@ -31,40 +30,43 @@ const FEATURE_MARGIN_M: f64 = 1e-12;
 const FEATURE_TOLERANCE_M: f64 = 3e-13;
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
-    /// State of a contact, with its laws; `None` beyond the last contact.
+    /// State of a contact, with its laws; `None` beyond the last contact. The rows are 0 unless `with_rows`.
     fn contact_variables(
         &self,
         motions: &Motions<f64, K>,
         v: &[f64; N],
         index: usize,
         feature: Option<Feature>,
+        with_rows: bool,
     ) -> Option<ContactVariables<'_, N>> {
         let contact = self.contacts.get(index)?;
-        let (delta, normal_row, mut tangent_row) = match &contact.surfaces {
+        let mut rows = [[0.0; N]; 2];
+        let [delta, rate, slip] = match &contact.surfaces {
             Surfaces::Point(pair) => {
-                let (kinematics, _) = self.point_kinematics(motions, pair, feature);
-                let [normal, tangent] =
-                    [kinematics.normal_row, kinematics.tangent_row].map(|row| self.spread(motions, pair.bodies, &row));
-                (-kinematics.gap, normal, tangent)
+                let (kinematics, rates) = self.point_kinematics(motions, pair, feature);
+                let of_poses = [kinematics.normal_row, kinematics.tangent_row];
+                if with_rows {
+                    (0..2).for_each(|k| self.add_pair_loads(motions, pair.bodies, &of_poses[k], &mut rows[k]));
+                }
+                [-kinematics.gap, -row_dot(&of_poses[0], &rates), row_dot(&of_poses[1], &rates)]
             }
             Surfaces::Limit(limit) => {
                 let (group, motion) = (self.group_of_joint(limit.joint), &motions.joints[limit.joint]);
-                let mut row = [0.0; N];
-                (0..group.size()).for_each(|i| row[group.first + i] = -limit.side * motion.row[i]);
-                (limit.side * (motion.coordinate - limit.value), row, [0.0; N])
+                (0..group.size()).for_each(|i| rows[0][group.first + i] = -limit.side * motion.row[i]);
+                [limit.side * (motion.coordinate - limit.value), limit.side * motion.rate, 0.0]
             }
             Surfaces::Friction(joint) => {
                 let (group, motion) = (self.group_of_joint(*joint), &motions.joints[*joint]);
-                let mut row = [0.0; N];
-                (0..group.size()).for_each(|i| row[group.first + i] = motion.row[i]);
-                (1.0, [0.0; N], row)
+                (0..group.size()).for_each(|i| rows[1][group.first + i] = motion.row[i]);
+                [1.0, 0.0, motion.rate]
             }
             Surfaces::Tendon(index) => {
                 let elongation = self.elongation(motions, &self.cables[*index].tendon, v);
-                (elongation.value, elongation.row.map(|part| -part), [0.0; N])
+                rows[0] = elongation.row.map(|part| -part);
+                [elongation.value, elongation.rate, 0.0]
             }
         };
-        let (rate, slip) = (-row_dot(&normal_row, v), row_dot(&tangent_row, v));
+        let [normal_row, mut tangent_row] = rows;
         let bristle_state = contact.bristle.map_or(0.0, |bristle| {
             tangent_row[bristle] = 1.0;
             v[bristle]
@@ -87,7 +89,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         index: usize,
         feature: Option<Feature>,
     ) -> Option<ContactVariables<'_, N>> {
-        self.with_motions((q, v), |motions| self.contact_variables(motions, v, index, feature))
+        self.with_motions((q, v), |motions| self.contact_variables(motions, v, index, feature, true))
     }
 
     /// Contacts on a feature of a face, with the frames of their bodies.
@@ -123,7 +125,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Time, coordinate and rate at an actuator.
     fn actuator_state(&self, motions: &Motions<f64, K>, q: &[f64; N], index: usize) -> (f64, f64, f64) {
-        let motion = &motions.joints[joint_of(&self.mechanism.actuators[index].on)];
+        let motion = motions.combination(&self.mechanism.actuators[index].on);
         (self.time_index.map_or(0.0, |time| q[time]), motion.coordinate, motion.rate)
     }
 
@@ -192,7 +194,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
         self.with_motions((q, v), |motions| {
             let mut functions: [EventFunction<N>; G] =
                 mode.contacts.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
-                    self.contact_variables(motions, v, index, mode.features[index])
+                    self.contact_variables(motions, v, index, mode.features[index], mode[index].has_force())
                 });
             for index in 0..self.mechanism.actuators.len() {
                 functions[3 * C + index] = self.actuator_event(motions, q, mode, index);
@@ -208,17 +210,29 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
             Some(FEATURES) => self.feature_event(motions, mode),
             Some(index) => self.actuator_event(motions, q, mode, index),
             None => {
-                let contact = self.contact_variables(motions, v, event % C, mode.features[event % C]);
+                let contact = self.contact_variables(motions, v, event % C, mode.features[event % C], false);
                 mode.contacts.event_function(event, &self.event_tolerances, contact)
             }
         })
     }
 
     fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, requested: &[bool; G]) -> [f64; G] {
-        array_from(|event| match requested[event] {
-            true => <Self as Hybrid<N, Z, G>>::eval_event(self, q, v, mode, event).value,
-            false => f64::NAN,
-        })
+        let mut values = [f64::NAN; G];
+        self.with_motions((q, v), |motions| {
+            for index in 0..self.contacts.len() {
+                let events = [index, index + C, index + 2 * C];
+                if events.iter().any(|event| requested[*event]) {
+                    let contact = self.contact_variables(motions, v, index, mode.features[index], false);
+                    let value = |event| mode.contacts.event_function(event, &self.event_tolerances, contact).value;
+                    events.into_iter().for_each(|event| values[event] = value(event));
+                }
+            }
+            for index in 0..self.mechanism.actuators.len() {
+                values[3 * C + index] = self.actuator_event(motions, q, mode, index).value;
+            }
+            values[3 * C + FEATURES] = self.feature_event(motions, mode).value;
+        });
+        values
     }
 
     fn event_tolerance(&self, event: usize, mode: &MechanismMode<C>) -> f64 {

@@ -1,18 +1,43 @@
 //! A group of connected bodies with the assembly modes of its dyads: evaluation of all its motions, placement by
 //! placement.
 
-use super::dyad::{AssemblyMode, Transmission, close_dyad, inner_motion, solve_dyad, transmission};
-use super::motion::{BodyMotion, GroupNumber, JointMotion, Motions, joint_coordinate, joint_rate, pair, place, triple};
+use super::dyad::{AssemblyMode, Transmission, close_dyad, inner_motion, place_dyad, transmission};
+use super::motion::{
+    BodyMotion, JointMotion, Motions, carried_bias, carry, column, joint_coordinate, joint_rate, pair, place, triple,
+};
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
-use crate::mechanism::{JointKind, Mechanism, Pose};
+use crate::mechanism::{Body, Joint, JointCombination, JointKind, Mechanism, Pose, PrescribedMotion, SpringKind};
 use crate::numeric::plane::{dot, nearest_equivalent_angle, sub};
-use crate::numeric::{Real, array_from};
+use crate::numeric::{Dual, Real};
+
+/// Stiffness, damping and inertia on a combination of joint coordinates: Q = preload − k (q − rest) − d q̇ − I q̈.
+#[derive(Clone, Debug)]
+pub(super) struct Element {
+    pub on: JointCombination,
+    pub preload: f64,
+    pub stiffness: f64,
+    pub rest: f64,
+    pub damping: f64,
+    pub inertia: f64,
+}
+
+impl Element {
+    /// Torque or force without that of the inertia.
+    pub fn effort(&self, coordinate: f64, rate: f64) -> f64 {
+        self.preload - self.stiffness * (coordinate - self.rest) - self.damping * rate
+    }
+}
 
 /// A group with the assembly modes of its dyads, in the order of its placements.
 #[derive(Clone, Debug)]
 pub(super) struct PlacedGroup {
     pub group: Group,
     pub modes: Vec<Option<AssemblyMode>>,
+    /// Stiffness, damping and inertia on the joints of the group.
+    pub elements: Vec<Element>,
+    /// Joints of the group.
+    pub joints: Vec<usize>,
+    pub actuators: Vec<usize>,
     /// Index of the first coordinate of the group.
     pub first: usize,
 }
@@ -30,7 +55,7 @@ impl PlacedGroup {
             let coordinates = joints.map(|joint| joint_coordinate(joint, |body| *motions.body(body)));
             let bases = pair(|k| motions.body(outer[k].base));
             let distance = |sign: f64| {
-                let found = solve_dyad(mechanism, (outer, *inner), bases, &AssemblyMode { sign, coordinates });
+                let (_, found) = place_dyad(mechanism, (outer, *inner), bases, &AssemblyMode { sign, coordinates });
                 let error = |k: usize| {
                     let error = (found[k] - coordinates[k]).abs();
                     if joints[k].kind == JointKind::Revolute {
@@ -45,7 +70,53 @@ impl PlacedGroup {
             Some(AssemblyMode { sign, coordinates })
         };
         let modes = group.placements.iter().map(mode).collect();
-        Self { group, modes, first }
+        let joints = group.placements.iter().flat_map(|placement| match placement {
+            Placement::Free { .. } | Placement::Prescribed { .. } => Vec::new(),
+            Placement::Joint { at, .. } => vec![at.joint],
+            Placement::Dyad { outer, inner } => vec![outer[0].joint, outer[1].joint, *inner],
+        });
+        let joints: Vec<usize> = joints.collect();
+        let is_member = |on: &&JointCombination| on.terms.iter().any(|(joint, _)| joints.contains(joint));
+        let none = Element {
+            on: JointCombination::default(),
+            preload: 0.0,
+            stiffness: 0.0,
+            rest: 0.0,
+            damping: 0.0,
+            inertia: 0.0,
+        };
+        let of_joint = |joint: &usize| {
+            let Joint { damping, armature: inertia, .. } = mechanism.joints[*joint];
+            Element { on: JointCombination::of_joint(*joint), damping, inertia, ..none.clone() }
+        };
+        let of_joints = joints.iter().map(of_joint).filter(|element| element.damping != 0.0 || element.inertia != 0.0);
+        let springs = mechanism.springs.iter().filter_map(|spring| match &spring.kind {
+            SpringKind::Torsional { on, preload } => Some(Element {
+                on: Some(on).filter(is_member)?.clone(),
+                preload: *preload,
+                stiffness: spring.stiffness,
+                rest: spring.rest,
+                damping: spring.damping,
+                inertia: 0.0,
+            }),
+            SpringKind::Linear { .. } => None,
+        });
+        let rotors = mechanism.rotors.iter().filter(|rotor| is_member(&&rotor.on));
+        let rotors = rotors.map(|rotor| Element { on: rotor.on.clone(), inertia: rotor.inertia, ..none.clone() });
+        let actuators = (0..mechanism.actuators.len()).filter(|index| is_member(&&mechanism.actuators[*index].on));
+        Self {
+            modes,
+            elements: of_joints.chain(springs).chain(rotors).collect(),
+            actuators: actuators.collect(),
+            joints,
+            group,
+            first,
+        }
+    }
+
+    /// Whether the motion of the group is prescribed: its only coordinate is time.
+    pub fn is_prescribed(&self) -> bool {
+        self.group.coordinates == [Coordinate::Time]
     }
 
     /// Number of coordinates.
@@ -54,53 +125,151 @@ impl PlacedGroup {
     }
 
     /// Evaluates all bodies and joints of the group at the coordinates `q` and rates `v` of the group.
-    pub fn evaluate<T: GroupNumber<K>, const K: usize>(
+    pub fn evaluate<const K: usize>(
         &self,
         mechanism: &Mechanism,
         (q, v): (&[f64], &[f64]),
-        motions: &mut Motions<T, K>,
+        motions: &mut Motions<f64, K>,
     ) {
-        let coordinate = |index: usize| {
-            let mut unit = [0.0; K];
-            unit[index] = 1.0;
-            JointMotion {
-                coordinate: T::with_gradient(q[index], &unit),
-                row: array_from(|k| T::constant(unit[k])),
-                rate: T::constant(v[index]),
-                bias: T::zero(),
-            }
-        };
+        self.place(mechanism, q, motions);
+        self.propagate(mechanism, v, q.first().copied().unwrap_or_default(), motions);
+    }
+
+    /// Evaluates the motions with derivatives by the coordinates of the group, from the motions in plain numbers.
+    pub fn differentiate<const K: usize>(
+        &self,
+        mechanism: &Mechanism,
+        (q, v): (&[f64], &[f64]),
+        plain: &Motions<f64, K>,
+        motions: &mut Motions<Dual<K>, K>,
+    ) {
+        for &body in &self.group.bodies {
+            motions.bodies[body] = plain.bodies[body].lifted();
+        }
+        for &joint in &self.joints {
+            let JointMotion { coordinate, row, .. } = plain.joints[joint];
+            motions.joints[joint].coordinate = Dual { value: coordinate, grad: row };
+        }
+        let first = q.first().map_or(Dual::constant(0.0), |first| Dual::variable(*first, 0));
+        self.propagate(mechanism, v, first, motions);
+    }
+
+    /// Evaluates the poses of all bodies and the coordinates of all joints.
+    fn place<const K: usize>(&self, mechanism: &Mechanism, q: &[f64], motions: &mut Motions<f64, K>) {
         for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
             match placement {
-                Placement::Free { body, first } => {
-                    let parts = triple(|axis| coordinate(first + axis));
-                    motions.bodies[*body] = free_body(&parts);
+                Placement::Free { body, first, axes } => {
+                    let angle = if *axes == 3 { q[first + 2] } else { mechanism.bodies[*body].pose[2] };
+                    motions.bodies[*body] = BodyMotion::at([q[*first], q[first + 1], angle], [0.0; 3]);
+                }
+                Placement::Prescribed { body } => {
+                    let (of, t) = (&mechanism.bodies[*body], q[0]);
+                    let acceleration = prescribed_acceleration(of);
+                    let pose = triple(|axis| of.pose[axis] + t * (of.rate[axis] + 0.5 * t * acceleration[axis]));
+                    motions.bodies[*body] = BodyMotion::at(pose, [0.0; 3]);
                 }
                 Placement::Joint { at, coordinate: source } => {
-                    let joint = match source {
-                        Source::Coordinate(index) => coordinate(*index),
-                        Source::Coupling(index) => coupled_joint(mechanism, *index, at.joint, &motions.joints),
+                    let coordinate = match source {
+                        Source::Coordinate(index) => q[*index],
+                        Source::Coupling(index) => {
+                            let coupling = &mechanism.couplings[*index];
+                            let ratios = coupled_joints(&coupling.on, at.joint);
+                            ratios.fold(coupling.on.offset / coupling.on.factor(at.joint), |sum, (joint, ratio)| {
+                                sum + ratio * motions.joints[joint].coordinate
+                            })
+                        }
                     };
-                    motions.joints[at.joint] = joint;
-                    motions.bodies[at.body] = place(&mechanism.joints[at.joint], at, motions.body(at.base), &joint);
+                    motions.joints[at.joint].coordinate = coordinate;
+                    motions.bodies[at.body] = place(&mechanism.joints[at.joint], at, motions.body(at.base), coordinate);
                 }
                 Placement::Dyad { outer, inner } => {
                     let Some(mode) = mode else { continue };
                     let bases = pair(|k| motions.body(outer[k].base));
-                    let (bodies, joints) = close_dyad(mechanism, (outer, *inner), bases, mode, v);
+                    let (bodies, coordinates) = place_dyad(mechanism, (outer, *inner), bases, mode);
                     for (k, at) in outer.iter().enumerate() {
                         motions.bodies[at.body] = bodies[k];
-                        motions.joints[at.joint] = joints[k];
+                        motions.joints[at.joint].coordinate = coordinates[k];
                     }
-                    let inner_joint = &mut motions.joints[*inner];
-                    *inner_joint = inner_motion(&mechanism.joints[*inner], outer, &bodies);
-                    if mechanism.joints[*inner].kind == JointKind::Revolute {
-                        let angle = inner_joint.coordinate.value();
-                        let turns = nearest_equivalent_angle(angle, mode.coordinates[2]) - angle;
-                        inner_joint.coordinate = inner_joint.coordinate + turns;
+                    let joint = &mechanism.joints[*inner];
+                    let mut coordinate = joint_coordinate(joint, |body| *motions.body(body));
+                    if joint.kind == JointKind::Revolute {
+                        coordinate = nearest_equivalent_angle(coordinate, mode.coordinates[2]);
                     }
+                    motions.joints[*inner].coordinate = coordinate;
                 }
             }
+        }
+    }
+
+    /// Evaluates Jacobians, rates and bias accelerations of all bodies and joints, whose poses and coordinates are known;
+    /// `first` is the first coordinate.
+    fn propagate<T: Real, const K: usize>(
+        &self,
+        mechanism: &Mechanism,
+        v: &[f64],
+        first: T,
+        motions: &mut Motions<T, K>,
+    ) {
+        let one = T::constant(1.0);
+        for placement in &self.group.placements {
+            match placement {
+                Placement::Free { body, first, axes } => {
+                    let body = &mut motions.bodies[*body];
+                    (0..*axes).for_each(|axis| body.jacobian[axis][first + axis] = one);
+                    body.update_rate(v);
+                }
+                Placement::Prescribed { body } => {
+                    let (of, body) = (&mechanism.bodies[*body], &mut motions.bodies[*body]);
+                    let acceleration = prescribed_acceleration(of);
+                    for (axis, acceleration) in acceleration.into_iter().enumerate() {
+                        body.jacobian[axis][0] = first * acceleration + of.rate[axis];
+                        body.bias[axis] = T::constant(acceleration);
+                    }
+                    body.update_rate(v);
+                }
+                Placement::Joint { at, coordinate: source } => {
+                    let joint = &mechanism.joints[at.joint];
+                    let mut motion = JointMotion::at(motions.joints[at.joint].coordinate);
+                    let (base, mut body) = (motions.body(at.base), motions.bodies[at.body]);
+                    carry(base, &mut body);
+                    let column = column(joint, at, [base, &body]);
+                    match source {
+                        Source::Coordinate(index) => {
+                            (motion.row[*index], motion.rate) = (one, T::constant(v[*index]));
+                            (0..3).for_each(|axis| body.jacobian[axis][*index] += column[axis]);
+                        }
+                        Source::Coupling(index) => {
+                            for (other, ratio) in coupled_joints(&mechanism.couplings[*index].on, at.joint) {
+                                let other = &motions.joints[other];
+                                motion.rate += other.rate * ratio;
+                                motion.bias += other.bias * ratio;
+                                (0..K).for_each(|k| motion.row[k] += other.row[k] * ratio);
+                            }
+                            for (axis, row) in body.jacobian.iter_mut().enumerate() {
+                                (0..K).for_each(|k| row[k] += column[axis] * motion.row[k]);
+                            }
+                        }
+                    }
+                    body.update_rate(v);
+                    body.bias = carried_bias(joint, at, [base, &body], motion.rate);
+                    (0..3).for_each(|axis| body.bias[axis] += column[axis] * motion.bias);
+                    (motions.joints[at.joint], motions.bodies[at.body]) = (motion, body);
+                }
+                Placement::Dyad { outer, inner } => {
+                    let mut bodies = pair(|k| motions.bodies[outer[k].body]);
+                    let mut joints = pair(|k| motions.joints[outer[k].joint]);
+                    let bases = pair(|k| motions.body(outer[k].base));
+                    close_dyad(mechanism, (outer, *inner), bases, (&mut bodies, &mut joints), v);
+                    for (k, at) in outer.iter().enumerate() {
+                        (motions.bodies[at.body], motions.joints[at.joint]) = (bodies[k], joints[k]);
+                    }
+                    let coordinate = motions.joints[*inner].coordinate;
+                    motions.joints[*inner] = inner_motion(&mechanism.joints[*inner], coordinate, outer, &bodies);
+                }
+            }
+        }
+        for &body in &self.group.bodies {
+            motions.centers[body] = motions.bodies[body].point(mechanism.bodies[body].com_m);
         }
     }
 
@@ -144,6 +313,7 @@ impl PlacedGroup {
                 (joint_coordinate(joint, motion), joint_rate(joint, motion))
             }
             Coordinate::Body(body, axis) => (poses[*body][*axis], rates[*body][*axis]),
+            Coordinate::Time => (0.0, 1.0),
         };
         self.group.coordinates.iter().map(start).collect()
     }
@@ -159,36 +329,17 @@ fn bases_length<const K: usize>(
     (squared(0) + squared(1)).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// A body whose pose is three coordinates.
-fn free_body<T: Real, const K: usize>(parts: &[JointMotion<T, K>; 3]) -> BodyMotion<T, K> {
-    let angle = parts[2].coordinate;
-    let (sin, cos) = angle.sin_cos();
-    BodyMotion {
-        origin: [parts[0].coordinate, parts[1].coordinate],
-        direction: [cos, sin],
-        angle,
-        jacobian: [parts[0].row, parts[1].row, parts[2].row],
-        rate: [parts[0].rate, parts[1].rate, parts[2].rate],
-        bias: [T::zero(); 3],
+/// Acceleration of the pose of a body with prescribed motion.
+fn prescribed_acceleration(body: &Body) -> Pose {
+    match body.motion {
+        Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [x, y] }) => [x, y, 0.0],
+        Some(PrescribedMotion::Palm(_)) | None => [0.0; 3],
     }
 }
 
-/// A joint whose coordinate follows from a coupling: q = (value − Σ cᵢ qᵢ)/c.
-fn coupled_joint<T: Real, const K: usize>(
-    mechanism: &Mechanism,
-    coupling: usize,
-    joint: usize,
-    joints: &[JointMotion<T, K>],
-) -> JointMotion<T, K> {
-    let coupling = &mechanism.couplings[coupling];
-    let own: f64 = coupling.on.terms.iter().filter(|(term, _)| *term == joint).map(|(_, factor)| factor).sum();
-    let mut found = JointMotion::at(T::constant(coupling.on.offset / own));
-    for (term, factor) in coupling.on.terms.iter().filter(|(term, _)| *term != joint) {
-        let (ratio, other) = (-factor / own, &joints[*term]);
-        found.coordinate += other.coordinate * ratio;
-        found.rate += other.rate * ratio;
-        found.bias += other.bias * ratio;
-        (0..K).for_each(|k| found.row[k] += other.row[k] * ratio);
-    }
-    found
+/// Joints from which the coordinate of a coupled joint follows, with their ratios: q = (offset − Σ cᵢ qᵢ)/c.
+fn coupled_joints(on: &JointCombination, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+    let own = on.factor(joint);
+    let others = on.terms.iter().filter(move |(term, _)| *term != joint);
+    others.map(move |(term, factor)| (*term, -factor / own))
 }

@@ -3,17 +3,15 @@
 //! A revolute joint transmits a force, a prismatic joint a force across its axis and a moment; a coupling adds one
 //! unknown. Without redundant constraints, the 3 equations of every body determine all of them.
 
-use super::actuator::effort;
-use super::dynamics::passive_effort;
-use super::model::{MechanismMode, MechanismModel, Surfaces, joint_of};
+use super::model::{MechanismMode, MechanismModel, Surfaces};
 use super::motion::Motions;
 use super::nearest::PointOnFace;
 use super::pairs;
 use crate::analytic::mode::StateRef;
 use crate::integrator::System;
-use crate::mechanism::{JointKind, Limit};
+use crate::mechanism::{ForcePoint, JointCombination, JointKind, Limit};
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{cross, perp, sub};
+use crate::numeric::plane::{add, cross, perp, scale, sub};
 
 /// Force and moment of a joint on its second body: the force acts at the joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,8 +63,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     fn required_wrenches(&self, a: &[f64; N], motions: &Motions<f64, K>) -> Wrenches {
         let gravity = self.mechanism.gravity_m_s2;
         let mut wrenches = Wrenches { centers: Vec::new(), values: Vec::new() };
-        for (index, (body, motion)) in self.mechanism.bodies.iter().zip(motions.all_bodies()).enumerate() {
-            let (group, center) = (&self.groups[self.group_of[index]], motion.point(body.com_m));
+        for (index, (body, center)) in self.mechanism.bodies.iter().zip(&motions.centers).enumerate() {
+            let (group, motion) = (&self.groups[self.group_of[index]], &motions.bodies[index]);
             let acceleration =
                 |row: &[f64; K], bias: f64| (0..group.size()).fold(bias, |sum, k| sum + row[k] * a[group.first + k]);
             let force =
@@ -100,27 +98,33 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         motions: &Motions<f64, K>,
         wrenches: &mut Wrenches,
     ) {
+        let mut subtract = |joint: usize, effort: f64| {
+            let (point, direction, turn) = self.effort_direction(joint, motions);
+            let bodies = self.mechanism.joints[joint].bodies;
+            wrenches.add_pair(bodies, direction.map(|part| -effort * part), point, -effort * turn);
+        };
+        let mut subtract_combined = |on: &JointCombination, effort: f64| {
+            on.terms.iter().for_each(|(joint, factor)| subtract(*joint, effort * factor));
+        };
+        for group in &self.groups {
+            for element in &group.elements {
+                let motion = motions.combination(&element.on);
+                let acceleration =
+                    (0..group.size()).fold(motion.bias, |sum, k| sum + motion.row[k] * a[group.first + k]);
+                let effort = element.effort(motion.coordinate, motion.rate) - element.inertia * acceleration;
+                subtract_combined(&element.on, effort);
+            }
+        }
+        for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
+            subtract_combined(&actuator.on, self.actuator_effort(t, (mode, v), motions, index));
+        }
         let tensions: Vec<f64> =
             self.cables.iter().map(|cable| self.tension(t, v, mode, motions, cable).1.total()).collect();
+        for (cable, tension) in self.cables.iter().zip(&tensions) {
+            cable.tendon.joints.iter().for_each(|(joint, factor)| subtract(*joint, -factor * tension));
+        }
         for (body, point, force) in self.tendon_forces(motions, &tensions) {
             wrenches.add(body, force.map(|part| -part), point, 0.0);
-        }
-        for (index, joint) in self.mechanism.joints.iter().enumerate() {
-            let (group, motion) = (self.group_of_joint(index), &motions.joints[index]);
-            let acceleration = (0..group.size()).fold(motion.bias, |sum, k| sum + motion.row[k] * a[group.first + k]);
-            let mut total =
-                passive_effort(self, index, motion.coordinate, motion.rate).0.value - joint.armature * acceleration;
-            for (actuator, range) in self.mechanism.actuators.iter().zip(mode.ranges.0) {
-                if joint_of(&actuator.on) == index {
-                    total += effort(actuator, range, t, motion.coordinate, motion.rate).value;
-                }
-            }
-            for (cable, tension) in self.cables.iter().zip(&tensions) {
-                let factors = cable.tendon.joints.iter().filter(|(term, _)| *term == index).map(|(_, factor)| factor);
-                total -= factors.sum::<f64>() * tension;
-            }
-            let (point, direction, turn) = self.effort_direction(index, motions);
-            wrenches.add_pair(joint.bodies, direction.map(|part| -total * part), point, -total * turn);
         }
         for (index, bodies, points_m) in self.linear_springs() {
             let state = pairs::spring(points_m, &Self::frames(motions, bodies));
@@ -135,12 +139,18 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for (index, contact) in self.contacts.iter().enumerate() {
             let reading = self.contact_reading(state, index, mode[index]);
             match contact.surfaces {
-                Surfaces::Point(PointOnFace { bodies: [body, face], .. }) => {
+                Surfaces::Point(PointOnFace { bodies: [body, face], force_point, .. }) => {
                     let (normal, tangent) = (reading.geometry.normal, perp(reading.geometry.normal));
                     let force = [0, 1].map(|k| reading.normal * normal[k] + reading.tangential * tangent[k]);
                     let rates = self.with_motions(state, |motions| Self::pair_rates(motions, [body, face]));
                     let moment = contact.rolling_moment(&rates, reading.normal);
-                    wrenches.add_pair([body, face], force, reading.geometry.point, moment);
+                    let point = reading.geometry.point;
+                    let on_face = match force_point {
+                        ForcePoint::Each => add(point, scale(normal, reading.delta)),
+                        ForcePoint::Face | ForcePoint::Points | ForcePoint::Middle => point,
+                    };
+                    wrenches.add(body, force.map(|part| -part), point, -moment);
+                    wrenches.add(face, force, on_face, moment);
                 }
                 Surfaces::Tendon(_) => {}
                 Surfaces::Limit(Limit { joint, .. }) | Surfaces::Friction(joint) => {

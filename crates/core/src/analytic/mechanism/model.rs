@@ -12,10 +12,8 @@ use crate::analytic::ContactState;
 use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
-use crate::mechanism::structure::{Group, StructureError, find_groups};
-use crate::mechanism::{
-    Actuator, Command, ForcePoint, JointCombination, JointKind, Limit, Mechanism, Pose, SpringKind,
-};
+use crate::mechanism::structure::{Coordinate, Group, StructureError, find_groups};
+use crate::mechanism::{Actuator, Command, JointKind, Limit, Mechanism, Pose, PrescribedMotion, Spring, SpringKind};
 use crate::numeric::Dual;
 use crate::scene::Profile;
 use std::ops::Index;
@@ -74,9 +72,9 @@ struct Workspace<const N: usize, const K: usize> {
 
 /// The analytic model of a mechanism with at most N coordinates and bristles, K coordinates a group, and C contacts.
 ///
-/// Coordinates are the independent coordinates of all groups. If friction has bristles, the next rates are the bristle
-/// states; nothing depends on the coordinates at these indices. Time is the last coordinate if an event of an actuator
-/// depends on it.
+/// Coordinates are the independent coordinates of all groups. If friction or a brake has bristles, the next rates are the
+/// bristle states; nothing depends on the coordinates at these indices. Time is the last coordinate if an event of an
+/// actuator depends on it and it is no coordinate of a group.
 #[derive(Clone, Debug)]
 pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     pub(super) mechanism: Mechanism,
@@ -88,7 +86,11 @@ pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     pub(super) contacts: Vec<Contact>,
     pub(super) cables: Vec<Cable>,
     pub(super) bristles: Vec<(usize, Bristle)>,
+    /// Index of the bristle state of the brake of each actuator.
+    pub(super) brake_bristles: Vec<Option<usize>>,
     pub(super) time_index: Option<usize>,
+    /// Index of time, if the motion of a body is prescribed; time is then the coordinate of the group of these bodies.
+    pub(super) prescribed: Option<usize>,
     /// Whether a force depends on the coordinate of each joint.
     pub(super) depends_on_joint: Vec<bool>,
     coordinate_count: usize,
@@ -123,9 +125,12 @@ impl MechanismSize {
         let points = mechanism.point_contacts();
         let has_bristle = |pair: usize| mechanism.contacts[pair].law.bristle().is_some();
         let bristles = points.iter().filter(|point| has_bristle(point.pair)).count()
-            + joint_frictions(mechanism).filter(|(_, friction)| friction.bristle.is_some()).count();
+            + joint_frictions(mechanism).filter(|(_, friction)| friction.bristle.is_some()).count()
+            + bristles_of_brakes(mechanism).flatten().count();
+        let has_time = groups.iter().any(|group| group.coordinates.contains(&Coordinate::Time));
+        let time = usize::from(!has_time && depends_on_time(mechanism));
         Self {
-            coordinates: sizes().sum::<usize>() + usize::from(depends_on_time(mechanism)) + bristles,
+            coordinates: sizes().sum::<usize>() + time + bristles,
             group: sizes().max().unwrap_or(0),
             contacts: points.len()
                 + mechanism.limits().len()
@@ -155,35 +160,24 @@ fn elastic_tendons(mechanism: &Mechanism) -> impl Iterator<Item = (usize, Normal
 
 /// Groups of a mechanism without components that the model does not have.
 fn supported_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> {
-    let Mechanism { bodies, springs, actuators, rotors, contacts, .. } = mechanism;
-    let combined = |on: &JointCombination, of: &str, name: &str| {
-        on.joint().is_none().then(|| format!("{of} `{name}` on several joints"))
-    };
-    let bodies = bodies.iter().filter_map(|body| match (&body.motion, body.inertia_kg_m2) {
-        (Some(_), _) => Some(format!("the prescribed motion of the body `{}`", body.name)),
-        (None, f64::INFINITY) => Some(format!("the body `{}`, which does not rotate,", body.name)),
+    let is_jointed = |body: usize| mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
+    let unsupported = mechanism.bodies.iter().enumerate().find_map(|(index, body)| match &body.motion {
+        Some(PrescribedMotion::Palm(_)) => Some(format!("the motion of the palm `{}`", body.name)),
+        Some(_) if is_jointed(index) => Some(format!("the joint of the body `{}` with prescribed motion", body.name)),
+        None if !body.rotates() && is_jointed(index) => {
+            Some(format!("the joint of the body `{}`, which does not rotate,", body.name))
+        }
         _ => None,
     });
-    let springs = springs.iter().filter_map(|spring| combined(spring.on()?, "the spring", &spring.name));
-    let actuators = actuators.iter().filter_map(|actuator| match &actuator.brake {
-        Some(_) => Some(format!("the brake of the actuator `{}`", actuator.name)),
-        None => combined(&actuator.on, "the actuator", &actuator.name),
-    });
-    let rotors = rotors.iter().map(|rotor| format!("the rotor `{}`", rotor.name));
-    let contacts = contacts.iter().filter(|contact| contact.force_point == ForcePoint::Each).map(|contact| {
-        let [points, face] = [contact.points, contact.face].map(|id| mechanism.outline_name(id));
-        format!("the force on each surface of the contact `{points}/{face}`")
-    });
-    match bodies.chain(springs).chain(actuators).chain(rotors).chain(contacts).next() {
+    match unsupported {
         Some(what) => Err(StructureError::Unsupported { what }),
         None => find_groups(mechanism),
     }
 }
 
-/// The joint of a spring or actuator.
-#[inline]
-pub(super) fn joint_of(on: &JointCombination) -> usize {
-    on.terms[0].0
+/// Bristles of contacts and brakes in the order of their states: those of contacts first, then of actuators.
+fn bristles_of_brakes(mechanism: &Mechanism) -> impl Iterator<Item = Option<Bristle>> + '_ {
+    mechanism.actuators.iter().map(|actuator| actuator.brake.and_then(|brake| brake.bristle))
 }
 
 /// Whether an event of an actuator depends on time.
@@ -197,11 +191,12 @@ fn depends_on_time(mechanism: &Mechanism) -> bool {
 
 /// Whether a spring, a limit, a servo, a coupling or a tendon depends on the coordinate of a joint.
 fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
-    let is_servo = |actuator: &Actuator| matches!(actuator.command, Command::Servo { .. });
-    mechanism.springs.iter().any(|spring| spring.on().is_some_and(|on| joint_of(on) == joint))
+    let is_servo = |actuator: &&Actuator| matches!(actuator.command, Command::Servo { .. });
+    let springs = mechanism.springs.iter().filter_map(Spring::on);
+    let servos = mechanism.actuators.iter().filter(is_servo).map(|actuator| &actuator.on);
+    let mut all = springs.chain(servos).chain(mechanism.couplings.iter().map(|coupling| &coupling.on));
+    all.any(|on| on.factor(joint) != 0.0)
         || mechanism.limits().iter().any(|limit| limit.joint == joint)
-        || mechanism.actuators.iter().any(|actuator| joint_of(&actuator.on) == joint && is_servo(actuator))
-        || mechanism.couplings.iter().any(|coupling| coupling.on.terms.iter().any(|(term, _)| *term == joint))
         || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
 }
 
@@ -228,16 +223,18 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             groups.push(placed);
         }
         let start = groups.iter().flat_map(|group| group.start(mechanism, (poses, rates))).collect();
+        let prescribed = groups.iter().find(|group| group.is_prescribed()).map(|group| group.first);
         let mut next = first;
         let mut bristles = Vec::new();
+        let mut add_bristle = |bristle: Option<Bristle>| {
+            bristles.push((next, bristle?));
+            next += 1;
+            Some(next - 1)
+        };
         let mut contacts = Vec::new();
         for point in mechanism.point_contacts() {
             let pair = &mechanism.contacts[point.pair];
-            let bristle = pair.law.bristle().map(|bristle| {
-                bristles.push((next, bristle));
-                next += 1;
-                next - 1
-            });
+            let bristle = add_bristle(pair.law.bristle());
             let surfaces = Surfaces::Point(PointOnFace {
                 bodies: [point.body, pair.face.body],
                 point: point.point,
@@ -266,32 +263,40 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             contacts.push(Contact { surfaces, normal, friction: None, rolling: None, bristle: None });
         }
         for (joint, law) in joint_frictions(mechanism) {
-            let bristle = law.bristle.map(|bristle| {
-                bristles.push((next, bristle));
-                next += 1;
-                next - 1
-            });
-            let normal = NormalLaw::constant_force(1.0);
-            let surfaces = Surfaces::Friction(joint);
+            let (surfaces, normal) = (Surfaces::Friction(joint), NormalLaw::constant_force(1.0));
+            let bristle = add_bristle(law.bristle);
             contacts.push(Contact { surfaces, normal, friction: Some(law), rolling: None, bristle });
         }
-        let time_index = depends_on_time(mechanism).then_some(next);
+        let brake_bristles = bristles_of_brakes(mechanism).map(add_bristle).collect();
+        let time_index = prescribed.or_else(|| depends_on_time(mechanism).then_some(next));
+        let mut mechanism = mechanism.clone();
+        for body in &mut mechanism.bodies {
+            // These have no effect.
+            if body.motion.is_some() {
+                body.mass_kg = 0.0;
+            }
+            if body.motion.is_some() || !body.rotates() {
+                body.inertia_kg_m2 = 0.0;
+            }
+        }
         let workspace = Workspace {
             state: None,
-            motions: Motions::new(mechanism),
+            motions: Motions::new(&mechanism),
             factors: Vec::with_capacity(groups.len()),
-            with_derivatives: Motions::new(mechanism),
+            with_derivatives: Motions::new(&mechanism),
         };
         Ok(Self {
-            mechanism: mechanism.clone(),
+            depends_on_joint: (0..mechanism.joints.len()).map(|joint| has_force(&mechanism, joint)).collect(),
+            mechanism,
             groups,
             group_of,
             contacts,
             cables,
             bristles,
+            brake_bristles,
             time_index,
-            depends_on_joint: (0..mechanism.joints.len()).map(|joint| has_force(mechanism, joint)).collect(),
-            coordinate_count: next + usize::from(time_index.is_some()),
+            prescribed,
+            coordinate_count: next + usize::from(time_index == Some(next)),
             event_tolerances: EVENT_TOLERANCES,
             workspace: RefCell::new(workspace),
             start,
@@ -399,19 +404,22 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         workspace.state = Some((*q, *v));
     }
 
-    /// Evaluates a function of the motions of all bodies and joints, with derivatives by the coordinates of their group.
+    /// Evaluates a function of the motions of all bodies and joints, without and with derivatives by the coordinates of
+    /// their group.
     pub(super) fn with_derivatives<R>(
         &self,
-        (q, v): (&[f64; N], &[f64; N]),
-        f: impl FnOnce(&Motions<Dual<K>, K>) -> R,
+        state: (&[f64; N], &[f64; N]),
+        f: impl FnOnce(&Motions<f64, K>, &Motions<Dual<K>, K>) -> R,
     ) -> R {
         let mut workspace = self.workspace.borrow_mut();
+        let workspace = &mut *workspace;
+        self.update(state, workspace);
         for group in &self.groups {
             let of_group = group.first..group.first + group.size();
-            let motions = &mut workspace.with_derivatives;
-            group.evaluate(&self.mechanism, (&q[of_group.clone()], &v[of_group]), motions);
+            let state = (&state.0[of_group.clone()], &state.1[of_group]);
+            group.differentiate(&self.mechanism, state, &workspace.motions, &mut workspace.with_derivatives);
         }
-        f(&workspace.with_derivatives)
+        f(&workspace.motions, &workspace.with_derivatives)
     }
 
     /// Linear springs: bodies, points, and the index of the spring.
@@ -426,7 +434,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub(super) fn next_time_discontinuity(&self, t: f64) -> f64 {
         let next = |actuator: &Actuator| {
             let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &actuator.command;
-            profile.next_discontinuity(t)
+            let brake = actuator.brake.map_or(f64::INFINITY, |brake| brake.next_discontinuity(t));
+            profile.next_discontinuity(t).min(brake)
         };
         let pulls = self.cables.iter().filter_map(|cable| cable.tendon.actuator.as_ref());
         let pulls = pulls.map(|actuator| actuator.tension.next_discontinuity(t));

@@ -2,35 +2,10 @@
 //! in plain numbers or in numbers with derivatives by these coordinates.
 
 use crate::mechanism::structure::Attachment;
-use crate::mechanism::{Joint, JointKind, Mechanism, Pose};
+use crate::mechanism::{Joint, JointCombination, JointKind, Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{Vector, add, dot, perp, scale, scale_by, sub};
+use crate::numeric::plane::{Vector, add, dot, perp, scale_by, sub};
 use crate::numeric::{Dual, Real, array_from};
-
-/// A number that depends on the K coordinates of a group.
-pub(super) trait GroupNumber<const K: usize>: Real {
-    /// Whether the number has derivatives.
-    const HAS_GRADIENT: bool;
-
-    /// Returns a number with this value and these derivatives by the coordinates.
-    fn with_gradient(value: f64, gradient: &[f64; K]) -> Self;
-}
-
-impl<const K: usize> GroupNumber<K> for f64 {
-    const HAS_GRADIENT: bool = false;
-
-    fn with_gradient(value: f64, _: &[f64; K]) -> Self {
-        value
-    }
-}
-
-impl<const K: usize> GroupNumber<K> for Dual<K> {
-    const HAS_GRADIENT: bool = true;
-
-    fn with_gradient(value: f64, gradient: &[f64; K]) -> Self {
-        Dual { value, grad: *gradient }
-    }
-}
 
 /// Pose of the frame of a body, its motion per unit of each coordinate rate, its rate, and its acceleration without
 /// accelerations of the coordinates. Components are x, y and θ.
@@ -55,6 +30,7 @@ pub(super) struct JointMotion<T, const K: usize> {
 }
 
 /// Motion of a point of a body: position, Jacobian, rate and bias acceleration.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct PointMotion<T, const K: usize> {
     pub position: Vector<T>,
     pub jacobian: [[T; K]; 2],
@@ -67,6 +43,18 @@ impl<const K: usize> BodyMotion<f64, K> {
     pub fn at([x, y, angle]: Pose, rate: Pose) -> Self {
         let (sin, cos) = sin_cos(angle);
         Self { origin: [x, y], direction: [cos, sin], angle, rate, ..Self::ground() }
+    }
+
+    /// The same pose with its derivatives by the coordinates, at rest.
+    pub fn lifted(&self) -> BodyMotion<Dual<K>, K> {
+        let lift = |value: f64, grad: [f64; K]| Dual { value, grad };
+        let ([cos, sin], turn) = (self.direction, self.jacobian[2]);
+        BodyMotion {
+            origin: pair(|axis| lift(self.origin[axis], self.jacobian[axis])),
+            direction: [lift(cos, turn.map(|part| -sin * part)), lift(sin, turn.map(|part| cos * part))],
+            angle: lift(self.angle, turn),
+            ..BodyMotion::ground()
+        }
     }
 }
 
@@ -84,15 +72,9 @@ impl<T: Real, const K: usize> BodyMotion<T, K> {
         }
     }
 
-    pub fn value(&self) -> BodyMotion<f64, K> {
-        BodyMotion {
-            origin: pair(|k| self.origin[k].value()),
-            direction: pair(|k| self.direction[k].value()),
-            angle: self.angle.value(),
-            jacobian: triple(|axis| array_from(|k| self.jacobian[axis][k].value())),
-            rate: triple(|axis| self.rate[axis].value()),
-            bias: triple(|axis| self.bias[axis].value()),
-        }
+    /// Rates of the pose at the rates `v` of the coordinates.
+    pub fn update_rate(&mut self, v: &[f64]) {
+        self.rate = triple(|axis| rate_along(&self.jacobian[axis], v));
     }
 
     /// Rotates a vector of the body frame to the world.
@@ -147,6 +129,12 @@ pub(super) fn triple<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
+/// Rate of a quantity whose derivatives by the coordinates are `row`.
+#[inline(always)]
+pub(super) fn rate_along<T: Real, const K: usize>(row: &[T; K], v: &[f64]) -> T {
+    row.iter().zip(v).fold(T::zero(), |sum, (entry, rate)| sum + *entry * *rate)
+}
+
 impl<T: Real, const K: usize> JointMotion<T, K> {
     /// A joint at rest.
     pub fn at(coordinate: T) -> Self {
@@ -159,34 +147,35 @@ impl<T: Real, const K: usize> JointMotion<T, K> {
 pub(super) struct Motions<T, const K: usize> {
     /// Bodies of the mechanism, then the ground.
     pub bodies: Vec<BodyMotion<T, K>>,
+    /// Centres of mass of the bodies.
+    pub centers: Vec<PointMotion<T, K>>,
     pub joints: Vec<JointMotion<T, K>>,
 }
 
 impl<T: Real, const K: usize> Motions<T, K> {
-    /// Motions in plain numbers.
-    pub fn value(&self) -> Motions<f64, K> {
-        let joint = |motion: &JointMotion<T, K>| JointMotion {
-            coordinate: motion.coordinate.value(),
-            row: array_from(|k| motion.row[k].value()),
-            rate: motion.rate.value(),
-            bias: motion.bias.value(),
-        };
-        Motions {
-            bodies: self.bodies.iter().map(BodyMotion::value).collect(),
-            joints: self.joints.iter().map(joint).collect(),
-        }
-    }
-
     pub fn new(mechanism: &Mechanism) -> Self {
         Self {
             bodies: vec![BodyMotion::ground(); mechanism.bodies.len() + 1],
+            centers: vec![BodyMotion::ground().point([0.0; 2]); mechanism.bodies.len()],
             joints: vec![JointMotion::at(T::zero()); mechanism.joints.len()],
         }
     }
 
-    /// Motions of all bodies.
-    pub fn all_bodies(&self) -> &[BodyMotion<T, K>] {
-        &self.bodies[..self.bodies.len() - 1]
+    /// Motion of a combination of joint coordinates.
+    #[inline(always)]
+    pub fn combination(&self, on: &JointCombination) -> JointMotion<T, K> {
+        if let Some(joint) = on.joint() {
+            return self.joints[joint];
+        }
+        let mut sum = JointMotion::at(T::constant(-on.offset));
+        for (joint, factor) in &on.terms {
+            let motion = &self.joints[*joint];
+            sum.coordinate += motion.coordinate * *factor;
+            sum.rate += motion.rate * *factor;
+            sum.bias += motion.bias * *factor;
+            (0..K).for_each(|k| sum.row[k] += motion.row[k] * *factor);
+        }
+        sum
     }
 
     /// Motion of a body; `None` is the ground.
@@ -203,67 +192,62 @@ pub(super) fn axis<T: Real, const K: usize>(axis_rad: f64, first: &BodyMotion<T,
     first.rotated([cos, sin])
 }
 
-/// Places a body at a joint with a known coordinate.
-#[inline(always)]
-pub(super) fn place<T: Real, const K: usize>(
+/// Pose of a body at a joint with this coordinate.
+pub(super) fn place<const K: usize>(
     joint: &Joint,
     at: &Attachment,
-    base: &BodyMotion<T, K>,
-    motion: &JointMotion<T, K>,
-) -> BodyMotion<T, K> {
+    base: &BodyMotion<f64, K>,
+    coordinate: f64,
+) -> BodyMotion<f64, K> {
     let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
-    let (base_point, own_point) = (joint.points_m[1 - own], joint.points_m[own]);
-    let base_arm = base.rotated(base_point);
-    let mut body = BodyMotion::ground();
-    match joint.kind {
-        JointKind::Revolute => {
-            body.angle = base.angle + (motion.coordinate + joint.offset_rad) * sign;
-            let (sin, cos) = body.angle.sin_cos();
-            body.direction = [cos, sin];
-            let arm = body.rotated(own_point);
-            let (base_across, across) = (perp(base_arm), perp(arm));
-            body.origin = sub(add(base.origin, base_arm), arm);
-            body.rate[2] = base.rate[2] + motion.rate * sign;
-            body.bias[2] = base.bias[2] + motion.bias * sign;
-            for k in 0..K {
-                body.jacobian[2][k] = base.jacobian[2][k] + motion.row[k] * sign;
-            }
-            let (base_squared, squared) = (base.rate[2].squared(), body.rate[2].squared());
-            for axis in 0..2 {
-                body.rate[axis] = base.rate[axis] + base_across[axis] * base.rate[2] - across[axis] * body.rate[2];
-                body.bias[axis] = base.bias[axis] + base_across[axis] * base.bias[2]
-                    - base_arm[axis] * base_squared
-                    - across[axis] * body.bias[2]
-                    + arm[axis] * squared;
-                for k in 0..K {
-                    body.jacobian[axis][k] = base.jacobian[axis][k] + base_across[axis] * base.jacobian[2][k]
-                        - across[axis] * body.jacobian[2][k];
-                }
-            }
-        }
-        JointKind::Prismatic { axis_rad } => {
-            body.angle = base.angle + joint.offset_rad * sign;
-            let (sin, cos) = body.angle.sin_cos();
-            body.direction = [cos, sin];
-            let u = scale_by(axis(axis_rad, if at.is_second { base } else { &body }), sign);
-            let arm = sub(add(base_arm, scale(u, motion.coordinate)), body.rotated(own_point));
-            let (across, u_across) = (perp(arm), perp(u));
-            body.origin = add(base.origin, arm);
-            (body.rate[2], body.bias[2], body.jacobian[2]) = (base.rate[2], base.bias[2], base.jacobian[2]);
-            let (squared, coriolis) = (base.rate[2].squared(), base.rate[2] * motion.rate * 2.0);
-            for axis in 0..2 {
-                body.rate[axis] = base.rate[axis] + across[axis] * base.rate[2] + u[axis] * motion.rate;
-                body.bias[axis] = base.bias[axis] + across[axis] * base.bias[2] - arm[axis] * squared
-                    + u[axis] * motion.bias
-                    + u_across[axis] * coriolis;
-                for k in 0..K {
-                    body.jacobian[axis][k] =
-                        base.jacobian[axis][k] + across[axis] * base.jacobian[2][k] + u[axis] * motion.row[k];
-                }
-            }
+    let turn = if joint.kind == JointKind::Revolute { coordinate } else { 0.0 };
+    let mut body = BodyMotion::at([0.0, 0.0, base.angle + sign * (turn + joint.offset_rad)], [0.0; 3]);
+    let mut point = base.position(joint.points_m[1 - own]);
+    if let JointKind::Prismatic { axis_rad } = joint.kind {
+        let u = axis(axis_rad, if at.is_second { base } else { &body });
+        point = add(point, scale_by(u, sign * coordinate));
+    }
+    body.origin = sub(point, body.rotated(joint.points_m[own]));
+    body
+}
+
+/// Moves a placed body with its base, as if the joint between them were locked.
+#[inline(always)]
+pub(super) fn carry<T: Real, const K: usize>(base: &BodyMotion<T, K>, body: &mut BodyMotion<T, K>) {
+    let across = perp(sub(body.origin, base.origin));
+    body.jacobian[2] = base.jacobian[2];
+    for (axis, across) in across.into_iter().enumerate() {
+        for k in 0..K {
+            body.jacobian[axis][k] = base.jacobian[axis][k] + across * base.jacobian[2][k];
         }
     }
-    body
+}
+
+/// Bias acceleration of a placed body without that of the joint that attaches it.
+#[inline(always)]
+pub(super) fn carried_bias<T: Real, const K: usize>(
+    joint: &Joint,
+    at: &Attachment,
+    [base, body]: [&BodyMotion<T, K>; 2],
+    joint_rate: T,
+) -> [T; 3] {
+    let arm = sub(body.origin, base.origin);
+    let (across, squared) = (perp(arm), base.rate[2].squared());
+    let carried = pair(|axis| base.bias[axis] + across[axis] * base.bias[2]);
+    let [x, y] = match joint.kind {
+        JointKind::Revolute => {
+            let own_arm = body.rotated(joint.points_m[usize::from(at.is_second)]);
+            let (base_arm, own_squared) = (add(arm, own_arm), body.rate[2].squared());
+            pair(|axis| carried[axis] - base_arm[axis] * squared + own_arm[axis] * own_squared)
+        }
+        JointKind::Prismatic { axis_rad } => {
+            let (first, sign) = if at.is_second { (base, 1.0) } else { (body, -1.0) };
+            let u_across = scale_by(perp(axis(axis_rad, first)), sign);
+            let coriolis = base.rate[2] * joint_rate * 2.0;
+            pair(|axis| carried[axis] - arm[axis] * squared + u_across[axis] * coriolis)
+        }
+    };
+    [x, y, base.bias[2]]
 }
 
 /// Motion of a placed body per unit rate of the joint that attaches it.

@@ -1,13 +1,14 @@
 //! Readings of a state: poses, joints, actuators, contacts and energies.
 
 use super::actuator::effort;
-use super::model::{MechanismMode, MechanismModel, Surfaces, joint_of};
+use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::motion::Motions;
 use crate::analytic::ContactState;
 use crate::analytic::finger::Geometry;
 use crate::analytic::mode::{StateRef, row_dot};
 use crate::analytic::model::{ContactReading, Energies, normal_force_on_branch};
 use crate::law::{elastic_energy, friction_with_state};
-use crate::mechanism::{Pose, SpringKind};
+use crate::mechanism::Pose;
 use crate::numeric::plane::dot;
 use crate::shape::Support;
 
@@ -27,14 +28,26 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         self.with_motions(state, |motions| (motions.joints[joint].coordinate, motions.joints[joint].rate))
     }
 
-    /// Torque or force of an actuator; those of tendons follow those of joints.
+    /// Torque or force of an actuator with its brake; those of tendons follow those of joints.
     pub fn actuator(&self, t: f64, state: (&[f64; N], &[f64; N]), mode: &MechanismMode<C>, index: usize) -> f64 {
-        let Some(actuator) = self.mechanism.actuators.get(index) else {
+        if let Some(index) = index.checked_sub(self.mechanism.actuators.len()) {
             let mut pulls = self.cables.iter().filter(|cable| cable.tendon.actuator.is_some());
-            return pulls.nth(index - self.mechanism.actuators.len()).map_or(0.0, |cable| cable.pull(t).0);
-        };
-        let (coordinate, rate) = self.joint(state, joint_of(&actuator.on));
-        effort(actuator, mode.ranges.0[index], t, coordinate, rate).value
+            return pulls.nth(index).map_or(0.0, |cable| cable.pull(t).0);
+        }
+        self.with_motions(state, |motions| self.actuator_effort(t, (mode, state.1), motions, index))
+    }
+
+    pub(super) fn actuator_effort(
+        &self,
+        t: f64,
+        (mode, v): (&MechanismMode<C>, &[f64; N]),
+        motions: &Motions<f64, K>,
+        index: usize,
+    ) -> f64 {
+        let actuator = &self.mechanism.actuators[index];
+        let motion = motions.combination(&actuator.on);
+        let brake = self.brake_effort(t, v, index, motion.rate).map_or(0.0, |brake| brake.effort.value);
+        effort(actuator, mode.ranges.0[index], t, motion.coordinate, motion.rate).value + brake
     }
 
     /// Geometry and forces of a contact; those of a limit are an angle and a torque, or a distance and a force.
@@ -72,25 +85,22 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub fn energies(&self, state: (&[f64; N], &[f64; N])) -> Energies {
         let mut energies = Energies::default();
         self.with_motions(state, |motions| {
-            for (body, motion) in self.mechanism.bodies.iter().zip(motions.all_bodies()) {
-                let center = motion.point(body.com_m);
-                let spin = motion.rate[2];
+            for (index, (body, center)) in self.mechanism.bodies.iter().zip(&motions.centers).enumerate() {
+                let spin = motions.bodies[index].rate[2];
                 energies.kinetic +=
                     0.5 * (body.mass_kg * dot(center.rate, center.rate) + body.inertia_kg_m2 * spin * spin);
                 energies.gravity -= body.mass_kg * dot(self.mechanism.gravity_m_s2, center.position);
             }
-            for (joint, motion) in self.mechanism.joints.iter().zip(&motions.joints) {
-                energies.kinetic += 0.5 * joint.armature * motion.rate * motion.rate;
+            for element in self.groups.iter().flat_map(|group| &group.elements) {
+                let motion = motions.combination(&element.on);
+                let stretch = motion.coordinate - element.rest;
+                energies.kinetic += 0.5 * element.inertia * motion.rate * motion.rate;
+                energies.spring += 0.5 * element.stiffness * stretch * stretch - element.preload * motion.coordinate;
             }
-            for spring in &self.mechanism.springs {
-                let (coordinate, preload) = match &spring.kind {
-                    SpringKind::Torsional { on, preload } => (motions.joints[joint_of(on)].coordinate, *preload),
-                    SpringKind::Linear { bodies, points_m } => {
-                        (pairs::spring(*points_m, &Self::frames(motions, *bodies)).length, 0.0)
-                    }
-                };
-                let stretch = coordinate - spring.rest;
-                energies.spring += 0.5 * spring.stiffness * stretch * stretch - preload * coordinate;
+            for (index, bodies, points_m) in self.linear_springs() {
+                let spring = &self.mechanism.springs[index];
+                let stretch = pairs::spring(points_m, &Self::frames(motions, bodies)).length - spring.rest;
+                energies.spring += 0.5 * spring.stiffness * stretch * stretch;
             }
         });
         for (index, contact) in self.contacts.iter().enumerate() {

@@ -41,8 +41,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let (mut value, mut row) = (path_length(&tendon.path, center) - tendon.rest_m, [0.0; N]);
         for (elements, bodies) in segments(tendon) {
             let by_pose = segment_row(elements, &Self::frames(motions, bodies));
-            let spread = self.spread(motions, bodies, &by_pose);
-            (0..N).for_each(|i| row[i] += spread[i]);
+            self.add_pair_loads(motions, bodies, &by_pose, &mut row);
         }
         for &(joint, factor) in &tendon.joints {
             let (group, motion) = (self.group_of_joint(joint), &motions.joints[joint]);

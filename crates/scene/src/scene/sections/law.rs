@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use toml::Table;
 
-use super::{FINGERS, GRIPPER, NOT_MECHANISM, table};
+use super::{FINGERS, GRIPPER, table};
 use crate::law::{Bristle, ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 use crate::scene::quantity::{
     Angle, AngularDamping, Keyword, Length, LinearDamping, NotNegative, Plain, Positive, Pressure, Quantity, Speed,
@@ -109,13 +109,13 @@ pub struct FrictionSettings {
     pub v_dynamic: Option<Positive<Speed>>,
     /// "regularised": the law of the thesis, which creeps; "bristle": spring and damper in series with a Coulomb
     /// slider, which holds without creep.
-    #[schemars(extend("x-kinds" = NOT_MECHANISM, "default" = "regularised"))]
+    #[schemars(extend("default" = "regularised"))]
     pub law: Option<Word<Option<Bristle>>>,
     /// Damping of the bristle. Default: that of the normal law, or 1e6 N*s/m if the normal law has none.
-    #[schemars(extend("x-kinds" = NOT_MECHANISM, "x-with" = "law = bristle"))]
+    #[schemars(extend("x-with" = "law = bristle"))]
     pub bristle_damping: Option<Positive<LinearDamping>>,
     /// Relaxation time of the bristle: its damping over its stiffness.
-    #[schemars(extend("x-kinds" = NOT_MECHANISM, "x-with" = "law = bristle", "default" = "1 ms"))]
+    #[schemars(extend("x-with" = "law = bristle", "default" = "1 ms"))]
     pub bristle_relaxation: Option<Positive<Time>>,
 }
 

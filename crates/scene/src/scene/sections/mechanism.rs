@@ -11,7 +11,7 @@ use super::law::FrictionSettings;
 use super::names::{GROUND, find, find_at};
 use super::outline::{OutlineSettings, outline, outline_settings, si};
 use super::tendon::{self, Known, TendonSettings};
-use super::{MECHANISM, law, list, table};
+use super::{law, list, table};
 use crate::law::{Bristle, ContactLaw, Damping, FrictionLaw, NormalLaw, damping_from_restitution};
 use crate::limits::{MAX_BODIES, MAX_CONTACTS};
 use crate::mechanism::{
@@ -35,32 +35,30 @@ use crate::units::{Dimension, format};
 pub struct MechanismSettings {
     /// Bodies, one section per name, chosen freely: [bodies.driver]. `ground` is the fixed body.
     #[schemars(extend(
-        "x-kinds" = MECHANISM, "x-key" = "bodies", "minProperties" = 1,
+        "minProperties" = 1,
         "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "not": { "const": "ground" } }
     ))]
-    pub mechanism_bodies: BTreeMap<String, LinkSettings>,
-    #[schemars(extend("x-kinds" = MECHANISM))]
+    pub bodies: BTreeMap<String, LinkSettings>,
     pub ground: GroundSettings,
     /// Joints, one section per name. Joints may form loops; nothing marks the joint that closes one.
-    #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub joints: BTreeMap<String, JointSettings>,
     /// Springs with a damper, one section per name.
-    #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub springs: BTreeMap<String, LinkageSpringSettings>,
     /// Tendons, one section per name: cables over eyelets and pulleys.
-    #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub tendons: BTreeMap<String, TendonSettings>,
     /// Linear relations of joint coordinates, one section per name: gears, synchronised jaws.
-    #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub couplings: BTreeMap<String, CouplingSettings>,
     /// Actuators of joints and tendons, one section per name. Each has a torque (force) over time, or follows a target.
-    #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub actuators: BTreeMap<String, ActuatorSettings>,
     /// Laws of contacts and joint limits, one section per name.
-    #[schemars(extend("x-kinds" = MECHANISM, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub laws: BTreeMap<String, NamedLawSettings>,
     /// Pairs of outlines that may touch, each with the header [[contacts]].
-    #[schemars(extend("x-kinds" = MECHANISM))]
     pub contacts: Vec<ContactEntry>,
 }
 

@@ -85,8 +85,6 @@ const GRIPPER: &str = "gripper";
 const BODIES: &str = "bodies";
 const FINGERS: &str = "finger gripper";
 const NO_OR_TWO_FINGERS: &str = "bodies gripper";
-const MECHANISM: &str = "mechanism";
-const NOT_MECHANISM: &str = "finger bodies gripper";
 
 /// A scene of kind "finger": one finger, the object it grasps, and the settings of the simulation. Omitted keys
 /// have their defaults. Quantities are strings with a unit: "15 mm", "120 deg", "480 N*mm".
@@ -104,12 +102,6 @@ const NOT_MECHANISM: &str = "finger bodies gripper";
             "description": "A scene of kind \"gripper\": two fingers that close on an object, which may move, with a palm and an \
                 optional table. Omitted keys have their defaults. Quantities are strings with a unit: \"15 mm\", \"120 deg\", \
                 \"480 N*mm\".",
-        },
-        "x-mechanism" = {
-            "title": "scene of a mechanism",
-            "description": "A scene of kind \"mechanism\": any planar linkage of bodies and joints, with springs, actuators and \
-                contacts. Omitted keys have their defaults. Quantities are strings with a unit: \"15 mm\", \"120 deg\", \
-                \"0.25 N*m\".",
         }
     )
 )]
@@ -148,13 +140,26 @@ pub struct SceneFile {
     pub vibrations: BTreeMap<String, VibrationSettings>,
     #[schemars(extend("x-kinds" = GRIPPER))]
     pub path: PathSettings,
-    #[serde(flatten)]
-    pub mechanism: MechanismSettings,
     pub integrator: Integrator,
     pub engine: Engine,
     pub validate: Bounds,
     #[schemars(extend("x-kinds" = GRIPPER))]
     pub criteria: Thresholds,
+    pub log: LogSettings,
+}
+
+/// A scene of kind "mechanism": any planar linkage of bodies and joints, with springs, actuators and contacts. Omitted keys
+/// have their defaults. Quantities are strings with a unit: "15 mm", "120 deg", "0.25 N*m".
+#[derive(JsonSchema)]
+#[schemars(title = "scene of a mechanism")]
+pub struct MechanismFile {
+    #[serde(flatten)]
+    pub top: SceneSettings,
+    #[serde(flatten)]
+    pub mechanism: MechanismSettings,
+    pub integrator: Integrator,
+    pub engine: Engine,
+    pub validate: Bounds,
     pub log: LogSettings,
 }
 
@@ -177,7 +182,6 @@ pub struct FingerSettings {
     pub spring: SpringSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
     pub limit: LimitSettings,
-    #[schemars(extend("x-kinds" = NOT_MECHANISM))]
     pub contact: ContactSettings,
     #[schemars(extend("x-kinds" = FINGERS))]
     pub initial: InitialSettings,
