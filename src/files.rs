@@ -16,6 +16,8 @@ const HEAD_BYTES: u64 = 4096;
 
 /// Mark in the head of every page.
 const PAGE_MARK: &str = "<meta name=\"generator\" content=\"phalanx\">";
+/// First line of every MuJoCo model.
+pub(crate) const MODEL_MARK: &str = "<!-- MuJoCo model by phalanx -->\n";
 /// First line of the text reports in a directory of results.
 pub(crate) const TEXT_MARK: &str = "Report by phalanx\n\n";
 /// First line of the Markdown reports in a directory of results.
@@ -49,6 +51,8 @@ pub(crate) enum FileKind {
     Results,
     /// A text, JSON or Markdown document in a directory of results.
     Report,
+    /// A MuJoCo model.
+    Model,
 }
 
 impl FileKind {
@@ -74,6 +78,7 @@ impl FileKind {
             FileKind::Log => ensure_replaceable(path, path).is_ok(),
             FileKind::Table | FileKind::Results if bytes.starts_with(b"PAR1") => is_own_parquet(path),
             FileKind::Table | FileKind::Results => is_own_header(head.lines().next().unwrap_or_default()),
+            FileKind::Model => head.starts_with(MODEL_MARK),
             FileKind::Report => {
                 [TEXT_MARK, MARKDOWN_MARK, JSON_MARK].iter().any(|mark| head.starts_with(mark))
                     || head.contains(MANUAL_MARK)

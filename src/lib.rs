@@ -41,6 +41,7 @@ pub mod format;
 pub mod limits;
 #[cfg(feature = "live")]
 pub mod live;
+pub mod mjcf;
 pub mod page;
 pub mod plot;
 pub mod prelude;

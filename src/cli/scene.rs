@@ -9,10 +9,11 @@ use clap::{Args, Subcommand, ValueEnum};
 use super::output::{FileKind, NO_DIRECTORY, print, print_diagnostic, print_report, reserve};
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
-use crate::files::{is_forced, replace_file};
+use crate::files::{cannot_write, is_forced, replace_file};
 use crate::format::Report;
 use crate::gripper::{Finger, total_mass};
 use crate::mechanism::Mechanism;
+use crate::mjcf::mujoco_model;
 use crate::plot::linkage;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{self, DiscMotion, DrivenFinger, Scene, Side};
@@ -116,6 +117,19 @@ pub(crate) enum SceneCommand {
         #[command(flatten)]
         set: SetArgs,
     },
+    /// Write the mechanism of a scene as a model for MuJoCo, to run it there; contacts are then MuJoCo's own
+    #[command(after_help = "Examples:\n  phalanx scene export my-linkage.toml --mjcf my-linkage.xml")]
+    Export {
+        /// Scene file (TOML)
+        scene: PathBuf,
+
+        #[command(flatten)]
+        set: SetArgs,
+
+        /// MJCF file to write; its key frame `start` is the start of the scene
+        #[arg(long, value_name = "FILE.xml")]
+        mjcf: PathBuf,
+    },
     /// Print the JSON Schema of scene files, for editors
     #[command(after_help = "Examples:\n  phalanx scene schema > scene.schema.json")]
     Schema,
@@ -131,7 +145,23 @@ pub(super) fn run(command: &SceneCommand) -> Result<Status, Failure> {
             print(&show(&set.load_any(scene)?))
         }
         SceneCommand::Check { scenes, set } => check(scenes, set),
+        SceneCommand::Export { scene, set, mjcf } => export(scene, set, mjcf),
     }
+}
+
+/// Writes the MuJoCo model of a scene, and prints what it lacks.
+fn export(path: &Path, set: &SetArgs, target: &Path) -> Result<Status, Failure> {
+    let scene = set.load_any(path)?;
+    let output = ("--mjcf", Some(target), FileKind::Model);
+    reserve(&[("the scene", &source_files(path))], &[output], NO_DIRECTORY)?;
+    let bad_input = |reason: &str| Failure::bad_input(format!("{}: {reason}", path.display()));
+    let mechanism = scene.mechanism().map_err(|error| bad_input(&error.to_string()))?;
+    let model =
+        mujoco_model(&scene.name, &mechanism, scene.duration_s).map_err(|error| bad_input(&error.to_string()))?;
+    replace_file(target, |out| out.write_all(model.xml.as_bytes()))
+        .map_err(|error| Failure::bad_input(cannot_write(target, error)))?;
+    let omissions: String = model.omissions.iter().map(|omission| format!("  {omission}\n")).collect();
+    print(&format!("wrote {}: a model for MuJoCo; what it lacks:\n{omissions}", target.display()))
 }
 
 /// Prints summaries of the valid scenes and errors of the others.

@@ -62,8 +62,8 @@ fn readings_inside_a_step_agree_with_the_run() {
     let mut simulation = start(&scene);
     for expected in run.samples.iter().step_by(7).filter(|sample| sample.time_s > 0.0) {
         advance_to(&mut simulation, expected.time_s);
-        // Forces of stiff dampers are large multiples of rates.
-        assert_below(difference(expected, simulation.sample()), 1e-6, format!("{} s", expected.time_s));
+        // The force of the damper at the joint limit, 1e9 N·m·s/rad, multiplies the rounding of rates.
+        assert_below(difference(expected, simulation.sample()), 1e-5, format!("{} s", expected.time_s));
         for column in ["q11_rad", "q21_rad", "qd11_rad_s", "qd21_rad_s", "kinetic_j", "spring_j"] {
             let channel = simulation.channels().iter().find(|channel| channel.name == column).expect("a column");
             let [a, b] = [expected, simulation.sample()].map(|sample| channel.value(sample));

@@ -135,7 +135,7 @@ fn a_cable_that_lifts_off_ends_the_run() {
     for model in ["analytic", "engine"] {
         let run = phalanx(&["run", &file, "--model", model]);
         assert_eq!(run.status.code(), Some(3), "{model}: {}", stderr(&run));
-        assert_contains(&stderr(&run), &["tendon flexor", "lifts off its pulley in place 2", "ms"]);
+        assert_contains(stderr(&run), &["tendon flexor", "lifts off its pulley in place 2", "ms"]);
     }
 }
 
@@ -156,4 +156,31 @@ fn a_mechanism_beyond_the_sizes_is_rejected_by_its_numbers() {
     let output = phalanx(&["run", &file]);
     assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
     assert_contains(stderr(&output), &["9 actuators", "--model engine"]);
+}
+
+/// A MuJoCo model has the bodies, joints, loops, contacts and actuators of the scene.
+#[test]
+fn scenes_are_exported_for_mujoco() {
+    let directory = directory("mujoco");
+    let model = path_in(&directory, "model.xml");
+    for (scene, bodies, joints, loops, pairs, actuators) in [
+        (FINGER, 4, 4, 1, 2, 1),
+        ("scenes/mechanisms/jaws.toml", 3, 5, 0, 3, 2),
+        // The five-bar, and the constant torque of its spring.
+        ("scenes/experiment-95.toml", 4, 4, 1, 2, 2),
+    ] {
+        let printed = succeed(&["scene", "export", scene, "--mjcf", &model]);
+        assert_contains(&printed, &["own soft constraints"]);
+        let xml = fs::read_to_string(&model).expect("the model");
+        let found =
+            ["<body name", "<joint name", "<connect", "<pair", "<general name"].map(|tag| xml.matches(tag).count());
+        let motors = xml.matches("<motor name").count();
+        assert_eq!(
+            [found[0], found[1], found[2], found[3], found[4] + motors],
+            [bodies, joints, loops, pairs, actuators],
+            "{scene}: {xml}"
+        );
+    }
+    fs::write(&model, "not a model").expect("a file");
+    assert_rejected(&["scene", "export", FINGER, "--mjcf", &model], &["is not a model written by phalanx"]);
 }

@@ -120,7 +120,8 @@ const THESIS: CrateLayers = CrateLayers {
 const SHELL: CrateLayers = CrateLayers {
     root: "src",
     layers: &[
-        "files", "scene", "table", "validate", "study", "live", "format", "plot", "page", "report", "cli", "prelude",
+        "files", "mjcf", "scene", "table", "validate", "study", "live", "format", "plot", "page", "report", "cli",
+        "prelude",
     ],
     dependencies: &["phalanx-core", "phalanx-log", "phalanx-show", "phalanx-thesis"],
 };

@@ -269,8 +269,8 @@ fn add_tendon(mechanism: &mut Mechanism, random: &mut Random) {
         }
         path[1].radius_m *= f64::from(is_wrapped(&path));
     }
-    let is_spool = |joint: &&(usize, &Joint)| joint.1.kind == JointKind::Revolute && joint.1.start.is_some();
-    let spool = mechanism.joints.iter().enumerate().filter(|joint| is_spool(&joint)).map(|(joint, _)| joint).last();
+    let is_spool = |joint: &(usize, &Joint)| joint.1.kind == JointKind::Revolute && joint.1.start.is_some();
+    let spool = mechanism.joints.iter().enumerate().rfind(is_spool).map(|(joint, _)| joint);
     let pull = random.chance(0.5).then(|| TendonActuator {
         name: "pull".to_string(),
         tension: Profile::Table {

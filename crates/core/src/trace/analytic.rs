@@ -24,9 +24,6 @@ pub(super) fn build_analytic(scene: &Scene, recording: RecordingOptions) -> Resu
         return build_mechanism(scene, mechanism, recording);
     }
     let system = &scene.system;
-    if let Some(reason) = system.unsupported() {
-        return Err(RunError::rejected(reason.to_string(), Outcome::default()));
-    }
     match scene.kind() {
         SceneKind::Finger if fits_finger_kernel(system) => match system.has_stiction() {
             true => build_finger::<4, 6>(scene, recording),

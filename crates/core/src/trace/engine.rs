@@ -56,8 +56,7 @@ fn unsupported(scene: &Scene) -> Option<&'static str> {
         SceneKind::Mechanism if !scene.engine.uses_laws() => {
             Some("rapier's own contact (law \"rapier\") is for fingers and discs, not for mechanisms")
         }
-        SceneKind::Mechanism => None,
-        _ => scene.system.unsupported(),
+        _ => None,
     }
 }
 

@@ -30,8 +30,8 @@ mod sink;
 mod stepper;
 
 pub use decimator::Decimated;
-use model::build;
 pub use model::{Model, run, run_analytic};
+use model::{build, check_supported};
 pub use outcome::{ContactSummary, Outcome, RunError, Work};
 pub use reach::Reach;
 pub use recording::{Recording, record};

@@ -43,6 +43,7 @@ impl Keyword for Model {
 /// # Errors
 /// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    check_supported(scene)?;
     let moves = scene.kind() != SceneKind::Bodies || scene.system.discs.iter().any(|disc| disc.motion.moves());
     if model == Model::Analytic && !moves {
         return Ok(Outcome::default());
@@ -68,6 +69,12 @@ pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, 
 /// See [`run`].
 pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     run(Model::Analytic, scene, sink)
+}
+
+/// Returns an error for a system that neither model simulates, whose samples have no schema.
+pub(super) fn check_supported(scene: &Scene) -> Result<(), RunError> {
+    let reason = if scene.mechanism.is_some() { None } else { scene.system.unsupported() };
+    reason.map_or(Ok(()), |reason| Err(RunError::rejected(reason.to_string(), Outcome::default())))
 }
 
 /// Builds a model of a scene at its start.

@@ -6,14 +6,14 @@ use super::grid::{RecordingOptions, Span};
 use super::sample::{Event, Sample};
 use super::schema::{Channel, ContactSample, Schema};
 use super::stepper::{Interruption, Stepper};
-use super::{KeepRunning, Model, RequiredData, RunError, Sink, SinkError, build};
+use super::{KeepRunning, Model, RequiredData, RunError, Sink, SinkError, build, check_supported};
 use crate::drive::{Interpolation, Profile};
 use crate::integrator::Failure;
 use crate::mechanism::Command;
 use crate::scene::{Motor, Scene};
 
 /// Time after which a target stops that was set with a rate, s.
-pub const MOVING_TARGET_S: f64 = 1e4;
+const MOVING_TARGET_S: f64 = 1e4;
 
 /// A scene in one of the models, advanced by its user.
 ///
@@ -104,6 +104,11 @@ impl Simulation {
     /// # Errors
     /// Returns an error if the model does not simulate the scene.
     pub fn new(scene: &Scene, model: Model) -> Result<Self, SimulationError> {
+        let rejected = |error: RunError| match error {
+            RunError::Simulation { failure, .. } => SimulationError::Rejected(failure.reason.to_string()),
+            RunError::Sink(error) => SimulationError::Rejected(error.to_string()),
+        };
+        check_supported(scene).map_err(rejected)?;
         let schema = Schema::from_scene(scene);
         let recording = RecordingOptions {
             counts: schema.counts(),
@@ -112,10 +117,7 @@ impl Simulation {
             // The analytic model computes the forces in joints when they are read.
             required_data: RequiredData { joint_forces: model == Model::Engine, ..RequiredData::NONE },
         };
-        let mut stepper = build(model, scene, recording).map_err(|error| match error {
-            RunError::Simulation { failure, .. } => SimulationError::Rejected(failure.reason.to_string()),
-            RunError::Sink(error) => SimulationError::Rejected(error.to_string()),
-        })?;
+        let mut stepper = build(model, scene, recording).map_err(rejected)?;
         let mut events = Vec::new();
         let begun = stepper.begin(&mut EventList { events: &mut events, keep_running: &|| true });
         begun.map_err(|error| SimulationError::Rejected(error.to_string()))?;
@@ -236,7 +238,7 @@ impl Simulation {
     }
 
     /// Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s, for at most
-    /// [`MOVING_TARGET_S`].
+    /// 10,000 s.
     ///
     /// # Errors
     /// See [`Simulation::set_torque`].

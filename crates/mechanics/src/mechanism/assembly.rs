@@ -15,6 +15,16 @@ pub struct Start {
     pub rates: Vec<Pose>,
 }
 
+impl Start {
+    /// Returns coordinate and rate of a joint.
+    pub fn joint(&self, joint: &Joint) -> (f64, f64) {
+        let (value, terms) = coordinate(joint, &self.poses);
+        let by_pose = terms.by_pose();
+        let rate = |(body, by_pose): (Option<usize>, Pose)| body.map_or(0.0, |body| inner(&by_pose, &self.rates[body]));
+        (value, joint.bodies.into_iter().zip(by_pose).map(rate).sum())
+    }
+}
+
 /// Origin of a condition on the poses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
@@ -192,11 +202,7 @@ impl<'a> Solver<'a> {
     /// Gradient by the scaled poses of all bodies.
     fn gradient(&self, joint: &Joint, terms: Terms, scale: f64, bodies: usize) -> Vec<f64> {
         let mut gradient = vec![0.0; 3 * bodies];
-        let by_pose = match terms {
-            Terms::Angle => [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]],
-            Terms::Point(by_pose) => by_pose,
-        };
-        for (body, [x, y, angle]) in joint.bodies.into_iter().zip(by_pose) {
+        for (body, [x, y, angle]) in joint.bodies.into_iter().zip(terms.by_pose()) {
             let moves = |body: &usize| self.moves_prescribed || self.mechanism.bodies[*body].motion.is_none();
             let Some(body) = body.filter(moves) else { continue };
             for (sum, part) in gradient[3 * body..].iter_mut().zip([x * self.scale_m, y * self.scale_m, angle]) {
@@ -386,6 +392,15 @@ enum Terms {
     /// θ_B − θ_A.
     Angle,
     Point([[f64; 3]; 2]),
+}
+
+impl Terms {
+    fn by_pose(self) -> [Pose; 2] {
+        match self {
+            Terms::Angle => [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]],
+            Terms::Point(by_pose) => by_pose,
+        }
+    }
 }
 
 /// Lever arm of a joint's point in the world, and the point.

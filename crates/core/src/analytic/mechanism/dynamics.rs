@@ -510,9 +510,9 @@ impl Contact {
         };
         let add = |sum: &mut WithDerivatives<POSES, POSES>, factor: f64, by_turn: f64| {
             sum.value += factor * moment.value;
-            for k in 0..POSES {
+            for (k, turn) in turn.into_iter().enumerate() {
                 sum.by_q[k] += factor * moment.by_q[k];
-                sum.by_v[k] += factor * moment.by_v[k] + by_turn * turn[k];
+                sum.by_v[k] += factor * moment.by_v[k] + by_turn * turn;
             }
         };
         add(&mut forces.load[2], 1.0, 0.0);
