@@ -11,8 +11,8 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use crate::log::{ensure_replaceable, is_same_file, resolve_link};
 use crate::trace::schema::are_sample_columns;
 
-/// Number of bytes at the start of a file that contain its mark.
-const HEAD_BYTES: u64 = 4096;
+/// Number of bytes at the start of a file that contain its mark: the header of a table with a thousand contacts.
+const HEAD_BYTES: u64 = 1 << 20;
 
 /// Mark in the head of every page.
 const PAGE_MARK: &str = "<meta name=\"generator\" content=\"phalanx\">";

@@ -184,3 +184,29 @@ fn scenes_are_exported_for_mujoco() {
     fs::write(&model, "not a model").expect("a file");
     assert_rejected(&["scene", "export", FINGER, "--mjcf", &model], &["is not a model written by phalanx"]);
 }
+
+/// The gripper in scenes/real holds a cube of 100 g at 5 g in both models, and its table of many columns is replaced.
+#[test]
+fn a_real_gripper_holds_a_cube_without_creep() {
+    let csv = path_in(&directory("real-gripper"), "run.csv");
+    for gravity in ["[\"0 m/s^2\", \"49.05 m/s^2\"]", "[\"-49.05 m/s^2\", \"0 m/s^2\"]"] {
+        for (model, end, creep_m_s) in [("analytic", "1 s", 1e-12), ("engine", "150 ms", 1e-6)] {
+            let settings = [format!("duration={end}"), format!("gravity={gravity}")];
+            let sets = settings.iter().flat_map(|setting| ["--set", setting.as_str()]);
+            let scene = "scenes/real/2f85-hold.toml";
+            let args = ["run", scene, "--no-check", "--model", model, "--csv", csv.as_str()].into_iter().chain(sets);
+            succeed(&args.collect::<Vec<_>>());
+            let text = fs::read_to_string(&csv).expect("a table");
+            let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+            let column = |name: &str| rows[0].iter().position(|column| *column == name).expect("a column");
+            let at = |row: &[&str], name: &str| row[column(name)].parse::<f64>().expect("a number");
+            let last = rows.last().expect("rows");
+            let middle = &rows[rows.len() / 2];
+            let duration_s = at(last, "time_s") - at(middle, "time_s");
+            for position in ["object_x_m", "object_y_m"] {
+                let creep = (at(last, position) - at(middle, position)) / duration_s;
+                assert!(creep.abs() < creep_m_s, "{model}, {gravity}: {position} creeps at {creep} m/s");
+            }
+        }
+    }
+}
