@@ -78,7 +78,8 @@ class Simulations(unittest.TestCase):
     def test_a_batch_equals_its_simulations(self):
         scene = phalanx.Scene.load(ANCHOR)
         batch = phalanx.SimulationBatch([scene] * 5 + [phalanx.Scene.load(FAILS)])
-        torques = np.linspace(0.3, 0.6, 6)
+        # The last scene reaches its singularity with its own torque.
+        torques = np.append(np.linspace(0.3, 0.6, 5), 0.48)
         starts = batch.states
         for _ in range(2):
             batch.set_torque("motor", torques)
@@ -107,7 +108,7 @@ class Simulations(unittest.TestCase):
         environment = example.GraspEnvironment()
 
         def episode(torque):
-            observation, _ = environment.reset(seed=3)
+            observation, _ = environment.reset(seed=1)
             self.assertTrue(environment.observation_space.contains(observation))
             rewards, done = [], False
             while not done:
