@@ -161,16 +161,10 @@ fn omissions(mechanism: &Mechanism, loops: &[usize]) -> Vec<String> {
 /// Number of times at which a smooth command is given.
 const COMMAND_SAMPLES: usize = 200;
 
-/// Profile of an actuator's command.
-fn profile(actuator: &Actuator) -> &Profile {
-    let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &actuator.command;
-    profile
-}
-
 /// Times between which the command of an actuator is linear, up to `end_s`; only the start for a constant command.
 fn command_times(actuator: &Actuator, end_s: f64) -> Vec<f64> {
     let mut times = vec![0.0];
-    match profile(actuator) {
+    match actuator.command.profile() {
         Profile::Constant { .. } => {}
         Profile::Table { points, .. } => {
             // A step lies between two neighbouring times.
@@ -185,7 +179,7 @@ fn command_times(actuator: &Actuator, end_s: f64) -> Vec<f64> {
 
 /// Control signal of the actuator in MuJoCo at a time: an effort, or the position that includes the rate of the target.
 fn control(actuator: &Actuator, t: f64) -> f64 {
-    let (value, rate) = profile(actuator).at(t);
+    let (value, rate) = actuator.command.profile().at(t);
     match actuator.command {
         Command::Effort(_) => value,
         Command::Servo { kp: 0.0, .. } => rate,

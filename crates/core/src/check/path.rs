@@ -4,7 +4,7 @@ use crate::analytic::multibody::count_moving_discs;
 use crate::criteria::{Rebound, Rebounds};
 use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
-use crate::mechanism::{Command, JointKind, Mechanism};
+use crate::mechanism::{JointKind, Mechanism};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::keywords::SceneKind;
@@ -280,7 +280,7 @@ pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
 fn perturb_mechanism(mechanism: &mut Mechanism, factor: f64) {
     mechanism.gravity_m_s2 = mechanism.gravity_m_s2.map(|g| g * factor);
     for actuator in &mut mechanism.actuators {
-        let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &mut actuator.command;
+        let profile = actuator.command.profile_mut();
         *profile = profile.scaled(factor);
     }
     for actuator in mechanism.tendons.iter_mut().filter_map(|tendon| tendon.actuator.as_mut()) {

@@ -211,6 +211,21 @@ pub enum Command {
     Servo { kp: f64, kd: f64, target: Profile, rate_hz: Option<f64> },
 }
 
+impl Command {
+    /// Effort or target over time.
+    #[inline]
+    pub fn profile(&self) -> &Profile {
+        let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = self;
+        profile
+    }
+
+    /// Mutable access to [`Command::profile`].
+    pub fn profile_mut(&mut self) -> &mut Profile {
+        let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = self;
+        profile
+    }
+}
+
 /// A limit of a joint: the penetration is δ = side (q − value), and the force on the joint −side F.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {

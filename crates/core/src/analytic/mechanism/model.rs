@@ -183,8 +183,7 @@ fn bristles_of_brakes(mechanism: &Mechanism) -> impl Iterator<Item = Option<Bris
 /// Whether an event of an actuator depends on time.
 fn depends_on_time(mechanism: &Mechanism) -> bool {
     mechanism.actuators.iter().any(|actuator| {
-        let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &actuator.command;
-        let is_constant = profile.next_discontinuity(f64::NEG_INFINITY).is_infinite();
+        let is_constant = actuator.command.profile().next_discontinuity(f64::NEG_INFINITY).is_infinite();
         !is_constant && (actuator.limit.is_some() || actuator.no_load_speed.is_some())
     })
 }
@@ -335,9 +334,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         (q, v): (&mut [f64; N], &mut [f64; N]),
         mode: &mut MechanismMode<C>,
     ) {
-        let (Command::Effort(profile) | Command::Servo { target: profile, .. }) =
-            &mut self.mechanism.actuators[index].command;
-        *profile = input;
+        *self.mechanism.actuators[index].command.profile_mut() = input;
         if self.time_index.is_none() && depends_on_time(&self.mechanism) {
             self.time_index = Some(self.coordinate_count);
             self.coordinate_count += 1;
@@ -433,9 +430,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Next time at which a command of an actuator is discontinuous.
     pub(super) fn next_time_discontinuity(&self, t: f64) -> f64 {
         let next = |actuator: &Actuator| {
-            let (Command::Effort(profile) | Command::Servo { target: profile, .. }) = &actuator.command;
             let brake = actuator.brake.map_or(f64::INFINITY, |brake| brake.next_discontinuity(t));
-            profile.next_discontinuity(t).min(brake)
+            actuator.command.profile().next_discontinuity(t).min(brake)
         };
         let pulls = self.cables.iter().filter_map(|cable| cable.tendon.actuator.as_ref());
         let pulls = pulls.map(|actuator| actuator.tension.next_discontinuity(t));

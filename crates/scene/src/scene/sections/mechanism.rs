@@ -353,7 +353,7 @@ pub struct ContactEntry {
         "x-required" = "add two outlines or bodies: between = [\"palm\", \"object\"]"))]
     pub between: Option<[String; 2]>,
     /// In place of `between`: the outline whose points touch, as `body.outline`. A disc and an ellipse have one point, a
-    /// capsule two, a polygon its corners. Two outlines of which both have corners need an entry in each direction.
+    /// capsule two, a polygon its corners. Two outlines that both have corners need an entry in each direction.
     #[schemars(extend("minLength" = 1))]
     pub points: Option<String>,
     /// Outline that the points touch. Required with `points`, or `faces`.
@@ -808,28 +808,15 @@ fn coupling(name: &str, section: &SectionInput<'_>, joints: &Joints<'_>) -> Opti
     Some(Coupling { name: name.to_owned(), on })
 }
 
+/// Keys of an actuator of a joint whose units depend on the joint.
+const JOINT_UNIT_KEYS: [&str; 11] =
+    ["torque", "force", "torques", "forces", "target", "targets", "kp", "kd", "target_rate", "limit", "no_load_speed"];
+
 fn actuator(name: &str, section: &SectionInput<'_>, joints: &Joints<'_>) -> Option<Actuator> {
     let settings: ActuatorSettings = section.read();
     let (joint, kind) = joints.find(section, "joint", settings.joint.as_ref()?)?;
     let (linear, of) = joint_words(kind);
-    let units_fit = check_units(
-        section,
-        &[
-            "torque",
-            "force",
-            "torques",
-            "forces",
-            "target",
-            "targets",
-            "kp",
-            "kd",
-            "target_rate",
-            "limit",
-            "no_load_speed",
-        ],
-        linear,
-        of,
-    );
+    let units_fit = check_units(section, &JOINT_UNIT_KEYS, linear, of);
     let commands = ["torque", "force", "torques", "forces", "target", "targets"];
     let given: Vec<&str> = commands.into_iter().filter(|key| section.has(key)).collect();
     let [key] = given[..] else {
@@ -898,21 +885,8 @@ fn limit_target_rates(mechanism: &mut Mechanism, sections: &[(&str, SectionInput
 /// Resolves the actuator of a tendon.
 fn pull(name: &str, section: &SectionInput<'_>, names: &[&str], tendons: &mut [Option<Tendon>]) {
     let ActuatorSettings { tendon, tension, tensions, times, .. } = section.read();
-    let of_joints = [
-        "joint",
-        "torque",
-        "force",
-        "torques",
-        "forces",
-        "target",
-        "targets",
-        "kp",
-        "kd",
-        "target_rate",
-        "limit",
-        "no_load_speed",
-    ];
-    of_joints.iter().for_each(|key| section.report_unused(key, "with `tendon`"));
+    let of_joints = ["joint"].iter().chain(&JOINT_UNIT_KEYS);
+    of_joints.for_each(|key| section.report_unused(key, "with `tendon`"));
     let tension = match (tension, tensions) {
         (Some(value), _) => {
             ["times", "tensions"].iter().for_each(|key| section.report_unused(key, "with `tension`"));
