@@ -9,11 +9,12 @@ use phalanx::mechanism::{
     Command, ForcePoint, JointCombination, JointKind, Mechanism, OutlineShape, PathElement, SpringKind, assemble,
 };
 use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::{self, Scene};
-use phalanx::trace::schema::JointState;
-use phalanx::trace::{BodyState, ContactSample, Sample, Schema, interpolate};
+use phalanx::scene::{self, Scene, System};
+use phalanx::trace::schema::{JointState, SubjectKind};
+use phalanx::trace::{self, BodyState, ContactSample, Model, Sample, Schema, interpolate};
 
 use crate::support::mechanism_cases::mechanism_case;
+use crate::support::runs::CollectSink;
 use crate::{assert_round_trip, parse};
 
 /// Names of the channels of a case.
@@ -298,6 +299,201 @@ fn tendons_are_read_and_shown_again() {
     let columns: Vec<String> = Schema::from_scene(&scene).channels().into_iter().map(|channel| channel.name).collect();
     let expected = "motor_force_n flexor_length_m flexor_rate_m_s flexor_tension_n distal_x_m";
     assert!(columns.join(" ").contains(expected), "{columns:?}");
+}
+
+/// Two fingers with a joint limit, a tendon and its motor, on a slider of the palm; the left one is written only here.
+const ONE_SIDE: &str = r#"
+kind = "mechanism"
+gravity = ["0 m/s^2", "-9.81 m/s^2"]
+[mirror]
+from = "right"
+to = "left"
+[bodies.right]
+mass = "20 g"
+inertia = "1e-5 kg*m^2"
+com = ["10 mm", "3 mm"]
+guess = { at = ["30 mm", "5 mm"], angle = "70 deg" }
+[bodies.right.outlines.pad]
+type = "polygon"
+vertices = [["0 mm", "-4 mm"], ["50 mm", "-4 mm"], ["40 mm", "6 mm"], ["0 mm", "6 mm"]]
+rounding = "1 mm"
+[bodies.right_tip]
+mass = "5 g"
+inertia = "1e-6 kg*m^2"
+guess = { at = ["47 mm", "52 mm"], angle = "100 deg" }
+[bodies.right_tip.outlines.egg]
+type = "ellipse"
+center = ["8 mm", "1 mm"]
+semi_axes = ["12 mm", "5 mm"]
+angle = "20 deg"
+[bodies.right_winch]
+mass = "8 g"
+inertia = "4e-7 kg*m^2"
+guess = { at = ["20 mm", "-9 mm"] }
+[bodies.object]
+mass = "30 g"
+inertia = "6e-6 kg*m^2"
+start = { at = ["0 mm", "60 mm"] }
+[bodies.object.outlines.rim]
+type = "disc"
+radius = "16 mm"
+[joints.right]
+bodies = ["ground", "right"]
+at = ["30 mm", "5 mm"]
+offset = "10 deg"
+start = "60 deg"
+start_rate = "1 rad/s"
+[joints.right_knuckle]
+bodies = ["right", "right_tip"]
+points = [["50 mm", "0 mm"], ["0 mm", "0 mm"]]
+start = "30 deg"
+lower = "0 deg"
+stop = "stop"
+[joints.right_shaft]
+type = "prismatic"
+bodies = ["ground", "right_winch"]
+points = [["20 mm", "-9 mm"], ["0 mm", "0 mm"]]
+axis = "-30 deg"
+start = "0 mm"
+[springs.right]
+joint = "right_knuckle"
+stiffness = "0.02 N*m/rad"
+damping = "2e-4 N*m*s/rad"
+[springs.right_coil]
+type = "linear"
+bodies = ["ground", "right"]
+points = [["60 mm", "0 mm"], ["30 mm", "0 mm"]]
+stiffness = "50 N/m"
+rest = "20 mm"
+[tendons.right]
+stiffness = "2e4 N/m"
+damping = "5 N*s/m"
+pretension = "1 N"
+path = [
+  { eyelet = "right_winch" },
+  { pulley = "ground", at = ["24 mm", "9 mm"], radius = "3 mm", turn = "cw" },
+  { eyelet = "right_tip", at = ["6 mm", "5 mm"] },
+]
+[actuators.right]
+joint = "right_shaft"
+force = "6 N"
+[laws.stop]
+stiffness = 2e4
+damping = "0.2 s/rad"
+[laws.pad]
+stiffness = 1e6
+damping = "3 s/m"
+friction = { mu_static = 0.4 }
+[[contacts]]
+points = "object.rim"
+face = "right.pad"
+law = "pad"
+[[contacts]]
+points = "right_tip.egg"
+face = "object.rim"
+law = "pad"
+"#;
+
+#[test]
+fn mirror_images_move_as_their_originals() {
+    let scene = parse(ONE_SIDE);
+    assert_round_trip(&scene);
+    let of = scene.mechanism.as_ref().expect("a mechanism");
+    let names = |all: Vec<&str>| all.join(" ");
+    assert_eq!(
+        names(of.bodies.iter().map(|body| body.name.as_str()).collect()),
+        "left left_tip left_winch object right right_tip right_winch"
+    );
+    assert_eq!((of.joints.len(), of.springs.len(), of.tendons.len(), of.actuators.len()), (6, 4, 2, 2));
+    let contacts: Vec<String> = of.point_contacts().into_iter().map(|contact| contact.name).collect();
+    assert_eq!(
+        contacts.join(" "),
+        "object.rim/right.pad right_tip.egg/object.rim object.rim/left.pad left_tip.egg/object.rim"
+    );
+    for model in [Model::Analytic, Model::Engine] {
+        let mut found = CollectSink::default();
+        let outcome = trace::run(model, &scene, &mut found).expect("a run");
+        let touches = |side: usize| outcome.contacts[2 * side..][..2].iter().any(|of| of.impulse_n_s > 1e-4);
+        assert!(touches(0) && touches(1), "{model:?}: {:?}", outcome.contacts);
+        let bounds = if model == Model::Analytic { 1e-9 } else { 1e-6 };
+        for sample in &found.samples {
+            for joint in 0..3 {
+                let [left, right] = [joint, joint + 3].map(|joint| sample.joint_state(joint).angle_rad);
+                assert!((left - right).abs() < bounds, "{model:?} at {} s: {left} {right}", sample.time_s);
+            }
+            let ([x, _], turn) = (sample.body(3).centre_m, sample.body(3).angle_rad);
+            assert!(x.abs() < bounds && turn.abs() < 100.0 * bounds, "{model:?} at {} s: {x} {turn}", sample.time_s);
+        }
+    }
+}
+
+/// The worm of two drivers determines the start of the image.
+#[test]
+fn a_coupling_may_determine_the_start_of_an_image() {
+    let coupled = format!("{ONE_SIDE}\n[couplings.worm]\njoints = [\"right\", \"left\"]\nfactors = [1, -1]\n");
+    let scene = parse(&coupled);
+    let of = scene.mechanism.as_ref().expect("a mechanism");
+    let starts: Vec<bool> = of.joints.iter().map(|joint| joint.start.is_some()).collect();
+    assert_eq!(starts, [false, true, true, true, true, true]);
+    assert_round_trip(&scene);
+}
+
+#[test]
+fn combinations_rotors_and_brakes_are_read_and_shown_again() {
+    let parts = r#"
+[springs.mean]
+joints = ["right", "left"]
+factors = [0.5, 0.5]
+offset = "12 deg"
+stiffness = "0.3 N*m/rad"
+[rotors.seesaw]
+joints = ["right", "left"]
+factors = [0.5, -0.5]
+inertia = "2e-6 kg*m^2"
+[actuators.input]
+joints = ["right", "left"]
+factors = [0.5, 0.5]
+torque = "50 N*mm"
+brake = { limit = "0.5 N*m", at = "2 ms", rise = "3 ms", release = "15 ms", one_way = true, stiffness = "1e3 N*m/rad" }
+[actuators.slow]
+joint = "right_knuckle"
+torque = "0 N*m"
+brake = { limit = "0.1 N*m" }
+"#;
+    let scene = parse(&format!("{ONE_SIDE}{parts}"));
+    assert_round_trip(&scene);
+    let of = scene.mechanism.as_ref().expect("a mechanism");
+    let mean = JointCombination { terms: vec![(3, 0.5), (0, 0.5)], offset: 0.0 };
+    let input = of.actuators.iter().find(|actuator| actuator.name == "input").expect("an actuator");
+    assert_eq!((&input.on, input.limit), (&mean, None));
+    let brake = input.brake.expect("a brake");
+    assert_eq!((brake.torque_n_m, brake.start_s, brake.rise_s, brake.release_s), (0.5, 0.002, 0.003, Some(0.015)));
+    let bristle = brake.bristle.expect("a bristle");
+    assert_eq!((brake.one_way, bristle.damping_n_s_per_m, bristle.relaxation_s), (true, 1.0, 1e-3));
+    let spring = of.springs.iter().find(|spring| spring.name == "mean").and_then(|spring| spring.on());
+    assert_eq!(spring, Some(&JointCombination { offset: 12f64.to_radians(), ..mean.clone() }));
+    assert_eq!(of.rotors[0].on, JointCombination { terms: vec![(3, 0.5), (0, -0.5)], offset: 0.0 });
+}
+
+/// A finger and a gripper with a differential, written out as mechanisms, move as they do.
+#[test]
+fn the_mechanism_of_a_gripper_is_a_scene_file() {
+    for (name, joints) in [("experiment-95", ["q11", "q22"]), ("gripper/seesaw", ["right_q11", "left_q22"])] {
+        let of_fingers = scene::load_any(format!("scenes/{name}.toml")).expect("a scene");
+        let mechanism = of_fingers.mechanism().expect("a closed loop").into_owned();
+        let written = Scene { mechanism: Some(mechanism), system: System::EMPTY, ..of_fingers.clone() };
+        let of_bodies = parse(&scene::show(&written));
+        let ends = [&of_fingers, &of_bodies].map(|scene| {
+            let mut samples = CollectSink::default();
+            trace::run(Model::Analytic, scene, &mut samples).expect("a run");
+            let schema = Schema::from_scene(scene);
+            let last = samples.samples.last().expect("a sample").clone();
+            joints.map(|joint| schema.channel(SubjectKind::Joint, joint, "angle_rad").value(&last))
+        });
+        for (a, b) in ends[0].into_iter().zip(ends[1]) {
+            assert!((a - b).abs() < 1e-6, "{name}: {ends:?}");
+        }
+    }
 }
 
 #[test]

@@ -186,7 +186,9 @@ fn parts(mechanism: &Mechanism) -> Vec<Part> {
         let elements = mechanism.tendons.iter().flat_map(|tendon| &tendon.path).filter(|element| element.body == body);
         shapes.extend(elements.map(|element| circle(element.point_m, element.radius_m.max(0.5 * PIN_PART * size_m))));
         let is_driven = mechanism.actuators.iter().any(|actuator| {
-            body.is_some() && actuator.on.terms.iter().any(|(joint, _)| mechanism.joints[*joint].bodies[1] == body)
+            // The mirror image of a revolute joint has its bodies in the opposite order.
+            let drives = |[a, b]: [Option<usize>; 2]| b == body || a == body && b.is_none();
+            body.is_some() && actuator.on.terms.iter().any(|(joint, _)| drives(mechanism.joints[*joint].bodies))
         });
         let role = match body {
             None => BodyRole::Palm,

@@ -6,6 +6,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `mirror` | mirror images: the other side of a gripper |
 //! | `outline` | outlines of bodies and their contacts |
 //! | `structure` | the order in which bodies are placed: joints with coordinates, and dyads that close loops |
 //! | `tendon` | segments, wraps and lengths of cables |
@@ -14,6 +15,7 @@ pub mod structure;
 pub mod tendon;
 
 mod assembly;
+mod mirror;
 mod outline;
 
 use crate::drive::{Brake, Profile};
@@ -22,6 +24,7 @@ use crate::numeric::elementary::hypot;
 use crate::palm_motion::PalmMotion;
 
 pub use assembly::{AssemblyError, Condition, Measure, Start, assemble, coordinate_in};
+pub use mirror::Mirror;
 pub use outline::{
     ContactPair, ForcePoint, Outline, OutlineId, OutlinePoint, OutlineShape, PlaneArea, PointContact, rounded_core,
 };

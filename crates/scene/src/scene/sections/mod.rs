@@ -24,9 +24,7 @@
 //! | `drive` | motor, spring, differential |
 //! | `bodies` | object, discs, half plane, table |
 //! | `law` | contact, limit |
-//! | `mechanism` | bodies, ground, joints, springs, couplings, actuators, laws and contacts of a mechanism |
-//! | `outline` | outlines of a mechanism |
-//! | `tendon` | tendons of a mechanism |
+//! | `mechanism` | all sections of a mechanism |
 //! | `motion` | moves, vibrations, path |
 //! | `names` | no section: names by which sections refer to each other |
 //! | `run` | integrator, engine, validate, criteria, log |
@@ -43,10 +41,8 @@ pub(crate) mod law;
 pub(crate) mod mechanism;
 pub(crate) mod motion;
 mod names;
-pub(crate) mod outline;
 pub(crate) mod run;
 pub(crate) mod start;
-pub(crate) mod tendon;
 
 use std::collections::BTreeMap;
 

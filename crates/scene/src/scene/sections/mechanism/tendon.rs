@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use super::names::{GROUND, find};
-use super::{list, table};
+use super::mirror::Entries;
+use super::{GROUND, Known, find, list, table};
 use crate::mechanism::tendon::{center_in, length_in, wraps};
 use crate::mechanism::{JointKind, Mechanism, PathElement, Pose, Tendon};
 use crate::scene::quantity::{
@@ -91,17 +91,10 @@ pub struct SpoolEntry {
     pub turn: Word<Turn>,
 }
 
-/// Names and kinds of the joints of a mechanism, and names of its bodies.
-pub(super) struct Known<'a> {
-    pub bodies: &'a [&'a str],
-    pub joints: &'a [&'a str],
-    pub kinds: &'a [Option<JointKind>],
-}
-
 /// Resolves a tendon without its actuator and its free length; `None` if a part is invalid.
 pub(super) fn tendon(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Tendon> {
     let TendonKeys { stiffness, damping, .. } = section.read();
-    let elements: Vec<_> = section.list("path").iter().map(|entry| element(entry, known.bodies)).collect();
+    let elements: Vec<_> = section.list("path").iter().map(|entry| element(entry, &known.bodies)).collect();
     let spools: Vec<_> = section.list("spools").iter().map(|entry| spool(entry, known)).collect();
     if stiffness.is_none() {
         ["damping", "pretension", "rest"].iter().for_each(|key| section.report_unused(key, "without `stiffness`"));
@@ -164,8 +157,8 @@ fn element(entry: &SectionInput<'_>, bodies: &[&str]) -> Option<PathElement> {
 
 fn spool(entry: &SectionInput<'_>, known: &Known<'_>) -> Option<(usize, f64)> {
     let SpoolEntry { joint, radius, turn } = entry.read();
-    let joint = find(entry, "joint", &joint?, "joint", known.joints)?;
-    if matches!(known.kinds[joint]?, JointKind::Prismatic { .. }) {
+    let (joint, kind) = known.joint(entry, "joint", &joint?)?;
+    if kind != JointKind::Revolute {
         let message = format!("`{}` names a prismatic joint, which has no spool", entry.path("joint"));
         let help = "name a revolute joint; a cable to a slider ends in an eyelet of its body";
         return entry.refuse("joint", message, "a prismatic joint", help);
@@ -174,8 +167,8 @@ fn spool(entry: &SectionInput<'_>, known: &Known<'_>) -> Option<(usize, f64)> {
 }
 
 /// Sets the free lengths of all tendons from these poses at the start, and checks that the cables can pass their paths.
-pub(super) fn tension(mechanism: &mut Mechanism, sections: &[(&str, SectionInput<'_>)], poses: &[Pose]) {
-    for (index, (_, section)) in sections.iter().enumerate() {
+pub(super) fn tension(mechanism: &mut Mechanism, entries: &Entries<'_>, poses: &[Pose]) {
+    for (index, _, section) in entries.written() {
         let tendon = &mechanism.tendons[index];
         let length_m = length_in(mechanism, tendon, poses);
         let lifted = wraps(&tendon.path, |element| center_in(element, poses)).find(|(_, wrap)| *wrap <= 0.0);
@@ -200,6 +193,10 @@ pub(super) fn tension(mechanism: &mut Mechanism, sections: &[(&str, SectionInput
         let tendon = &mut mechanism.tendons[index];
         let stretch_m = pretension.map_or(0.0, |force| *force / tendon.stiffness_n_per_m.max(f64::MIN_POSITIVE));
         tendon.rest_m = rest.map_or(length_m - stretch_m, |rest| *rest);
+    }
+    // The image of a cable has its free length.
+    for (index, partner) in entries.partners().into_iter().enumerate().filter(|(index, _)| entries.is_image(*index)) {
+        mechanism.tendons[index].rest_m = mechanism.tendons[partner].rest_m;
     }
 }
 

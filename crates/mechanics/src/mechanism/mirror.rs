@@ -1,0 +1,136 @@
+//! Mirror images about the y axis.
+//!
+//! Frames are mirrored too: the image of the pose (x, y, θ) is (−x, y, −θ), that of a point (x, y) of a frame is (−x, y).
+//! Joints of an image have the coordinates, rates and forces of the original.
+
+use super::{
+    Actuator, Body, ContactPair, Coupling, Joint, JointCombination, JointKind, Outline, OutlineId, OutlineShape,
+    PathElement, Rotor, Spring, SpringKind, Tendon,
+};
+use std::f64::consts::PI;
+
+/// Indices of the images of bodies and joints; bodies and joints without an image have their own index.
+#[derive(Clone, Copy, Debug)]
+pub struct Mirror<'a> {
+    pub body: &'a [usize],
+    pub joint: &'a [usize],
+}
+
+/// The difference from zero has no negative zero.
+fn flip([x, y]: [f64; 2]) -> [f64; 2] {
+    [0.0 - x, y]
+}
+
+impl Mirror<'_> {
+    fn of_body(&self, body: Option<usize>) -> Option<usize> {
+        body.map(|body| self.body[body])
+    }
+
+    fn combination(&self, on: &JointCombination) -> JointCombination {
+        let terms = on.terms.iter().map(|(joint, factor)| (self.joint[*joint], *factor)).collect();
+        JointCombination { terms, offset: on.offset }
+    }
+
+    /// Returns the image of a body.
+    pub fn body(&self, body: &Body, name: String) -> Body {
+        let [x, y, angle] = body.pose;
+        let [vx, vy, spin] = body.rate;
+        let outline = |outline: &Outline| Outline { name: outline.name.clone(), shape: mirrored_shape(&outline.shape) };
+        Body {
+            name,
+            com_m: flip(body.com_m),
+            pose: [0.0 - x, y, 0.0 - angle],
+            rate: [0.0 - vx, vy, 0.0 - spin],
+            outlines: body.outlines.iter().map(outline).collect(),
+            ..body.clone()
+        }
+    }
+
+    /// Returns the image of a joint. A revolute joint connects the bodies in the opposite order, so that its coordinate
+    /// has the same sign.
+    pub fn joint(&self, joint: &Joint, name: String) -> Joint {
+        let mut bodies = joint.bodies.map(|body| self.of_body(body));
+        let mut points_m = joint.points_m.map(flip);
+        let (kind, offset_rad) = match joint.kind {
+            JointKind::Revolute => {
+                bodies.reverse();
+                points_m.reverse();
+                (JointKind::Revolute, joint.offset_rad)
+            }
+            JointKind::Prismatic { axis_rad } => {
+                (JointKind::Prismatic { axis_rad: PI - axis_rad }, 0.0 - joint.offset_rad)
+            }
+        };
+        Joint { name, kind, bodies, points_m, offset_rad, ..joint.clone() }
+    }
+
+    /// Returns the image of a spring.
+    pub fn spring(&self, spring: &Spring, name: String) -> Spring {
+        let kind = match &spring.kind {
+            SpringKind::Torsional { on, preload } => {
+                SpringKind::Torsional { on: self.combination(on), preload: *preload }
+            }
+            SpringKind::Linear { bodies, points_m } => {
+                SpringKind::Linear { bodies: bodies.map(|body| self.of_body(body)), points_m: points_m.map(flip) }
+            }
+        };
+        Spring { name, kind, ..spring.clone() }
+    }
+
+    /// Returns the image of a coupling.
+    pub fn coupling(&self, coupling: &Coupling, name: String) -> Coupling {
+        Coupling { name, on: self.combination(&coupling.on) }
+    }
+
+    /// Returns the image of a rotor.
+    pub fn rotor(&self, rotor: &Rotor, name: String) -> Rotor {
+        Rotor { name, on: self.combination(&rotor.on), inertia: rotor.inertia }
+    }
+
+    /// Returns the image of an actuator.
+    pub fn actuator(&self, actuator: &Actuator, name: String) -> Actuator {
+        Actuator { name, on: self.combination(&actuator.on), ..actuator.clone() }
+    }
+
+    /// Returns the image of a tendon, without its actuator.
+    pub fn tendon(&self, tendon: &Tendon, name: String) -> Tendon {
+        let element = |element: &PathElement| PathElement {
+            body: self.of_body(element.body),
+            point_m: flip(element.point_m),
+            // The direction of an eyelet has no effect.
+            side: if element.is_pulley() { -element.side } else { element.side },
+            ..*element
+        };
+        Tendon {
+            name,
+            path: tendon.path.iter().map(element).collect(),
+            joints: tendon.joints.iter().map(|(joint, factor)| (self.joint[*joint], *factor)).collect(),
+            actuator: None,
+            ..tendon.clone()
+        }
+    }
+
+    /// Returns the image of a contact pair; outlines of bodies without an image stay.
+    pub fn contact(&self, pair: &ContactPair) -> ContactPair {
+        let image = |id: OutlineId| OutlineId { body: self.of_body(id.body), ..id };
+        ContactPair { points: image(pair.points), face: image(pair.face), ..*pair }
+    }
+}
+
+fn mirrored_shape(shape: &OutlineShape) -> OutlineShape {
+    match shape.clone() {
+        OutlineShape::Disc { center_m, radius_m } => OutlineShape::Disc { center_m: flip(center_m), radius_m },
+        OutlineShape::Capsule { from_m, to_m, radius_m } => {
+            OutlineShape::Capsule { from_m: flip(from_m), to_m: flip(to_m), radius_m }
+        }
+        OutlineShape::Polygon { vertices_m, radius_m } => {
+            OutlineShape::Polygon { vertices_m: vertices_m.into_iter().rev().map(flip).collect(), radius_m }
+        }
+        OutlineShape::HalfPlane { point_m, normal } => {
+            OutlineShape::HalfPlane { point_m: flip(point_m), normal: flip(normal) }
+        }
+        OutlineShape::Ellipse { center_m, semi_axes_m, angle_rad } => {
+            OutlineShape::Ellipse { center_m: flip(center_m), semi_axes_m, angle_rad: 0.0 - angle_rad }
+        }
+    }
+}

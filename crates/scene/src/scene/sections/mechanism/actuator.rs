@@ -1,0 +1,292 @@
+//! Actuators of a mechanism.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::joint::combination;
+use super::mirror::Entries;
+use super::{Known, check_units, find};
+use crate::drive::Brake;
+use crate::law::Bristle;
+use crate::mechanism::{Actuator, Command, Mechanism, Pose, Tendon, TendonActuator, coordinate_in};
+use crate::scene::quantity::{
+    Coordinate, CoordinateRate, Effort, Force, Frequency, JointDamping, JointStiffness, NotNegative, Plain, Positive,
+    Quantity, Time, Torque,
+};
+use crate::scene::section_input::SectionInput;
+use crate::scene::{Interpolation, Problem, Profile};
+
+/// An actuator of a joint: a torque (force) over time, or a controller that follows a target. The torque is limited, and
+/// falls with the speed. A brake can hold the joint.
+#[derive(JsonSchema)]
+pub struct ActuatorSettings {
+    #[serde(flatten)]
+    pub keys: ActuatorKeys,
+    pub brake: BrakeSettings,
+}
+
+/// A brake, which adds to the torque (force) of the actuator.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct BrakeSettings {
+    /// Largest torque (force); beyond it the brake slips.
+    #[schemars(extend("x-required" = "add the largest torque: limit = \"2 N*m\", or a force of a prismatic joint"))]
+    pub limit: Option<Positive<Effort>>,
+    /// Time at which the brake begins to engage.
+    #[schemars(extend("default" = "0 s"))]
+    pub at: NotNegative<Time>,
+    /// Duration of engagement and of release.
+    #[schemars(extend("default" = "1 ms"))]
+    pub rise: Positive<Time>,
+    /// Time at which the brake begins to release. Default: never.
+    pub release: Option<Positive<Time>>,
+    /// Whether it resists negative rates only.
+    #[schemars(extend("default" = false))]
+    pub one_way: bool,
+    /// Rate at which the brake reaches its limit. Default: 0.01 rad/s, of a prismatic joint 1 mm/s.
+    pub rate: Option<Positive<CoordinateRate>>,
+    /// Stiffness of a bristle, by which the brake holds without creep. Default: none; below `rate`, the joint creeps.
+    pub stiffness: Option<Positive<JointStiffness>>,
+    /// Relaxation time of the bristle.
+    #[schemars(extend("default" = "1 ms"))]
+    pub relaxation: Positive<Time>,
+}
+
+/// Keys of an actuator.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct ActuatorKeys {
+    /// The driven joint. Required, or `joints` or `tendon`.
+    #[schemars(extend("minLength" = 1, "x-alternative" = "joints|tendon", "x-required" = "add the driven joint: joint = \"driver\""))]
+    pub joint: Option<String>,
+    /// Joints of an actuator that turns by the sum of their coordinates times `factors`, in place of `joint`: the input of a
+    /// differential turns by the mean of its outputs.
+    pub joints: Option<Vec<String>>,
+    /// A factor for each of `joints`.
+    pub factors: Option<Vec<Quantity<Plain>>>,
+    /// Value of the sum of `joints` that counts as 0. Default: 0.
+    pub offset: Option<Quantity<Coordinate>>,
+    /// The pulled tendon, in place of `joint`.
+    #[schemars(extend("minLength" = 1))]
+    pub tendon: Option<String>,
+    /// Constant tension of a tendon.
+    pub tension: Option<NotNegative<Force>>,
+    /// Tensions of a tendon at `times`.
+    pub tensions: Option<Vec<NotNegative<Force>>>,
+    /// Constant torque of a revolute joint.
+    pub torque: Option<Quantity<Torque>>,
+    /// Constant force of a prismatic joint.
+    pub force: Option<Quantity<Force>>,
+    /// Times of `torques`, `forces`, `tensions` or `targets`, increasing. Values are linear between the times, and constant before the
+    /// first and after the last.
+    pub times: Option<Vec<Quantity<Time>>>,
+    /// Torques at `times`.
+    pub torques: Option<Vec<Quantity<Torque>>>,
+    /// Forces at `times`.
+    pub forces: Option<Vec<Quantity<Force>>>,
+    /// Coordinate that the controller follows.
+    pub target: Option<Quantity<Coordinate>>,
+    /// Coordinates at `times` that the controller follows.
+    pub targets: Option<Vec<Quantity<Coordinate>>>,
+    /// Largest rate of the set point, which begins at the coordinate at the start and follows `target` or `targets`.
+    /// Default: none; the set point is the target.
+    pub target_rate: Option<Positive<CoordinateRate>>,
+    /// Gain on the error of the coordinate. Default: 0, for a target whose rate alone is followed.
+    pub kp: Option<NotNegative<JointStiffness>>,
+    /// Gain on the error of the rate. Default: 0.
+    pub kd: Option<NotNegative<JointDamping>>,
+    /// Rate at which the controller is computed; its torque (force) is constant in between. Default: it is continuous.
+    pub rate: Option<Positive<Frequency>>,
+    /// Largest torque (force). Default: none.
+    pub limit: Option<Positive<Effort>>,
+    /// Rate at which the torque (force) has fallen to 0. Default: it does not fall.
+    pub no_load_speed: Option<Positive<CoordinateRate>>,
+}
+
+/// Keys of an actuator of a joint whose units depend on the joint.
+const JOINT_UNIT_KEYS: [&str; 12] = [
+    "torque",
+    "force",
+    "torques",
+    "forces",
+    "target",
+    "targets",
+    "kp",
+    "kd",
+    "target_rate",
+    "limit",
+    "no_load_speed",
+    "offset",
+];
+
+pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Actuator> {
+    let settings: ActuatorKeys = section.read();
+    let ActuatorKeys { joint, joints, factors, .. } = &settings;
+    let (mut on, linear, of) = combination(section, known, joint.as_ref(), joints.as_ref(), factors.as_ref(), 1)?;
+    on.offset = settings.offset.map_or(0.0, |offset| *offset);
+    let brake = brake(&section.subsection("brake"), linear, of)?;
+    let units_fit = check_units(section, &JOINT_UNIT_KEYS, linear, of);
+    let commands = ["torque", "force", "torques", "forces", "target", "targets"];
+    let given: Vec<&str> = commands.into_iter().filter(|key| section.has(key)).collect();
+    let [key] = given[..] else {
+        let effort = if linear { "force = \"5 N\"" } else { "torque = \"0.25 N*m\"" };
+        let help = format!("write {effort}, or a target with the gains of a controller: target, kp, kd");
+        if given.is_empty() {
+            let message = format!("actuator `{name}` has neither a torque or force nor a target");
+            return section.refuse("", message, "no command", help);
+        }
+        let message = format!("actuator `{name}` has several commands: {}", given.join(", "));
+        return section.refuse(given[1], message, "one command only", format!("keep one of them; {help}"));
+    };
+    let constant = |value: f64| Some(Profile::Constant { value });
+    let profile = match key {
+        "torque" => constant(*settings.torque?),
+        "force" => constant(*settings.force?),
+        "target" => constant(*settings.target?),
+        "torques" => values_over_time(section, key, settings.times, settings.torques?),
+        "forces" => values_over_time(section, key, settings.times, settings.forces?),
+        _ => values_over_time(section, key, settings.times, settings.targets?),
+    };
+    if !key.ends_with('s') {
+        section.report_unused("times", &format!("with `{key}`"));
+    }
+    let command = if key.starts_with("target") {
+        let [kp, kd] = [settings.kp.map(|kp| *kp), settings.kd.map(|kd| *kd)];
+        if kp.is_none() && kd.is_none() {
+            let help = if linear {
+                "kp = \"2e4 N/m\", kd = \"60 N*s/m\""
+            } else {
+                "kp = \"5 N*m/rad\", kd = \"0.05 N*m*s/rad\""
+            };
+            section.report_missing("kp", &format!("add the gains of the controller: {help}"));
+            return None;
+        }
+        let rate_hz = settings.rate.map(|rate| *rate);
+        Command::Servo { kp: kp.unwrap_or(0.0), kd: kd.unwrap_or(0.0), target: profile?, rate_hz }
+    } else {
+        ["kp", "kd", "target_rate", "rate"]
+            .iter()
+            .for_each(|gain| section.report_unused(gain, &format!("with `{key}`: there is no target")));
+        Command::Effort(profile?)
+    };
+    units_fit.then(|| Actuator {
+        name: name.to_owned(),
+        on,
+        command,
+        limit: settings.limit.map(|limit| *limit),
+        no_load_speed: settings.no_load_speed.map(|speed| *speed),
+        brake,
+    })
+}
+
+/// Resolves a brake; the outer `None` if it is invalid.
+fn brake(section: &SectionInput<'_>, linear: bool, of: &str) -> Option<Option<Brake>> {
+    if !section.is_present() {
+        return Some(None);
+    }
+    let BrakeSettings { limit, at, rise, release, one_way, rate, stiffness, relaxation } = section.read();
+    let units_fit = check_units(section, &["limit", "rate", "stiffness"], linear, of);
+    let engaged_s = *at + *rise;
+    if let Some(release) = release.filter(|release| **release < engaged_s) {
+        let message =
+            format!("`{}` is {} s, before the brake is engaged at {engaged_s} s", section.path("release"), *release);
+        return section.refuse("release", message, "too early", "release it later, or engage it earlier or faster");
+    }
+    if stiffness.is_none() {
+        section.report_unused("relaxation", "without `stiffness`");
+    }
+    let bristle = |stiffness: Positive<JointStiffness>| Bristle {
+        damping_n_s_per_m: *stiffness * *relaxation,
+        relaxation_s: *relaxation,
+    };
+    let brake = Brake {
+        torque_n_m: *limit?,
+        start_s: *at,
+        rise_s: *rise,
+        release_s: release.map(|release| *release),
+        one_way,
+        v_static_rad_s: rate.map_or(if linear { 1e-3 } else { 0.01 }, |rate| *rate),
+        bristle: stiffness.map(bristle),
+    };
+    units_fit.then_some(Some(brake))
+}
+
+/// Limits the rates of set points, which begin at the coordinates of these poses.
+pub(super) fn limit_target_rates<'a>(
+    mechanism: &mut Mechanism,
+    sections: impl Iterator<Item = &'a SectionInput<'a>>,
+    poses: &[Pose],
+) {
+    for (actuator, section) in mechanism.actuators.iter_mut().zip(sections) {
+        let ActuatorKeys { target_rate, .. } = section.read_quietly();
+        if let (Some(rate), Command::Servo { target, .. }) = (target_rate, &mut actuator.command) {
+            let terms = actuator.on.terms.iter();
+            let start = terms.map(|(joint, factor)| factor * coordinate_in(&mechanism.joints[*joint], poses));
+            *target = target.rate_limited(start.sum::<f64>() - actuator.on.offset, *rate);
+        }
+    }
+}
+
+/// Resolves the actuators of tendons; their images pull the images of the tendons.
+pub(super) fn pulls(actuators: &Entries<'_>, tendons: &Entries<'_>, all: &mut [Option<Tendon>]) {
+    let (images, names, tendon_images) = (actuators.partners(), actuators.names(), tendons.partners());
+    for (index, name, section) in actuators.written().filter(|(.., section)| section.has("tendon")) {
+        let Some((tendon, tension)) = pull(section, &tendons.names()) else { continue };
+        let image = (images[index] != index).then(|| (tendon_images[tendon], names[images[index]]));
+        for (tendon, name) in [(tendon, name)].into_iter().chain(image) {
+            let Some(tendon) = all[tendon].as_mut() else { continue };
+            if let Some(other) = &tendon.actuator {
+                let message = format!("the tendon `{}` has two actuators, {} and {name}", tendon.name, other.name);
+                section.report("tendon", message, "pulled twice", "remove one of them, and add up the tensions");
+            }
+            tendon.actuator = Some(TendonActuator { name: name.to_owned(), tension: tension.clone() });
+        }
+    }
+}
+
+/// Resolves the actuator of a tendon: the tendon, and its tension.
+fn pull(section: &SectionInput<'_>, names: &[&str]) -> Option<(usize, Profile)> {
+    let ActuatorKeys { tendon, tension, tensions, times, .. } = section.read();
+    let of_joints = ["joint", "joints", "factors", "rate", "brake"].iter().chain(&JOINT_UNIT_KEYS);
+    of_joints.for_each(|key| section.report_unused(key, "with `tendon`"));
+    let tension = match (tension, tensions) {
+        (Some(value), _) => {
+            ["times", "tensions"].iter().for_each(|key| section.report_unused(key, "with `tension`"));
+            Some(Profile::Constant { value: *value })
+        }
+        (None, Some(values)) => values_over_time(section, "tensions", times, values),
+        (None, None) => {
+            section.report_missing("tension", "add the tension: tension = \"30 N\", or times and tensions");
+            None
+        }
+    };
+    Some((find(section, "tendon", &tendon?, "tendon", names)?, tension?))
+}
+
+/// A table of values over increasing times.
+fn values_over_time<D, R>(
+    section: &SectionInput<'_>,
+    key: &str,
+    times: Option<Vec<Quantity<Time>>>,
+    values: Vec<Quantity<D, R>>,
+) -> Option<Profile> {
+    let Some(times) = times else {
+        section.report_missing("times", &format!("add the times of `{key}`: times = [\"0 ms\", \"20 ms\"]"));
+        return None;
+    };
+    if times.len() != values.len() || times.is_empty() {
+        let message = format!("`{}` has {} values for {} times", section.path(key), values.len(), times.len());
+        return section.refuse(key, message, "one value per time", "write as many values as times, at least one");
+    }
+    if let Some(k) = (1..times.len()).find(|k| *times[*k] <= *times[*k - 1]) {
+        let message = format!("time {} of `{}` is not after the one before it", k + 1, section.path("times"));
+        let span = section.item_span("times", k);
+        section.checker.push(Problem::new(
+            span,
+            message,
+            "not increasing",
+            "sort the times; two values need two times",
+        ));
+        return None;
+    }
+    let points = times.iter().zip(&values).map(|(time, value)| (**time, **value)).collect();
+    Some(Profile::Table { points, interpolation: Interpolation::Linear })
+}

@@ -1,0 +1,404 @@
+//! Laws and contacts of a mechanism.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::{Known, find, find_at, is_linear};
+use crate::law::{ContactLaw, Damping, FrictionLaw, NormalLaw, damping_from_restitution};
+use crate::limits::MAX_CONTACTS;
+use crate::mechanism::{ContactPair, ForcePoint, Mechanism, Mirror, OutlineId, OutlineShape};
+use crate::scene::Problem;
+use crate::scene::quantity::{
+    AngularRate, Coordinate, CoordinateRate, Keyword, LawDamping, Length, NotNegative, Plain, Positive, Quantity, Word,
+};
+use crate::scene::section_input::SectionInput;
+use crate::scene::sections::law::{self, FrictionSettings};
+use crate::units::Dimension;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LawType {
+    HuntCrossley,
+    Restitution,
+    SpringDamper,
+    Step,
+}
+
+impl Keyword for LawType {
+    const KEYWORDS: &'static [(&'static str, Self)] = &[
+        ("hunt_crossley", LawType::HuntCrossley),
+        ("restitution", LawType::Restitution),
+        ("spring_damper", LawType::SpringDamper),
+        ("step", LawType::Step),
+    ];
+}
+
+/// A law of contacts or joint limits: a normal law, and friction of contacts.
+#[derive(JsonSchema)]
+pub struct NamedLawSettings {
+    #[serde(flatten)]
+    pub keys: NamedLawKeys,
+    pub friction: FrictionSettings,
+}
+
+/// Keys of a law.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct NamedLawKeys {
+    /// "hunt_crossley": k δ^e (1 + 1.5 a δ'), recommended; "restitution": the same with a from the rebound of a free mass;
+    /// "spring_damper": k δ^e + c δ'; "step": k δ^e + c δ' with a damper that engages over `transition`.
+    #[schemars(extend("default" = "hunt_crossley"))]
+    pub r#type: Word<LawType>,
+    /// Stiffness k in N/m^e (limit: N·m/rad^e), a plain number because its unit depends on the exponent e. Required.
+    #[schemars(extend("x-required" = "add the stiffness in N/m^e (limit: N·m/rad^e): stiffness = 1e6"))]
+    pub stiffness: Option<Positive<Plain>>,
+    /// Exponent e, at least 1.
+    #[schemars(extend("default" = 1.5, "minimum" = 1.0))]
+    pub exponent: Quantity<Plain>,
+    /// Factor a of "hunt_crossley", in s/m (limit: s/rad); damping c of the others, with "step" fully engaged beyond the
+    /// transition. Default: none.
+    #[schemars(extend("x-with" = "type = hunt_crossley|spring_damper|step"))]
+    pub damping: Option<NotNegative<LawDamping>>,
+    /// Speed of rebound over speed of impact of a free mass at `speed`, above 0 and at most 1.
+    #[schemars(extend("x-with" = "type = restitution", "exclusiveMinimum" = 0.0, "maximum" = 1.0,
+        "x-required" = "add the coefficient of restitution: restitution = 0.6"))]
+    pub restitution: Option<Quantity<Plain>>,
+    /// Impact speed at which the rebound has this coefficient; slower impacts rebound better.
+    #[schemars(extend("x-with" = "type = restitution", "x-required" = "add the impact speed: speed = \"0.5 m/s\", or a rate \
+        for a limit"))]
+    pub speed: Option<Positive<CoordinateRate>>,
+    /// Penetration over which the damper engages.
+    #[schemars(extend("x-with" = "type = step", "x-required" = "add the penetration over which the damper engages: \
+        transition = \"0.1 mm\", or an angle for a limit"))]
+    pub transition: Option<Positive<Coordinate>>,
+}
+
+/// Outlines that may touch.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct ContactEntry {
+    /// Two outlines, each as `body.outline`, as `body` (all its outlines), or as a pattern: "finger_*.pad" are the pads of
+    /// all bodies whose names begin with finger_. All corners of either touch the other; a disc or an ellipse touches with
+    /// its points only. Required, or `points`.
+    #[schemars(extend("x-alternative" = "points",
+        "x-required" = "add two outlines or bodies: between = [\"palm\", \"object\"]"))]
+    pub between: Option<[String; 2]>,
+    /// In place of `between`: the outline whose points touch, as `body.outline`. A disc and an ellipse have one point, a
+    /// capsule two, a polygon its corners. Two outlines that both have corners need an entry in each direction.
+    #[schemars(extend("minLength" = 1))]
+    pub points: Option<String>,
+    /// Outline that the points touch. Required with `points`, or `faces`.
+    #[schemars(extend("minLength" = 1, "x-alternative" = "faces|between",
+        "x-required" = "add the outline that they touch: face = \"link.pad\", or a list: faces = [\"link.pad\"]"))]
+    pub face: Option<String>,
+    /// Several outlines that they touch, in place of `face`.
+    pub faces: Option<Vec<String>>,
+    /// Name of the law. Required.
+    #[schemars(extend("minLength" = 1, "x-required" = "add the name of a law: law = \"pad\", with a section [laws.pad]"))]
+    pub law: Option<String>,
+    /// Rolling resistance: the lever arm of a moment against the relative rotation, times the normal force. Default: none.
+    pub rolling_arm: Option<Positive<Length>>,
+    /// Relative rate from which the moment is full; below it, bodies creep.
+    #[schemars(extend("default" = "0.1 rad/s"))]
+    pub rolling_rate: Positive<AngularRate>,
+    /// Where the force acts: on the surface of the face, on that of the points, in the middle of the overlap, or for
+    /// each body on its own surface.
+    #[schemars(extend("default" = "face"))]
+    pub at: Word<ForcePoint>,
+}
+
+impl Keyword for ForcePoint {
+    const KEYWORDS: &'static [(&'static str, Self)] = &[
+        ("face", ForcePoint::Face),
+        ("points", ForcePoint::Points),
+        ("middle", ForcePoint::Middle),
+        ("each", ForcePoint::Each),
+    ];
+}
+
+/// A law with the units of its damper.
+pub(super) struct NamedLaw {
+    law: ContactLaw,
+    /// Whether damping and transition are those of contacts; `None` if they are not given.
+    linear: Option<bool>,
+}
+
+pub(super) fn named_law(section: &SectionInput<'_>) -> Option<NamedLaw> {
+    let NamedLawKeys { r#type, stiffness, exponent, damping, restitution, speed, transition } = section.read();
+    section.is_valid("type").then_some(())?;
+    let friction = law::friction_of(section);
+    let given = section.dimensions("damping").first().copied();
+    let (of, fits): (_, fn(Dimension) -> bool) = match r#type.0 {
+        LawType::HuntCrossley => ("hunt_crossley", |dimension| {
+            matches!(dimension, Dimension::LinearImpactDamping | Dimension::AngularImpactDamping)
+        }),
+        LawType::Restitution => ("restitution", |_| false),
+        LawType::SpringDamper => {
+            ("spring_damper", |dimension| matches!(dimension, Dimension::LinearDamping | Dimension::AngularDamping))
+        }
+        LawType::Step => {
+            ("step", |dimension| matches!(dimension, Dimension::LinearDamping | Dimension::AngularDamping))
+        }
+    };
+    if let Some(wrong) = given.filter(|given| !fits(*given)) {
+        let right: Vec<Dimension> = section.alternatives("damping").into_iter().filter(|d| fits(*d)).collect();
+        let examples: Vec<String> = right.iter().map(|d| format!("\"{}\"", d.example())).collect();
+        let message = format!("`{}` is {}, which type = \"{of}\" does not have", section.path("damping"), wrong.name());
+        return section.refuse("damping", message, "of another law", format!("write {}", examples.join(" or ")));
+    }
+    let linear: Vec<bool> = given
+        .into_iter()
+        .chain(section.dimensions("transition"))
+        .chain(section.dimensions("speed"))
+        .map(is_linear)
+        .collect();
+    if linear.len() == 2 && linear[0] != linear[1] {
+        let message = format!("`{}` and `damping` are for different uses of a law", section.path("transition"));
+        let help = "give a length and N*s/m for contacts, or an angle and N*m*s/rad for limits";
+        return section.refuse("transition", message, "does not fit `damping`", help);
+    }
+    let damping_si = damping.map_or(0.0, |damping| *damping);
+    let damping = match r#type.0 {
+        LawType::HuntCrossley => Damping::HuntCrossley { factor_s_per_m: damping_si },
+        LawType::Restitution => damping_from_restitution(*restitution?, *speed?),
+        LawType::SpringDamper => Damping::Constant { n_s_per_m: damping_si },
+        LawType::Step => Damping::Step { max_n_s_per_m: damping_si, transition_m: *transition? },
+    };
+    let normal = NormalLaw { stiffness_n_per_m_e: *stiffness?, exponent: *exponent, damping };
+    Some(NamedLaw { law: ContactLaw { normal, friction: friction? }, linear: linear.first().copied() })
+}
+
+/// Finds a law for a contact or a limit.
+pub(super) fn law_for(
+    section: &SectionInput<'_>,
+    key: &str,
+    name: &str,
+    known: &Known<'_>,
+    linear: bool,
+    of: &str,
+) -> Option<ContactLaw> {
+    let names: Vec<&str> = known.laws.iter().map(|(name, _)| *name).collect();
+    let found = known.laws[find(section, key, name, "law", &names)?].1.as_ref()?;
+    if found.linear.is_some_and(|of_law| of_law != linear) {
+        let [has, needs] = [!linear, linear].map(|linear| if linear { "s/m" } else { "s/rad" });
+        let message = format!("`{}` has units of {has}, but {of} needs a law with {needs}", section.path(key));
+        let help = format!("give {of} a law of its own in [laws.NAME], whose damping and transition have {needs}");
+        return section.refuse(key, message, "a law for other units", help);
+    }
+    Some(found.law)
+}
+
+/// Resolves all contact entries.
+pub(super) fn contacts(
+    root: &SectionInput<'_>,
+    mechanism: &Mechanism,
+    images: &Mirror<'_>,
+    known: &Known<'_>,
+) -> Option<Vec<ContactPair>> {
+    let is_listed = |pair: &ContactPair, all: &[ContactPair]| {
+        all.iter().any(|other| (other.points, other.face) == (pair.points, pair.face))
+    };
+    let mut all: Vec<ContactPair> = Vec::new();
+    let mut is_valid = true;
+    for section in root.list("contacts") {
+        let Some(pairs) = contact_entry(&section, mechanism, known) else {
+            is_valid = false;
+            continue;
+        };
+        for pair in pairs {
+            if is_listed(&pair, &all) {
+                let [points, face] = [pair.points, pair.face].map(|id| mechanism.outline_name(id));
+                let message = format!("`{}` lists `{points}` against `{face}` again", section.path(""));
+                section.report("", message, "listed twice", "remove one of the entries, whose forces would add up");
+                is_valid = false;
+            }
+            all.push(pair);
+        }
+    }
+    for index in 0..all.len() {
+        let image = images.contact(&all[index]);
+        if !is_listed(&image, &all) {
+            all.push(image);
+        }
+    }
+    let count: usize = all.iter().map(|pair| mechanism.outline(pair.points).shape.points().len()).sum();
+    if count > MAX_CONTACTS {
+        let message = format!("there are {count} contacts, one for each point, but at most {MAX_CONTACTS} are allowed");
+        let help = "list fewer pairs of outlines, or give outlines fewer corners";
+        return root.subsection("contacts").refuse("", message, "", help);
+    }
+    is_valid.then_some(all)
+}
+
+/// Resolves a contact entry.
+fn contact_entry(section: &SectionInput<'_>, mechanism: &Mechanism, known: &Known<'_>) -> Option<Vec<ContactPair>> {
+    let ContactEntry { between, points, face, faces, law, at, rolling_arm, rolling_rate } = section.read();
+    if rolling_arm.is_none() {
+        section.report_unused("rolling_rate", "without `rolling_arm`");
+    }
+    let rolling = rolling_arm.map(|arm| FrictionLaw {
+        mu_static: *arm,
+        mu_dynamic: *arm,
+        v_static_m_s: *rolling_rate,
+        v_dynamic_m_s: 2.0 * *rolling_rate,
+        bristle: None,
+    });
+    let law = law.and_then(|name| law_for(section, "law", &name, known, true, "a contact"));
+    let pairs = match between {
+        Some(between) => {
+            ["points", "face", "faces"].iter().for_each(|key| section.report_unused(key, "with `between`"));
+            pairs_between(section, &between, mechanism)?
+        }
+        None => {
+            if section.has("face") {
+                section.report_unused("faces", "with `face`");
+            }
+            let key = if face.is_some() { "face" } else { "faces" };
+            let points = points.and_then(|name| outline_id(section, "points", 0, &name, mechanism));
+            let names: Vec<String> = face.into_iter().chain(faces.into_iter().flatten()).collect();
+            let find_face = |(k, name): (usize, &String)| Some((outline_id(section, key, k, name, mechanism)?, k));
+            let found: Vec<_> = names.iter().enumerate().map(find_face).collect();
+            let points = points?;
+            let pairs = found.into_iter().collect::<Option<Vec<_>>>()?.into_iter();
+            pairs.map(|(face, k)| ([points, face], section.item_span(key, k))).collect()
+        }
+    };
+    let are_valid: Vec<bool> =
+        pairs.iter().map(|(pair, span)| check_pair(section, *pair, span.clone(), mechanism)).collect();
+    let law = law.filter(|_| are_valid.into_iter().all(|is_valid| is_valid))?;
+    Some(
+        pairs
+            .into_iter()
+            .map(|([points, face], _)| ContactPair { points, face, law, rolling, force_point: at.0 })
+            .collect(),
+    )
+}
+
+/// Pairs of points and a face with their position in the file.
+type Pairs = Vec<([OutlineId; 2], Option<std::ops::Range<usize>>)>;
+
+/// All pairs of two patterns in all their directions.
+fn pairs_between(section: &SectionInput<'_>, between: &[String; 2], mechanism: &Mechanism) -> Option<Pairs> {
+    let ids = outline_ids(mechanism);
+    let matching = |k: usize| {
+        let is_match = |id: &&OutlineId| {
+            let names = [mechanism.outline_name(**id), mechanism.body_name(id.body).to_owned()];
+            names.iter().any(|name| matches_pattern(&between[k], name))
+        };
+        let found: Vec<OutlineId> = ids.iter().filter(is_match).copied().collect();
+        if found.is_empty() {
+            // The message of an unknown name.
+            outline_id(section, "between", k, &between[k], mechanism)?;
+        }
+        Some(found)
+    };
+    let (first, second) = (matching(0), matching(1));
+    let (first, second) = (first?, second?);
+    let mut pairs: Vec<[OutlineId; 2]> = Vec::new();
+    for (a, b) in first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b))).filter(|(a, b)| a.body != b.body) {
+        for pair in directions([a, b], mechanism) {
+            if !pairs.contains(&pair) {
+                pairs.push(pair);
+            }
+        }
+    }
+    if pairs.is_empty() {
+        let message =
+            format!("all outlines of `{}` belong to one body, which cannot touch itself", section.path("between"));
+        return section.refuse("between", message, "the same body", "name outlines of two bodies");
+    }
+    let span = section.span("between");
+    Some(pairs.into_iter().map(|pair| (pair, span.clone())).collect())
+}
+
+/// Points and face of two outlines: both directions if both have corners and sides.
+fn directions([a, b]: [OutlineId; 2], mechanism: &Mechanism) -> Vec<[OutlineId; 2]> {
+    let rank = |id: OutlineId| match mechanism.outline(id).shape {
+        OutlineShape::HalfPlane { .. } => 0,
+        OutlineShape::Capsule { .. } | OutlineShape::Polygon { .. } => 1,
+        OutlineShape::Disc { .. } => 2,
+        OutlineShape::Ellipse { .. } => 3,
+    };
+    match (rank(a), rank(b)) {
+        (1, 1) => vec![[a, b], [b, a]],
+        (first, second) if first > second => vec![[a, b]],
+        _ => vec![[b, a]],
+    }
+}
+
+/// Whether a name fits a pattern in which * stands for any letters.
+fn matches_pattern(pattern: &str, name: &str) -> bool {
+    let Some((first, others)) = pattern.split_once('*') else { return pattern == name };
+    let Some(mut rest) = name.strip_prefix(first) else { return false };
+    let mut parts = others.split('*');
+    let last = parts.next_back().unwrap_or_default();
+    for part in parts {
+        let Some((_, after)) = rest.split_once(part) else { return false };
+        rest = after;
+    }
+    rest.ends_with(last)
+}
+
+/// Checks that two outlines can touch.
+fn check_pair(
+    section: &SectionInput<'_>,
+    [points, face]: [OutlineId; 2],
+    span: Option<std::ops::Range<usize>>,
+    mechanism: &Mechanism,
+) -> bool {
+    let [points_name, face_name] = [points, face].map(|id| mechanism.outline_name(id));
+    let shapes = [points, face].map(|id| &mechanism.outline(id).shape);
+    let (message, label, help) = match shapes {
+        _ if points.body == face.body => (
+            format!("both outlines belong to `{}`, which cannot touch itself", mechanism.body_name(face.body)),
+            "the same body",
+            "name outlines of two bodies",
+        ),
+        [OutlineShape::HalfPlane { .. }, _] => (
+            format!("`{points_name}` is a half plane, which has no points"),
+            "a half plane",
+            "a half plane can only be a face: swap points and face, or give the other body another outline",
+        ),
+        [_, OutlineShape::Ellipse { .. }] => (
+            format!("`{face_name}` is an ellipse, which cannot be a face"),
+            "an ellipse",
+            "an ellipse touches with its points: swap points and face, or describe one of two ellipses by a polygon",
+        ),
+        [points, face]
+            if points.radius_m() + face.radius_m() == 0.0 && !matches!(face, OutlineShape::HalfPlane { .. }) =>
+        {
+            (
+                format!(
+                    "neither `{points_name}` nor `{face_name}` has a radius: at a sharp corner the normal of a contact jumps"
+                ),
+                "two sharp outlines",
+                "give a polygon a rounding that exceeds the penetrations: rounding = \"0.5 mm\"",
+            )
+        }
+        _ => return true,
+    };
+    let is_about_points = matches!(shapes[0], OutlineShape::HalfPlane { .. }) && points.body != face.body;
+    let span = section.span("points").filter(|_| is_about_points).or(span);
+    section.checker.push(Problem::new(span, message, label, help));
+    false
+}
+
+/// All outlines of all bodies, those of the ground last.
+fn outline_ids(mechanism: &Mechanism) -> Vec<OutlineId> {
+    let outlines = |body: Option<usize>| {
+        let outlines = body.map_or(&mechanism.ground_outlines, |body| &mechanism.bodies[body].outlines);
+        (0..outlines.len()).map(move |outline| OutlineId { body, outline })
+    };
+    (0..mechanism.bodies.len()).map(Some).chain([None]).flat_map(outlines).collect()
+}
+
+/// Finds an outline by its name `body.outline`.
+fn outline_id(
+    section: &SectionInput<'_>,
+    key: &str,
+    index: usize,
+    name: &str,
+    mechanism: &Mechanism,
+) -> Option<OutlineId> {
+    let ids = outline_ids(mechanism);
+    let names: Vec<String> = ids.iter().map(|id| mechanism.outline_name(*id)).collect();
+    let known: Vec<&str> = names.iter().map(String::as_str).collect();
+    find_at(section, section.item_span(key, index), key, name, "outline", &known).map(|found| ids[found])
+}

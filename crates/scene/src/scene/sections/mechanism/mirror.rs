@@ -1,0 +1,121 @@
+//! Mirror images: the other side of a gripper.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::scene::section_input::SectionInput;
+
+/// Everything that is called `from`, or whose name begins with it and an underscore, also exists as mirror image about the
+/// y axis, with `to` in its name: bodies, joints, springs, tendons, couplings, rotors, actuators, and the contacts of these
+/// bodies. Joints have the same coordinates as their images.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct MirrorSettings {
+    /// Beginning of the names of what is written: from = "right".
+    #[schemars(extend("minLength" = 1, "x-required" = "add the beginning of the written names: from = \"right\""))]
+    pub from: Option<String>,
+    /// Beginning of the names of the mirror images: to = "left".
+    #[schemars(extend("minLength" = 1, "x-required" = "add the beginning of the names of the images: to = \"left\""))]
+    pub to: Option<String>,
+}
+
+/// Resolved `[mirror]`: the beginnings of names.
+pub(super) struct Mirror {
+    from: String,
+    to: String,
+}
+
+impl Mirror {
+    /// Name of the image of what has this name.
+    fn image(&self, name: &str) -> Option<String> {
+        let part = name.strip_prefix(&self.from).filter(|part| part.is_empty() || part.starts_with('_'))?;
+        Some(format!("{}{part}", self.to))
+    }
+}
+
+pub(super) fn mirror(section: &SectionInput<'_>) -> Option<Mirror> {
+    section.is_present().then_some(())?;
+    let MirrorSettings { from, to } = section.read();
+    let (from, to) = (from?, to?);
+    if from == to {
+        let message = format!("`{}` and `to` are equal", section.path("from"));
+        return section.refuse("to", message, "the same name", "name the other side: from = \"right\", to = \"left\"");
+    }
+    Some(Mirror { from, to })
+}
+
+/// Entries of a list in the order of their names: its sections, and their mirror images.
+pub(super) struct Entries<'a>(Vec<Entry<'a>>);
+
+struct Entry<'a> {
+    name: String,
+    /// Its section, or that of the original.
+    section: SectionInput<'a>,
+    /// Index of the original of an image.
+    original: Option<usize>,
+}
+
+impl<'a> Entries<'a> {
+    pub fn new(sections: Vec<(&'a str, SectionInput<'a>)>, mirror: Option<&Mirror>) -> Self {
+        let mut all = Vec::new();
+        for (name, section) in &sections {
+            let Some((from, image)) = mirror.and_then(|of| Some((&of.from, of.image(name)?))) else { continue };
+            if let Some((_, written)) = sections.iter().find(|(other, _)| *other == image) {
+                let message = format!("`{}` is also the mirror image of `{name}`", written.path(""));
+                let help = format!("remove it, or rename `{name}`: what begins with `{from}_` has an image");
+                written.report("", message, "mirrored and written", help);
+            } else {
+                all.push((image, section.clone(), Some(*name)));
+            }
+        }
+        all.extend(sections.iter().map(|(name, section)| ((*name).to_owned(), section.clone(), None)));
+        all.sort_by(|a, b| a.0.cmp(&b.0));
+        let index_of = |name: &str| all.iter().position(|(other, ..)| other == name);
+        let originals: Vec<_> = all.iter().map(|(.., original)| original.and_then(index_of)).collect();
+        let entries = all.into_iter().zip(originals);
+        Self(entries.map(|((name, section, _), original)| Entry { name, section, original }).collect())
+    }
+
+    pub fn names(&self) -> Vec<&str> {
+        self.0.iter().map(|entry| entry.name.as_str()).collect()
+    }
+
+    /// Returns the section of an entry; that of the original for an image.
+    pub fn section(&self, index: usize) -> &SectionInput<'a> {
+        &self.0[index].section
+    }
+
+    pub fn is_image(&self, index: usize) -> bool {
+        self.0[index].original.is_some()
+    }
+
+    /// Entries that are written, with their indices.
+    pub fn written(&self) -> impl Iterator<Item = (usize, &str, &SectionInput<'a>)> {
+        let written = self.0.iter().enumerate().filter(|(_, entry)| entry.original.is_none());
+        written.map(|(index, entry)| (index, entry.name.as_str(), &entry.section))
+    }
+
+    /// Index of the image of each entry, or of the original of an image; its own for an entry without an image.
+    pub fn partners(&self) -> Vec<usize> {
+        let mut partners: Vec<usize> = (0..self.0.len()).collect();
+        for (image, original) in self.0.iter().enumerate().filter_map(|(image, entry)| Some((image, entry.original?))) {
+            (partners[image], partners[original]) = (original, image);
+        }
+        partners
+    }
+
+    /// Resolves the sections; images stay `None`.
+    pub fn resolve<T>(&self, resolve: impl Fn(usize, &str, &SectionInput<'a>) -> Option<T>) -> Vec<Option<T>> {
+        let mut values: Vec<Option<T>> = self.0.iter().map(|_| None).collect();
+        self.written().for_each(|(index, name, section)| values[index] = resolve(index, name, section));
+        values
+    }
+
+    /// Makes the images of the resolved sections.
+    pub fn add_images<T>(&self, values: &mut [Option<T>], image: impl Fn(&T, String) -> T) {
+        for (index, Entry { name, original, .. }) in self.0.iter().enumerate() {
+            if let Some(original) = original {
+                values[index] = values[*original].as_ref().map(|value| image(value, name.clone()));
+            }
+        }
+    }
+}

@@ -1,0 +1,412 @@
+//! Mechanisms: bodies with outlines, joints, springs, couplings, tendons, actuators, laws and contacts.
+//!
+//! Sections refer to each other by name. Lists of the [`Mechanism`] are in the order of the names.
+//!
+//! | file | sections |
+//! |---|---|
+//! | `joint` | joints, springs, couplings and rotors |
+//! | `actuator` | actuators |
+//! | `tendon` | tendons |
+//! | `outline` | outlines of bodies |
+//! | `contact` | laws and contacts |
+//! | `mirror` | mirror |
+//! | `show` | a mechanism as sections |
+
+mod actuator;
+mod contact;
+mod joint;
+mod mirror;
+pub(crate) mod outline;
+mod show;
+pub(crate) mod tendon;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+use super::names::{GROUND, find, find_at};
+use super::{list, table};
+use crate::limits::MAX_BODIES;
+use crate::mechanism::{
+    Actuator, AssemblyError, Body, Condition, JointKind, Mechanism, Mirror, Outline, PlaneArea, Start, assemble,
+};
+use crate::scene::Problem;
+use crate::scene::quantity::{Angle, AngularRate, Density, Inertia, Length, Mass, Positive, Quantity, Speed};
+use crate::scene::section_input::{SceneInput, SectionInput};
+use crate::units::Dimension;
+use actuator::{ActuatorSettings, actuator, limit_target_rates, pulls};
+use contact::{ContactEntry, NamedLaw, NamedLawSettings, contacts, named_law};
+use joint::{
+    CouplingSettings, JointSettings, LinkageSpringSettings, RotorSettings, coupling, joint, joint_kind, rotor, spring,
+};
+use mirror::{Entries, MirrorSettings, mirror};
+use outline::{OutlineSettings, outline, si};
+pub use show::mechanism_settings;
+use tendon::TendonSettings;
+
+/// Sections of a mechanism.
+#[derive(JsonSchema)]
+pub struct MechanismSettings {
+    /// Bodies, one section per name, chosen freely: [bodies.driver]. `ground` is the fixed body.
+    #[schemars(extend(
+        "minProperties" = 1,
+        "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$", "not": { "const": "ground" } }
+    ))]
+    pub bodies: BTreeMap<String, LinkSettings>,
+    pub ground: GroundSettings,
+    pub mirror: MirrorSettings,
+    /// Joints, one section per name. Joints may form loops; nothing marks the joint that closes one.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub joints: BTreeMap<String, JointSettings>,
+    /// Springs with a damper, one section per name.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub springs: BTreeMap<String, LinkageSpringSettings>,
+    /// Tendons, one section per name: cables over eyelets and pulleys.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub tendons: BTreeMap<String, TendonSettings>,
+    /// Linear relations of joint coordinates, one section per name: gears, synchronised jaws.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub couplings: BTreeMap<String, CouplingSettings>,
+    /// Actuators of joints and tendons, one section per name. Each has a torque (force) over time, or follows a target.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub actuators: BTreeMap<String, ActuatorSettings>,
+    /// Rotors, one section per name: inertia of a combination of joint coordinates, as at the input of a differential.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub rotors: BTreeMap<String, RotorSettings>,
+    /// Laws of contacts and joint limits, one section per name.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub laws: BTreeMap<String, NamedLawSettings>,
+    /// Pairs of outlines that may touch, each with the header [[contacts]].
+    pub contacts: Vec<ContactEntry>,
+}
+
+/// A rigid body with its own frame.
+#[derive(JsonSchema)]
+pub struct LinkSettings {
+    #[serde(flatten)]
+    pub keys: LinkKeys,
+    pub guess: GuessSettings,
+    pub start: StartSettings,
+    /// Outlines in the frame of the body, one section per name: [bodies.link.outlines.face].
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub outlines: BTreeMap<String, OutlineSettings>,
+}
+
+/// Keys of a body.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct LinkKeys {
+    /// Mass. Required, or `density`.
+    #[schemars(extend("x-alternative" = "density",
+        "x-required" = "add the mass: mass = \"9 g\"; or density and depth of the outlines"))]
+    pub mass: Option<Positive<Mass>>,
+    /// Moment of inertia about the centre of mass. Required, or `density`.
+    #[schemars(extend("x-alternative" = "density",
+        "x-required" = "add the moment of inertia about the centre of mass: inertia = \"200 g*mm^2\""))]
+    pub inertia: Option<Positive<Inertia>>,
+    /// Centre of mass in the frame of the body.
+    #[schemars(extend("default" = ["0 mm", "0 mm"]))]
+    pub com: [Quantity<Length>; 2],
+    /// Density of the outlines of the body, in place of mass, inertia and centre of mass. The outlines must not overlap.
+    pub density: Option<Positive<Density>>,
+    /// Depth of the outlines. Required with `density`.
+    pub depth: Option<Positive<Length>>,
+}
+
+/// Rough pose of a body with joints: it selects how the loops are assembled.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct GuessSettings {
+    /// Position of the origin of the body's frame.
+    #[schemars(extend("default" = ["0 mm", "0 mm"]))]
+    pub at: [Quantity<Length>; 2],
+    /// Angle of the body's frame.
+    #[schemars(extend("default" = "0 deg"))]
+    pub angle: Quantity<Angle>,
+}
+
+/// Pose and rate at the start of a body without joints.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct StartSettings {
+    /// Position of the origin of the body's frame.
+    #[schemars(extend("default" = ["0 mm", "0 mm"]))]
+    pub at: [Quantity<Length>; 2],
+    /// Angle of the body's frame.
+    #[schemars(extend("default" = "0 deg"))]
+    pub angle: Quantity<Angle>,
+    /// Velocity of the origin.
+    #[schemars(extend("default" = ["0 m/s", "0 m/s"]))]
+    pub velocity: [Quantity<Speed>; 2],
+    /// Angular rate.
+    #[schemars(extend("default" = "0 rad/s"))]
+    pub spin: Quantity<AngularRate>,
+}
+
+/// The fixed body, whose frame is that of the world.
+#[derive(JsonSchema)]
+pub struct GroundSettings {
+    /// Outlines in the frame of the world, one section per name: [ground.outlines.floor].
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub outlines: BTreeMap<String, OutlineSettings>,
+}
+
+/// What the sections of a mechanism refer to by name.
+struct Known<'a> {
+    pub bodies: Vec<&'a str>,
+    pub joints: Vec<&'a str>,
+    /// `None` for a joint whose type is invalid.
+    pub kinds: Vec<Option<JointKind>>,
+    pub laws: Vec<(&'a str, Option<NamedLaw>)>,
+}
+
+impl Known<'_> {
+    /// Finds a joint and its kind.
+    fn joint(&self, input: &SectionInput<'_>, key: &str, name: &str) -> Option<(usize, JointKind)> {
+        let index = find(input, key, name, "joint", &self.joints)?;
+        Some((index, self.kinds[index]?))
+    }
+}
+
+/// Resolves a mechanism and assembles it; `None` if any part is invalid.
+pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mechanism> {
+    let mirror_section = root.subsection("mirror");
+    let mirror = mirror(&mirror_section);
+    let sections = |key: &str| {
+        let sections = root.subsection(key).subsections();
+        sections.iter().for_each(|(name, section)| check_name(input, section, key, name));
+        sections
+    };
+    let [bodies, joints, springs, tendons, couplings, actuators, rotors] =
+        ["bodies", "joints", "springs", "tendons", "couplings", "actuators", "rotors"]
+            .map(|key| Entries::new(sections(key), mirror.as_ref()));
+    let count = bodies.names().len();
+    if count == 0 {
+        let help = "add at least one body: [bodies.link] with mass, inertia and guess";
+        root.checker.report_missing_at("[bodies.NAME]", root.subsection("bodies").span, help);
+        return None;
+    }
+    if count > MAX_BODIES {
+        let message = format!("there are {count} bodies, but at most {MAX_BODIES} are allowed");
+        return root.subsection("bodies").refuse("", message, "", format!("remove {}", count - MAX_BODIES));
+    }
+    let ground_outlines = outlines(input, &root.subsection("ground").subsection("outlines"));
+    let known = Known {
+        bodies: bodies.names(),
+        joints: joints.names(),
+        kinds: (0..joints.names().len()).map(|index| joint_kind(joints.section(index))).collect(),
+        laws: sections("laws").iter().map(|(name, section)| (*name, named_law(section))).collect(),
+    };
+    let (body_partners, joint_partners) = (bodies.partners(), joints.partners());
+    let images = Mirror { body: &body_partners, joint: &joint_partners };
+    let joint_bodies = joints.resolve(|_, _, section| two_bodies(section, &known.bodies, "a joint"));
+    let is_jointed = |body: usize| joint_bodies.iter().flatten().flatten().any(|other| *other == Some(body));
+    // A joint that names no body may concern any of them.
+    let all_known = joints.written().all(|(index, ..)| joint_bodies[index].is_some());
+    let mut all_bodies = bodies.resolve(|k, name, section| {
+        body(input, name, section, all_known.then(|| is_jointed(k) || is_jointed(images.body[k])))
+    });
+    bodies.add_images(&mut all_bodies, |body, name| images.body(body, name));
+    let mut all_joints = joints.resolve(|k, name, section| joint(name, section, joint_bodies[k], &all_bodies, &known));
+    joints.add_images(&mut all_joints, |joint, name| images.joint(joint, name));
+    let mut all_springs = springs.resolve(|_, name, section| spring(name, section, &known));
+    springs.add_images(&mut all_springs, |spring, name| images.spring(spring, name));
+    let mut all_couplings = couplings.resolve(|_, name, section| coupling(name, section, &known));
+    couplings.add_images(&mut all_couplings, |coupling, name| images.coupling(coupling, name));
+    let mut all_rotors = rotors.resolve(|_, name, section| rotor(name, section, &known));
+    rotors.add_images(&mut all_rotors, |rotor, name| images.rotor(rotor, name));
+    let mut all_tendons = tendons.resolve(|_, name, section| tendon::tendon(name, section, &known));
+    tendons.add_images(&mut all_tendons, |tendon, name| images.tendon(tendon, name));
+    pulls(&actuators, &tendons, &mut all_tendons);
+    let mut motors =
+        actuators.resolve(
+            |_, name, section| {
+                if section.has("tendon") { Some(None) } else { actuator(name, section, &known).map(Some) }
+            },
+        );
+    actuators.add_images(&mut motors, |motor, name| motor.as_ref().map(|motor| images.actuator(motor, name)));
+    // Actuators of joints with their indices among all actuators.
+    let motors: Vec<(usize, Actuator)> = motors
+        .into_iter()
+        .collect::<Option<Vec<_>>>()?
+        .into_iter()
+        .enumerate()
+        .filter_map(|(index, motor)| Some((index, motor?)))
+        .collect();
+    let (motor_indices, motors): (Vec<usize>, Vec<Actuator>) = motors.into_iter().unzip();
+    let mut mechanism = Mechanism {
+        gravity_m_s2,
+        // Contacts refer to all outlines.
+        bodies: all_bodies.into_iter().collect::<Option<_>>()?,
+        ground_outlines: ground_outlines?,
+        joints: all_joints.into_iter().collect::<Option<_>>()?,
+        couplings: all_couplings.into_iter().collect::<Option<_>>()?,
+        springs: all_springs.into_iter().collect::<Option<_>>()?,
+        tendons: all_tendons.into_iter().collect::<Option<_>>()?,
+        actuators: motors,
+        rotors: all_rotors.into_iter().collect::<Option<_>>()?,
+        contacts: Vec::new(),
+    };
+    mechanism.contacts = contacts(root, &mechanism, &images, &known)?;
+    // A start that does not fit is reported only if everything else is valid.
+    if root.checker.is_clean() {
+        match assemble_images(&mut mechanism, &joints) {
+            Ok(start) => {
+                tendon::tension(&mut mechanism, &tendons, &start.poses);
+                let sections = motor_indices.into_iter().map(|index| actuators.section(index));
+                limit_target_rates(&mut mechanism, sections, &start.poses);
+            }
+            Err(error) => {
+                let (section, key) = match error.condition() {
+                    Condition::Joint(joint) => (joints.section(joint), ""),
+                    Condition::Coupling(coupling) => (couplings.section(coupling), ""),
+                    Condition::Start(joint) => (joints.section(joint), "start"),
+                };
+                let message = error.to_string();
+                let (message, help) = message.split_once(": ").unwrap_or((&message, ""));
+                section.report(key, message, "cannot be assembled", help);
+            }
+        }
+    }
+    Some(mechanism)
+}
+
+/// Assembles a mechanism. The start of an image is removed if it follows from that of the original by a coupling.
+fn assemble_images(mechanism: &mut Mechanism, joints: &Entries<'_>) -> Result<Start, AssemblyError> {
+    let partners = joints.partners();
+    loop {
+        let result = assemble(mechanism);
+        let Err(AssemblyError::RedundantStart { condition: Condition::Start(joint), .. }) = result else {
+            return result;
+        };
+        let Some(image) = [joint, partners[joint]].into_iter().find(|joint| joints.is_image(*joint)) else {
+            return result;
+        };
+        let image = &mut mechanism.joints[image];
+        if image.start.take().is_none() {
+            return result;
+        }
+        image.start_rate = 0.0;
+    }
+}
+
+/// Checks a name: names are used in topics, keys and columns.
+fn check_name(input: &SceneInput, section: &SectionInput<'_>, key: &str, name: &str) {
+    let is_valid = name.starts_with(|first: char| first.is_ascii_alphabetic())
+        && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+    let message = match name {
+        GROUND if key == "bodies" => {
+            format!("`{GROUND}` cannot be the name of a body: it is the fixed body, with outlines in [ground.outlines]")
+        }
+        _ if is_valid => return,
+        _ => format!("`{}` cannot be a name in [{key}]", name.escape_debug()),
+    };
+    let span = input.name_span(&section.path("")).or(section.span.clone());
+    let help = format!("use a letter followed by letters, digits and _, as in [{key}.link_2]");
+    section.checker.push(Problem::new(span, message, "invalid name", help));
+}
+
+/// Finds the two bodies of a joint or a spring.
+fn two_bodies(input: &SectionInput<'_>, names: &[&str], what: &str) -> Option<[Option<usize>; 2]> {
+    #[derive(Deserialize)]
+    struct Names {
+        bodies: Option<[String; 2]>,
+    }
+    let Names { bodies } = input.read_quietly();
+    let bodies = bodies?;
+    let known: Vec<&str> = [GROUND].into_iter().chain(names.iter().copied()).collect();
+    let found: Vec<Option<usize>> = bodies
+        .iter()
+        .enumerate()
+        .map(|(k, name)| find_at(input, input.item_span("bodies", k), "bodies", name, "body", &known))
+        .collect();
+    let [a, b] = [found[0]?, found[1]?];
+    if a == b {
+        let message = format!("`{}` names `{}` twice, but {what} connects two bodies", input.path("bodies"), bodies[0]);
+        return input.refuse("bodies", message, "the same body", "name two bodies; `ground` is the fixed one");
+    }
+    Some([a, b].map(|body| body.checked_sub(1)))
+}
+
+/// Resolves a body; `is_jointed` is `None` if it is unknown.
+fn body(input: &SceneInput, name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Option<Body> {
+    let keys: LinkKeys = section.read();
+    let (guess, start) = (section.subsection("guess"), section.subsection("start"));
+    let outlines = outlines(input, &section.subsection("outlines"));
+    match is_jointed {
+        Some(true) if start.is_present() => {
+            let message = format!("`{}` is for bodies without joints, but `{name}` has joints", start.path(""));
+            let help =
+                "give its rough pose in `guess`, and the start of its joints: start = \"0 deg\" in [joints.NAME]";
+            start.report("", message, "for bodies without joints", help);
+        }
+        Some(false) if guess.is_present() => {
+            let message = format!("`{}` is for bodies with joints, but `{name}` has none", guess.path(""));
+            guess.report(
+                "",
+                message,
+                "for bodies with joints",
+                "rename it to `start`, which may also have a velocity and a spin",
+            );
+        }
+        _ => {}
+    }
+    let GuessSettings { at, angle } = guess.read();
+    let mut pose = [*at[0], *at[1], *angle];
+    let mut rate = [0.0; 3];
+    if start.is_present() {
+        let StartSettings { at, angle, velocity, spin } = start.read();
+        (pose, rate) = ([*at[0], *at[1], *angle], [*velocity[0], *velocity[1], *spin]);
+    }
+    let outlines = outlines?;
+    let (mass_kg, inertia_kg_m2, com_m) = inertia(section, &keys, &outlines)?;
+    Some(Body { name: name.to_owned(), mass_kg, inertia_kg_m2, com_m, pose, rate, motion: None, outlines })
+}
+
+/// Mass, moment of inertia and centre of mass of a body.
+fn inertia(section: &SectionInput<'_>, keys: &LinkKeys, outlines: &[Outline]) -> Option<(f64, f64, [f64; 2])> {
+    let Some(density) = keys.density else {
+        section.report_unused("depth", "without `density`");
+        return Some((*keys.mass?, *keys.inertia?, si(keys.com)));
+    };
+    ["mass", "inertia", "com"].iter().for_each(|key| section.report_unused(key, "with `density`"));
+    let areas: Option<Vec<PlaneArea>> = outlines.iter().map(|outline| outline.shape.area()).collect();
+    let Some(areas) = areas.filter(|areas| !areas.is_empty()) else {
+        let message = format!("`{}` needs outlines with an area", section.path("density"));
+        let help = "add an outline that is not a half plane, or give mass and inertia";
+        return section.refuse("density", message, "no area", help);
+    };
+    if keys.depth.is_none() {
+        section.report_missing("depth", "add the depth of the outlines: depth = \"20 mm\"");
+    }
+    let (total, per_area) = (PlaneArea::sum(&areas), *density * *keys.depth?);
+    Some((per_area * total.area_m2, per_area * total.polar_m4, total.centroid_m))
+}
+
+fn outlines(input: &SceneInput, section: &SectionInput<'_>) -> Option<Vec<Outline>> {
+    let sections = section.subsections();
+    sections.iter().for_each(|(name, each)| check_name(input, each, &section.path(""), name));
+    let all: Vec<_> = sections.iter().map(|(name, section)| outline(name, section)).collect();
+    all.into_iter().collect()
+}
+
+/// Whether a quantity belongs to translation; `None` for one of both.
+fn is_linear(dimension: Dimension) -> bool {
+    use Dimension as D;
+    matches!(
+        dimension,
+        D::Length | D::Speed | D::Mass | D::Force | D::LinearStiffness | D::LinearDamping | D::LinearImpactDamping
+    )
+}
+
+/// Checks that the given values of these keys have the units of a joint that slides or turns.
+fn check_units(input: &SectionInput<'_>, keys: &[&str], linear: bool, of: &str) -> bool {
+    let mut is_valid = true;
+    for key in keys {
+        let wrong = input.dimensions(key).into_iter().find(|dimension| is_linear(*dimension) != linear);
+        let Some(wrong) = wrong else { continue };
+        let right = input.alternatives(key).into_iter().find(|dimension| is_linear(*dimension) == linear);
+        let Some(right) = right else { continue };
+        let message = format!("`{}` is {}, but {of} needs {}", input.path(key), wrong.name(), right.name());
+        input.report(key, message, right.name(), format!("write it as in \"{}\"", right.example()));
+        is_valid = false;
+    }
+    is_valid
+}
