@@ -13,11 +13,12 @@ use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::grasp::finger::{GraspOverrides, GraspStudyError, grasp};
 use crate::grasp::gripper::{GripperGraspError, GripperGraspRequest, PostureRequest, gripper_grasp};
+use crate::grasp::mechanism::{MechanismGraspError, MechanismGraspRequest, mechanism_grasp};
 use crate::plot;
-use crate::report::statics::{GripperStaticsReport, StaticsReport};
+use crate::report::statics::{GripperStaticsReport, MechanismStaticsReport, StaticsReport};
 use crate::report::studies::sizing_csv;
+use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
-use crate::scene::{Keyword, Scene};
 use crate::sizing::Rule;
 use crate::statics::StaticsError;
 use crate::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
@@ -91,18 +92,21 @@ pub(super) fn run_size(args: &SizeArgs) -> Result<Status, Failure> {
 /// by --posture, symmetric or not. Further results are force closure with friction, with its quality Q1 and weakest
 /// wrench, and the largest palm acceleration in each direction that contact forces within their friction cones can
 /// balance, with blocked motors and with motors at their torque, and the cause of failure beyond it.
+///
+/// For a mechanism, the posture is the one at the end of its run, or at --at; the results are those of a gripper, for the
+/// body named by --object and any contacts.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx statics scenes/experiment-95.toml\n  phalanx statics scenes/experiment-95.toml \
                   --mu-static 0,0.4,0.8 --svg grasp.svg\n  phalanx statics my-finger.toml --motor \"500 N*mm\" --json\n  phalanx statics \
                   scenes/gripper/cycle.toml --at \"200 ms\" --svg polar.svg\n  phalanx statics scenes/gripper/design-95.toml --posture \
-                  geometric --mu-static 0.2,0.4 --every \"30 deg\"\n  phalanx statics scenes/gripper/design-95.toml --posture \"q11=2.09 \
+                  geometric --mu-static 0.2,0.4 --every \"30 deg\"\n  phalanx statics scenes/real/2f85-pinch.toml --object object\n  phalanx statics scenes/gripper/design-95.toml --posture \"q11=2.09 \
                   deg, q21=65.02 deg\"\n\nExit status: 0 done, whatever the result; 2 bad input, such as a finger that does not \
                   reach its object; 3 form closure of a finger or the balance of forces could not be decided, a run could not be \
                   completed, or a file could not be written."
 )]
 pub(crate) struct StaticsArgs {
-    /// Scene file (TOML) of a finger with an object, or of a gripper
+    /// Scene file (TOML) of a finger with an object, of a gripper, or of a mechanism
     scene: PathBuf,
 
     #[command(flatten)]
@@ -130,7 +134,7 @@ pub(crate) struct StaticsArgs {
     gripper: GripperArgs,
 }
 
-/// Arguments for grippers only.
+/// Arguments for grippers and mechanisms only.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct GripperArgs {
     /// Posture: "run" is the posture of a run of the scene; "geometric" has all phalanges on the object at its position
@@ -140,17 +144,21 @@ pub(crate) struct GripperArgs {
     posture: PostureRequest,
 
     /// Time of the run, with its unit [default: its end, or when the fingers release the object]
-    #[arg(long, value_name = "TIME", value_parser = positive(Dimension::Time, "a time such as \"20 ms\""), help_heading = "For a gripper")]
+    #[arg(long, value_name = "TIME", value_parser = positive(Dimension::Time, "a time such as \"20 ms\""), help_heading = "For a gripper or a mechanism")]
     at: Option<f64>,
 
     /// Largest gap at which a surface counts as in contact [default: 0.05 mm for given angles; for a run only surfaces
     /// with a contact force]
-    #[arg(long, value_name = "LENGTH", value_parser = positive(Dimension::Length, "a length such as \"0.05 mm\""), help_heading = "For a gripper")]
+    #[arg(long, value_name = "LENGTH", value_parser = positive(Dimension::Length, "a length such as \"0.05 mm\""), help_heading = "For a gripper or a mechanism")]
     within: Option<f64>,
 
     /// Angle between neighbouring directions of acceleration, with its unit; must divide a full turn
-    #[arg(long, value_name = "ANGLE", value_parser = parse_direction_count, default_value = "15 deg", help_heading = "For a gripper")]
+    #[arg(long, value_name = "ANGLE", value_parser = parse_direction_count, default_value = "15 deg", help_heading = "For a gripper or a mechanism")]
     every: usize,
+
+    /// The held body of a mechanism [default: the only body without joints that has contacts]
+    #[arg(long, value_name = "BODY", help_heading = "For a mechanism")]
+    object: Option<String>,
 }
 
 /// Accepted values in messages.
@@ -168,6 +176,7 @@ impl GripperArgs {
             (self.at.is_some(), "--at"),
             (self.within.is_some(), "--within"),
             (self.every != 24, "--every"),
+            (self.object.is_some(), "--object"),
         ];
         flags.into_iter().find(|(given, _)| *given).map(|(_, flag)| flag)
     }
@@ -181,12 +190,11 @@ pub(super) fn run_statics(args: &StaticsArgs) -> Result<Status, Failure> {
     match scene.kind() {
         SceneKind::Finger => run_finger(args, &scene),
         SceneKind::Gripper => run_gripper(args, &scene),
-        kind @ (SceneKind::Bodies | SceneKind::Mechanism) => Err(Failure::bad_input(format!(
-            "{} is {} (kind = \"{}\"), but statics needs the grasp of a finger or a gripper; give a scene \
-             such as scenes/experiment-95.toml or scenes/gripper/design-95.toml",
+        SceneKind::Mechanism => run_mechanism(args, &scene),
+        SceneKind::Bodies => Err(Failure::bad_input(format!(
+            "{} is a scene of discs (kind = \"bodies\"), but statics needs the grasp of a finger, a gripper or a mechanism; \
+             give a scene such as scenes/experiment-95.toml, scenes/gripper/design-95.toml or scenes/real/2f85-pinch.toml",
             args.scene.display(),
-            if kind == SceneKind::Bodies { "a scene of discs" } else { "a mechanism" },
-            kind.keyword()
         ))),
     }
 }
@@ -211,13 +219,12 @@ fn run_finger(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
 }
 
 fn run_gripper(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
-    let GripperArgs { posture, at, within, every } = &args.gripper;
+    let GripperArgs { posture, at, within, every, .. } = &args.gripper;
     let interrupt = Interrupt::listen()?;
-    // A picture needs more directions than a table.
-    let refinement = match args.svg {
-        Some(_) => (360.0 / MAX_PICTURE_SPACING_DEG / *every as f64).ceil().max(1.0) as usize,
-        None => 1,
-    };
+    if args.gripper.object.is_some() {
+        return Err(Failure::bad_input("--object is for mechanisms; a gripper has one object: remove the flag"));
+    }
+    let refinement = refinement(args.svg.is_some(), *every);
     let request = GripperGraspRequest {
         posture: with_options(*posture, *at, *within).map_err(Failure::bad_input)?,
         mu_static: args.mu_static.clone(),
@@ -236,6 +243,49 @@ fn run_gripper(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
     let mut report = GripperStaticsReport::new(&grasp, refinement);
     report.svg = svg;
     print_result(&report, args.json)
+}
+
+fn run_mechanism(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
+    let GripperArgs { posture, at, within, every, .. } = &args.gripper;
+    if *posture != END_OF_RUN || args.motor.is_some() {
+        let flag = if args.motor.is_some() { "--motor" } else { "--posture" };
+        return Err(Failure::bad_input(format!(
+            "{flag} is for fingers and grippers, but {} is a mechanism: remove the flag; --at selects the time of its run, and \
+             --set changes its actuators",
+            args.scene.display()
+        )));
+    }
+    let interrupt = Interrupt::listen()?;
+    let refinement = refinement(args.svg.is_some(), *every);
+    let request = MechanismGraspRequest {
+        at_s: *at,
+        within_m: *within,
+        object: args.gripper.object.clone(),
+        mu_static: args.mu_static.clone(),
+        directions: every * refinement,
+    };
+    let grasp = mechanism_grasp(scene, &request, &|| interrupt.keep_running()).map_err(|error| {
+        match (&error, interrupt.signal()) {
+            (MechanismGraspError::Stopped, Some(signal)) => Failure::incomplete(format!("interrupted by {signal}")),
+            (
+                MechanismGraspError::Run { .. } | MechanismGraspError::Stopped | MechanismGraspError::Statics { .. },
+                _,
+            ) => Failure::incomplete(error),
+            _ => Failure::bad_input(error),
+        }
+    })?;
+    let svg = args.save_picture(|| plot::mechanism_balance(scene, &grasp, plot::PictureFormat::Standalone))?;
+    let mut report = MechanismStaticsReport::new(&grasp, refinement);
+    report.svg = svg;
+    print_result(&report, args.json)
+}
+
+/// Directions of a picture per direction of the table.
+fn refinement(has_picture: bool, every: usize) -> usize {
+    match has_picture {
+        true => (360.0 / MAX_PICTURE_SPACING_DEG / every as f64).ceil().max(1.0) as usize,
+        false => 1,
+    }
 }
 
 impl StaticsArgs {

@@ -17,7 +17,7 @@ use phalanx_show::plot::{canvas, chart, outline, svg};
 
 pub use grippers::{capture, hold};
 pub use linkage::{LabelBox, Linkage, linkage};
-pub use phalanx_show::plot::{PICTURE_MARK, PictureFormat, balance, grasp, sizing, theme};
+pub use phalanx_show::plot::{PICTURE_MARK, PictureFormat, balance, grasp, mechanism_balance, sizing, theme};
 pub use runs::{difference, overlay, speed_error};
 pub(crate) use runs::{overlay_runs, plot_differences};
 pub use selection::selection;

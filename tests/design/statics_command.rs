@@ -406,7 +406,7 @@ fn rejects_invalid_options_of_grippers() {
         (&[GRIPPER, "--every", "7 deg"], "divide a full turn"),
         (&["scenes/gripper/fixed.toml"], "is fixed, so it needs no grasp"),
         (&["scenes/experiment-95.toml", "--at", "1 ms"], "--at needs a gripper"),
-        (&["scenes/laws/radii.toml"], "the grasp of a finger or a gripper"),
+        (&["scenes/laws/radii.toml"], "the grasp of a finger, a gripper or a mechanism"),
     ] {
         assert_rejected(&[&["statics"], args].concat(), &[message]);
     }

@@ -446,6 +446,16 @@ pub fn coordinate_in(joint: &Joint, poses: &[Pose]) -> f64 {
     coordinate(joint, poses).0
 }
 
+/// Returns the gradient of the coordinate of a joint by the poses of its two bodies.
+pub fn coordinate_gradient(joint: &Joint, poses: &[Pose]) -> [Pose; 2] {
+    coordinate(joint, poses).1.by_pose()
+}
+
+/// Returns the gradients of the two constraints of a joint by the poses of its two bodies.
+pub fn constraint_gradients(joint: &Joint, poses: &[Pose]) -> [[Pose; 2]; 2] {
+    joint_conditions(joint, poses).map(|(_, terms)| terms.by_pose())
+}
+
 /// Coordinate of a joint.
 fn coordinate(joint: &Joint, poses: &[Pose]) -> (f64, Terms) {
     match joint.kind {

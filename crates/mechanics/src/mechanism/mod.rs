@@ -23,7 +23,9 @@ use crate::law::{Damping, FrictionLaw, NormalLaw};
 use crate::numeric::elementary::hypot;
 use crate::palm_motion::PalmMotion;
 
-pub use assembly::{AssemblyError, Condition, Measure, Start, assemble, coordinate_in};
+pub use assembly::{
+    AssemblyError, Condition, Measure, Start, assemble, constraint_gradients, coordinate_gradient, coordinate_in,
+};
 pub use mirror::Mirror;
 pub use outline::{
     ContactPair, ForcePoint, Outline, OutlineId, OutlinePoint, OutlineShape, PlaneArea, PointContact, rounded_core,

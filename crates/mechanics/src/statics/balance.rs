@@ -7,7 +7,7 @@
 //! the forces indeterminate, they depend on how the hand was closed. The result is therefore an upper bound on the
 //! acceleration that a grasp withstands without slipping.
 
-use super::balance_program::{Bound, Column, Load, Optimum, Program, ROWS, power};
+use super::balance_program::{Bound, Column, Load, Optimum, Program, power};
 use super::equilibrium::spring_loads;
 use super::equilibrium::static_kinematics_at;
 use super::hand::{ClosestPoint, FingerGeometry};
@@ -18,6 +18,13 @@ use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, cross, scale, sub};
 use crate::shape;
 use std::f64::consts::TAU;
+
+/// Number of equilibrium equations of a gripper and its object at rest in the frame of the palm.
+///
+/// Rows are the generalised forces on (q11, q21) of the right and the left finger, N·m (for the left finger, of its
+/// mirror image), the force on the object along x and y of the palm frame, N, and the moment about the object's centre,
+/// N·m. A translating palm causes a uniform field, gravity minus its acceleration, on the object and on every link.
+const ROWS: usize = 7;
 
 /// Largest difference of accelerations from forces and from motion, relative to them or to the scale of fixed loads.
 const GAP: f64 = 1e-6;
@@ -124,6 +131,46 @@ fn direction_at(angle_rad: f64) -> [f64; 2] {
     [cos, sin].map(|component| if component.abs() < f64::EPSILON { 0.0 } else { component })
 }
 
+/// Equations of a system at rest: what balances a multiple of a driving load.
+#[derive(Clone, Debug)]
+pub(super) struct Equations {
+    /// Unilateral forces.
+    pub contacts: Vec<Cone>,
+    /// Column of a unit torque of each drive, with the range of its torque.
+    pub drives: Vec<(Load, [f64; 2])>,
+    /// Loads that do not change.
+    pub fixed: Load,
+    /// Load of an acceleration of 1 m/s².
+    pub driving: Load,
+    /// Length by which the load of each row is divided to give a force.
+    pub lengths: Vec<f64>,
+}
+
+/// A unilateral normal force with friction: columns of unit forces along the normal and along the tangent.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Cone {
+    pub columns: [Load; 2],
+    pub mu: f64,
+}
+
+/// Largest multiple of a driving load.
+pub(super) enum Largest {
+    Infeasible,
+    Unlimited,
+    Limited(Certified),
+}
+
+/// The largest multiple with its certificate.
+pub(super) struct Certified {
+    pub acceleration_m_s2: f64,
+    /// Normal and tangential force of each cone, and its motion.
+    pub contacts: Vec<(f64, f64, ContactMotion)>,
+    pub brakes: Vec<BrakeLoad>,
+    /// Rate of each row, m/s times the length of the row; rounding errors are cleared.
+    pub motion: Load,
+    pub gap: f64,
+}
+
 /// The linear programme in normalised units: rows in N, columns and fixed load of size about 1.
 struct Scaled {
     program: Program,
@@ -131,67 +178,62 @@ struct Scaled {
     force: f64,
     /// Unit of acceleration, m/s².
     acceleration: f64,
-    lengths: Load,
 }
 
-fn size(column: &Load) -> f64 {
+fn size(column: &[f64]) -> f64 {
     column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()))
 }
 
-/// Columns of unit forces along the edges of a friction cone; without friction there is one edge.
-fn edges(contact: &ActiveContact) -> impl Iterator<Item = Load> {
-    let ([normal, tangential], mu) = (contact.columns, contact.mu);
-    let edge = move |mu: f64| std::array::from_fn(|row| normal[row] + mu * tangential[row]);
-    [mu, -mu].into_iter().take(if mu > 0.0 { 2 } else { 1 }).map(edge)
+impl Cone {
+    /// Columns of unit forces along the edges; without friction there is one edge.
+    fn edges(&self) -> impl Iterator<Item = Load> + '_ {
+        let [normal, tangential] = &self.columns;
+        let edge =
+            move |mu: f64| normal.iter().zip(tangential).map(|(normal, tangent)| normal + mu * tangent).collect();
+        [self.mu, -self.mu].into_iter().take(if self.mu > 0.0 { 2 } else { 1 }).map(edge)
+    }
 }
 
-fn scale_programme(loads: &Loads, [x, y]: [f64; 2]) -> Scaled {
-    let r = loads.length_m;
-    let lengths = [r, r, r, r, 1.0, 1.0, r];
-    let in_newtons = |column: &Load| -> Load { std::array::from_fn(|row| column[row] / lengths[row]) };
-    let column = |load: &Load, bounds: [f64; 2]| {
+fn scale_programme(equations: &Equations) -> Scaled {
+    let Equations { contacts, drives, fixed, driving, lengths } = equations;
+    let in_newtons =
+        |column: &[f64]| -> Load { column.iter().zip(lengths).map(|(load, length)| load / length).collect() };
+    let column = |load: &[f64], bounds: [f64; 2]| {
         let load = in_newtons(load);
         let size = Some(size(&load)).filter(|size| *size > 0.0).unwrap_or(1.0);
-        Column { load: load.map(|entry| entry / size), bounds, size }
+        Column { load: load.iter().map(|entry| entry / size).collect(), bounds, size }
     };
-    let fixed = in_newtons(&loads.fixed);
-    let drives: Vec<Column> = loads.drives.iter().map(|(load, bounds)| column(load, *bounds)).collect();
+    let fixed = in_newtons(fixed);
+    let drives: Vec<Column> = drives.iter().map(|(load, bounds)| column(load, *bounds)).collect();
     let brake_bounds = drives.iter().flat_map(|drive| drive.bounds.map(|bound| bound.abs() * drive.size));
     let largest_brake = brake_bounds.filter(|bound| bound.is_finite()).fold(0.0, f64::max);
     let force = [size(&fixed), largest_brake].into_iter().find(|force| *force > 0.0).unwrap_or(1.0);
     let unilateral = [0.0, f64::INFINITY];
-    let driving: Load = std::array::from_fn(|row| x * loads.inertia[0][row] + y * loads.inertia[1][row]);
-    let driving = column(&driving, unilateral);
+    let driving = column(driving, unilateral);
+    let acceleration = force / driving.size;
     let mut columns = vec![driving];
-    columns.extend(loads.contacts.iter().flat_map(edges).map(|edge| column(&edge, unilateral)));
+    columns.extend(contacts.iter().flat_map(Cone::edges).map(|edge| column(&edge, unilateral)));
     let edge_count = columns.len() - 1;
     columns.extend(
         drives
             .into_iter()
             .map(|drive| Column { bounds: drive.bounds.map(|bound| bound * drive.size / force), ..drive }),
     );
-    Scaled {
-        program: Program { columns, edge_count, fixed: fixed.map(|entry| entry / force) },
-        force,
-        acceleration: force / driving.size,
-        lengths,
-    }
+    let fixed = fixed.iter().map(|entry| entry / force).collect();
+    Scaled { program: Program { columns, edge_count, fixed }, force, acceleration }
 }
 
-fn largest_acceleration(loads: &Loads, direction: [f64; 2]) -> Result<Balance> {
-    let length = hypot(direction[0], direction[1]);
-    number("the norm of the direction", length, length > 0.0, "must be finite, more than 0")?;
-    let direction = direction.map(|component| component / length);
-    let scaled = scale_programme(loads, direction);
-    let largest = match scaled.program.largest()? {
-        Optimum::Infeasible => AccelerationLimit::Infeasible,
-        Optimum::Unbounded => AccelerationLimit::Unlimited,
-        Optimum::Finite(forces) => AccelerationLimit::Limited(limit_with_certificate(loads, &scaled, forces)?),
-    };
-    Ok(Balance { direction, largest })
+/// Returns the largest multiple of the driving load that can be balanced.
+pub(super) fn largest_multiple(equations: &Equations) -> Result<Largest> {
+    let scaled = scale_programme(equations);
+    Ok(match scaled.program.largest()? {
+        Optimum::Infeasible => Largest::Infeasible,
+        Optimum::Unbounded => Largest::Unlimited,
+        Optimum::Finite(forces) => Largest::Limited(certify(equations, &scaled, forces)?),
+    })
 }
 
-fn limit_with_certificate(loads: &Loads, scaled: &Scaled, forces: Vec<f64>) -> Result<Limit> {
+fn certify(equations: &Equations, scaled: &Scaled, forces: Vec<f64>) -> Result<Certified> {
     let program = &scaled.program;
     let Some(found) = program.bound()? else {
         return Err(StaticsError::Balance { reason: "no motion certifies the limit".to_string() });
@@ -211,13 +253,11 @@ fn limit_with_certificate(loads: &Loads, scaled: &Scaled, forces: Vec<f64>) -> R
     }
     let si_force = |index: usize| forces[index] * scaled.force / program.columns[index].size;
     let mut edges = program.contact_edges().map(|index| (si_force(index), rate(index) > rounding));
-    let mut contact_load = |contact: &ActiveContact| {
+    let mut contact_load = |cone: &Cone| {
         let mut next = || edges.next().unwrap_or((0.0, true));
         let (first, separates) = next();
-        let ActiveContact { location, mu, .. } = *contact;
-        if mu <= 0.0 {
-            let contact_motion = if separates { ContactMotion::Separates } else { ContactMotion::Sticks };
-            return ContactLoad { location, normal_n: first, tangential_n: 0.0, contact_motion };
+        if cone.mu <= 0.0 {
+            return (first, 0.0, if separates { ContactMotion::Separates } else { ContactMotion::Sticks });
         }
         let (second, other_separates) = next();
         let contact_motion = match (separates, other_separates) {
@@ -225,27 +265,65 @@ fn limit_with_certificate(loads: &Loads, scaled: &Scaled, forces: Vec<f64>) -> R
             (true, true) => ContactMotion::Separates,
             _ => ContactMotion::Slips,
         };
-        ContactLoad { location, normal_n: first + second, tangential_n: mu * (first - second), contact_motion }
+        (first + second, cone.mu * (first - second), contact_motion)
     };
-    let contacts = loads.contacts.iter().map(&mut contact_load).collect();
+    let contacts = equations.contacts.iter().map(&mut contact_load).collect();
     let brakes = program.torques().map(|index| {
         let [lo, hi] = program.columns[index].bounds;
         BrakeLoad { torque_n_m: si_force(index), slips: lo < hi && rate(index).abs() > rounding }
     });
-    Ok(Limit {
+    let clear_rounding = |(rate, length): (&f64, &f64)| if rate.abs() <= rounding { 0.0 } else { rate / length };
+    Ok(Certified {
         acceleration_m_s2: multiple * scaled.acceleration,
         contacts,
         brakes: brakes.collect(),
-        motion: normalised_motion(&motion, &scaled.lengths),
+        motion: motion.iter().zip(&equations.lengths).map(clear_rounding).collect(),
         gap,
     })
 }
 
-/// Converts a motion to SI units and normalises it.
-fn normalised_motion(motion: &Load, lengths: &Load) -> HandMotion {
-    let rounding = ROUNDING * size(motion);
-    let clear_rounding = |rate: f64| if rate.abs() <= rounding { 0.0 } else { rate };
-    let rates: [f64; ROWS] = std::array::from_fn(|row| clear_rounding(motion[row]) / lengths[row]);
+fn largest_acceleration(loads: &Loads, direction: [f64; 2]) -> Result<Balance> {
+    let direction = unit_direction(direction)?;
+    let [x, y] = direction;
+    let r = loads.length_m;
+    let equations = Equations {
+        contacts: loads.contacts.iter().map(|contact| contact.cone.clone()).collect(),
+        drives: loads.drives.clone(),
+        fixed: loads.fixed.clone(),
+        driving: (0..ROWS).map(|row| x * loads.inertia[0][row] + y * loads.inertia[1][row]).collect(),
+        lengths: vec![r, r, r, r, 1.0, 1.0, r],
+    };
+    let limit = |found: Certified| Limit {
+        acceleration_m_s2: found.acceleration_m_s2,
+        contacts: (loads.contacts.iter().zip(found.contacts))
+            .map(|(contact, (normal_n, tangential_n, contact_motion))| ContactLoad {
+                location: contact.location,
+                normal_n,
+                tangential_n,
+                contact_motion,
+            })
+            .collect(),
+        brakes: found.brakes,
+        motion: normalised_motion(&found.motion),
+        gap: found.gap,
+    };
+    let largest = match largest_multiple(&equations)? {
+        Largest::Infeasible => AccelerationLimit::Infeasible,
+        Largest::Unlimited => AccelerationLimit::Unlimited,
+        Largest::Limited(found) => AccelerationLimit::Limited(limit(found)),
+    };
+    Ok(Balance { direction, largest })
+}
+
+pub(super) fn unit_direction(direction: [f64; 2]) -> Result<[f64; 2]> {
+    let length = hypot(direction[0], direction[1]);
+    number("the norm of the direction", length, length > 0.0, "must be finite, more than 0")?;
+    Ok(direction.map(|component| component / length))
+}
+
+/// Normalises a motion.
+fn normalised_motion(rates: &[f64]) -> HandMotion {
+    let rates: [f64; ROWS] = std::array::from_fn(|row| rates[row]);
     let [q11_r, q21_r, q11_l, q21_l, x, y, spin] = rates;
     let speed = hypot(x, y);
     let fastest = [q11_r, q21_r, q11_l, q21_l, spin].into_iter().fold(0.0, |most: f64, rate| most.max(rate.abs()));
@@ -292,22 +370,21 @@ pub enum ContactLocation {
 }
 
 /// An active contact with the object, or an active joint limit, which has a torque instead of a force, and no friction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ActiveContact {
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ActiveContact {
     pub location: ContactLocation,
     /// Point on the surface of phalanx or palm; `None` for a joint limit.
     pub point_m: Option<[f64; 2]>,
     /// Unit normal into the object, in the frame of the palm.
     pub normal: [f64; 2],
-    pub mu: f64,
     /// Columns of a unit normal force (torque of a limit) and of a unit friction force on phalanx or palm along t =
     /// (n_y, −n_x), mirrored on the left.
-    pub columns: [Load; 2],
+    pub cone: Cone,
 }
 
 /// All columns of the equations.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Loads {
+pub(super) struct Loads {
     pub contacts: Vec<ActiveContact>,
     /// Column of a unit torque of each drive, with the range of its brake torque.
     pub drives: Vec<(Load, [f64; 2])>,
@@ -324,15 +401,15 @@ fn rows(side: Side) -> [usize; 2] {
 }
 
 /// Computes the columns of a posture.
-pub fn loads(hand: &HandAtRest<'_>) -> Result<Loads> {
+pub(super) fn loads(hand: &HandAtRest<'_>) -> Result<Loads> {
     let HandAtRest { configuration, friction, mass_kg, gravity_m_s2: [gx, gy], .. } = hand;
     number("the object's mass", *mass_kg, *mass_kg > 0.0, "must be finite, more than 0 kg")?;
     number("gravity", gx + gy, true, "must be finite")?;
     let mut loads = Loads {
         contacts: Vec::new(),
         drives: Vec::with_capacity(hand.drives.len()),
-        fixed: [0.0; ROWS],
-        inertia: [[0.0; ROWS]; 2],
+        fixed: vec![0.0; ROWS],
+        inertia: [vec![0.0; ROWS], vec![0.0; ROWS]],
         length_m: shape::max_radius(&configuration.object.shape),
     };
     for side in Side::BOTH {
@@ -341,23 +418,22 @@ pub fn loads(hand: &HandAtRest<'_>) -> Result<Loads> {
     if let Some(mu) = friction.palm {
         // The contact point is on the palm below the object: the lever of friction is the height of its centre.
         let ([x, y], [lowest, _]) = (configuration.object.centre_m, configuration.object.lowest_point_m());
-        let mut columns = [[0.0; ROWS]; 2];
+        let mut columns = [vec![0.0; ROWS], vec![0.0; ROWS]];
         (columns[0][X + 1], columns[0][MOMENT]) = (1.0, lowest - x);
         (columns[1][X], columns[1][MOMENT]) = (-1.0, -y);
         loads.contacts.push(ActiveContact {
             location: ContactLocation::Palm,
             point_m: Some([lowest, 0.0]),
             normal: [0.0, 1.0],
-            mu,
-            columns,
+            cone: Cone { columns, mu },
         });
     }
     for contact in &loads.contacts {
-        number("mu_static", contact.mu, contact.mu >= 0.0, "must be finite, 0 or more")?;
+        number("mu_static", contact.cone.mu, contact.cone.mu >= 0.0, "must be finite, 0 or more")?;
     }
     for drive in &hand.drives {
         number("the motor torque", drive.torque_n_m, true, "must be finite")?;
-        let mut column = [0.0; ROWS];
+        let mut column = vec![0.0; ROWS];
         for side in Side::BOTH {
             column[rows(side)[0]] = drive.weights[side as usize];
             loads.fixed[rows(side)[0]] += drive.weights[side as usize] * drive.torque_n_m;
@@ -399,7 +475,7 @@ fn add_finger(hand: &HandAtRest<'_>, side: Side, loads: &mut Loads) -> Result<()
         let [nx, ny] = normal;
         // Unit forces on the phalanx: against the normal, which points into the object, and along t.
         let columns = [[-nx, -ny], [ny, -nx]].map(|force| {
-            let mut column = [0.0; ROWS];
+            let mut column = vec![0.0; ROWS];
             match contact {
                 FingerContact::Proximal => column[second] = cross(point, force),
                 _ => {
@@ -418,17 +494,21 @@ fn add_finger(hand: &HandAtRest<'_>, side: Side, loads: &mut Loads) -> Result<()
             location: ContactLocation::Finger(side, contact),
             point_m,
             normal,
-            mu,
-            columns,
+            cone: Cone { columns, mu },
         });
     }
     if hand.limits[side as usize] {
         // The torque of the joint limit opens the angle from l21 to the tip.
-        let mut column = [0.0; ROWS];
+        let mut column = vec![0.0; ROWS];
         (column[first], column[second]) = (tip_slope[0], tip_slope[1]);
         let location = ContactLocation::Finger(side, FingerContact::Limit);
-        let columns = [column, [0.0; ROWS]];
-        loads.contacts.push(ActiveContact { location, point_m: None, normal: [0.0; 2], mu: 0.0, columns });
+        let columns = [column, vec![0.0; ROWS]];
+        loads.contacts.push(ActiveContact {
+            location,
+            point_m: None,
+            normal: [0.0; 2],
+            cone: Cone { columns, mu: 0.0 },
+        });
     }
     Ok(())
 }
@@ -449,22 +529,22 @@ mod tests {
     fn antipodal(mu: f64, brake_n_m: [f64; 2]) -> Loads {
         let contact = |side: Side| {
             let mirror = side.mirror();
-            let mut columns = [[0.0; ROWS]; 2];
+            let mut columns = [vec![0.0; ROWS], vec![0.0; ROWS]];
             (columns[0][2 * side as usize], columns[0][4]) = (-R, -mirror);
             (columns[1][5], columns[1][6]) = (-1.0, -mirror * R);
             let (location, point_m) = (ContactLocation::Finger(side, FingerContact::Proximal), Some([mirror * R, 0.0]));
-            ActiveContact { location, point_m, normal: [-mirror, 0.0], mu, columns }
+            ActiveContact { location, point_m, normal: [-mirror, 0.0], cone: Cone { columns, mu } }
         };
         let drive = |row: usize| {
-            let mut column = [0.0; ROWS];
+            let mut column = vec![0.0; ROWS];
             column[row] = 1.0;
             (column, brake_n_m)
         };
         Loads {
             contacts: Side::BOTH.map(contact).to_vec(),
             drives: vec![drive(0), drive(2)],
-            fixed: [N * R, 0.0, N * R, 0.0, 0.0, M * G, 0.0],
-            inertia: [[0.0, 0.0, 0.0, 0.0, -M, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, -M, 0.0]],
+            fixed: vec![N * R, 0.0, N * R, 0.0, 0.0, M * G, 0.0],
+            inertia: [vec![0.0, 0.0, 0.0, 0.0, -M, 0.0, 0.0], vec![0.0, 0.0, 0.0, 0.0, 0.0, -M, 0.0]],
             length_m: R,
         }
     }

@@ -17,18 +17,11 @@ use nalgebra::{DMatrix, DVector};
 use super::form_closure::{solve_program, terms};
 use super::{Result, StaticsError};
 
-/// Number of equilibrium equations of a gripper and its object at rest in the frame of the palm.
-///
-/// Rows are the generalised forces on (q11, q21) of the right and the left finger, N·m (for the left finger, of its
-/// mirror image), the force on the object along x and y of the palm frame, N, and the moment about the object's centre,
-/// N·m. A translating palm causes a uniform field, gravity minus its acceleration, on the object and on every link.
-pub const ROWS: usize = 7;
-
 /// Generalised forces of one load: one column of the equations.
-pub type Load = [f64; ROWS];
+pub type Load = Vec<f64>;
 
 /// A force or torque of unknown size: its load per unit, scaled to size 1, and its bounds.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Column {
     pub load: Load,
     pub bounds: [f64; 2],
@@ -58,13 +51,13 @@ pub(crate) enum Optimum {
 }
 
 /// A motion that certifies a bound.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Bound {
     pub bound: f64,
     pub motion: Load,
 }
 
-pub fn power(motion: &Load, column: &Load) -> f64 {
+pub fn power(motion: &[f64], column: &[f64]) -> f64 {
     motion.iter().zip(column).map(|(rate, load)| rate * load).sum()
 }
 
@@ -89,7 +82,7 @@ impl Program {
 
     /// Returns the forces that balance `fixed` and the largest multiple of the driving load, which is limited to the
     /// range `multiple`; `None` if infeasible. `braking` scales the torque bounds.
-    fn forces(&self, multiple: (f64, f64), fixed: &Load, braking: f64) -> Result<Option<Vec<f64>>> {
+    fn forces(&self, multiple: (f64, f64), fixed: &[f64], braking: f64) -> Result<Option<Vec<f64>>> {
         let mut problem = Problem::new(OptimizationDirection::Maximize);
         // 0 times an infinite bound remains infinite: a blocked drive can resist any torque.
         let bound = |bound: f64| if bound.is_finite() { braking * bound } else { bound };
@@ -107,7 +100,7 @@ impl Program {
     }
 
     /// Power that resists a motion, without the unilateral forces.
-    fn resisting_power(&self, motion: &Load) -> f64 {
+    fn resisting_power(&self, motion: &[f64]) -> f64 {
         let brake_power = self.columns[self.torques()].iter().map(|Column { load, bounds: [lo, hi], .. }| {
             let rate = power(motion, load);
             let power_at = |limit: f64| if limit.is_finite() { -limit * rate } else { f64::NEG_INFINITY };
@@ -122,7 +115,7 @@ impl Program {
         if self.forces((0.0, 0.0), &self.fixed, 1.0)?.is_none() {
             return Ok(Optimum::Infeasible);
         }
-        if self.forces((1.0, 1.0), &[0.0; ROWS], 0.0)?.is_some() {
+        if self.forces((1.0, 1.0), &vec![0.0; self.fixed.len()], 0.0)?.is_some() {
             return Ok(Optimum::Unbounded);
         }
         let found = self.forces((0.0, f64::INFINITY), &self.fixed, 1.0)?;
@@ -134,8 +127,11 @@ impl Program {
     pub fn bound(&self) -> Result<Option<Bound>> {
         let mut problem = Problem::new(OptimizationDirection::Minimize);
         let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let motion: [Variable; ROWS] = std::array::from_fn(|row| problem.add_var(-self.fixed[row], free));
-        let terms = |column: &Load, factor: f64| terms(&motion, column.map(|entry| factor * entry).iter());
+        let motion: Vec<Variable> = self.fixed.iter().map(|load| problem.add_var(-load, free)).collect();
+        let terms = |column: &[f64], factor: f64| {
+            let scaled: Vec<f64> = column.iter().map(|entry| factor * entry).collect();
+            terms(&motion, scaled.iter())
+        };
         for column in &self.columns[self.contact_edges()] {
             problem.add_constraint(terms(&column.load, 1.0), ComparisonOp::Ge, 0.0);
         }
@@ -157,7 +153,7 @@ impl Program {
         }
         problem.add_constraint(terms(&self.columns[0].load, 1.0), ComparisonOp::Ge, 1.0);
         let Some(solution) = solve_program(&problem, balance_error)? else { return Ok(None) };
-        let motion: Load = std::array::from_fn(|row| solution.var_value(motion[row]));
+        let motion: Load = motion.into_iter().map(|rate| solution.var_value(rate)).collect();
         Ok(Some(Bound { bound: self.resisting_power(&motion), motion }))
     }
 }
@@ -171,9 +167,12 @@ const RANK_TOLERANCE: f64 = 1e-9;
 /// Rounding tolerance for a corrected force beyond its bound.
 const BOUND_TOLERANCE: f64 = 1e-12;
 
-/// Returns the minimum-norm least-squares solution x of A x = b.
-fn least_squares(columns: &[Load], b: &Load) -> Option<DVector<f64>> {
-    let matrix = DMatrix::from_fn(ROWS, columns.len(), |row, column| columns[column][row]);
+/// Returns the minimum-norm least-squares solution x of A x = b; `None` without columns.
+fn least_squares(columns: &[&Load], b: &[f64]) -> Option<DVector<f64>> {
+    if columns.is_empty() {
+        return None;
+    }
+    let matrix = DMatrix::from_fn(b.len(), columns.len(), |row, column| columns[column][row]);
     matrix.svd(true, true).solve(&DVector::from_row_slice(b), RANK_TOLERANCE).ok()
 }
 
@@ -182,14 +181,14 @@ fn on_bound(value: f64, [lo, hi]: [f64; 2]) -> Option<f64> {
 }
 
 /// Projects a motion onto the column space: without friction, for instance, the rotation of a disc is arbitrary.
-fn project_onto_columns(columns: &[Load], motion: &Load) -> Load {
-    let matrix = DMatrix::from_fn(ROWS, columns.len(), |row, column| columns[column][row]);
+fn project_onto_columns(columns: &[&Load], motion: &[f64]) -> Load {
+    let matrix = DMatrix::from_fn(motion.len(), columns.len(), |row, column| columns[column][row]);
     let svd = matrix.svd(true, false);
-    let Some(u) = svd.u else { return *motion };
+    let Some(u) = svd.u else { return motion.to_vec() };
     let rank = svd.singular_values.iter().filter(|value| **value > RANK_TOLERANCE * svd.singular_values.max()).count();
     let basis = u.columns(0, rank);
     let within = basis * basis.tr_mul(&DVector::from_row_slice(motion));
-    std::array::from_fn(|row| within[row])
+    within.as_slice().to_vec()
 }
 
 impl Program {
@@ -204,11 +203,12 @@ impl Program {
         let mut forces: Vec<f64> =
             on_bounds.map(|(value, column)| on_bound(*value, column.bounds).unwrap_or(*value)).collect();
         let free = self.free_forces(&forces);
-        let missing: Load = std::array::from_fn(|row| {
+        let missing = |(row, fixed): (usize, &f64)| {
             let balanced = self.driving_last().map(|index| self.columns[index].load[row] * forces[index]);
-            -self.fixed[row] - balanced.sum::<f64>()
-        });
-        let columns: Vec<Load> = free.iter().map(|&index| self.columns[index].load).collect();
+            -fixed - balanced.sum::<f64>()
+        };
+        let missing: Load = self.fixed.iter().enumerate().map(missing).collect();
+        let columns: Vec<&Load> = free.iter().map(|&index| &self.columns[index].load).collect();
         if let Some(correction) = least_squares(&columns, &missing) {
             free.iter().zip(correction.iter()).for_each(|(&index, by)| forces[index] += by);
         }
@@ -220,16 +220,16 @@ impl Program {
 
     /// Returns the motion in which forces within their bounds have exactly zero power, and the driving load has 1 W.
     pub(crate) fn exact_motion(&self, forces: &[f64], found: Bound) -> Bound {
-        let loads = self.driving_last().map(|index| self.columns[index].load);
-        let columns: Vec<Load> = loads.chain([self.fixed]).collect();
+        let loads = self.driving_last().map(|index| &self.columns[index].load);
+        let columns: Vec<&Load> = loads.chain([&self.fixed]).collect();
         let start = project_onto_columns(&columns, &found.motion);
         let free = self.free_forces(forces).into_iter().filter(|index| *index != 0);
-        let mut rows: Vec<(Load, f64)> = free.map(|index| (self.columns[index].load, 0.0)).collect();
-        rows.push((self.columns[0].load, 1.0));
-        let matrix = DMatrix::from_fn(rows.len(), ROWS, |i, j| rows[i].0[j]);
-        let missing = DVector::from_fn(rows.len(), |i, _| rows[i].1 - power(&start, &rows[i].0));
+        let mut rows: Vec<(&Load, f64)> = free.map(|index| (&self.columns[index].load, 0.0)).collect();
+        rows.push((&self.columns[0].load, 1.0));
+        let matrix = DMatrix::from_fn(rows.len(), start.len(), |i, j| rows[i].0[j]);
+        let missing = DVector::from_fn(rows.len(), |i, _| rows[i].1 - power(&start, rows[i].0));
         let Ok(correction) = matrix.svd(true, true).solve(&missing, RANK_TOLERANCE) else { return found };
-        let motion: Load = std::array::from_fn(|row| start[row] + correction[row]);
+        let motion: Load = start.iter().zip(correction.iter()).map(|(rate, by)| rate + by).collect();
         Bound { bound: self.resisting_power(&motion), motion }
     }
 }

@@ -150,7 +150,7 @@ fn solve_linear_program(u: &Unilateral, scaled: &Scaled, columns: &DMatrix<f64>)
 /// s ≥ 0 with λ·s = 0 for multipliers that are not all positive. Rows of one kind get equal rates, so that a symmetric
 /// gripper moves symmetrically. Motions with advancing motors are preferred: these occur without external disturbance.
 fn separations(lambda: &DVector<f64>, rows: &[Row]) -> DVector<f64> {
-    let order = [RowKind::Motor, RowKind::Palm, RowKind::Distal, RowKind::Proximal];
+    let order = [RowKind::Motor, RowKind::Palm, RowKind::Distal, RowKind::Proximal, RowKind::Constraint];
     let none = BOUNDARY * lambda.amax();
     let first = |selects: &dyn Fn(f64) -> bool| -> Vec<usize> {
         let rows_of = |kind| {

@@ -231,6 +231,8 @@ pub enum Row {
     Motor { finger: usize },
     /// Rate (θ̇_a,right + θ̇_a,left)/2 of the input of a differential that cannot be back-driven, in rad/s.
     Input,
+    /// A constraint of a mechanism, by its index.
+    Constraint { index: usize },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -240,6 +242,8 @@ pub enum RowKind {
     Palm,
     Distal,
     Proximal,
+    /// A constraint of a mechanism.
+    Constraint,
 }
 
 impl From<Row> for RowKind {
@@ -247,6 +251,7 @@ impl From<Row> for RowKind {
         match row {
             Row::Motor { .. } | Row::Input => RowKind::Motor,
             Row::Palm => RowKind::Palm,
+            Row::Constraint { .. } => RowKind::Constraint,
             Row::Contact { site: FingerContact::Distal, .. } => RowKind::Distal,
             Row::Contact { .. } => RowKind::Proximal,
         }
@@ -266,6 +271,10 @@ pub enum Unknown {
     /// θ̇2 = q̇22 of a finger, in rad/s.
     Distal {
         finger: usize,
+    },
+    /// A coordinate of a mechanism, by its index.
+    Coordinate {
+        index: usize,
     },
 }
 

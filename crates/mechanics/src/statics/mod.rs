@@ -13,6 +13,7 @@ mod equilibrium;
 mod force_closure;
 mod form_closure;
 mod hand;
+mod mechanism;
 
 pub use balance::{
     AccelerationLimit, Balance, BrakeLoad, ContactLoad, ContactLocation, ContactMotion, Drive, HandAtRest, HandMotion,
@@ -30,6 +31,11 @@ pub use form_closure::{
 pub use hand::{
     Blocked, ContactPoint, FingerGrip, GraspConfiguration, Hand, NecessaryCount, PerContact, PhalanxContact, Row,
     RowKind, Side, Unilateral, Unknown, gripper_unilateral, unilateral,
+};
+
+pub use mechanism::{
+    BodyMotion, ContactAtRest, DriveState, MechanismAtRest, MechanismBalance, MechanismClosure, MechanismLimit,
+    mechanism_balance, mechanism_closure,
 };
 
 /// Result of the functions of this module.

@@ -15,12 +15,14 @@ use crate::criteria::DriveMode;
 use crate::drawing::{Body, Drawing, poses, poses_for_postures};
 use crate::format::numbers::G_M_S2;
 use crate::grasp::finger::{Forces, Grasp, Palm};
-use crate::grasp::gripper::{FrictionCase, GripperGrasp};
+use crate::grasp::gripper::GripperGrasp;
+use crate::grasp::mechanism::MechanismGrasp;
 use crate::gripper::{Posture, posture_at};
 use crate::numeric::plane::add;
 use crate::scene::Scene;
 use crate::shape::max_radius;
-use crate::statics::{AccelerationLimit, Balance, Certificate, FormClosure, Unknown};
+use crate::statics::{AccelerationLimit, Balance, Certificate, FormClosure, MechanismBalance, MechanismLimit, Unknown};
+use crate::trace::Sample;
 
 /// Width of the legend next to the grasp.
 const LEGEND_WIDTH: f64 = 330.0;
@@ -203,39 +205,123 @@ const LABEL_DIRECTION_RAD: f64 = 0.125 * TAU;
 /// Draws the accelerations for the last of the friction coefficients.
 pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureFormat) -> String {
     let last = found.friction_cases.last();
-    let friction =
-        last.and_then(|friction_case| friction_case.mu_static).map_or_else(String::new, |mu| format!(", μ_s {mu}"));
-    let title = format!("{}: accelerations of the palm that the grasp withstands{friction}", found.scene);
-    // Corners of the legend and of the drawing of the gripper, and the size of the latter.
-    let side = if picture_format == PictureFormat::Standalone { POLAR_SIZE } else { picture_format.width() };
-    let (legend_corner, gripper_corner, gripper_size) = match picture_format {
-        PictureFormat::Standalone => {
-            ([side, 0.0], [side, BALANCE_LEGEND_HEIGHT], [SIDE_WIDTH - 20.0, POLAR_SIZE - BALANCE_LEGEND_HEIGHT - 40.0])
-        }
-        PictureFormat::Column => ([0.0, side], [0.0, side + legend_height(MAX_ENTRIES)], [side - 20.0, GRIPPER_HEIGHT]),
+    let curve = |(driven, balances): (DriveMode, &Vec<Balance>)| Curve {
+        name: match driven {
+            DriveMode::Blocked => "motors blocked",
+            DriveMode::AtTorque => "motors at their torque",
+        },
+        points: (balances.iter())
+            .map(|balance| match &balance.largest {
+                AccelerationLimit::Infeasible => (balance.direction, None),
+                AccelerationLimit::Limited(limit) => (balance.direction, Some(limit.acceleration_m_s2 / G_M_S2)),
+                AccelerationLimit::Unlimited => (balance.direction, Some(f64::INFINITY)),
+            })
+            .collect(),
     };
-    picture_format.picture(&title, side.max(gripper_corner[1] + gripper_size[1] + 40.0), |svg| {
-        let polar = PolarPlot::new(last, side);
-        polar.draw_grid(svg);
-        let mut entries: Vec<LegendEntry> = Vec::new();
-        for (driven, balances, colour) in curves(last) {
-            polar.draw_curve(svg, balances, colour);
-            let name = match driven {
-                DriveMode::Blocked => "motors blocked",
-                DriveMode::AtTorque => "motors at their torque",
-            };
-            entries.push((Marker::Line { width: 3.0 }, colour, name.to_string()));
-            entries.extend(polar.note(balances).map(|text| (Marker::Line { width: 0.0 }, colour, text)));
-        }
-        polar.draw_labels(svg);
-        legend(svg, legend_corner, picture_format.width() - legend_corner[0], &entries);
-        svg.translated(gripper_corner, |svg| draw_gripper(svg, scene, found, gripper_size));
-    })
+    let curves = last.into_iter().flat_map(|case| DriveMode::BOTH.into_iter().zip(&case.polar)).map(curve).collect();
+    let plot = PolarPicture {
+        title: polar_title(&found.scene, last.and_then(|case| case.mu_static)),
+        curves,
+        directions: ["right", "down, out of the palm", "left", "up"],
+        drawn: "the gripper, in the same directions",
+        palm: scene.system.palm.is_some().then(|| max_radius(&scene.system.grasped().shape)),
+    };
+    plot.draw(scene, &found.sample, picture_format)
 }
 
-fn curves(friction_case: Option<&FrictionCase>) -> impl Iterator<Item = (DriveMode, &[Balance], Colour)> {
-    let all = friction_case.into_iter().flat_map(|friction_case| DriveMode::BOTH.into_iter().zip(&friction_case.polar));
-    all.zip([BLUE, ORANGE]).map(|((driven, balances), colour)| (driven, &balances[..], colour))
+/// Draws the accelerations of its base that the grasp of a mechanism withstands with the last of the friction
+/// coefficients, and the mechanism.
+pub fn mechanism_balance(scene: &Scene, found: &MechanismGrasp, picture_format: PictureFormat) -> String {
+    let last = found.friction_cases.last();
+    let names = ["actuators blocked", "actuators at their effort"];
+    let curve = |(name, balances): (&'static str, &Vec<MechanismBalance>)| Curve {
+        name,
+        points: (balances.iter())
+            .map(|balance| match balance.largest {
+                MechanismLimit::Infeasible => (balance.direction, None),
+                MechanismLimit::Limited { acceleration_m_s2, .. } => {
+                    (balance.direction, Some(acceleration_m_s2 / G_M_S2))
+                }
+                MechanismLimit::Unlimited => (balance.direction, Some(f64::INFINITY)),
+            })
+            .collect(),
+    };
+    let curves = last.into_iter().flat_map(|case| names.into_iter().zip(&case.polar)).map(curve).collect();
+    let plot = PolarPicture {
+        title: polar_title(&found.scene, last.and_then(|case| case.mu_static)),
+        curves,
+        directions: ["x", "y", "−x", "−y"],
+        drawn: "the mechanism, in the same directions",
+        palm: None,
+    };
+    plot.draw(scene, &found.sample, picture_format)
+}
+
+fn polar_title(scene: &str, mu_static: Option<f64>) -> String {
+    let friction = mu_static.map_or_else(String::new, |mu| format!(", μ_s {mu}"));
+    format!("{scene}: accelerations of the palm that the grasp withstands{friction}")
+}
+
+/// A polar plot of accelerations beside the drawing of what is accelerated.
+struct PolarPicture {
+    title: String,
+    curves: Vec<Curve>,
+    /// Labels at 0, 90, 180 and 270°.
+    directions: [&'static str; 4],
+    /// Caption of the drawing.
+    drawn: &'static str,
+    /// Size of the object on a palm, if there is one.
+    palm: Option<f64>,
+}
+
+/// Balanced accelerations by direction, in g: `None` if not even rest is balanced, infinite without a limit.
+struct Curve {
+    name: &'static str,
+    points: Vec<([f64; 2], Option<f64>)>,
+}
+
+impl PolarPicture {
+    fn draw(&self, scene: &Scene, sample: &Sample, picture_format: PictureFormat) -> String {
+        // Corners of the legend and of the drawing, and the size of the latter.
+        let side = if picture_format == PictureFormat::Standalone { POLAR_SIZE } else { picture_format.width() };
+        let (legend_corner, corner, size) = match picture_format {
+            PictureFormat::Standalone => {
+                let height = POLAR_SIZE - BALANCE_LEGEND_HEIGHT - 40.0;
+                ([side, 0.0], [side, BALANCE_LEGEND_HEIGHT], [SIDE_WIDTH - 20.0, height])
+            }
+            PictureFormat::Column => {
+                ([0.0, side], [0.0, side + legend_height(MAX_ENTRIES)], [side - 20.0, GRIPPER_HEIGHT])
+            }
+        };
+        picture_format.picture(&self.title, side.max(corner[1] + size[1] + 40.0), |svg| {
+            let polar = PolarPlot::new(&self.curves, side);
+            polar.draw_grid(svg, &self.directions);
+            let mut entries: Vec<LegendEntry> = Vec::new();
+            for (curve, colour) in self.curves.iter().zip([BLUE, ORANGE]) {
+                polar.draw_curve(svg, curve, colour);
+                entries.push((Marker::Line { width: 3.0 }, colour, curve.name.to_string()));
+                entries.extend(polar.note(curve).map(|text| (Marker::Line { width: 0.0 }, colour, text)));
+            }
+            polar.draw_labels(svg);
+            legend(svg, legend_corner, picture_format.width() - legend_corner[0], &entries);
+            svg.translated(corner, |svg| self.draw_bodies(svg, scene, sample, size));
+        })
+    }
+
+    /// Draws the bodies in their posture, in the same directions as the plot.
+    fn draw_bodies(&self, svg: &mut Svg, scene: &Scene, sample: &Sample, size: [f64; 2]) {
+        let bodies = outlines(&Drawing::from_scene(scene).bodies, &poses(scene, sample));
+        let mut points: Vec<Point> = bodies.iter().flat_map(|(outline, _)| outline.iter().copied()).collect();
+        points.extend(self.palm.map(|radius| [0.0, -0.35 * radius]));
+        let view = View::within_size(&points, size);
+        if self.palm.is_some() {
+            palm(svg, &view, 0.0);
+        }
+        for (outline, fill) in &bodies {
+            filled_outline(svg, &view, outline, Paint::fill(*fill).with_edge(SOFT));
+        }
+        text_right_of(svg, self.drawn, [24.0, view.height() + 10.0], 13.0, SOFT);
+    }
 }
 
 /// Geometry of the polar plot; accelerations in g.
@@ -246,10 +332,9 @@ struct PolarPlot {
 }
 
 impl PolarPlot {
-    fn new(friction_case: Option<&FrictionCase>, size_px: f64) -> Self {
-        let limited = curves(friction_case).flat_map(|(_, balances, _)| balances);
-        let mut limited: Vec<f64> =
-            limited.filter_map(|balance| Some(balance.largest.acceleration_m_s2()? / G_M_S2)).collect();
+    fn new(curves: &[Curve], size_px: f64) -> Self {
+        let limits = curves.iter().flat_map(|curve| &curve.points).filter_map(|(_, limit_g)| *limit_g);
+        let mut limited: Vec<f64> = limits.filter(|limit_g| limit_g.is_finite()).collect();
         limited.sort_by(f64::total_cmp);
         let largest = limited.last().copied().unwrap_or(1.0).max(f64::MIN_POSITIVE);
         let median = limited.get(limited.len() / 2).copied().unwrap_or(largest);
@@ -278,7 +363,7 @@ impl PolarPlot {
     }
 
     /// Draws circles, spokes and the labels of the directions.
-    fn draw_grid(&self, svg: &mut Svg) {
+    fn draw_grid(&self, svg: &mut Svg, directions: &[&str; 4]) {
         let middle = self.pixel([0.0; 2]);
         let mut grid = Path::default();
         for g in self.circles() {
@@ -289,10 +374,7 @@ impl PolarPlot {
             grid = grid.with_polyline(&[middle, self.pixel_along(self.max_g, direction)]);
             let label_radius = self.radius() + 22.0;
             let text = match index {
-                0 => "right".to_string(),
-                3 => "down, out of the palm".to_string(),
-                6 => "left".to_string(),
-                9 => "up".to_string(),
+                0 | 3 | 6 | 9 => directions[index as usize / 3].to_string(),
                 _ => format!("{}°", 30 * index),
             };
             let position = [middle[0] + label_radius * direction[0], middle[1] - label_radius * direction[1]];
@@ -310,26 +392,18 @@ impl PolarPlot {
         }
     }
 
-    fn balanced_g(&self, balance: &Balance) -> f64 {
-        match &balance.largest {
-            AccelerationLimit::Infeasible => 0.0,
-            AccelerationLimit::Limited(limit) => limit.acceleration_m_s2 / G_M_S2,
-            AccelerationLimit::Unlimited => f64::INFINITY,
-        }
-    }
-
     /// Draws the boundary of the balanced accelerations. Parts beyond the outermost circle are drawn on it as a thick
     /// line.
-    fn draw_curve(&self, svg: &mut Svg, balances: &[Balance], colour: Colour) {
-        if balances.iter().all(|balance| balance.largest == AccelerationLimit::Infeasible) {
+    fn draw_curve(&self, svg: &mut Svg, Curve { points, .. }: &Curve, colour: Colour) {
+        if points.iter().all(|(_, limit_g)| limit_g.is_none()) {
             return;
         }
         // Whether each point is beyond the outermost circle, and its position.
-        let point = |balance: &Balance| {
-            let limit_g = self.balanced_g(balance);
-            (limit_g > self.max_g, self.pixel_along(limit_g.min(self.max_g), balance.direction))
+        let point = |(direction, limit_g): &([f64; 2], Option<f64>)| {
+            let limit_g = limit_g.unwrap_or(0.0);
+            (limit_g > self.max_g, self.pixel_along(limit_g.min(self.max_g), *direction))
         };
-        let all: Vec<(bool, Pixel)> = balances.iter().chain(balances.first()).map(point).collect();
+        let all: Vec<(bool, Pixel)> = points.iter().chain(points.first()).map(point).collect();
         let outline: Vec<Pixel> = all.iter().map(|(_, pixel)| *pixel).collect();
         svg.polygon(&outline, Paint::fill(colour).faded(0.13));
         // Consecutive segments beyond the outermost circle form one thick line; the other segments are thin.
@@ -348,14 +422,12 @@ impl PolarPlot {
     }
 
     /// Note on parts that the curve does not show.
-    fn note(&self, balances: &[Balance]) -> Option<String> {
-        let limits = || balances.iter().map(|balance| self.balanced_g(balance));
+    fn note(&self, Curve { points, .. }: &Curve) -> Option<String> {
+        let limits = || points.iter().filter_map(|(_, limit_g)| *limit_g);
         let any = limits().any(f64::is_infinite);
         let beyond = limits().any(|limit_g| limit_g.is_finite() && limit_g > self.max_g);
         match (any, beyond) {
-            _ if balances.iter().all(|balance| balance.largest == AccelerationLimit::Infeasible) => {
-                Some("not held even at rest".to_string())
-            }
+            _ if limits().next().is_none() => Some("not held even at rest".to_string()),
             (true, true) => Some(format!("thick: any, or more than {} g", self.max_g)),
             (true, false) => Some("thick: any acceleration".to_string()),
             (false, true) => Some(format!("thick: more than {} g", self.max_g)),
@@ -384,19 +456,4 @@ fn without_collinear_points(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]
 fn direction_at(angle_rad: f64) -> [f64; 2] {
     let (sin, cos) = angle_rad.sin_cos();
     [cos, sin]
-}
-
-/// Draws the gripper in its posture, in the same directions as the plot.
-fn draw_gripper(svg: &mut Svg, scene: &Scene, found: &GripperGrasp, gripper_size: [f64; 2]) {
-    let bodies = outlines(&Drawing::from_scene(scene).bodies, &poses(scene, &found.sample));
-    let mut points: Vec<Point> = bodies.iter().flat_map(|(outline, _)| outline.iter().copied()).collect();
-    points.push([0.0, -0.35 * max_radius(&scene.system.grasped().shape)]);
-    let view = View::within_size(&points, gripper_size);
-    if scene.system.palm.is_some() {
-        palm(svg, &view, 0.0);
-    }
-    for (outline, fill) in &bodies {
-        filled_outline(svg, &view, outline, Paint::fill(*fill).with_edge(SOFT));
-    }
-    text_right_of(svg, "the gripper, in the same directions", [24.0, view.height() + 10.0], 13.0, SOFT);
 }

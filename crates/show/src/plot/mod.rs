@@ -19,6 +19,6 @@ pub mod svg;
 pub mod theme;
 
 pub use canvas::PictureFormat;
-pub use grasp::{balance, grasp};
+pub use grasp::{balance, grasp, mechanism_balance};
 pub use sizing::sizing;
 pub use svg::PICTURE_MARK;

@@ -3,9 +3,11 @@
 
 mod finger;
 mod gripper;
+mod mechanism;
 
 pub use finger::StaticsReport;
 pub use gripper::GripperStaticsReport;
+pub use mechanism::MechanismStaticsReport;
 
 use serde::Serialize;
 
@@ -93,6 +95,7 @@ fn constraint_name(row: Row) -> String {
         Row::Palm => "palm".to_string(),
         Row::Motor { finger } => format!("{} motor", finger_name(finger)),
         Row::Input => "input".to_string(),
+        Row::Constraint { index } => format!("constraint {}", index + 1),
     }
 }
 

@@ -1,0 +1,352 @@
+//! A mechanism at rest: form closure, and the largest acceleration of its base that its contacts can balance.
+//!
+//! The velocities of all bodies that joints and couplings allow are B ν, with an orthonormal basis B of the null space of
+//! their gradients. Translations are divided by a typical length of the mechanism, so that they compare with rotations. A
+//! force with the load f on the bodies has the generalised force Bᵀ f.
+
+use super::balance::{BrakeLoad, Certified, Cone, ContactMotion, Equations, Largest, largest_multiple, unit_direction};
+use super::form_closure::{Certificate, decide_by_linear_program};
+use super::{FormClosure, Result, Row, Unilateral, Unknown};
+use crate::mechanism::tendon::{center_in, length_in, segment};
+use crate::mechanism::{
+    Command, JointCombination, Mechanism, Pose, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
+    coordinate_in,
+};
+use crate::numeric::elementary::{hypot, sin_cos};
+use crate::numeric::plane::{cross, dot, rotate, scale, sub};
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
+
+/// Squares of singular values below this part of the largest are zero.
+const RANK_TOLERANCE: f64 = 1e-13;
+
+/// A contact that can push.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactAtRest {
+    /// Bodies of points and face; `None` is the ground.
+    pub bodies: [Option<usize>; 2],
+    pub point_m: [f64; 2],
+    /// Unit normal, from the face to the points: the direction of the force on the body of the points.
+    pub normal: [f64; 2],
+    pub mu: f64,
+}
+
+/// What the actuators do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveState {
+    /// Every actuator holds with any torque or force.
+    Blocked,
+    /// Every actuator has the effort of its command at rest, and its brake the limit that it has at the time.
+    AtEffort,
+}
+
+/// A mechanism at rest in a posture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MechanismAtRest<'a> {
+    pub mechanism: &'a Mechanism,
+    pub poses: &'a [Pose],
+    pub time_s: f64,
+    pub contacts: &'a [ContactAtRest],
+    pub drives: DriveState,
+}
+
+/// Velocity of the frame of a body.
+pub type BodyMotion = Pose;
+
+/// Form closure of a mechanism and the objects that it holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MechanismClosure {
+    pub closure: FormClosure,
+    /// A motion of all bodies that separates contacts or slides along them, with the largest velocity 1 mm/s or
+    /// 1 mm/s divided by the typical length; `None` with form closure.
+    pub motion: Option<Vec<BodyMotion>>,
+    /// Number of coordinates with the actuators blocked.
+    pub coordinates: usize,
+}
+
+/// Largest acceleration of the base in a direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MechanismBalance {
+    pub direction: [f64; 2],
+    pub largest: MechanismLimit,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum MechanismLimit {
+    /// Not even a base at rest: no forces within the cones balance weight, springs and actuators.
+    Infeasible,
+    /// Any acceleration: the balancing forces can grow with it.
+    Unlimited,
+    Limited {
+        acceleration_m_s2: f64,
+        /// Normal and tangential force of each contact, not necessarily unique, and its motion.
+        contacts: Vec<(f64, f64, ContactMotion)>,
+        /// Brakes and joints with friction, in their order, and whether they slip.
+        brakes: Vec<BrakeLoad>,
+        /// The motion that a larger acceleration causes.
+        motion: Vec<BodyMotion>,
+        /// Relative difference of the limits from forces and from motion.
+        gap: f64,
+    },
+}
+
+/// Decides whether the contacts hold all bodies with the actuators blocked, without friction.
+pub fn mechanism_closure(at_rest: &MechanismAtRest<'_>) -> Result<MechanismClosure> {
+    let frame = Frame::new(at_rest, DriveState::Blocked);
+    let count = frame.basis.ncols();
+    let unknowns = (0..count).map(|index| Unknown::Coordinate { index }).collect();
+    let mut rates = Unilateral::new(unknowns, vec![1.0; count]);
+    let rows = at_rest.contacts.iter().map(|contact| frame.contact(contact)[0].clone()).chain(frame.limits());
+    for (index, row) in rows.enumerate() {
+        rates.append(Row::Constraint { index }, &row);
+    }
+    let closure = decide_by_linear_program(&rates)?;
+    let motion = match &closure.certificate {
+        Certificate::Motion { values, .. } => Some(frame.motion(values)),
+        Certificate::Multipliers { .. } => None,
+    };
+    Ok(MechanismClosure { closure, motion, coordinates: count })
+}
+
+/// Returns the largest acceleration of the base that forces within their cones can balance, in `count` equally spaced
+/// directions from x towards y.
+pub fn mechanism_balance(at_rest: &MechanismAtRest<'_>, count: usize) -> Result<Vec<MechanismBalance>> {
+    let frame = Frame::new(at_rest, at_rest.drives);
+    let loads = frame.equations();
+    let direction = |index: usize| {
+        let (sin, cos) = sin_cos(TAU * index as f64 / count as f64);
+        unit_direction([cos, sin].map(|part| if part.abs() < f64::EPSILON { 0.0 } else { part }))
+    };
+    let balance = |index: usize| {
+        let direction = direction(index)?;
+        let driving = frame.field(scale(direction, -1.0));
+        let limit = |found: Certified| MechanismLimit::Limited {
+            acceleration_m_s2: found.acceleration_m_s2,
+            contacts: found.contacts[..at_rest.contacts.len()].to_vec(),
+            brakes: found.brakes,
+            motion: frame.motion(&found.motion),
+            gap: found.gap,
+        };
+        let largest = match largest_multiple(&Equations { driving, ..loads.clone() })? {
+            Largest::Infeasible => MechanismLimit::Infeasible,
+            Largest::Unlimited => MechanismLimit::Unlimited,
+            Largest::Limited(found) => limit(found),
+        };
+        Ok(MechanismBalance { direction, largest })
+    };
+    (0..count).map(balance).collect()
+}
+
+/// The mechanism with the basis of its motions.
+struct Frame<'a> {
+    at_rest: &'a MechanismAtRest<'a>,
+    drives: DriveState,
+    /// Typical length.
+    length_m: f64,
+    basis: DMatrix<f64>,
+}
+
+impl<'a> Frame<'a> {
+    fn new(at_rest: &'a MechanismAtRest<'a>, drives: DriveState) -> Self {
+        let MechanismAtRest { mechanism, poses, contacts, .. } = at_rest;
+        let origins = poses.iter().map(|[x, y, _]| [*x, *y]);
+        let points: Vec<[f64; 2]> = contacts.iter().map(|contact| contact.point_m).chain(origins).collect();
+        let first = points.first().copied().unwrap_or_default();
+        let reach = points.iter().map(|point| hypot(point[0] - first[0], point[1] - first[1])).fold(0.0, f64::max);
+        let length_m = if reach > 0.0 { reach } else { 1.0 };
+        let mut frame = Self { at_rest, drives, length_m, basis: DMatrix::identity(3 * poses.len(), 3 * poses.len()) };
+        let mut rows: Vec<DVector<f64>> = Vec::new();
+        for joint in &mechanism.joints {
+            rows.extend(
+                constraint_gradients(joint, poses).map(|by_pose| frame.row(joint.bodies.into_iter().zip(by_pose))),
+            );
+        }
+        rows.extend(mechanism.couplings.iter().map(|coupling| frame.combination(&coupling.on)));
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            let fixed = if body.motion.is_some() { 0..3 } else { if body.rotates() { 3..3 } else { 2..3 } };
+            rows.extend(
+                fixed.map(|part| DVector::from_fn(3 * poses.len(), |row, _| f64::from(row == 3 * index + part))),
+            );
+        }
+        if drives == DriveState::Blocked {
+            rows.extend(mechanism.actuators.iter().map(|actuator| frame.combination(&actuator.on)));
+            let pulled = mechanism.tendons.iter().filter(|tendon| tendon.actuator.is_some());
+            rows.extend(pulled.map(|tendon| frame.tendon(tendon)));
+        }
+        frame.basis = null_space(&rows, 3 * poses.len());
+        frame
+    }
+
+    /// Scaled row of gradients by the poses of bodies.
+    fn row(&self, by_pose: impl Iterator<Item = (Option<usize>, Pose)>) -> DVector<f64> {
+        let mut row = DVector::zeros(3 * self.at_rest.poses.len());
+        for (body, [x, y, angle]) in by_pose {
+            let Some(body) = body else { continue };
+            for (part, value) in [x * self.length_m, y * self.length_m, angle].into_iter().enumerate() {
+                row[3 * body + part] += value;
+            }
+        }
+        row
+    }
+
+    fn combination(&self, on: &JointCombination) -> DVector<f64> {
+        let joints = &self.at_rest.mechanism.joints;
+        let term = |(joint, factor): &(usize, f64)| {
+            let joint = &joints[*joint];
+            *factor * self.row(joint.bodies.into_iter().zip(coordinate_gradient(joint, self.at_rest.poses)))
+        };
+        on.terms.iter().map(term).sum()
+    }
+
+    /// Gradient of the length of a tendon.
+    fn tendon(&self, tendon: &Tendon) -> DVector<f64> {
+        let poses = self.at_rest.poses;
+        let mut row = self.combination(&JointCombination { terms: tendon.joints.clone(), offset: 0.0 });
+        for ends in tendon.path.windows(2) {
+            let centers = [0, 1].map(|k: usize| center_in(&ends[k], poses));
+            let along = segment([&ends[0], &ends[1]], sub(centers[1], centers[0])).direction;
+            for (k, sign) in [(0, -1.0), (1, 1.0)] {
+                row += self.force(ends[k].body, centers[k], scale(along, sign));
+            }
+        }
+        row
+    }
+
+    /// Load of a force at a point of a body.
+    fn force(&self, body: Option<usize>, point_m: [f64; 2], force: [f64; 2]) -> DVector<f64> {
+        let arm = |body: usize| sub(point_m, [self.at_rest.poses[body][0], self.at_rest.poses[body][1]]);
+        let by_pose = body.map_or([0.0; 3], |body| [force[0], force[1], cross(arm(body), force)]);
+        self.row([(body, by_pose)].into_iter())
+    }
+
+    /// Generalised force of a load.
+    fn reduced(&self, load: &DVector<f64>) -> Vec<f64> {
+        self.basis.tr_mul(load).as_slice().to_vec()
+    }
+
+    /// Generalised forces of a unit normal force and a unit friction force (on the face along t = (n_y, −n_x)).
+    fn contact(&self, contact: &ContactAtRest) -> [Vec<f64>; 2] {
+        let ContactAtRest { bodies: [points, face], point_m, normal, .. } = *contact;
+        let [x, y] = normal;
+        [normal, [-y, x]].map(|force| {
+            self.reduced(&(self.force(points, point_m, force) + self.force(face, point_m, scale(force, -1.0))))
+        })
+    }
+
+    /// Generalised forces of unit torques of the joint limits that are reached.
+    fn limits(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
+        let MechanismAtRest { mechanism, poses, .. } = self.at_rest;
+        let reached = mechanism
+            .limits()
+            .into_iter()
+            .filter(|limit| limit.side * (coordinate_in(&mechanism.joints[limit.joint], poses) - limit.value) >= 0.0);
+        reached.map(|limit| self.reduced(&(-limit.side * self.combination(&JointCombination::of_joint(limit.joint)))))
+    }
+
+    /// Generalised force of a uniform field, m/s², on all masses.
+    fn field(&self, field: [f64; 2]) -> Vec<f64> {
+        let mut load = DVector::zeros(3 * self.at_rest.poses.len());
+        let moving = self.at_rest.mechanism.bodies.iter().enumerate().filter(|(_, body)| body.motion.is_none());
+        for (index, body) in moving {
+            let [x, y, angle] = self.at_rest.poses[index];
+            let (sin, cos) = sin_cos(angle);
+            let [dx, dy] = rotate(body.com_m, [cos, sin]);
+            load += self.force(Some(index), [x + dx, y + dy], scale(field, body.mass_kg));
+        }
+        self.reduced(&load)
+    }
+
+    fn coordinate(&self, on: &JointCombination) -> f64 {
+        let joints = &self.at_rest.mechanism.joints;
+        let terms = on.terms.iter().map(|(joint, factor)| factor * coordinate_in(&joints[*joint], self.at_rest.poses));
+        terms.sum::<f64>() - on.offset
+    }
+
+    /// All columns of the equations, except the driving load.
+    fn equations(&self) -> Equations {
+        let MechanismAtRest { mechanism, poses, time_s, contacts, .. } = self.at_rest;
+        let count = 3 * poses.len();
+        let mut fixed = DVector::zeros(count);
+        for spring in &mechanism.springs {
+            fixed += match &spring.kind {
+                SpringKind::Torsional { on, preload } => {
+                    (preload - spring.stiffness * (self.coordinate(on) - spring.rest)) * self.combination(on)
+                }
+                SpringKind::Linear { bodies, points_m } => {
+                    let ends = [0, 1].map(|k: usize| {
+                        let [x, y, angle] = bodies[k].map_or([0.0; 3], |body| poses[body]);
+                        let (sin, cos) = sin_cos(angle);
+                        let [dx, dy] = rotate(points_m[k], [cos, sin]);
+                        [x + dx, y + dy]
+                    });
+                    let between = sub(ends[1], ends[0]);
+                    let length = dot(between, between).sqrt();
+                    let pull = scale(between, spring.stiffness * (length - spring.rest) / length);
+                    self.force(bodies[0], ends[0], pull) + self.force(bodies[1], ends[1], scale(pull, -1.0))
+                }
+            };
+        }
+        for tendon in &mechanism.tendons {
+            let elongation = (length_in(mechanism, tendon, poses) - tendon.rest_m).max(0.0);
+            let pull = tendon.actuator.as_ref().map_or(0.0, |of| of.tension.at(*time_s).0.max(0.0));
+            fixed += -(tendon.stiffness_n_per_m * elongation + pull) * self.tendon(tendon);
+        }
+        let mut drives = Vec::new();
+        for actuator in &mechanism.actuators {
+            let on = self.combination(&actuator.on);
+            let command = match &actuator.command {
+                Command::Effort(profile) => profile.at(*time_s).0,
+                Command::Servo { kp, target, .. } => kp * (target.at(*time_s).0 - self.coordinate(&actuator.on)),
+            };
+            let limit = actuator.limit.unwrap_or(f64::INFINITY);
+            fixed += command.clamp(-limit, limit) * &on;
+            if let Some(brake) = actuator.brake.filter(|_| self.drives == DriveState::AtEffort) {
+                let most = brake.torque_n_m * brake.engagement(*time_s).0;
+                drives.push((self.reduced(&on), [if brake.one_way { 0.0 } else { -most }, most]));
+            }
+        }
+        for (index, joint) in mechanism.joints.iter().enumerate() {
+            if let Some(friction) = joint.friction {
+                let on = self.reduced(&self.combination(&JointCombination::of_joint(index)));
+                drives.push((on, [-friction.mu_static, friction.mu_static]));
+            }
+        }
+        let weight = self.field(mechanism.gravity_m_s2);
+        let fixed = self.reduced(&fixed).iter().zip(&weight).map(|(load, weight)| load + weight).collect();
+        let cones = contacts.iter().map(|contact| Cone { columns: self.contact(contact), mu: contact.mu });
+        let coordinates = self.basis.ncols();
+        let of_limit = |normal: Vec<f64>| Cone { columns: [normal, vec![0.0; coordinates]], mu: 0.0 };
+        Equations {
+            contacts: cones.chain(self.limits().map(of_limit)).collect(),
+            drives,
+            fixed,
+            driving: Vec::new(),
+            lengths: vec![self.length_m; coordinates],
+        }
+    }
+
+    /// Velocities of all bodies, with a largest translation or rotation (times the typical length) of 1 mm/s.
+    fn motion(&self, rates: &[f64]) -> Vec<BodyMotion> {
+        let all = &self.basis * DVector::from_column_slice(rates);
+        let largest = all.amax().max(f64::MIN_POSITIVE);
+        let clear = |rate: f64| if rate.abs() < 1e-9 * largest { 0.0 } else { 1e-3 * rate / largest };
+        let body = |part: &[f64]| [clear(part[0]), clear(part[1]), clear(part[2]) / self.length_m];
+        all.as_slice().chunks(3).map(body).collect()
+    }
+}
+
+/// Orthonormal basis of the vectors orthogonal to all rows, as columns.
+fn null_space(rows: &[DVector<f64>], count: usize) -> DMatrix<f64> {
+    let mut square = DMatrix::zeros(count, count);
+    for row in rows {
+        let length = row.norm();
+        if length > 0.0 {
+            let unit = row / length;
+            square += &unit * unit.transpose();
+        }
+    }
+    let found = square.symmetric_eigen();
+    let largest = found.eigenvalues.amax().max(f64::MIN_POSITIVE);
+    let free: Vec<usize> = (0..count).filter(|index| found.eigenvalues[*index] < RANK_TOLERANCE * largest).collect();
+    DMatrix::from_fn(count, free.len(), |row, column| found.eigenvectors[(row, free[column])])
+}
