@@ -185,6 +185,48 @@ fn scenes_are_exported_for_mujoco() {
     assert_rejected(&["scene", "export", FINGER, "--mjcf", &model], &["is not a model written by phalanx"]);
 }
 
+/// Each scene of a real gripper ends as its comment states: positions, angles and times of the first touch.
+#[test]
+fn real_grippers_end_as_documented() {
+    for (name, ends) in [
+        (
+            "2f85-encompass",
+            &[
+                ("/bodies/object/x_m", 0.000_175),
+                ("/bodies/object/y_m", 0.102_449),
+                ("/contacts/object.skin~1right_spring_link.face/first_s", 0.030_464),
+            ][..],
+        ),
+        ("2f85-lift", &[("/bodies/object/y_m", 0.089_467), ("/joints/lift/position_m", 0.049_905)]),
+        ("franka-lift", &[("/bodies/object/x_m", -0.000_017), ("/bodies/object/y_m", 0.088_130)]),
+        (
+            "t42-grasp",
+            &[
+                ("/bodies/object/x_m", 0.000_036),
+                ("/bodies/object/y_m", 0.035_242),
+                ("/contacts/object.skin~1ground.palm/first_s", 0.112_628),
+            ],
+        ),
+        (
+            "robotiq-3f-finger",
+            &[
+                ("/contacts/ground.object~1proximal.pad/first_s", 0.039_210),
+                ("/contacts/ground.object~1middle.pad/first_s", 0.111_454),
+                ("/contacts/ground.object~1distal.pad/first_s", 0.130_217),
+            ],
+        ),
+        ("barrett-grasp", &[("/bodies/object/x_m", 0.000_036), ("/bodies/object/y_m", 0.114_342)]),
+        ("dp-flex-finger", &[("/joints/distal/angle_rad", 0.657_815), ("/joints/flexion/angle_rad", 0.105_949)]),
+    ] {
+        let run = succeed_json(&["run", "--no-check", &format!("scenes/real/{name}.toml")]);
+        assert_eq!(run["completed"], true, "{name}");
+        for (path, expected) in ends {
+            let found = run.pointer(path).and_then(Value::as_f64).expect("a number");
+            assert!((found - expected).abs() < 1e-6, "{name}: {path} is {found}, not {expected}");
+        }
+    }
+}
+
 /// The gripper in scenes/real holds a cube of 100 g at 5 g in both models, and its table of many columns is replaced.
 #[test]
 fn a_real_gripper_holds_a_cube_without_creep() {
