@@ -69,7 +69,13 @@ pub fn mujoco_model(name: &str, mechanism: &Mechanism, duration_s: f64) -> Resul
             "option timestep=\"1e-4\" gravity=\"{x} {y} 0\" integrator=\"implicitfast\" cone=\"elliptic\" \
              iterations=\"100\" tolerance=\"1e-12\""
         ));
-        writer.nest("default", |writer| writer.element("geom contype=\"0\" conaffinity=\"0\""));
+        writer.nest("default", |writer| {
+            writer.element("geom contype=\"0\" conaffinity=\"0\"");
+            // By default, constraints yield for 20 ms, in which a light linkage falls apart. These need two steps.
+            writer.element("joint solreflimit=\"2e-4 1\"");
+            writer.element("pair solref=\"2e-4 1\"");
+            writer.element("equality solref=\"2e-4 1\" solimp=\"0.99 0.9999 1e-5\"");
+        });
         writer.meshes();
         writer.bodies();
         writer.contacts();

@@ -18,6 +18,7 @@ use crate::plot::linkage;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{self, DiscMotion, DrivenFinger, Scene, Side};
 use crate::shape::{self, Shape};
+use crate::trace::{Model, Simulation};
 
 /// A working gripper scene; comments explain the choices that most grippers need.
 const SCENE: &str = include_str!("new.toml");
@@ -227,7 +228,12 @@ fn summarize(scene: &Scene) -> String {
         SceneKind::Gripper => summarize_gripper(scene),
         SceneKind::Mechanism => scene.mechanism.as_ref().map_or_else(String::new, summarize_mechanism),
     };
-    format!("{summary}; {:.1} ms", scene.duration_s * 1e3)
+    let unsupported = match scene.kind() {
+        SceneKind::Mechanism => Simulation::new(scene, Model::Analytic).err(),
+        _ => None,
+    };
+    let unsupported = unsupported.map_or_else(String::new, |error| format!("; not for the analytic model: {error}"));
+    format!("{summary}; {:.1} ms{unsupported}", scene.duration_s * 1e3)
 }
 
 fn summarize_mechanism(mechanism: &Mechanism) -> String {

@@ -83,7 +83,8 @@ fn mechanisms_are_validated() {
 
 #[test]
 fn commands_for_fingers_refuse_mechanisms() {
-    for command in ["statics", "size", "explore", "capture", "hold"] {
+    assert_rejected(&["statics", FINGER], &["no body without joints that has contacts", "--object"]);
+    for command in ["size", "explore", "capture", "hold"] {
         let message = assert_rejected(&[command, FINGER], &[]);
         assert!(message.contains("mechanism") || message.contains("not a gripper"), "{command}: {message}");
     }
@@ -172,8 +173,8 @@ fn scenes_are_exported_for_mujoco() {
         let printed = succeed(&["scene", "export", scene, "--mjcf", &model]);
         assert_contains(&printed, &["own soft constraints"]);
         let xml = fs::read_to_string(&model).expect("the model");
-        let found =
-            ["<body name", "<joint name", "<connect", "<pair", "<general name"].map(|tag| xml.matches(tag).count());
+        let found = ["<body name", "<joint name", "<connect", "<pair geom1", "<general name"]
+            .map(|tag| xml.matches(tag).count());
         let motors = xml.matches("<motor name").count();
         assert_eq!(
             [found[0], found[1], found[2], found[3], found[4] + motors],

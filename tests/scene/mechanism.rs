@@ -496,6 +496,41 @@ fn the_mechanism_of_a_gripper_is_a_scene_file() {
     }
 }
 
+/// The object of a finger or a gripper with another outline: a disc moves as the disc of the scene, and boxes and ellipses
+/// move in both models alike.
+#[test]
+fn objects_of_fingers_have_any_outline() {
+    let with_object = |file: &str, more: &str| {
+        let setting = |text: &str| scene::parse_setting("--set", text).expect("a setting");
+        let settings: Vec<scene::Layer> = more.split('|').map(setting).collect();
+        scene::load_any_with(format!("scenes/{file}.toml"), &settings).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let end = |scene: &Scene, model: Model, joint: &str| {
+        let outcome = trace::run(model, scene, &mut ()).expect("a run");
+        Schema::from_scene(scene).channel(SubjectKind::Joint, joint, "angle_rad").value(&outcome.last)
+    };
+    let disc = "object.outline.type=disc|object.outline.radius=20 mm";
+    for (file, joint) in [("experiment-95", "q22"), ("gripper/offset", "left_q22"), ("gripper/fixed", "right_q11")] {
+        let (plain, outlined) = (with_object(file, "name=plain"), with_object(file, disc));
+        assert_eq!(outlined.kind(), SceneKind::Mechanism);
+        assert_round_trip(&outlined);
+        let [a, b] = [&plain, &outlined].map(|scene| end(scene, Model::Analytic, joint));
+        assert!((a - b).abs() < 1e-6, "{file}: {a} {b}");
+    }
+    let egg = "object.outline.type=ellipse|object.outline.semi_axes=[\"20 mm\", \"17 mm\"]|object.outline.angle=20 deg";
+    let boxed = "object.outline.type=box|object.outline.size=[\"30 mm\", \"28 mm\"]|object.outline.rounding=3 mm|object.radius=19.3 mm|object.height=20 mm|object.angle=3 deg|duration=20 ms";
+    for (file, more, joint) in [("experiment-95", egg, "q22"), ("gripper/design-95", boxed, "left_q22")] {
+        let scene = with_object(file, more);
+        let [analytic, engine] = [Model::Analytic, Model::Engine].map(|model| end(&scene, model, joint));
+        assert!((analytic - engine).abs() < 2e-5, "{file}: {analytic} {engine}");
+    }
+    // Its mass is that of a homogeneous box.
+    let of = with_object("gripper/design-95", boxed).mechanism.expect("a mechanism");
+    let object = of.bodies.iter().find(|body| body.name == "object").expect("the object");
+    let area_m2 = 0.030 * 0.028 - (4.0 - std::f64::consts::PI) * 0.003 * 0.003;
+    assert!((object.mass_kg - 1070.0 * 0.040 * area_m2).abs() < 1e-12, "{object:?}");
+}
+
 #[test]
 fn single_values_replace_those_of_a_mechanism() {
     let file = scene::Layer { file: "own.toml".into(), text: EVERYTHING.into() };

@@ -85,7 +85,7 @@ pub enum MechanismGraspError {
     AfterEnd { scene: String, end_s: f64, at_s: f64 },
     #[error("\"{scene}\" has no body `{object}`: name one of {} with --object", .bodies.join(", "))]
     NoBody { scene: String, object: String, bodies: Vec<String> },
-    #[error("\"{scene}\" has {} that can be held: name one with --object", if .bodies.is_empty() { "no body without joints".to_string() } else { .bodies.join(" and ") })]
+    #[error("\"{scene}\" has {}: name the held body with --object", which(.bodies))]
     WhichBody { scene: String, bodies: Vec<String> },
     #[error("the body `{object}` of \"{scene}\" has no contact at {:.6} ms: give another time with --at, or a gap with --within", .time_s * 1e3)]
     NoContact { scene: String, object: String, time_s: f64 },
@@ -95,6 +95,13 @@ pub enum MechanismGraspError {
     Statics { scene: String, error: StaticsError },
     #[error("interrupted")]
     Stopped,
+}
+
+fn which(bodies: &[String]) -> String {
+    match bodies {
+        [] => "no body without joints that has contacts".to_string(),
+        several => format!("several bodies without joints that have contacts, {}", several.join(" and ")),
+    }
 }
 
 /// Returns the static grasp of a mechanism.
@@ -226,7 +233,7 @@ fn active_contacts(mechanism: &Mechanism, sample: &Sample, object: usize, within
             [_, true] => Some([-x, -y]),
             _ => None,
         };
-        is_active.then(|| HeldContact {
+        is_active.then_some(HeldContact {
             name: point.name,
             at_rest: ContactAtRest { bodies, point_m: found.point_m, normal: found.normal, mu },
             push,

@@ -14,11 +14,12 @@ use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::Scene;
 
 /// Sizes of mechanisms that the model is compiled for; the last one is the largest.
-const SIZES: [MechanismSize; 4] = [
+const SIZES: [MechanismSize; 5] = [
     MechanismSize { coordinates: 3, group: 3, contacts: 4, actuators: 8 },
     MechanismSize { coordinates: 9, group: 3, contacts: 12, actuators: 8 },
     MechanismSize { coordinates: 9, group: 3, contacts: 32, actuators: 8 },
     MechanismSize { coordinates: 24, group: 12, contacts: 64, actuators: 8 },
+    MechanismSize { coordinates: 48, group: 12, contacts: 64, actuators: 8 },
 ];
 
 /// Builds the model of a mechanism.
@@ -37,12 +38,14 @@ pub(super) fn build_mechanism(
         build_sized::<9, 3, 32, 34, 105>(scene, mechanism, recording)
     } else if size.fits(&SIZES[3]) {
         build_sized::<24, 12, 64, 66, 201>(scene, mechanism, recording)
+    } else if size.fits(&SIZES[4]) {
+        build_sized::<48, 12, 64, 66, 201>(scene, mechanism, recording)
     } else {
         let [.., largest] = SIZES;
         Err(rejected(format!(
-            "the mechanism has {} coordinates ({} in its largest group of connected bodies), {} contacts and {} \
-             actuators; the analytic model takes up to {} ({}), {} and {}: simplify it, or simulate with `--model engine`, \
-             which takes any number",
+            "the mechanism has {} coordinates with those of bristles ({} in its largest group of connected bodies), {} \
+             contacts and {} actuators; the analytic model takes up to {} ({}), {} and {}: give some contacts a law of friction \
+             without bristles, list fewer pairs of outlines, or simulate with `--model engine`, which takes any number",
             size.coordinates,
             size.group,
             size.contacts,

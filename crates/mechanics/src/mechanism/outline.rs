@@ -117,6 +117,43 @@ impl OutlineShape {
         }
     }
 
+    /// Largest coordinate of the outline along a unit vector of its frame; infinite for a half plane.
+    pub fn support_m(&self, direction: [f64; 2]) -> f64 {
+        match self {
+            OutlineShape::HalfPlane { .. } => f64::INFINITY,
+            OutlineShape::Ellipse { center_m, semi_axes_m: [a, b], angle_rad } => {
+                let (sin, cos) = sin_cos(*angle_rad);
+                let [along, across] = rotate(direction, [cos, -sin]);
+                dot(*center_m, direction) + hypot(a * along, b * across)
+            }
+            other => {
+                let vertices = other.vertices_m().into_iter().map(|vertex| dot(vertex, direction));
+                vertices.fold(f64::NEG_INFINITY, f64::max) + other.radius_m()
+            }
+        }
+    }
+
+    /// Returns the outline in a frame in which its own frame has this pose.
+    pub fn moved(&self, origin_m: [f64; 2], angle_rad: f64) -> Self {
+        let (sin, cos) = sin_cos(angle_rad);
+        let point = |point: [f64; 2]| add(origin_m, rotate(point, [cos, sin]));
+        match self.clone() {
+            OutlineShape::Disc { center_m, radius_m } => OutlineShape::Disc { center_m: point(center_m), radius_m },
+            OutlineShape::Capsule { from_m, to_m, radius_m } => {
+                OutlineShape::Capsule { from_m: point(from_m), to_m: point(to_m), radius_m }
+            }
+            OutlineShape::Polygon { vertices_m, radius_m } => {
+                OutlineShape::Polygon { vertices_m: vertices_m.into_iter().map(point).collect(), radius_m }
+            }
+            OutlineShape::HalfPlane { point_m, normal } => {
+                OutlineShape::HalfPlane { point_m: point(point_m), normal: rotate(normal, [cos, sin]) }
+            }
+            OutlineShape::Ellipse { center_m, semi_axes_m, angle_rad: own_rad } => {
+                OutlineShape::Ellipse { center_m: point(center_m), semi_axes_m, angle_rad: own_rad + angle_rad }
+            }
+        }
+    }
+
     /// What touches faces; nothing of a half plane.
     pub fn points(&self) -> Vec<OutlinePoint> {
         if let OutlineShape::Ellipse { center_m, semi_axes_m, angle_rad } = *self {
@@ -125,6 +162,23 @@ impl OutlineShape {
         }
         let radius_m = self.radius_m();
         self.vertices_m().into_iter().map(|point_m| OutlinePoint::Vertex { point_m, radius_m }).collect()
+    }
+}
+
+impl Mechanism {
+    /// Returns points and face of two outlines: both directions if both have corners and sides.
+    pub fn directions(&self, [a, b]: [OutlineId; 2]) -> Vec<[OutlineId; 2]> {
+        let rank = |id: OutlineId| match self.outline(id).shape {
+            OutlineShape::HalfPlane { .. } => 0,
+            OutlineShape::Capsule { .. } | OutlineShape::Polygon { .. } => 1,
+            OutlineShape::Disc { .. } => 2,
+            OutlineShape::Ellipse { .. } => 3,
+        };
+        match (rank(a), rank(b)) {
+            (1, 1) => vec![[a, b], [b, a]],
+            (first, second) if first > second => vec![[a, b]],
+            _ => vec![[b, a]],
+        }
     }
 }
 

@@ -98,6 +98,42 @@ impl System {
         Ok(mechanism)
     }
 
+    /// Returns the mechanism with another outline of the grasped object, and its mass, moment of inertia and centre of mass.
+    ///
+    /// # Errors
+    /// Returns an error if the initial angles of a finger do not close its loop.
+    pub(crate) fn mechanism_with_object(
+        &self,
+        outline: &OutlineShape,
+        (mass_kg, inertia_kg_m2, com_m): (f64, f64, [f64; 2]),
+    ) -> Result<Mechanism, OpenLoop> {
+        let mut mechanism = self.mechanism()?;
+        let Some(object) = self.object() else { return Ok(mechanism) };
+        let id = if let Some(index) = mechanism.bodies.iter().position(|body| body.name == object.name) {
+            let body = &mut mechanism.bodies[index];
+            (body.mass_kg, body.inertia_kg_m2, body.com_m) = (mass_kg, inertia_kg_m2, com_m);
+            body.outlines[0].shape = outline.clone();
+            OutlineId { body: Some(index), outline: 0 }
+        } else {
+            // The ground does not turn.
+            let at = mechanism.ground_outlines.iter().position(|outline| outline.name == object.name).unwrap_or(0);
+            mechanism.ground_outlines[at].shape = outline.moved(object.centre_m, object.angle_rad);
+            OutlineId { body: None, outline: at }
+        };
+        let pairs = std::mem::take(&mut mechanism.contacts);
+        for pair in pairs {
+            let directions =
+                if pair.points == id { mechanism.directions([id, pair.face]) } else { vec![[pair.points, pair.face]] };
+            let directed = directions.into_iter().map(|[points, face]| ContactPair { points, face, ..pair });
+            mechanism.contacts.extend(directed);
+        }
+        // Rates of bodies with joints follow from those of the joints.
+        let jointed: Vec<usize> = mechanism.joints.iter().flat_map(|joint| joint.bodies).flatten().collect();
+        jointed.into_iter().for_each(|body| mechanism.bodies[body].rate = [0.0; 3]);
+        sort_by_name(&mut mechanism);
+        Ok(mechanism)
+    }
+
     /// Contacts of surfaces that can move against each other, with the index of their channel and their law.
     fn surface_contacts(&self) -> Vec<(usize, ContactId, ContactLaw)> {
         let moves = |disc: &Disc| disc.motion.moves();
@@ -119,6 +155,44 @@ impl System {
         let limits = ids.iter().enumerate().filter(|(_, id)| has_limit(id)).map(|(channel, _)| channel).collect();
         (self.surface_contacts().into_iter().map(|(channel, ..)| channel).collect(), limits)
     }
+}
+
+/// Sorts bodies, joints, springs and actuators by their names, as in a scene file.
+fn sort_by_name(mechanism: &mut Mechanism) {
+    fn sort<T>(list: &mut Vec<T>, name: impl Fn(&T) -> &str) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..list.len()).collect();
+        order.sort_by(|a, b| name(&list[*a]).cmp(name(&list[*b])));
+        let mut places = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(place, old)| places[*old] = place);
+        let mut sorted: Vec<(usize, T)> = std::mem::take(list).into_iter().enumerate().collect();
+        sorted.sort_by_key(|(old, _)| places[*old]);
+        *list = sorted.into_iter().map(|(_, item)| item).collect();
+        places
+    }
+    let bodies = sort(&mut mechanism.bodies, |body| &body.name);
+    let joints = sort(&mut mechanism.joints, |joint| &joint.name);
+    sort(&mut mechanism.springs, |spring| &spring.name);
+    sort(&mut mechanism.actuators, |actuator| &actuator.name);
+    sort(&mut mechanism.rotors, |rotor| &rotor.name);
+    let outlines = sort(&mut mechanism.ground_outlines, |outline| &outline.name);
+    for body in mechanism.joints.iter_mut().flat_map(|joint| &mut joint.bodies).flatten() {
+        *body = bodies[*body];
+    }
+    for contact in &mut mechanism.contacts {
+        for id in [&mut contact.points, &mut contact.face] {
+            match &mut id.body {
+                Some(body) => *body = bodies[*body],
+                None => id.outline = outlines[id.outline],
+            }
+        }
+    }
+    let springs = mechanism.springs.iter_mut().filter_map(|spring| match &mut spring.kind {
+        mechanism::SpringKind::Torsional { on, .. } => Some(on),
+        mechanism::SpringKind::Linear { .. } => None,
+    });
+    let actuators = mechanism.actuators.iter_mut().map(|actuator| &mut actuator.on);
+    let combinations = springs.chain(actuators).chain(mechanism.rotors.iter_mut().map(|rotor| &mut rotor.on));
+    combinations.flat_map(|on| &mut on.terms).for_each(|(joint, _)| *joint = joints[*joint]);
 }
 
 /// Mounting of a finger: the body that carries it (`None`: the ground), its distance from the middle of the palm, and

@@ -114,21 +114,44 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
         root.report("extends", message, "relative to no file", help);
     }
     let duration_s = root.is_valid("duration").then_some(*settings.duration);
-    let (system, mechanism) = match input.kind {
+    let outline = bodies::object_outline(&root);
+    let (mut system, mut mechanism) = match input.kind {
         SceneKind::Mechanism => {
             let gravity_m_s2 = settings.gravity.map(|component| *component);
             (Some(System::EMPTY), mechanism::mechanism(input, &root, gravity_m_s2).map(Some))
         }
         _ => (system(input, &root, &settings), Some(None)),
     };
-    let integrator = run::integrator(&root.subsection("integrator"));
-    let engine = run::engine(&root.subsection("engine"), system.as_ref());
-    let bounds = run::bounds(&root.subsection("validate"), duration_s);
-    let thresholds = run::thresholds(&root.subsection("criteria"), system.as_ref(), duration_s);
+    // With an object that is no disc, the scene is one of a mechanism.
+    let is_outlined = outline.as_ref().is_some_and(Option::is_some);
+    let kind = if is_outlined { SceneKind::Mechanism } else { input.kind };
+    let of_run = root.with_schema(kind, top_level(kind));
+    let integrator = run::integrator(&of_run.subsection("integrator"));
+    let engine = run::engine(&of_run.subsection("engine"), system.as_ref());
+    let bounds = run::bounds(&of_run.subsection("validate"), duration_s);
+    let thresholds = run::thresholds(&of_run.subsection("criteria"), system.as_ref(), duration_s);
     let log = run::log(&root.subsection("log"), duration_s);
-    // Initial positions are checked only if everything else is valid.
-    if let (Some(system), true) = (&system, checker.is_clean()) {
-        bodies::check_initial_positions(&root, system);
+    match (outline?, system.as_mut().filter(|_| checker.is_clean())) {
+        (Some((outline, inertia)), Some(of_discs)) => {
+            if of_discs.palm_motion.is_some() {
+                let section = root.subsection("object").subsection("outline");
+                let message = format!("`{}` is for palms at rest, but the palm moves", section.path(""));
+                let help = "remove [moves], [vibrations] and [path], or the outline; a mechanism whose base slides on a joint with a \
+                            servo moves any object (scenes/real/2f85-lift.toml)";
+                return section.refuse("", message, "with a moving palm", help);
+            }
+            match of_discs.mechanism_with_object(&outline, inertia) {
+                Ok(found) => (*of_discs, mechanism) = (System::EMPTY, Some(Some(found))),
+                Err(error) => {
+                    let help =
+                        "give other angles in [initial], or remove the section, so that they follow from the object";
+                    return root.subsection("initial").refuse("", error.to_string(), "does not close", help);
+                }
+            }
+        }
+        // Initial positions are checked only if everything else is valid.
+        (None, Some(system)) => bodies::check_initial_positions(&root, system),
+        (_, None) => {}
     }
     Some(Scene {
         name: settings.name.unwrap_or_else(|| stem(file_name)),

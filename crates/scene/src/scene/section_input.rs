@@ -165,6 +165,11 @@ impl<'a> SectionInput<'a> {
         key.value_type.read(key.name, value).is_ok_and(|value| key.allows(&value))
     }
 
+    /// Returns the same values with the schema of a top level.
+    pub(crate) fn with_schema(&self, kind: SceneKind, schema: &'static Section) -> Self {
+        SectionInput { kind, schema, ..self.clone() }
+    }
+
     /// Returns the subsection with this key.
     pub(crate) fn subsection(&self, key: &str) -> Self {
         let schema = self.schema.subsection(key).unwrap_or(&NO_SECTION);

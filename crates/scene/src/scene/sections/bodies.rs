@@ -7,9 +7,11 @@ use serde::Deserialize;
 use toml::Table;
 
 use super::finger::{FingerLengths, example_base_m};
-use super::{FINGER, GRIPPER, SceneSettings, list, table};
+use super::mechanism::outline::{OutlineSettings, outline};
+use super::{FINGER, FINGERS, GRIPPER, SceneSettings, list, table};
 use crate::limits::MAX_DISCS;
-use crate::numeric::elementary::hypot;
+use crate::mechanism::OutlineShape;
+use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::keywords::Motion;
 use crate::scene::quantity::{
     Acceleration, Angle, AngularRate, Inertia, Keyword, Length, Mass, Positive, Quantity, Speed, Word,
@@ -20,9 +22,20 @@ use crate::shape::{self, PlacedShape, Shape, tangent};
 use crate::units::{Dimension, format};
 
 /// The object to be grasped, a fixed disc.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(JsonSchema)]
 #[schemars(extend("x-gripper" = { "description": "The object to be grasped, a disc." }))]
 pub struct ObjectSettings {
+    #[serde(flatten)]
+    pub keys: ObjectKeys,
+    /// Outline of an object that is no disc, about its centre. Such a scene is simulated as the mechanism that it is, and
+    /// has no criteria of grasps; `radius` is then that of the disc for which initial configuration and drive are computed.
+    #[schemars(extend("x-kinds" = FINGERS))]
+    pub outline: OutlineSettings,
+}
+
+/// Keys of the object.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct ObjectKeys {
     /// Whether there is an object; without one the finger moves freely.
     #[schemars(extend("x-kinds" = FINGER, "default" = true))]
     pub present: Option<bool>,
@@ -174,14 +187,14 @@ pub fn shape(input: &SectionInput<'_>) -> Shape {
     shape_of(&input.subsection("object").read())
 }
 
-fn shape_of(settings: &ObjectSettings) -> Shape {
+fn shape_of(settings: &ObjectKeys) -> Shape {
     Shape::Disc { radius_m: settings.radius.map_or(0.020, |radius| *radius) }
 }
 
 /// Resolves the object, with the defaults that depend on its shape, and whether it is present. For one finger, its
 /// position along the palm is NaN if the base determines it.
 pub fn object(input: &SectionInput<'_>) -> (Disc, bool) {
-    let settings: ObjectSettings = input.subsection("object").read();
+    let settings: ObjectKeys = input.subsection("object").read();
     let shape = shape_of(&settings);
     let coordinate = |value: Option<_>| value.map_or(f64::NAN, |value: Quantity<_>| *value);
     let centre_m = match settings.centre {
@@ -190,7 +203,8 @@ pub fn object(input: &SectionInput<'_>) -> (Disc, bool) {
     };
     let mut placed = PlacedShape { shape, centre_m, angle_rad: settings.angle.map_or(0.0, |angle| *angle) };
     if centre_m[1].is_nan() {
-        placed = rest_on_palm(placed);
+        let [lowest, _] = heights_m(input, &Disc::fixed_object(placed.at([0.0; 2])));
+        placed = placed.at([centre_m[0], 0.0 - lowest]);
     }
     let mut disc = Disc::fixed_object(placed);
     if settings.motion.is_some_and(|motion| motion.0 == Motion::Free) {
@@ -202,6 +216,32 @@ pub fn object(input: &SectionInput<'_>) -> (Disc, bool) {
     }
     (disc, settings.present.unwrap_or(true))
 }
+
+/// Resolves the outline of an object that is no disc, with mass, inertia and centre of mass of a moving one (of a
+/// homogeneous object, where they are not given); the outer `None` if it is invalid.
+pub fn object_outline(input: &SectionInput<'_>) -> Option<Option<(OutlineShape, InertiaAbout)>> {
+    let object = input.subsection("object");
+    let section = object.subsection("outline");
+    if !section.is_present() {
+        return Some(None);
+    }
+    let shape = outline("outline", &section)?.shape;
+    let Some(area) = shape.area() else {
+        return section.refuse(
+            "type",
+            format!("`{}` is a half plane", section.path("type")),
+            "no object",
+            "write a closed outline",
+        );
+    };
+    let ObjectKeys { mass, inertia, .. } = object.read_quietly();
+    let mass_kg = mass.map_or(area.area_m2 * DENSITY_KG_M3 * DEPTH_M, |mass| *mass);
+    let inertia_kg_m2 = inertia.map_or(mass_kg * area.polar_m4 / area.area_m2, |inertia| *inertia);
+    Some(Some((shape, (mass_kg, inertia_kg_m2, area.centroid_m))))
+}
+
+/// Mass, moment of inertia about the centre of mass, and the centre of mass.
+pub type InertiaAbout = (f64, f64, [f64; 2]);
 
 /// Resolves the object of a single finger: an empty list without object, `None` if it is invalid.
 pub fn single_object(input: &SectionInput<'_>, given: &(Disc, bool), finger: &FingerLengths) -> Option<Vec<Disc>> {
@@ -233,8 +273,19 @@ pub fn single_object(input: &SectionInput<'_>, given: &(Disc, bool), finger: &Fi
 }
 
 /// Lowest and highest coordinate y of the object.
-fn heights_m(object: &Disc) -> [f64; 2] {
-    [-1.0, 1.0].map(|to| object.placed().furthest_point_m([0.0, to])[1])
+fn heights_m(input: &SectionInput<'_>, object: &Disc) -> [f64; 2] {
+    let section = input.subsection("object").subsection("outline");
+    // Problems of the outline are reported where it is resolved.
+    let count = input.checker.count();
+    let shape = section.is_present().then(|| outline("outline", &section)).flatten();
+    input.checker.take_after(count);
+    match shape {
+        Some(outline) => {
+            let (sin, cos) = sin_cos(object.angle_rad);
+            [-1.0, 1.0].map(|to| object.centre_m[1] + to * outline.shape.support_m([to * sin, to * cos]))
+        }
+        None => [-1.0, 1.0].map(|to| object.placed().furthest_point_m([0.0, to])[1]),
+    }
 }
 
 /// Heights of the lower half plane (palm or ground) and of the table, if present.
@@ -245,12 +296,12 @@ pub fn levels(input: &SectionInput<'_>, settings: &SceneSettings, object: &Disc)
         _ => settings.palm.unwrap_or(true).then_some(0.0),
     };
     let table = table.is_present().then(|| table.read::<TableSettings>()).filter(|table| table.present);
-    [below, table.map(|table| table.level.map_or_else(|| heights_m(object)[1], |level| *level))]
+    [below, table.map(|table| table.level.map_or_else(|| heights_m(input, object)[1], |level| *level))]
 }
 
 /// Checks that the object does not penetrate palm or table at the start.
 fn check_planes(input: &SectionInput<'_>, object: &Disc, [palm, table]: [Option<f64>; 2]) {
-    let [lowest, highest] = heights_m(object);
+    let [lowest, highest] = heights_m(input, object);
     let (object, table_input) = (input.subsection("object"), input.subsection("table"));
     let planes = [
         ("palm", palm.map(|_| -lowest), &object, "height"),

@@ -26,7 +26,6 @@
 //! | `law` | contact, limit |
 //! | `mechanism` | all sections of a mechanism |
 //! | `motion` | moves, vibrations, path |
-//! | `names` | no section: names by which sections refer to each other |
 //! | `run` | integrator, engine, validate, criteria, log |
 
 // Names of sections in brackets, such as [motor], are not links.
@@ -40,7 +39,6 @@ pub(crate) mod finger;
 pub(crate) mod law;
 pub(crate) mod mechanism;
 pub(crate) mod motion;
-mod names;
 pub(crate) mod run;
 pub(crate) mod start;
 

@@ -54,8 +54,8 @@ impl<'a> MechanismStaticsReport<'a> {
 
     fn balance_document(&self, balance: &'a MechanismBalance, brakes: &'a [String]) -> Object<'a> {
         match &balance.largest {
-            MechanismLimit::Infeasible => return Object::default().with("balanced", "nothing"),
-            MechanismLimit::Unlimited => return Object::default().with("balanced", "any"),
+            MechanismLimit::Infeasible => Object::default().with("balanced", "nothing"),
+            MechanismLimit::Unlimited => Object::default().with("balanced", "any"),
             MechanismLimit::Limited { acceleration_m_s2, contacts, brakes: loads, motion, gap } => {
                 let slipping = brakes.iter().zip(loads).filter(|(_, load)| load.slips).map(|(name, _)| name.as_str());
                 let forces = self.grasp.contacts.iter().zip(contacts).map(|(contact, (normal_n, tangential_n, _))| {

@@ -5,7 +5,7 @@ use serde::Deserialize;
 
 use super::joint::combination;
 use super::mirror::Entries;
-use super::{Known, check_units, find};
+use super::names::{Known, check_units, find};
 use crate::drive::Brake;
 use crate::law::Bristle;
 use crate::mechanism::{Actuator, Command, Mechanism, Pose, Tendon, TendonActuator, coordinate_in};

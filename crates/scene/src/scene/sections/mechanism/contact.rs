@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{Known, find, find_at, is_linear};
+use super::names::{Known, NamedLaw, find, find_at, is_linear};
 use crate::law::{ContactLaw, Damping, FrictionLaw, NormalLaw, damping_from_restitution};
 use crate::limits::MAX_CONTACTS;
 use crate::mechanism::{ContactPair, ForcePoint, Mechanism, Mirror, OutlineId, OutlineShape};
@@ -111,13 +111,6 @@ impl Keyword for ForcePoint {
         ("middle", ForcePoint::Middle),
         ("each", ForcePoint::Each),
     ];
-}
-
-/// A law with the units of its damper.
-pub(super) struct NamedLaw {
-    law: ContactLaw,
-    /// Whether damping and transition are those of contacts; `None` if they are not given.
-    linear: Option<bool>,
 }
 
 pub(super) fn named_law(section: &SectionInput<'_>) -> Option<NamedLaw> {
@@ -293,7 +286,7 @@ fn pairs_between(section: &SectionInput<'_>, between: &[String; 2], mechanism: &
     let (first, second) = (first?, second?);
     let mut pairs: Vec<[OutlineId; 2]> = Vec::new();
     for (a, b) in first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b))).filter(|(a, b)| a.body != b.body) {
-        for pair in directions([a, b], mechanism) {
+        for pair in mechanism.directions([a, b]) {
             if !pairs.contains(&pair) {
                 pairs.push(pair);
             }
@@ -306,21 +299,6 @@ fn pairs_between(section: &SectionInput<'_>, between: &[String; 2], mechanism: &
     }
     let span = section.span("between");
     Some(pairs.into_iter().map(|pair| (pair, span.clone())).collect())
-}
-
-/// Points and face of two outlines: both directions if both have corners and sides.
-fn directions([a, b]: [OutlineId; 2], mechanism: &Mechanism) -> Vec<[OutlineId; 2]> {
-    let rank = |id: OutlineId| match mechanism.outline(id).shape {
-        OutlineShape::HalfPlane { .. } => 0,
-        OutlineShape::Capsule { .. } | OutlineShape::Polygon { .. } => 1,
-        OutlineShape::Disc { .. } => 2,
-        OutlineShape::Ellipse { .. } => 3,
-    };
-    match (rank(a), rank(b)) {
-        (1, 1) => vec![[a, b], [b, a]],
-        (first, second) if first > second => vec![[a, b]],
-        _ => vec![[b, a]],
-    }
 }
 
 /// Whether a name fits a pattern in which * stands for any letters.

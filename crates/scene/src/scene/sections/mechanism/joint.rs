@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::contact::law_for;
+use super::names::{Known, check_units, find_at, two_bodies};
 use super::outline::si;
-use super::{Known, check_units, find_at, two_bodies};
 use crate::law::{Bristle, FrictionLaw};
 use crate::mechanism::{Body, Coupling, Joint, JointCombination, JointKind, Rotor, Spring, SpringKind};
 use crate::numeric::elementary::sin_cos;

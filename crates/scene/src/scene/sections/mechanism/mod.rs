@@ -10,12 +10,14 @@
 //! | `outline` | outlines of bodies |
 //! | `contact` | laws and contacts |
 //! | `mirror` | mirror |
+//! | `names` | no section: names by which sections refer to each other, and checks that they share |
 //! | `show` | a mechanism as sections |
 
 mod actuator;
 mod contact;
 mod joint;
 mod mirror;
+mod names;
 pub(crate) mod outline;
 mod show;
 pub(crate) mod tendon;
@@ -24,22 +26,20 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-use super::names::{GROUND, find, find_at};
-use super::{list, table};
 use crate::limits::MAX_BODIES;
 use crate::mechanism::{
-    Actuator, AssemblyError, Body, Condition, JointKind, Mechanism, Mirror, Outline, PlaneArea, Start, assemble,
+    Actuator, AssemblyError, Body, Condition, Mechanism, Mirror, Outline, PlaneArea, Start, assemble,
 };
 use crate::scene::Problem;
 use crate::scene::quantity::{Angle, AngularRate, Density, Inertia, Length, Mass, Positive, Quantity, Speed};
 use crate::scene::section_input::{SceneInput, SectionInput};
-use crate::units::Dimension;
 use actuator::{ActuatorSettings, actuator, limit_target_rates, pulls};
-use contact::{ContactEntry, NamedLaw, NamedLawSettings, contacts, named_law};
+use contact::{ContactEntry, NamedLawSettings, contacts, named_law};
 use joint::{
     CouplingSettings, JointSettings, LinkageSpringSettings, RotorSettings, coupling, joint, joint_kind, rotor, spring,
 };
 use mirror::{Entries, MirrorSettings, mirror};
+use names::{GROUND, Known, two_bodies};
 use outline::{OutlineSettings, outline, si};
 pub use show::mechanism_settings;
 use tendon::TendonSettings;
@@ -101,7 +101,8 @@ pub struct LinkKeys {
     pub mass: Option<Positive<Mass>>,
     /// Moment of inertia about the centre of mass. Required, or `density`.
     #[schemars(extend("x-alternative" = "density",
-        "x-required" = "add the moment of inertia about the centre of mass: inertia = \"200 g*mm^2\""))]
+        "x-required" = "add the moment of inertia about the centre of mass: inertia = \"200 g*mm^2\"; or, in place of mass and inertia, \
+            density and depth of the outlines"))]
     pub inertia: Option<Positive<Inertia>>,
     /// Centre of mass in the frame of the body.
     #[schemars(extend("default" = ["0 mm", "0 mm"]))]
@@ -146,23 +147,6 @@ pub struct GroundSettings {
     /// Outlines in the frame of the world, one section per name: [ground.outlines.floor].
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub outlines: BTreeMap<String, OutlineSettings>,
-}
-
-/// What the sections of a mechanism refer to by name.
-struct Known<'a> {
-    pub bodies: Vec<&'a str>,
-    pub joints: Vec<&'a str>,
-    /// `None` for a joint whose type is invalid.
-    pub kinds: Vec<Option<JointKind>>,
-    pub laws: Vec<(&'a str, Option<NamedLaw>)>,
-}
-
-impl Known<'_> {
-    /// Finds a joint and its kind.
-    fn joint(&self, input: &SectionInput<'_>, key: &str, name: &str) -> Option<(usize, JointKind)> {
-        let index = find(input, key, name, "joint", &self.joints)?;
-        Some((index, self.kinds[index]?))
-    }
 }
 
 /// Resolves a mechanism and assembles it; `None` if any part is invalid.
@@ -303,28 +287,6 @@ fn check_name(input: &SceneInput, section: &SectionInput<'_>, key: &str, name: &
     section.checker.push(Problem::new(span, message, "invalid name", help));
 }
 
-/// Finds the two bodies of a joint or a spring.
-fn two_bodies(input: &SectionInput<'_>, names: &[&str], what: &str) -> Option<[Option<usize>; 2]> {
-    #[derive(Deserialize)]
-    struct Names {
-        bodies: Option<[String; 2]>,
-    }
-    let Names { bodies } = input.read_quietly();
-    let bodies = bodies?;
-    let known: Vec<&str> = [GROUND].into_iter().chain(names.iter().copied()).collect();
-    let found: Vec<Option<usize>> = bodies
-        .iter()
-        .enumerate()
-        .map(|(k, name)| find_at(input, input.item_span("bodies", k), "bodies", name, "body", &known))
-        .collect();
-    let [a, b] = [found[0]?, found[1]?];
-    if a == b {
-        let message = format!("`{}` names `{}` twice, but {what} connects two bodies", input.path("bodies"), bodies[0]);
-        return input.refuse("bodies", message, "the same body", "name two bodies; `ground` is the fixed one");
-    }
-    Some([a, b].map(|body| body.checked_sub(1)))
-}
-
 /// Resolves a body; `is_jointed` is `None` if it is unknown.
 fn body(input: &SceneInput, name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Option<Body> {
     let keys: LinkKeys = section.read();
@@ -385,28 +347,4 @@ fn outlines(input: &SceneInput, section: &SectionInput<'_>) -> Option<Vec<Outlin
     sections.iter().for_each(|(name, each)| check_name(input, each, &section.path(""), name));
     let all: Vec<_> = sections.iter().map(|(name, section)| outline(name, section)).collect();
     all.into_iter().collect()
-}
-
-/// Whether a quantity belongs to translation; `None` for one of both.
-fn is_linear(dimension: Dimension) -> bool {
-    use Dimension as D;
-    matches!(
-        dimension,
-        D::Length | D::Speed | D::Mass | D::Force | D::LinearStiffness | D::LinearDamping | D::LinearImpactDamping
-    )
-}
-
-/// Checks that the given values of these keys have the units of a joint that slides or turns.
-fn check_units(input: &SectionInput<'_>, keys: &[&str], linear: bool, of: &str) -> bool {
-    let mut is_valid = true;
-    for key in keys {
-        let wrong = input.dimensions(key).into_iter().find(|dimension| is_linear(*dimension) != linear);
-        let Some(wrong) = wrong else { continue };
-        let right = input.alternatives(key).into_iter().find(|dimension| is_linear(*dimension) == linear);
-        let Some(right) = right else { continue };
-        let message = format!("`{}` is {}, but {of} needs {}", input.path(key), wrong.name(), right.name());
-        input.report(key, message, right.name(), format!("write it as in \"{}\"", right.example()));
-        is_valid = false;
-    }
-    is_valid
 }

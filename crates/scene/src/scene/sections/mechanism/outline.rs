@@ -4,13 +4,13 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::{Table, Value};
 
-use super::{list, table};
 use crate::limits::MAX_CORNERS;
 use crate::mechanism::{Outline, OutlineShape, rounded_core};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, cross, rotate, sub};
 use crate::scene::quantity::{Angle, Keyword, Length, NotNegative, Plain, Positive, Quantity, Word};
 use crate::scene::section_input::SectionInput;
+use crate::scene::sections::{list, table};
 use crate::units::{Dimension, format};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +88,7 @@ pub(super) fn si<const N: usize, D, R>(values: [Quantity<D, R>; N]) -> [f64; N] 
 }
 
 /// Resolves an outline.
-pub(super) fn outline(name: &str, section: &SectionInput<'_>) -> Option<Outline> {
+pub(crate) fn outline(name: &str, section: &SectionInput<'_>) -> Option<Outline> {
     let settings: OutlineSettings = section.read();
     let kind = settings.r#type?.0;
     if matches!(kind, OutlineKind::Disc | OutlineKind::Capsule) && !section.has("radius") {

@@ -5,7 +5,6 @@ use toml::{Table, Value};
 use super::joint::joint_words;
 use super::outline::outline_settings;
 use super::tendon::tendon_settings;
-use super::{list, table};
 use crate::drive::Brake;
 use crate::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
 use crate::mechanism::{
@@ -14,7 +13,7 @@ use crate::mechanism::{
 };
 use crate::scene::Profile;
 use crate::scene::quantity::Keyword;
-use crate::scene::sections::law;
+use crate::scene::sections::{law, list, table};
 use crate::units::{Dimension, format};
 
 /// Settings of a mechanism by section.

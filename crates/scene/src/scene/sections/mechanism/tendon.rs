@@ -5,13 +5,14 @@ use serde::Deserialize;
 use toml::{Table, Value};
 
 use super::mirror::Entries;
-use super::{GROUND, Known, find, list, table};
+use super::names::{GROUND, Known, find};
 use crate::mechanism::tendon::{center_in, length_in, wraps};
 use crate::mechanism::{JointKind, Mechanism, PathElement, Pose, Tendon};
 use crate::scene::quantity::{
     Force, Keyword, Length, LinearDamping, LinearStiffness, NotNegative, Positive, Quantity, Word,
 };
 use crate::scene::section_input::SectionInput;
+use crate::scene::sections::{list, table};
 
 /// A massless cable without friction, with one tension along its whole length: the force of its spring and damper, which
 /// cannot push, and the tension of an actuator.

@@ -1,0 +1,110 @@
+//! Names by which the sections of a mechanism refer to each other, and checks that they share.
+
+use serde::Deserialize;
+use std::ops::Range;
+
+use crate::law::ContactLaw;
+use crate::mechanism::JointKind;
+use crate::scene::Problem;
+use crate::scene::keys::closest_match;
+use crate::scene::section_input::SectionInput;
+use crate::units::Dimension;
+
+/// Name of the fixed body.
+pub(super) const GROUND: &str = "ground";
+
+/// Finds a name among those of a kind, or reports it at a key.
+pub(super) fn find(input: &SectionInput<'_>, key: &str, name: &str, what: &str, known: &[&str]) -> Option<usize> {
+    find_at(input, input.span(key), key, name, what, known)
+}
+
+pub(super) fn find_at(
+    input: &SectionInput<'_>,
+    span: Option<Range<usize>>,
+    key: &str,
+    name: &str,
+    what: &str,
+    known: &[&str],
+) -> Option<usize> {
+    let found = known.iter().position(|other| *other == name);
+    if found.is_none() {
+        let message = format!("`{}` names no {what}: there is no {what} `{}`", input.path(key), name.escape_debug());
+        let label = closest_match(name, known).map_or("unknown name".into(), |near| format!("did you mean `{near}`?"));
+        let help = match known {
+            [] => format!("there is no {what} yet: add one"),
+            _ => format!("the scene has: {}", known.join(", ")),
+        };
+        input.checker.push(Problem::new(span, message, label, help));
+    }
+    found
+}
+
+/// What the sections of a mechanism refer to by name.
+pub(super) struct Known<'a> {
+    pub bodies: Vec<&'a str>,
+    pub joints: Vec<&'a str>,
+    /// `None` for a joint whose type is invalid.
+    pub kinds: Vec<Option<JointKind>>,
+    pub laws: Vec<(&'a str, Option<NamedLaw>)>,
+}
+
+impl Known<'_> {
+    /// Finds a joint and its kind.
+    pub fn joint(&self, input: &SectionInput<'_>, key: &str, name: &str) -> Option<(usize, JointKind)> {
+        let index = find(input, key, name, "joint", &self.joints)?;
+        Some((index, self.kinds[index]?))
+    }
+}
+
+/// A law with the units of its damper.
+pub(super) struct NamedLaw {
+    pub law: ContactLaw,
+    /// Whether damping and transition are those of contacts; `None` if they are not given.
+    pub linear: Option<bool>,
+}
+
+/// Finds the two bodies of a joint or a spring.
+pub(super) fn two_bodies(input: &SectionInput<'_>, names: &[&str], what: &str) -> Option<[Option<usize>; 2]> {
+    #[derive(Deserialize)]
+    struct Names {
+        bodies: Option<[String; 2]>,
+    }
+    let Names { bodies } = input.read_quietly();
+    let bodies = bodies?;
+    let known: Vec<&str> = [GROUND].into_iter().chain(names.iter().copied()).collect();
+    let found: Vec<Option<usize>> = bodies
+        .iter()
+        .enumerate()
+        .map(|(k, name)| find_at(input, input.item_span("bodies", k), "bodies", name, "body", &known))
+        .collect();
+    let [a, b] = [found[0]?, found[1]?];
+    if a == b {
+        let message = format!("`{}` names `{}` twice, but {what} connects two bodies", input.path("bodies"), bodies[0]);
+        return input.refuse("bodies", message, "the same body", "name two bodies; `ground` is the fixed one");
+    }
+    Some([a, b].map(|body| body.checked_sub(1)))
+}
+
+/// Whether a quantity belongs to translation; `None` for one of both.
+pub(super) fn is_linear(dimension: Dimension) -> bool {
+    use Dimension as D;
+    matches!(
+        dimension,
+        D::Length | D::Speed | D::Mass | D::Force | D::LinearStiffness | D::LinearDamping | D::LinearImpactDamping
+    )
+}
+
+/// Checks that the given values of these keys have the units of a joint that slides or turns.
+pub(super) fn check_units(input: &SectionInput<'_>, keys: &[&str], linear: bool, of: &str) -> bool {
+    let mut is_valid = true;
+    for key in keys {
+        let wrong = input.dimensions(key).into_iter().find(|dimension| is_linear(*dimension) != linear);
+        let Some(wrong) = wrong else { continue };
+        let right = input.alternatives(key).into_iter().find(|dimension| is_linear(*dimension) == linear);
+        let Some(right) = right else { continue };
+        let message = format!("`{}` is {}, but {of} needs {}", input.path(key), wrong.name(), right.name());
+        input.report(key, message, right.name(), format!("write it as in \"{}\"", right.example()));
+        is_valid = false;
+    }
+    is_valid
+}
