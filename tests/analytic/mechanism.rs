@@ -3,7 +3,7 @@
 
 use phalanx::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize, event_function_count};
 use phalanx::analytic::{ContactState, EVENT_FUNCTIONS, Energies, FingerMode, Model as FingerKernel, QUADRATURES};
-use phalanx::drive::Brake;
+use phalanx::drive::{Brake, Interpolation, Profile};
 use phalanx::gripper::{Finger, FingerContact, Posture, close_loop};
 use phalanx::integrator::{
     Hybrid, Linearised, Method, Observer, Options, Radau5, RadauOrRodas, State, Step, StepTools, System, Tolerances,
@@ -11,7 +11,8 @@ use phalanx::integrator::{
 };
 use phalanx::law::Bristle;
 use phalanx::mechanism::{
-    self, ContactPair, ForcePoint, JointCombination, Mechanism, OutlineId, PrescribedMotion, assemble,
+    self, ContactPair, ForcePoint, JointCombination, Mechanism, OutlineId, PathElement, PrescribedMotion, Tendon,
+    TendonActuator, assemble,
 };
 use phalanx::scene::Scene;
 use std::f64::consts::TAU;
@@ -391,12 +392,12 @@ fn random_mechanisms_keep_their_energy_balance_or_name_their_singularity() {
     assert!(complete > 120 && singular > 0, "{complete} complete, {singular} singular");
 }
 
-/// Two fingers with components on both of them, brakes with and without a bristle, an object that does not rotate, and a
-/// disc with prescribed motion that hits it.
+/// Two fingers with components on both of them, brakes with and without a bristle, an object that does not rotate, a
+/// disc with prescribed motion that hits it, and a tendon of growing tension between both.
 fn with_all_components() -> MechanismCase {
     let mut case = mechanism_case("c_f85_two_disc");
     case.name = "components".to_string();
-    let Mechanism { bodies, joints, springs, actuators, rotors, contacts, .. } = &mut case.mechanism;
+    let Mechanism { bodies, joints, springs, tendons, actuators, rotors, contacts, .. } = &mut case.mechanism;
     let joint = |name: &str| joints.iter().position(|joint| joint.name == name).expect("a joint");
     let on =
         |left: f64| JointCombination { terms: vec![(joint("r_driver"), 0.5), (joint("l_driver"), left)], offset: 0.1 };
@@ -430,6 +431,17 @@ fn with_all_components() -> MechanismCase {
     hammer.motion = Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [0.0, 5.0] });
     let face = OutlineId { body: Some(bodies.len()), outline: 0 };
     contacts.push(ContactPair { face, force_point: ForcePoint::Each, ..contacts[1] });
+    let eyelet = |body, point_m| PathElement { body, point_m, radius_m: 0.0, side: 1.0 };
+    let tension = Profile::Table { points: vec![(0.0, 0.5), (0.1, 3.0)], interpolation: Interpolation::Linear };
+    tendons.push(Tendon {
+        name: "pull".to_string(),
+        path: vec![eyelet(None, [0.05, 0.3]), eyelet(Some(bodies.len()), [0.01, 0.0]), eyelet(Some(object), [0.0; 2])],
+        joints: Vec::new(),
+        stiffness_n_per_m: 0.0,
+        damping_n_s_per_m: 0.0,
+        rest_m: 0.0,
+        actuator: Some(TendonActuator { name: "winch".to_string(), tension }),
+    });
     bodies.push(hammer);
     case.start = assemble(&case.mechanism).expect("an assembled mechanism");
     case.samples.clear();

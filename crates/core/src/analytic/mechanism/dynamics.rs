@@ -575,6 +575,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
             for (powers, load) in [&mut sums.g_q[work], &mut sums.g_v[work]].into_iter().zip(loads) {
                 powers.iter_mut().zip(load.iter_mut()).for_each(|(power, load)| *power -= std::mem::take(load));
             }
+            sums.g_t[work] -= std::mem::take(&mut sums.load_t[time]);
         }
         let count = self.coordinates_in_use();
         let (mut a_q, mut a_v, mut a_t) = (sums.load_q, sums.load_v, sums.load_t);
