@@ -21,5 +21,6 @@ mod mechanism;
 mod mechanism_stiction;
 mod mixed_systems;
 mod newton_euler;
+mod prescribed;
 mod simulation;
 mod singularity;

@@ -9,6 +9,7 @@ use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_slip_row_at
 use super::coordinate::{BodyPose, Row, Twist};
 use super::dense;
 use super::dense::{refill, reset};
+use super::forces::working_drives;
 use super::linkage::Linkage;
 use super::plan::Plan;
 use super::world::World;
@@ -51,6 +52,8 @@ pub struct ContactSpace {
     pub rate_resolution: Vec<f64>,
     /// Velocity response M⁻¹ (c + Jᵀ λ) to a unit impulse along each row, body by body.
     response: Vec<Twist>,
+    /// Impulse on each driven body that does work per unit impulse along each row, directly and through joints, row by row.
+    pub on_driven: Vec<Twist>,
     poses: Vec<BodyPose>,
 }
 
@@ -117,7 +120,14 @@ impl ContactSpace {
             };
         }
         self.add_curvature(world, plan, linkage, velocities, dt);
-        respond(self.rows.iter(), linkage, velocities.len(), &mut self.response, &mut self.w);
+        let on_driven = &mut self.on_driven;
+        on_driven.clear();
+        respond(self.rows.iter(), linkage, velocities.len(), &mut self.response, &mut self.w, |row, linkage| {
+            on_driven.extend(working_drives(plan).map(|(body, _)| {
+                let (own, joints) = (row.on_body(body), linkage.reaction(body));
+                std::array::from_fn(|k| own[k] + joints[k])
+            }));
+        });
     }
 
     /// Adds the effect of curved surfaces and rotating normals, which the row accelerations do not contain, to the
@@ -190,6 +200,7 @@ fn respond<'a>(
     bodies: usize,
     response: &mut Vec<Twist>,
     w: &mut Vec<f64>,
+    mut after: impl FnMut(&Row, &Linkage),
 ) {
     let count = rows.len();
     reset(response, count * bodies, [0.0; 3]);
@@ -197,6 +208,7 @@ fn respond<'a>(
     for (j, (response, row)) in response.chunks_exact_mut(bodies).zip(rows.clone()).enumerate() {
         row.add_to(response, 1.0);
         linkage.respond(response);
+        after(row, linkage);
         for (i, row) in rows.clone().enumerate() {
             w[i * count + j] = row.rate(response);
         }
@@ -246,7 +258,8 @@ impl RateCorrection {
         if count == 0 {
             return;
         }
-        respond(self.rows.iter().map(|row| &row.row), linkage, bodies, &mut self.response, &mut self.w);
+        let rows = self.rows.iter().map(|row| &row.row);
+        respond(rows, linkage, bodies, &mut self.response, &mut self.w, |_, _| ());
         // (1 + D W) p = D (target − u), with the stiffness D of each row; tangent rows add −μ times the normal impulse.
         refill(&mut self.rates, self.rows.iter().map(|row| row.row.rate(velocities)));
         self.impulses.extend(self.rates.iter().zip(&self.rows).map(|(rate, row)| row.target - rate));

@@ -27,7 +27,7 @@ pub struct Row {
 }
 
 /// Product of a row and a velocity.
-fn power(row: &Twist, v: &Twist) -> f64 {
+pub(crate) fn power(row: &Twist, v: &Twist) -> f64 {
     row[0] * v[0] + row[1] * v[1] + row[2] * v[2]
 }
 
@@ -67,8 +67,15 @@ impl Row {
         self.others.iter().fold(pair, |sum, other| sum + along(other))
     }
 
+    /// Returns the components of a body.
+    pub(crate) fn on_body(&self, body: usize) -> Twist {
+        self.sides()
+            .filter(|(on, _)| *on == body)
+            .fold([0.0; 3], |sum, (_, row)| std::array::from_fn(|k| sum[k] + row[k]))
+    }
+
     pub fn rate_of(&self, body: usize, velocity: &Twist) -> f64 {
-        self.sides().filter(|(on, _)| *on == body).map(|(_, row)| power(row, velocity)).sum()
+        power(&self.on_body(body), velocity)
     }
 
     /// Adds a multiple of the row to a generalised impulse.

@@ -7,10 +7,10 @@
 use rapier2d_f64::prelude::{RigidBodyHandle, RigidBodySet, Vector};
 
 use super::contact_space::ContactSpace;
-use super::coordinate::{BodyPose, Twist};
+use super::coordinate::{BodyPose, Twist, power};
 use super::dense::refill;
 use super::linkage::{Inertia, Linkage};
-use super::plan::{Plan, PlannedDrive, PlannedRotor, PlannedSpring};
+use super::plan::{Plan, PlannedBody, PlannedDrive, PlannedRotor, PlannedSpring};
 use super::substeps::ContactSolver;
 use crate::mechanism::PrescribedMotion;
 use crate::numeric::elementary::{cos, sin, tan};
@@ -93,43 +93,22 @@ pub fn kinetic_energy(linkage: &Linkage, velocities: &[Twist], frame: &PalmFrame
     linkage.inertias.iter().zip(&linkage.poses).zip(velocities).map(body_energy).sum()
 }
 
-/// Position and angle, velocity and acceleration of the origin of a driven body.
-struct PrescribedState {
-    position: [f64; 3],
-    velocity: Twist,
-    acceleration: Twist,
-}
-
-/// Returns the prescribed state of a driven body at time `t`.
-fn prescribed_state(plan: &Plan, drive: &PlannedDrive, t: f64) -> PrescribedState {
-    let start = &plan.bodies[drive.body];
-    match &drive.motion {
-        PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [ax, ay] } => {
-            let ([x, y], [vx, vy], rate) = (start.origin_m, start.velocity_m_s, start.rate_rad_s);
-            let displacement = |v: f64, a: f64| t * (v + 0.5 * t * a);
-            PrescribedState {
-                position: [x + displacement(vx, *ax), y + displacement(vy, *ay), start.angle_rad + rate * t],
-                velocity: [vx + ax * t, vy + ay * t, rate],
-                acceleration: [*ax, *ay, 0.0],
-            }
-        }
-        PrescribedMotion::Palm(motion) => {
-            let pose = motion.pose(t);
-            PrescribedState { position: pose.position, velocity: pose.rate, acceleration: pose.acceleration }
-        }
-    }
+/// Returns the prescribed pose of a driven body at time `t`.
+fn prescribed_pose(plan: &Plan, drive: &PlannedDrive, t: f64) -> Pose {
+    let PlannedBody { origin_m: [x, y], angle_rad, velocity_m_s: [vx, vy], rate_rad_s, .. } = plan.bodies[drive.body];
+    drive.motion.at(([x, y, angle_rad], [vx, vy, rate_rad_s]), t)
 }
 
 /// Sets the velocities of driven bodies at time `t`.
 pub(crate) fn set_driven_velocities(plan: &Plan, t: f64, velocities: &mut [Twist]) {
     for drive in &plan.drives {
-        velocities[drive.body] = prescribed_state(plan, drive, t).velocity;
+        velocities[drive.body] = prescribed_pose(plan, drive, t).rate;
     }
 }
 
 /// Returns the accelerations of driven bodies at time `t`, with the body indices.
 pub(crate) fn driven_accelerations(plan: &Plan, t: f64, out: &mut Vec<(usize, Twist)>) {
-    refill(out, plan.drives.iter().map(|drive| (drive.body, prescribed_state(plan, drive, t).acceleration)));
+    refill(out, plan.drives.iter().map(|drive| (drive.body, prescribed_pose(plan, drive, t).acceleration)));
 }
 
 /// Returns the constant accelerations that, from these velocities, lead to the prescribed positions after `dt`.
@@ -144,10 +123,10 @@ pub(crate) fn mean_driven_accelerations(
     let mean = |drive: &PlannedDrive| {
         let body = drive.body;
         let acceleration = match drive.motion {
-            PrescribedMotion::ConstantAcceleration { .. } => prescribed_state(plan, drive, t).acceleration,
+            PrescribedMotion::ConstantAcceleration { .. } => prescribed_pose(plan, drive, t).acceleration,
             PrescribedMotion::Palm(_) => {
                 let (target, pose, velocity) =
-                    (prescribed_state(plan, drive, t + dt).position, &poses[body], &velocities[body]);
+                    (prescribed_pose(plan, drive, t + dt).position, &poses[body], &velocities[body]);
                 let displacement = [target[0] - pose.com[0], target[1] - pose.com[1], target[2] - pose.angle];
                 std::array::from_fn(|axis| 2.0 * (displacement[axis] / dt - velocity[axis]) / dt)
             }
@@ -168,7 +147,7 @@ pub(crate) fn set_rapier_velocities(
     dt: f64,
 ) {
     for drive in &plan.drives {
-        let (pose, target) = (&poses[drive.body], prescribed_state(plan, drive, t + dt).position);
+        let (pose, target) = (&poses[drive.body], prescribed_pose(plan, drive, t + dt).position);
         let [vx, vy]: [f64; 2] = std::array::from_fn(|axis| (target[axis] - pose.com[axis]) / dt);
         let rotation = target[2] - pose.angle;
         let rigid = &mut bodies[handles[drive.body]];
@@ -178,8 +157,16 @@ pub(crate) fn set_rapier_velocities(
     }
 }
 
-/// Returns the work of contact on driven bodies over the step that starts with `velocities`, J; the drives have to
-/// supply it. A palm does no work in its own frame.
+/// Driven bodies that do work, with their accelerations. A palm does no work in its own frame.
+pub(crate) fn working_drives(plan: &Plan) -> impl Iterator<Item = (usize, Twist)> + Clone {
+    plan.drives.iter().filter_map(|drive| match drive.motion {
+        PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [ax, ay] } => Some((drive.body, [ax, ay, 0.0])),
+        PrescribedMotion::Palm(_) => None,
+    })
+}
+
+/// Returns the work of contacts on driven bodies over the step that starts with `velocities`, J, directly and through
+/// joints; the drives have to supply it.
 pub(crate) fn driven_contact_work(
     plan: &Plan,
     space: &ContactSpace,
@@ -187,22 +174,30 @@ pub(crate) fn driven_contact_work(
     velocities: &[Twist],
     dt: f64,
 ) -> f64 {
-    let mut work = 0.0;
-    for drive in &plan.drives {
-        let (body, PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [ax, ay] }) =
-            (drive.body, &drive.motion)
-        else {
-            continue;
-        };
-        for (row, (early_impulse, late_impulse)) in
-            space.rows.iter().zip(solver.early_impulse.iter().zip(&solver.late_impulse))
-        {
-            // ∫ F ds and ∫ s F ds, from the early and late impulses.
-            let (impulse, moment) = (early_impulse + late_impulse, late_impulse * dt);
-            work += impulse * row.rate_of(body, &velocities[body]) + moment * row.rate_of(body, &[*ax, *ay, 0.0]);
-        }
+    let (drives, impulses) = (working_drives(plan), solver.early_impulse.iter().zip(&solver.late_impulse));
+    let rows = impulses.flat_map(|impulses| drives.clone().map(move |drive| (impulses, drive)));
+    rows.zip(&space.on_driven).fold(0.0, |work, (((early_impulse, late_impulse), (body, acceleration)), reaction)| {
+        // ∫ F ds and ∫ s F ds, from the early and late impulses.
+        let (impulse, moment) = (early_impulse + late_impulse, late_impulse * dt);
+        work + impulse * power(reaction, &velocities[body]) + moment * power(reaction, &acceleration)
+    })
+}
+
+/// Returns the power of the drives against joints and smooth forces at a node, W, with these forces and accelerations of
+/// driven bodies.
+pub(crate) fn driven_power(
+    plan: &Plan,
+    linkage: &mut Linkage,
+    forces: &[Twist],
+    velocities: &[Twist],
+    (driven, accelerations): (&[(usize, Twist)], &mut [Twist]),
+) -> f64 {
+    if working_drives(plan).next().is_none() {
+        return 0.0;
     }
-    work
+    linkage.accelerations(forces, velocities, driven, accelerations);
+    let on = |body: usize| power(&forces[body], &velocities[body]) + power(&linkage.reaction(body), &velocities[body]);
+    -working_drives(plan).map(|(body, _)| on(body)).sum::<f64>()
 }
 
 /// Largest rotation per step that rapier's atan can represent, rad.

@@ -103,7 +103,10 @@ impl Linkage {
             }
             JointKind::Prismatic { axis_rad } => {
                 let across = (plan.joint_position(joint, axis_rad + FRAC_PI_2), [1.0, 0.0]);
-                Pair::Relation { terms: vec![across, (relative_angle(joint), [0.0, 1.0])], closed: [0.0; 2] }
+                // The angle between bodies that do not rotate needs no constraint.
+                let rotates = |body: usize| plan.bodies[body].body.inertia_kg_m2 > 0.0;
+                let ratio = f64::from(joint.bodies.into_iter().flatten().any(rotates));
+                Pair::Relation { terms: vec![across, (relative_angle(joint), [0.0, ratio])], closed: [0.0; 2] }
             }
         };
         let gear_pair = |gear: &PlannedGear| {
@@ -308,6 +311,14 @@ impl Linkage {
                 let [x, y] = terms[0].0.axis(&self.poses);
                 [multipliers[0] * x, multipliers[0] * y, multipliers[1]]
             }
+        })
+    }
+
+    /// Returns the force and moment of all joints and gears on a body, after a call as for [`Linkage::joint_forces`].
+    pub(crate) fn reaction(&self, body: usize) -> Twist {
+        self.sides.iter().filter(|side| side.body == body).fold([0.0; 3], |sum, side| {
+            let multipliers = &self.multipliers[2 * side.pair..2 * side.pair + 2];
+            std::array::from_fn(|k| sum[k] + multipliers[0] * side.rows[0][k] + multipliers[1] * side.rows[1][k])
         })
     }
 

@@ -46,9 +46,9 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         // In the plan, a drive moves a body without mass, and a body without inertia does not rotate.
         let moves_by_forces = body.motion.is_none();
         let inertia_kg_m2 = if moves_by_forces && body.inertia_kg_m2.is_finite() { body.inertia_kg_m2 } else { 0.0 };
-        let mass_kg = if moves_by_forces { body.mass_kg } else { 0.0 };
+        let (mass_kg, com_m) = if moves_by_forces { (body.mass_kg, body.com_m) } else { (0.0, [0.0; 2]) };
         PlannedBody {
-            body: Body { mass_kg, com_m: body.com_m, inertia_kg_m2 },
+            body: Body { mass_kg, com_m, inertia_kg_m2 },
             origin_m: [pose[0], pose[1]],
             angle_rad: pose[2],
             velocity_m_s: [rate[0], rate[1]],

@@ -120,6 +120,8 @@ pub struct Motion {
     overshoot: Vec<[f64; 2]>,
     /// Largest opening acceleration of a joint at the node, see `Linkage::max_opening_acceleration`.
     pub opening_acceleration: f64,
+    /// Power of drives against joints and smooth forces at the node, W.
+    driven_power: f64,
     /// Largest opening that a step may leave because its mean velocities differ from the predicted ones, m.
     pub tolerance_m: f64,
     rate_correction: RateCorrection,
@@ -161,6 +163,7 @@ impl Motion {
             open: Vec::new(),
             overshoot: Vec::new(),
             opening_acceleration: 0.0,
+            driven_power: 0.0,
             tolerance_m: f64::INFINITY,
             rate_correction: RateCorrection::default(),
             previous_normals: Vec::new(),
@@ -185,7 +188,8 @@ impl Motion {
 
     /// Takes one step, while `keep_running` returns true. Of all errors only [`StepError::TooLong`] leaves it usable.
     pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
-        let power_before = forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
+        let power_before =
+            self.driven_power + forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
         candidates::set_shaft_torques(&self.plan, &self.linkage.poses, self.clock.now(), dt, &mut self.candidates);
         // Predicted mean velocities of the step.
         for (v, a) in self.predicted_mean_velocities.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
@@ -261,7 +265,8 @@ impl Motion {
             }
         }
         let power_after = forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
-        self.motor_work_j += 0.5 * dt * (power_before + power_after);
+        let driven_power = self.driven_power(before_node);
+        self.motor_work_j += 0.5 * dt * (power_before + power_after + driven_power);
         self.update_node();
         Ok(())
     }
@@ -453,11 +458,19 @@ impl Motion {
         }
     }
 
+    /// Returns the power of drives against joints and smooth forces at the node, with the accelerations at time `t`.
+    fn driven_power(&mut self, t: f64) -> f64 {
+        forces::driven_accelerations(&self.plan, t, &mut self.driven);
+        let Self { plan, linkage, forces, velocities, driven, predicted_mean_velocities: accelerations, .. } = self;
+        forces::driven_power(plan, linkage, forces, velocities, (driven, accelerations))
+    }
+
     /// Updates forces and accelerations at the node for the next step.
     fn update_node(&mut self) {
         candidates::zero_rounding_gaps(&mut self.candidates, &self.velocities);
         let now = self.clock.now();
         forces::smooth_forces(&self.plan, &self.linkage, now, &mut self.forces);
+        self.driven_power = self.driven_power(now);
         // Buffer for the previous accelerations.
         self.predicted_mean_velocities.copy_from_slice(&self.accelerations);
         forces::driven_accelerations(&self.plan, now, &mut self.driven);

@@ -350,8 +350,8 @@ impl Plan {
         let motors = self.motors.iter().map(|motor| motor.actuation.next_discontinuity(t));
         let servos = self.servos.iter().map(|servo| servo.target.next_discontinuity(t));
         let brakes = self.brakes.iter().map(|brake| brake.kind.next_discontinuity(t));
-        let palm = self.palm().map(|(_, motion)| motion.next_discontinuity(t));
-        motors.chain(servos).chain(brakes).chain(palm).fold(f64::INFINITY, f64::min)
+        let drives = self.drives.iter().map(|drive| drive.motion.next_discontinuity(t));
+        motors.chain(servos).chain(brakes).chain(drives).fold(f64::INFINITY, f64::min)
     }
 
     /// Returns the body index and motion of a moving palm.

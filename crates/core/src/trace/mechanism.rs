@@ -141,7 +141,10 @@ where
         angles.time_s = t;
         (0..counts.contacts).for_each(|index| sample.set_contact(index, &self.contact(state, index, mode)));
         sample.set_energy(&match required_data.energies {
-            true => stored_energy(&model.energies(qv)).relative_to(start, state.z[C], state.z[C + 1]),
+            true => {
+                let work = state.z[C + 1] + model.frame_work(qv);
+                stored_energy(&model.energies(qv)).relative_to(start, state.z[C], work)
+            }
             false => Energy::default(),
         });
     }

@@ -4,7 +4,7 @@
 //! closes all loops; lengths are scaled, so that they compare with angles. Rows that follow from earlier ones are found by
 //! orthogonalising the rows in order, which also names the rows that they follow from.
 
-use super::{Joint, JointKind, Mechanism, Pose};
+use super::{Body, Joint, JointKind, Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, rotate, sub};
 
@@ -121,7 +121,8 @@ pub fn assemble(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
         Ok(basis) => basis,
         Err(dependent) => return Err(solver.redundant(&rows, dependent, &poses)),
     };
-    let mut rates: Vec<Pose> = mechanism.bodies.iter().map(|body| body.rate).collect();
+    let rate = |body: &Body| if body.rotates() { body.rate } else { [body.rate[0], body.rate[1], 0.0] };
+    let mut rates: Vec<Pose> = mechanism.bodies.iter().map(rate).collect();
     let with_prescribed = Solver { moves_prescribed: true, ..solver }.rows(&poses);
     // The second pass removes the rounding errors of the first.
     for _ in 0..2 {
@@ -143,7 +144,8 @@ struct Solver<'a> {
     mechanism: &'a Mechanism,
     /// Length that counts as much as one radian.
     scale_m: f64,
-    /// Whether gradients include the poses of bodies with prescribed motion, which the assembly does not change.
+    /// Whether gradients include the poses of bodies with prescribed motion, which the assembly does not change. Angles
+    /// of bodies that do not rotate are constant as well.
     moves_prescribed: bool,
 }
 
@@ -162,6 +164,12 @@ impl<'a> Solver<'a> {
             for (residual, terms) in joint_conditions(joint, poses) {
                 // Conditions in metres are divided by the length scale.
                 let scale = if matches!(terms, Terms::Angle) { 1.0 } else { 1.0 / self.scale_m };
+                // An angle between bodies that do not rotate is a condition only where it is wrong.
+                let rotates = |body: usize| self.mechanism.bodies[body].moves_by_forces()[2];
+                let is_constant = matches!(terms, Terms::Angle) && !joint.bodies.into_iter().flatten().any(rotates);
+                if is_constant && residual.abs() <= CLOSED {
+                    continue;
+                }
                 let gradient = self.gradient(joint, terms, scale, poses.len());
                 rows.push(Row { condition: Condition::Joint(index), residual: residual * scale, gradient });
             }
@@ -203,9 +211,10 @@ impl<'a> Solver<'a> {
     fn gradient(&self, joint: &Joint, terms: Terms, scale: f64, bodies: usize) -> Vec<f64> {
         let mut gradient = vec![0.0; 3 * bodies];
         for (body, [x, y, angle]) in joint.bodies.into_iter().zip(terms.by_pose()) {
-            let moves = |body: &usize| self.moves_prescribed || self.mechanism.bodies[*body].motion.is_none();
-            let Some(body) = body.filter(moves) else { continue };
-            for (sum, part) in gradient[3 * body..].iter_mut().zip([x * self.scale_m, y * self.scale_m, angle]) {
+            let Some(body) = body else { continue };
+            let moves = self.mechanism.bodies[body].moves_by_forces().map(|moves| moves || self.moves_prescribed);
+            let parts = [x * self.scale_m, y * self.scale_m, angle].into_iter().zip(moves);
+            for (sum, (part, _)) in gradient[3 * body..].iter_mut().zip(parts).filter(|(_, (_, moves))| *moves) {
                 *sum += scale * part;
             }
         }

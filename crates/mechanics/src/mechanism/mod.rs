@@ -21,7 +21,7 @@ mod outline;
 use crate::drive::{Brake, Profile};
 use crate::law::{Damping, FrictionLaw, NormalLaw};
 use crate::numeric::elementary::hypot;
-use crate::palm_motion::PalmMotion;
+use crate::palm_motion::{self, PalmMotion};
 
 pub use assembly::{
     AssemblyError, Condition, Measure, Start, assemble, constraint_gradients, coordinate_gradient, coordinate_in,
@@ -241,6 +241,33 @@ pub struct Limit {
     pub law: NormalLaw,
 }
 
+impl PrescribedMotion {
+    /// Returns the pose at time `t` of a frame with this pose and rate at the start.
+    #[inline]
+    pub fn at(&self, (pose, rate): (Pose, Pose), t: f64) -> palm_motion::Pose {
+        match self {
+            PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [ax, ay] } => {
+                let acceleration = [*ax, *ay, 0.0];
+                palm_motion::Pose {
+                    position: std::array::from_fn(|axis| pose[axis] + t * (rate[axis] + 0.5 * t * acceleration[axis])),
+                    rate: std::array::from_fn(|axis| rate[axis] + t * acceleration[axis]),
+                    acceleration,
+                    jerk: [0.0; 3],
+                }
+            }
+            PrescribedMotion::Palm(motion) => motion.pose(t),
+        }
+    }
+
+    /// Returns the next time after `t` at which some derivative jumps; infinite if there is none.
+    pub fn next_discontinuity(&self, t: f64) -> f64 {
+        match self {
+            PrescribedMotion::ConstantAcceleration { .. } => f64::INFINITY,
+            PrescribedMotion::Palm(motion) => motion.next_discontinuity(t),
+        }
+    }
+}
+
 impl JointCombination {
     /// The coordinate of a joint.
     pub fn of_joint(joint: usize) -> Self {
@@ -267,6 +294,11 @@ impl Body {
     pub fn rotates(&self) -> bool {
         self.inertia_kg_m2.is_finite()
     }
+
+    /// Whether forces affect x, y and θ of the body.
+    pub fn moves_by_forces(&self) -> [bool; 3] {
+        [true, true, self.rotates()].map(|moves| moves && self.motion.is_none())
+    }
 }
 
 impl Spring {
@@ -292,6 +324,14 @@ impl Tendon {
 }
 
 impl Mechanism {
+    /// The moving palm, relative to which bodies are reported, and its motion.
+    pub fn palm(&self) -> Option<(usize, &PalmMotion)> {
+        self.bodies.iter().enumerate().find_map(|(index, body)| match &body.motion {
+            Some(PrescribedMotion::Palm(motion)) => Some((index, motion)),
+            _ => None,
+        })
+    }
+
     /// Name of a body; `ground` for `None`.
     pub fn body_name(&self, body: Option<usize>) -> &str {
         body.map_or("ground", |body| &self.bodies[body].name)

@@ -2,12 +2,12 @@
 //! close a loop (dyads).
 //!
 //! Bodies that are connected by joints or by components that act on several joints, other than through the ground, form a
-//! group, and so do all bodies with prescribed motion. Within a group, an
+//! group. All bodies with prescribed motion are in one group, whose first coordinate is time. Within a group, an
 //! independent coordinate opens a joint, a coupling gives the coordinate of a joint from other joints, and a dyad (two
 //! bodies with three joints) is placed by the intersection of two circles or lines. Nearly every planar linkage is a row
 //! of dyads after its driven joints. The search tries joints with a start, an actuator, a spring or a limit first.
 
-use super::{JointKind, Mechanism, Spring};
+use super::{JointKind, Mechanism, PrescribedMotion, Spring};
 
 /// A group of connected bodies, with the order of their placement.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,7 +25,7 @@ pub enum Coordinate {
     Joint(usize),
     /// A component (x, y or θ) of the pose of a body without joints to the ground.
     Body(usize, usize),
-    /// Time, on which the poses of bodies with prescribed motion depend.
+    /// Time, on which the poses of bodies with prescribed motion depend: the first coordinate of their group.
     Time,
 }
 
@@ -52,6 +52,14 @@ pub struct Attachment {
     pub is_second: bool,
 }
 
+impl Attachment {
+    /// Angle of the placed body against its base per angle of the joint.
+    #[inline]
+    pub fn sign(&self) -> f64 {
+        if self.is_second { 1.0 } else { -1.0 }
+    }
+}
+
 /// Where the coordinate of a joint comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Source {
@@ -59,6 +67,8 @@ pub enum Source {
     Coordinate(usize),
     /// A coupling with joints whose coordinates are known.
     Coupling(usize),
+    /// The constant angle of the attached body, which does not rotate.
+    Angle,
 }
 
 /// Why the equations of a mechanism cannot be written in independent coordinates.
@@ -150,9 +160,13 @@ impl<'a> Search<'a> {
     }
 
     fn run(&self) -> Result<Group, StructureError> {
-        let mut furthest = Partial::default();
-        if let Some(group) = self.extend(Partial::default(), &mut furthest) {
-            return Ok(group);
+        let (mut start, mut furthest) = (Partial::default(), Partial::default());
+        for &body in self.bodies.iter().filter(|body| self.mechanism.bodies[**body].motion.is_some()) {
+            start.group.coordinates = vec![Coordinate::Time];
+            start.add(Placement::Prescribed { body });
+        }
+        if let Some(group) = self.extend(start, &mut furthest) {
+            return self.with_constant_angles(group);
         }
         let is_left = |joint: &&usize| !furthest.joints.contains(joint);
         let joints: Vec<String> =
@@ -193,16 +207,9 @@ impl<'a> Search<'a> {
         if open.is_empty() {
             let index = *self.bodies.iter().find(|body| !partial.is_placed(Some(**body)))?;
             let (first, body) = (partial.group.coordinates.len(), &self.mechanism.bodies[index]);
-            if body.motion.is_some() {
-                if first == 0 {
-                    partial.group.coordinates.push(Coordinate::Time);
-                }
-                partial.add(Placement::Prescribed { body: index });
-            } else {
-                let axes = if body.rotates() { 3 } else { 2 };
-                partial.group.coordinates.extend((0..axes).map(|axis| Coordinate::Body(index, axis)));
-                partial.add(Placement::Free { body: index, first, axes });
-            }
+            let axes = if body.rotates() { 3 } else { 2 };
+            partial.group.coordinates.extend((0..axes).map(|axis| Coordinate::Body(index, axis)));
+            partial.add(Placement::Free { body: index, first, axes });
             return self.extend(partial, furthest);
         }
         open.into_iter().find_map(|at| {
@@ -211,6 +218,42 @@ impl<'a> Search<'a> {
             next.add(Placement::Joint { at, coordinate: Source::Coordinate(next.group.coordinates.len() - 1) });
             self.extend(next, furthest)
         })
+    }
+
+    /// Returns the group, if the placement of every body that does not rotate keeps its angle.
+    fn with_constant_angles(&self, group: Group) -> Result<Group, StructureError> {
+        let Mechanism { bodies, joints, .. } = self.mechanism;
+        let mut turns = vec![true; bodies.len()];
+        let is_slider = |joint: usize| joints[joint].kind != JointKind::Revolute;
+        for placement in &group.placements {
+            let base_turns = |at: &Attachment| at.base.is_some_and(|base| turns[base]);
+            match placement {
+                Placement::Free { body, axes, .. } => turns[*body] = *axes == 3,
+                Placement::Prescribed { body } => {
+                    let is_palm = matches!(bodies[*body].motion, Some(PrescribedMotion::Palm(_)));
+                    turns[*body] = is_palm || bodies[*body].rate[2] != 0.0;
+                }
+                Placement::Joint { at, coordinate } => {
+                    turns[at.body] =
+                        if is_slider(at.joint) { base_turns(at) } else { !matches!(coordinate, Source::Angle) };
+                }
+                Placement::Dyad { outer, inner } => {
+                    let slides_on = outer.each_ref().map(|at| is_slider(at.joint) && !base_turns(at));
+                    let is_shared = is_slider(*inner) && slides_on != [false; 2];
+                    (0..2).for_each(|k| turns[outer[k].body] = !slides_on[k] && !is_shared);
+                }
+            }
+        }
+        match group.bodies.iter().find(|body| turns[**body] && bodies[**body].moves_by_forces() == [true, true, false])
+        {
+            Some(body) => Err(StructureError::Unsupported {
+                what: format!(
+                    "the joint of the body `{}`, which does not rotate, to a body that does,",
+                    bodies[*body].name
+                ),
+            }),
+            None => Ok(group),
+        }
     }
 
     /// Order in which joints are tried as independent coordinates.
@@ -249,7 +292,15 @@ impl<'a> Search<'a> {
             (!partial.couplings.contains(coupling))
                 .then_some(Placement::Joint { at, coordinate: Source::Coupling(*coupling) })
         });
-        coupled.or_else(|| self.joints.iter().find_map(|inner| self.dyad(partial, *inner)))
+        let angle = || {
+            let turned = |joint: &usize| self.mechanism.joints[*joint].kind == JointKind::Revolute;
+            let mut pins = self.joints.iter().filter(|joint| turned(joint));
+            let at = pins.find_map(|joint| {
+                self.attachment(partial, *joint).filter(|at| !self.mechanism.bodies[at.body].rotates())
+            })?;
+            Some(Placement::Joint { at, coordinate: Source::Angle })
+        };
+        coupled.or_else(angle).or_else(|| self.joints.iter().find_map(|inner| self.dyad(partial, *inner)))
     }
 
     /// Returns the dyad with this inner joint, if each of its bodies has one joint to a placed body.

@@ -238,7 +238,7 @@ pub(super) fn place_dyad<const K: usize>(
     for (k, body) in bodies.iter_mut().enumerate() {
         match loci[k] {
             Locus::Circle { center, arm } => {
-                let (sign, offset) = (if outer[k].is_second { 1.0 } else { -1.0 }, sub(position, center));
+                let (sign, offset) = (outer[k].sign(), sub(position, center));
                 body.direction = scale_by([dot(arm, offset), cross(arm, offset)], 1.0 / dot(arm, arm));
                 let angle = atan2(body.direction[1], body.direction[0]);
                 coordinates[k] = nearest(k, sign * (angle - bases[k].angle) - joints[k].offset_rad);
@@ -318,10 +318,7 @@ fn slide<const K: usize>(
     };
     let gap = dot(normal, sub(position(b), position(a)));
     pair(|k| match loci[k] {
-        Locus::Circle { .. } => {
-            let turn = if outer[k].is_second { 1.0 } else { -1.0 };
-            turn * (angles[k] - bases[k].angle) - joints[k].offset_rad
-        }
+        Locus::Circle { .. } => outer[k].sign() * (angles[k] - bases[k].angle) - joints[k].offset_rad,
         Locus::Line { direction, .. } => {
             let side = if k == b { -1.0 } else { 1.0 };
             side * gap / dot(normal, direction)

@@ -118,9 +118,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let row = motions.combination(&element.on).row;
             (0..width).for_each(|i| (0..=i).for_each(|j| mass[i][j] += element.inertia * row[i] * row[j]));
         }
-        if group.is_prescribed() {
-            mass[0][0] = 1.0;
-        }
         mass
     }
 
@@ -256,11 +253,18 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
     }
 
-    /// Solves the mass matrices of all groups for one vector of loads, in place.
-    pub(super) fn solve(&self, factors: &[Factor<K>], x: &mut [f64; N]) {
-        for (group, factor) in self.groups.iter().zip(factors) {
-            factor.solve(&mut x[group.first..group.first + group.size()]);
+    /// Solves the mass matrices of all groups for one vector of loads, in place. Returns the power that the prescribed
+    /// motions require: time is their coordinate, and its rate is 1.
+    pub(super) fn solve(&self, factors: &[Factor<K>], x: &mut [f64; N]) -> f64 {
+        let mut power = 0.0;
+        for (index, (group, factor)) in self.groups.iter().zip(factors).enumerate() {
+            let x = &mut x[group.first..group.first + group.size()];
+            match self.prescribed == Some(index) {
+                true => power = factor.solve_prescribed(x),
+                false => factor.solve(x),
+            }
         }
+        power
     }
 
     /// Adds the derivatives of the loads on a group that depend on the group alone.
@@ -550,12 +554,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
         self.with_factors((q, v), |motions, factors| {
             self.add_loads(t, v, mode, motions, &mut a, &mut g);
             self.add_tendon_loads(t, v, mode, motions, &mut a, &mut g);
-            // Forces on bodies with prescribed motion change no acceleration; what moves these bodies does work against
-            // them.
-            if let Some(time) = self.prescribed {
-                g[Self::DRIVE_WORK] -= std::mem::take(&mut a[time]);
-            }
-            self.solve(factors, &mut a);
+            g[Self::DRIVE_WORK] += self.solve(factors, &mut a);
         });
         Rates { a, g }
     }
@@ -570,25 +569,18 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
             self.add_all_pair_derivatives(v, mode, motions, &mut sums);
             self.add_tendon_derivatives(t, v, mode, (plain, motions), &mut sums);
         });
-        if let Some(time) = self.prescribed {
-            let (work, loads) = (Self::DRIVE_WORK, [&mut sums.load_q[time], &mut sums.load_v[time]]);
-            for (powers, load) in [&mut sums.g_q[work], &mut sums.g_v[work]].into_iter().zip(loads) {
-                powers.iter_mut().zip(load.iter_mut()).for_each(|(power, load)| *power -= std::mem::take(load));
-            }
-            sums.g_t[work] -= std::mem::take(&mut sums.load_t[time]);
-        }
         let count = self.coordinates_in_use();
-        let (mut a_q, mut a_v, mut a_t) = (sums.load_q, sums.load_v, sums.load_t);
+        let Sums { load_q: mut a_q, load_v: mut a_v, load_t: mut a_t, mut g_q, mut g_v, mut g_t } = sums;
         self.with_factors((q, v), |_, factors| {
-            for matrix in [&mut a_q, &mut a_v] {
+            for (matrix, powers) in [(&mut a_q, &mut g_q), (&mut a_v, &mut g_v)] {
                 for j in 0..count {
                     let mut column = array_from(|i| matrix[i][j]);
-                    self.solve(factors, &mut column);
+                    powers[Self::DRIVE_WORK][j] += self.solve(factors, &mut column);
                     matrix.iter_mut().zip(column).for_each(|(row, entry)| row[j] = entry);
                 }
             }
-            self.solve(factors, &mut a_t);
+            g_t[Self::DRIVE_WORK] += self.solve(factors, &mut a_t);
         });
-        Linearised { rates, a_q, a_v, a_t, g_q: sums.g_q, g_v: sums.g_v, g_t: sums.g_t }
+        Linearised { rates, a_q, a_v, a_t, g_q, g_v, g_t }
     }
 }

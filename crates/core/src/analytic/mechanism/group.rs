@@ -3,12 +3,13 @@
 
 use super::dyad::{AssemblyMode, Transmission, close_dyad, inner_motion, place_dyad, transmission};
 use super::motion::{
-    BodyMotion, JointMotion, Motions, carried_bias, carry, column, joint_coordinate, joint_rate, pair, place, triple,
+    BodyMotion, JointMotion, Motions, carried_bias, carry, column, joint_coordinate, joint_rate, pair, place,
 };
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
-use crate::mechanism::{Body, Joint, JointCombination, JointKind, Mechanism, Pose, PrescribedMotion, SpringKind};
+use crate::mechanism::{Body, Joint, JointCombination, JointKind, Mechanism, Pose, SpringKind};
 use crate::numeric::plane::{dot, nearest_equivalent_angle, sub};
 use crate::numeric::{Dual, Real};
+use crate::palm_motion;
 
 /// Stiffness, damping and inertia on a combination of joint coordinates: Q = preload − k (q − rest) − d q̇ − I q̈.
 #[derive(Clone, Debug)]
@@ -114,9 +115,9 @@ impl PlacedGroup {
         }
     }
 
-    /// Whether the motion of the group is prescribed: its only coordinate is time.
-    pub fn is_prescribed(&self) -> bool {
-        self.group.coordinates == [Coordinate::Time]
+    /// Whether the group contains bodies with prescribed motion: its first coordinate is time.
+    pub fn has_prescribed(&self) -> bool {
+        self.group.coordinates.first() == Some(&Coordinate::Time)
     }
 
     /// Number of coordinates.
@@ -163,9 +164,7 @@ impl PlacedGroup {
                     motions.bodies[*body] = BodyMotion::at([q[*first], q[first + 1], angle], [0.0; 3]);
                 }
                 Placement::Prescribed { body } => {
-                    let (of, t) = (&mechanism.bodies[*body], q[0]);
-                    let acceleration = prescribed_acceleration(of);
-                    let pose = triple(|axis| of.pose[axis] + t * (of.rate[axis] + 0.5 * t * acceleration[axis]));
+                    let pose = prescribed(&mechanism.bodies[*body], q[0]).position;
                     motions.bodies[*body] = BodyMotion::at(pose, [0.0; 3]);
                 }
                 Placement::Joint { at, coordinate: source } => {
@@ -177,6 +176,10 @@ impl PlacedGroup {
                             ratios.fold(coupling.on.offset / coupling.on.factor(at.joint), |sum, (joint, ratio)| {
                                 sum + ratio * motions.joints[joint].coordinate
                             })
+                        }
+                        Source::Angle => {
+                            let angle = mechanism.bodies[at.body].pose[2] - motions.body(at.base).angle;
+                            at.sign() * angle - mechanism.joints[at.joint].offset_rad
                         }
                     };
                     motions.joints[at.joint].coordinate = coordinate;
@@ -219,11 +222,12 @@ impl PlacedGroup {
                     body.update_rate(v);
                 }
                 Placement::Prescribed { body } => {
-                    let (of, body) = (&mechanism.bodies[*body], &mut motions.bodies[*body]);
-                    let acceleration = prescribed_acceleration(of);
-                    for (axis, acceleration) in acceleration.into_iter().enumerate() {
-                        body.jacobian[axis][0] = first * acceleration + of.rate[axis];
-                        body.bias[axis] = T::constant(acceleration);
+                    let palm_motion::Pose { rate, acceleration, jerk, .. } =
+                        prescribed(&mechanism.bodies[*body], first.value());
+                    let body = &mut motions.bodies[*body];
+                    for axis in 0..3 {
+                        body.jacobian[axis][0] = first.chain(rate[axis], acceleration[axis]);
+                        body.bias[axis] = first.chain(acceleration[axis], jerk[axis]) * (v[0] * v[0]);
                     }
                     body.update_rate(v);
                 }
@@ -245,9 +249,16 @@ impl PlacedGroup {
                                 motion.bias += other.bias * ratio;
                                 (0..K).for_each(|k| motion.row[k] += other.row[k] * ratio);
                             }
-                            for (axis, row) in body.jacobian.iter_mut().enumerate() {
-                                (0..K).for_each(|k| row[k] += column[axis] * motion.row[k]);
-                            }
+                        }
+                        Source::Angle => {
+                            let turn = -at.sign();
+                            (motion.rate, motion.bias) = (base.rate[2] * turn, base.bias[2] * turn);
+                            (0..K).for_each(|k| motion.row[k] = base.jacobian[2][k] * turn);
+                        }
+                    }
+                    if !matches!(source, Source::Coordinate(_)) {
+                        for (axis, row) in body.jacobian.iter_mut().enumerate() {
+                            (0..K).for_each(|k| row[k] += column[axis] * motion.row[k]);
                         }
                     }
                     body.update_rate(v);
@@ -329,12 +340,9 @@ fn bases_length<const K: usize>(
     (squared(0) + squared(1)).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// Acceleration of the pose of a body with prescribed motion.
-fn prescribed_acceleration(body: &Body) -> Pose {
-    match body.motion {
-        Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [x, y] }) => [x, y, 0.0],
-        Some(PrescribedMotion::Palm(_)) | None => [0.0; 3],
-    }
+/// Pose of a body with prescribed motion.
+fn prescribed(body: &Body, t: f64) -> palm_motion::Pose {
+    body.motion.as_ref().map_or_else(Default::default, |motion| motion.at((body.pose, body.rate), t))
 }
 
 /// Joints from which the coordinate of a coupled joint follows, with their ratios: q = (offset − Σ cᵢ qᵢ)/c.

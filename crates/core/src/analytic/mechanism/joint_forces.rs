@@ -22,19 +22,20 @@ pub struct JointForce {
 }
 
 /// Forces and moments about the centres of mass of all bodies.
-struct Wrenches {
+struct Wrenches<'a> {
+    moves_by_forces: &'a [[bool; 3]],
     centers: Vec<[f64; 2]>,
     values: Vec<[f64; 3]>,
 }
 
-impl Wrenches {
-    /// Adds a force at a point, and a moment, on a body; nothing for the ground.
+impl Wrenches<'_> {
+    /// Adds a force at a point, and a moment, on a body, where they affect its motion.
     fn add(&mut self, body: Option<usize>, force: [f64; 2], point: [f64; 2], moment: f64) {
         let Some(body) = body else { return };
-        let [x, y, turn] = &mut self.values[body];
-        *x += force[0];
-        *y += force[1];
-        *turn += cross(sub(point, self.centers[body]), force) + moment;
+        let wrench = [force[0], force[1], cross(sub(point, self.centers[body]), force) + moment];
+        for ((sum, part), moves) in self.values[body].iter_mut().zip(wrench).zip(self.moves_by_forces[body]) {
+            *sum += if moves { part } else { 0.0 };
+        }
     }
 
     /// Adds a force at a point, and a moment, on the second of two bodies, with the reaction on the first.
@@ -45,7 +46,7 @@ impl Wrenches {
 }
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
-    /// Returns the forces of all joints in a state.
+    /// Returns the forces of all joints in a state, in the frame of a moving palm.
     pub fn joint_forces<const Z: usize>(
         &self,
         t: f64,
@@ -60,9 +61,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Wrenches that give all bodies their accelerations.
-    fn required_wrenches(&self, a: &[f64; N], motions: &Motions<f64, K>) -> Wrenches {
+    fn required_wrenches(&self, a: &[f64; N], motions: &Motions<f64, K>) -> Wrenches<'_> {
         let gravity = self.mechanism.gravity_m_s2;
-        let mut wrenches = Wrenches { centers: Vec::new(), values: Vec::new() };
+        let moves_by_forces = &self.moves_by_forces;
+        let mut wrenches = Wrenches { moves_by_forces, centers: Vec::new(), values: Vec::new() };
         for (index, (body, center)) in self.mechanism.bodies.iter().zip(&motions.centers).enumerate() {
             let (group, motion) = (&self.groups[self.group_of[index]], &motions.bodies[index]);
             let acceleration =
@@ -96,7 +98,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         (a, v): StateRef<'_, N>,
         mode: &MechanismMode<C>,
         motions: &Motions<f64, K>,
-        wrenches: &mut Wrenches,
+        wrenches: &mut Wrenches<'_>,
     ) {
         let mut subtract = |joint: usize, effort: f64| {
             let (point, direction, turn) = self.effort_direction(joint, motions);
@@ -135,9 +137,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Subtracts the forces of contacts and limits.
-    fn subtract_contacts(&self, state: StateRef<'_, N>, mode: &MechanismMode<C>, wrenches: &mut Wrenches) {
+    fn subtract_contacts(&self, state: StateRef<'_, N>, mode: &MechanismMode<C>, wrenches: &mut Wrenches<'_>) {
         for (index, contact) in self.contacts.iter().enumerate() {
-            let reading = self.contact_reading(state, index, mode[index]);
+            let reading = self.world_reading(state, index, mode[index]);
             match contact.surfaces {
                 Surfaces::Point(PointOnFace { bodies: [body, face], force_point, .. }) => {
                     let (normal, tangent) = (reading.geometry.normal, perp(reading.geometry.normal));
@@ -168,14 +170,14 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Solves the equations of all bodies for the forces of joints and couplings.
-    fn solve_joint_forces(&self, motions: &Motions<f64, K>, wrenches: &Wrenches) -> Vec<JointForce> {
+    fn solve_joint_forces(&self, motions: &Motions<f64, K>, wrenches: &Wrenches<'_>) -> Vec<JointForce> {
         let (joints, couplings) = (&self.mechanism.joints, &self.mechanism.couplings);
         // Columns: two unknowns of each joint, one of each coupling, then the right-hand side.
         let mut columns: Vec<Vec<[f64; 3]>> = Vec::new();
         let mut directions = Vec::new();
-        let mut column = |add: &dyn Fn(&mut Wrenches)| {
-            let mut unit =
-                Wrenches { centers: wrenches.centers.clone(), values: vec![[0.0; 3]; wrenches.values.len()] };
+        let mut column = |add: &dyn Fn(&mut Wrenches<'_>)| {
+            let (values, centers) = (vec![[0.0; 3]; wrenches.values.len()], wrenches.centers.clone());
+            let mut unit = Wrenches { values, centers, ..*wrenches };
             add(&mut unit);
             columns.push(unit.values);
         };
@@ -205,10 +207,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             .enumerate()
             .map(|(index, (first, moment))| {
                 let [a, b] = [solution[2 * index], solution[2 * index + 1]];
-                match *moment == 0.0 {
-                    true => JointForce { force_n: [a, b], moment_n_m: 0.0 },
-                    false => JointForce { force_n: [a * first[0], a * first[1]], moment_n_m: b },
-                }
+                let (force, moment_n_m) = match *moment == 0.0 {
+                    true => ([a, b], 0.0),
+                    false => ([a * first[0], a * first[1]], b),
+                };
+                JointForce { force_n: motions.body(self.palm).in_frame(force), moment_n_m }
             })
             .collect()
     }

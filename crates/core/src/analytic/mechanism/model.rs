@@ -13,7 +13,7 @@ use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::mechanism::structure::{Coordinate, Group, StructureError, find_groups};
-use crate::mechanism::{Actuator, Command, JointKind, Limit, Mechanism, Pose, PrescribedMotion, Spring, SpringKind};
+use crate::mechanism::{Actuator, Body, Command, JointKind, Limit, Mechanism, Pose, Spring, SpringKind};
 use crate::numeric::Dual;
 use crate::scene::Profile;
 use std::ops::Index;
@@ -89,8 +89,12 @@ pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     /// Index of the bristle state of the brake of each actuator.
     pub(super) brake_bristles: Vec<Option<usize>>,
     pub(super) time_index: Option<usize>,
-    /// Index of time, if the motion of a body is prescribed; time is then the coordinate of the group of these bodies.
+    /// The group of the bodies with prescribed motion, whose first coordinate is time.
     pub(super) prescribed: Option<usize>,
+    /// The moving palm, relative to which states are reported.
+    pub(super) palm: Option<usize>,
+    /// Whether forces affect x, y and θ of each body.
+    pub(super) moves_by_forces: Vec<[bool; 3]>,
     /// Whether a force depends on the coordinate of each joint.
     pub(super) depends_on_joint: Vec<bool>,
     coordinate_count: usize,
@@ -117,7 +121,7 @@ impl MechanismSize {
     /// # Errors
     /// Returns an error for a mechanism without independent coordinates in closed form.
     pub fn new(mechanism: &Mechanism) -> Result<Self, StructureError> {
-        Ok(Self::with_groups(mechanism, &supported_groups(mechanism)?))
+        Ok(Self::with_groups(mechanism, &find_groups(mechanism)?))
     }
 
     fn with_groups(mechanism: &Mechanism, groups: &[Group]) -> Self {
@@ -158,23 +162,6 @@ fn elastic_tendons(mechanism: &Mechanism) -> impl Iterator<Item = (usize, Normal
     mechanism.tendons.iter().enumerate().filter_map(|(index, tendon)| Some((index, tendon.law()?)))
 }
 
-/// Groups of a mechanism without components that the model does not have.
-fn supported_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> {
-    let is_jointed = |body: usize| mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
-    let unsupported = mechanism.bodies.iter().enumerate().find_map(|(index, body)| match &body.motion {
-        Some(PrescribedMotion::Palm(_)) => Some(format!("the motion of the palm `{}`", body.name)),
-        Some(_) if is_jointed(index) => Some(format!("the joint of the body `{}` with prescribed motion", body.name)),
-        None if !body.rotates() && is_jointed(index) => {
-            Some(format!("the joint of the body `{}`, which does not rotate,", body.name))
-        }
-        _ => None,
-    });
-    match unsupported {
-        Some(what) => Err(StructureError::Unsupported { what }),
-        None => find_groups(mechanism),
-    }
-}
-
 /// Bristles of contacts and brakes in the order of their states: those of contacts first, then of actuators.
 fn bristles_of_brakes(mechanism: &Mechanism) -> impl Iterator<Item = Option<Bristle>> + '_ {
     mechanism.actuators.iter().map(|actuator| actuator.brake.and_then(|brake| brake.bristle))
@@ -208,7 +195,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// # Panics
     /// Panics if the mechanism exceeds the capacity of the model.
     pub fn new(mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Result<Self, StructureError> {
-        let found = supported_groups(mechanism)?;
+        let found = find_groups(mechanism)?;
         let size = MechanismSize::with_groups(mechanism, &found);
         let capacity = MechanismSize { coordinates: N, group: K, contacts: C, actuators: MAX_ACTUATORS };
         assert!(size.fits(&capacity), "{size:?} exceeds {capacity:?}");
@@ -222,7 +209,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             groups.push(placed);
         }
         let start = groups.iter().flat_map(|group| group.start(mechanism, (poses, rates))).collect();
-        let prescribed = groups.iter().find(|group| group.is_prescribed()).map(|group| group.first);
+        let prescribed = groups.iter().position(PlacedGroup::has_prescribed);
         let mut next = first;
         let mut bristles = Vec::new();
         let mut add_bristle = |bristle: Option<Bristle>| {
@@ -267,16 +254,19 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             contacts.push(Contact { surfaces, normal, friction: Some(law), rolling: None, bristle });
         }
         let brake_bristles = bristles_of_brakes(mechanism).map(add_bristle).collect();
-        let time_index = prescribed.or_else(|| depends_on_time(mechanism).then_some(next));
+        let time = prescribed.map(|group: usize| groups[group].first);
+        let time_index = time.or_else(|| depends_on_time(mechanism).then_some(next));
+        let palm = mechanism.palm().map(|(body, _)| body);
+        let moves_by_forces = mechanism.bodies.iter().map(Body::moves_by_forces).collect();
         let mut mechanism = mechanism.clone();
-        for body in &mut mechanism.bodies {
+        for (body, pose) in mechanism.bodies.iter_mut().zip(poses) {
+            if body.motion.is_none() {
+                body.pose = *pose;
+            }
             // These have no effect.
-            if body.motion.is_some() {
-                body.mass_kg = 0.0;
-            }
-            if body.motion.is_some() || !body.rotates() {
-                body.inertia_kg_m2 = 0.0;
-            }
+            let [moves, _, rotates] = body.moves_by_forces();
+            body.mass_kg *= f64::from(moves);
+            body.inertia_kg_m2 = if rotates { body.inertia_kg_m2 } else { 0.0 };
         }
         let workspace = Workspace {
             state: None,
@@ -295,6 +285,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             brake_bristles,
             time_index,
             prescribed,
+            palm,
+            moves_by_forces,
             coordinate_count: next + usize::from(time_index == Some(next)),
             event_tolerances: EVENT_TOLERANCES,
             workspace: RefCell::new(workspace),
@@ -382,7 +374,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let workspace = &mut *workspace;
         self.update(state, workspace);
         if workspace.factors.is_empty() {
-            let factor = |group: &PlacedGroup| Factor::new(&self.mass(group, &workspace.motions), group.size());
+            let factor = |group: &PlacedGroup| {
+                Factor::new(self.mass(group, &workspace.motions), group.size(), group.has_prescribed())
+            };
             workspace.factors.extend(self.groups.iter().map(factor));
         }
         f(&workspace.motions, &workspace.factors)
@@ -427,7 +421,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         })
     }
 
-    /// Next time at which a command of an actuator is discontinuous.
+    /// Next time at which a command of an actuator or a prescribed motion is discontinuous.
     pub(super) fn next_time_discontinuity(&self, t: f64) -> f64 {
         let next = |actuator: &Actuator| {
             let brake = actuator.brake.map_or(f64::INFINITY, |brake| brake.next_discontinuity(t));
@@ -435,6 +429,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         };
         let pulls = self.cables.iter().filter_map(|cable| cable.tendon.actuator.as_ref());
         let pulls = pulls.map(|actuator| actuator.tension.next_discontinuity(t));
-        self.mechanism.actuators.iter().map(next).chain(pulls).fold(f64::INFINITY, f64::min)
+        let motions = self.mechanism.bodies.iter().filter_map(|body| body.motion.as_ref());
+        let motions = motions.map(|motion| motion.next_discontinuity(t));
+        self.mechanism.actuators.iter().map(next).chain(pulls).chain(motions).fold(f64::INFINITY, f64::min)
     }
 }

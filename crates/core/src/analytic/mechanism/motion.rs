@@ -58,6 +58,24 @@ impl<const K: usize> BodyMotion<f64, K> {
     }
 }
 
+impl<const K: usize> BodyMotion<f64, K> {
+    /// Transforms a vector of the world to the frame of the body.
+    pub fn in_frame(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [cos, sin] = self.direction;
+        [cos * x + sin * y, cos * y - sin * x]
+    }
+
+    /// Transforms a point of the world to the frame of the body.
+    pub fn point_in_frame(&self, point: [f64; 2]) -> [f64; 2] {
+        self.in_frame(sub(point, self.origin))
+    }
+
+    /// Velocity of a point of the world relative to the body, in its frame.
+    pub fn velocity_in_frame(&self, point: [f64; 2], rate: [f64; 2]) -> [f64; 2] {
+        self.in_frame(sub(rate, self.rate_at(sub(point, self.origin))))
+    }
+}
+
 impl<T: Real, const K: usize> BodyMotion<T, K> {
     /// The ground.
     pub fn ground() -> Self {

@@ -15,11 +15,13 @@ use crate::shape::Support;
 use super::pairs;
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
-    /// Pose of a body and its rate.
+    /// Pose of a body and its rate, relative to a moving palm.
     pub fn body(&self, state: (&[f64; N], &[f64; N]), body: usize) -> (Pose, Pose) {
         self.with_motions(state, |motions| {
-            let motion = &motions.body(Some(body));
-            ([motion.origin[0], motion.origin[1], motion.angle], motion.rate)
+            let (palm, motion) = (motions.body(self.palm), motions.body(Some(body)));
+            let [x, y] = palm.point_in_frame(motion.origin);
+            let [vx, vy] = palm.velocity_in_frame(motion.origin, [motion.rate[0], motion.rate[1]]);
+            ([x, y, motion.angle - palm.angle], [vx, vy, motion.rate[2] - palm.rate[2]])
         })
     }
 
@@ -50,8 +52,20 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         effort(actuator, mode.ranges.0[index], t, motion.coordinate, motion.rate).value + brake
     }
 
-    /// Geometry and forces of a contact; those of a limit are an angle and a torque, or a distance and a force.
-    pub fn contact_reading(&self, (q, v): StateRef<'_, N>, index: usize, branch: ContactState) -> ContactReading {
+    /// Geometry and forces of a contact, relative to a moving palm; those of a limit are an angle and a torque, or a
+    /// distance and a force.
+    pub fn contact_reading(&self, state: StateRef<'_, N>, index: usize, branch: ContactState) -> ContactReading {
+        let mut reading = self.world_reading(state, index, branch);
+        self.with_motions(state, |motions| {
+            let palm = motions.body(self.palm);
+            reading.geometry.point = palm.point_in_frame(reading.geometry.point);
+            reading.geometry.normal = palm.in_frame(reading.geometry.normal);
+        });
+        reading
+    }
+
+    /// [`MechanismModel::contact_reading`] in the world.
+    pub(super) fn world_reading(&self, (q, v): StateRef<'_, N>, index: usize, branch: ContactState) -> ContactReading {
         let (contact, none) = (&self.contacts[index], [0.0; 2]);
         self.with_motions((q, v), |motions| {
             let (gap, gap_rate, slip, normal, point) = match &contact.surfaces {
@@ -81,16 +95,33 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         })
     }
 
-    /// Energies stored in a state.
+    /// Kinetic energy of the bodies and their energy in gravity, in the frame of a body.
+    fn body_energies(&self, motions: &Motions<f64, K>, frame: Option<usize>) -> [f64; 2] {
+        let (frame, gravity) = (motions.body(frame), self.mechanism.gravity_m_s2);
+        self.mechanism.bodies.iter().zip(&motions.centers).enumerate().fold([0.0; 2], |[kinetic, potential], of| {
+            let (index, (body, center)) = of;
+            let rate = frame.velocity_in_frame(center.position, center.rate);
+            let spin = motions.bodies[index].rate[2] - frame.rate[2];
+            [
+                kinetic + 0.5 * (body.mass_kg * dot(rate, rate) + body.inertia_kg_m2 * spin * spin),
+                potential - body.mass_kg * dot(gravity, frame.point_in_frame(center.position)),
+            ]
+        })
+    }
+
+    /// Work of a moving palm in its own frame beyond its work in the world, from the start, where it is at rest.
+    pub fn frame_work(&self, state: StateRef<'_, N>) -> f64 {
+        self.with_motions(state, |motions| {
+            let [in_frame, in_world] = [self.palm, None].map(|frame| self.body_energies(motions, frame));
+            in_frame[0] + in_frame[1] - in_world[0] - in_world[1]
+        })
+    }
+
+    /// Energies stored in a state, in the frame of a moving palm.
     pub fn energies(&self, state: (&[f64; N], &[f64; N])) -> Energies {
         let mut energies = Energies::default();
         self.with_motions(state, |motions| {
-            for (index, (body, center)) in self.mechanism.bodies.iter().zip(&motions.centers).enumerate() {
-                let spin = motions.bodies[index].rate[2];
-                energies.kinetic +=
-                    0.5 * (body.mass_kg * dot(center.rate, center.rate) + body.inertia_kg_m2 * spin * spin);
-                energies.gravity -= body.mass_kg * dot(self.mechanism.gravity_m_s2, center.position);
-            }
+            [energies.kinetic, energies.gravity] = self.body_energies(motions, self.palm);
             for element in self.groups.iter().flat_map(|group| &group.elements) {
                 let motion = motions.combination(&element.on);
                 let stretch = motion.coordinate - element.rest;
@@ -106,7 +137,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for (index, contact) in self.contacts.iter().enumerate() {
             if !matches!(contact.surfaces, Surfaces::Friction(_)) {
                 energies.elastic +=
-                    elastic_energy(&contact.normal, self.contact_reading(state, index, ContactState::Free).delta);
+                    elastic_energy(&contact.normal, self.world_reading(state, index, ContactState::Free).delta);
             }
         }
         energies.elastic += self.bristles.iter().map(|(index, bristle)| bristle.energy(state.1[*index])).sum::<f64>();
