@@ -1,13 +1,14 @@
 //! Random mechanisms of bodies with joints, dyads, springs, limits, actuators and contacts, and random free bodies with
 //! outlines.
 
-use phalanx::drive::{Interpolation, Profile};
-use phalanx::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
+use phalanx::drive::{Brake, Interpolation, Profile};
+use phalanx::law::{Bristle, ContactLaw, Damping, FrictionLaw, NormalLaw};
 use phalanx::mechanism::tendon::{center_in, length_in, wraps};
 use phalanx::mechanism::{
-    Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
-    OutlineId, OutlineShape, PathElement, Spring, SpringKind, Tendon, TendonActuator,
+    Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
+    OutlineId, OutlineShape, PathElement, PrescribedMotion, Rotor, Spring, SpringKind, Tendon, TendonActuator,
 };
+use phalanx::scene::{Axis, Move, PalmMotion, Ramp, Vibration};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
@@ -59,6 +60,150 @@ pub fn random_mechanism(seed: u64) -> Mechanism {
 fn random_base(mechanism: &Mechanism, random: &mut Random) -> Option<usize> {
     let index = (random.unit() * (mechanism.bodies.len() + 1) as f64) as usize;
     index.checked_sub(1)
+}
+
+/// Returns a mechanism of [`random_mechanism`] with components that these do not have: couplings, brakes, springs,
+/// actuators and rotors on several joints, bristles, bodies that do not rotate, and prescribed motion of the bodies that
+/// carry joints.
+pub fn random_variant(seed: u64) -> Mechanism {
+    let mut mechanism = random_mechanism(seed);
+    let mut random = Random::for_seed(seed + 3_000_000);
+    if random.chance(0.4) {
+        add_base(&mut mechanism, &mut random);
+    }
+    let is_free = |index: &usize| !mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(*index)));
+    let free: Vec<usize> = (0..mechanism.bodies.len()).filter(is_free).collect();
+    for index in free.into_iter().filter(|index| mechanism.bodies[*index].motion.is_none()).collect::<Vec<_>>() {
+        let body = &mut mechanism.bodies[index];
+        match random.unit() {
+            part if part < 0.3 => (body.inertia_kg_m2, body.rate[2]) = (f64::INFINITY, 0.0),
+            part if part < 0.6 => {
+                let acceleration_m_s2 = [random.within(-5.0, 5.0), random.within(-5.0, 5.0)];
+                body.motion = Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 });
+            }
+            _ => {}
+        }
+    }
+    if random.chance(0.4) {
+        add_coupling(&mut mechanism, &mut random);
+    }
+    if random.chance(0.4) {
+        add_combinations(&mut mechanism, &mut random);
+    }
+    let bristle = Bristle { damping_n_s_per_m: 0.02, relaxation_s: 1e-3 };
+    for actuator in &mut mechanism.actuators {
+        if random.chance(0.4) {
+            actuator.brake = Some(Brake {
+                torque_n_m: random.log_within(1e-3, 0.1),
+                start_s: random.within(0.0, 0.01),
+                rise_s: random.log_within(1e-3, 1e-2),
+                release_s: random.chance(0.5).then_some(0.015),
+                one_way: random.chance(0.3),
+                v_static_rad_s: random.log_within(0.1, 1.0),
+                bristle: random.chance(0.5).then_some(bristle),
+            });
+        }
+    }
+    for joint in mechanism.joints.iter_mut().filter(|joint| joint.kind == JointKind::Revolute) {
+        if let Some(friction) = joint.friction.as_mut().filter(|_| random.chance(0.4)) {
+            friction.bristle = Some(bristle);
+        }
+    }
+    mechanism
+}
+
+/// Puts joints, springs and eyelets of the ground on a body that moves: a palm, or one of constant acceleration.
+fn add_base(mechanism: &mut Mechanism, random: &mut Random) {
+    let base = Some(mechanism.bodies.len());
+    let motion = if random.chance(0.5) {
+        let axes = [Axis::X, Axis::Y, Axis::Angle];
+        let size = |axis: Axis| if matches!(axis, Axis::Angle) { 1.0 } else { 0.1 };
+        let moves = axes.map(|axis| Move {
+            axis,
+            distance: size(axis) * random.within(-0.3, 0.3),
+            start_s: random.within(0.0, 5e-3),
+            length_s: random.within(0.01, 0.05),
+        });
+        let axis = random.choose(&axes);
+        let shake = Vibration {
+            axis,
+            amplitude: size(axis) * random.log_within(1e-4, 1e-2),
+            frequency_hz: random.log_within(20.0, 200.0),
+            phase_rad: random.within(-PI, PI),
+            start_s: random.within(0.0, 5e-3),
+            ramp_periods: 1.0,
+            ramp: Ramp::Quintic,
+        };
+        PrescribedMotion::Palm(PalmMotion { moves: moves.to_vec(), vibrations: vec![shake], ..PalmMotion::default() })
+    } else {
+        PrescribedMotion::ConstantAcceleration {
+            acceleration_m_s2: [random.within(-20.0, 20.0), random.within(-20.0, 20.0)],
+        }
+    };
+    let is_palm = matches!(motion, PrescribedMotion::Palm(_));
+    add_body(mechanism, random, false);
+    let body = mechanism.bodies.last_mut().expect("a body");
+    (body.name, body.pose, body.motion) = ("base".to_string(), [0.0; 3], Some(motion));
+    if !is_palm {
+        body.rate = [random.within(-0.5, 0.5), random.within(-0.5, 0.5), random.within(-3.0, 3.0)];
+    }
+    let Mechanism { joints, springs, tendons, .. } = mechanism;
+    let linear = springs.iter_mut().filter_map(|spring| match &mut spring.kind {
+        SpringKind::Linear { bodies, .. } => Some(bodies),
+        SpringKind::Torsional { .. } => None,
+    });
+    let pairs = joints.iter_mut().map(|joint| &mut joint.bodies).chain(linear).flatten();
+    let eyelets = tendons.iter_mut().flat_map(|tendon| &mut tendon.path).map(|element| &mut element.body);
+    // Some stay on the ground.
+    let stay = random.chance(0.3);
+    for (index, body) in pairs.chain(eyelets).filter(|body| body.is_none()).enumerate() {
+        if !stay || index % 2 == 0 {
+            *body = base;
+        }
+    }
+}
+
+/// Joints that have a start, and are thus independent, with their start.
+fn independent(mechanism: &Mechanism) -> Vec<(usize, f64)> {
+    mechanism.joints.iter().enumerate().filter_map(|(index, joint)| Some((index, joint.start?))).collect()
+}
+
+/// Couples two independent joints.
+fn add_coupling(mechanism: &mut Mechanism, random: &mut Random) {
+    let joints = independent(mechanism);
+    let [(first, a), .., (second, b)] = joints[..] else { return };
+    let ratio = random.within(0.3, 2.0) * random.choose(&[1.0, -1.0]);
+    mechanism.joints[second].start = None;
+    mechanism.joints[second].start_rate = 0.0;
+    let on = JointCombination { terms: vec![(first, 1.0), (second, ratio)], offset: a + ratio * b };
+    mechanism.couplings.push(Coupling { name: "gear".to_string(), on });
+}
+
+/// Adds a spring, an actuator and a rotor on two pins.
+fn add_combinations(mechanism: &mut Mechanism, random: &mut Random) {
+    let is_pin = |(joint, _): &(usize, f64)| mechanism.joints[*joint].kind == JointKind::Revolute;
+    let joints: Vec<(usize, f64)> = independent(mechanism).into_iter().filter(is_pin).collect();
+    let [(first, a), .., (second, b)] = joints[..] else { return };
+    let on = |factor: f64| JointCombination { terms: vec![(first, 1.0), (second, factor)], offset: a + factor * b };
+    let sign = random.choose(&[1.0, -1.0]);
+    mechanism.springs.push(Spring {
+        name: "both".to_string(),
+        kind: SpringKind::Torsional { on: on(sign), preload: random.within(-0.02, 0.02) },
+        stiffness: random.log_within(1e-2, 1.0),
+        damping: random.log_within(1e-6, 1e-4),
+        rest: random.within(-0.3, 0.3),
+    });
+    mechanism.rotors.push(Rotor { name: "both".to_string(), on: on(sign), inertia: random.log_within(1e-7, 1e-5) });
+    if mechanism.actuators.len() < 8 {
+        mechanism.actuators.push(Actuator {
+            name: "both".to_string(),
+            on: on(sign),
+            command: Command::Effort(Profile::Constant { value: random.within(-0.05, 0.05) }),
+            limit: None,
+            no_load_speed: random.chance(0.5).then(|| random.log_within(20.0, 200.0)),
+            brake: None,
+        });
+    }
 }
 
 /// A point of the world near a body.

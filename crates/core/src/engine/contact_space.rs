@@ -9,7 +9,7 @@ use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_slip_row_at
 use super::coordinate::{BodyPose, Row, Twist};
 use super::dense;
 use super::dense::{refill, reset};
-use super::forces::working_drives;
+use super::forces::supports;
 use super::linkage::Linkage;
 use super::plan::Plan;
 use super::world::World;
@@ -52,8 +52,8 @@ pub struct ContactSpace {
     pub rate_resolution: Vec<f64>,
     /// Velocity response M⁻¹ (c + Jᵀ λ) to a unit impulse along each row, body by body.
     response: Vec<Twist>,
-    /// Impulse on each driven body that does work per unit impulse along each row, directly and through joints, row by row.
-    pub on_driven: Vec<Twist>,
+    /// Impulse on each support per unit impulse along each row, directly and through joints, row by row.
+    pub on_supports: Vec<Twist>,
     poses: Vec<BodyPose>,
 }
 
@@ -120,13 +120,10 @@ impl ContactSpace {
             };
         }
         self.add_curvature(world, plan, linkage, velocities, dt);
-        let on_driven = &mut self.on_driven;
-        on_driven.clear();
+        let on_supports = &mut self.on_supports;
+        on_supports.clear();
         respond(self.rows.iter(), linkage, velocities.len(), &mut self.response, &mut self.w, |row, linkage| {
-            on_driven.extend(working_drives(plan).map(|(body, _)| {
-                let (own, joints) = (row.on_body(body), linkage.reaction(body));
-                std::array::from_fn(|k| own[k] + joints[k])
-            }));
+            on_supports.extend(supports(plan).map(|support| support.reaction(linkage, |body| row.on_body(body))));
         });
     }
 

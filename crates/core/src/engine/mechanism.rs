@@ -10,7 +10,7 @@ use crate::drive::Profile;
 use crate::gripper::{self, Body};
 use crate::mechanism::{
     Actuator, Command, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlinePoint, OutlineShape,
-    PathElement, PointContact, SpringKind, Start, Tendon, assemble,
+    PathElement, PointContact, Spring, SpringKind, Start, Tendon, assemble,
 };
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, perp, scale, sub};
@@ -86,6 +86,7 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         bodies: bodies.collect(),
         joints: joints.collect(),
         drives: drives.collect(),
+        ground_carries: ground_carries(mechanism),
         ..Plan::default()
     };
     for (body, planned) in plan.bodies.iter_mut().enumerate() {
@@ -109,6 +110,18 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
     }
     mechanism.tendons.iter().for_each(|tendon| add_tendon(&mut plan, tendon, &coordinates));
     Ok(plan)
+}
+
+/// Whether joints, springs, tendons or bodies that do not rotate act on the ground.
+fn ground_carries(mechanism: &Mechanism) -> bool {
+    let linear = |spring: &Spring| match &spring.kind {
+        SpringKind::Linear { bodies, .. } => bodies.contains(&None),
+        SpringKind::Torsional { .. } => false,
+    };
+    mechanism.joints.iter().any(|joint| joint.bodies.contains(&None))
+        || mechanism.springs.iter().any(linear)
+        || mechanism.tendons.iter().flat_map(|tendon| &tendon.path).any(|element| element.body.is_none())
+        || mechanism.bodies.iter().any(|body| body.moves_by_forces() == [true, true, false])
 }
 
 /// Distance of a centre of mass from a joint, in radii of gyration, below which the rotation about the joint counts.

@@ -34,7 +34,9 @@ pub enum StepError {
     #[error("the position of a body is not finite: rapier's joints are not accurate at this step size")]
     NotFinite,
     /// The motion is unchanged, and accepts a shorter step.
-    #[error("a step of {dt_s:.1e} s would open a joint by {opening_m:.1e} m")]
+    #[error(
+        "a step of {dt_s:.1e} s would open a joint by {opening_m:.1e} m: the mechanism is in or near a singular configuration"
+    )]
     TooLong { dt_s: f64, opening_m: f64 },
 }
 
@@ -120,8 +122,8 @@ pub struct Motion {
     overshoot: Vec<[f64; 2]>,
     /// Largest opening acceleration of a joint at the node, see `Linkage::max_opening_acceleration`.
     pub opening_acceleration: f64,
-    /// Power of drives against joints and smooth forces at the node, W.
-    driven_power: f64,
+    /// Power of supports against joints and smooth forces at the node, W.
+    support_power: f64,
     /// Largest opening that a step may leave because its mean velocities differ from the predicted ones, m.
     pub tolerance_m: f64,
     rate_correction: RateCorrection,
@@ -163,7 +165,7 @@ impl Motion {
             open: Vec::new(),
             overshoot: Vec::new(),
             opening_acceleration: 0.0,
-            driven_power: 0.0,
+            support_power: 0.0,
             tolerance_m: f64::INFINITY,
             rate_correction: RateCorrection::default(),
             previous_normals: Vec::new(),
@@ -189,7 +191,7 @@ impl Motion {
     /// Takes one step, while `keep_running` returns true. Of all errors only [`StepError::TooLong`] leaves it usable.
     pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
         let power_before =
-            self.driven_power + forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
+            self.support_power + forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
         candidates::set_shaft_torques(&self.plan, &self.linkage.poses, self.clock.now(), dt, &mut self.candidates);
         // Predicted mean velocities of the step.
         for (v, a) in self.predicted_mean_velocities.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
@@ -217,9 +219,8 @@ impl Motion {
         self.update_bristles(dt);
         self.contact_work_j += self.contact.work;
         self.motor_work_j += self.contact.motor_work;
-        self.motor_work_j -= forces::driven_contact_work(&self.plan, &self.space, &self.contact, &self.velocities, dt);
-        self.motor_work_j -=
-            forces::table_work(&self.plan, &self.space, &self.contact, &self.linkage, self.clock.now() + 0.5 * dt);
+        let step = (self.clock.now(), dt);
+        self.motor_work_j -= forces::support_contact_work(&self.plan, &self.space, &self.contact, step);
 
         for (pose, before) in self.linkage.poses.iter().zip(&mut self.previous_poses) {
             *before = [pose.com[0], pose.com[1], pose.angle];
@@ -265,8 +266,8 @@ impl Motion {
             }
         }
         let power_after = forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
-        let driven_power = self.driven_power(before_node);
-        self.motor_work_j += 0.5 * dt * (power_before + power_after + driven_power);
+        let support_power = self.support_power(before_node);
+        self.motor_work_j += 0.5 * dt * (power_before + power_after + support_power);
         self.update_node();
         Ok(())
     }
@@ -458,11 +459,11 @@ impl Motion {
         }
     }
 
-    /// Returns the power of drives against joints and smooth forces at the node, with the accelerations at time `t`.
-    fn driven_power(&mut self, t: f64) -> f64 {
+    /// Returns the power of supports against joints and smooth forces at the node, with the accelerations at time `t`.
+    fn support_power(&mut self, t: f64) -> f64 {
         forces::driven_accelerations(&self.plan, t, &mut self.driven);
         let Self { plan, linkage, forces, velocities, driven, predicted_mean_velocities: accelerations, .. } = self;
-        forces::driven_power(plan, linkage, forces, velocities, (driven, accelerations))
+        forces::support_power(plan, linkage, (forces, velocities), t, (driven, accelerations))
     }
 
     /// Updates forces and accelerations at the node for the next step.
@@ -470,7 +471,7 @@ impl Motion {
         candidates::zero_rounding_gaps(&mut self.candidates, &self.velocities);
         let now = self.clock.now();
         forces::smooth_forces(&self.plan, &self.linkage, now, &mut self.forces);
-        self.driven_power = self.driven_power(now);
+        self.support_power = self.support_power(now);
         // Buffer for the previous accelerations.
         self.predicted_mean_velocities.copy_from_slice(&self.accelerations);
         forces::driven_accelerations(&self.plan, now, &mut self.driven);

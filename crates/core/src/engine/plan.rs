@@ -315,6 +315,8 @@ pub struct Plan {
     /// Contact channel in samples of each contact.
     pub contact_channels: Vec<usize>,
     pub gravity_m_s2: [f64; 2],
+    /// Whether joints, springs, tendons or bodies that do not rotate act on the ground.
+    pub ground_carries: bool,
 }
 
 impl Plan {
