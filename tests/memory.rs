@@ -1,13 +1,75 @@
-//! Logs are streamed: the memory of a 10 s run, 500 times the usual duration, stays bounded.
+//! Logs are streamed: the memory of a 10 s run, 500 times the usual duration, stays bounded. Steps do not allocate.
 
 #![cfg(target_os = "linux")]
 
 mod support;
 
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 use std::path::Path;
 
-use phalanx::trace::Model;
+use phalanx::trace::{self, Event, Model, Sample, Sink, SinkError};
 use phalanx::{log, scene};
+
+/// System allocator that counts the allocations of the current thread.
+struct CountingAllocator;
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: all calls are forwarded to the system allocator; the counter is a thread-local without a destructor.
+unsafe impl GlobalAlloc for CountingAllocator {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+/// Counts the allocations between samples after the second one; requires all data, also the forces in joints. Events may
+/// allocate.
+#[derive(Default)]
+struct AllocationsOfSamples {
+    samples: usize,
+    at_last: Option<usize>,
+    between: usize,
+}
+
+impl Sink for AllocationsOfSamples {
+    fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {
+        self.samples += 1;
+        let now = ALLOCATIONS.get();
+        if self.samples > 2 {
+            self.between += self.at_last.map_or(0, |last| now - last);
+        }
+        self.at_last = Some(now);
+        Ok(())
+    }
+
+    fn event(&mut self, _: &Event) -> Result<(), SinkError> {
+        self.at_last = None;
+        Ok(())
+    }
+}
+
+#[test]
+fn samples_of_mechanisms_do_not_allocate() {
+    for name in ["four-bar", "f85-finger", "tendon-finger", "slider-crank", "jaws"] {
+        let scene = scene::load_any(format!("scenes/mechanisms/{name}.toml")).unwrap_or_else(|error| panic!("{error}"));
+        let mut sink = AllocationsOfSamples::default();
+        trace::run(Model::Analytic, &scene, &mut sink).unwrap_or_else(|error| panic!("{error}"));
+        assert!(sink.samples > 100 && ALLOCATIONS.get() > 0, "{name}: {} samples", sink.samples);
+        // Lists of extrema grow at the first contact.
+        assert!(sink.between < 8, "{name}: {} allocations between {} samples", sink.between, sink.samples);
+    }
+}
 
 /// Peak resident set of this process in bytes (proc(5), VmHWM).
 fn peak_memory() -> u64 {

@@ -5,7 +5,7 @@ use super::reading::{Kernel, contact_sample, stored_energy};
 use super::schema::TendonState;
 use super::stepper::{AnalyticStepper, Stepper};
 use super::{BodyState, ContactSample, Energy, JointState, Outcome, RequiredData, RunError, Sample};
-use crate::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize};
+use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel, MechanismSize};
 use crate::drive::Profile;
 use crate::integrator::{State, System};
 use crate::mechanism::structure::StructureError;
@@ -102,26 +102,25 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> Kernel<N, Z
 where
     Self: System<N, Z, Mode = MechanismMode<C>>,
 {
-    type History = Angles;
+    type History = (Angles, JointForces);
 
     fn read(
         &self,
         (state, mode): (&State<N, Z>, &MechanismMode<C>),
         start: &Energy,
         required_data: RequiredData,
-        angles: &mut Angles,
+        (angles, joint_forces): &mut Self::History,
         sample: &mut Sample,
     ) {
         let (model, t, counts, qv) = (self, sample.time_s, sample.counts(), (&state.q, &state.v));
-        let forces = match required_data.joint_forces {
-            true => model.joint_forces::<Z>(t, qv, mode),
-            false => Vec::new(),
-        };
+        if required_data.joint_forces {
+            model.joint_forces::<Z>(t, qv, mode, joint_forces);
+        }
         for index in 0..counts.joints {
             let (coordinate, rate) = model.joint(qv, index);
             let continued = angles.continued(index, t, coordinate, rate);
             let angle_rad = if model.is_revolute(index) { continued } else { coordinate };
-            let force = forces.get(index).copied().unwrap_or_default();
+            let force = joint_forces.forces.get(index).copied().unwrap_or_default();
             let (force_n, moment_n_m) = (force.force_n, force.moment_n_m);
             sample.set_joint(index, &JointState { angle_rad, rate_rad_s: rate, force_n, moment_n_m });
         }

@@ -9,7 +9,7 @@ use super::nearest::PointOnFace;
 use super::pairs;
 use crate::analytic::mode::StateRef;
 use crate::integrator::System;
-use crate::mechanism::{ForcePoint, JointCombination, JointKind, Limit};
+use crate::mechanism::{ForcePoint, JointCombination, JointKind, Limit, Mechanism};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, cross, perp, scale, sub};
 
@@ -21,61 +21,154 @@ pub struct JointForce {
     pub moment_n_m: f64,
 }
 
-/// Forces and moments about the centres of mass of all bodies.
-struct Wrenches<'a> {
-    moves_by_forces: &'a [[bool; 3]],
+/// Forces of all joints in a state, and the equations from which they follow; the memory is reused.
+///
+/// The equations of a body are its force and its moment about the centre of mass. The unknowns are two for each joint, then
+/// one for each coupling.
+#[derive(Clone, Debug, Default)]
+pub struct JointForces {
+    /// Forces of the last state.
+    pub forces: Vec<JointForce>,
     centers: Vec<[f64; 2]>,
-    values: Vec<[f64; 3]>,
+    /// Coefficients of the unknowns and the right-hand side of each equation.
+    matrix: Vec<f64>,
+    unknowns: usize,
+    /// Equations in the order of elimination, and their largest coefficients.
+    order: Vec<usize>,
+    scales: Vec<f64>,
+    solution: Vec<f64>,
+    tensions: Vec<f64>,
 }
 
-impl Wrenches<'_> {
-    /// Adds a force at a point, and a moment, on a body, where they affect its motion.
-    fn add(&mut self, body: Option<usize>, force: [f64; 2], point: [f64; 2], moment: f64) {
+impl JointForces {
+    /// Clears all equations.
+    fn clear(&mut self, centers: impl Iterator<Item = [f64; 2]>, unknowns: usize) {
+        refill(&mut self.centers, centers);
+        self.unknowns = unknowns;
+        refill(&mut self.matrix, std::iter::repeat_n(0.0, 3 * self.centers.len() * (unknowns + 1)));
+    }
+
+    fn row(&mut self, equation: usize) -> &mut [f64] {
+        let width = self.unknowns + 1;
+        &mut self.matrix[equation * width..(equation + 1) * width]
+    }
+
+    /// Adds a force at a point, and a moment, on a body to a column; nothing for the ground.
+    fn add(&mut self, column: usize, body: Option<usize>, force: [f64; 2], point: [f64; 2], moment: f64) {
         let Some(body) = body else { return };
-        let wrench = [force[0], force[1], cross(sub(point, self.centers[body]), force) + moment];
-        for ((sum, part), moves) in self.values[body].iter_mut().zip(wrench).zip(self.moves_by_forces[body]) {
-            *sum += if moves { part } else { 0.0 };
+        let moment = cross(sub(point, self.centers[body]), force) + moment;
+        for (k, part) in [force[0], force[1], moment].into_iter().enumerate() {
+            self.row(3 * body + k)[column] += part;
         }
     }
 
     /// Adds a force at a point, and a moment, on the second of two bodies, with the reaction on the first.
-    fn add_pair(&mut self, bodies: [Option<usize>; 2], force: [f64; 2], point: [f64; 2], moment: f64) {
-        self.add(bodies[1], force, point, moment);
-        self.add(bodies[0], [-force[0], -force[1]], point, -moment);
+    fn add_pair(&mut self, column: usize, bodies: [Option<usize>; 2], force: [f64; 2], point: [f64; 2], moment: f64) {
+        self.add(column, bodies[1], force, point, moment);
+        self.add(column, bodies[0], [-force[0], -force[1]], point, -moment);
+    }
+
+    /// Solves the consistent equations by elimination with the largest scaled pivot of each column. An unknown without
+    /// equation is 0.
+    fn solve(&mut self) {
+        let (unknowns, width) = (self.unknowns, self.unknowns + 1);
+        let Self { matrix, order, scales, solution, .. } = self;
+        let largest = |row: &[f64]| row[..unknowns].iter().fold(f64::MIN_POSITIVE, |max, entry| max.max(entry.abs()));
+        refill(scales, matrix.chunks_exact(width).map(largest));
+        refill(order, 0..scales.len());
+        refill(solution, std::iter::repeat_n(f64::NAN, unknowns));
+        let mut used = 0;
+        for k in 0..unknowns {
+            let scaled = |row: usize| matrix[row * width + k].abs() / scales[row];
+            let pivot = (used..order.len()).max_by(|a, b| scaled(order[*a]).total_cmp(&scaled(order[*b])));
+            let Some(pivot) = pivot.filter(|pivot| scaled(order[*pivot]) > 0.0) else {
+                solution[k] = 0.0;
+                continue;
+            };
+            order.swap(used, pivot);
+            let pivot = order[used] * width;
+            used += 1;
+            for row in order[used..].iter().map(|row| row * width) {
+                let factor = matrix[row + k] / matrix[pivot + k];
+                if factor != 0.0 {
+                    (k..=unknowns).for_each(|j| matrix[row + j] -= factor * matrix[pivot + j]);
+                }
+            }
+        }
+        for k in (0..unknowns).rev() {
+            if !solution[k].is_nan() {
+                continue;
+            }
+            used -= 1;
+            let row = order[used] * width;
+            let sum = (k + 1..unknowns).fold(matrix[row + unknowns], |sum, j| sum - matrix[row + j] * solution[j]);
+            solution[k] = sum / matrix[row + k];
+        }
     }
 }
 
+/// Replaces the content of a list and keeps its memory.
+fn refill<T>(list: &mut Vec<T>, content: impl Iterator<Item = T>) {
+    list.clear();
+    list.extend(content);
+}
+
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
-    /// Returns the forces of all joints in a state, in the frame of a moving palm.
+    /// Computes the forces of all joints in a state, in the frame of a moving palm.
     pub fn joint_forces<const Z: usize>(
         &self,
         t: f64,
         (q, v): StateRef<'_, N>,
         mode: &MechanismMode<C>,
-    ) -> Vec<JointForce> {
+        system: &mut JointForces,
+    ) {
         let a = <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
-        let mut wrenches = self.with_motions((q, v), |motions| self.required_wrenches(&a, motions));
-        self.with_motions((q, v), |motions| self.subtract_loads(t, (&a, v), mode, motions, &mut wrenches));
-        self.subtract_contacts((q, v), mode, &mut wrenches);
-        self.with_motions((q, v), |motions| self.solve_joint_forces(motions, &wrenches))
+        self.with_motions((q, v), |motions| {
+            let unknowns = 2 * self.mechanism.joints.len() + self.mechanism.couplings.len();
+            system.clear(motions.centers.iter().map(|center| center.position), unknowns);
+            self.add_accelerations(&a, motions, system);
+            self.subtract_loads(t, (&a, v), mode, motions, system);
+        });
+        self.subtract_contacts((q, v), mode, system);
+        self.with_motions((q, v), |motions| self.add_unknowns(motions, system));
+        for (equation, moves) in self.moves_by_forces.iter().flatten().enumerate() {
+            if !moves {
+                system.row(equation).fill(0.0);
+            }
+        }
+        system.solve();
+        self.with_motions((q, v), |motions| {
+            system.forces.clear();
+            for joint in 0..self.mechanism.joints.len() {
+                let ([first, second], [a, b]) =
+                    (self.reactions(joint, motions), [system.solution[2 * joint], system.solution[2 * joint + 1]]);
+                let force = [0, 1].map(|k| a * first.0[k] + b * second.0[k]);
+                let moment_n_m = a * first.1 + b * second.1;
+                system.forces.push(JointForce { force_n: motions.body(self.palm).in_frame(force), moment_n_m });
+            }
+        });
     }
 
-    /// Wrenches that give all bodies their accelerations.
-    fn required_wrenches(&self, a: &[f64; N], motions: &Motions<f64, K>) -> Wrenches<'_> {
-        let gravity = self.mechanism.gravity_m_s2;
-        let moves_by_forces = &self.moves_by_forces;
-        let mut wrenches = Wrenches { moves_by_forces, centers: Vec::new(), values: Vec::new() };
+    /// Adds the wrenches that give all bodies their accelerations.
+    fn add_accelerations(&self, a: &[f64; N], motions: &Motions<f64, K>, system: &mut JointForces) {
+        let (gravity, right) = (self.mechanism.gravity_m_s2, system.unknowns);
         for (index, (body, center)) in self.mechanism.bodies.iter().zip(&motions.centers).enumerate() {
             let (group, motion) = (&self.groups[self.group_of[index]], &motions.bodies[index]);
             let acceleration =
                 |row: &[f64; K], bias: f64| (0..group.size()).fold(bias, |sum, k| sum + row[k] * a[group.first + k]);
-            let force =
-                |axis: usize| body.mass_kg * (acceleration(&center.jacobian[axis], center.bias[axis]) - gravity[axis]);
+            let force = [0, 1].map(|k| body.mass_kg * (acceleration(&center.jacobian[k], center.bias[k]) - gravity[k]));
             let moment = body.inertia_kg_m2 * acceleration(&motion.jacobian[2], motion.bias[2]);
-            wrenches.centers.push(center.position);
-            wrenches.values.push([force(0), force(1), moment]);
+            system.add(right, Some(index), force, center.position, moment);
         }
-        wrenches
+    }
+
+    /// Both reactions of a joint: a unit force and a unit moment each.
+    fn reactions(&self, joint: usize, motions: &Motions<f64, K>) -> [([f64; 2], f64); 2] {
+        let (_, direction, turn) = self.effort_direction(joint, motions);
+        match turn == 0.0 {
+            true => [(perp(direction), 0.0), ([0.0; 2], 1.0)],
+            false => [([1.0, 0.0], 0.0), ([0.0, 1.0], 0.0)],
+        }
     }
 
     /// Point, direction and turn of the effort of a joint: a force along its axis, or a torque.
@@ -98,12 +191,14 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         (a, v): StateRef<'_, N>,
         mode: &MechanismMode<C>,
         motions: &Motions<f64, K>,
-        wrenches: &mut Wrenches<'_>,
+        system: &mut JointForces,
     ) {
+        let right = system.unknowns;
+        let mut tensions = std::mem::take(&mut system.tensions);
         let mut subtract = |joint: usize, effort: f64| {
             let (point, direction, turn) = self.effort_direction(joint, motions);
             let bodies = self.mechanism.joints[joint].bodies;
-            wrenches.add_pair(bodies, direction.map(|part| -effort * part), point, -effort * turn);
+            system.add_pair(right, bodies, direction.map(|part| -effort * part), point, -effort * turn);
         };
         let mut subtract_combined = |on: &JointCombination, effort: f64| {
             on.terms.iter().for_each(|(joint, factor)| subtract(*joint, effort * factor));
@@ -120,24 +215,25 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
             subtract_combined(&actuator.on, self.actuator_effort(t, (mode, v), motions, index));
         }
-        let tensions: Vec<f64> =
-            self.cables.iter().map(|cable| self.tension(t, v, mode, motions, cable).1.total()).collect();
+        refill(&mut tensions, self.cables.iter().map(|cable| self.tension(t, v, mode, motions, cable).1.total()));
         for (cable, tension) in self.cables.iter().zip(&tensions) {
             cable.tendon.joints.iter().for_each(|(joint, factor)| subtract(*joint, -factor * tension));
         }
         for (body, point, force) in self.tendon_forces(motions, &tensions) {
-            wrenches.add(body, force.map(|part| -part), point, 0.0);
+            system.add(right, body, force.map(|part| -part), point, 0.0);
         }
+        system.tensions = tensions;
         for (index, bodies, points_m) in self.linear_springs() {
             let state = pairs::spring(points_m, &Self::frames(motions, bodies));
             let rates = Self::pair_rates(motions, bodies);
             let ([.., x, y, _], _) = pairs::spring_loads(&self.mechanism.springs[index], &state, &rates);
-            wrenches.add_pair(bodies, [-x, -y], motions.body(bodies[1]).position(points_m[1]), 0.0);
+            system.add_pair(right, bodies, [-x, -y], motions.body(bodies[1]).position(points_m[1]), 0.0);
         }
     }
 
     /// Subtracts the forces of contacts and limits.
-    fn subtract_contacts(&self, state: StateRef<'_, N>, mode: &MechanismMode<C>, wrenches: &mut Wrenches<'_>) {
+    fn subtract_contacts(&self, state: StateRef<'_, N>, mode: &MechanismMode<C>, system: &mut JointForces) {
+        let right = system.unknowns;
         for (index, contact) in self.contacts.iter().enumerate() {
             let reading = self.world_reading(state, index, mode[index]);
             match contact.surfaces {
@@ -151,8 +247,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                         ForcePoint::Each => add(point, scale(normal, reading.delta)),
                         ForcePoint::Face | ForcePoint::Points | ForcePoint::Middle => point,
                     };
-                    wrenches.add(body, force.map(|part| -part), point, -moment);
-                    wrenches.add(face, force, on_face, moment);
+                    system.add(right, body, force.map(|part| -part), point, -moment);
+                    system.add(right, face, force, on_face, moment);
                 }
                 Surfaces::Tendon(_) => {}
                 Surfaces::Limit(Limit { joint, .. }) | Surfaces::Friction(joint) => {
@@ -163,90 +259,27 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     let (point, direction, turn) =
                         self.with_motions(state, |motions| self.effort_direction(joint, motions));
                     let bodies = self.mechanism.joints[joint].bodies;
-                    wrenches.add_pair(bodies, direction.map(|part| -total * part), point, -total * turn);
+                    system.add_pair(right, bodies, direction.map(|part| -total * part), point, -total * turn);
                 }
             }
         }
     }
 
-    /// Solves the equations of all bodies for the forces of joints and couplings.
-    fn solve_joint_forces(&self, motions: &Motions<f64, K>, wrenches: &Wrenches<'_>) -> Vec<JointForce> {
-        let (joints, couplings) = (&self.mechanism.joints, &self.mechanism.couplings);
-        // Columns: two unknowns of each joint, one of each coupling, then the right-hand side.
-        let mut columns: Vec<Vec<[f64; 3]>> = Vec::new();
-        let mut directions = Vec::new();
-        let mut column = |add: &dyn Fn(&mut Wrenches<'_>)| {
-            let (values, centers) = (vec![[0.0; 3]; wrenches.values.len()], wrenches.centers.clone());
-            let mut unit = Wrenches { values, centers, ..*wrenches };
-            add(&mut unit);
-            columns.push(unit.values);
-        };
+    /// Adds the wrenches of the forces of joints and couplings.
+    fn add_unknowns(&self, motions: &Motions<f64, K>, system: &mut JointForces) {
+        let Mechanism { joints, couplings, .. } = &self.mechanism;
         for (index, joint) in joints.iter().enumerate() {
-            let (point, direction, _) = self.effort_direction(index, motions);
-            let (first, moment) = match joint.kind {
-                JointKind::Revolute => ([1.0, 0.0], 0.0),
-                JointKind::Prismatic { .. } => (perp(direction), 1.0),
-            };
-            let second = if moment == 0.0 { [0.0, 1.0] } else { [0.0; 2] };
-            column(&|unit| unit.add_pair(joint.bodies, first, point, 0.0));
-            column(&|unit| unit.add_pair(joint.bodies, second, point, moment));
-            directions.push((first, moment));
+            let (point, ..) = self.effort_direction(index, motions);
+            for (k, (force, moment)) in self.reactions(index, motions).into_iter().enumerate() {
+                system.add_pair(2 * index + k, joint.bodies, force, point, moment);
+            }
         }
-        for coupling in couplings {
-            column(&|unit| {
-                for (joint, factor) in &coupling.on.terms {
-                    let (point, direction, turn) = self.effort_direction(*joint, motions);
-                    let force = direction.map(|part| factor * part);
-                    unit.add_pair(joints[*joint].bodies, force, point, factor * turn);
-                }
-            });
-        }
-        let solution = solve_consistent(&columns, &wrenches.values);
-        directions
-            .iter()
-            .enumerate()
-            .map(|(index, (first, moment))| {
-                let [a, b] = [solution[2 * index], solution[2 * index + 1]];
-                let (force, moment_n_m) = match *moment == 0.0 {
-                    true => ([a, b], 0.0),
-                    false => ([a * first[0], a * first[1]], b),
-                };
-                JointForce { force_n: motions.body(self.palm).in_frame(force), moment_n_m }
-            })
-            .collect()
-    }
-}
-
-/// Solves a consistent system of at least as many equations as unknowns, by elimination with the largest scaled pivot of
-/// each column.
-fn solve_consistent(columns: &[Vec<[f64; 3]>], right: &[[f64; 3]]) -> Vec<f64> {
-    let unknowns = columns.len();
-    let mut rows: Vec<Vec<f64>> = (0..3 * right.len())
-        .map(|row| {
-            let entry = |wrenches: &[[f64; 3]]| wrenches[row / 3][row % 3];
-            columns.iter().map(|column| entry(column)).chain([entry(right)]).collect()
-        })
-        .collect();
-    let largest = |row: &[f64]| row[..unknowns].iter().fold(f64::MIN_POSITIVE, |max, entry| max.max(entry.abs()));
-    let scales: Vec<f64> = rows.iter().map(|row| largest(row)).collect();
-    let mut order: Vec<usize> = (0..rows.len()).collect();
-    for k in 0..unknowns.min(rows.len()) {
-        let scaled = |row: &usize| rows[*row][k].abs() / scales[*row];
-        let pivot = (k..order.len()).max_by(|a, b| scaled(&order[*a]).total_cmp(&scaled(&order[*b]))).unwrap_or(k);
-        order.swap(k, pivot);
-        let pivot_row = rows[order[k]].clone();
-        for &row in &order[k + 1..] {
-            let factor = rows[row][k] / pivot_row[k];
-            if factor != 0.0 {
-                (k..=unknowns).for_each(|j| rows[row][j] -= factor * pivot_row[j]);
+        for (index, coupling) in couplings.iter().enumerate() {
+            for (joint, factor) in &coupling.on.terms {
+                let (point, direction, turn) = self.effort_direction(*joint, motions);
+                let (force, column) = (direction.map(|part| factor * part), 2 * joints.len() + index);
+                system.add_pair(column, joints[*joint].bodies, force, point, factor * turn);
             }
         }
     }
-    let mut solution = vec![0.0; unknowns];
-    for k in (0..unknowns.min(rows.len())).rev() {
-        let row = &rows[order[k]];
-        let sum = (k + 1..unknowns).fold(row[unknowns], |sum, j| sum - row[j] * solution[j]);
-        solution[k] = sum / row[k];
-    }
-    solution
 }

@@ -18,5 +18,5 @@ mod reading;
 mod tendon;
 
 pub use events::event_function_count;
-pub use joint_forces::JointForce;
+pub use joint_forces::{JointForce, JointForces};
 pub use model::{MechanismMode, MechanismModel, MechanismSize};
