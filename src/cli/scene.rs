@@ -26,11 +26,15 @@ const SCENE: &str = include_str!("new.toml");
 const MECHANISM: &str = include_str!("../../scenes/mechanisms/f85-finger.toml");
 /// A finger with a tendon: scenes/mechanisms/tendon-finger.toml.
 const TENDON: &str = include_str!("../../scenes/mechanisms/tendon-finger.toml");
+/// A gripper whose fingers have two pivots on the palm: scenes/mechanisms/two-pivot.toml.
+const TWO_PIVOT: &str = include_str!("../../scenes/mechanisms/two-pivot.toml");
+/// Two jaws on sliders: scenes/mechanisms/jaws.toml.
+const JAW: &str = include_str!("../../scenes/mechanisms/jaws.toml");
 
 /// Write a commented scene file as a starting point for your own gripper or mechanism; it runs without changes.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx new my-linkage.toml --kind mechanism\n  phalanx run \
+    after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx new my-linkage.toml --kind mechanism\n  phalanx new my-gripper.toml --kind two-pivot\n  phalanx run \
                         my-gripper.toml --open"
 )]
 pub(crate) struct NewArgs {
@@ -38,7 +42,8 @@ pub(crate) struct NewArgs {
     #[arg(value_name = "FILE.toml")]
     file: PathBuf,
 
-    /// Kind of scene: a gripper, a mechanism of bodies and joints, or a finger that a tendon closes
+    /// Kind of scene: a gripper like that of the thesis, a finger with a loop as a mechanism of bodies and joints, a gripper
+    /// whose fingers have two pivots on the palm, a finger that a tendon closes, or two parallel jaws
     #[arg(long, value_enum, default_value_t = NewKind::Gripper)]
     kind: NewKind,
 }
@@ -48,7 +53,9 @@ pub(crate) struct NewArgs {
 enum NewKind {
     Gripper,
     Mechanism,
+    TwoPivot,
     Tendon,
+    Jaw,
 }
 
 /// Runs `phalanx new`.
@@ -67,7 +74,9 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
     let (text, content) = match args.kind {
         NewKind::Gripper => (SCENE, "a gripper with two phalanges per finger"),
         NewKind::Mechanism => (MECHANISM, "a mechanism, a finger with a loop"),
+        NewKind::TwoPivot => (TWO_PIVOT, "a mechanism, a gripper whose fingers have two pivots each"),
         NewKind::Tendon => (TENDON, "a mechanism, a finger that a tendon closes"),
+        NewKind::Jaw => (JAW, "a mechanism, two jaws on sliders"),
     };
     if let Err(error) = file.write_all(text.as_bytes()).and_then(|()| file.sync_all()) {
         let _ = fs::remove_file(&args.file);
@@ -75,7 +84,7 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
     }
     let figure = match args.kind {
         NewKind::Gripper => format!("draw its symbols:   phalanx scene show {path} --figure FILE.svg\n"),
-        NewKind::Mechanism | NewKind::Tendon => String::new(),
+        NewKind::Mechanism | NewKind::TwoPivot | NewKind::Tendon | NewKind::Jaw => String::new(),
     };
     print(&format!(
         "wrote {path}: a commented scene of {content}\n\

@@ -95,9 +95,12 @@ fn commands_for_fingers_refuse_mechanisms() {
 
 #[test]
 fn new_mechanisms_are_shipped_scenes() {
-    for (kind, content, shipped) in
-        [("mechanism", "a finger with a loop", FINGER), ("tendon", "a finger that a tendon closes", TENDON_FINGER)]
-    {
+    for (kind, content, shipped) in [
+        ("mechanism", "a finger with a loop", FINGER),
+        ("two-pivot", "a gripper whose fingers have two pivots", "scenes/mechanisms/two-pivot.toml"),
+        ("tendon", "a finger that a tendon closes", TENDON_FINGER),
+        ("jaw", "two jaws on sliders", "scenes/mechanisms/jaws.toml"),
+    ] {
         let file = path_in(&directory("new-mechanism"), &format!("{kind}.toml"));
         assert_contains(&succeed(&["new", &file, "--kind", kind]), &[content, "run"]);
         assert_eq!(fs::read_to_string(file).expect("a scene"), fs::read_to_string(shipped).expect("a scene"));

@@ -9,9 +9,9 @@ use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_slip_row_at
 use super::coordinate::{BodyPose, Row, Twist};
 use super::dense;
 use super::dense::{refill, reset};
-use super::forces::supports;
 use super::linkage::Linkage;
 use super::plan::Plan;
+use super::support::supports;
 use super::world::World;
 use crate::law::friction_coefficient;
 use crate::numeric::elementary::sin_cos;

@@ -6,15 +6,13 @@
 
 use rapier2d_f64::prelude::{RigidBodyHandle, RigidBodySet, Vector};
 
-use super::contact_space::ContactSpace;
-use super::coordinate::{BodyPose, Twist, power};
+use super::coordinate::{BodyPose, Twist};
 use super::dense::refill;
 use super::linkage::{Inertia, Linkage};
 use super::plan::{Plan, PlannedBody, PlannedDrive, PlannedRotor, PlannedSpring};
-use super::substeps::ContactSolver;
 use crate::mechanism::PrescribedMotion;
 use crate::numeric::elementary::{cos, sin, tan};
-use crate::numeric::plane::{cross, perp, rotate};
+use crate::numeric::plane::{perp, rotate};
 use crate::scene::{Pose, SpringKind};
 
 /// Computes forces and torques about the centres of mass at time `t`, at the poses of the linkage. Motors with a
@@ -94,7 +92,7 @@ pub fn kinetic_energy(linkage: &Linkage, velocities: &[Twist], frame: &PalmFrame
 }
 
 /// Returns the prescribed pose of a driven body at time `t`.
-fn prescribed_pose(plan: &Plan, drive: &PlannedDrive, t: f64) -> Pose {
+pub(super) fn prescribed_pose(plan: &Plan, drive: &PlannedDrive, t: f64) -> Pose {
     let PlannedBody { origin_m: [x, y], angle_rad, velocity_m_s: [vx, vy], rate_rad_s, .. } = plan.bodies[drive.body];
     drive.motion.at(([x, y, angle_rad], [vx, vy, rate_rad_s]), t)
 }
@@ -157,103 +155,8 @@ pub(crate) fn set_rapier_velocities(
     }
 }
 
-/// A body with prescribed motion that does work in the frame of the plan.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Support {
-    /// A driven body; a palm does no work in its own frame.
-    Driven(usize),
-    /// The ground, which moves in the frame of a palm.
-    Ground,
-}
-
-pub(crate) fn supports(plan: &Plan) -> impl Iterator<Item = Support> + Clone {
-    let driven = plan.drives.iter().filter_map(|drive| match drive.motion {
-        PrescribedMotion::ConstantAcceleration { .. } => Some(Support::Driven(drive.body)),
-        PrescribedMotion::Palm(_) => None,
-    });
-    driven.chain(plan.palm().map(|_| Support::Ground))
-}
-
-impl Support {
-    /// Force and moment on the support of these loads and of the joints, after a call as for [`Linkage::reaction`]; about
-    /// the origin on the ground.
-    pub fn reaction(self, linkage: &Linkage, load: impl Fn(usize) -> Twist) -> Twist {
-        let on = |body: usize| {
-            let (load, joints) = (load(body), linkage.reaction(body));
-            [load[0] + joints[0], load[1] + joints[1], load[2] + joints[2]]
-        };
-        match self {
-            Support::Driven(body) => on(body),
-            // All forces are internal, with the ground, which prevents the rotation of bodies that do not rotate.
-            Support::Ground => linkage.poses.iter().enumerate().fold([0.0; 3], |sum, (body, pose)| {
-                let ([x, y, moment], of) = (on(body), &linkage.inertias[body]);
-                let own = if of.inverse_mass > 0.0 && of.inverse_inertia == 0.0 { 0.0 } else { moment };
-                [sum[0] - x, sum[1] - y, sum[2] - own - cross(pose.com, [x, y])]
-            }),
-        }
-    }
-
-    /// Velocity of the support at a time in the last or next step, in the frame of a palm.
-    fn velocity(self, plan: &Plan, t: f64) -> Twist {
-        let pose = match self {
-            Support::Driven(body) => plan.drives.iter().find(|drive| drive.body == body),
-            Support::Ground => None,
-        };
-        let Pose { position: [x, y, _], rate, .. } =
-            pose.map_or_else(Pose::default, |drive| prescribed_pose(plan, drive, t));
-        let transport = PalmFrame::at(plan, t).transport_velocity([x, y]);
-        std::array::from_fn(|axis| rate[axis] - transport[axis])
-    }
-}
-
-/// Returns the work of contacts on supports over the step that starts at `t`, J, directly and through joints; the supports
-/// have to supply it.
-pub(crate) fn support_contact_work(
-    plan: &Plan,
-    space: &ContactSpace,
-    solver: &ContactSolver,
-    (t, dt): (f64, f64),
-) -> f64 {
-    let count = supports(plan).count();
-    let mut work = 0.0;
-    for (index, support) in supports(plan).enumerate() {
-        let [start, end] = [t, t + dt].map(|t| support.velocity(plan, t));
-        let rows = space.on_supports.iter().skip(index).step_by(count);
-        for ((early_impulse, late_impulse), reaction) in solver.early_impulse.iter().zip(&solver.late_impulse).zip(rows)
-        {
-            // ∫ F ds and ∫ s F ds, from the early and late impulses.
-            work += early_impulse * power(reaction, &start) + late_impulse * power(reaction, &end);
-        }
-    }
-    work
-}
-
-/// Returns the power of supports against joints and smooth forces at a node, W, with these forces and accelerations of
-/// driven bodies.
-pub(crate) fn support_power(
-    plan: &Plan,
-    linkage: &mut Linkage,
-    (forces, velocities): (&[Twist], &[Twist]),
-    t: f64,
-    (driven, accelerations): (&[(usize, Twist)], &mut [Twist]),
-) -> f64 {
-    let carries = |support: &Support| !matches!(support, Support::Ground) || plan.ground_carries;
-    if !supports(plan).any(|support| carries(&support)) {
-        return 0.0;
-    }
-    linkage.accelerations(forces, velocities, driven, accelerations);
-    let [gx, gy] = plan.gravity_m_s2;
-    // The moments on rotors are inertial.
-    let internal = |body: usize| {
-        let ([x, y, moment], mass) = (forces[body], linkage.inertias[body].mass);
-        [x - mass * gx, y - mass * gy, moment - rotor_moment(plan, body, t)]
-    };
-    let on = |support: Support| power(&support.reaction(linkage, internal), &support.velocity(plan, t));
-    -supports(plan).filter(carries).map(on).sum::<f64>()
-}
-
 /// Moment on the rotors of a body that keeps their rates relative to the palm.
-fn rotor_moment(plan: &Plan, body: usize, t: f64) -> f64 {
+pub(super) fn rotor_moment(plan: &Plan, body: usize, t: f64) -> f64 {
     let rotors = plan.rotors.iter().filter(|rotor| rotor.body == body);
     let inertia: f64 = rotors.map(|rotor| rotor.inertia_kg_m2).sum();
     plan.palm().map_or(0.0, |(_, motion)| inertia * motion.pose(t).acceleration[2])

@@ -15,6 +15,7 @@ mod motion;
 mod plan;
 mod stepper;
 mod substeps;
+mod support;
 mod world;
 
 pub use candidates::ContactCandidate;

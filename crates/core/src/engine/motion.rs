@@ -16,6 +16,7 @@ use super::forces;
 use super::linkage::{Linkage, SingularConstraints};
 use super::plan::{Plan, PlannedDrive};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
+use super::support;
 use super::world::{LawContactHook, World};
 use crate::drive::Profile;
 use crate::integrator::Clock;
@@ -220,7 +221,8 @@ impl Motion {
         self.contact_work_j += self.contact.work;
         self.motor_work_j += self.contact.motor_work;
         let step = (self.clock.now(), dt);
-        self.motor_work_j -= forces::support_contact_work(&self.plan, &self.space, &self.contact, step);
+        let impulses = [&self.contact.early_impulse[..], &self.contact.late_impulse[..]];
+        self.motor_work_j -= support::contact_work(&self.plan, &self.space.on_supports, impulses, step);
 
         for (pose, before) in self.linkage.poses.iter().zip(&mut self.previous_poses) {
             *before = [pose.com[0], pose.com[1], pose.angle];
@@ -463,7 +465,7 @@ impl Motion {
     fn support_power(&mut self, t: f64) -> f64 {
         forces::driven_accelerations(&self.plan, t, &mut self.driven);
         let Self { plan, linkage, forces, velocities, driven, predicted_mean_velocities: accelerations, .. } = self;
-        forces::support_power(plan, linkage, (forces, velocities), t, (driven, accelerations))
+        support::power_of_supports(plan, linkage, (forces, velocities), t, (driven, accelerations))
     }
 
     /// Updates forces and accelerations at the node for the next step.

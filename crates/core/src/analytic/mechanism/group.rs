@@ -9,7 +9,7 @@ use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Sour
 use crate::mechanism::{Body, Joint, JointCombination, JointKind, Mechanism, Pose, SpringKind};
 use crate::numeric::plane::{dot, nearest_equivalent_angle, sub};
 use crate::numeric::{Dual, Real};
-use crate::palm_motion;
+use crate::scene;
 
 /// Stiffness, damping and inertia on a combination of joint coordinates: Q = preload − k (q − rest) − d q̇ − I q̈.
 #[derive(Clone, Debug)]
@@ -222,7 +222,7 @@ impl PlacedGroup {
                     body.update_rate(v);
                 }
                 Placement::Prescribed { body } => {
-                    let palm_motion::Pose { rate, acceleration, jerk, .. } =
+                    let scene::Pose { rate, acceleration, jerk, .. } =
                         prescribed(&mechanism.bodies[*body], first.value());
                     let body = &mut motions.bodies[*body];
                     for axis in 0..3 {
@@ -341,7 +341,7 @@ fn bases_length<const K: usize>(
 }
 
 /// Pose of a body with prescribed motion.
-fn prescribed(body: &Body, t: f64) -> palm_motion::Pose {
+fn prescribed(body: &Body, t: f64) -> scene::Pose {
     body.motion.as_ref().map_or_else(Default::default, |motion| motion.at((body.pose, body.rate), t))
 }
 

@@ -1,0 +1,104 @@
+//! Supports: bodies with prescribed motion, and the ground under a moving palm. They supply the work of contacts, joints
+//! and smooth forces on them.
+
+use super::coordinate::{Twist, power};
+use super::forces::{PalmFrame, prescribed_pose, rotor_moment};
+use super::linkage::Linkage;
+use super::plan::Plan;
+use crate::mechanism::PrescribedMotion;
+use crate::numeric::plane::cross;
+use crate::scene::Pose;
+
+/// A body with prescribed motion that does work in the frame of the plan.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Support {
+    /// A driven body; a palm does no work in its own frame.
+    Driven(usize),
+    /// The ground, which moves in the frame of a palm.
+    Ground,
+}
+
+pub(super) fn supports(plan: &Plan) -> impl Iterator<Item = Support> + Clone {
+    let driven = plan.drives.iter().filter_map(|drive| match drive.motion {
+        PrescribedMotion::ConstantAcceleration { .. } => Some(Support::Driven(drive.body)),
+        PrescribedMotion::Palm(_) => None,
+    });
+    driven.chain(plan.palm().map(|_| Support::Ground))
+}
+
+impl Support {
+    /// Force and moment on the support of these loads and of the joints, after a call as for [`Linkage::reaction`]; about
+    /// the origin on the ground.
+    pub fn reaction(self, linkage: &Linkage, load: impl Fn(usize) -> Twist) -> Twist {
+        let on = |body: usize| {
+            let (load, joints) = (load(body), linkage.reaction(body));
+            [load[0] + joints[0], load[1] + joints[1], load[2] + joints[2]]
+        };
+        match self {
+            Support::Driven(body) => on(body),
+            // All forces are internal, with the ground, which prevents the rotation of bodies that do not rotate.
+            Support::Ground => linkage.poses.iter().enumerate().fold([0.0; 3], |sum, (body, pose)| {
+                let ([x, y, moment], of) = (on(body), &linkage.inertias[body]);
+                let own = if of.inverse_mass > 0.0 && of.inverse_inertia == 0.0 { 0.0 } else { moment };
+                [sum[0] - x, sum[1] - y, sum[2] - own - cross(pose.com, [x, y])]
+            }),
+        }
+    }
+
+    /// Velocity of the support at a time in the last or next step, in the frame of a palm.
+    fn velocity(self, plan: &Plan, t: f64) -> Twist {
+        let pose = match self {
+            Support::Driven(body) => plan.drives.iter().find(|drive| drive.body == body),
+            Support::Ground => None,
+        };
+        let Pose { position: [x, y, _], rate, .. } =
+            pose.map_or_else(Pose::default, |drive| prescribed_pose(plan, drive, t));
+        let transport = PalmFrame::at(plan, t).transport_velocity([x, y]);
+        std::array::from_fn(|axis| rate[axis] - transport[axis])
+    }
+}
+
+/// Returns the work of contacts on supports over the step that starts at `t`, J, directly and through joints; the supports
+/// have to supply it.
+pub(super) fn contact_work(
+    plan: &Plan,
+    on_supports: &[Twist],
+    [early_impulses, late_impulses]: [&[f64]; 2],
+    (t, dt): (f64, f64),
+) -> f64 {
+    let count = supports(plan).count();
+    let mut work = 0.0;
+    for (index, support) in supports(plan).enumerate() {
+        let [start, end] = [t, t + dt].map(|t| support.velocity(plan, t));
+        let rows = on_supports.iter().skip(index).step_by(count);
+        for ((early_impulse, late_impulse), reaction) in early_impulses.iter().zip(late_impulses).zip(rows) {
+            // ∫ F ds and ∫ s F ds, from the early and late impulses.
+            work += early_impulse * power(reaction, &start) + late_impulse * power(reaction, &end);
+        }
+    }
+    work
+}
+
+/// Returns the power of supports against joints and smooth forces at a node, W, with these forces and accelerations of
+/// driven bodies.
+pub(super) fn power_of_supports(
+    plan: &Plan,
+    linkage: &mut Linkage,
+    (forces, velocities): (&[Twist], &[Twist]),
+    t: f64,
+    (driven, accelerations): (&[(usize, Twist)], &mut [Twist]),
+) -> f64 {
+    let carries = |support: &Support| !matches!(support, Support::Ground) || plan.ground_carries;
+    if !supports(plan).any(|support| carries(&support)) {
+        return 0.0;
+    }
+    linkage.accelerations(forces, velocities, driven, accelerations);
+    let [gx, gy] = plan.gravity_m_s2;
+    // The moments on rotors are inertial.
+    let internal = |body: usize| {
+        let ([x, y, moment], mass) = (forces[body], linkage.inertias[body].mass);
+        [x - mass * gx, y - mass * gy, moment - rotor_moment(plan, body, t)]
+    };
+    let on = |support: Support| power(&support.reaction(linkage, internal), &support.velocity(plan, t));
+    -supports(plan).filter(carries).map(on).sum::<f64>()
+}
