@@ -1,8 +1,9 @@
 //! Scenes of mechanisms: reading, showing, and their samples.
 
 use std::f64::consts::FRAC_PI_4;
+use std::fs;
 
-use phalanx::drawing::{self, Drawing};
+use phalanx::drawing::{self, BodyRole, Drawing};
 use phalanx::law::NormalLaw;
 use phalanx::mechanism::tendon::length_in;
 use phalanx::mechanism::{
@@ -80,7 +81,7 @@ fn samples_hold_the_states_of_a_mechanism() {
 
 /// The shipped scene of a mechanism.
 fn shipped(name: &str) -> Scene {
-    let text = std::fs::read_to_string(format!("scenes/mechanisms/{name}.toml")).expect("a scene");
+    let text = fs::read_to_string(format!("scenes/mechanisms/{name}.toml")).expect("a scene");
     parse(&text)
 }
 
@@ -286,7 +287,7 @@ fn tendons_are_read_and_shown_again() {
     // The spring has the tension of the pretension at the start: 1 N at 2e5 N/m.
     let length_m = length_in(of, flexor, &drawing::poses_at_start(of));
     assert!((length_m - flexor.rest_m - 5e-6).abs() < 1e-15, "{length_m}, {}", flexor.rest_m);
-    let text = std::fs::read_to_string("scenes/mechanisms/tendon-finger.toml").expect("a scene");
+    let text = fs::read_to_string("scenes/mechanisms/tendon-finger.toml").expect("a scene");
     let pulled = text.replace(
         "joint = \"shaft\"\ntorque = \"0.35 N*m\"\nno_load_speed = \"40 rad/s\"",
         "tendon = \"flexor\"\ntimes = [\"0 ms\", \"20 ms\"]\ntensions = [\"0 N\", \"30 N\"]",
@@ -588,6 +589,53 @@ fn drawings_follow_the_bodies() {
     assert!(left < -0.04 && right > 0.04 && bottom < 0.02 && top > 0.1, "{:?}", drawn.extent_m);
     assert_eq!(poses[0].angle_rad, 0.0);
     assert!((poses[1].angle_rad + FRAC_PI_4 - 5f64.to_radians()).abs() < 1e-5);
+}
+
+/// A drawn body of a scene, by its name.
+fn drawn_body(path: &str, name: &str) -> drawing::Body {
+    let scene = scene::load_any(path).expect("a scene");
+    let bodies = Drawing::from_scene(&scene).bodies;
+    bodies.into_iter().find(|body| body.name == name).expect("a body")
+}
+
+#[test]
+fn colours_follow_the_parts() {
+    for (scene, body, role) in [
+        ("real/2f85-encompass", "left_driver", BodyRole::Driver),
+        ("real/2f85-encompass", "right_driver", BodyRole::Driver),
+        ("real/2f85-encompass", "left_coupler", BodyRole::Coupler),
+        ("real/2f85-encompass", "left_spring_link", BodyRole::Proximal),
+        ("real/2f85-encompass", "left_follower", BodyRole::Distal),
+        ("real/2f85-encompass", "object", BodyRole::Object),
+        ("real/franka-lift", "left", BodyRole::Distal),
+        ("real/franka-lift", "right", BodyRole::Distal),
+        ("real/franka-lift", "ground.table", BodyRole::Palm),
+        ("real/barrett-grasp", "right_medial", BodyRole::Proximal),
+        ("real/barrett-grasp", "ground", BodyRole::Palm),
+        ("mechanisms/f85-finger", "ground", BodyRole::Object),
+    ] {
+        assert_eq!(drawn_body(&format!("scenes/{scene}.toml"), body).role, role, "{scene}: {body}");
+    }
+}
+
+#[test]
+fn pins_are_marked_and_sliders_are_blocks() {
+    // Pins, and neither frames nor points of sliders.
+    let jaw = drawn_body("scenes/real/franka-lift.toml", "left");
+    assert_eq!((jaw.marks_m.len(), jaw.shapes.len()), (0, 4));
+    let slider = drawn_body("scenes/mechanisms/slider-crank.toml", "slider");
+    assert_eq!((slider.marks_m, slider.shapes.len()), (vec![[0.0; 2]], 3));
+    // Four pins, three of them at one point, on a bar.
+    let k2 = drawn_body("scenes/mechanisms/andrews.toml", "k2");
+    assert_eq!((k2.marks_m, k2.shapes.len()), (vec![[-0.028, 0.0], [0.0; 2]], 3));
+    // The pad of the follower is away from its pins, and a bar leads to it.
+    let text = fs::read_to_string("scenes/real/2f85-pinch.toml").expect("a scene");
+    let outline = text.find("[bodies.right_follower.outlines.body]").expect("an outline");
+    let end = outline + text[outline..].find("[bodies.right_follower.outlines.pad]").expect("the next outline");
+    let scene = parse(&format!("{}{}", &text[..outline], &text[end..]));
+    let bodies = Drawing::from_scene(&scene).bodies;
+    let follower = bodies.iter().find(|body| body.name == "right_follower").expect("a body");
+    assert_eq!(follower.shapes.len(), 5, "a bar between two pins, a bar to the pad, the pad, two pins");
 }
 
 /// The first segment of the cable leads along y = −8 mm to the pulley, whose lowest point is there.

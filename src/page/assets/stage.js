@@ -17,6 +17,7 @@ class Stage {
     this.symbols = [];
     // The last drawing, for tests.
     this.drawnRuns = [];
+    this.labels = [];
     this.findLargestForce();
   }
 
@@ -53,6 +54,7 @@ class Stage {
     if (states.length > 0) this.drawOverlaps(ctx, view, states[0]);
     states.forEach((state) => this.drawContactPoints(ctx, view, state));
     const linkage = this.symbolLinkage(view, states[0]);
+    this.labels = [];
     states.forEach((state, index) => this.drawArrows(ctx, view, state, index === 0 && !linkage));
     this.drawScaleBar(ctx, view, width, height);
     this.symbols = linkage ? drawSymbols(ctx, view, linkage, states[0].arrows, VIEW_MARGIN, this.highlightedSymbol) : [];
@@ -127,13 +129,13 @@ class Stage {
         ctx.stroke();
         ctx.globalAlpha = 1;
       }
-      if (style === 0 && !fixed && body.part !== "palm") this.drawJoints(ctx, view, body, x, y, angle);
+      if (style === 0 && !fixed) this.drawMarks(ctx, view, body, x, y, angle);
     }
     ctx.setLineDash([]);
   }
 
-  // Draws rings at the joints of links, and a radius that shows the rotation of a disc.
-  drawJoints(ctx, view, body, x, y, angle) {
+  // Draws rings at the marked points of a body, such as pins, and a radius that shows the rotation of a disc.
+  drawMarks(ctx, view, body, x, y, angle) {
     ctx.strokeStyle = colour("edge");
     ctx.lineWidth = 1.25;
     if (body.part === "disc") {
@@ -144,17 +146,9 @@ class Stage {
       ctx.moveTo(...centre);
       ctx.lineTo(...rim);
       ctx.stroke();
-      return;
     }
-    const jointPoints = [[0, 0]];
-    const couplerShape = body.shapes[0];
-    // The bar extends equally beyond both joints.
-    if (body.part === "coupler" && body.shapes.length === 1 && couplerShape.kind === "polygon") {
-      const xCoordinates = couplerShape.corners_m.map((corner) => corner[0]);
-      jointPoints.push([Math.min(...xCoordinates) + Math.max(...xCoordinates), 0]);
-    }
-    for (const joint of jointPoints) {
-      const [px, py] = view.toScreen(toWorld(joint, x, y, angle));
+    for (const mark of body.marks_m) {
+      const [px, py] = view.toScreen(toWorld(mark, x, y, angle));
       if (Math.abs(px) > 1e5 || Math.abs(py) > 1e5) continue;
       ctx.beginPath();
       ctx.arc(px, py, 3, 0, 2 * Math.PI);
@@ -209,11 +203,8 @@ class Stage {
 
   drawArrows(ctx, view, { arrows, run }, showsValues) {
     for (const arrow of arrows) {
-      const [x, y] = view.toScreen(arrow.from_m);
-      const { left, right, top, bottom } = view.box;
-      if (x < left || x > right || y < top || y > bottom) continue;
-      const [dx, dy] = [arrow.direction[0], -arrow.direction[1]];
-      const tip = [x + dx * arrow.length_px, y + dy * arrow.length_px];
+      const { origin: [x, y], direction: [dx, dy], tip } = arrowOnScreen(arrow, view);
+      if (!isInBox([x, y], view.box)) continue;
       const head = Math.min(run.index === 0 ? 15 : 9, 0.6 * arrow.length_px);
       const kind = colour(arrow.kind === "normal" ? "force" : "friction");
       [ctx.fillStyle, ctx.strokeStyle] = [kind, run.index === 0 ? kind : colour("edge-b")];
@@ -236,17 +227,30 @@ class Stage {
         ctx.fill();
         ctx.stroke();
       }
-      if (showsValues) this.drawArrowLabel(ctx, view, arrow, tip, [dx, dy]);
     }
+    if (showsValues) this.labels = this.drawArrowLabels(ctx, view, arrows);
   }
 
-  // Writes the force next to the tip of its arrow, within the view.
-  drawArrowLabel(ctx, view, arrow, tip, [dx, dy]) {
-    const text = formatQuantity(Math.abs(arrow.force_n), "N", 3);
-    const halfWidth = ctx.measureText(text).width / 2 + 4;
-    const x = Math.min(Math.max(tip[0] + dx * (halfWidth + 6), halfWidth + 4), view.width - halfWidth - 4);
-    const y = Math.min(Math.max(tip[1] + dy * 14, 12), view.height - 12);
-    drawLabel(ctx, text, x, y, arrow.kind === "normal" ? "force" : "friction", "center");
+  // Writes the forces next to the tips of their arrows, the largest first: the next ones beside them if there is space.
+  // Returns the boxes of the texts.
+  drawArrowLabels(ctx, view, arrows) {
+    const labels = [];
+    for (const arrow of [...arrows].sort((a, b) => Math.abs(b.force_n) - Math.abs(a.force_n))) {
+      const { origin, direction: [dx, dy], tip } = arrowOnScreen(arrow, view);
+      if (!isInBox(origin, view.box)) continue;
+      const text = formatQuantity(Math.abs(arrow.force_n), "N", 3);
+      const halfWidth = ctx.measureText(text).width / 2 + 4;
+      for (const [along, across] of [[0, 0], [0, 1], [0, -1], [1, 0]]) {
+        const [right, down] = [along * dx - across * dy, along * dy + across * dx];
+        const x = Math.min(Math.max(tip[0] + dx * (halfWidth + 6) + 2 * halfWidth * right, halfWidth + 4), view.width - halfWidth - 4);
+        const y = Math.min(Math.max(tip[1] + dy * 14 + 16 * down, 12), view.height - 12);
+        if (labels.some((other) => Math.abs(other.x - x) < other.halfWidth + halfWidth && Math.abs(other.y - y) < 15)) continue;
+        drawLabel(ctx, text, x, y, arrow.kind === "normal" ? "force" : "friction", "center");
+        labels.push({ text, x, y, halfWidth });
+        break;
+      }
+    }
+    return labels;
   }
 
   // Draws a scale bar of a round length at the lower left.
@@ -268,6 +272,14 @@ class Stage {
     drawLabel(ctx, Number((length * visibleRuns.factor).toPrecision(1)) + "\u202f" + visibleRuns.unit, x + px + 8, y - 3);
   }
 }
+
+// Origin, direction and tip of an arrow on the screen.
+function arrowOnScreen({ from_m, direction: [x, y], length_px }, view) {
+  const [origin, direction] = [view.toScreen(from_m), [x, -y]];
+  return { origin, direction, tip: [0, 1].map((k) => origin[k] + direction[k] * length_px) };
+}
+
+const isInBox = ([x, y], { left, right, top, bottom }) => x >= left && x <= right && y >= top && y <= bottom;
 
 const isFixed = (body) => body.fixed;
 const isMoving = (body) => !body.fixed;

@@ -1,4 +1,4 @@
-//! Drawing of a mechanism: outlines, bars between the joints of a body, pins, pulleys and cables.
+//! Drawing of a mechanism: outlines, bars between the pins and outlines of a body, pins, pulleys and cables.
 //!
 //! A half plane is drawn as a body of its own, whose frame has the half plane below its x-axis.
 
@@ -6,7 +6,9 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::{Body, BodyRole, Drawing, Pose, Shape};
 use crate::mechanism::tendon::{Segment, center_in, segment};
-use crate::mechanism::{Command, Joint, JointKind, Mechanism, Outline, OutlineShape, PathElement, assemble};
+use crate::mechanism::{
+    Command, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineShape, PathElement, assemble,
+};
 use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, rotate, scale, sub};
 use crate::trace::{BodyState, Sample};
@@ -166,38 +168,30 @@ fn parts(mechanism: &Mechanism) -> Vec<Part> {
             role: BodyRole::Palm,
             fixed: body.is_none(),
             shapes: vec![Shape::HalfPlane { level_m: 0.0 }],
+            marks_m: Vec::new(),
         })
     });
+    let pin_m = PIN_PART * size_m;
+    let pins_from_ground = pins_from_ground(mechanism);
     let bodies = outlined(mechanism).map(|(body, outlines)| {
-        let points: Vec<[f64; 2]> = joint_points(mechanism, body).collect();
+        let pins = pins_m(mechanism, body);
         let surfaces = outlines.iter().filter_map(|outline| match outline.shape {
             OutlineShape::Disc { center_m, radius_m } if center_m == [0.0; 2] => Some(Shape::Disc { radius_m }),
             OutlineShape::Capsule { from_m, to_m, radius_m } => Some(Shape::Capsule { from_m, to_m, radius_m }),
             OutlineShape::HalfPlane { .. } => None,
             _ => Some(Shape::Polygon { corners_m: corners_m(&outline.shape) }),
         });
-        let mut shapes: Vec<Shape> = surfaces.collect();
-        // The ground has no bars.
-        if body.is_some() {
-            let bars = points.windows(2).filter(|ends| ends[0] != ends[1]);
-            shapes.extend(bars.map(|ends| bar(ends[0], ends[1], 0.5 * PIN_PART * size_m)));
-        }
-        shapes.extend(points.iter().map(|point| circle(*point, PIN_PART * size_m)));
+        let mut shapes = if body.is_some() { skeleton(mechanism, body, &pins, outlines, pin_m) } else { Vec::new() };
+        shapes.extend(surfaces);
+        shapes.extend(pins.iter().map(|pin| circle(*pin, pin_m)));
         let elements = mechanism.tendons.iter().flat_map(|tendon| &tendon.path).filter(|element| element.body == body);
-        shapes.extend(elements.map(|element| circle(element.point_m, element.radius_m.max(0.5 * PIN_PART * size_m))));
-        let is_driven = mechanism.actuators.iter().any(|actuator| {
-            // The mirror image of a revolute joint has its bodies in the opposite order.
-            let drives = |[a, b]: [Option<usize>; 2]| b == body || a == body && b.is_none();
-            body.is_some() && actuator.on.terms.iter().any(|(joint, _)| drives(mechanism.joints[*joint].bodies))
-        });
-        let role = match body {
-            None => BodyRole::Palm,
-            Some(_) if points.is_empty() => BodyRole::Object,
-            Some(_) if is_driven => BodyRole::Driver,
-            Some(_) if outlines.is_empty() => BodyRole::Coupler,
-            Some(_) => BodyRole::Distal,
+        shapes.extend(elements.map(|element| circle(element.point_m, element.radius_m.max(0.5 * pin_m))));
+        let role = role(mechanism, body, &pins_from_ground);
+        let marks_m = match (role, body) {
+            (BodyRole::Object, Some(body)) => vec![mechanism.bodies[body].com_m],
+            _ => pins,
         };
-        Body { name: mechanism.body_name(body).to_owned(), role, fixed: body.is_none(), shapes }
+        Body { name: mechanism.body_name(body).to_owned(), role, fixed: body.is_none(), shapes, marks_m }
     });
     let drawn = half_planes.chain(bodies);
     let start = poses_at_start(mechanism);
@@ -207,17 +201,164 @@ fn parts(mechanism: &Mechanism) -> Vec<Part> {
     };
     let cable = |CableBar { name, pose, ends, segment_m, .. }: CableBar| {
         let [from_m, to_m] = ends.map(|end| [end * segment_m, 0.0]);
-        let shapes = vec![bar(from_m, to_m, 0.2 * PIN_PART * size_m)];
-        Part { body: None, pose, drawn: Body { name, role: BodyRole::Coupler, fixed: false, shapes } }
+        let shapes = vec![bar(from_m, to_m, 0.2 * pin_m)];
+        Part { body: None, pose, drawn: Body { name, role: BodyRole::Coupler, fixed: false, shapes, marks_m: vec![] } }
     };
     let cables = cables(mechanism, &at_start).into_iter().map(cable);
     placements(mechanism).zip(drawn).map(|((body, pose), drawn)| Part { body, pose, drawn }).chain(cables).collect()
 }
 
-/// Points of the joints of a body, in its frame.
-fn joint_points(mechanism: &Mechanism, body: Option<usize>) -> impl Iterator<Item = [f64; 2]> + '_ {
-    let points = mechanism.joints.iter().flat_map(|joint| joint.bodies.into_iter().zip(joint.points_m));
-    points.filter(move |(other, _)| *other == body).map(|(_, point)| point)
+/// Role of a body, which selects its colour. A body with a surface is a phalanx: a proximal one if a single pin is
+/// between it and the ground. Bodies that an actuator drives directly or by a coupling are drivers.
+fn role(mechanism: &Mechanism, body: Option<usize>, pins_from_ground: &[usize]) -> BodyRole {
+    let is_free = |body: usize| !mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
+    let outlines = || mechanism.contacts.iter().flat_map(|contact| [contact.points, contact.face]);
+    let has_surface = outlines().any(|outline| outline.body == body);
+    let Some(index) = body else {
+        let has_object = !has_surface || (0..mechanism.bodies.len()).any(is_free);
+        return if has_object { BodyRole::Palm } else { BodyRole::Object };
+    };
+    let joints = |on: &JointCombination| -> Vec<usize> { on.terms.iter().map(|(joint, _)| *joint).collect() };
+    let actuated: Vec<usize> = mechanism.actuators.iter().flat_map(|actuator| joints(&actuator.on)).collect();
+    let is_driven = |joint: usize| {
+        let mut coupled =
+            mechanism.couplings.iter().map(|coupling| joints(&coupling.on)).filter(|all| all.contains(&joint));
+        actuated.contains(&joint) || coupled.any(|all| all.iter().any(|other| actuated.contains(other)))
+    };
+    // The mirror image of a revolute joint has its bodies in the opposite order.
+    let moves = |[a, b]: [Option<usize>; 2]| b == body || a == body && b.is_none();
+    match () {
+        () if is_free(index) => BodyRole::Object,
+        () if has_surface && pins_from_ground[index] == 1 => BodyRole::Proximal,
+        () if has_surface => BodyRole::Distal,
+        () if (0..mechanism.joints.len()).any(|k| moves(mechanism.joints[k].bodies) && is_driven(k)) => {
+            BodyRole::Driver
+        }
+        () => BodyRole::Coupler,
+    }
+}
+
+/// Smallest number of pins between each body and the ground.
+fn pins_from_ground(mechanism: &Mechanism) -> Vec<usize> {
+    let mut pins = vec![usize::MAX; mechanism.bodies.len()];
+    for _ in 0..mechanism.bodies.len() {
+        for Joint { bodies: [a, b], kind, .. } in &mechanism.joints {
+            for (from, to) in [(a, b), (b, a)] {
+                let reached =
+                    from.map_or(0, |body| pins[body]).saturating_add(usize::from(*kind == JointKind::Revolute));
+                if let Some(body) = *to {
+                    pins[body] = pins[body].min(reached);
+                }
+            }
+        }
+    }
+    pins
+}
+
+/// Pins of a body and the centres of its spools, in its frame.
+fn pins_m(mechanism: &Mechanism, body: Option<usize>) -> Vec<[f64; 2]> {
+    let pins = mechanism.joints.iter().filter(|joint| joint.kind == JointKind::Revolute);
+    let points = pins.flat_map(|joint| joint.bodies.into_iter().zip(joint.points_m));
+    let mut points: Vec<[f64; 2]> = points.filter(|(other, _)| *other == body).map(|(_, point)| point).collect();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.dedup();
+    points
+}
+
+/// The bars of a body: the convex hull of its pins, and a bar to every outline apart from it; its spools; blocks of
+/// sliders without another shape.
+fn skeleton(
+    mechanism: &Mechanism,
+    body: Option<usize>,
+    pins: &[[f64; 2]],
+    outlines: &[Outline],
+    pin_m: f64,
+) -> Vec<Shape> {
+    let rounded = |vertices_m: Vec<[f64; 2]>| corners_m(&OutlineShape::Polygon { vertices_m, radius_m: 0.5 * pin_m });
+    let is_of_body = |joint: &&Joint| joint.bodies[1] == body;
+    let spools = mechanism.tendons.iter().flat_map(|tendon| &tendon.joints);
+    let spools = spools.map(|(joint, radius_m)| (&mechanism.joints[*joint], radius_m.abs()));
+    let spools = spools.filter(|(joint, _)| joint.kind == JointKind::Revolute && is_of_body(joint));
+    let mut drawn: Vec<Vec<[f64; 2]>> = spools.map(|(joint, radius_m)| circle_m(joint.points_m[1], radius_m)).collect();
+    match pins {
+        [] => {}
+        [pin] => drawn.push(circle_m(*pin, pin_m)),
+        _ => drawn.push(rounded(hull(pins))),
+    }
+    if outlines.is_empty() {
+        for joint in mechanism.joints.iter().filter(is_of_body) {
+            if let JointKind::Prismatic { axis_rad } = joint.kind {
+                let (sin, cos) = sin_cos(axis_rad - joint.offset_rad);
+                let corner = |[x, y]: [f64; 2]| add(joint.points_m[1], rotate([x * pin_m, y * pin_m], [cos, sin]));
+                drawn.push([[-3.0, -2.0], [3.0, -2.0], [3.0, 2.0], [-3.0, 2.0]].map(corner).to_vec());
+            }
+        }
+    }
+    let mut apart: Vec<Vec<[f64; 2]>> = outlines.iter().map(|outline| corners_m(&outline.shape)).collect();
+    apart.retain(|corners| !corners.is_empty());
+    let mut joined = drawn.clone();
+    joined.extend(if joined.is_empty() { apart.pop() } else { None });
+    // The nearest outline first, so that others may be joined by it.
+    while !apart.is_empty() {
+        let pairs = (0..apart.len()).flat_map(|k| joined.iter().map(move |other| (k, other)));
+        let bars = pairs.map(|(k, other)| (k, shortest_bar(other, &apart[k])));
+        let nearest = bars.min_by(|(_, a), (_, b)| distance_m(a[0], a[1]).total_cmp(&distance_m(b[0], b[1])));
+        let (k, ends) = nearest.expect("a pair: both lists have elements");
+        if ends[0] != ends[1] {
+            drawn.push(rounded(ends.to_vec()));
+        }
+        joined.push(apart.swap_remove(k));
+    }
+    drawn.into_iter().map(|corners_m| Shape::Polygon { corners_m }).collect()
+}
+
+/// Convex hull of sorted points, counter-clockwise (monotone chain).
+fn hull(sorted: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    fn chain<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> Vec<[f64; 2]> {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for point in points {
+            while let [.., a, b] = chain[..]
+                && cross(sub(b, a), sub(*point, b)) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(*point);
+        }
+        chain.pop();
+        chain
+    }
+    [chain(sorted.iter()), chain(sorted.iter().rev())].concat()
+}
+
+/// Ends of the shortest line between two convex polygons; equal if a corner of one is in the other.
+fn shortest_bar(first: &[[f64; 2]], second: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    let sides = |polygon: &[[f64; 2]]| {
+        let polygon = polygon.to_vec();
+        (0..polygon.len()).map(move |k| [polygon[k], polygon[(k + 1) % polygon.len()]])
+    };
+    // The point of a polygon that is nearest to a point.
+    let nearest = |polygon: &[[f64; 2]], point: [f64; 2]| {
+        if sides(polygon).all(|[a, b]| cross(sub(b, a), sub(point, a)) >= 0.0) {
+            return point;
+        }
+        let on_side = |[a, b]: [[f64; 2]; 2]| {
+            let along = sub(b, a);
+            let part = dot(sub(point, a), along) / dot(along, along).max(f64::MIN_POSITIVE);
+            add(a, scale(along, part.clamp(0.0, 1.0)))
+        };
+        let points = sides(polygon).map(on_side);
+        let nearest = points.min_by(|a, b| distance_m(*a, point).total_cmp(&distance_m(*b, point)));
+        nearest.expect("a polygon has sides")
+    };
+    let from_first = first.iter().map(|corner| [*corner, nearest(second, *corner)]);
+    let from_second = second.iter().map(|corner| [nearest(first, *corner), *corner]);
+    let shortest =
+        from_first.chain(from_second).min_by(|a, b| distance_m(a[0], a[1]).total_cmp(&distance_m(b[0], b[1])));
+    shortest.expect("a polygon has corners")
+}
+
+fn distance_m(a: [f64; 2], b: [f64; 2]) -> f64 {
+    hypot(b[0] - a[0], b[1] - a[1])
 }
 
 /// Largest extent of a body.
@@ -231,7 +372,11 @@ fn size_m(mechanism: &Mechanism) -> f64 {
 }
 
 fn circle(center_m: [f64; 2], radius_m: f64) -> Shape {
-    Shape::Polygon { corners_m: corners_m(&OutlineShape::Disc { center_m, radius_m }) }
+    Shape::Polygon { corners_m: circle_m(center_m, radius_m) }
+}
+
+fn circle_m(center_m: [f64; 2], radius_m: f64) -> Vec<[f64; 2]> {
+    corners_m(&OutlineShape::Disc { center_m, radius_m })
 }
 
 /// Corners of a polygon along an outline; none of a half plane.
@@ -307,4 +452,26 @@ fn extent(mechanism: &Mechanism, parts: &[Part]) -> [[f64; 2]; 2] {
         }
     }
     if low[0].is_finite() { [low, high] } else { [[-0.05; 2], [0.05; 2]] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hulls_have_no_inner_and_no_collinear_points() {
+        let square = [[0.0, 0.0], [0.0, 2.0], [1.0, 0.0], [1.0, 1.0], [2.0, 0.0], [2.0, 2.0]];
+        assert_eq!(hull(&square), [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
+        assert_eq!(hull(&[[0.0, 0.0], [1.0, 1.0], [3.0, 3.0]]), [[0.0, 0.0], [3.0, 3.0]]);
+    }
+
+    #[test]
+    fn bars_are_shortest_and_vanish_in_an_overlap() {
+        let square_at = |x: f64| [[x, 0.0], [x + 1.0, 0.0], [x + 1.0, 1.0], [x, 1.0]];
+        let tip = [[3.0, 0.5], [5.0, 0.0], [5.0, 1.0]];
+        assert_eq!(shortest_bar(&square_at(0.0), &tip), [[1.0, 0.5], [3.0, 0.5]]);
+        assert_eq!(shortest_bar(&tip, &square_at(0.0)), [[3.0, 0.5], [1.0, 0.5]]);
+        let [from, to] = shortest_bar(&square_at(0.0), &square_at(0.5));
+        assert_eq!(from, to);
+    }
 }

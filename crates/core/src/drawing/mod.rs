@@ -42,6 +42,8 @@ pub struct Body {
     /// Whether the body does not move.
     pub fixed: bool,
     pub shapes: Vec<Shape>,
+    /// Points that pages mark by a ring: pins, and the centre of an object.
+    pub marks_m: Vec<[f64; 2]>,
 }
 
 /// Role of a body in the mechanism.
@@ -127,6 +129,7 @@ impl Drawing {
             role,
             fixed: !disc.motion.moves(),
             shapes: vec![Shape::from_shape(&disc.shape)],
+            marks_m: if system.fingers.is_empty() { Vec::new() } else { vec![[0.0; 2]] },
         }));
         for (side, finger) in system.fingers_by_side() {
             bodies.extend(link_bodies(&finger.linkage.lengths).map(|body| Body {
@@ -264,7 +267,8 @@ fn view_extent(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
 /// Returns the four links with their outlines and contact surfaces.
 fn link_bodies(lengths: &Lengths) -> [Body; 4] {
     let w = lengths.half_width_m;
-    let body = |name: &str, role, shapes| Body { name: name.to_string(), role, fixed: false, shapes };
+    let link = |name: &str, role, shapes, marks_m| Body { name: name.to_string(), role, fixed: false, shapes, marks_m };
+    let body = |name, role, shapes| link(name, role, shapes, vec![[0.0; 2]]);
     let bar = |length_m| Shape::Polygon { corners_m: link_outline(length_m, w).to_vec() };
     let surface = |angle: f64, length: f64| Shape::Capsule {
         from_m: [0.0; 2],
@@ -279,7 +283,7 @@ fn link_bodies(lengths: &Lengths) -> [Body; 4] {
     }
     [
         body("l11", BodyRole::Driver, vec![bar(lengths.l11_m)]),
-        body("l12", BodyRole::Coupler, vec![bar(lengths.l12_m)]),
+        link("l12", BodyRole::Coupler, vec![bar(lengths.l12_m)], vec![[0.0; 2], [lengths.l12_m, 0.0]]),
         body("l21", BodyRole::Proximal, vec![bar(lengths.l21_m), surface(0.0, lengths.l21_m)]),
         body("l22", BodyRole::Distal, distal),
     ]
@@ -320,6 +324,7 @@ fn plane_bodies(system: &System) -> Vec<Body> {
         role: BodyRole::Palm,
         fixed,
         shapes: vec![Shape::HalfPlane { level_m }],
+        marks_m: Vec::new(),
     };
     let below = if system.fingers.is_empty() { "plane" } else { "palm" };
     let palm = system.palm.map(|palm| plane(below, true, palm.level_m));
