@@ -125,6 +125,39 @@ fn page_contains_every_sample_bit_for_bit() {
     }
 }
 
+/// Corners of a box against a jaw are one contact with the sum of their forces, which act on the jaw.
+#[test]
+fn points_of_two_outlines_are_one_contact() {
+    let scene = load("mechanisms/jaws");
+    let recording = record(Model::Analytic, &scene).expect("a run");
+    let playback = build_playback("analytic", &scene, &recording.samples, &recording.events, "");
+    let names: Vec<&str> = playback.contacts.iter().map(|contact| contact.name.as_str()).collect();
+    assert_eq!(names, ["box / ground.floor", "left / box", "right / box"]);
+    let last = recording.samples.last().expect("a sample");
+    let points = scene.mechanism.as_ref().expect("a mechanism").point_contacts();
+    let touching = points.iter().enumerate().filter(|(index, _)| last.contact(*index).normal_n > 0.0);
+    let at_right: Vec<ContactSample> =
+        touching.filter(|(_, point)| point.name.contains("right.skin")).map(|(index, _)| last.contact(index)).collect();
+    assert!(at_right.len() > 1 && at_right.iter().any(|point| point.normal[0] < 0.0), "{at_right:?}");
+    let column = |name: &str, key: &str| {
+        let contact = playback.contacts.iter().find(|contact| contact.name == name).expect("a contact");
+        let (_, column) = contact.columns.iter().find(|(other, _)| other == key).expect("a quantity");
+        *playback.columns[*column].last().expect("a value")
+    };
+    let sum = |value: fn(&ContactSample) -> f64| at_right.iter().map(value).sum::<f64>();
+    assert!((column("right / box", "normal_n") - sum(|point| point.normal_n)).abs() < 1e-12);
+    assert!((column("right / box", "tangential_n") - sum(|point| point.tangential_n)).abs() < 1e-12);
+    let moment = sum(|point| point.normal_n * point.point_m[1]);
+    assert!((column("right / box", "point_y_m") - moment / sum(|point| point.normal_n)).abs() < 1e-12);
+    assert!(column("right / box", "normal_x") > 0.99 && column("left / box", "normal_x") < -0.99);
+    assert!(column("box / ground.floor", "normal_y") > 0.99);
+    let gap = at_right.iter().map(|point| point.gap_m).fold(f64::INFINITY, f64::min);
+    assert_eq!(column("right / box", "gap_m"), gap);
+    // An event is at the pair, and names its point.
+    let event = playback.event_markers.iter().find(|event| event.location == "right / box").expect("an event");
+    assert!(event.point.as_ref().expect("a point").contains('['), "{event:?}");
+}
+
 #[test]
 fn page_is_small_self_contained_and_reproducible() {
     let scene = load("experiment-95");

@@ -20,7 +20,7 @@ class EventList {
         element("span", { class: "event-name" }, `${event.place}: ${event.kind}`),
         element("span", { class: "figure soft" }, valueText),
       );
-      if (playback.runs.length > 1) row.title = event.run.label;
+      row.title = [...(playback.runs.length > 1 ? [event.run.label] : []), ...(event.point ? [event.point] : [])].join(": ");
       row.setAttribute("aria-label", `${event.run.label}, ${formatTime(event.time_s, playback.timeFormat)}, ${event.place}: ${event.kind} ${valueText}`);
       row.addEventListener("click", () => seek(event.time_s));
       container.append(row);

@@ -4,14 +4,15 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 
+use super::contacts::{ShownContact, display_name, shown_contacts};
 use super::decimate::{MAX_SAMPLES, select_samples};
-use super::panels::{Item, PanelPlan, Scale, panels};
+use super::panels::{PanelPlan, Scale, panels};
 use crate::drawing::{self, Drawing, Pose};
 use crate::format::Report;
 use crate::format::object::Named;
 use crate::scene::Scene;
-use crate::trace::schema::Quantity;
-use crate::trace::{Channel, Event, EventKind, Sample, Schema};
+use crate::trace::schema::{Quantity, State};
+use crate::trace::{ContactSample, Event, EventKind, Sample, Schema};
 
 /// Index of a column of numbers in [`Playback::columns`].
 pub type Column = usize;
@@ -41,6 +42,9 @@ pub struct Playback {
     pub longest_arrow_m: f64,
     /// Lower left and upper right corner of the view.
     pub extent_m: [[f64; 2]; 2],
+    /// Whether the view is turned by 180° at first, because gravity points up. Scenes of fingers, whose objects lie on the
+    /// palm, are not turned.
+    pub is_turned: bool,
     /// The distinct columns: one value per sample, or a single one if all are equal.
     #[serde(skip)]
     pub columns: Vec<Vec<f64>>,
@@ -56,7 +60,7 @@ pub struct Body {
     pub columns: Named<Column>,
 }
 
-/// The columns of a contact, by the keys of its quantities.
+/// The columns of a contact, by the keys of its quantities. The points of a pair of outlines are one contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactSeries {
     pub name: String,
@@ -94,6 +98,9 @@ pub struct EventMarker {
     /// Name of the contact or of the joint limit.
     #[serde(rename = "place")]
     pub location: String,
+    /// Name of the contact in samples, if it is another: a point of a pair of outlines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub point: Option<String>,
     /// Kind of event.
     pub kind: &'static str,
     /// Approach speed or impulse, if the kind of event has one, and its SI unit.
@@ -103,9 +110,6 @@ pub struct EventMarker {
 
 /// Quantities of contacts that a page does not show.
 const NOT_SHOWN: [&str; 3] = ["slip_m_s", "impulse_n_s", "sliding_power_w"];
-
-/// Maximum number of pairs of discs shown if no pair has contact.
-const MAX_IDLE_PAIRS: usize = 6;
 
 /// Key of a coordinate of a pose, and the function that extracts it.
 type Coordinate = (&'static str, fn(&Pose) -> f64);
@@ -141,7 +145,7 @@ impl ColumnTable {
 /// Builds the playback of a run; `summary` is shown below it. More than [`MAX_SAMPLES`] samples are decimated.
 ///
 /// Plotted angles of a finger are wrapped to −π to π, as in the series of a validation; angles of poses are not. Pairs
-/// of discs without contact are omitted if other pairs have contact.
+/// without contact are omitted if other pairs have contact.
 pub fn build_playback(
     label: &str,
     scene: &Scene,
@@ -149,22 +153,9 @@ pub fn build_playback(
     events: &[Event],
     summary: impl Into<Report>,
 ) -> Playback {
-    let (system, schema) = (&scene.system, Schema::from_scene(scene));
-    let surfaces: Vec<usize> = schema.surfaces().collect();
-    let shown = match system.fingers.len() {
-        1 if system.object().is_some() => surfaces,
-        1 => Vec::new(),
-        _ => pairs_in_contact(surfaces, samples, events),
-    };
-    // Keys become words; names given by the user are unchanged.
-    let display_name = |index: usize| match system.fingers.is_empty() {
-        true => schema.contacts[index].name.clone(),
-        false => schema.contacts[index].name.replace('_', " "),
-    };
-    let contacts: Vec<(usize, String)> = shown.into_iter().map(|index| (index, display_name(index))).collect();
-    let items: Vec<Item> =
-        contacts.iter().map(|(index, name)| (schema.contacts[*index].name.clone(), name.clone())).collect();
-    let panels = panels(scene, &schema, &items);
+    let schema = Schema::from_scene(scene);
+    let contacts = shown_contacts(scene, &schema, samples, events);
+    let panels = panels(scene, &schema, &contacts);
     let selected = selected_samples(samples, events, &contacts, &panels);
 
     let mut table = ColumnTable::default();
@@ -181,16 +172,22 @@ pub fn build_playback(
         Body { body, columns: quantities.map(column).collect() }
     };
     let bodies = drawing.bodies.into_iter().enumerate().map(body).collect();
-    let subjects = schema.subjects();
-    let first_contact = subjects.len() - 1 - schema.contacts.len();
-    let contact = |(index, name): &(usize, String)| {
-        let column = |(quantity, channel): (&'static Quantity, Channel)| {
-            (quantity.key.to_string(), table.push(selected.iter().map(|sample| channel.value(sample))))
+    let contact = |contact: &ShownContact| {
+        let states: Vec<_> = selected.iter().map(|sample| contact.state(sample).values()).collect();
+        let column = |(index, quantity): (usize, &Quantity)| {
+            (quantity.key.to_string(), table.push(states.iter().map(|values| values[index])))
         };
-        let subject = &subjects[first_contact + index];
-        let shown = subject.channels().filter(|(quantity, _)| !NOT_SHOWN.contains(&quantity.key));
-        ContactSeries { name: name.clone(), columns: shown.map(column).collect() }
+        let quantities = ContactSample::QUANTITIES.iter().enumerate();
+        let shown = quantities.filter(|(_, quantity)| !NOT_SHOWN.contains(&quantity.key));
+        ContactSeries { name: contact.name.clone(), columns: shown.map(column).collect() }
     };
+    let event_marker = |event: &Event| {
+        let shown = contacts.iter().find(|contact| contact.contains(event.contact));
+        let name = display_name(scene, &schema, event.contact);
+        let location = shown.map_or_else(|| name.clone(), |contact| contact.name.clone());
+        event_marker(event, location, name, schema.contacts[event.contact].is_angular)
+    };
+    let event_markers = events.iter().map(event_marker).collect();
     let contacts = contacts.iter().map(contact).collect();
     let panel = |PanelPlan { title, unit, scale, curves }: PanelPlan| {
         let series = curves.into_iter().map(|curve| Series {
@@ -209,30 +206,19 @@ pub fn build_playback(
         bodies,
         contacts,
         panels: panels.into_iter().map(panel).collect(),
-        event_markers: events
-            .iter()
-            .map(|event| event_marker(event, display_name(event.contact), schema.contacts[event.contact].is_angular))
-            .collect(),
+        event_markers,
         arrow_m_per_n: drawing.arrow_m_per_n,
         longest_arrow_m: drawing.longest_arrow_m,
         extent_m: drawing.extent_m,
+        is_turned: scene.mechanism.as_ref().is_some_and(|mechanism| mechanism.gravity_m_s2[1] > 0.0),
         columns: table.columns,
     }
-}
-
-/// Indices of the pairs that have contact, or of the first few if none has.
-fn pairs_in_contact(mut pairs: Vec<usize>, samples: &[Sample], events: &[Event]) -> Vec<usize> {
-    let has_force = |pair: usize| samples.iter().any(|sample| sample.contact(pair).normal_n > 0.0);
-    let has_contact = |pair: &usize| events.iter().any(|event| event.contact == *pair) || has_force(*pair);
-    let found: Vec<usize> = pairs.iter().copied().filter(has_contact).collect();
-    pairs.truncate(MAX_IDLE_PAIRS);
-    if found.is_empty() { pairs } else { found }
 }
 
 fn selected_samples<'a>(
     samples: &'a [Sample],
     events: &[Event],
-    contacts: &[(usize, String)],
+    contacts: &[ShownContact],
     panels: &[PanelPlan],
 ) -> Vec<&'a Sample> {
     if samples.len() <= MAX_SAMPLES {
@@ -240,7 +226,7 @@ fn selected_samples<'a>(
     }
     let curves = panels.iter().flat_map(|plan| &plan.curves);
     let values: Vec<Vec<f64>> = curves.map(|curve| samples.iter().map(&curve.value).collect()).collect();
-    let force = |sample: &Sample| contacts.iter().map(|(index, _)| sample.contact(*index).normal_n).sum();
+    let force = |sample: &Sample| contacts.iter().map(|contact| contact.state(sample).normal_n).sum();
     let weight: Vec<f64> = samples.iter().map(force).collect();
     let times: Vec<f64> = samples.iter().map(|sample| sample.time_s).collect();
     let events: Vec<f64> = events.iter().map(|event| event.time_s).collect();
@@ -248,13 +234,15 @@ fn selected_samples<'a>(
     selected.into_iter().map(|index| &samples[index]).collect()
 }
 
-/// Builds the marker of an event at the contact `location`; `is_angular` states whether its gap is an angle.
-fn event_marker(event: &Event, location: String, is_angular: bool) -> EventMarker {
+/// Builds the marker of an event at a shown contact, whose name in samples is `name`; `is_angular` states whether its
+/// gap is an angle.
+fn event_marker(event: &Event, location: String, name: String, is_angular: bool) -> EventMarker {
     let [speed_unit, impulse_unit] = if is_angular { ["rad/s", "N·m·s"] } else { ["m/s", "N·s"] };
     let (figure, unit) = match event.kind {
         EventKind::TouchDown => (Some(event.approach_speed), speed_unit),
         EventKind::LiftOff => (Some(event.impulse), impulse_unit),
         EventKind::Reload | EventKind::Slips | EventKind::Sticks => (None, ""),
     };
-    EventMarker { time_s: event.time_s, location, kind: event.kind.name(), figure, unit }
+    let point = Some(name).filter(|name| *name != location);
+    EventMarker { time_s: event.time_s, location, point, kind: event.kind.name(), figure, unit }
 }

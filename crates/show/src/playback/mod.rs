@@ -6,12 +6,14 @@
 //! | file | job |
 //! |---|---|
 //! | `build` | data model of a playback, and its evaluation from samples |
+//! | `contacts` | the contacts that are shown: the points of a pair of outlines are one |
 //! | `panels` | the plots |
 //! | `recorder` | a sink that records a run for playback in bounded memory |
 //! | `decimate` | selection of samples if there are too many |
 //! | `json` | serialisation, with the columns of numbers stored separately |
 
 mod build;
+mod contacts;
 mod decimate;
 pub mod json;
 mod panels;

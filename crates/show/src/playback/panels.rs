@@ -2,6 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
+use super::contacts::ShownContact;
 use crate::mechanism::Mechanism;
 use crate::numeric::plane::wrap_angle;
 use crate::scene::{GripperContact, Scene, System};
@@ -64,8 +65,20 @@ fn curves(schema: &Schema, kind: SubjectKind, items: &[Item], quantities: &[Quan
     items.iter().flat_map(|item| quantities.iter().map(move |quantity| curve(item, quantity))).collect()
 }
 
+/// Curves of a quantity of contacts.
+fn contact_curves(contacts: &[ShownContact], key: &'static str, rate: Option<&'static str>) -> Vec<Curve> {
+    let curve = |contact: &ShownContact| {
+        let value = |key: &'static str| -> Value {
+            let contact = contact.clone();
+            Box::new(move |sample| contact.value(sample, key))
+        };
+        Curve { name: contact.name.clone(), value: value(key), rate: rate.map(value) }
+    };
+    contacts.iter().map(curve).collect()
+}
+
 /// Returns the panels of a mechanism: contacts, joints, actuators, tendons, bodies without joints, and energies.
-fn mechanism_panels(mechanism: &Mechanism, schema: &Schema, contacts: &[Item]) -> Vec<PanelPlan> {
+fn mechanism_panels(mechanism: &Mechanism, schema: &Schema, contacts: &[ShownContact]) -> Vec<PanelPlan> {
     let items = |names: &mut dyn Iterator<Item = &JointName>, is_linear: bool| -> Vec<Item> {
         let chosen = names.filter(|joint| joint.is_linear == is_linear);
         chosen.map(|joint| (joint.name.clone(), joint.name.clone())).collect()
@@ -80,9 +93,9 @@ fn mechanism_panels(mechanism: &Mechanism, schema: &Schema, contacts: &[Item]) -
         panel(title, unit, curves(schema, kind, items, quantities))
     };
     let mut panels = vec![
-        of("Normal force", "N", SubjectKind::Contact, contacts, &[("", "normal_n", None)]),
-        of("Friction force", "N", SubjectKind::Contact, contacts, &[("", "tangential_n", None)]),
-        of("Gap", "m", SubjectKind::Contact, contacts, &[("", "gap_m", Some("gap_rate_m_s"))]),
+        panel("Normal force", "N", contact_curves(contacts, "normal_n", None)),
+        panel("Friction force", "N", contact_curves(contacts, "tangential_n", None)),
+        panel("Gap", "m", contact_curves(contacts, "gap_m", Some("gap_rate_m_s"))),
         of("Joint angle", "rad", SubjectKind::Joint, &joints, &[("", "angle_rad", Some("rate_rad_s"))]),
         of("Joint rate", "rad/s", SubjectKind::Joint, &joints, &[("", "rate_rad_s", None)]),
         of("Slider position", "m", SubjectKind::Slider, &sliders, &[("", "position_m", Some("rate_m_s"))]),
@@ -103,15 +116,15 @@ fn mechanism_panels(mechanism: &Mechanism, schema: &Schema, contacts: &[Item]) -
 }
 
 /// Returns the panels of a scene; `contacts` are the contacts that are shown.
-pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[Item]) -> Vec<PanelPlan> {
+pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) -> Vec<PanelPlan> {
     if let Some(mechanism) = &scene.mechanism {
         return mechanism_panels(mechanism, schema, contacts);
     }
     let system = &scene.system;
     let has_fingers = !system.fingers.is_empty();
-    let contact = |title, unit, quantity: Quantity| PanelPlan {
+    let contact = |title, unit, key, rate| PanelPlan {
         scale: if has_fingers { Scale::Logarithmic } else { Scale::Linear },
-        ..panel(title, unit, curves(schema, SubjectKind::Contact, contacts, &[quantity]))
+        ..panel(title, unit, contact_curves(contacts, key, rate))
     };
     let bodies = moving_bodies(system);
     let body = |title, unit, quantities: &[Quantity]| {
@@ -119,9 +132,9 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[Item]) -> Vec<P
     };
     let [position, velocity] = if has_fingers { ["Object", "Object velocity"] } else { ["Position", "Velocity"] };
     let mut panels = vec![
-        contact("Normal force", "N", ("", "normal_n", None)),
-        contact("Friction force", "N", ("", "tangential_n", None)),
-        contact("Gap", "m", ("", "gap_m", Some("gap_rate_m_s"))),
+        contact("Normal force", "N", "normal_n", None),
+        contact("Friction force", "N", "tangential_n", None),
+        contact("Gap", "m", "gap_m", Some("gap_rate_m_s")),
         body(position, "m", &[("x", "x_m", Some("vx_m_s")), ("y", "y_m", Some("vy_m_s"))]),
         body(velocity, "m/s", &[("vx", "vx_m_s", None), ("vy", "vy_m_s", None)]),
         match has_fingers {

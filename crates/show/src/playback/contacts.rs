@@ -1,0 +1,121 @@
+//! The contacts of a playback. All points of a pair of outlines are one contact, since a flat pad touches with several.
+
+use crate::mechanism::{Mechanism, OutlineId};
+use crate::numeric::elementary::hypot;
+use crate::numeric::plane::{add, scale};
+use crate::scene::Scene;
+use crate::trace::schema::State;
+use crate::trace::{ContactSample, Event, Sample, Schema};
+
+/// Maximum number of contacts shown if none closes.
+const MAX_IDLE: usize = 6;
+
+/// A contact as pages show it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ShownContact {
+    pub name: String,
+    /// Its contacts in samples, and the signs of their normals.
+    points: Vec<(usize, f64)>,
+}
+
+impl ShownContact {
+    /// Whether a contact of samples is a part of this one.
+    pub fn contains(&self, contact: usize) -> bool {
+        self.points.iter().any(|(index, _)| *index == contact)
+    }
+
+    /// Sums of the forces at their centre, and the smallest gap.
+    pub fn state(&self, sample: &Sample) -> ContactSample {
+        let point = |&(index, sign): &(usize, f64)| {
+            let contact = sample.contact(index);
+            ContactSample { normal: scale(contact.normal, sign), ..contact }
+        };
+        let points: Vec<ContactSample> = self.points.iter().map(point).collect();
+        let closest = points.iter().copied().min_by(|a, b| a.gap_m.total_cmp(&b.gap_m)).expect("a point");
+        let normal_n: f64 = points.iter().map(|point| point.normal_n).sum();
+        // The state of a single point is unchanged to the bit.
+        if points.len() == 1 || normal_n <= 0.0 {
+            return closest;
+        }
+        let mean = |value: fn(&ContactSample) -> [f64; 2]| {
+            points.iter().fold([0.0; 2], |sum, point| add(sum, scale(value(point), point.normal_n / normal_n)))
+        };
+        let [x, y] = mean(|point| point.normal);
+        ContactSample {
+            normal_n,
+            tangential_n: points.iter().map(|point| point.tangential_n).sum(),
+            point_m: mean(|point| point.point_m),
+            normal: scale([x, y], hypot(x, y).recip()),
+            ..closest
+        }
+    }
+
+    /// Value of a quantity of [`ContactSample`] by its key.
+    pub fn value(&self, sample: &Sample, key: &str) -> f64 {
+        let index = ContactSample::QUANTITIES.iter().position(|quantity| quantity.key == key);
+        self.state(sample).values()[index.expect("a key of contacts")]
+    }
+}
+
+/// Returns the contacts that a page shows: those that close; of a single finger all, and the first few if none closes.
+pub(super) fn shown_contacts(
+    scene: &Scene,
+    schema: &Schema,
+    samples: &[Sample],
+    events: &[Event],
+) -> Vec<ShownContact> {
+    let mut all = match &scene.mechanism {
+        Some(mechanism) => pairs_of_outlines(mechanism),
+        None => {
+            let single = |index| ShownContact { name: display_name(scene, schema, index), points: vec![(index, 1.0)] };
+            schema.surfaces().map(single).collect()
+        }
+    };
+    if scene.system.fingers.len() == 1 {
+        all.retain(|_| scene.system.object().is_some());
+        return all;
+    }
+    let closes = |contact: &ShownContact| {
+        let presses = |sample: &Sample| contact.points.iter().any(|(index, _)| sample.contact(*index).normal_n > 0.0);
+        events.iter().any(|event| contact.contains(event.contact)) || samples.iter().any(presses)
+    };
+    let closing: Vec<ShownContact> = all.iter().filter(|contact| closes(contact)).cloned().collect();
+    all.truncate(MAX_IDLE);
+    if closing.is_empty() { all } else { closing }
+}
+
+/// Name of a contact of samples. Keys become words; names given by the user are unchanged.
+pub(super) fn display_name(scene: &Scene, schema: &Schema, contact: usize) -> String {
+    let name = &schema.contacts[contact].name;
+    if scene.system.fingers.is_empty() { name.clone() } else { name.replace('_', " ") }
+}
+
+/// The pairs of outlines of a mechanism. The first outline of a pair is that of a link rather than of an object, and of
+/// an object rather than of the ground; forces act on it.
+fn pairs_of_outlines(mechanism: &Mechanism) -> Vec<ShownContact> {
+    let order = |id: OutlineId| {
+        let has_joints = mechanism.joints.iter().any(|joint| joint.bodies.contains(&id.body));
+        (id.body.is_none(), !has_joints, id.body, id.outline)
+    };
+    let mut pairs: Vec<([OutlineId; 2], ShownContact)> = Vec::new();
+    for (index, contact) in mechanism.point_contacts().iter().enumerate() {
+        let pair = &mechanism.contacts[contact.pair];
+        let is_first = order(pair.points) <= order(pair.face);
+        let (key, sign) = if is_first { ([pair.points, pair.face], 1.0) } else { ([pair.face, pair.points], -1.0) };
+        match pairs.iter_mut().find(|(other, _)| *other == key) {
+            Some((_, shown)) => shown.points.push((index, sign)),
+            None => {
+                let name = key.map(|id| label(mechanism, id)).join(" / ");
+                pairs.push((key, ShownContact { name, points: vec![(index, sign)] }));
+            }
+        }
+    }
+    pairs.into_iter().map(|(_, shown)| shown).collect()
+}
+
+/// Name of an outline; that of its body if no other outline of the body makes contact.
+fn label(mechanism: &Mechanism, id: OutlineId) -> String {
+    let mut outlines = mechanism.contacts.iter().flat_map(|contact| [contact.points, contact.face]);
+    let is_only = outlines.all(|other| other.body != id.body || other.outline == id.outline);
+    if id.body.is_some() && is_only { mechanism.body_name(id.body).to_owned() } else { mechanism.outline_name(id) }
+}
