@@ -701,3 +701,68 @@ describe("the page of discs with a hostile name", () => {
     await close();
   });
 });
+
+describe("the page of a gripper that lifts a box", () => {
+  let file;
+  before(() => {
+    file = path.join(DIRECTORY, "lift.html");
+    execFileSync(PHALANX, ["run", path.join(PROJECT, "scenes/real/2f85-lift.toml"), "--html", file], { stdio: ["ignore", "ignore", "inherit"] });
+  });
+
+  it("shows one contact for each pair of outlines, and gravity points down", async () => {
+    const { page, call, state, close } = await opened(file);
+    const [, end] = await page.evaluate(() => window.phalanx.span_s);
+    await call("seek", end);
+    const { runs: [{ contacts, arrows, readings }], labels, view } = await state();
+    assert.deepEqual(contacts.map(({ name }) => name), ["left_follower / object", "right_follower / object", "object / ground.table"]);
+    // Forces act on the pads: outwards.
+    for (const [contact, sign] of [["left_follower / object", -1], ["right_follower / object", 1]]) {
+      const arrow = arrows.find((each) => each.contact === contact && each.kind === "normal");
+      near(arrow.force_n, 46, 0.02, contact);
+      assert.ok(sign * arrow.direction[0] > 0.99, `${arrow.direction}`);
+      assert.equal(readings["Normal force"][contact], arrow.force_n);
+    }
+    for (const [index, label] of labels.entries()) {
+      const overlaps = (other) => Math.abs(other.x - label.x) < other.halfWidth + label.halfWidth && Math.abs(other.y - label.y) < 15;
+      assert.ok(!labels.slice(index + 1).some(overlaps), label.text);
+    }
+    assert.equal(labels.length, arrows.length);
+    // The table is below, although it is at a larger y.
+    const colourAt = (part) => page.evaluate((part) => {
+      const canvas = document.getElementById("stage");
+      const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height }).getContext("2d", { willReadFrequently: true });
+      copy.drawImage(canvas, 0, 0);
+      return [...copy.getImageData(canvas.width / 2, Math.round(part * canvas.height), 1, 1).data];
+    }, part);
+    assert.ok(view.turned);
+    const [above, below] = [await colourAt(0.02), await colourAt(0.98)];
+    await page.keyboard.press("t");
+    assert.ok(!(await state()).view.turned);
+    assert.deepEqual([await colourAt(0.98), await colourAt(0.02)], [above, below]);
+    assert.ok(above[3] === 0 && below[3] === 255, `${above}, ${below}`);
+    await close();
+  });
+
+  for (const width of [390, 1280]) {
+    it(`distinguishes all curves, with whole names, at ${width} pixels`, async () => {
+      const { page, state, close } = await opened(file, { width, height: 844 });
+      await state();
+      const plots = await page.evaluate(() =>
+        [...document.querySelectorAll(".plot")].map((plot) => ({
+          title: plot.getAttribute("aria-label"),
+          strokes: [...plot.querySelectorAll(".series path")].map((line) => line.getAttribute("stroke") + line.getAttribute("stroke-dasharray")),
+          broken: [...plot.querySelectorAll(".series span")].filter((name) => name.getClientRects().length > 1 || name.offsetHeight > 20).map((name) => name.textContent),
+          share: plot.querySelector("canvas").clientWidth / plot.clientWidth,
+          height: plot.querySelector("canvas").clientHeight,
+        })));
+      assert.ok(plots.some(({ strokes }) => strokes.length > 7));
+      for (const { title, strokes, broken, share, height } of plots) {
+        assert.equal(new Set(strokes).size, strokes.length, `${title}: ${strokes}`);
+        assert.deepEqual(broken, [], title);
+        assert.ok(share > (width > 390 ? 0.5 : 0.9) && height >= 140, `${title}: ${share}, ${height}`);
+      }
+      await page.screenshot({ path: path.join(SCREENSHOTS, `${width}-lift.png`), fullPage: true });
+      await close();
+    });
+  }
+});

@@ -13,6 +13,8 @@ class Camera {
     this.canvas = canvas;
     this.follow = null;
     this.zoom = 1;
+    // Whether the view is turned by 180°.
+    this.turned = playback.runs[0].isTurned;
     this.reload();
     this.fit();
   }
@@ -63,9 +65,10 @@ class Camera {
     const [availableWidth, availableHeight] = [width - VIEW_MARGIN.left - VIEW_MARGIN.right, height - VIEW_MARGIN.top - VIEW_MARGIN.bottom];
     this.fitScale = Math.max(1, Math.min(availableWidth / this.span[0], availableHeight / this.span[1]));
     let scale = this.zoom * this.fitScale;
+    const sign = this.sign();
     if (this.showsAll) {
       const [[x0, y0], [x1, y1]] = this.bounds;
-      this.centre = [(x0 + x1) / 2 + (VIEW_MARGIN.right - VIEW_MARGIN.left) / 2 / scale, (y0 + y1) / 2 - (VIEW_MARGIN.bottom - VIEW_MARGIN.top) / 2 / scale];
+      this.centre = [(x0 + x1) / 2 + sign * (VIEW_MARGIN.right - VIEW_MARGIN.left) / 2 / scale, (y0 + y1) / 2 - sign * (VIEW_MARGIN.bottom - VIEW_MARGIN.top) / 2 / scale];
     }
     if (contact && Number.isFinite(contact.gap_m)) {
       // The centre of the gap, at a scale at which the gap is visible.
@@ -81,16 +84,25 @@ class Camera {
       width,
       height,
       centre: [cx, cy],
-      toScreen: ([x, y]) => [width / 2 + (x - cx) * scale, height / 2 - (y - cy) * scale],
+      // Angle of the world on the screen.
+      angle: this.turned ? Math.PI : 0,
+      toScreen: ([x, y]) => [width / 2 + sign * (x - cx) * scale, height / 2 - sign * (y - cy) * scale],
+      directionToScreen: ([x, y]) => [sign * x, -sign * y],
       box: { left: -40, top: -40, right: width + 40, bottom: height + 40 },
     };
+  }
+
+  // Sign of the axes on the screen.
+  sign() {
+    return this.turned ? -1 : 1;
   }
 
   // Zooms by a factor about a point of the screen.
   zoomBy(factor, x = this.size[0] / 2, y = this.size[1] / 2) {
     const clampedFactor = Math.min(Math.max(this.scale * factor, 1e-3), 1e12) / this.scale;
     this.showsAll = false;
-    const offset = [(x - this.size[0] / 2) / this.scale, (this.size[1] / 2 - y) / this.scale];
+    const scale = this.sign() * this.scale;
+    const offset = [(x - this.size[0] / 2) / scale, (this.size[1] / 2 - y) / scale];
     if (!this.follow) for (const k of [0, 1]) this.centre[k] += offset[k] * (1 - 1 / clampedFactor);
     this.zoom *= clampedFactor;
   }
@@ -102,8 +114,8 @@ class Camera {
       this.zoom = this.scale / this.fitScale;
       this.follow = null;
     }
-    this.centre[0] -= dx / this.scale;
-    this.centre[1] += dy / this.scale;
+    this.centre[0] -= this.sign() * dx / this.scale;
+    this.centre[1] += this.sign() * dy / this.scale;
   }
 }
 

@@ -13,7 +13,14 @@ function colour(name) {
 const clearColourCache = () => { colourCache = new Map(); };
 
 // Colour name of the curve with an index.
-const seriesColour = (index) => "s" + (index % 7);
+const SERIES_COLOURS = 7;
+const seriesColour = (index) => "s" + (index % SERIES_COLOURS);
+
+// Dashes of the curve with an index in a line style: curves of equal colour differ by the number of dots between dashes.
+function seriesDash(index, dash) {
+  const dots = Math.floor(index / SERIES_COLOURS);
+  return dots === 0 ? dash : [...(dash.length > 0 ? dash : [9, 3]), ...Array(dots).fill([2, 3]).flat()];
+}
 
 // Clears a canvas; returns its context, scaled to CSS pixels, and its size in CSS pixels.
 function clearCanvas(canvas) {
@@ -69,18 +76,22 @@ function drawLabel(ctx, text, x, y, colourName = "ink", align = "left", baseline
 }
 
 // A sample of the line style of a run: the first wide, the second dashed. A run compared with a reference is solid.
-function strokeSample({ index, isReference }, name = "ink") {
+function strokeSample({ index, isReference }) {
   const isWide = index === 0 && isReference === undefined;
+  return lineSample(26, "ink", { "stroke-width": isWide ? 6 : 2, "stroke-opacity": isWide ? 0.45 : 1, "stroke-dasharray": !isWide && index > 0 ? "5 3" : "none" });
+}
+
+// A sample of the colour and dashes of a curve.
+const seriesSwatch = (index) => lineSample(20, seriesColour(index), { "stroke-width": 4, "stroke-dasharray": seriesDash(index, []).join(" ") || "none" });
+
+// A horizontal line of 12 pixels height.
+function lineSample(width, colourName, style) {
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
   const line = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  svg.setAttribute("viewBox", "0 0 26 12");
+  svg.setAttribute("viewBox", `0 0 ${width} 12`);
   svg.setAttribute("aria-hidden", "true");
-  line.setAttribute("d", "M1 6H25");
-  line.setAttribute("fill", "none");
-  line.setAttribute("stroke", `var(--${name})`);
-  line.setAttribute("stroke-width", isWide ? "6" : "2");
-  if (isWide) line.setAttribute("stroke-opacity", "0.45");
-  else if (index > 0) line.setAttribute("stroke-dasharray", "5 3");
+  const attributes = { d: `M1 6H${width - 1}`, fill: "none", stroke: `var(--${colourName})`, ...style };
+  for (const [name, value] of Object.entries(attributes)) line.setAttribute(name, value);
   svg.append(line);
   return svg;
 }

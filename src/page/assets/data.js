@@ -32,6 +32,7 @@ function decodeRun(raw, index, columns = raw.columns.map(decodeColumn)) {
     arrowPerNewton: raw.arrow_m_per_n,
     longestArrow: raw.longest_arrow_m,
     extent: raw.extent_m,
+    isTurned: raw.is_turned,
   };
 }
 

@@ -11,7 +11,8 @@ function createTestHooks(app) {
       speed: clock.speed,
       window_s: [from, to],
       symbols: stage.symbols,
-      view: { centre_m: [...stage.camera.centre], px_per_m: stage.camera.scale, follow: stage.camera.follow },
+      labels: stage.labels,
+      view: { centre_m: [...stage.camera.centre], px_per_m: stage.camera.scale, follow: stage.camera.follow, turned: stage.camera.turned },
       runs: stage.drawnRuns.map(({ run, position, bodies, contacts, arrows }) => ({
         label: run.label,
         sample: position.i,

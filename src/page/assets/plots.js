@@ -65,9 +65,9 @@ class Plots {
     const head = element("thead", {}, element("tr", {}, first, ...(runs.length > 1 ? runHeads : [element("th", { scope: "col" }, "at the cursor")])));
     const body = element("tbody");
     const cells = panel.series.map((series) => {
-      const swatch = element("i");
-      swatch.style.color = `var(--${seriesColour(series.index)})`;
-      const button = element("button", { type: "button", class: "series", "aria-pressed": series.visible, title: series.name }, swatch, element("span", {}, series.name));
+      // Long names break at spaces, else after an underscore.
+      const name = series.name.match(/[^_]*_*/g).flatMap((part) => [part, element("wbr")]);
+      const button = element("button", { type: "button", class: "series", "aria-pressed": series.visible, title: series.name }, seriesSwatch(series.index), element("span", {}, ...name));
       button.addEventListener("click", () => {
         series.visible = !series.visible;
         button.setAttribute("aria-pressed", series.visible);
@@ -139,7 +139,7 @@ class Plots {
         ctx.strokeStyle = colour(seriesColour(series.index));
         ctx.lineWidth = width;
         ctx.globalAlpha = alpha;
-        ctx.setLineDash(dash);
+        ctx.setLineDash(seriesDash(series.index, dash));
         drawCurve(ctx, run.time, values, series.rates[run.index], { x, y, from, to: Math.min(to, run.trusted_s ?? Infinity), logarithmic });
         // Runs with perturbed settings show the uncertainty.
         ctx.lineWidth = 1;

@@ -42,16 +42,17 @@ function appendArc(points, centre, radius, from, to, view) {
 // Outline of a shape on the screen as a closed polygon.
 function shapeOutline(shape, x, y, angle, view) {
   const screenPoint = (point) => view.toScreen(toWorld(point, x, y, angle));
+  const screenAngle = angle + view.angle;
   const points = [];
   switch (shape.kind) {
     case "polygon":
       return shape.corners_m.map(screenPoint);
     case "disc":
-      appendArc(points, view.toScreen([x, y]), shape.radius_m * view.scale, angle, angle + 2 * Math.PI, view);
+      appendArc(points, view.toScreen([x, y]), shape.radius_m * view.scale, screenAngle, screenAngle + 2 * Math.PI, view);
       return points;
     case "capsule": {
       const [[ax, ay], [bx, by]] = [shape.from_m, shape.to_m];
-      const axisAngle = Math.atan2(by - ay, bx - ax) + angle;
+      const axisAngle = Math.atan2(by - ay, bx - ax) + screenAngle;
       const radius = shape.radius_m * view.scale;
       appendArc(points, screenPoint(shape.to_m), radius, axisAngle - Math.PI / 2, axisAngle + Math.PI / 2, view);
       appendArc(points, screenPoint(shape.from_m), radius, axisAngle + Math.PI / 2, axisAngle + 1.5 * Math.PI, view);
@@ -61,7 +62,8 @@ function shapeOutline(shape, x, y, angle, view) {
       // Solid below its level in the frame of the body; extends beyond the view on all sides.
       const [cx, cy] = view.toScreen(toWorld([0, shape.level_m], x, y, angle));
       const reach = Math.abs(cx) + Math.abs(cy) + 2 * (view.width + view.height);
-      const [along, below] = [[reach * Math.cos(angle), -reach * Math.sin(angle)], [reach * Math.sin(angle), reach * Math.cos(angle)]];
+      const [cosine, sine] = [reach * Math.cos(screenAngle), reach * Math.sin(screenAngle)];
+      const [along, below] = [[cosine, -sine], [sine, cosine]];
       return [[-1, 0], [1, 0], [1, 1], [-1, 1]].map(([a, b]) => [0, 1].map((i) => [cx, cy][i] + a * along[i] + b * below[i]));
     }
     default:

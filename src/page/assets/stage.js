@@ -231,20 +231,25 @@ class Stage {
     if (showsValues) this.labels = this.drawArrowLabels(ctx, view, arrows);
   }
 
-  // Writes the forces next to the tips of their arrows, the largest first: the next ones beside them if there is space.
-  // Returns the boxes of the texts.
+  // Writes the forces next to the tips of their arrows, the largest first: off the buttons, the tip and each other, or not
+  // at all. Returns the texts with their places.
   drawArrowLabels(ctx, view, arrows) {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    const buttons = [...this.canvas.parentElement.querySelectorAll("select, button")].map((button) => button.getBoundingClientRect());
+    const onButton = (x, y, halfWidth) => buttons.some((box) => Math.abs((box.left + box.right) / 2 - left - x) < box.width / 2 + halfWidth && Math.abs((box.top + box.bottom) / 2 - top - y) < box.height / 2 + 8);
     const labels = [];
     for (const arrow of [...arrows].sort((a, b) => Math.abs(b.force_n) - Math.abs(a.force_n))) {
       const { origin, direction: [dx, dy], tip } = arrowOnScreen(arrow, view);
       if (!isInBox(origin, view.box)) continue;
       const text = formatQuantity(Math.abs(arrow.force_n), "N", 3);
       const halfWidth = ctx.measureText(text).width / 2 + 4;
-      for (const [along, across] of [[0, 0], [0, 1], [0, -1], [1, 0]]) {
+      for (const [along, across] of [[0, 0], [0, 1], [0, -1], [1, 0], [-1, 1], [-1, -1]]) {
         const [right, down] = [along * dx - across * dy, along * dy + across * dx];
         const x = Math.min(Math.max(tip[0] + dx * (halfWidth + 6) + 2 * halfWidth * right, halfWidth + 4), view.width - halfWidth - 4);
         const y = Math.min(Math.max(tip[1] + dy * 14 + 16 * down, 12), view.height - 12);
-        if (labels.some((other) => Math.abs(other.x - x) < other.halfWidth + halfWidth && Math.abs(other.y - y) < 15)) continue;
+        const onTip = Math.abs(tip[0] - x) < halfWidth && Math.abs(tip[1] - y) < 8;
+        const onLabel = labels.some((other) => Math.abs(other.x - x) < other.halfWidth + halfWidth && Math.abs(other.y - y) < 15);
+        if (onTip || onLabel || onButton(x, y, halfWidth)) continue;
         drawLabel(ctx, text, x, y, arrow.kind === "normal" ? "force" : "friction", "center");
         labels.push({ text, x, y, halfWidth });
         break;
@@ -274,8 +279,8 @@ class Stage {
 }
 
 // Origin, direction and tip of an arrow on the screen.
-function arrowOnScreen({ from_m, direction: [x, y], length_px }, view) {
-  const [origin, direction] = [view.toScreen(from_m), [x, -y]];
+function arrowOnScreen({ from_m, direction: inWorld, length_px }, view) {
+  const [origin, direction] = [view.toScreen(from_m), view.directionToScreen(inWorld)];
   return { origin, direction, tip: [0, 1].map((k) => origin[k] + direction[k] * length_px) };
 }
 

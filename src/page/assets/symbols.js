@@ -82,19 +82,20 @@ function layoutSymbols(linkage, view, forces) {
   const outward = [Math.sin(linkage.q21), -Math.cos(linkage.q21)];
   const [centre, rim] = [pointOnL21(0.8), pointOnL21(0.8).map((k, i) => k + linkage.w * outward[i])];
   lines.push({ kind: "dimension", points: [view.toScreen(centre), view.toScreen(rim)] });
-  addSymbol("w", "ink", view.toScreen(rim), [outward[0], -outward[1]]);
+  addSymbol("w", "ink", view.toScreen(rim), view.directionToScreen(outward));
   if (linkage.object) {
     const [a, b] = [view.toScreen([linkage.object[0], linkage.o[1]]), view.toScreen(linkage.o)].map(([x, y]) => [x, y + 22]);
     lines.push({ kind: "dimension", points: [a, b] });
     addSymbol("base", "ink", midpoint(a, b), [0, 1]);
   }
-  for (const [text, at, from, sweep, radius, fraction] of [
+  for (const [text, at, fromInWorld, sweep, radius, fraction] of [
     ["q11", linkage.o, 0, linkage.q11, 56, 0.5],
     ["q21", linkage.o, 0, linkage.q21, 38, 0.5],
     ["q12", linkage.a12, linkage.q11, linkage.q12, 26, 0.5],
     ["q22", linkage.a22, linkage.q21, linkage.q22, 36, 0.5],
     ["φ22", linkage.a22, linkage.arm, linkage.phi22, 22, 0.75],
   ]) {
+    const from = fromInWorld + view.angle;
     const [x, y] = view.toScreen(at);
     const pointOnArc = (angle, r) => [x + r * Math.cos(angle), y - r * Math.sin(angle)];
     if (text !== "φ22" && text !== "q21") lines.push({ kind: "reference", points: [[x, y], pointOnArc(from, radius + 18)] });
@@ -153,14 +154,12 @@ function placeSymbols(symbols, lines, { left, top, right, bottom }) {
 // Symbols with the forces at the tips of the arrows.
 function forceSymbols(view, arrows) {
   return arrows.map((arrow) => {
-    const [x, y] = view.toScreen(arrow.from_m);
-    const direction = [arrow.direction[0], -arrow.direction[1]];
-    const tip = [x + direction[0] * arrow.length_px, y + direction[1] * arrow.length_px];
+    const { origin, direction, tip } = arrowOnScreen(arrow, view);
     const forceText = formatQuantity(Math.abs(arrow.force_n), "N", 3);
     const normal = arrow.kind === "normal";
     const symbol = normal ? FORCE_SYMBOLS.get(arrow.contact) : undefined;
     const text = symbol ? `${symbol} ${forceText}` : forceText;
-    return { text, ink: normal ? "force" : "friction", at: tip, direction, shaft: { kind: "force", points: [[x, y], tip] } };
+    return { text, ink: normal ? "force" : "friction", at: tip, direction, shaft: { kind: "force", points: [origin, tip] } };
   });
 }
 

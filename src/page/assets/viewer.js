@@ -98,6 +98,10 @@ function createViewer(playback, connectKeys) {
     app.stage.camera.fit();
     app.requestRedraw();
   };
+  app.turn = () => {
+    app.stage.camera.turned = !app.stage.camera.turned;
+    app.requestRedraw();
+  };
   app.toggleSymbols = () => {
     app.stage.showsSymbols = !app.stage.showsSymbols;
     app.requestRedraw();
