@@ -15,7 +15,7 @@ use crate::trace::{BodyState, Sample};
 
 /// Radius of pins and half the width of bars, as a part of the size of the mechanism.
 const PIN_PART: f64 = 0.015;
-/// Corners of a circle that is not about the origin of its body.
+/// Corners of a full circle of a polygon.
 const CIRCLE_CORNERS: usize = 32;
 
 /// A drawn body: the body that it is fixed to (`None`: the ground), and its pose in that body.
@@ -177,6 +177,9 @@ fn parts(mechanism: &Mechanism) -> Vec<Part> {
         let pins = pins_m(mechanism, body);
         let surfaces = outlines.iter().filter_map(|outline| match outline.shape {
             OutlineShape::Disc { center_m, radius_m } if center_m == [0.0; 2] => Some(Shape::Disc { radius_m }),
+            OutlineShape::Disc { center_m, radius_m } => {
+                Some(Shape::Capsule { from_m: center_m, to_m: center_m, radius_m })
+            }
             OutlineShape::Capsule { from_m, to_m, radius_m } => Some(Shape::Capsule { from_m, to_m, radius_m }),
             OutlineShape::HalfPlane { .. } => None,
             _ => Some(Shape::Polygon { corners_m: corners_m(&outline.shape) }),
