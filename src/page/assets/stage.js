@@ -231,8 +231,8 @@ class Stage {
     if (showsValues) this.labels = this.drawArrowLabels(ctx, view, arrows);
   }
 
-  // Writes the forces next to the tips of their arrows, the largest first: off the buttons, the tip and each other, or not
-  // at all. Returns the texts with their places.
+  // Writes the forces next to the tips of their arrows, the largest first: off the buttons, the arrow and each other, or
+  // not at all. Returns the texts with their places.
   drawArrowLabels(ctx, view, arrows) {
     const { left, top } = this.canvas.getBoundingClientRect();
     const buttons = [...this.canvas.parentElement.querySelectorAll("select, button")].map((button) => button.getBoundingClientRect());
@@ -247,9 +247,9 @@ class Stage {
         const [right, down] = [along * dx - across * dy, along * dy + across * dx];
         const x = Math.min(Math.max(tip[0] + dx * (halfWidth + 6) + 2 * halfWidth * right, halfWidth + 4), view.width - halfWidth - 4);
         const y = Math.min(Math.max(tip[1] + dy * 14 + 16 * down, 12), view.height - 12);
-        const onTip = Math.abs(tip[0] - x) < halfWidth && Math.abs(tip[1] - y) < 8;
+        const onArrow = lengthInBox([x - halfWidth, y - 8, x + halfWidth, y + 8], origin, tip) > 0;
         const onLabel = labels.some((other) => Math.abs(other.x - x) < other.halfWidth + halfWidth && Math.abs(other.y - y) < 15);
-        if (onTip || onLabel || onButton(x, y, halfWidth)) continue;
+        if (onArrow || onLabel || onButton(x, y, halfWidth)) continue;
         drawLabel(ctx, text, x, y, arrow.kind === "normal" ? "force" : "friction", "center");
         labels.push({ text, x, y, halfWidth });
         break;
