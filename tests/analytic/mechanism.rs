@@ -345,35 +345,45 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
 /// End of a run of a random mechanism: coordinates, and the relative error of the energy balance. `Err` describes the
 /// singularity that the run met.
 fn run_random(mechanism: &Mechanism, rtol: f64) -> Result<(Vec<f64>, f64), String> {
-    const CONTACTS: usize = 32;
-    type Large = MechanismModel<24, 12, CONTACTS>;
-    let start = assemble(mechanism).expect("an assembled mechanism");
-    let model = Large::new(mechanism, (&start.poses, &start.rates)).expect("dyads");
-    let options =
-        Options { tolerances: Tolerances { atol_q: 1e-4 * rtol, atol_v: rtol, rtol_v: rtol }, max_steps: 200_000 };
-    let start = model.start::<{ CONTACTS + 2 }>();
-    let method = RadauOrRodas::<24, { CONTACTS + 2 }>::rodas();
-    let before = model.energies((&start.q, &start.v));
-    let end = integrate_by::<24, { CONTACTS + 2 }, { event_function_count(CONTACTS) }, _, _, _>(
-        method,
-        &model,
-        &options,
-        0.0,
-        start,
-        0.02,
-        &mut (),
-    );
-    if let Err(failure) = end.result {
-        let text = failure.to_string();
-        assert!(text.contains("singular configuration: the joints") || text.contains("half a turn"), "{text}");
-        return Err(text);
+    let size = MechanismSize::new(mechanism).expect("dyads");
+    macro_rules! run_sized {
+        ($coordinates:literal, $group:literal, $contacts:literal) => {{
+            type Sized = MechanismModel<$coordinates, $group, $contacts>;
+            let start = assemble(mechanism).expect("an assembled mechanism");
+            let model = Sized::new(mechanism, (&start.poses, &start.rates)).expect("dyads");
+            let tolerances = Tolerances { atol_q: 1e-4 * rtol, atol_v: rtol, rtol_v: rtol };
+            let options = Options { tolerances, max_steps: 200_000 };
+            let start = model.start::<{ $contacts + 2 }>();
+            let method = RadauOrRodas::<$coordinates, { $contacts + 2 }>::rodas();
+            let before = model.energies((&start.q, &start.v));
+            const EVENTS: usize = event_function_count($contacts);
+            let end = integrate_by::<$coordinates, { $contacts + 2 }, EVENTS, _, _, _>(
+                method,
+                &model,
+                &options,
+                0.0,
+                start,
+                0.02,
+                &mut (),
+            );
+            if let Err(failure) = end.result {
+                let text = failure.to_string();
+                assert!(text.contains("singular configuration: the joints") || text.contains("half a turn"), "{text}");
+                return Err(text);
+            }
+            let after = model.energies((&end.state.q, &end.state.v));
+            let stored = |energies: &Energies| energies.kinetic + energies.gravity + energies.spring;
+            let [contact_work, drive_work] = [end.state.z[$contacts], end.state.z[$contacts + 1]];
+            let scale = before.kinetic + after.kinetic + drive_work.abs() + 1e-3;
+            let balance = stored(&after) - stored(&before) - contact_work - drive_work;
+            Ok((end.state.q.to_vec(), balance / scale))
+        }};
     }
-    let after = model.energies((&end.state.q, &end.state.v));
-    let stored = |energies: &Energies| energies.kinetic + energies.gravity + energies.spring;
-    let [contact_work, drive_work] = [end.state.z[CONTACTS], end.state.z[CONTACTS + 1]];
-    let scale = before.kinetic + after.kinetic + drive_work.abs() + 1e-3;
-    let balance = stored(&after) - stored(&before) - contact_work - drive_work;
-    Ok((end.state.q.to_vec(), balance / scale))
+    if size.coordinates <= 8 && size.group <= 8 && size.contacts <= 8 {
+        run_sized!(8, 8, 8)
+    } else {
+        run_sized!(24, 12, 32)
+    }
 }
 
 #[test]
