@@ -389,6 +389,38 @@ fn coupled_sliders_with_armature_oscillate_as_in_closed_form() {
     assert!(created_j.abs() < 1e-6, "{created_j:e} J");
 }
 
+/// Gear pairs, and racks on pinions, are couplings: a weight on a rack drives a pinion and a wheel, as one mass of
+/// m + J₁/r₁² + J₂/r₂².
+#[test]
+fn a_rack_and_a_gear_pair_accelerate_as_one_mass() {
+    let mut text = "kind = \"mechanism\"\nduration = \"50 ms\"\ngravity = [\"0 m/s^2\", \"-9.81 m/s^2\"]\n\
+                    [couplings.rack]\njoints = [\"rack\", \"pinion\"]\nfactors = [1, -0.012]\n\
+                    [couplings.gears]\njoints = [\"pinion\", \"wheel\"]\nfactors = [0.012, 0.03]\n"
+        .to_string();
+    let slides = "type = \"prismatic\"\naxis = \"90 deg\"\nstart = \"0 m\"";
+    for (name, mass, inertia, keys) in
+        [("rack", "50 g", "1e-5", slides), ("pinion", "20 g", "3e-6", ""), ("wheel", "60 g", "4e-5", "")]
+    {
+        text += &format!(
+            "[bodies.{name}]\nmass = \"{mass}\"\ninertia = \"{inertia} kg*m^2\"\n[joints.{name}]\n{keys}\n\
+             bodies = [\"ground\", \"{name}\"]\npoints = [[\"0 m\", \"0 m\"], [\"0 m\", \"0 m\"]]\n"
+        );
+    }
+    let mut scene = parse_any(&text, "gears.toml").unwrap_or_else(|error| panic!("{error}"));
+    scene.engine.stepping = Stepping::Adaptive { tolerance_m: 3e-8, max_step_s: ENGINE_MAX_STEP_S };
+    let mass = 0.05 + 3e-6 / (0.012 * 0.012) + 4e-5 / (0.03 * 0.03);
+    let fallen = -0.5 * 0.05 * 9.81 / mass * 0.05 * 0.05;
+    for model in [Model::Analytic, Model::Engine] {
+        let end = run(model, &scene).samples.pop().expect("a sample");
+        let found = [0, 1, 2].map(|joint| end.joint_state(joint).angle_rad);
+        let expected = [fallen / 0.012, fallen, -fallen / 0.03];
+        for k in 0..3 {
+            assert!((found[k] - expected[k]).abs() < 1e-6 * expected[k].abs(), "{model:?}: {found:?} {expected:?}");
+        }
+        assert!(end.energy().balance_j.abs() < 1e-9, "{model:?}: {:?}", end.energy());
+    }
+}
+
 /// A torsional oscillator of 1 kHz whose centre of mass is at rest: step sizes must take its rotation into account.
 #[test]
 fn rotation_about_the_centre_of_mass_limits_steps() {

@@ -9,8 +9,8 @@ use super::plan::{
 use crate::drive::Profile;
 use crate::gripper::{self, Body};
 use crate::mechanism::{
-    Actuator, Command, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlinePoint, OutlineShape,
-    PathElement, PointContact, Spring, SpringKind, Start, Tendon, assemble,
+    Actuator, Command, ForcePoint, Joint, JointCombination, Mechanism, OutlinePoint, OutlineShape, PathElement,
+    PointContact, Spring, SpringKind, Start, Tendon, assemble,
 };
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, perp, scale, sub};
@@ -67,7 +67,7 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         let (mut bodies, mut anchors_m, mut offset_rad) = (joint.bodies, joint.points_m, joint.offset_rad);
         let [first, second] = bodies.map(|body| (!is_base(body), body));
         // rapier's solver depends on the order, which is the same for both fingers of a gripper.
-        let is_reversed = joint.kind == JointKind::Revolute && first > second;
+        let is_reversed = joint.kind.is_angle() && first > second;
         if is_reversed {
             bodies.reverse();
             anchors_m.reverse();
@@ -225,7 +225,7 @@ fn add_couplings(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordina
 /// Body of a revolute joint on the ground, or on the palm if it moves: the rotor turns with it.
 fn own_rotor(joint: &Joint, palm: Option<usize>) -> Option<usize> {
     match joint.bodies {
-        _ if joint.kind != JointKind::Revolute => None,
+        _ if !joint.kind.is_angle() => None,
         [base, Some(body)] | [Some(body), base] if base == palm => Some(body),
         _ => None,
     }

@@ -201,10 +201,7 @@ impl<'a> Solver<'a> {
     }
 
     fn coordinate_scale(&self, joint: &Joint) -> f64 {
-        match joint.kind {
-            JointKind::Revolute => 1.0,
-            JointKind::Prismatic { .. } => 1.0 / self.scale_m,
-        }
+        if joint.kind.is_angle() { 1.0 } else { 1.0 / self.scale_m }
     }
 
     /// Gradient by the scaled poses of all bodies.
@@ -382,10 +379,7 @@ impl<'a> Solver<'a> {
 }
 
 fn measure(kind: JointKind, value: f64) -> Measure {
-    match kind {
-        JointKind::Revolute => Measure::Angle(value),
-        JointKind::Prismatic { .. } => Measure::Length(value),
-    }
+    if kind.is_angle() { Measure::Angle(value) } else { Measure::Length(value) }
 }
 
 fn largest(rows: &[Row]) -> f64 {

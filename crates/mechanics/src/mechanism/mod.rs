@@ -241,6 +241,14 @@ pub struct Limit {
     pub law: NormalLaw,
 }
 
+impl JointKind {
+    /// Whether the coordinate is an angle; otherwise it is a length, and the bodies do not turn against each other.
+    #[inline]
+    pub fn is_angle(&self) -> bool {
+        matches!(self, JointKind::Revolute)
+    }
+}
+
 impl PrescribedMotion {
     /// Returns the pose at time `t` of a frame with this pose and rate at the start.
     #[inline]

@@ -7,7 +7,7 @@
 //! bodies with three joints) is placed by the intersection of two circles or lines. Nearly every planar linkage is a row
 //! of dyads after its driven joints. The search tries joints with a start, an actuator, a spring or a limit first.
 
-use super::{JointKind, Mechanism, PrescribedMotion, Spring};
+use super::{Mechanism, PrescribedMotion, Spring};
 
 /// A group of connected bodies, with the order of their placement.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -101,8 +101,7 @@ pub fn find_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> 
             groups.push(search.run()?);
         }
     }
-    let is_free = |coordinate: &Coordinate| *coordinate != Coordinate::Time;
-    match !groups.iter().flat_map(|group| &group.coordinates).any(is_free) {
+    match groups.iter().all(|group| group.coordinates.is_empty()) {
         true => Err(StructureError::NoCoordinate),
         false => Ok(groups),
     }
@@ -224,7 +223,7 @@ impl<'a> Search<'a> {
     fn with_constant_angles(&self, group: Group) -> Result<Group, StructureError> {
         let Mechanism { bodies, joints, .. } = self.mechanism;
         let mut turns = vec![true; bodies.len()];
-        let is_slider = |joint: usize| joints[joint].kind != JointKind::Revolute;
+        let is_slider = |joint: usize| !joints[joint].kind.is_angle();
         for placement in &group.placements {
             let base_turns = |at: &Attachment| at.base.is_some_and(|base| turns[base]);
             match placement {
@@ -293,8 +292,7 @@ impl<'a> Search<'a> {
                 .then_some(Placement::Joint { at, coordinate: Source::Coupling(*coupling) })
         });
         let angle = || {
-            let turned = |joint: &usize| self.mechanism.joints[*joint].kind == JointKind::Revolute;
-            let mut pins = self.joints.iter().filter(|joint| turned(joint));
+            let mut pins = self.joints.iter().filter(|joint| self.mechanism.joints[**joint].kind.is_angle());
             let at = pins.find_map(|joint| {
                 self.attachment(partial, *joint).filter(|at| !self.mechanism.bodies[at.body].rotates())
             })?;
@@ -315,9 +313,9 @@ impl<'a> Search<'a> {
             outer.next().filter(|_| outer.next().is_none())
         };
         let outer = [outer_of(first)?, outer_of(second)?];
-        let kinds = [outer[0].joint, inner, outer[1].joint].map(|joint| self.mechanism.joints[joint].kind);
-        let is_revolute = |kind: &JointKind| matches!(kind, JointKind::Revolute);
-        kinds.iter().any(is_revolute).then_some(Placement::Dyad { outer, inner })
+        let mut joints = [outer[0].joint, inner, outer[1].joint].into_iter();
+        let has_pin = joints.any(|joint| self.mechanism.joints[joint].kind.is_angle());
+        has_pin.then_some(Placement::Dyad { outer, inner })
     }
 }
 

@@ -216,16 +216,15 @@ pub(super) fn place_dyad<const K: usize>(
     (outer, inner): (&[Attachment; 2], usize),
     bases: [&BodyMotion<f64, K>; 2],
     mode: &AssemblyMode,
-) -> ([BodyMotion<f64, K>; 2], [f64; 2]) {
+) -> ([BodyMotion<f64, 0>; 2], [f64; 2]) {
     let joints = pair(|k| &mechanism.joints[outer[k].joint]);
     let inner = &mechanism.joints[inner];
     let of = inner_bodies(inner, outer);
     // Points of the inner joint, in the order of the bodies of the dyad.
     let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
     let loci = pair(|k| Locus::new(joints[k], &outer[k], bases[k], points[k]));
-    let nearest = |k: usize, raw: f64| match joints[k].kind {
-        JointKind::Revolute => nearest_equivalent_angle(raw, mode.coordinates[k]),
-        JointKind::Prismatic { .. } => raw,
+    let nearest = |k: usize, raw: f64| {
+        if joints[k].kind.is_angle() { nearest_equivalent_angle(raw, mode.coordinates[k]) } else { raw }
     };
     if let JointKind::Prismatic { axis_rad } = inner.kind {
         let raw = slide(joints, (inner, of, axis_rad), outer, bases, (&loci, mode.sign));
@@ -355,7 +354,7 @@ pub(super) fn transmission<const K: usize>(
         JointKind::Prismatic { axis_rad } => {
             let a = &motions.bodies[outer[of[0]].body];
             let slide = (axis(axis_rad, a), a.rate[2]);
-            let is_circle = pair(|k| mechanism.joints[outer[k].joint].kind == JointKind::Revolute);
+            let is_circle = pair(|k| mechanism.joints[outer[k].joint].kind.is_angle());
             match is_circle {
                 [true, true] => {
                     let pivot = |k: usize| {

@@ -6,7 +6,7 @@ use super::motion::{
     BodyMotion, JointMotion, Motions, carried_bias, carry, column, joint_coordinate, joint_rate, pair, place,
 };
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
-use crate::mechanism::{Body, Joint, JointCombination, JointKind, Mechanism, Pose, SpringKind};
+use crate::mechanism::{Body, Joint, JointCombination, Mechanism, Pose, SpringKind};
 use crate::numeric::plane::{dot, nearest_equivalent_angle, sub};
 use crate::numeric::{Dual, Real};
 use crate::scene;
@@ -53,17 +53,13 @@ impl PlacedGroup {
         let mode = |placement: &Placement| {
             let Placement::Dyad { outer, inner } = placement else { return None };
             let joints = [outer[0].joint, outer[1].joint, *inner].map(|joint| &mechanism.joints[joint]);
-            let coordinates = joints.map(|joint| joint_coordinate(joint, |body| *motions.body(body)));
+            let coordinates = joints.map(|joint| joint_coordinate(joint, |body| motions.body(body).placed()));
             let bases = pair(|k| motions.body(outer[k].base));
             let distance = |sign: f64| {
                 let (_, found) = place_dyad(mechanism, (outer, *inner), bases, &AssemblyMode { sign, coordinates });
                 let error = |k: usize| {
                     let error = (found[k] - coordinates[k]).abs();
-                    if joints[k].kind == JointKind::Revolute {
-                        error
-                    } else {
-                        error / bases_length(bases, &motions, outer)
-                    }
+                    if joints[k].kind.is_angle() { error } else { error / bases_length(bases, &motions, outer) }
                 };
                 error(0) + error(1)
             };
@@ -161,11 +157,11 @@ impl PlacedGroup {
             match placement {
                 Placement::Free { body, first, axes } => {
                     let angle = if *axes == 3 { q[first + 2] } else { mechanism.bodies[*body].pose[2] };
-                    motions.bodies[*body] = BodyMotion::at([q[*first], q[first + 1], angle], [0.0; 3]);
+                    motions.bodies[*body].place_at(&BodyMotion::at([q[*first], q[first + 1], angle], [0.0; 3]));
                 }
                 Placement::Prescribed { body } => {
                     let pose = prescribed(&mechanism.bodies[*body], q[0]).position;
-                    motions.bodies[*body] = BodyMotion::at(pose, [0.0; 3]);
+                    motions.bodies[*body].place_at(&BodyMotion::at(pose, [0.0; 3]));
                 }
                 Placement::Joint { at, coordinate: source } => {
                     let coordinate = match source {
@@ -183,19 +179,20 @@ impl PlacedGroup {
                         }
                     };
                     motions.joints[at.joint].coordinate = coordinate;
-                    motions.bodies[at.body] = place(&mechanism.joints[at.joint], at, motions.body(at.base), coordinate);
+                    let placed = place(&mechanism.joints[at.joint], at, motions.body(at.base), coordinate);
+                    motions.bodies[at.body].place_at(&placed);
                 }
                 Placement::Dyad { outer, inner } => {
                     let Some(mode) = mode else { continue };
                     let bases = pair(|k| motions.body(outer[k].base));
                     let (bodies, coordinates) = place_dyad(mechanism, (outer, *inner), bases, mode);
                     for (k, at) in outer.iter().enumerate() {
-                        motions.bodies[at.body] = bodies[k];
+                        motions.bodies[at.body].place_at(&bodies[k]);
                         motions.joints[at.joint].coordinate = coordinates[k];
                     }
                     let joint = &mechanism.joints[*inner];
-                    let mut coordinate = joint_coordinate(joint, |body| *motions.body(body));
-                    if joint.kind == JointKind::Revolute {
+                    let mut coordinate = joint_coordinate(joint, |body| motions.body(body).placed());
+                    if joint.kind.is_angle() {
                         coordinate = nearest_equivalent_angle(coordinate, mode.coordinates[2]);
                     }
                     motions.joints[*inner].coordinate = coordinate;
@@ -234,9 +231,11 @@ impl PlacedGroup {
                 Placement::Joint { at, coordinate: source } => {
                     let joint = &mechanism.joints[at.joint];
                     let mut motion = JointMotion::at(motions.joints[at.joint].coordinate);
-                    let (base, mut body) = (motions.body(at.base), motions.bodies[at.body]);
-                    carry(base, &mut body);
-                    let column = column(joint, at, [base, &body]);
+                    let base = at.base.unwrap_or(motions.bodies.len() - 1);
+                    let bodies = motions.bodies.get_disjoint_mut([base, at.body]);
+                    let [base, body] = bodies.expect("a joint is between two bodies");
+                    carry(base, body);
+                    let column = column(joint, at, [base, body]);
                     match source {
                         Source::Coordinate(index) => {
                             (motion.row[*index], motion.rate) = (one, T::constant(v[*index]));
@@ -262,9 +261,9 @@ impl PlacedGroup {
                         }
                     }
                     body.update_rate(v);
-                    body.bias = carried_bias(joint, at, [base, &body], motion.rate);
+                    body.bias = carried_bias(joint, at, [base, body], motion.rate);
                     (0..3).for_each(|axis| body.bias[axis] += column[axis] * motion.bias);
-                    (motions.joints[at.joint], motions.bodies[at.body]) = (motion, body);
+                    motions.joints[at.joint] = motion;
                 }
                 Placement::Dyad { outer, inner } => {
                     let mut bodies = pair(|k| motions.bodies[outer[k].body]);
@@ -307,7 +306,7 @@ impl PlacedGroup {
             _ => None,
         });
         let joints = dyads.flat_map(|(joints, starts)| joints.into_iter().zip(starts));
-        joints.filter(|(joint, _)| mechanism.joints[*joint].kind == JointKind::Revolute).map(|(joint, start)| {
+        joints.filter(|(joint, _)| mechanism.joints[*joint].kind.is_angle()).map(|(joint, start)| {
             let motion = &motions.joints[joint];
             (joint, motion.coordinate - start, motion.rate)
         })

@@ -13,7 +13,7 @@ use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::mechanism::structure::{Coordinate, Group, StructureError, find_groups};
-use crate::mechanism::{Actuator, Body, Command, JointKind, Limit, Mechanism, Pose, Spring, SpringKind};
+use crate::mechanism::{Actuator, Body, Command, Limit, Mechanism, Pose, Spring, SpringKind};
 use crate::numeric::Dual;
 use crate::scene::Profile;
 use std::ops::Index;
@@ -310,7 +310,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Whether a joint is revolute.
     pub fn is_revolute(&self, joint: usize) -> bool {
-        self.mechanism.joints[joint].kind == JointKind::Revolute
+        self.mechanism.joints[joint].kind.is_angle()
     }
 
     /// Replaces the effort of an actuator over time, or the target of a servo, from time `t` on. The ranges of the mode

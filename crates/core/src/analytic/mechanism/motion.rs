@@ -39,6 +39,18 @@ pub(super) struct PointMotion<T, const K: usize> {
 }
 
 impl<const K: usize> BodyMotion<f64, K> {
+    /// The pose alone.
+    #[inline(always)]
+    pub fn placed(&self) -> BodyMotion<f64, 0> {
+        BodyMotion { origin: self.origin, direction: self.direction, angle: self.angle, ..BodyMotion::ground() }
+    }
+
+    /// Takes the pose of a placed body, and keeps everything else.
+    #[inline(always)]
+    pub fn place_at(&mut self, placed: &BodyMotion<f64, 0>) {
+        (self.origin, self.direction, self.angle) = (placed.origin, placed.direction, placed.angle);
+    }
+
     /// A body in a pose, with the rate of the pose.
     pub fn at([x, y, angle]: Pose, rate: Pose) -> Self {
         let (sin, cos) = sin_cos(angle);
@@ -216,13 +228,13 @@ pub(super) fn place<const K: usize>(
     at: &Attachment,
     base: &BodyMotion<f64, K>,
     coordinate: f64,
-) -> BodyMotion<f64, K> {
+) -> BodyMotion<f64, 0> {
     let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
-    let turn = if joint.kind == JointKind::Revolute { coordinate } else { 0.0 };
+    let turn = if joint.kind.is_angle() { coordinate } else { 0.0 };
     let mut body = BodyMotion::at([0.0, 0.0, base.angle + sign * (turn + joint.offset_rad)], [0.0; 3]);
     let mut point = base.position(joint.points_m[1 - own]);
     if let JointKind::Prismatic { axis_rad } = joint.kind {
-        let u = axis(axis_rad, if at.is_second { base } else { &body });
+        let u = if at.is_second { axis(axis_rad, base) } else { axis(axis_rad, &body) };
         point = add(point, scale_by(u, sign * coordinate));
     }
     body.origin = sub(point, body.rotated(joint.points_m[own]));
