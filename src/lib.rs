@@ -52,8 +52,8 @@ pub mod table;
 pub mod validate;
 
 pub use phalanx_core::{
-    analytic, check, criteria, drawing, drive, engine, fivebar, grasp, gripper, integrator, invariants, law, mechanism,
-    numeric, shape, sizing, statics, trace, units,
+    analytic, check, criteria, drawing, drive, engine, fivebar, gradient, grasp, gripper, integrator, invariants, law,
+    mechanism, numeric, shape, sizing, statics, trace, units,
 };
 pub use phalanx_log as log;
 pub use phalanx_thesis as thesis;

@@ -13,6 +13,7 @@ pub mod criteria;
 pub mod drawing;
 #[cfg(feature = "engine")]
 pub mod engine;
+pub mod gradient;
 pub mod grasp;
 pub mod invariants;
 pub mod trace;

@@ -1,76 +1,120 @@
-//! Builds the analytic model of a scene.
+//! Builds the analytic model of a scene: the kernel for its size.
 
 use super::grid::RecordingOptions;
 #[cfg(feature = "lists")]
 use super::mechanism::build_mechanism;
+use super::reading::Kernel;
 use super::stepper::{AnalyticStepper, Stepper};
 use super::{Outcome, Reach, RunError};
 #[cfg(feature = "lists")]
 use crate::analytic::multibody::{MAX_SIZES, TooLarge, count_moving_discs};
 use crate::analytic::multibody::{Multibody, Size};
 use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
+use crate::integrator::{Hybrid, State};
 #[cfg(not(feature = "lists"))]
 use crate::mechanism::Mechanism;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Integrator, Motor, Scene, Side, System};
 
+/// A scene in its kernel of the analytic model, at its start.
+pub(super) struct Start<M, const N: usize, const Z: usize> {
+    pub kernel: M,
+    pub state: State<N, Z>,
+    pub settings: Integrator,
+    pub reach: Option<Reach>,
+}
+
+/// A use of the kernel of a scene, whose type depends on the scene.
+pub(super) trait KernelUser {
+    type Output;
+
+    fn use_kernel<M, const N: usize, const Z: usize, const G: usize>(self, start: Start<M, N, Z>) -> Self::Output
+    where
+        M: Kernel<N, Z> + Hybrid<N, Z, G>;
+}
+
+/// Builds the stepper of a scene.
+struct StepperBuilder<'a> {
+    scene: &'a Scene,
+    recording: RecordingOptions,
+}
+
+impl KernelUser for StepperBuilder<'_> {
+    type Output = Box<dyn Stepper>;
+
+    fn use_kernel<M, const N: usize, const Z: usize, const G: usize>(self, start: Start<M, N, Z>) -> Box<dyn Stepper>
+    where
+        M: Kernel<N, Z> + Hybrid<N, Z, G>,
+    {
+        Box::new(AnalyticStepper::<M, N, Z, G>::new(start, self.scene.duration_s, self.recording))
+    }
+}
+
 /// Builds the analytic model of a scene at its start.
+///
+/// # Errors
+/// See [`with_kernel`].
+pub(super) fn build_analytic(scene: &Scene, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
+    with_kernel(scene, StepperBuilder { scene, recording })
+}
+
+/// Builds the kernel of a scene for a use of it.
 ///
 /// # Errors
 /// Returns an error if the scene has more discs or pairs than the model supports or is unsupported
 /// ([`System::unsupported`](crate::scene::System::unsupported)).
-pub(super) fn build_analytic(scene: &Scene, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
+pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     if let Some(mechanism) = &scene.mechanism {
-        return build_mechanism(scene, mechanism, recording);
+        return build_mechanism(scene, mechanism, user);
     }
     let system = &scene.system;
     match scene.kind() {
         SceneKind::Finger if fits_finger_kernel(system) => match system.has_stiction() {
-            true => build_finger::<4, 6>(scene, recording),
-            false => build_finger::<2, 4>(scene, recording),
+            true => build_finger::<4, 6, U>(scene, user),
+            false => build_finger::<2, 4, U>(scene, user),
         },
-        SceneKind::Finger => build_general(scene, recording),
+        SceneKind::Finger => build_general(scene, user),
         // Mechanisms have been built above.
-        SceneKind::Bodies | SceneKind::Mechanism => build_discs(scene, recording),
-        SceneKind::Gripper => build_gripper(scene, recording),
+        SceneKind::Bodies | SceneKind::Mechanism => build_discs(scene, user),
+        SceneKind::Gripper => build_gripper(scene, user),
     }
 }
 
 /// Two fingers with at most one object, which has six contacts with phalanges, palm and table: 4, 7 or 8
 /// coordinates, or up to 16 with bristle states.
-fn build_gripper(scene: &Scene, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
+fn build_gripper<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     let system = &scene.system;
     match (system.discs.len(), system.has_stiction(), Size::of_system(system).coordinates) {
-        (0 | 1, false, 4) => build_multibody::<4, 8, 10, 24>(scene, 1.0, recording),
-        (0 | 1, false, 7) => build_multibody::<7, 8, 10, 24>(scene, 1.0, recording),
-        (0 | 1, false, 8) => build_multibody::<8, 8, 10, 24>(scene, 1.0, recording),
-        (0 | 1, true, ..=16) => build_multibody::<16, 8, 10, 24>(scene, 1.0, recording),
-        _ => build_general(scene, recording),
+        (0 | 1, false, 4) => build_multibody::<4, 8, 10, 24, U>(scene, 1.0, user),
+        (0 | 1, false, 7) => build_multibody::<7, 8, 10, 24, U>(scene, 1.0, user),
+        (0 | 1, false, 8) => build_multibody::<8, 8, 10, 24, U>(scene, 1.0, user),
+        (0 | 1, true, ..=16) => build_multibody::<16, 8, 10, 24, U>(scene, 1.0, user),
+        _ => build_general(scene, user),
     }
 }
 
 /// A scene of discs.
 #[cfg(feature = "lists")]
-fn build_discs(scene: &Scene, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
+fn build_discs<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     match count_moving_discs(&scene.system).map(|moving| (moving, scene.system.has_stiction())) {
         Ok((0, _)) => Err(RunError::rejected(NOTHING_MOVES.to_string(), Outcome::default())),
-        Ok((_, true)) => build_multibody::<18, 12, 14, 36>(scene, 1.0, recording),
-        Ok((_, false)) => build_multibody::<9, 12, 14, 36>(scene, 1.0, recording),
+        Ok((_, true)) => build_multibody::<18, 12, 14, 36, U>(scene, 1.0, user),
+        Ok((_, false)) => build_multibody::<9, 12, 14, 36, U>(scene, 1.0, user),
         Err(error) => Err(too_large(&error)),
     }
 }
 
 /// Any other system that fits the largest kernel.
 #[cfg(feature = "lists")]
-fn build_general(scene: &Scene, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
+fn build_general<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     let (size, has_stiction) = (Size::of_system(&scene.system), scene.system.has_stiction());
     let max_size = MAX_SIZES[usize::from(has_stiction)];
     // Unused coordinates have no errors; scaled tolerances compensate for their share in the mean over all coordinates.
     let tolerance_scale = (size.coordinates as f64 / max_size.coordinates as f64).sqrt();
     match (size.fits(&max_size), has_stiction) {
         (false, _) => Err(too_large(&TooLarge::Components { size, limit: max_size })),
-        (true, false) => build_multibody::<{ MAX_SIZES[0].coordinates }, 24, 26, 72>(scene, tolerance_scale, recording),
-        (true, true) => build_multibody::<{ MAX_SIZES[1].coordinates }, 24, 26, 72>(scene, tolerance_scale, recording),
+        (true, false) => build_multibody::<{ MAX_SIZES[0].coordinates }, 24, 26, 72, U>(scene, tolerance_scale, user),
+        (true, true) => build_multibody::<{ MAX_SIZES[1].coordinates }, 24, 26, 72, U>(scene, tolerance_scale, user),
     }
 }
 
@@ -84,17 +128,17 @@ fn too_large(error: &TooLarge) -> RunError {
 }
 
 #[cfg(not(feature = "lists"))]
-fn build_mechanism(scene: &Scene, _: &Mechanism, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
-    build_general(scene, recording)
+fn build_mechanism<U: KernelUser>(scene: &Scene, _: &Mechanism, user: U) -> Result<U::Output, RunError> {
+    build_general(scene, user)
 }
 
 #[cfg(not(feature = "lists"))]
-fn build_discs(scene: &Scene, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
-    build_general(scene, recording)
+fn build_discs<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
+    build_general(scene, user)
 }
 
 #[cfg(not(feature = "lists"))]
-fn build_general(_: &Scene, _: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
+fn build_general<U: KernelUser>(_: &Scene, _: U) -> Result<U::Output, RunError> {
     let reason = "in this build the analytic model supports only a finger and a gripper with one object";
     Err(RunError::rejected(reason.to_string(), Outcome::default()))
 }
@@ -115,29 +159,20 @@ fn fits_finger_kernel(system: &System) -> bool {
 }
 
 /// A scene with the finger kernel.
-fn build_finger<const N: usize, const W: usize>(
-    scene: &Scene,
-    recording: RecordingOptions,
-) -> Result<Box<dyn Stepper>, RunError> {
-    let model = FingerMotion::<N, W>::new(&scene.system);
-    let start = FingerMotion::<N, W>::start(&scene.system);
-    let settings = &scene.integrator;
-    Ok(AnalyticStepper::<_, N, QUADRATURES, EVENT_FUNCTIONS>::new_boxed(
-        model,
-        start,
-        settings,
-        (scene, None),
-        recording,
-    ))
+fn build_finger<const N: usize, const W: usize, U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
+    let kernel = FingerMotion::<N, W>::new(&scene.system);
+    let state = FingerMotion::<N, W>::start(&scene.system);
+    let start = Start { kernel, state, settings: scene.integrator, reach: None };
+    Ok(user.use_kernel::<_, N, QUADRATURES, EVENT_FUNCTIONS>(start))
 }
 
 /// A system of up to N coordinates and C contacts, with Z quadratures and G event functions, and with all tolerances
 /// multiplied by `tolerance_scale`.
-fn build_multibody<const N: usize, const C: usize, const Z: usize, const G: usize>(
+fn build_multibody<const N: usize, const C: usize, const Z: usize, const G: usize, U: KernelUser>(
     scene: &Scene,
     tolerance_scale: f64,
-    recording: RecordingOptions,
-) -> Result<Box<dyn Stepper>, RunError> {
+    user: U,
+) -> Result<U::Output, RunError> {
     let requested = &scene.integrator;
     let settings = Integrator {
         atol_angle_rad: tolerance_scale * requested.atol_angle_rad,
@@ -145,8 +180,7 @@ fn build_multibody<const N: usize, const C: usize, const Z: usize, const G: usiz
         rtol: tolerance_scale * requested.rtol,
         ..*requested
     };
-    let model = Multibody::<N, C>::new(&scene.system);
-    let start = model.start::<Z>(&scene.system);
-    let reach = Reach::from_system(&scene.system);
-    Ok(AnalyticStepper::<_, N, Z, G>::new_boxed(model, start, &settings, (scene, reach), recording))
+    let kernel = Multibody::<N, C>::new(&scene.system);
+    let (state, reach) = (kernel.start::<Z>(&scene.system), Reach::from_system(&scene.system));
+    Ok(user.use_kernel::<_, N, Z, G>(Start { kernel, state, settings, reach }))
 }

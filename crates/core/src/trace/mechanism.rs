@@ -1,9 +1,8 @@
 //! Builds the analytic model of a mechanism, and converts its states to samples.
 
-use super::grid::RecordingOptions;
+use super::analytic::{KernelUser, Start};
 use super::reading::{Kernel, contact_sample, stored_energy};
 use super::schema::TendonState;
-use super::stepper::{AnalyticStepper, Stepper};
 use super::{BodyState, ContactSample, Energy, JointState, Outcome, RequiredData, RunError, Sample};
 use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel, MechanismSize};
 use crate::drive::Profile;
@@ -23,23 +22,23 @@ const SIZES: [MechanismSize; 5] = [
 ];
 
 /// Builds the model of a mechanism.
-pub(super) fn build_mechanism(
+pub(super) fn build_mechanism<U: KernelUser>(
     scene: &Scene,
     mechanism: &Mechanism,
-    recording: RecordingOptions,
-) -> Result<Box<dyn Stepper>, RunError> {
+    user: U,
+) -> Result<U::Output, RunError> {
     let rejected = |reason: String| RunError::rejected(reason, Outcome::default());
     let size = MechanismSize::new(mechanism).map_err(|error| rejected(error.to_string()))?;
     if size.fits(&SIZES[0]) {
-        build_sized::<3, 3, 4, 6, 21>(scene, mechanism, recording)
+        build_sized::<3, 3, 4, 6, 21, U>(scene, mechanism, user)
     } else if size.fits(&SIZES[1]) {
-        build_sized::<9, 3, 12, 14, 45>(scene, mechanism, recording)
+        build_sized::<9, 3, 12, 14, 45, U>(scene, mechanism, user)
     } else if size.fits(&SIZES[2]) {
-        build_sized::<9, 3, 32, 34, 105>(scene, mechanism, recording)
+        build_sized::<9, 3, 32, 34, 105, U>(scene, mechanism, user)
     } else if size.fits(&SIZES[3]) {
-        build_sized::<24, 12, 64, 66, 201>(scene, mechanism, recording)
+        build_sized::<24, 12, 64, 66, 201, U>(scene, mechanism, user)
     } else if size.fits(&SIZES[4]) {
-        build_sized::<48, 12, 64, 66, 201>(scene, mechanism, recording)
+        build_sized::<48, 12, 64, 66, 201, U>(scene, mechanism, user)
     } else {
         let [.., largest] = SIZES;
         Err(rejected(format!(
@@ -59,17 +58,17 @@ pub(super) fn build_mechanism(
 }
 
 /// Builds the model of one size.
-fn build_sized<const N: usize, const K: usize, const C: usize, const Z: usize, const G: usize>(
+fn build_sized<const N: usize, const K: usize, const C: usize, const Z: usize, const G: usize, U: KernelUser>(
     scene: &Scene,
     mechanism: &Mechanism,
-    recording: RecordingOptions,
-) -> Result<Box<dyn Stepper>, RunError> {
+    user: U,
+) -> Result<U::Output, RunError> {
     let rejected = |reason: String| RunError::rejected(reason, Outcome::default());
     let start = assemble(mechanism).map_err(|error| rejected(error.to_string()))?;
-    let model = MechanismModel::<N, K, C>::new(mechanism, (&start.poses, &start.rates))
+    let kernel = MechanismModel::<N, K, C>::new(mechanism, (&start.poses, &start.rates))
         .map_err(|error: StructureError| rejected(error.to_string()))?;
-    let start = model.start::<Z>();
-    Ok(AnalyticStepper::<_, N, Z, G>::new_boxed(model, start, &scene.integrator, (scene, None), recording))
+    let state = kernel.start::<Z>();
+    Ok(user.use_kernel::<_, N, Z, G>(Start { kernel, state, settings: scene.integrator, reach: None }))
 }
 
 /// Angles and rates of all joints, then of all bodies, at the last reading. Whole turns of dyads do not follow from a

@@ -28,6 +28,7 @@ pub mod schema;
 mod simulation;
 mod sink;
 mod stepper;
+pub(crate) mod tangent;
 
 pub use decimator::Decimated;
 pub use model::{Model, run, run_analytic};

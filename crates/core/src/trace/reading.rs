@@ -13,7 +13,7 @@ use crate::integrator::{State, System};
 
 /// A kernel of the analytic model, as runs use it: its states become samples, and its inputs can change.
 pub(super) trait Kernel<const N: usize, const Z: usize>:
-    System<N, Z, Mode: Index<usize, Output = ContactState> + Send> + Clone + Send + 'static
+    System<N, Z, Mode: Index<usize, Output = ContactState> + PartialEq + Send> + Clone + Send + 'static
 {
     /// What a sample needs of earlier ones.
     type History: Clone + Default + Send;

@@ -8,7 +8,7 @@ use super::grid::{Grid, RecordingOptions};
 use super::reading::Kernel;
 use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
-use crate::integrator::{Observer, State, Step, StepTools};
+use crate::integrator::{Observer, State, Step, StepTools, System};
 
 /// Interior of one step: its mode, states inside it, and the normal impulses at the last sample.
 struct Interior<'a, M, const N: usize, const Z: usize> {
@@ -47,11 +47,17 @@ impl<M: Index<usize, Output = ContactState>, const N: usize, const Z: usize> Int
     }
 }
 
+/// Another observer of the steps that are recorded.
+pub(super) type StepObserver<'a, R, const N: usize, const Z: usize> =
+    dyn Observer<N, Z, <R as System<N, Z>>::Mode> + 'a;
+
 /// Observer that records a run of the analytic model.
-pub(super) struct Recorder<'a, R: Kernel<N, Z>, const N: usize, const Z: usize> {
+pub(super) struct Recorder<'a, 'o, R: Kernel<N, Z>, const N: usize, const Z: usize> {
     pub kernel: &'a R,
     pub sink: &'a mut dyn Sink,
     pub state: &'a mut RecorderState<R, N, Z>,
+    /// Observer that receives each step and event first.
+    pub observer: Option<&'a mut StepObserver<'o, R, N, Z>>,
     pub error: Option<SinkError>,
 }
 
@@ -137,7 +143,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
     }
 }
 
-impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, R, N, Z> {
+impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> {
     /// Emits the touch-downs of contacts that exist at the start, and the first sample.
     pub fn begin(&mut self) -> Result<(), SinkError> {
         for (index, tracker) in self.state.trackers.iter_mut().enumerate() {
@@ -308,8 +314,13 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, R, N, Z> {
     }
 }
 
-impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, R, N, Z> {
+impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, '_, R, N, Z> {
     fn step(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
+        if let Some(observer) = &mut self.observer
+            && !observer.step(step, mode, tools)
+        {
+            return false;
+        }
         self.state.mode = *mode;
         (self.state.last_state, self.state.last_mode) = (*step.end, *mode);
         if let Err(error) = self.record_slip_events(step.t0, mode) {
@@ -336,6 +347,9 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
     }
 
     fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &R::Mode) {
+        if let Some(observer) = &mut self.observer {
+            observer.event(t, state, index, mode);
+        }
         let was_separated =
             self.state.last.contact(index).gap_m > 0.0 || !matches!(self.state.mode[index], ContactState::Released);
         let kind = match mode[index] {

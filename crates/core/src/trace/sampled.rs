@@ -56,6 +56,11 @@ fn sampled_servos(mechanism: &Mechanism) -> Vec<SampledServo> {
         .collect()
 }
 
+/// Whether a mechanism has servos that are computed at a rate.
+pub(super) fn has_sampled_servos(mechanism: &Mechanism) -> bool {
+    !sampled_servos(mechanism).is_empty()
+}
+
 /// Builds the stepper of a scene; `build` builds it without sampled servos.
 pub(super) fn with_sampled_servos(
     scene: &Scene,

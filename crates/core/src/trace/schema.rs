@@ -402,6 +402,16 @@ pub struct Channel {
     pub(super) source: Source,
 }
 
+impl Channel {
+    /// Index of its number in the numbers of a sample; `None` for the time.
+    pub(crate) fn index(&self) -> Option<usize> {
+        match self.source {
+            Source::Time => None,
+            Source::Value(index) | Source::Contact(index, _) => Some(index),
+        }
+    }
+}
+
 /// Where the number of a channel is in a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Source {

@@ -1,12 +1,13 @@
 //! Steppers: a model of a scene whose run is advanced in pieces and recorded.
 
+use super::analytic::Start;
 use super::grid::RecordingOptions;
 use super::reading::Kernel;
-use super::recorder::{Recorder, RecorderState};
-use super::{Outcome, Reach, Sample, Sink, SinkError, Work};
+use super::recorder::{Recorder, RecorderState, StepObserver};
+use super::{Outcome, Sample, Sink, SinkError, Work};
 use crate::drive::Profile;
-use crate::integrator::{self, Counters, Failure, Hybrid, Integration, Options, RadauOrRodas, State, Tolerances};
-use crate::scene::{Integrator, Method, Scene};
+use crate::integrator::{self, Counters, Failure, Hybrid, Integration, Options, RadauOrRodas, Tolerances};
+use crate::scene::{Integrator, Method};
 
 /// Reason why a stepper did not advance.
 #[derive(Debug, thiserror::Error)]
@@ -51,31 +52,32 @@ pub(super) struct AnalyticStepper<M: Kernel<N, Z>, const N: usize, const Z: usiz
 
 impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G: usize> AnalyticStepper<M, N, Z, G> {
     /// Creates the stepper of a kernel at its start.
-    pub fn new_boxed(
-        kernel: M,
-        start: State<N, Z>,
-        settings: &Integrator,
-        (scene, reach): (&Scene, Option<Reach>),
-        recording: RecordingOptions,
-    ) -> Box<dyn Stepper> {
+    pub fn new(start: Start<M, N, Z>, duration_s: f64, recording: RecordingOptions) -> Self {
+        let Start { kernel, state, settings, reach } = start;
         let method: RadauOrRodas<N, Z> = match settings.method {
             Method::Rodas5p => RadauOrRodas::rodas(),
             Method::RadauIIa5 => integrator::Method::new(),
         };
-        let mode = kernel.mode_at(0.0, &start.q, &start.v);
+        let mode = kernel.mode_at(0.0, &state.q, &state.v);
         let reach = reach.filter(|_| recording.ends_at_exit);
-        Box::new(Self {
-            recorder: RecorderState::new(&kernel, (&start, mode), reach, recording),
-            integration: Integration::new(method, &kernel, &options(settings), 0.0, start),
+        Self {
+            recorder: RecorderState::new(&kernel, (&state, mode), reach, recording),
+            integration: Integration::new(method, &kernel, &options(&settings), 0.0, state),
             kernel,
-            duration_s: scene.duration_s,
+            duration_s,
             durations: 1,
-        })
+        }
     }
 
-    /// Advances to time `t`, where a step ends if it is `exact`.
-    fn step_to(&mut self, t: f64, exact: bool, sink: &mut dyn Sink) -> Result<(), Interruption> {
-        let mut recorder = Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, error: None };
+    /// Advances to time `t`, where a step ends if it is `exact`. The observer sees every step and event.
+    pub fn step_to(
+        &mut self,
+        t: f64,
+        exact: bool,
+        sink: &mut dyn Sink,
+        observer: Option<&mut StepObserver<'_, M, N, Z>>,
+    ) -> Result<(), Interruption> {
+        let mut recorder = Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, observer, error: None };
         loop {
             let end_s = f64::from(self.durations) * self.duration_s;
             let until_s = t.min(end_s);
@@ -99,11 +101,11 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G:
     for AnalyticStepper<M, N, Z, G>
 {
     fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), SinkError> {
-        Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, error: None }.begin()
+        Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, observer: None, error: None }.begin()
     }
 
     fn advance(&mut self, t: f64, sink: &mut dyn Sink) -> Result<(), Interruption> {
-        self.step_to(t, false, sink)
+        self.step_to(t, false, sink, None)
     }
 
     fn read(&self, t: f64, sample: &mut Sample) {
@@ -116,7 +118,7 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G:
     }
 
     fn set_input(&mut self, t: f64, index: usize, input: Profile, sink: &mut dyn Sink) -> Result<(), Interruption> {
-        self.step_to(t, true, sink)?;
+        self.step_to(t, true, sink, None)?;
         let (mut state, mut mode) = (*self.integration.state(), *self.integration.mode());
         self.kernel.set_input(index, input, t, (&mut state, &mut mode));
         self.integration.restart(&self.kernel, state, mode);
@@ -125,7 +127,8 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G:
 
     fn finish(&mut self, sink: &mut dyn Sink) -> Result<Outcome, SinkError> {
         let work = work(self.integration.counters());
-        let mut recorder = Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, error: None };
+        let mut recorder =
+            Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, observer: None, error: None };
         recorder.finish(self.integration.state(), work)
     }
 

@@ -1,0 +1,347 @@
+//! Derivatives of a run with respect to parameters of its scene: of its last sample, of its events, and of the time to
+//! stability. Where one does not exist, or is not computed, there is a reason.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::criteria::{Criteria, EPSILON_RAD, RunCriteriaTracker, static_grasp};
+use crate::scene::Scene;
+use crate::trace::tangent::{TangentEvent, TangentParameter, TangentRun, run_tangent};
+use crate::trace::{
+    Channel, Event, EventKind, KeepRunning, Model, RequiredData, RunError, Sample, Schema, Sink, SinkError, run,
+};
+
+/// A numeric parameter of a scene.
+pub struct Parameter<'a> {
+    pub name: String,
+    /// SI unit; empty for a plain number.
+    pub unit: &'static str,
+    pub value: f64,
+    /// Returns the scene at a value of the parameter.
+    pub scene_at: Box<dyn Fn(f64) -> Result<Scene, String> + 'a>,
+}
+
+/// Derivatives of a run by one parameter, by column of a recording, in SI units.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gradient {
+    pub unit: &'static str,
+    pub value: f64,
+    /// Derivatives of the last sample.
+    pub end: Derivatives,
+    /// Derivatives of contact events, in the order of the run.
+    pub events: Vec<EventGradient>,
+    /// Derivative of the time to stability; `None` if the run has none.
+    pub tts_s: Option<Derivative>,
+}
+
+/// Derivatives by name.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Derivatives {
+    pub values: BTreeMap<String, f64>,
+    /// Estimated errors: the change of the derivative at a ten times larger tolerance.
+    pub errors: BTreeMap<String, f64>,
+    /// Why there are no derivatives.
+    pub reason: Option<String>,
+}
+
+/// A derivative with its estimated error, or the reason why there is none.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Derivative {
+    pub value: Option<f64>,
+    pub error: Option<f64>,
+    pub reason: Option<String>,
+}
+
+/// Derivatives of an event.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EventGradient {
+    pub time_s: f64,
+    pub contact: String,
+    pub kind: &'static str,
+    /// Derivative of its time.
+    pub time: Derivative,
+    /// Derivatives of the sample at the event, whose time moves with it.
+    pub state: Derivatives,
+}
+
+/// Relative tolerance of the runs with derivatives; that of the second one, for the error estimate, is ten times larger.
+const RTOL: f64 = 1e-10;
+/// Ratio of the tolerances of the two runs.
+const COARSE: f64 = 10.0;
+/// Largest relative change of a parameter in difference quotients.
+const MAX_CHANGE: f64 = 1e-4;
+/// Relative change of a parameter that must not change the events of the run or its class.
+const NEIGHBOURHOOD: f64 = 1e-6;
+/// Times closer than this are equal, s.
+const SAME_TIME_S: f64 = 1e-11;
+/// Difference of an angle from the tolerance of its position that counts as its crossing, rad.
+const SAME_ANGLE_RAD: f64 = 1e-7;
+
+/// Simulates a scene with the analytic model, and returns its derivatives by each parameter.
+///
+/// # Errors
+/// Returns an error if the run does not complete.
+pub fn gradient(
+    scene: &Scene,
+    parameters: &[Parameter<'_>],
+    keep_running: KeepRunning<'_>,
+) -> Result<Vec<Gradient>, RunError> {
+    let fine = with_rtol(scene, RTOL);
+    let (base, criteria) = observe(&fine, keep_running)?;
+    let tts_s = criteria.map(|criteria| criteria.tts_s).unwrap_or_default();
+    let times: Vec<f64> = tts_s.into_iter().filter(|tts_s| *tts_s > 0.0).collect();
+    let runs = [1.0, COARSE].map(|factor| {
+        let scenes = parameters.iter().map(|parameter| {
+            move |value: f64| (parameter.scene_at)(value).map(|scene| with_rtol(&scene, factor * RTOL))
+        });
+        let scenes: Vec<_> = scenes.collect();
+        let tangents = parameters.iter().zip(&scenes);
+        let tangents = tangents.map(|(parameter, scene_at)| TangentParameter {
+            scene_at,
+            value: parameter.value,
+            step: MAX_CHANGE * parameter.scale(),
+        });
+        let tangents: Vec<TangentParameter<'_>> = tangents.collect();
+        let mut sink = Observation { criteria: None, events: Vec::new(), keep_running };
+        run_tangent(&with_rtol(scene, factor * RTOL), &tangents, &times, &mut sink)
+    });
+    let [run, coarse] = runs;
+    let (run, coarse) = (run?, coarse?);
+    let schema = Schema::from_scene(scene);
+    let context = Context { scene: &fine, schema: &schema, run: &run, coarse: &coarse, tts_s };
+    let gradients = parameters.iter().enumerate().map(|(index, parameter)| {
+        let changed = parameter.change_of_events(&base, criteria.as_ref(), &schema, keep_running);
+        context.gradient(index, parameter, changed)
+    });
+    Ok(gradients.collect())
+}
+
+fn with_rtol(scene: &Scene, rtol: f64) -> Scene {
+    let mut scene = scene.clone();
+    if rtol < scene.integrator.rtol {
+        scene.integrator = scene.integrator.with_rtol(rtol);
+    }
+    scene
+}
+
+/// Stores events, and computes criteria.
+struct Observation<'a> {
+    criteria: Option<RunCriteriaTracker>,
+    events: Vec<Event>,
+    keep_running: KeepRunning<'a>,
+}
+
+impl Sink for Observation<'_> {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.criteria.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.events.push(*event);
+        self.criteria.event(event)
+    }
+
+    fn required_data(&self) -> RequiredData {
+        self.criteria.as_ref().map_or(RequiredData::NONE, RunCriteriaTracker::required_data)
+    }
+
+    fn should_continue(&self) -> bool {
+        (self.keep_running)()
+    }
+}
+
+/// Runs a scene; returns its events, and the criteria of a finger.
+fn observe(scene: &Scene, keep_running: KeepRunning<'_>) -> Result<(Vec<Event>, Option<Criteria>), RunError> {
+    let criteria = Some(RunCriteriaTracker::for_scene(scene));
+    let mut observation = Observation { criteria, events: Vec::new(), keep_running };
+    run(Model::Analytic, scene, &mut observation)?;
+    let criteria = observation.criteria.and_then(|tracker| tracker.finish(true).criteria);
+    Ok((observation.events, criteria))
+}
+
+/// Number of events of each contact and kind.
+fn counts(events: &[Event]) -> BTreeMap<(usize, &'static str), usize> {
+    let mut counts = BTreeMap::new();
+    events.iter().for_each(|event| *counts.entry((event.contact, event.kind.name())).or_default() += 1);
+    counts
+}
+
+impl Parameter<'_> {
+    /// Size against which changes of the parameter are measured.
+    fn scale(&self) -> f64 {
+        if self.value == 0.0 { 1.0 } else { self.value.abs() }
+    }
+
+    /// Describes a change of the events of a run, or of its class, under a small change of the parameter.
+    fn change_of_events(
+        &self,
+        events: &[Event],
+        criteria: Option<&Criteria>,
+        schema: &Schema,
+        keep_running: KeepRunning<'_>,
+    ) -> Option<String> {
+        let change = NEIGHBOURHOOD * self.scale();
+        [-change, change].into_iter().find_map(|change| {
+            let value = self.value + change;
+            let scene = match (self.scene_at)(value) {
+                Ok(scene) => with_rtol(&scene, RTOL),
+                Err(error) => return Some(format!("there is no scene at {value}: {error}")),
+            };
+            let (moved, moved_criteria) = match observe(&scene, keep_running) {
+                Ok(found) => found,
+                Err(error) => return Some(format!("the run at {value} fails: {error}")),
+            };
+            let [before, after] = [events, &moved].map(counts);
+            let differs = |key: &&(usize, &str)| before.get(*key) != after.get(*key);
+            if let Some((contact, kind)) = before.keys().chain(after.keys()).find(differs) {
+                let of_contact = |event: &&Event| event.contact == *contact && event.kind.name() == *kind;
+                let last = events.iter().chain(&moved).rfind(of_contact).map_or(f64::NAN, |event| event.time_s);
+                let name = schema.contacts.get(*contact).map_or("", |contact| contact.name.as_str());
+                let [n, m] = [&before, &after].map(|counts| counts.get(&(*contact, *kind)).copied().unwrap_or(0));
+                return Some(format!(
+                    "the events change: the contact {name} has {n} events of kind {kind}, but {m} at {value}; the last is at \
+                     {last} s"
+                ));
+            }
+            let [class, moved_class] =
+                [criteria, moved_criteria.as_ref()].map(|criteria| criteria.map(|criteria| criteria.class));
+            (class != moved_class).then(|| format!("the class of the grasp changes between the value and {value}"))
+        })
+    }
+}
+
+/// What the derivatives by all parameters have in common.
+struct Context<'a> {
+    scene: &'a Scene,
+    schema: &'a Schema,
+    run: &'a TangentRun,
+    coarse: &'a TangentRun,
+    tts_s: Option<f64>,
+}
+
+impl Context<'_> {
+    fn gradient(&self, index: usize, parameter: &Parameter<'_>, changed: Option<String>) -> Gradient {
+        let Self { run, coarse, .. } = self;
+        let end = match &changed {
+            Some(reason) => Derivatives { reason: Some(reason.clone()), ..Derivatives::default() },
+            None => self.derivatives(&run.outcome.last, run.end[index].as_ref(), coarse.end[index].as_ref()),
+        };
+        let has_equal_events = run.events.len() == coarse.events.len()
+            && run
+                .events
+                .iter()
+                .zip(&coarse.events)
+                .all(|(a, b)| (a.event.contact, a.event.kind) == (b.event.contact, b.event.kind));
+        let event = |(position, event): (usize, &TangentEvent)| {
+            let coarse = coarse.events.get(position).filter(|_| has_equal_events);
+            self.event_gradient(index, event, coarse)
+        };
+        Gradient {
+            unit: parameter.unit,
+            value: parameter.value,
+            end,
+            events: run.events.iter().enumerate().map(event).collect(),
+            tts_s: self.tts_s.map(|tts_s| match changed {
+                Some(reason) => Derivative { reason: Some(reason), ..Derivative::default() },
+                None => self.time_to_stability(index, parameter, tts_s),
+            }),
+        }
+    }
+
+    /// Derivatives by column; the error is the difference from those of the coarse run.
+    fn derivatives(
+        &self,
+        sample: &Sample,
+        fine: Result<&Vec<f64>, &String>,
+        coarse: Result<&Vec<f64>, &String>,
+    ) -> Derivatives {
+        let fine = match fine {
+            Ok(fine) => fine,
+            Err(reason) => return Derivatives { reason: Some(reason.clone()), ..Derivatives::default() },
+        };
+        let mut derivatives = Derivatives::default();
+        let exists = |channel: &Channel| channel.value(sample).is_finite();
+        for channel in self.schema.channels().into_iter().filter(exists) {
+            let Some(index) = channel.index() else { continue };
+            let error = coarse.map_or(f64::NAN, |coarse| (coarse[index] - fine[index]).abs());
+            derivatives.errors.insert(channel.name.clone(), error);
+            derivatives.values.insert(channel.name, fine[index]);
+        }
+        derivatives
+    }
+
+    fn event_gradient(&self, index: usize, event: &TangentEvent, coarse: Option<&TangentEvent>) -> EventGradient {
+        let TangentEvent { event, sample, derivatives } = event;
+        let missing = "the events of the run change with its tolerance".to_string();
+        let coarse = coarse.map_or(Err(&missing), |event| event.derivatives[index].as_ref());
+        let fine = derivatives[index].as_ref();
+        let time = match fine {
+            Ok((value, _)) => Derivative {
+                value: Some(*value),
+                error: coarse.ok().map(|(coarse, _)| (coarse - value).abs()),
+                reason: None,
+            },
+            Err(reason) => Derivative { reason: Some(reason.clone()), ..Derivative::default() },
+        };
+        EventGradient {
+            time_s: event.time_s,
+            contact: self.schema.contacts.get(event.contact).map_or_else(String::new, |contact| contact.name.clone()),
+            kind: event.kind.name(),
+            time,
+            state: self.derivatives(sample, fine.map(|(_, state)| state), coarse.map(|(_, state)| state)),
+        }
+    }
+
+    /// Derivative of the time to stability: of the event at which the last contact closes, or of the time at which an
+    /// angle reaches its tolerance.
+    fn time_to_stability(&self, index: usize, parameter: &Parameter<'_>, tts_s: f64) -> Derivative {
+        let of_run = |run: &TangentRun| -> Result<f64, String> {
+            let is_event = |event: &&TangentEvent| (event.event.time_s - tts_s).abs() <= SAME_TIME_S;
+            let closes = |event: &&TangentEvent| event.event.kind != EventKind::LiftOff;
+            if let Some(event) = run.events.iter().find(|event| is_event(event) && closes(event)) {
+                return event.derivatives[index].as_ref().map(|(time, _)| *time).map_err(Clone::clone);
+            }
+            let (sample, derivatives) = run.at_times.first().ok_or("the run is stable from its start")?;
+            let derivatives = derivatives[index].as_ref().map_err(Clone::clone)?;
+            let finger = sample.finger(0);
+            let target = final_angles(self.scene)?;
+            let [below, above] = [-1.0, 1.0].map(|side| {
+                (parameter.scene_at)(parameter.value + side * MAX_CHANGE * parameter.scale())
+                    .and_then(|scene| final_angles(&scene))
+            });
+            let (below, above) = (below?, above?);
+            let angles =
+                [(finger.q11_rad, finger.qd11_rad_s, "q11_rad"), (finger.q21_rad, finger.qd21_rad_s, "q21_rad")];
+            for (joint, (angle, rate, column)) in angles.into_iter().enumerate() {
+                if ((angle - target[joint]).abs() - EPSILON_RAD).abs() > SAME_ANGLE_RAD {
+                    continue;
+                }
+                let channels = self.schema.channels();
+                let channel = channels.iter().find(|channel| channel.name == column).and_then(Channel::index);
+                let moved = channel.map_or(f64::NAN, |channel| derivatives[channel]);
+                let target_moved = (above[joint] - below[joint]) / (2.0 * MAX_CHANGE * parameter.scale());
+                return Ok((target_moved - moved) / rate);
+            }
+            Err(format!(
+                "the time to stability, {tts_s} s, is neither an event nor the time at which an angle is in position"
+            ))
+        };
+        match of_run(self.run) {
+            Ok(value) => Derivative {
+                value: Some(value),
+                error: of_run(self.coarse).ok().map(|coarse| (coarse - value).abs()),
+                reason: None,
+            },
+            Err(reason) => Derivative { reason: Some(reason), ..Derivative::default() },
+        }
+    }
+}
+
+/// Final angles of a finger on its object.
+fn final_angles(scene: &Scene) -> Result<[f64; 2], String> {
+    let object = scene.object().ok_or("the scene has no object")?;
+    let grasp = static_grasp(scene, object).map_err(|error| error.to_string())?;
+    let angles = grasp.final_angles();
+    Ok([angles.q11_rad, angles.q21_rad])
+}
