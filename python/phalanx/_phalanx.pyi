@@ -166,6 +166,15 @@ class Result:
         """Energies and work at the end, J."""
 
     @property
+    def gradient(self) -> dict[str, Any] | None:
+        """Derivatives of the run by the fields given to `run(…, gradient=[…])`, in SI units; None without them.
+
+        `gradient["design.base"]` has `end` (of the last sample, by column), `events` (`time`: of the time of the event,
+        `state`: of the sample at it) and `tts_s` (time to stability). `end` and `state` have `values`, `errors` (estimates)
+        and `reason`; the others have `value`, `error` and `reason`. Where there is no derivative, `reason` is a sentence.
+        """
+
+    @property
     def check(self) -> dict[str, Any] | None:
         """Error estimate from a second, independent resolution; None if the run was not checked."""
 
@@ -385,6 +394,7 @@ def run(
     numeric_rate: str | None = None,
     picture_rate: str | None = None,
     log: _Path | None = None,
+    gradient: Sequence[str] | None = None,
 ) -> Result:
     """Simulates a scene.
 
@@ -394,6 +404,9 @@ def run(
     The other arguments are the flags of `phalanx run`: preset (analytic), rtol (analytic), construction (engine), step
     such as "1 us" (engine), tolerance such as "0.02 um" (engine), duration such as "30 ms", numeric_rate such as
     "20 kHz", picture_rate such as "1 kHz".
+
+    gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`, by which the run is
+    differentiated (analytic model); the result has the derivatives as `gradient`.
 
     Raises SceneError for an invalid scene or argument, and RunError if the run is not completed; the `result` of the
     error contains the run up to its end. Other Python threads continue during the run; Ctrl-C interrupts it.

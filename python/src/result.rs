@@ -28,6 +28,8 @@ pub struct Result {
     schema: Schema,
     report: ResultReport,
     source: Source,
+    /// Derivatives by field, as JSON.
+    gradient: Option<String>,
 }
 
 /// The report of a result: of `phalanx run`, or of `phalanx replay`.
@@ -60,11 +62,17 @@ pub enum Source {
 }
 
 impl Result {
-    pub fn new(schema: Schema, recording: Recording, report: ResultReport, source: Source) -> Self {
+    pub fn new(
+        schema: Schema,
+        recording: Recording,
+        report: ResultReport,
+        source: Source,
+        gradient: Option<String>,
+    ) -> Self {
         let (columns, events) = recording.into_parts();
         let (channels, arrays) =
             columns.into_iter().map(|(channel, values)| (channel, columns::array_of_numbers(values))).unzip();
-        Result { channels, arrays, events, schema, report, source }
+        Result { channels, arrays, events, schema, report, source, gradient }
     }
 
     /// Returns all columns as a batch. It is built when needed: names and units of its fields cost more than the arrays.
@@ -148,6 +156,19 @@ impl Result {
     #[getter]
     fn energies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.summary_entry(py, "energy")
+    }
+
+    /// Derivatives of the run by the fields given to `run(…, gradient=[…])`, in SI units; None without them.
+    ///
+    /// `gradient["design.base"]` has `end` (of the last sample, by column), `events` (`time`: of the time of the event,
+    /// `state`: of the sample at it) and `tts_s` (time to stability). `end` and `state` have `values`, `errors` (estimates)
+    /// and `reason`; the others have `value`, `error` and `reason`. Where there is no derivative, `reason` is a sentence.
+    #[getter]
+    fn gradient<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        match &self.gradient {
+            Some(gradient) => conversion::parse_json(py, gradient),
+            None => Ok(py.None().into_bound(py)),
+        }
     }
 
     /// Error estimate from a second, independent resolution; None if the run was not checked.

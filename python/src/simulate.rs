@@ -1,15 +1,18 @@
 //! Functions that simulate scenes and read logs.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
 use phalanx::format;
+use phalanx::gradient::{Gradient, gradient as differentiate};
 use phalanx::log::{self, FinishedRun, LogFile, LogSink, RunInfo};
 use phalanx::page::PlaybackRecorder;
 use phalanx::report::document::RunReport;
 use phalanx::report::replay::{LogObserver, scene_in_log};
 use phalanx::report::simulation::{CheckPolicy, SimulationOptions, report_of};
 use phalanx::scene::{Construction, Preset, Scene};
+use phalanx::study::parameter::parameters;
 use phalanx::trace::overrides::{self, Overrides};
 use phalanx::trace::{Cancellable, Event, KeepRunning, Model, Recording, Sample, Schema, Sink, SinkError};
 use pyo3::prelude::*;
@@ -36,13 +39,16 @@ pub struct RunInput {
 /// construction "maximal" or "reduced" (engine), step such as "1 us" (engine), tolerance such as "0.02 um" (engine),
 /// duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate such as "1 kHz".
 ///
+/// gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`, by which the run is
+/// differentiated (analytic model); the result has the derivatives as `gradient`.
+///
 /// Raises SceneError for an invalid scene or argument, and RunError if the run is not completed; the `result` of the
 /// error contains the run up to its end. Other Python threads continue during the run; Ctrl-C interrupts it.
 #[pyfunction]
 #[pyo3(signature = (scene, model = "analytic", check = Some(false), *, preset = None, rtol = None, construction = None,
-                    step = None, tolerance = None, duration = None, numeric_rate = None, picture_rate = None, log = None),
+                    step = None, tolerance = None, duration = None, numeric_rate = None, picture_rate = None, log = None, gradient = None),
        text_signature = "(scene, model='analytic', check=False, *, preset=None, rtol=None, construction=None, step=None, \
-                         tolerance=None, duration=None, numeric_rate=None, picture_rate=None, log=None)")]
+                         tolerance=None, duration=None, numeric_rate=None, picture_rate=None, log=None, gradient=None)")]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
 pub fn run(
     py: Python<'_>,
@@ -58,6 +64,7 @@ pub fn run(
     numeric_rate: Option<&str>,
     picture_rate: Option<&str>,
     log: Option<PathBuf>,
+    gradient: Option<Vec<String>>,
 ) -> PyResult<Result> {
     let argument_error = |message: String| errors::argument(py, message);
     let model = self::model(py, model)?;
@@ -87,6 +94,27 @@ pub fn run(
     let file_name = Path::new(loaded.file()).file_name().map(|name| name.to_string_lossy().into_owned());
     let mut scene = loaded.scene;
     overrides.apply(model, &mut scene).map_err(argument_error)?;
+    let gradient = match gradient {
+        Some(_) if model == Model::Engine => {
+            let message = "gradient: derivatives are computed in the analytic model; remove `model` or `gradient`";
+            return Err(argument_error(message.to_string()));
+        }
+        Some(fields) => {
+            let finish = |scene: &mut Scene| drop(overrides.apply(model, scene));
+            let texts = (&loaded.layers[..], &loaded.settings[..]);
+            let found = interruptible::run_on_caller(py, |keep_running| {
+                let parameters = parameters(&scene, texts, &fields, &finish).map_err(Err)?;
+                differentiate(&scene, &parameters, keep_running).map_err(|error| Ok(error.to_string()))
+            })?;
+            let found = found.map_err(|error| match error {
+                Ok(run_error) => errors::run(py, format!("gradient: {run_error}"), None),
+                Err(message) => errors::argument(py, format!("gradient: {message}")),
+            })?;
+            let by_field: BTreeMap<String, Gradient> = fields.into_iter().zip(found).collect();
+            Some(serde_json::to_string(&by_field).map_err(|error| errors::argument(py, error))?)
+        }
+        None => None,
+    };
     let check_policy = match check {
         Some(true) => CheckPolicy::Always,
         Some(false) => CheckPolicy::Never,
@@ -105,7 +133,8 @@ pub fn run(
     let source = Source::Run(Arc::clone(&input));
     let log = log.map(|path| path.display().to_string());
     let report = move || RunReport { log, ..report_of(input.model, &input.scene, &run) };
-    let result = Result::new(schema, recording, ResultReport::Run(Box::new(LazyLock::new(Box::new(report)))), source);
+    let report = ResultReport::Run(Box::new(LazyLock::new(Box::new(report))));
+    let result = Result::new(schema, recording, report, source, gradient);
     match stopped {
         None => Ok(result),
         Some((time_s, reason)) => {
@@ -137,7 +166,8 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         log::ReadError::NotFound { .. } | log::ReadError::NotAFile { .. } => errors::run(py, error, None),
         _ => errors::run(py, format!("{}: {error}", path.display()), None),
     })?;
-    Ok(Result::new(schema, recording, ResultReport::Log(Box::new(report)), Source::Log(path, scene.map(Box::new))))
+    let source = Source::Log(path, scene.map(Box::new));
+    Ok(Result::new(schema, recording, ResultReport::Log(Box::new(report)), source, None))
 }
 
 /// Repeats a run to record its page.

@@ -43,6 +43,16 @@ fn lock<T>(contents: &Mutex<T>) -> PyResult<MutexGuard<'_, T>> {
     contents.try_lock().map_err(|_| PyRuntimeError::new_err(message))
 }
 
+/// Advances a simulation to a time. The interpreter lock is released only for steps, because that takes longer than an
+/// advance within a step.
+fn advance(py: Python<'_>, simulation: &mut trace::Simulation, time_s: f64) -> PyResult<()> {
+    let result = match simulation.is_within_step(time_s) {
+        true => simulation.advance_to(time_s),
+        false => interruptible::run_on_caller(py, |keep_running| simulation.advance_while(time_s, keep_running))?,
+    };
+    result.map_err(|error| exception(py, &error))
+}
+
 /// A scene that the caller advances: a controller in the loop.
 ///
 /// `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
@@ -83,16 +93,14 @@ impl Simulation {
     /// Raises RunError with its `time_s` if the model cannot advance further; the simulation is then at that time.
     /// Other Python threads continue; Ctrl-C interrupts, after which only a `state` can be continued.
     fn advance(&self, py: Python<'_>, duration: f64) -> PyResult<()> {
-        let time_s = lock(&self.simulation)?.time_s() + duration;
-        self.advance_to(py, time_s)
+        let mut simulation = lock(&self.simulation)?;
+        let time_s = simulation.time_s() + duration;
+        advance(py, &mut simulation, time_s)
     }
 
     /// Advances to a time, s; see `advance`.
     fn advance_to(&self, py: Python<'_>, time: f64) -> PyResult<()> {
-        let mut simulation = lock(&self.simulation)?;
-        let simulation = &mut *simulation;
-        let result = interruptible::run_on_caller(py, |keep_running| simulation.advance_while(time, keep_running))?;
-        result.map_err(|error| exception(py, &error))
+        advance(py, &mut *lock(&self.simulation)?, time)
     }
 
     /// Present time, s.

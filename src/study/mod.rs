@@ -6,6 +6,7 @@
 //! | `capture` | positioning errors that a gripper captures |
 //! | `posture` | text form of a gripper's posture |
 //! | `hold` | largest acceleration under which a gripper holds its object |
+//! | `parameter` | numeric fields of a scene as parameters of its derivatives |
 //! | `parts` | sweeps distributed over several machines: parts of a study and their merge |
 //! | `quantity` | short names and common units of columns and keys |
 //! | `results` | incremental storage of sweep results |
@@ -16,6 +17,7 @@
 pub mod batch;
 pub mod capture;
 pub mod hold;
+pub mod parameter;
 pub mod parts;
 pub mod posture;
 pub mod quantity;

@@ -193,15 +193,17 @@ impl Parameter<'_> {
                 Err(error) => return Some(format!("the run at {value} fails: {error}")),
             };
             let [before, after] = [events, &moved].map(counts);
-            let differs = |key: &&(usize, &str)| before.get(*key) != after.get(*key);
-            if let Some((contact, kind)) = before.keys().chain(after.keys()).find(differs) {
-                let of_contact = |event: &&Event| event.contact == *contact && event.kind.name() == *kind;
-                let last = events.iter().chain(&moved).rfind(of_contact).map_or(f64::NAN, |event| event.time_s);
-                let name = schema.contacts.get(*contact).map_or("", |contact| contact.name.as_str());
-                let [n, m] = [&before, &after].map(|counts| counts.get(&(*contact, *kind)).copied().unwrap_or(0));
+            let key = |event: &Event| (event.contact, event.kind.name());
+            let differs = |event: &&Event| before.get(&key(event)) != after.get(&key(event));
+            let first = |events: &[Event]| events.iter().find(differs).copied();
+            let found = [first(events), first(&moved)].into_iter().flatten();
+            if let Some(event) = found.min_by(|a, b| a.time_s.total_cmp(&b.time_s)) {
+                let name = schema.contacts.get(event.contact).map_or("", |contact| contact.name.as_str());
+                let [n, m] = [&before, &after].map(|counts| counts.get(&key(&event)).copied().unwrap_or(0));
+                let (kind, time_s) = (event.kind.name(), event.time_s);
                 return Some(format!(
-                    "the events change: the contact {name} has {n} events of kind {kind}, but {m} at {value}; the last is at \
-                     {last} s"
+                    "the events change: the contact {name} has {n} events of kind {kind}, but {m} at {value}; the first is at \
+                     {time_s} s"
                 ));
             }
             let [class, moved_class] =

@@ -214,6 +214,11 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         Ok(())
     }
 
+    /// Whether the pending step ends after time `t`, so that an advance to `t` commits nothing.
+    pub fn is_within_step(&self, t: f64) -> bool {
+        self.pending.as_ref().is_some_and(|pending| pending.ends_after(&self.run.clock, t))
+    }
+
     /// Reads states inside the pending step; `None` if no step is pending. `read` receives the step, its mode, and the
     /// evaluation of its inside. The integration does not change.
     pub fn read_pending<Y, R>(

@@ -151,6 +151,10 @@ where
         mode.contacts.is_slipping(index).filter(|_| self.has_stiction(index))
     }
 
+    fn contact_count(&self) -> usize {
+        C
+    }
+
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &MechanismMode<C>) -> ContactSample {
         let reading = self.contact_reading((&state.q, &state.v), index, mode[index]);
         contact_sample(Some(&reading), state.z[index])

@@ -33,6 +33,9 @@ pub(super) trait Kernel<const N: usize, const Z: usize>:
     /// not record it.
     fn is_slipping(&self, index: usize, mode: &Self::Mode) -> Option<bool>;
 
+    /// Number of contacts of the mode; those of a sample come first.
+    fn contact_count(&self) -> usize;
+
     /// Reads one contact of a state.
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Self::Mode) -> ContactSample;
 
@@ -120,6 +123,10 @@ where
         mode.is_slipping(index).filter(|_| self.bristle(FingerContact::ALL[index]).is_some())
     }
 
+    fn contact_count(&self) -> usize {
+        FingerContact::ALL.len()
+    }
+
     fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &FingerMode) -> ContactSample {
         let reading = self.contact_reading(state.q, state.v, FingerContact::ALL[index], mode[index]);
         contact_sample(reading.as_ref(), state.z[index])
@@ -205,6 +212,10 @@ where
 
     fn is_slipping(&self, index: usize, mode: &Mode<C>) -> Option<bool> {
         mode.is_slipping(index).filter(|_| self.has_stiction(index))
+    }
+
+    fn contact_count(&self) -> usize {
+        C
     }
 
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &Mode<C>) -> ContactSample {

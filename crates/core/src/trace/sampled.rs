@@ -113,6 +113,10 @@ impl Stepper for SampledStepper {
         }
     }
 
+    fn is_within_step(&self, t: f64) -> bool {
+        self.servos.iter().all(|servo| servo.next_time_s() > t) && self.stepper.is_within_step(t)
+    }
+
     fn read(&self, t: f64, sample: &mut Sample) {
         self.stepper.read(t, sample);
     }

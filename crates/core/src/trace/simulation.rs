@@ -214,6 +214,11 @@ impl Simulation {
         self.advance_while(time_s, &|| true)
     }
 
+    /// Whether an advance to a time, s, takes no step of the model, and no time.
+    pub fn is_within_step(&self, time_s: f64) -> bool {
+        self.failure.is_none() && self.stepper.is_within_step(time_s)
+    }
+
     /// Advances to a time, s, as long as `keep_running` returns true, which is called once per step. After it returned
     /// false the simulation cannot continue.
     ///
@@ -225,6 +230,11 @@ impl Simulation {
             return Err(SimulationError::Input(format!(
                 "the simulation is at {now_s} s and cannot advance to {time_s} s; give a finite time that is not earlier"
             )));
+        }
+        if self.is_within_step(time_s) {
+            self.sample.take();
+            self.time_s = time_s;
+            return Ok(());
         }
         self.step(time_s, |stepper, sink| stepper.advance(time_s, sink), keep_running)
     }

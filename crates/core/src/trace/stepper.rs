@@ -27,6 +27,11 @@ pub(super) trait Stepper: Send {
     /// Advances to time `t` and emits events and samples of all steps that end before.
     fn advance(&mut self, t: f64, sink: &mut dyn Sink) -> Result<(), Interruption>;
 
+    /// Whether an advance to time `t` takes no step.
+    fn is_within_step(&self, _t: f64) -> bool {
+        false
+    }
+
     /// Reads the state at time `t`, to which the stepper has advanced.
     fn read(&self, t: f64, sample: &mut Sample);
 
@@ -106,6 +111,10 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G:
 
     fn advance(&mut self, t: f64, sink: &mut dyn Sink) -> Result<(), Interruption> {
         self.step_to(t, false, sink, None)
+    }
+
+    fn is_within_step(&self, t: f64) -> bool {
+        self.integration.is_within_step(t)
     }
 
     fn read(&self, t: f64, sample: &mut Sample) {

@@ -107,7 +107,8 @@ impl KernelUser for TangentRunner<'_> {
     where
         M: Kernel<N, Z> + Hybrid<N, Z, G>,
     {
-        let counts = Schema::from_scene(self.scene).counts();
+        let schema = Schema::from_scene(self.scene);
+        let counts = schema.counts();
         let recording = RecordingOptions {
             counts,
             span: Span { end_s: self.scene.duration_s, ..Span::UNSAMPLED },
@@ -115,7 +116,7 @@ impl KernelUser for TangentRunner<'_> {
             required_data: self.sink.required_data(),
         };
         let times: Vec<f64> = self.times.iter().copied().chain([self.scene.duration_s]).collect();
-        let mut tangent = Tangent::<M, N, Z, G>::new(&start, counts, self.parameters, &times);
+        let mut tangent = Tangent::<M, N, Z, G>::new(&start, &schema, self.parameters, &times);
         let mut stepper = AnalyticStepper::<M, N, Z, G>::new(start, self.scene.duration_s, recording);
         let mut sink = EventCollector { sink: self.sink, events: Vec::new() };
         super::stepper::Stepper::begin(&mut stepper, &mut sink)?;
@@ -199,8 +200,9 @@ struct Neighbours<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
     /// Mode at the start, which neighbours must share.
     start_mode: M::Mode,
     levels: [OnceCell<Result<Level<M, N, Z>, String>>; LEVELS],
-    /// Derivative of the next time at which the right-hand side is discontinuous.
+    /// Derivative of the next time at which the right-hand side is discontinuous, and of the last one.
     discontinuity: f64,
+    last_discontinuity: f64,
 }
 
 /// Number of steps of difference quotients; each is a tenth of the one before.
@@ -217,7 +219,7 @@ const TANGENT_TOLERANCE: f64 = 1e-8;
 /// Iterations of a step.
 const ITERATIONS: usize = 2;
 /// Weight of the relative error of the depth or slip of a contact. The depth is a small difference of coordinates.
-const CONTACT_WEIGHT: f64 = 0.01;
+const CONTACT_WEIGHT: f64 = 0.1;
 /// Largest number of times that a step is halved.
 const MAX_HALVINGS: u32 = 12;
 /// A step is halved at least this often before its error can count as rounding.
@@ -275,7 +277,10 @@ type Column<const N: usize, const Z: usize> = Result<State<N, Z>, String>;
 /// State of the tangent-linear integration between two steps.
 struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize, const G: usize> {
     kernel: M,
+    schema: &'a Schema,
     counts: Counts,
+    /// Number of contacts of the model; those without names follow those of a sample.
+    contacts: usize,
     start_energy: Energy,
     history: M::History,
     neighbours: Vec<Neighbours<'a, M, N, Z>>,
@@ -296,6 +301,8 @@ struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize, const G: usi
     /// Times before and after which all neighbours are in the same piece of their functions of time.
     bounds_s: [f64; 2],
     next_discontinuity_s: f64,
+    /// Rates just before a discontinuity at the present time.
+    before_discontinuity: Option<Rates<N, Z>>,
     /// Time and contact of the last touch-down at which the accelerations jumped.
     last_jump: Option<(f64, usize)>,
     times: &'a [f64],
@@ -340,8 +347,14 @@ impl<M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'_, M, N, Z> {
 }
 
 impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G: usize> Tangent<'a, M, N, Z, G> {
-    fn new(start: &Start<M, N, Z>, counts: Counts, parameters: &'a [TangentParameter<'a>], times: &'a [f64]) -> Self {
-        let (kernel, state) = (start.kernel.clone(), start.state);
+    fn new(
+        start: &Start<M, N, Z>,
+        schema: &'a Schema,
+        parameters: &'a [TangentParameter<'a>],
+        times: &'a [f64],
+    ) -> Self {
+        let (kernel, state, counts) = (start.kernel.clone(), start.state, schema.counts());
+        let contacts = kernel.contact_count();
         let mode = kernel.mode_at(0.0, &state.q, &state.v);
         let (mut sample, mut history) = (Sample::new(0.0, counts), M::History::default());
         kernel.read((&state, &mode), &Energy::default(), RequiredData::EVALUATION, &mut history, &mut sample);
@@ -352,6 +365,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
                 start_mode: mode,
                 levels: [const { OnceCell::new() }; LEVELS],
                 discontinuity: 0.0,
+                last_discontinuity: 0.0,
             })
             .collect();
         let column = |neighbours: &Neighbours<'a, M, N, Z>| -> Column<N, Z> {
@@ -371,7 +385,9 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             scales: vec![[[0.0; N]; 2]; neighbours.len()],
             shifts: vec![0.0; neighbours.len()],
             kernel,
+            schema,
             counts,
+            contacts,
             history,
             neighbours,
             columns,
@@ -380,9 +396,10 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             state,
             step_s: 0.0,
             rates: None,
-            deepest: vec![0.0; counts.contacts],
+            deepest: vec![0.0; contacts],
             bounds_s: [f64::NEG_INFINITY, f64::INFINITY],
             next_discontinuity_s: f64::INFINITY,
+            before_discontinuity: None,
             last_jump: None,
             times,
             at_times: Vec::new(),
@@ -390,6 +407,10 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         };
         tangent.find_discontinuity(0.0);
         tangent
+    }
+
+    fn contact_name(&self, contact: usize) -> &str {
+        self.schema.contacts.get(contact).map_or("of a tendon", |contact| &contact.name)
     }
 
     /// Ends all derivatives.
@@ -512,7 +533,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         (column, shift): (&State<N, Z>, f64),
     ) -> Result<(Direction<N, Z>, f64), String> {
         let level = neighbours.level(0, self.counts)?;
-        let contacts = (0..self.counts.contacts).filter(|contact| mode[*contact].has_force()).map(|contact| {
+        let contacts = (0..self.contacts).filter(|contact| mode[*contact].has_force()).map(|contact| {
             let reading = self.contact((t, state, mode), contact);
             let gap = |kernel: &M, _: f64, state: &State<N, Z>| [kernel.contact(state, contact, mode).gap_m];
             let [_, [change]] = Self::quotients(level, (t, state), (column, shift), gap);
@@ -700,7 +721,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
     /// Finds the rates at a fraction of a step. The force of a stiff damper has no accurate rate along the accelerations of
     /// a state, which are small differences of large forces.
     fn find_rates(&mut self, (step, mode): (&Step<N, Z>, &M::Mode), to: f64, tools: &mut dyn StepTools<N, Z>) {
-        let (mut sums, mut event_sums) = (vec![0.0; self.counts.values()], vec![0.0; self.counts.contacts]);
+        let (mut sums, mut event_sums) = (vec![0.0; self.counts.values()], vec![0.0; self.contacts]);
         for (index, weight) in BACKWARD_WEIGHTS.into_iter().enumerate() {
             let theta = to * (1.0 - BACKWARD_STEP * index as f64);
             let state = if theta < 1.0 { tools.resolve(theta) } else { *step.end };
@@ -732,29 +753,46 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
 
     /// Applies the mode of a step at its start, if no event has reported its changes.
     fn enter(&mut self, step: &Step<N, Z>, mode: &M::Mode) {
-        let contacts = 0..self.counts.contacts;
+        let contacts = 0..self.contacts;
         if (self.state.q, self.state.v) != (step.start.q, step.start.v) {
             self.refuse(&format!("a contact that oscillates is set to its equilibrium at {} s", step.t0));
         }
         if let Some(contact) = contacts.clone().find(|contact| mode[*contact] == ContactState::Clamped) {
             let message = "chatters, and its force has a kink that is not located";
-            self.refuse(&format!("contact {contact} {message}, at {} s", step.t0));
+            self.refuse(&format!("the contact {} {message}, at {} s", self.contact_name(contact), step.t0));
         }
+        self.pass_discontinuity(mode);
         if *mode == self.mode {
             return;
         }
         let rates = Self::rates(&self.kernel, (step.t0, step.start, &self.mode));
-        for contact in contacts {
-            if is_touch_down(self.mode[contact], mode[contact]) {
-                self.pass_event((step.t0, step.start), contact, mode);
+        let next = Self::rates(&self.kernel, (step.t0, step.start, mode));
+        let opened: Vec<usize> =
+            contacts.filter(|contact| is_touch_down(self.mode[*contact], mode[*contact])).collect();
+        for contact in &opened {
+            self.pass_event((step.t0, step.start), *contact, mode);
+        }
+        if opened.is_empty() && is_jump(&rates.a, &next.a) {
+            // A range of an actuator that ends with a step of its input ends just before or after it.
+            let is_after = step.t0 - self.bounds_s[0] < SIMULTANEOUS_S;
+            if is_after || self.next_discontinuity_s - step.t0 < SIMULTANEOUS_S {
+                self.pass_jump(&rates, &next, is_after);
+            } else {
+                self.refuse(&format!("the accelerations jump at {} s without an event of a contact", step.t0));
             }
         }
-        let next = Self::rates(&self.kernel, (step.t0, step.start, mode));
-        let touches = |contact: usize| is_touch_down(self.mode[contact], mode[contact]);
-        if !(0..self.counts.contacts).any(touches) && is_jump(&rates.a, &next.a) {
-            self.refuse(&format!("the accelerations jump at {} s without an event of a contact", step.t0));
-        }
         self.mode = *mode;
+    }
+
+    /// Passes a jump of the rates that moves with the last or the next discontinuity in time.
+    fn pass_jump(&mut self, before: &Rates<N, Z>, after: &Rates<N, Z>, is_after: bool) {
+        for (index, column) in self.columns.iter_mut().enumerate() {
+            let Neighbours { discontinuity, last_discontinuity, .. } = &self.neighbours[index];
+            let dt = if is_after { last_discontinuity } else { discontinuity } - self.shifts[index];
+            let Ok(column) = column else { continue };
+            (0..N).for_each(|i| column.v[i] += (before.a[i] - after.a[i]) * dt);
+            (0..Z).for_each(|i| column.z[i] += (before.g[i] - after.g[i]) * dt);
+        }
     }
 
     /// Passes an event of the normal law of a contact: returns the derivatives of its time and its sample, and applies
@@ -768,7 +806,10 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             && last != contact
             && t - last_s < SIMULTANEOUS_S
         {
-            self.refuse(&format!("contacts {last} and {contact} touch down at the same time, {t} s, in either order"));
+            let [last, contact] = [last, contact].map(|contact| self.contact_name(contact));
+            self.refuse(&format!(
+                "the contacts {last} and {contact} touch down at the same time, {t} s, in either order"
+            ));
         }
         if jump.is_some() {
             self.last_jump = Some((t, contact));
@@ -850,8 +891,9 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             let change = LINEAR_RANGE * parameter.value.abs().max(parameter.step);
             if turning < ((from_gap * rate) * change).abs() || rate == 0.0 {
                 return Err(format!(
-                    "contact {contact} grazes at {t} s: its gap changes at {rate:.1e} m/s (limit: rad/s), and the time of \
-                     the event is not linear in the parameter"
+                    "the contact {} grazes at {t} s: its gap changes at {rate:.1e} m/s (limit: rad/s), and the time of the \
+                     event is not linear in the parameter",
+                    self.contact_name(contact)
                 ));
             }
             return Ok(from_gap);
@@ -866,23 +908,22 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         let derivative = direction.dt - extrapolate([full, half]) / self.rates_before(t)?.1[contact];
         match derivative.is_finite() {
             true => Ok(derivative),
-            false => Err(format!("the force of contact {contact} does not cross zero at {t} s")),
+            false => {
+                Err(format!("the force of the contact {} does not cross zero at {t} s", self.contact_name(contact)))
+            }
         }
     }
 
-    /// Passes a discontinuity of the right-hand side in time.
-    fn pass_discontinuity(&mut self, t: f64) {
-        let state = self.state;
-        let [before, after] = [t.next_down(), t].map(|t| Self::rates(&self.kernel, (t, &state, &self.mode)));
-        let mut latest = t;
-        for ((neighbours, column), shift) in self.neighbours.iter().zip(&mut self.columns).zip(&self.shifts) {
-            let dt = neighbours.discontinuity - shift;
-            latest = latest.max(t + neighbours.parameter.step * neighbours.discontinuity.abs());
-            if let Ok(column) = column {
-                (0..N).for_each(|i| column.v[i] += (before.a[i] - after.a[i]) * dt);
-                (0..Z).for_each(|i| column.z[i] += (before.g[i] - after.g[i]) * dt);
-            }
-        }
+    /// Passes a discontinuity of the right-hand side in time, at the present time, in the mode that follows it.
+    fn pass_discontinuity(&mut self, mode: &M::Mode) {
+        let Some(before) = self.before_discontinuity.take() else { return };
+        let (t, state) = (self.time_s, self.state);
+        let after = Self::rates(&self.kernel, (t, &state, mode));
+        self.pass_jump(&before, &after, false);
+        self.neighbours.iter_mut().for_each(|neighbours| neighbours.last_discontinuity = neighbours.discontinuity);
+        let moved = |neighbours: &Neighbours<'a, M, N, Z>| neighbours.parameter.step * neighbours.discontinuity.abs();
+        let latest = t + self.neighbours.iter().map(moved).fold(0.0, f64::max);
+        self.mode = *mode;
         self.bounds_s[0] = latest.next_up();
         self.find_discontinuity(t);
     }
@@ -969,22 +1010,28 @@ where
         self.rates = self.rates.take().filter(|_| is_end_read);
         let events = self.kernel.eval_events(&step.end.q, &step.end.v, mode).functions;
         let is_at_event = |index: usize| events[index].value <= self.kernel.event_tolerance(index, mode);
-        if (0..self.counts.contacts).any(is_at_event) {
+        if (0..self.contacts).any(is_at_event) {
             self.find_rates((step, mode), 1.0, tools);
         }
         // Counts the turns of joints.
         let mut sample = Sample::new(step.t1, self.counts);
         self.kernel.read((step.end, mode), &self.start_energy, RequiredData::NONE, &mut self.history, &mut sample);
         for (index, deepest) in self.deepest.iter_mut().enumerate() {
-            *deepest = if mode[index] == ContactState::Free { 0.0 } else { deepest.max(-sample.contact(index).gap_m) };
+            let depth = match mode[index] {
+                ContactState::Free => continue,
+                _ => -self.kernel.contact(step.end, index, mode).gap_m,
+            };
+            *deepest = deepest.max(depth);
         }
         if step.t1 == self.next_discontinuity_s {
-            self.pass_discontinuity(step.t1);
+            let before = (step.t1.next_down(), step.end, mode);
+            self.before_discontinuity = Some(Self::rates(&self.kernel, before));
         }
         true
     }
 
     fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &M::Mode) {
+        self.pass_discontinuity(&self.mode.clone());
         let sample = self.sample((t, state, &self.mode));
         let derivatives = self.pass_event((t, state), index, mode);
         self.events.push((sample, derivatives));

@@ -1,0 +1,342 @@
+//! Derivatives of runs with respect to parameters of their scenes: closed forms, and differences of whole runs.
+
+use std::f64::consts::PI;
+
+use crate::support::laws::{
+    EMPTY, change_contact_law, disc, free, free_translation, scene, scene_of, spring, with_half_plane,
+};
+use crate::support::mechanism_cases::mechanism_case;
+use crate::support::random::Random;
+use crate::support::random_mechanisms::random_mechanism;
+use crate::support::runs::{assert_below, assert_near, assert_relative, experiment_95};
+use phalanx::drive::{Interpolation, Profile};
+use phalanx::gradient::{Gradient, Parameter, gradient};
+use phalanx::law::NormalLaw;
+use phalanx::mechanism::Mechanism;
+use phalanx::scene::{DiscMotion, Scene, parse_any};
+use phalanx::trace::{Event, Model, Recording, Schema, run};
+
+fn parameter<'a>(value: f64, scene_at: impl Fn(f64) -> Scene + 'a) -> Parameter<'a> {
+    Parameter { name: "p".to_string(), unit: "", value, scene_at: Box::new(move |value| Ok(scene_at(value))) }
+}
+
+fn gradient_of(parameter: &Parameter<'_>) -> Gradient {
+    let scene = (parameter.scene_at)(parameter.value).expect("a scene");
+    let found = gradient(&scene, std::slice::from_ref(parameter), &|| true);
+    found.unwrap_or_else(|error| panic!("{}: {error}", scene.name)).remove(0)
+}
+
+fn end(gradient: &Gradient, column: &str) -> f64 {
+    let end = &gradient.end;
+    *end.values.get(column).unwrap_or_else(|| panic!("{column}: {:?}, {:?}", end.reason, end.values.keys()))
+}
+
+/// Time derivatives of the events.
+fn times(gradient: &Gradient) -> Vec<f64> {
+    let time = |event: &phalanx::gradient::EventGradient| {
+        event.time.value.unwrap_or_else(|| panic!("{}: {:?}", event.time_s, event.time.reason))
+    };
+    gradient.events.iter().map(time).collect()
+}
+
+/// Last sample and events of a run.
+fn run_at(parameter: &Parameter<'_>, value: f64) -> (Vec<f64>, Vec<Event>) {
+    let mut scene = (parameter.scene_at)(value).expect("a scene");
+    scene.integrator = scene.integrator.with_rtol(1e-11);
+    let mut recording = Recording::new(&Schema::from_scene(&scene));
+    let outcome = run(Model::Analytic, &scene, &mut recording).unwrap_or_else(|error| panic!("{error}"));
+    let channels = recording.channels().to_vec();
+    (channels.iter().map(|channel| channel.value(&outcome.last)).collect(), recording.into_parts().1)
+}
+
+/// Derivatives of numbers by central differences of whole runs, extrapolated from three steps, with their estimated
+/// errors.
+fn differences(
+    parameter: &Parameter<'_>,
+    change: f64,
+    numbers: impl Fn(&(Vec<f64>, Vec<Event>)) -> Vec<f64>,
+) -> Vec<[f64; 2]> {
+    let h = change * parameter.value.abs();
+    let quotient = |h: f64| -> Vec<f64> {
+        let [below, above] = [-h, h].map(|h| numbers(&run_at(parameter, parameter.value + h)));
+        below.iter().zip(&above).map(|(below, above)| (above - below) / (2.0 * h)).collect()
+    };
+    let [a, b, c] = [h, 0.5 * h, 0.25 * h].map(quotient);
+    let extrapolated = |i: usize| {
+        let [ab, bc] = [b[i] + (b[i] - a[i]) / 3.0, c[i] + (c[i] - b[i]) / 3.0];
+        let best = bc + (bc - ab) / 15.0;
+        [best, (best - bc).abs()]
+    };
+    (0..a.len()).map(extrapolated).collect()
+}
+
+fn mechanism(text: &str) -> Scene {
+    parse_any(&format!("kind = \"mechanism\"\n{text}"), "test.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// x = x₀ cos ωt with ω = √(k/m).
+#[test]
+fn a_spring_and_a_mass_have_the_derivatives_of_a_cosine() {
+    let (k, x0, t) = (300.0_f64, 0.01, 0.08);
+    let by_mass = parameter(0.2, |mass| {
+        mechanism(&format!(
+            "duration = \"{t} s\"\n[bodies.mass]\nmass = \"{mass:?} kg\"\ninertia = \"1e-5 kg*m^2\"\nguess = {{ at = [\"10 mm\", \"0 mm\"] }}\n\
+             [joints.slide]\ntype = \"prismatic\"\nbodies = [\"ground\", \"mass\"]\npoints = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
+             axis = \"0 deg\"\nstart = \"{x0} m\"\n[springs.coil]\njoint = \"slide\"\nstiffness = \"{k} N/m\"\nrest = \"0 mm\"\n"
+        ))
+    });
+    let found = gradient_of(&by_mass);
+    let (m, omega) = (0.2, (k / 0.2_f64).sqrt());
+    let slope = -omega / (2.0 * m);
+    assert_relative(end(&found, "slide_position_m"), -x0 * t * slope * (omega * t).sin(), 1e-9, "position");
+    let rate = -x0 * slope * ((omega * t).sin() + omega * t * (omega * t).cos());
+    assert_relative(end(&found, "slide_rate_m_s"), rate, 1e-9, "rate");
+    assert!(found.end.errors["slide_position_m"] < 1e-9, "{:?}", found.end.errors);
+}
+
+/// A pendulum that starts at rest depends on time and gravity only through t √g: ∂q/∂g = q̇ t/(2 g).
+#[test]
+fn a_pendulum_has_the_derivative_of_its_time_scale() {
+    let t = 0.9;
+    let by_gravity = parameter(9.81, |gravity| {
+        mechanism(&format!(
+            "duration = \"{t} s\"\ngravity = [\"0 m/s^2\", \"-{gravity:?} m/s^2\"]\n[bodies.bob]\nmass = \"100 g\"\n\
+             inertia = \"1e-5 kg*m^2\"\ncom = [\"0 mm\", \"-150 mm\"]\nguess = {{ angle = \"1 rad\" }}\n[joints.pin]\n\
+             bodies = [\"ground\", \"bob\"]\npoints = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\nstart = \"1 rad\"\n"
+        ))
+    });
+    let found = gradient_of(&by_gravity);
+    let scene = (by_gravity.scene_at)(9.81).expect("a scene");
+    let (last, _) = run_at(&by_gravity, 9.81);
+    let channels = Recording::for_scene(&scene).channels().to_vec();
+    let rate = last[channels.iter().position(|channel| channel.name == "pin_rate_rad_s").expect("a rate")];
+    assert_relative(end(&found, "pin_rad"), rate * t / (2.0 * 9.81), 1e-9, "angle");
+}
+
+/// A disc of mass `m` at speed `v` that a linear spring `k` turns back.
+fn bounce(m: f64, k: f64, v: f64) -> Scene {
+    let disc = disc("ball", 0.01, [0.0, 0.015], free(m, None, [0.0, -v]));
+    with_half_plane(scene(vec![disc], spring(k, 1.0), None, 0.03))
+}
+
+/// Touch-down at t₁ = s/v, lift-off at t₂ = t₁ + π √(m/k), and y = r + v (t − t₂) afterwards.
+#[test]
+fn a_bounce_has_the_derivatives_of_half_a_period() {
+    let (m, k, v, gap, t) = (0.05_f64, 2e4_f64, 0.4, 0.005, 0.03);
+    let half_period = PI * (m / k).sqrt();
+    let lift_off = gap / v + half_period;
+    let derivatives = |by_t1: f64, by_t2: f64, by_v: f64| [by_t1, by_t2, by_v * (t - lift_off) - v * by_t2, by_v];
+    let cases = [
+        ("m", parameter(m, |m| bounce(m, k, v)), derivatives(0.0, half_period / (2.0 * m), 0.0)),
+        ("k", parameter(k, |k| bounce(m, k, v)), derivatives(0.0, -half_period / (2.0 * k), 0.0)),
+        ("v", parameter(v, |v| bounce(m, k, v)), derivatives(-gap / (v * v), -gap / (v * v), 1.0)),
+    ];
+    for (name, parameter, [touch_down, released, y, speed]) in cases {
+        let found = gradient_of(&parameter);
+        let times = times(&found);
+        assert_eq!(times.len(), 2, "{name}");
+        let scale = parameter.value.recip();
+        assert_near(times[0], touch_down, 1e-9 * lift_off * scale, format!("{name}: touch-down"));
+        assert_near(times[1], released, 1e-8 * lift_off * scale, format!("{name}: lift-off"));
+        assert_near(end(&found, "ball_y_m"), y, 1e-8 * gap * scale, format!("{name}: height"));
+        assert_near(end(&found, "ball_vy_m_s"), speed, 1e-8 * v * scale, format!("{name}: speed"));
+        // The rate of an event's sample is that of its moving time.
+        let at_touch_down = &found.events[0].state.values;
+        assert_near(at_touch_down["ball_y_m"], 0.0, 1e-9 * gap * scale, format!("{name}: height at touch-down"));
+    }
+}
+
+/// A ball thrown to a ceiling that it reaches with a millionth of its speed.
+#[test]
+fn a_grazing_contact_has_no_derivative() {
+    let thrown = |speed: f64| {
+        let mut scene = scene_of(EMPTY, 0.1);
+        let height = 0.01 + (0.4 * 0.4) / (2.0 * 9.81) * (1.0 - 1e-12);
+        scene.system.discs = vec![
+            disc("ball", 0.01, [0.0, 0.0], free_translation([0.0, speed])),
+            disc("ceiling", 0.01, [0.0, height + 0.01], DiscMotion::Fixed),
+        ];
+        scene.system.gravity_m_s2 = [0.0, -9.81];
+        scene.system.between_discs = Some(phalanx::law::ContactLaw { normal: spring(1e6, 1.5), friction: None });
+        scene
+    };
+    let found = gradient_of(&parameter(0.4, thrown));
+    let reason = found.events[0].time.reason.as_ref().expect("a reason");
+    assert!(reason.contains("grazes at 0.0407") && found.events[0].time.value.is_none(), "{reason}");
+    let reason = found.end.reason.expect("a reason");
+    assert!(
+        reason
+            .contains("the events change: the contact ball-ceiling has 1 events of kind touch-down, but 0 at 0.39999"),
+        "{reason}"
+    );
+    assert!(found.end.values.is_empty());
+}
+
+fn with_actuation(actuation: Profile) -> Scene {
+    let mut scene = experiment_95();
+    scene.finger_mut().motor.actuation = actuation;
+    scene
+}
+
+/// Asserts that derivatives at the end and of event times agree with differences of whole runs.
+#[track_caller]
+fn assert_differences(name: &str, parameter: &Parameter<'_>, change: f64, tolerance: f64) {
+    let found = gradient_of(parameter);
+    let scene = (parameter.scene_at)(parameter.value).expect("a scene");
+    let schema = Schema::from_scene(&scene);
+    let start = run_at(parameter, parameter.value).1.len() - found.events.len();
+    for ((event, derivative), difference) in
+        found.events.iter().zip(times(&found)).zip(differences(parameter, change, |(_, events)| {
+            events.iter().skip(start).map(|event| event.time_s).collect()
+        }))
+    {
+        let allowed = tolerance * (difference[0].abs() + event.time_s / parameter.value.abs()) + 3.0 * difference[1];
+        assert_near(
+            derivative,
+            difference[0],
+            allowed,
+            format!("{name}: {} {} {:e}", event.contact, event.kind, event.time_s),
+        );
+    }
+    let ends = differences(parameter, change, |(end, _)| end.clone());
+    let (values, _) = run_at(parameter, parameter.value);
+    for (index, channel) in schema.channels().iter().enumerate() {
+        let Some(derivative) = found.end.values.get(&channel.name) else { continue };
+        // Balances and the forces of dampers multiply rounding.
+        let scale = largest_of_unit(&schema, &ends, &values, parameter.value, channel.unit);
+        assert_near(
+            *derivative,
+            ends[index][0],
+            tolerance * scale + 3.0 * ends[index][1],
+            format!("{name}: {}", channel.name),
+        );
+    }
+}
+
+/// Largest derivative of the quantities of a unit, or the derivative that changes the largest of them by itself.
+fn largest_of_unit(schema: &Schema, ends: &[[f64; 2]], values: &[f64], parameter: f64, unit: &str) -> f64 {
+    let of_unit = schema.channels().into_iter().enumerate().filter(|(_, channel)| channel.unit == unit);
+    let of_unit = of_unit.map(|(index, _)| ends[index][0].abs().max((values[index] / parameter).abs()));
+    of_unit.filter(|x| x.is_finite()).fold(0.0, f64::max)
+}
+
+/// A stiff joint limit with a damper of 1e9 N·m·s/rad, impacts, and the criteria of a grasp.
+#[test]
+fn derivatives_of_a_closing_finger_agree_with_differences() {
+    let torque = parameter(0.48, |value| with_actuation(Profile::Constant { value }));
+    assert_differences("torque", &torque, 1e-3, 1e-6);
+    let found = gradient_of(&torque);
+    let [touch_down] = [found.events.iter().rfind(|event| event.kind == "touch-down").expect("a touch-down")];
+    let tts = found.tts_s.expect("a time to stability");
+    assert_eq!((touch_down.contact.as_str(), tts.value), ("distal", touch_down.time.value));
+    let stiffness = parameter(1e8, |value| {
+        let mut scene = experiment_95();
+        scene.finger_mut().contact.both_mut().into_iter().for_each(|law| law.normal.stiffness_n_per_m_e = value);
+        scene
+    });
+    assert_differences("stiffness", &stiffness, 1e-3, 1e-6);
+}
+
+/// The time of a step of the torque, and of a corner of a ramp.
+#[test]
+fn derivatives_by_the_times_of_a_table_agree_with_differences() {
+    for interpolation in [Interpolation::Step, Interpolation::Linear] {
+        let table = |time: f64| {
+            let points = vec![(0.0, 0.3), (time, 0.5), (2.0 * time, 0.48)];
+            with_actuation(Profile::Table { points, interpolation })
+        };
+        // Forces at rest are rounding times the stiffness of the limit.
+        assert_differences(&format!("{interpolation:?}"), &parameter(2e-3, table), 1e-3, 3e-6);
+    }
+}
+
+/// A parameter of a random mechanism.
+fn random_parameter(mechanism: &Mechanism, random: &mut Random) -> (f64, impl Fn(f64) -> Mechanism) {
+    let pick = |count: usize, random: &mut Random| (random.unit() * count as f64) as usize;
+    let (kind, body) = (pick(5, random), pick(mechanism.bodies.len(), random));
+    let spring = pick(mechanism.springs.len().max(1), random);
+    let base = mechanism.clone();
+    fn access(mechanism: &mut Mechanism, kind: usize, body: usize, spring: usize) -> &mut f64 {
+        match kind {
+            1 if !mechanism.springs.is_empty() => &mut mechanism.springs[spring].stiffness,
+            2 => &mut mechanism.gravity_m_s2[1],
+            3 if !mechanism.contacts.is_empty() => &mut mechanism.contacts[0].law.normal.stiffness_n_per_m_e,
+            4 => &mut mechanism.bodies[body].com_m[0],
+            _ => &mut mechanism.bodies[body].mass_kg,
+        }
+    }
+    let value = *access(&mut mechanism.clone(), kind, body, spring);
+    let at = move |value: f64| {
+        let mut changed = base.clone();
+        *access(&mut changed, kind, body, spring) = value;
+        changed
+    };
+    (value, at)
+}
+
+/// Relative error of the derivatives of a random mechanism at its end; `None` if there are none.
+fn random_error(seed: u64) -> Option<f64> {
+    let mechanism = random_mechanism(seed);
+    let mut random = Random::for_seed(seed + 3_000_000);
+    let (value, at) = random_parameter(&mechanism, &mut random);
+    let parameter = parameter(value, |value| Scene { mechanism: Some(at(value)), ..scene_of(EMPTY, 0.02) });
+    let scene = (parameter.scene_at)(value).expect("a scene");
+    let found = gradient(&scene, std::slice::from_ref(&parameter), &|| true).ok()?.remove(0);
+    if let Some(reason) = &found.end.reason {
+        println!("{seed}: {reason}");
+        return None;
+    }
+    let schema = Schema::from_scene(&scene);
+    let ends = differences(&parameter, 1e-3, |(end, _)| end.clone());
+    let (values, _) = run_at(&parameter, value);
+    let mut largest = (0.0, String::new());
+    for (index, channel) in schema.channels().iter().enumerate() {
+        let Some(derivative) = found.end.values.get(&channel.name) else { continue };
+        let scale = largest_of_unit(&schema, &ends, &values, value, channel.unit);
+        let error = ((derivative - ends[index][0]).abs() - 3.0 * ends[index][1]).max(0.0) / scale;
+        if error > largest.0 {
+            largest = (error, format!("{} {derivative:e} {:?}", channel.name, ends[index]));
+        }
+    }
+    println!("{seed}: {} events, {:e} {}", found.events.len(), largest.0, largest.1);
+    Some(largest.0)
+}
+
+#[test]
+fn derivatives_of_random_mechanisms_agree_with_differences() {
+    let seeds = std::env::var("PHALANX_SEEDS").map_or(12, |seeds| seeds.parse().expect("a number"));
+    let errors: Vec<f64> = (0..seeds).filter_map(random_error).collect();
+    println!("{} of {seeds} have derivatives", errors.len());
+    assert!(errors.len() as u64 > seeds / 2, "{} of {seeds} have derivatives", errors.len());
+    errors.iter().for_each(|error| assert_below(*error, 1e-6, "derivatives of a random mechanism"));
+}
+
+#[test]
+fn refusals_name_their_reasons() {
+    let case = mechanism_case("h_pd_step");
+    let sampled = parameter(1.0, |_| {
+        let mut scene = case.scene();
+        let actuators = &mut scene.mechanism.as_mut().expect("a mechanism").actuators;
+        if let phalanx::mechanism::Command::Servo { rate_hz, .. } = &mut actuators[0].command {
+            *rate_hz = Some(1e3);
+        }
+        scene
+    });
+    let scene = (sampled.scene_at)(1.0).expect("a scene");
+    let error = gradient(&scene, &[sampled], &|| true).expect_err("no derivatives").to_string();
+    assert!(error.contains("servos with a `rate`"), "{error}");
+    // The parameter separates surfaces that touch at the start.
+    let touching = parameter(0.01, |radius| {
+        let disc = disc("ball", radius, [0.0, 0.01], free(0.05, None, [0.0, -0.1]));
+        with_half_plane(scene_with(disc))
+    });
+    let found = gradient_of(&touching);
+    let reason = found.end.reason.expect("a reason");
+    assert!(reason.contains("at the start") || reason.contains("the events change"), "{reason}");
+}
+
+fn scene_with(disc: phalanx::scene::Disc) -> Scene {
+    let mut scene = scene(vec![disc], NormalLaw::step(1e6, 1.5, 0.0, 1e-5), None, 0.01);
+    change_contact_law(&mut scene, |_| {});
+    scene
+}
