@@ -57,3 +57,8 @@ pub use phalanx_core::{
 };
 pub use phalanx_log as log;
 pub use phalanx_thesis as thesis;
+
+/// Runs the code of the file as documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -216,7 +216,8 @@ class Simulation:
 
     `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
     `simulation.set_torque("motor", 0.48)`. Between two calls the model takes its own steps and locates its events; results
-    do not depend on how the time is divided. The duration of the scene is not its end.
+    of the analytic model do not depend on how the time is divided (in the engine model, by up to 4e-6 rad in 1,000 pieces).
+    The duration of the scene is not its end.
 
     `copy.copy(simulation)` and `state` continue with the same bits. Raises SceneError for an invalid scene, and RunError
     if the model does not simulate it.
@@ -271,6 +272,8 @@ class Simulation:
 
     def set_target(self, actuator: str, target: float, rate: float = 0.0) -> None:
         """Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s.
+
+        The set point of a servo with a `target_rate` follows it from its present value, at most at that rate.
 
         Raises SceneError that lists the actuators if the name is wrong.
         """

@@ -57,7 +57,8 @@ fn advance(py: Python<'_>, simulation: &mut trace::Simulation, time_s: f64) -> P
 ///
 /// `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
 /// `simulation.set_torque("motor", 0.48)`. model: "analytic" or "engine". Between two calls the model takes its own steps
-/// and locates its events; results do not depend on how the time is divided. The duration of the scene is not its end.
+/// and locates its events; results of the analytic model do not depend on how the time is divided (in the engine model, by
+/// up to 4e-6 rad in 1,000 pieces). The duration of the scene is not its end.
 ///
 /// `copy.copy(simulation)` and `state` continue with the same bits. Raises SceneError for an invalid scene, and RunError
 /// if the model does not simulate it.
@@ -165,7 +166,8 @@ impl Simulation {
         lock(&self.simulation)?.set_torque(actuator, torque).map_err(|error| exception(py, &error))
     }
 
-    /// Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s.
+    /// Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s. The set point of a servo with a
+    /// `target_rate` follows it from its present value, at most at that rate.
     ///
     /// Raises SceneError that lists the actuators if the name is wrong.
     #[pyo3(signature = (actuator, target, rate = 0.0))]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from common import ROOT, SCENES
 
-PAGES = [ROOT / "python" / "README.md", ROOT / "src" / "docs" / "python.md", ROOT / "book" / "pages" / "python.md"]
+PAGES = [ROOT / "README.md", ROOT / "python" / "README.md", ROOT / "src" / "docs" / "python.md", ROOT / "book" / "pages" / "python.md"]
 BLOCK = re.compile(r"^```py\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 

@@ -154,6 +154,33 @@ class Runs(unittest.TestCase):
         self.assertLess(result.time[-1], 0.02)
         self.assertIn("not completed", repr(result))
 
+    def test_gradients_agree_with_differences_of_runs(self):
+        fields = ["motor.torque", "design.base"]
+        result = phalanx.run(ANCHOR, gradient=fields)
+        self.assertEqual(sorted(result.gradient), sorted(fields))
+        scene = phalanx.Scene.load(ANCHOR)
+        for field, value, unit in [("motor.torque", 0.48, "N*m"), ("design.base", 15.5e-3, "m")]:
+            gradient, change = result.gradient[field], 1e-4 * value
+            self.assertEqual((gradient["value"], gradient["unit"]), (value, unit))
+            ends = [phalanx.run(scene.with_({field: f"{value + side * change!r} {unit}"}), rtol=1e-11) for side in (-1, 1)]
+            for column in ("q11_rad", "distal_normal_n"):
+                expected = (ends[1][column][-1] - ends[0][column][-1]) / (2 * change)
+                self.assertAlmostEqual(gradient["end"]["values"][column] / expected, 1, delta=1e-5, msg=(field, column))
+            expected = (ends[1].criteria["tts_s"] - ends[0].criteria["tts_s"]) / (2 * change)
+            self.assertAlmostEqual(gradient["tts_s"]["value"] / expected, 1, delta=1e-5, msg=field)
+            kinds = [(event["contact"], event["kind"]) for event in gradient["events"]]
+            self.assertEqual(kinds, [(event.contact, event.kind) for event in result.events if event.time_s > 0])
+        self.assertIsNone(phalanx.run(ANCHOR).gradient)
+
+    def test_refused_gradients_name_field_and_remedy(self):
+        for arguments, message in [
+            ({"gradient": ["design.bas"]}, "`design.bas` is not a number or a quantity of the scene"),
+            ({"gradient": ["name"]}, "`name` is not a number"),
+            ({"gradient": ["design.base"], "model": "engine"}, "in the analytic model; remove"),
+        ]:
+            with self.assertRaisesRegex(phalanx.SceneError, message):
+                phalanx.run(ANCHOR, **arguments)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -165,7 +165,7 @@ fn sampled_servos_equal_a_controller_in_the_loop() {
         scene
     };
     let profile = |value| Profile::Constant { value };
-    let servo = command(Command::Servo { kp, kd, target: profile(target), rate_hz: Some(rate_hz) });
+    let servo = command(Command::Servo { kp, kd, target: profile(target), target_rate: None, rate_hz: Some(rate_hz) });
     let (outcome, run) = run_to_end(&servo);
     let mut torques: Vec<u64> = run.samples.iter().map(|sample| sample.actuator(0).to_bits()).collect();
     torques.dedup();
@@ -266,5 +266,52 @@ fn the_engine_model_is_advanced_too() {
         assert_eq!(copy.expect("a copy").sample(), engine.sample(), "{}", scene.name);
         let [a, b] = [&engine, &analytic].map(|simulation| simulation.get(angle).expect("a column"));
         assert_below((a - b).abs(), 1e-5, format!("{}: {a} and {b} rad", scene.name));
+    }
+}
+
+/// A servo with a rate limit follows a target that is set as it follows one of its scene.
+#[test]
+fn a_set_target_keeps_the_rate_of_the_servo() {
+    let scene = |target: &str| {
+        let text = format!(
+            "kind = \"mechanism\"\nduration = \"100 ms\"\n[bodies.arm]\nmass = \"50 g\"\ninertia = \"5e-5 kg*m^2\"\n\
+             [joints.pin]\nbodies = [\"ground\", \"arm\"]\npoints = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\nstart = \"0 rad\"\n\
+             [actuators.servo]\njoint = \"pin\"\n{target}\nkp = \"5 N*m/rad\"\nkd = \"0.05 N*m*s/rad\"\ntarget_rate = \"10 rad/s\"\n"
+        );
+        scene::parse_any(&text, "servo.toml").unwrap_or_else(|error| panic!("{error}"))
+    };
+    let table = scene("times = [\"0 ms\", \"20 ms\", \"20.000001 ms\"]\ntargets = [\"0 rad\", \"0 rad\", \"0.6 rad\"]");
+    for model in [Model::Analytic, Model::Engine] {
+        let [mut expected, mut simulation] = [&table, &scene("target = \"0 rad\"")]
+            .map(|scene| Simulation::new(scene, model).unwrap_or_else(|error| panic!("{error}")));
+        advance_to(&mut simulation, 20e-3);
+        for time_s in [30e-3, 60e-3, 100e-3] {
+            // The set point moves for 60 ms; setting the target again has no effect.
+            simulation.set_target("servo", 0.6, 0.0).expect("a target");
+            advance_to(&mut simulation, time_s);
+            advance_to(&mut expected, time_s);
+            let [angle, reference] =
+                [&simulation, &expected].map(|simulation| simulation.get("pin_rad").expect("an angle"));
+            assert_below((angle - reference).abs(), 1e-5, format!("{} model, {time_s} s: {angle}", model.name()));
+        }
+        assert!((simulation.get("pin_rad").expect("an angle") - 0.6).abs() < 0.02);
+    }
+}
+
+/// A motor without a torque in its scene has an input in both models.
+#[test]
+fn a_motor_at_rest_can_be_driven() {
+    let mut scene = experiment_95();
+    scene.finger_mut().motor = scene::Motor::NONE;
+    for model in [Model::Analytic, Model::Engine] {
+        let mut simulation = Simulation::new(&scene, model).unwrap_or_else(|error| panic!("{error}"));
+        assert!(simulation.torque_inputs().eq(["motor"]));
+        simulation.set_torque("motor", 0.48).expect("an input");
+        let mut driven = Simulation::new(&experiment_95(), model).unwrap_or_else(|error| panic!("{error}"));
+        for simulation in [&mut simulation, &mut driven] {
+            simulation.advance_to(4e-3).unwrap_or_else(|error| panic!("{error}"));
+        }
+        let [angle, expected] = [&simulation, &driven].map(|simulation| simulation.get("q11_rad").expect("an angle"));
+        assert_below((angle - expected).abs(), 1e-6, format!("{} model: {angle}", model.name()));
     }
 }

@@ -101,7 +101,7 @@ const INTEGRATOR: CrateLayers = CrateLayers {
 };
 const CORE: CrateLayers = CrateLayers {
     root: "crates/core/src",
-    layers: &["analytic", "engine", "trace", "drawing", "criteria", "invariants", "check", "grasp"],
+    layers: &["analytic", "engine", "trace", "drawing", "criteria", "gradient", "invariants", "check", "grasp"],
     dependencies: &["phalanx-integrator", "phalanx-scene"],
 };
 /// Reports and pictures; may use all of the core.

@@ -446,7 +446,7 @@ fn stiff_velocity_servo_follows_its_target() {
         actuators: vec![Actuator {
             name: "servo".into(),
             on: JointCombination::of_joint(0),
-            command: Command::Servo { kp: 0.0, kd: 1e3, target, rate_hz: None },
+            command: Command::Servo { kp: 0.0, kd: 1e3, target, target_rate: None, rate_hz: None },
             limit: None,
             no_load_speed: None,
             brake: None,

@@ -241,7 +241,13 @@ fn tendon(value: &Value, mechanism: &Mechanism) -> Tendon {
 
 fn actuator(value: &Value, mechanism: &Mechanism) -> Actuator {
     let command = match value["kp"].as_f64() {
-        Some(kp) => Command::Servo { kp, kd: or(&value["kd"], 0.0), target: profile(&value["target"]), rate_hz: None },
+        Some(kp) => Command::Servo {
+            kp,
+            kd: or(&value["kd"], 0.0),
+            target: profile(&value["target"]),
+            target_rate: None,
+            rate_hz: None,
+        },
         None => Command::Effort(profile(&value["torque"])),
     };
     Actuator {

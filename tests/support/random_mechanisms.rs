@@ -339,6 +339,7 @@ fn drive(mechanism: &mut Mechanism, random: &mut Random, index: usize) {
                 kp: random.log_within(0.05, 1.0),
                 kd: random.log_within(1e-4, 1e-2),
                 target,
+                target_rate: None,
                 rate_hz: None,
             }
         };

@@ -1,8 +1,8 @@
 //! The computations of phalanx without files, threads and clocks: both models of a scene, their runs, and the
 //! evaluation of grasps.
 //!
-//! Modules depend on each other in one direction only: `analytic, engine ← trace, drawing ← criteria, invariants, check
-//! ← grasp`. All of them use the crates `phalanx-integrator` and `phalanx-scene`. The crate `phalanx` adds files, logs,
+//! Modules depend on each other in one direction only: `analytic, engine ← trace, drawing ← criteria ← gradient,
+//! invariants, check ← grasp`. All of them use the crates `phalanx-integrator` and `phalanx-scene`. The crate `phalanx` adds files, logs,
 //! studies and the command line.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests compare results with other libraries"))]

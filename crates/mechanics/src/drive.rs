@@ -117,15 +117,20 @@ impl Profile {
         positive
     }
 
-    /// Returns a set point that follows a constant or a linear table from `start` at t = 0, with at most this rate.
-    pub fn rate_limited(&self, start: f64, limit: f64) -> Self {
-        let (mut t, mut y) = (0.0, start);
-        let mut points = vec![(t, y)];
+    /// Returns a set point that follows a constant or a linear table from a value at a time, with at most this rate. It
+    /// follows its own result exactly.
+    pub fn rate_limited(&self, (mut t, mut y): (f64, f64), limit: f64) -> Self {
+        let mut points = Vec::new();
         loop {
             let ((x, slope), end) = (self.at(t), self.next_discontinuity(t));
             let is_reached = (x - y).abs() <= 1e-12 * (1.0 + x.abs());
+            if is_reached && points.is_empty() {
+                y = x;
+            }
+            points.push((t, y));
+            let is_followed = is_reached && slope.abs() <= limit * (1.0 + 1e-12);
             let rate = match is_reached {
-                true if slope.abs() <= limit => slope,
+                true if is_followed => slope,
                 true => limit.copysign(slope),
                 false => limit.copysign(x - y),
             };
@@ -134,9 +139,12 @@ impl Profile {
             if next.is_infinite() {
                 return Profile::Table { points, interpolation: Interpolation::Linear };
             }
-            y = if next == meeting { x + slope * (next - t) } else { y + rate * (next - t) };
+            y = match next == meeting {
+                true => x + slope * (next - t),
+                false if is_followed && slope != 0.0 => self.at(next).0,
+                false => y + rate * (next - t),
+            };
             t = next;
-            points.push((t, y));
         }
     }
 
@@ -309,7 +317,8 @@ mod tests {
             Profile::Table { points, interpolation: Interpolation::Step },
         ] {
             for limit in [0.3, 2.0, 50.0] {
-                let set_point = target.rate_limited(0.25, limit);
+                let set_point = target.rate_limited((0.0, 0.25), limit);
+                assert_eq!(set_point.rate_limited((0.0, 0.25), limit), set_point, "{target:?} {limit}");
                 let (mut y, steps) = (0.25f64, 300_000);
                 for step in 0..steps {
                     let (t, h) = (3.0 * step as f64 / steps as f64, 3.0 / steps as f64);

@@ -3,35 +3,18 @@
 use super::grid::RecordingOptions;
 #[cfg(feature = "lists")]
 use super::mechanism::build_mechanism;
-use super::reading::Kernel;
+use super::reading::{Kernel, KernelUser, Start};
 use super::stepper::{AnalyticStepper, Stepper};
 use super::{Outcome, Reach, RunError};
 #[cfg(feature = "lists")]
 use crate::analytic::multibody::{MAX_SIZES, TooLarge, count_moving_discs};
 use crate::analytic::multibody::{Multibody, Size};
 use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
-use crate::integrator::{Hybrid, State};
+use crate::integrator::Hybrid;
 #[cfg(not(feature = "lists"))]
 use crate::mechanism::Mechanism;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Integrator, Motor, Scene, Side, System};
-
-/// A scene in its kernel of the analytic model, at its start.
-pub(super) struct Start<M, const N: usize, const Z: usize> {
-    pub kernel: M,
-    pub state: State<N, Z>,
-    pub settings: Integrator,
-    pub reach: Option<Reach>,
-}
-
-/// A use of the kernel of a scene, whose type depends on the scene.
-pub(super) trait KernelUser {
-    type Output;
-
-    fn use_kernel<M, const N: usize, const Z: usize, const G: usize>(self, start: Start<M, N, Z>) -> Self::Output
-    where
-        M: Kernel<N, Z> + Hybrid<N, Z, G>;
-}
 
 /// Builds the stepper of a scene.
 struct StepperBuilder<'a> {

@@ -1,7 +1,6 @@
 //! Builds the analytic model of a mechanism, and converts its states to samples.
 
-use super::analytic::{KernelUser, Start};
-use super::reading::{Kernel, contact_sample, stored_energy};
+use super::reading::{Kernel, KernelUser, Start, contact_sample, stored_energy};
 use super::schema::TendonState;
 use super::{BodyState, ContactSample, Energy, JointState, Outcome, RequiredData, RunError, Sample};
 use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel, MechanismSize};

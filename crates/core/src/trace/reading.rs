@@ -3,13 +3,14 @@
 
 use std::ops::Index;
 
-use super::{BodyState, ContactSample, Energy, FingerContact, FingerState, RequiredData, Sample};
+use super::{BodyState, ContactSample, Energy, FingerContact, FingerState, Reach, RequiredData, Sample};
 use crate::analytic::multibody::{Multibody, kinematics_of};
 use crate::analytic::{
     ContactReading, ContactState, Energies, FingerMode, FingerMotion, Mode, PassiveJoints, QUADRATURES,
 };
 use crate::drive::Profile;
-use crate::integrator::{State, System};
+use crate::integrator::{Hybrid, State, System};
+use crate::scene::Integrator;
 
 /// A kernel of the analytic model, as runs use it: its states become samples, and its inputs can change.
 pub(super) trait Kernel<const N: usize, const Z: usize>:
@@ -41,6 +42,23 @@ pub(super) trait Kernel<const N: usize, const Z: usize>:
 
     /// Replaces the input of an actuator from time `t` on; state and mode follow where they depend on inputs.
     fn set_input(&mut self, index: usize, input: Profile, t: f64, state: (&mut State<N, Z>, &mut Self::Mode));
+}
+
+/// A scene in its kernel of the analytic model, at its start.
+pub(super) struct Start<M, const N: usize, const Z: usize> {
+    pub kernel: M,
+    pub state: State<N, Z>,
+    pub settings: Integrator,
+    pub reach: Option<Reach>,
+}
+
+/// A use of the kernel of a scene, whose type depends on the scene.
+pub(super) trait KernelUser {
+    type Output;
+
+    fn use_kernel<M, const N: usize, const Z: usize, const G: usize>(self, start: Start<M, N, Z>) -> Self::Output
+    where
+        M: Kernel<N, Z> + Hybrid<N, Z, G>;
 }
 
 /// Converts the energies of a state to those of a sample.

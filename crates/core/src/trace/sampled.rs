@@ -43,7 +43,7 @@ fn sampled_servos(mechanism: &Mechanism) -> Vec<SampledServo> {
     let actuators = mechanism.actuators.iter().enumerate();
     actuators
         .filter_map(|(index, actuator)| match &actuator.command {
-            Command::Servo { kp, kd, target, rate_hz: Some(rate_hz) } => Some(SampledServo {
+            Command::Servo { kp, kd, target, rate_hz: Some(rate_hz), .. } => Some(SampledServo {
                 actuator: index,
                 on: actuator.on.clone(),
                 gains: [*kp, *kd],

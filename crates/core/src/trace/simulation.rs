@@ -1,5 +1,6 @@
 //! A simulation that its user advances, with inputs that change: a controller in the loop.
 
+use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use super::grid::{RecordingOptions, Span};
@@ -18,8 +19,10 @@ const MOVING_TARGET_S: f64 = 1e4;
 /// A scene in one of the models, advanced by its user.
 ///
 /// Between two calls the model takes its natural steps and locates its events; the last step may end after the time of
-/// the simulation, and values are then those inside that step. Results do not depend on how the time is divided. An
-/// input that changes ends a step at that time. The end of the scene does not end a simulation.
+/// the simulation, and values are then those inside that step. Results of the analytic model do not depend on how the
+/// time is divided. The engine model ends a step at each time; closings in 1,000 pieces differ from those in one by up to
+/// 4e-6 rad, which is of the order of its error. An input that changes ends a step at that time. The end of the scene does not end a
+/// simulation.
 ///
 /// A clone continues independently, bit for bit.
 pub struct Simulation {
@@ -71,6 +74,10 @@ struct Input {
     index: usize,
     is_servo: bool,
     profile: Profile,
+    /// The profile as it was set, without the limit of its rate.
+    requested: Option<Profile>,
+    /// Largest rate of the target.
+    target_rate: Option<f64>,
 }
 
 /// Stores events.
@@ -117,11 +124,11 @@ impl Simulation {
             // The analytic model computes the forces in joints when they are read.
             required_data: RequiredData { joint_forces: model == Model::Engine, ..RequiredData::NONE },
         };
-        let mut stepper = build(model, scene, recording).map_err(rejected)?;
+        let mut stepper = build(model, &with_motors(scene), recording).map_err(rejected)?;
         let mut events = Vec::new();
         let begun = stepper.begin(&mut EventList { events: &mut events, keep_running: &|| true });
         begun.map_err(|error| SimulationError::Rejected(error.to_string()))?;
-        let (channels, inputs) = (schema.channels(), inputs(scene, &schema, model));
+        let (channels, inputs) = (schema.channels(), inputs(scene, &schema));
         Ok(Self { schema, channels, inputs, stepper, time_s: 0.0, events, failure: None, sample: OnceCell::new() })
     }
 
@@ -248,7 +255,7 @@ impl Simulation {
     }
 
     /// Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s, for at most
-    /// 10,000 s.
+    /// 10,000 s. The set point of a servo with a `target_rate` follows it from its present value, at most at that rate.
     ///
     /// # Errors
     /// See [`Simulation::set_torque`].
@@ -275,12 +282,17 @@ impl Simulation {
         }
         let found = self.inputs.iter().position(|input| input.name == name && input.is_servo == is_servo);
         let position = found.ok_or_else(|| self.unknown_input(name, is_servo))?;
-        let input = &mut self.inputs[position];
-        if input.profile == profile {
+        let (time_s, input) = (self.time_s, &mut self.inputs[position]);
+        if input.requested.as_ref().unwrap_or(&input.profile) == &profile {
             return Ok(());
         }
+        input.requested = Some(profile.clone());
+        let profile = match input.target_rate {
+            Some(limit) => profile.rate_limited((time_s, input.profile.at(time_s).0), limit),
+            None => profile,
+        };
         input.profile.clone_from(&profile);
-        let (time_s, index) = (self.time_s, input.index);
+        let index = input.index;
         self.step(time_s, |stepper, sink| stepper.set_input(time_s, index, profile, sink), &|| true)
     }
 
@@ -324,17 +336,33 @@ impl Simulation {
     }
 }
 
+/// The scene with a motor on each finger that no differential drives. The engine model has no actuator where the motor is
+/// [`Motor::NONE`].
+fn with_motors(scene: &Scene) -> Cow<'_, Scene> {
+    let fingers = &scene.system.fingers;
+    if scene.system.differential.is_some() || fingers.iter().all(|finger| finger.motor != Motor::NONE) {
+        return Cow::Borrowed(scene);
+    }
+    let mut scene = scene.clone();
+    for finger in scene.system.fingers.iter_mut().filter(|finger| finger.motor == Motor::NONE) {
+        let (points, interpolation) = (vec![(0.0, 0.0)], Interpolation::Step);
+        finger.motor.actuation = Profile::Table { points, interpolation };
+    }
+    Cow::Owned(scene)
+}
+
 /// Inputs of a scene: the actuators of a mechanism, or the motors of fingers or of their differential.
-fn inputs(scene: &Scene, schema: &Schema, model: Model) -> Vec<Input> {
+fn inputs(scene: &Scene, schema: &Schema) -> Vec<Input> {
     if let Some(mechanism) = &scene.mechanism {
         let actuators = mechanism.actuators.iter().enumerate();
         return actuators
             .map(|(index, actuator)| {
-                let (is_servo, profile) = match &actuator.command {
-                    Command::Effort(profile) => (false, profile),
-                    Command::Servo { target, .. } => (true, target),
+                let (is_servo, target_rate) = match &actuator.command {
+                    Command::Effort(_) => (false, None),
+                    Command::Servo { target_rate, .. } => (true, *target_rate),
                 };
-                Input { name: actuator.name.clone(), index, is_servo, profile: profile.clone() }
+                let (name, profile) = (actuator.name.clone(), actuator.command.profile().clone());
+                Input { name, index, is_servo, profile, requested: None, target_rate }
             })
             .collect();
     }
@@ -343,19 +371,15 @@ fn inputs(scene: &Scene, schema: &Schema, model: Model) -> Vec<Input> {
         index,
         is_servo: false,
         profile: motor.actuation.clone(),
+        requested: None,
+        target_rate: None,
     };
     let fingers = &scene.system.fingers;
     match &scene.system.differential {
         Some(differential) => vec![input(0, "motor", &differential.motor)],
         None => {
             let named = schema.actuators.iter().zip(fingers).enumerate();
-            // The engine model has no actuator where there is no motor.
-            let motors = named.filter(|(_, (_, finger))| finger.motor != Motor::NONE);
-            let of_model = motors.enumerate().map(|(rank, (index, named))| match model {
-                Model::Analytic => (index, named),
-                Model::Engine => (rank, named),
-            });
-            of_model.map(|(index, (actuator, finger))| input(index, &actuator.name, &finger.motor)).collect()
+            named.map(|(index, (actuator, finger))| input(index, &actuator.name, &finger.motor)).collect()
         }
     }
 }

@@ -1,8 +1,7 @@
 //! Steppers: a model of a scene whose run is advanced in pieces and recorded.
 
-use super::analytic::Start;
 use super::grid::RecordingOptions;
-use super::reading::Kernel;
+use super::reading::{Kernel, Start};
 use super::recorder::{Recorder, RecorderState, StepObserver};
 use super::{Outcome, Sample, Sink, SinkError, Work};
 use crate::drive::Profile;

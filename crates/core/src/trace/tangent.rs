@@ -15,9 +15,9 @@
 use std::any::Any;
 use std::cell::OnceCell;
 
-use super::analytic::{KernelUser, Start, with_kernel};
+use super::analytic::with_kernel;
 use super::grid::{RecordingOptions, Span};
-use super::reading::Kernel;
+use super::reading::{Kernel, KernelUser, Start};
 use super::sampled::has_sampled_servos;
 use super::schema::{ContactSample, Counts, Schema};
 use super::stepper::{AnalyticStepper, Interruption};
@@ -231,6 +231,8 @@ const BACKWARD_WEIGHTS: [f64; 5] = [25.0 / 12.0, -4.0, 3.0, -4.0 / 3.0, 0.25];
 const BACKWARD_STEP: f64 = 0.1;
 /// Relative change of a parameter over which the time of an event must be linear in it; otherwise the event grazes.
 const LINEAR_RANGE: f64 = 1e-6;
+/// Fraction of the step before below which a step is too short for rates.
+const SHORT_STEP: f64 = 1e-4;
 /// Relative jump of the accelerations that counts as a discontinuity.
 const MIN_JUMP: f64 = 1e-6;
 /// Two touch-downs with jumps of the accelerations count as simultaneous within this time, s.
@@ -811,9 +813,6 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
                 "the contacts {last} and {contact} touch down at the same time, {t} s, in either order"
             ));
         }
-        if jump.is_some() {
-            self.last_jump = Some((t, contact));
-        }
         let mut results = Vec::new();
         for index in 0..self.neighbours.len() {
             let neighbours = &self.neighbours[index];
@@ -828,6 +827,10 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
                 Err(reason) => self.columns[index] = Err(reason.clone()),
             }
             results.push(result);
+        }
+        if jump.is_some() {
+            self.last_jump = Some((t, contact));
+            self.rates = None;
         }
         results
     }
@@ -1005,12 +1008,17 @@ where
         if from < 1.0 {
             self.advance([from, 1.0], (step, mode), tools, (0, f64::INFINITY));
         }
-        (self.time_s, self.state, self.step_s) = (step.t1, *step.end, step.h);
-        let is_end_read = self.at_times.last().is_some_and(|(sample, _)| sample.time_s == step.t1);
-        self.rates = self.rates.take().filter(|_| is_end_read);
+        (self.time_s, self.state) = (step.t1, *step.end);
+        // Rounding in a step between events at nearly the same time exceeds its changes.
+        let is_short = step.h < SHORT_STEP * self.step_s;
+        if !is_short {
+            let is_end_read = self.at_times.last().is_some_and(|(sample, _)| sample.time_s == step.t1);
+            self.rates = self.rates.take().filter(|_| is_end_read);
+            self.step_s = step.h;
+        }
         let events = self.kernel.eval_events(&step.end.q, &step.end.v, mode).functions;
         let is_at_event = |index: usize| events[index].value <= self.kernel.event_tolerance(index, mode);
-        if (0..self.contacts).any(is_at_event) {
+        if self.rates.is_none() && (0..self.contacts).any(is_at_event) {
             self.find_rates((step, mode), 1.0, tools);
         }
         // Counts the turns of joints.

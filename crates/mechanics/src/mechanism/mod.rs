@@ -213,7 +213,14 @@ pub enum Command {
     /// Torque or force over time.
     Effort(Profile),
     /// kp (target − q) + kd (d target/dt − q̇). With a rate it is computed at that rate, and constant in between.
-    Servo { kp: f64, kd: f64, target: Profile, rate_hz: Option<f64> },
+    Servo {
+        kp: f64,
+        kd: f64,
+        target: Profile,
+        /// Largest rate of the target; the target of a scene keeps it.
+        target_rate: Option<f64>,
+        rate_hz: Option<f64>,
+    },
 }
 
 impl Command {

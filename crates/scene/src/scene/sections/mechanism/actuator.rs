@@ -160,7 +160,8 @@ pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>
             return None;
         }
         let rate_hz = settings.rate.map(|rate| *rate);
-        Command::Servo { kp: kp.unwrap_or(0.0), kd: kd.unwrap_or(0.0), target: profile?, rate_hz }
+        let target_rate = settings.target_rate.map(|rate| *rate);
+        Command::Servo { kp: kp.unwrap_or(0.0), kd: kd.unwrap_or(0.0), target: profile?, target_rate, rate_hz }
     } else {
         ["kp", "kd", "target_rate", "rate"]
             .iter()
@@ -210,17 +211,12 @@ fn brake(section: &SectionInput<'_>, linear: bool, of: &str) -> Option<Option<Br
 }
 
 /// Limits the rates of set points, which begin at the coordinates of these poses.
-pub(super) fn limit_target_rates<'a>(
-    mechanism: &mut Mechanism,
-    sections: impl Iterator<Item = &'a SectionInput<'a>>,
-    poses: &[Pose],
-) {
-    for (actuator, section) in mechanism.actuators.iter_mut().zip(sections) {
-        let ActuatorKeys { target_rate, .. } = section.read_quietly();
-        if let (Some(rate), Command::Servo { target, .. }) = (target_rate, &mut actuator.command) {
+pub(super) fn limit_target_rates(mechanism: &mut Mechanism, poses: &[Pose]) {
+    for actuator in &mut mechanism.actuators {
+        if let Command::Servo { target, target_rate: Some(rate), .. } = &mut actuator.command {
             let terms = actuator.on.terms.iter();
             let start = terms.map(|(joint, factor)| factor * coordinate_in(&mechanism.joints[*joint], poses));
-            *target = target.rate_limited(start.sum::<f64>() - actuator.on.offset, *rate);
+            *target = target.rate_limited((0.0, start.sum::<f64>() - actuator.on.offset), *rate);
         }
     }
 }

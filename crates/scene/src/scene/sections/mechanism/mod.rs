@@ -206,15 +206,6 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
             },
         );
     actuators.add_images(&mut motors, |motor, name| motor.as_ref().map(|motor| images.actuator(motor, name)));
-    // Actuators of joints with their indices among all actuators.
-    let motors: Vec<(usize, Actuator)> = motors
-        .into_iter()
-        .collect::<Option<Vec<_>>>()?
-        .into_iter()
-        .enumerate()
-        .filter_map(|(index, motor)| Some((index, motor?)))
-        .collect();
-    let (motor_indices, motors): (Vec<usize>, Vec<Actuator>) = motors.into_iter().unzip();
     let mut mechanism = Mechanism {
         gravity_m_s2,
         // Contacts refer to all outlines.
@@ -224,7 +215,7 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
         couplings: all_couplings.into_iter().collect::<Option<_>>()?,
         springs: all_springs.into_iter().collect::<Option<_>>()?,
         tendons: all_tendons.into_iter().collect::<Option<_>>()?,
-        actuators: motors,
+        actuators: motors.into_iter().collect::<Option<Vec<_>>>()?.into_iter().flatten().collect(),
         rotors: all_rotors.into_iter().collect::<Option<_>>()?,
         contacts: Vec::new(),
     };
@@ -234,8 +225,7 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
         match assemble_images(&mut mechanism, &joints) {
             Ok(start) => {
                 tendon::tension(&mut mechanism, &tendons, &start.poses);
-                let sections = motor_indices.into_iter().map(|index| actuators.section(index));
-                limit_target_rates(&mut mechanism, sections, &start.poses);
+                limit_target_rates(&mut mechanism, &start.poses);
             }
             Err(error) => {
                 let (section, key) = match error.condition() {

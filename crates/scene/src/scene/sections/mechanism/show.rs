@@ -149,7 +149,8 @@ fn actuator_settings(actuator: &Actuator, mechanism: &Mechanism) -> (String, Tab
     let units = Units { linear };
     let (profile, key, kind) = match &actuator.command {
         Command::Effort(profile) => (profile, if linear { "force" } else { "torque" }, Kind::Effort),
-        Command::Servo { kp, kd, target, rate_hz } => {
+        Command::Servo { kp, kd, target, target_rate, rate_hz } => {
+            settings.extend(units.texts([("target_rate", *target_rate, Kind::Rate)]));
             settings.extend(rate_hz.map(|rate_hz| ("rate".to_string(), format(rate_hz, Dimension::Frequency).into())));
             settings.extend(units.texts([("kp", Some(*kp), Kind::Stiffness), ("kd", Some(*kd), Kind::Damping)]));
             (target, "target", Kind::Coordinate)
