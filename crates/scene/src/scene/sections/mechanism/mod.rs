@@ -27,9 +27,7 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 
 use crate::limits::MAX_BODIES;
-use crate::mechanism::{
-    Actuator, AssemblyError, Body, Condition, Mechanism, Mirror, Outline, PlaneArea, Start, assemble,
-};
+use crate::mechanism::{AssemblyError, Body, Condition, Mechanism, Mirror, Outline, PlaneArea, Start, assemble};
 use crate::scene::Problem;
 use crate::scene::quantity::{Angle, AngularRate, Density, Inertia, Length, Mass, Positive, Quantity, Speed};
 use crate::scene::section_input::{SceneInput, SectionInput};
