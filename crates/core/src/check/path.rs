@@ -4,7 +4,7 @@ use crate::analytic::multibody::count_moving_discs;
 use crate::criteria::{Rebound, Rebounds};
 use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
-use crate::mechanism::{JointKind, Mechanism};
+use crate::mechanism::{JointKind, Mechanism, OutlinePoint, OutlineShape, SpringKind};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::keywords::SceneKind;
@@ -51,6 +51,8 @@ pub struct Path {
     /// Largest opening of a joint.
     pub loop_gap_m: f64,
     pub audit: Option<EnergyAudit>,
+    /// A contact that is deeper than the roundings of its outlines, if there is one.
+    pub deep_contact: Option<String>,
     /// Units of the coordinates, which differences are divided by.
     pub units: Vec<f64>,
     pub steps: u64,
@@ -67,15 +69,17 @@ struct PathRecorder<'a> {
     keep_running: &'a dyn Fn() -> bool,
 }
 
-/// Returns the compared coordinates: angles of fingers or joints of a mechanism, and centres of bodies. Passive angles can
-/// jump by a turn; each angle is shifted by turns to the value nearest to the previous point's angle.
+/// Returns the compared coordinates: angles of fingers or joints of a mechanism, centres of bodies, and angles of the bodies
+/// of a mechanism. Passive angles can jump by a turn; each angle is shifted by turns to the value nearest to the previous
+/// point's angle.
 fn coordinates(sample: &Sample, previous: Option<&Vec<f64>>) -> Vec<f64> {
     let fingers = sample.fingers().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
     let joints = if sample.counts().fingers == 0 { sample.counts().joints } else { 0 };
     let angles = fingers.chain((0..joints).map(|joint| sample.joint_state(joint).angle_rad));
     let unwrap = |(index, angle)| previous.map_or(angle, |previous| nearest_equivalent_angle(angle, previous[index]));
     let centres = sample.bodies().flat_map(|body| body.centre_m);
-    angles.enumerate().map(unwrap).chain(centres).collect()
+    let turns = sample.bodies().map(|body| body.angle_rad);
+    angles.enumerate().map(unwrap).chain(centres).chain(turns).collect()
 }
 
 impl Sink for PathRecorder<'_> {
@@ -190,7 +194,8 @@ fn energy_error(run: &Path, reference: &Path) -> f64 {
 pub struct Errors {
     /// Largest error of a coordinate along the path, rad (discs: m; object: radii); infinite without a comparison.
     pub path: f64,
-    /// Errors of the coordinates at the end: q11, q21, q22 of every finger, then x and y of every body.
+    /// Errors of the coordinates at the end: q11, q21, q22 of every finger or the joints of a mechanism, then x and y of
+    /// every body, then the angle of every body.
     pub last: Vec<f64>,
     /// Errors of the contacts' first touch-downs, s.
     pub first_s: Vec<Option<f64>>,
@@ -205,19 +210,22 @@ pub struct Errors {
 }
 
 /// Units of the compared coordinates: 1 for angles; for a body next to fingers its radius in m, for discs alone 1 m, for
-/// lengths of a mechanism [`REFERENCE_LENGTH_M`].
+/// lengths of a mechanism [`REFERENCE_LENGTH_M`]. The angle of a disc alone counts as the displacement of its rim.
 pub fn units(scene: &Scene) -> Vec<f64> {
     if let Some(mechanism) = &scene.mechanism {
         let joints = mechanism.joints.iter().map(|joint| match joint.kind {
             JointKind::Revolute => 1.0,
             JointKind::Prismatic { .. } => REFERENCE_LENGTH_M,
         });
-        return joints.chain(mechanism.bodies.iter().flat_map(|_| [REFERENCE_LENGTH_M; 2])).collect();
+        let centres = mechanism.bodies.iter().flat_map(|_| [REFERENCE_LENGTH_M; 2]);
+        return joints.chain(centres).chain(mechanism.bodies.iter().map(|_| 1.0)).collect();
     }
     let system = &scene.system;
     let unit = |disc: &Disc| if system.fingers.is_empty() { 1.0 } else { max_radius(&disc.shape) };
     let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * system.fingers.len());
-    angles.chain(system.reported_discs().iter().flat_map(|disc| [unit(disc); 2])).collect()
+    let turn = |disc: &Disc| unit(disc) / max_radius(&disc.shape);
+    let discs = system.reported_discs();
+    angles.chain(discs.iter().flat_map(|disc| [unit(disc); 2])).chain(discs.iter().map(turn)).collect()
 }
 
 /// Tolerance of the reference, as a fraction of the run's tolerance.
@@ -245,7 +253,7 @@ pub(crate) struct RunOptions<'a> {
 /// Increases the actuation of a scene by the relative amount `relative_change`. In a gripper the left motor torque
 /// increases by half of it only, so that the fingers differ. With a differential, its input torque increases and the
 /// object moves to the right by that part of its radius. Discs without fingers start faster, and gravity increases. In a
-/// mechanism actuators, gravity and rates at the start increase.
+/// mechanism actuators with their limits, springs, gravity and rates at the start increase.
 pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
     let mut scene = scene.clone();
     if let Some(mechanism) = &mut scene.mechanism {
@@ -282,6 +290,15 @@ fn perturb_mechanism(mechanism: &mut Mechanism, factor: f64) {
     for actuator in &mut mechanism.actuators {
         let profile = actuator.command.profile_mut();
         *profile = profile.scaled(factor);
+        // The force of a servo at its limit does not follow its target.
+        actuator.limit.iter_mut().for_each(|limit| *limit *= factor);
+    }
+    // Springs may be all that drives a mechanism.
+    for spring in &mut mechanism.springs {
+        spring.stiffness *= factor;
+        if let SpringKind::Torsional { preload, .. } = &mut spring.kind {
+            *preload *= factor;
+        }
     }
     for actuator in mechanism.tendons.iter_mut().filter_map(|tendon| tendon.actuator.as_mut()) {
         actuator.tension = actuator.tension.scaled(factor);
@@ -357,6 +374,7 @@ pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn
         energy: outcome.last.energy(),
         rebounds: recorder.rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
         loop_gap_m: outcome.loop_gap_m,
+        deep_contact: scene.mechanism.as_ref().and_then(|mechanism| deep_contact(mechanism, &outcome)),
         ejected: outcome.ejected_s.is_some(),
         first_s: contacts.map(|contact| contact.first_s).collect(),
         normal_n: forces.map(|contact| contact.normal_n).collect(),
@@ -366,6 +384,31 @@ pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn
         events: outcome.work.events,
         ..recorder.path
     }
+}
+
+/// Describes the first contact of a mechanism that is deeper than the roundings of its outlines together. There the point
+/// is inside the core of the face, where the normal jumps between sides.
+fn deep_contact(mechanism: &Mechanism, outcome: &Outcome) -> Option<String> {
+    let points = mechanism.point_contacts();
+    points.iter().zip(&outcome.contacts).find_map(|(point, summary)| {
+        let radius_m = match point.point {
+            OutlinePoint::Vertex { radius_m, .. } => radius_m,
+            OutlinePoint::Ellipse { .. } => 0.0,
+        };
+        let face = &mechanism.outline(mechanism.contacts[point.pair].face).shape;
+        let rounding_m = radius_m + face.radius_m();
+        let depth_m = summary.max_penetration_m;
+        let is_deep = !matches!(face, OutlineShape::HalfPlane { .. }) && depth_m > rounding_m;
+        is_deep.then(|| {
+            format!(
+                "the contact {} is {:.4} mm deep, more than the roundings of its outlines, {:.4} mm, beyond which the \
+                 direction of its force jumps; raise the stiffness or the rounding",
+                point.name,
+                depth_m * 1e3,
+                rounding_m * 1e3
+            )
+        })
+    })
 }
 
 /// Returns a quarter of a fixed step; or a tenth of the tolerance and at most a quarter of the step limit, because free

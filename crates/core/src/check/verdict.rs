@@ -13,7 +13,8 @@ use crate::trace::Model;
 pub enum Verdict {
     /// Two independent resolutions agree.
     Accurate,
-    /// They disagree, or the energy does not balance, or a joint opens: the outcome depends on the tolerance.
+    /// They disagree, or the energy does not balance, or a joint opens: the outcome depends on the tolerance. Or a contact is
+    /// so deep that the direction of its force jumps.
     Uncertain,
     /// The outcome depends on the last digits of the input.
     Chaotic,
@@ -107,7 +108,7 @@ fn defects(comparison: &Comparison<'_>) -> Vec<String> {
     let gap = (!is_within_limit)
         .then(|| format!("a joint opens by {gap_m:.1e} m; {:.1e} m are allowed", comparison.max_loop_gap_m));
     let violation = comparison.run.audit.and_then(|audit| audit.violation()).map(|violation| violation.to_string());
-    gap.into_iter().chain(violation).collect()
+    gap.into_iter().chain(violation).chain(comparison.run.deep_contact.clone()).collect()
 }
 
 /// Differences beyond their limits, except for the path.

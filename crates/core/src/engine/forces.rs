@@ -4,14 +4,14 @@
 //! Bodies with prescribed motion have no mass in the linkage, so impulses do not move them; their velocities and
 //! accelerations are set here.
 
-use rapier2d_f64::prelude::{RigidBodyHandle, RigidBodySet, Vector};
+use rapier2d_f64::prelude::{Pose as RapierPose, RigidBodyHandle, RigidBodySet, Rotation, Vector};
 
 use super::coordinate::{BodyPose, Twist};
 use super::dense::refill;
 use super::linkage::{Inertia, Linkage};
 use super::plan::{Plan, PlannedBody, PlannedDrive, PlannedRotor, PlannedSpring};
 use crate::mechanism::PrescribedMotion;
-use crate::numeric::elementary::{cos, sin, tan};
+use crate::numeric::elementary::{atan2, cos, sin, sin_cos, tan};
 use crate::numeric::plane::{perp, rotate};
 use crate::scene::{Pose, SpringKind};
 
@@ -152,6 +152,23 @@ pub(crate) fn set_rapier_velocities(
         rigid.set_linvel(Vector::new(vx, vy), false);
         // rapier rotates by atan(ω dt).
         rigid.set_angvel(tan(rotation.clamp(-MAX_ROTATION, MAX_ROTATION)) / dt, false);
+    }
+}
+
+/// Turns bodies about their centres of mass by the part of ω dt by which rapier's step, atan(ω dt), is too small. Bodies with
+/// joints keep rapier's rotation, for which the openings of joints are predicted.
+pub(super) fn turn_free_bodies(handles: &[RigidBodyHandle], bodies: &mut RigidBodySet, dt: f64) {
+    for handle in handles {
+        let body = &mut bodies[*handle];
+        let turn = body.angvel() * dt;
+        let missing = turn - atan2(turn, 1.0);
+        if missing == 0.0 {
+            continue;
+        }
+        let (sin, cos) = sin_cos(missing);
+        let rotation = Rotation::from_cos_sin_unchecked(cos, sin) * *body.rotation();
+        let translation = body.center_of_mass() - rotation * body.local_center_of_mass();
+        body.set_position(RapierPose::from_parts(translation, rotation), false);
     }
 }
 

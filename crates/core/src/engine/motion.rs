@@ -88,6 +88,8 @@ pub struct Motion {
     pub linkage: Linkage,
     pub clock: Clock,
     pub velocities: Vec<Twist>,
+    /// Bodies that move by forces and have no joints.
+    free_bodies: Vec<RigidBodyHandle>,
     /// Accelerations without contact at the node.
     pub accelerations: Vec<Twist>,
     /// Largest change of a body's acceleration over the last step, in m/s².
@@ -141,7 +143,12 @@ impl Motion {
     pub fn new(plan: Plan, world: World) -> Result<Self, StepError> {
         let linkage = Linkage::new(&world, &plan);
         let (bodies, elements) = (plan.bodies.len(), plan.first_servo() + plan.servos.len());
+        let is_jointed = |body: usize| plan.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
+        let is_driven = |body: usize| plan.drives.iter().any(|drive| drive.body == body);
+        let free = (0..bodies).filter(|body| !is_jointed(*body) && !is_driven(*body));
+        let free_bodies = free.map(|body| world.bodies[body]).collect();
         let mut motion = Self {
+            free_bodies,
             plan,
             world,
             linkage,
@@ -612,6 +619,7 @@ impl Motion {
         );
         physics.integration_parameters.dt = dt;
         physics.step_with_events(&LawContactHook, &());
+        forces::turn_free_bodies(&self.free_bodies, &mut physics.bodies, dt);
     }
 
     /// Reads the mean velocities of the last step from rapier.
