@@ -583,22 +583,16 @@ def finger_or_gripper(rng):
     }
     if rng.random() < 0.4:
         scene["contact"]["friction"] |= {"law": "bristle", "bristle_damping": quantity(decades(rng, 10, 1000), "N*s/m")}
-    duration = float(scene["duration"].split()[0])
+    if kind == "finger":
+        return scene
     if rng.random() < 0.4:
-        scene["motor"] |= {"brake": "two-way", "brake_torque": quantity(decades(rng, 50, 2000), "N*mm")}
-        scene["motor"] |= {"brake_at": quantity(rng.uniform(0, 0.8) * duration, "ms")}
+        at = quantity(rng.uniform(2, 10), "ms")
+        scene["motor"] |= {"brake": "two-way", "brake_torque": quantity(decades(rng, 50, 2000), "N*mm"), "brake_at": at}
         scene["motor"] |= {"brake_law": "bristle"} if rng.random() < 0.5 else {}
-    if kind == "gripper" and rng.random() < 0.5:
-        move = {
-            "x": quantity(rng.uniform(-5, 5), "mm"),
-            "y": quantity(-decades(rng, 1, 10), "mm"),
-            "angle": quantity(rng.uniform(-5, 5), "deg"),
-        }
-        scene["moves"] = {"lift": move | {"start": quantity(rng.uniform(0, 0.5) * duration, "ms"), "time": quantity(duration, "ms")}}
-    if kind == "gripper" and rng.random() < 0.3:
+    if rng.random() < 0.3:
         scene["differential"] = {"seesaw_inertia": quantity(decades(rng, 1e-7, 1e-5), "kg*m^2")}
-    if kind == "gripper" and rng.random() < 0.3:
-        scene["table"] = {"level": quantity(46, "mm")}
+    if rng.random() < 0.3:
+        scene["table"] = {"level": "46 mm"}
     return scene
 
 
