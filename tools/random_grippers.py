@@ -37,6 +37,8 @@ UNIT_M = 0.02
 ANGLE_RAD, POSITION_M = 1e-5, 1e-6
 # Differences of the models that count, if the check of the engine is not sure.
 MODELS_RAD, MODELS_M = 1e-4, 1e-5
+# Relative difference of peak forces that counts.
+PEAK = 0.02
 # Settings of the engine in a second run after such a difference.
 FINE = ("--set", "engine.tolerance=1e-6 mm", "--set", "engine.max_step=6 us")
 # Outlines that an ellipse can touch.
@@ -656,6 +658,13 @@ def difference(first, second):
     return angle, position
 
 
+def peak_difference(first, second):
+    """Largest relative difference of the peak forces of contacts, of those above a twentieth of the largest."""
+    peaks = {name: contact.get("peak_normal_n") or 0 for name, contact in second["contacts"].items()}
+    large = {name: peak for name, peak in peaks.items() if peak > max(peaks.values()) / 20}
+    return max((abs(first["contacts"][name]["peak_normal_n"] / peak - 1) for name, peak in large.items()), default=0)
+
+
 def corner_m(scene, name):
     """Radius of the corners of an outline `body.outline[corner]`: no contact should be deeper than those of its two outlines."""
     body, outline = name.split("[")[0].split(".")
@@ -733,6 +742,9 @@ def judge(scene, path):
     angle, position = record["reference"] = difference(document, reference["document"])
     if is_beyond(angle, position, check["bar"]):
         suspicions.append(f"silently wrong: {angle:.1e} rad, {position:.1e} m from the reference")
+    record["peak"] = peak_difference(document, reference["document"])
+    if record["peak"] > PEAK:
+        suspicions.append(f"silently wrong: a peak force {record['peak']:.0%} from the reference")
     if failed:
         return record
     angle, position = record["engine"] = difference(engine["document"], reference["document"])
