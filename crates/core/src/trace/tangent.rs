@@ -552,7 +552,9 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         Ok((Direction { tangent: along(column, dt, &flow), dt: shift + dt, level: 0 }, largest(dt)))
     }
 
-    /// Derivatives at `to` (a fraction of the step) from those at `from`, by one step of Radau IIA.
+    /// Derivatives at `to` (a fraction of the step) from those at `from`, by one step of Radau IIA. Not inlined, so that the
+    /// recursion of its caller has small frames.
+    #[inline(never)]
     fn collocate(
         &self,
         columns: &[Column<N, Z>],
@@ -562,12 +564,13 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
     ) -> (Vec<Column<N, Z>>, State<N, Z>) {
         let (n, h) = (self.kernel.coordinate_count(), (to - from) * step.h);
         let (c, a) = radau();
-        let nodes: [(f64, State<N, Z>, Linearised<N, Z>); 3] = c.map(|c| {
+        let mut node = |c: f64| {
             let theta = from + c * (to - from);
             let state = if theta < 1.0 { tools.resolve(theta) } else { *step.end };
             let t = (step.t0 + theta * step.h).max(self.bounds_s[0]).min(self.bounds_s[1]);
             (t, state, Self::linearise(&self.kernel, (t, &state, mode)))
-        });
+        };
+        let nodes: Vec<(f64, State<N, Z>, Linearised<N, Z>)> = c.into_iter().map(&mut node).collect();
         // V_i = V₀ + h Σ a_ij (A_v V_j + A_q Q_j + ∂a/∂p), Q_j = Q₀ + h Σ a_jk V_k.
         let size = 3 * n;
         let mut matrix = vec![0.0; size * size];
@@ -642,9 +645,28 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         let (whole, end) = self.collocate(&self.columns, [from, to], (step, mode), tools);
         let (half, _) = self.collocate(&self.columns, [from, middle], (step, mode), tools);
         let (halves, _) = self.collocate(&half, [middle, to], (step, mode), tools);
+        let error = self.difference(&whole, &halves, (&end, mode));
+        // Rounding errors do not decrease with the step.
+        let is_noise = halvings >= MIN_HALVINGS && error > MIN_DECREASE * error_before;
+        if error <= TANGENT_TOLERANCE || halvings == MAX_HALVINGS || is_noise {
+            self.columns = halves;
+        } else {
+            self.advance([from, middle], (step, mode), tools, (halvings + 1, error));
+            self.advance([middle, to], (step, mode), tools, (halvings + 1, error));
+        }
+    }
+
+    /// Largest relative difference of two approximations of all derivatives at the same state.
+    #[inline(never)]
+    fn difference(
+        &mut self,
+        whole: &[Column<N, Z>],
+        halves: &[Column<N, Z>],
+        (end, mode): (&State<N, Z>, &M::Mode),
+    ) -> f64 {
         let events = self.kernel.eval_events(&end.q, &end.v, mode).functions;
         let mut error = 0.0_f64;
-        for (index, (whole, halves)) in whole.iter().zip(&halves).enumerate() {
+        for (index, (whole, halves)) in whole.iter().zip(halves).enumerate() {
             let (Ok(whole), Ok(halves)) = (whole, halves) else { continue };
             let [q, v]: [[f64; N]; 2] =
                 [array_from(|i| whole.q[i] - halves.q[i]), array_from(|i| whole.v[i] - halves.v[i])];
@@ -667,14 +689,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
                 error = error.max(CONTACT_WEIGHT * relative.abs());
             }
         }
-        // Rounding errors do not decrease with the step.
-        let is_noise = halvings >= MIN_HALVINGS && error > MIN_DECREASE * error_before;
-        if error <= TANGENT_TOLERANCE || halvings == MAX_HALVINGS || is_noise {
-            self.columns = halves;
-        } else {
-            self.advance([from, middle], (step, mode), tools, (halvings + 1, error));
-            self.advance([middle, to], (step, mode), tools, (halvings + 1, error));
-        }
+        error
     }
 
     /// Derivatives of the numbers of a sample that moves by `dt`.
