@@ -45,8 +45,8 @@ pub fn parameters<'a>(
 /// The value of a field; `object.centre[0]` is an element of a list.
 fn find<'a>(table: &'a Table, field: &str) -> Option<&'a Value> {
     let (path, key) = field.rsplit_once('.').map_or(("", field), |(path, key)| (path, key));
-    let sections = path.split('.').filter(|section| !section.is_empty());
-    let table = sections.fold(Some(table), |table, section| table?.get(section)?.as_table())?;
+    let mut sections = path.split('.').filter(|section| !section.is_empty());
+    let table = sections.try_fold(table, |table, section| table.get(section)?.as_table())?;
     match key.strip_suffix(']').and_then(|key| key.split_once('[')) {
         Some((list, index)) => table.get(list)?.as_array()?.get(index.parse::<usize>().ok()?),
         None => table.get(key),

@@ -43,7 +43,7 @@ pub struct TangentRun {
     /// Derivatives of the numbers of the last sample.
     pub end: Vec<Result<Vec<f64>, String>>,
     /// Samples at the requested times, with their derivatives.
-    pub at_times: Vec<(Sample, Vec<Result<Vec<f64>, String>>)>,
+    pub at_times: Vec<SampleDerivatives>,
     /// Contact events after the start.
     pub events: Vec<TangentEvent>,
 }
@@ -57,8 +57,11 @@ pub struct TangentEvent {
     pub derivatives: EventDerivatives,
 }
 
+/// A sample with the derivatives of its numbers by each parameter.
+pub type SampleDerivatives = (Sample, Vec<Result<Vec<f64>, String>>);
+
 /// Derivatives of the time and of the numbers of the sample of an event by each parameter.
-type EventDerivatives = Vec<Result<(f64, Vec<f64>), String>>;
+pub type EventDerivatives = Vec<Result<(f64, Vec<f64>), String>>;
 
 /// Simulates a scene with the analytic model, with derivatives by parameters at its events, at `times` and at its end.
 ///
@@ -308,7 +311,7 @@ struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize, const G: usi
     /// Time and contact of the last touch-down at which the accelerations jumped.
     last_jump: Option<(f64, usize)>,
     times: &'a [f64],
-    at_times: Vec<(Sample, Vec<Result<Vec<f64>, String>>)>,
+    at_times: Vec<SampleDerivatives>,
     events: Vec<(Sample, EventDerivatives)>,
 }
 
