@@ -87,14 +87,14 @@ pub fn gradient(
     parameters: &[Parameter<'_>],
     keep_running: KeepRunning<'_>,
 ) -> Result<Vec<Gradient>, RunError> {
-    let fine = with_rtol(scene, RTOL);
+    let fine = at_tolerance(scene, 1.0);
     let (base, criteria) = observe(&fine, keep_running)?;
     let tts_s = criteria.map(|criteria| criteria.tts_s).unwrap_or_default();
     let times: Vec<f64> = tts_s.into_iter().filter(|tts_s| *tts_s > 0.0).collect();
     let runs = [1.0, COARSE].map(|factor| {
-        let scenes = parameters.iter().map(|parameter| {
-            move |value: f64| (parameter.scene_at)(value).map(|scene| with_rtol(&scene, factor * RTOL))
-        });
+        let scenes = parameters
+            .iter()
+            .map(|parameter| move |value: f64| (parameter.scene_at)(value).map(|scene| at_tolerance(&scene, factor)));
         let scenes: Vec<_> = scenes.collect();
         let tangents = parameters.iter().zip(&scenes);
         let tangents = tangents.map(|(parameter, scene_at)| TangentParameter {
@@ -104,7 +104,7 @@ pub fn gradient(
         });
         let tangents: Vec<TangentParameter<'_>> = tangents.collect();
         let mut sink = Observation { criteria: None, events: Vec::new(), keep_running };
-        run_tangent(&with_rtol(scene, factor * RTOL), &tangents, &times, &mut sink)
+        run_tangent(&at_tolerance(scene, factor), &tangents, &times, &mut sink)
     });
     let [run, coarse] = runs;
     let (run, coarse) = (run?, coarse?);
@@ -117,12 +117,10 @@ pub fn gradient(
     Ok(gradients.collect())
 }
 
-fn with_rtol(scene: &Scene, rtol: f64) -> Scene {
-    let mut scene = scene.clone();
-    if rtol < scene.integrator.rtol {
-        scene.integrator = scene.integrator.with_rtol(rtol);
-    }
-    scene
+/// The scene at a multiple of the tolerance of runs with derivatives, or of its own if that is smaller.
+fn at_tolerance(scene: &Scene, factor: f64) -> Scene {
+    let rtol = factor * scene.integrator.rtol.min(RTOL);
+    Scene { integrator: scene.integrator.with_rtol(rtol), ..scene.clone() }
 }
 
 /// Stores events, and computes criteria.
@@ -185,7 +183,7 @@ impl Parameter<'_> {
         [-change, change].into_iter().find_map(|change| {
             let value = self.value + change;
             let scene = match (self.scene_at)(value) {
-                Ok(scene) => with_rtol(&scene, RTOL),
+                Ok(scene) => at_tolerance(&scene, 1.0),
                 Err(error) => return Some(format!("there is no scene at {value}: {error}")),
             };
             let (moved, moved_criteria) = match observe(&scene, keep_running) {

@@ -793,10 +793,9 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             self.pass_event((step.t0, step.start), *contact, mode);
         }
         if opened.is_empty() && is_jump(&rates.a, &next.a) {
-            // A range of an actuator that ends with a step of its input ends just before or after it.
-            let is_after = step.t0 - self.bounds_s[0] < SIMULTANEOUS_S;
-            if is_after || self.next_discontinuity_s - step.t0 < SIMULTANEOUS_S {
-                self.pass_jump(&rates, &next, is_after);
+            // A range of an actuator that ends with a step of its input ends just after it.
+            if step.t0 - self.bounds_s[0] < SIMULTANEOUS_S {
+                self.pass_jump(&rates, &next, true);
             } else {
                 self.refuse(&format!("the accelerations jump at {} s without an event of a contact", step.t0));
             }
