@@ -73,6 +73,10 @@ const COARSE: f64 = 10.0;
 const MAX_CHANGE: f64 = 1e-4;
 /// Relative change of a parameter that must not change the events of the run or its class.
 const NEIGHBOURHOOD: f64 = 1e-6;
+/// Relative difference of a derivative and a difference quotient, and error of the quotient as a change of the quantity per
+/// change of the parameter, that count as a contradiction.
+const DIFFERENCE_TOLERANCE: f64 = 0.05;
+const DIFFERENCE_NOISE: f64 = 2e-3;
 /// Times closer than this are equal, s.
 const SAME_TIME_S: f64 = 1e-11;
 /// Difference of an angle from the tolerance of its position that counts as its crossing, rad.
@@ -88,7 +92,7 @@ pub fn gradient(
     keep_running: KeepRunning<'_>,
 ) -> Result<Vec<Gradient>, RunError> {
     let fine = at_tolerance(scene, 1.0);
-    let (base, criteria) = observe(&fine, keep_running)?;
+    let (base, criteria, _) = observe(&fine, keep_running)?;
     let tts_s = criteria.map(|criteria| criteria.tts_s).unwrap_or_default();
     let times: Vec<f64> = tts_s.into_iter().filter(|tts_s| *tts_s > 0.0).collect();
     let runs = [1.0, COARSE].map(|factor| {
@@ -111,7 +115,11 @@ pub fn gradient(
     let schema = Schema::from_scene(scene);
     let context = Context { scene: &fine, schema: &schema, run: &run, coarse: &coarse, tts_s };
     let gradients = parameters.iter().enumerate().map(|(index, parameter)| {
-        let changed = parameter.change_of_events(&base, criteria.as_ref(), &schema, keep_running);
+        let neighbours = parameter.neighbours(&base, criteria.as_ref(), &schema, keep_running);
+        let changed = match &neighbours {
+            Ok(samples) => context.contradiction(index, parameter, samples),
+            Err(reason) => Some(reason.clone()),
+        };
         context.gradient(index, parameter, changed)
     });
     Ok(gradients.collect())
@@ -149,13 +157,13 @@ impl Sink for Observation<'_> {
     }
 }
 
-/// Runs a scene; returns its events, and the criteria of a finger.
-fn observe(scene: &Scene, keep_running: KeepRunning<'_>) -> Result<(Vec<Event>, Option<Criteria>), RunError> {
+/// Runs a scene; returns its events, the criteria of a finger, and the last sample.
+fn observe(scene: &Scene, keep_running: KeepRunning<'_>) -> Result<(Vec<Event>, Option<Criteria>, Sample), RunError> {
     let criteria = Some(RunCriteriaTracker::for_scene(scene));
     let mut observation = Observation { criteria, events: Vec::new(), keep_running };
-    run(Model::Analytic, scene, &mut observation)?;
+    let outcome = run(Model::Analytic, scene, &mut observation)?;
     let criteria = observation.criteria.and_then(|tracker| tracker.finish(true).criteria);
-    Ok((observation.events, criteria))
+    Ok((observation.events, criteria, outcome.last))
 }
 
 /// Number of events of each contact and kind.
@@ -171,25 +179,26 @@ impl Parameter<'_> {
         if self.value == 0.0 { 1.0 } else { self.value.abs() }
     }
 
-    /// Describes a change of the events of a run, or of its class, under a small change of the parameter.
-    fn change_of_events(
+    /// Returns the last samples of the runs at two values beside the parameter.
+    ///
+    /// # Errors
+    /// Returns a description if their events or class are others.
+    fn neighbours(
         &self,
         events: &[Event],
         criteria: Option<&Criteria>,
         schema: &Schema,
         keep_running: KeepRunning<'_>,
-    ) -> Option<String> {
+    ) -> Result<Vec<Sample>, String> {
         let change = NEIGHBOURHOOD * self.scale();
-        [-change, change].into_iter().find_map(|change| {
+        let neighbour = |change: f64| {
             let value = self.value + change;
             let scene = match (self.scene_at)(value) {
                 Ok(scene) => at_tolerance(&scene, 1.0),
-                Err(error) => return Some(format!("there is no scene at {value}: {error}")),
+                Err(error) => return Err(format!("there is no scene at {value}: {error}")),
             };
-            let (moved, moved_criteria) = match observe(&scene, keep_running) {
-                Ok(found) => found,
-                Err(error) => return Some(format!("the run at {value} fails: {error}")),
-            };
+            let (moved, moved_criteria, last) =
+                observe(&scene, keep_running).map_err(|error| format!("the run at {value} fails: {error}"))?;
             let [before, after] = [events, &moved].map(counts);
             let key = |event: &Event| (event.contact, event.kind.name());
             let differs = |event: &&Event| before.get(&key(event)) != after.get(&key(event));
@@ -199,15 +208,19 @@ impl Parameter<'_> {
                 let name = schema.contacts.get(event.contact).map_or("", |contact| contact.name.as_str());
                 let [n, m] = [&before, &after].map(|counts| counts.get(&key(&event)).copied().unwrap_or(0));
                 let (kind, time_s) = (event.kind.name(), event.time_s);
-                return Some(format!(
+                return Err(format!(
                     "the events change: the contact {name} has {n} events of kind {kind}, but {m} at {value}; the first is at \
                      {time_s} s"
                 ));
             }
             let [class, moved_class] =
                 [criteria, moved_criteria.as_ref()].map(|criteria| criteria.map(|criteria| criteria.class));
-            (class != moved_class).then(|| format!("the class of the grasp changes between the value and {value}"))
-        })
+            match class == moved_class {
+                true => Ok(last),
+                false => Err(format!("the class of the grasp changes between the value and {value}")),
+            }
+        };
+        [-change, change].into_iter().map(neighbour).collect()
     }
 }
 
@@ -221,6 +234,21 @@ struct Context<'a> {
 }
 
 impl Context<'_> {
+    /// Describes a derivative of a coordinate or a rate that contradicts the difference of two runs.
+    fn contradiction(&self, index: usize, parameter: &Parameter<'_>, samples: &[Sample]) -> Option<String> {
+        let (Ok(derivatives), [below, above]) = (self.run.end[index].as_ref(), samples) else { return None };
+        let is_motion = |channel: &Channel| ["rad", "m", "rad/s", "m/s"].contains(&channel.unit);
+        self.schema.channels().into_iter().filter(is_motion).find_map(|channel| {
+            let derivative = derivatives[channel.index()?];
+            let difference = (channel.value(above) - channel.value(below)) / (2.0 * NEIGHBOURHOOD * parameter.scale());
+            let allowed = DIFFERENCE_TOLERANCE * (derivative.abs() + difference.abs())
+                + DIFFERENCE_NOISE * channel.value(above).abs() / parameter.scale();
+            let name = &channel.name;
+            ((derivative - difference).abs() > allowed)
+                .then(|| format!("the derivative of {name}, {derivative:e}, contradicts a difference, {difference:e}"))
+        })
+    }
+
     fn gradient(&self, index: usize, parameter: &Parameter<'_>, changed: Option<String>) -> Gradient {
         let Self { run, coarse, .. } = self;
         let end = match &changed {
