@@ -297,22 +297,30 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
                     self.state.peaks.push(deepest);
                 }
             }
-            let mut highest = start.normal_n.max(end.normal_n);
+            // A damper makes the force jump at a touch-down, to its value just after the start of the step.
+            let at_start = match is_active && start.normal_n == 0.0 {
+                true => read(&tools.resolve(STEP_START)).normal_n,
+                false => start.normal_n,
+            };
+            let mut highest = at_start.max(end.normal_n);
             if highest == 0.0 {
                 // A force that starts and ends within the step still has a mean.
                 highest = (end.impulse_n_s - start.impulse_n_s) / length_s;
             }
             if is_active && highest > MIN_SEARCHED_FORCE_FRACTION * summary.peak_normal_n {
                 let mut force = |theta: f64| read(&tools.resolve(theta)).normal_n;
-                let (theta, peak) = parabola_peak(start.normal_n, end.normal_n, &mut force);
+                let (theta, peak) = parabola_peak(at_start, end.normal_n, &mut force);
                 if summary.update_peak_force(peak) {
-                    self.state.peaks.push(theta);
+                    self.state.peaks.push(theta.max(STEP_START));
                 }
             }
         }
         self.state.peaks.sort();
     }
 }
+
+/// Position just after the start of a step.
+const STEP_START: f64 = 1e-9;
 
 impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, '_, R, N, Z> {
     fn step(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
