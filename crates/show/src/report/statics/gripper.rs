@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::{closure_document, closure_text, millimetres};
+use super::{closure_document, closure_text, force_closure_text, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
 use crate::grasp::finger::Palm;
@@ -221,17 +221,6 @@ impl ToReport for GripperStaticsReport<'_> {
 
 impl GripperStaticsReport<'_> {
     fn friction_case(&self, case: &FrictionCase) -> Report {
-        let friction =
-            case.mu_static.map_or("friction of the scene".to_string(), |mu| format!("μ_s {mu} in all contacts"));
-        let closure = &case.force_closure;
-        let [sum, each] = [closure.q1_l1, closure.q1_linf].map(number);
-        let (verdict, weakest) = match closure.closed {
-            true => {
-                (format!("closed, Q1 {sum} (sum of normal forces 1) or {each} (each at most 1)"), "weakest direction: ")
-            }
-            false => ("not closed".to_string(), "cannot be balanced: "),
-        };
-        let [x, y, moment] = closure.weakest.map(number);
         let mut rows = vec![row(["towards", "", "blocked, g", "limited by", "at torque, g", "limited by"])];
         for (angle_rad, balances) in self.directions(case) {
             let angle = format!("{:.2}", angle_rad.to_degrees());
@@ -240,10 +229,8 @@ impl GripperStaticsReport<'_> {
             cells.extend(balances.into_iter().flat_map(|balance| limit_cells(balance, self.motor_names())));
             rows.push(cells);
         }
-        Report::from(format!(
-            "force closure with {friction}: {verdict}\n{weakest}wrench ({x}, {y}; {moment}) of force and moment divided by radius\n\n\
-             largest acceleration of the palm that contact forces can balance\n"
-        ))
+        let closure = force_closure_text(case.mu_static, &case.force_closure, "radius");
+        Report::from(format!("{closure}\nlargest acceleration of the palm that contact forces can balance\n"))
         .with(table(&rows))
         .with(Report::paragraph(
             "(0° is x, along the palm to the right; 90° is y, out of the palm; a hanging gripper is lifted towards 270°. Balancing forces \

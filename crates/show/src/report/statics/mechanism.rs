@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::millimetres;
+use super::{force_closure_text, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
 use crate::grasp::mechanism::{HeldContact, MechanismFrictionCase, MechanismGrasp};
@@ -99,17 +99,6 @@ impl<'a> MechanismStaticsReport<'a> {
     }
 
     fn friction_case(&self, case: &'a MechanismFrictionCase) -> Report {
-        let friction =
-            case.mu_static.map_or("friction of the scene".to_string(), |mu| format!("μ_s {mu} in all contacts"));
-        let closure = &case.force_closure;
-        let [sum, each] = [closure.q1_l1, closure.q1_linf].map(number);
-        let (verdict, weakest) = match closure.closed {
-            true => {
-                (format!("closed, Q1 {sum} (sum of normal forces 1) or {each} (each at most 1)"), "weakest direction: ")
-            }
-            false => ("not closed".to_string(), "cannot be balanced: "),
-        };
-        let [x, y, moment] = closure.weakest.map(number);
         let mut rows = vec![row(["towards", "blocked, g", "limited by", "at effort, g", "limited by"])];
         for (angle_rad, balances) in self.directions(case) {
             let angle = format!("{:.2}", angle_rad.to_degrees());
@@ -118,11 +107,9 @@ impl<'a> MechanismStaticsReport<'a> {
             cells.extend(limits.flat_map(|(balance, brakes)| self.limit_cells(balance, brakes)));
             rows.push(cells);
         }
-        Report::from(format!(
-            "force closure with {friction}: {verdict}\n{weakest}wrench ({x}, {y}; {moment}) of force and moment divided by {} mm\n\n\
-             largest acceleration of the base that contact forces can balance\n",
-            millimetres(self.grasp.radius_m)
-        ))
+        let divisor = format!("{} mm", millimetres(self.grasp.radius_m));
+        let closure = force_closure_text(case.mu_static, &case.force_closure, &divisor);
+        Report::from(format!("{closure}\nlargest acceleration of the base that contact forces can balance\n"))
         .with(table(&rows))
         .with(Report::paragraph(
             "(0° is x, 90° is y. The limits name contacts by their numbers. Balancing forces exist; which of them occur \

@@ -16,7 +16,7 @@ use crate::format::numbers::format_number;
 use crate::format::report::{Report, list};
 use crate::grasp::finger::Palm;
 use crate::gripper::FingerContact;
-use crate::statics::{Certificate, Decision, FormClosure, Row, RowKind, Unknown};
+use crate::statics::{Certificate, Decision, ForceClosure, FormClosure, Row, RowKind, Unknown};
 
 fn millimetres(length_m: f64) -> String {
     format!("{:.4}", length_m * 1e3)
@@ -241,4 +241,22 @@ fn closure_text(found: &FormClosure, palm: &Palm, mechanism: &str, pure: Option<
             text.with("opening rate of each constraint\n").with(values_list(rates, 4, 1e3, ["mm/s", "rad/s"]))
         }
     }
+}
+
+/// Returns two lines on force closure with a friction coefficient (that of the scene for `None`): the verdict with Q1, and
+/// the weakest wrench, whose moment is divided by `divisor`.
+fn force_closure_text(mu_static: Option<f64>, closure: &ForceClosure, divisor: &str) -> String {
+    let number = |value: f64| format_number(value, 4);
+    let friction = mu_static.map_or("friction of the scene".to_string(), |mu| format!("μ_s {mu} in all contacts"));
+    let [sum, each] = [closure.q1_l1, closure.q1_linf].map(number);
+    let (verdict, weakest) = match closure.closed {
+        true => {
+            (format!("closed, Q1 {sum} (sum of normal forces 1) or {each} (each at most 1)"), "weakest direction: ")
+        }
+        false => ("not closed".to_string(), "cannot be balanced: "),
+    };
+    let [x, y, moment] = closure.weakest.map(number);
+    format!(
+        "force closure with {friction}: {verdict}\n{weakest}wrench ({x}, {y}; {moment}) of force and moment divided by {divisor}\n"
+    )
 }
