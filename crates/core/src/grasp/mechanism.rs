@@ -3,9 +3,9 @@
 //! The posture is that of a run at a time. The results are force closure of one body by its contacts, form closure of all
 //! bodies with the actuators blocked, and the accelerations of the base that the contacts can balance.
 
-use crate::mechanism::{Body, Mechanism, OutlineShape, Pose};
-use crate::numeric::elementary::{hypot, sin_cos};
-use crate::numeric::plane::{add, rotate, sub};
+use crate::mechanism::{Body, Mechanism, OutlineShape, Pose, point_in};
+use crate::numeric::elementary::hypot;
+use crate::numeric::plane::sub;
 use crate::scene::keywords::SceneKind;
 use crate::scene::{Scene, WrongKind};
 use crate::statics::{
@@ -125,9 +125,7 @@ pub fn mechanism_grasp(
         return Err(MechanismGraspError::NoContact { scene: name(), object, time_s: sample.time_s });
     }
     let body = &mechanism.bodies[object];
-    let [x, y, angle] = poses[object];
-    let (sin, cos) = sin_cos(angle);
-    let centre_m = add([x, y], rotate(body.com_m, [cos, sin]));
+    let centre_m = point_in(Some(object), body.com_m, &poses);
     let radius_m = reach_m(body);
     let time_s = sample.time_s;
     let statics_error = |error| MechanismGraspError::Statics { scene: name(), error };

@@ -262,7 +262,7 @@ fn along<const N: usize, const Z: usize>(y: &State<N, Z>, h: f64, d: &State<N, Z
     }
 }
 
-/// Extrapolates two difference quotients, of which the second has half the step.
+/// Extrapolates two difference quotients; the second one has half the step.
 fn extrapolate([full, half]: [f64; 2]) -> f64 {
     half + (half - full) / 3.0
 }

@@ -20,7 +20,8 @@ mod outline;
 
 use crate::drive::{Brake, Profile};
 use crate::law::{Damping, FrictionLaw, NormalLaw};
-use crate::numeric::elementary::hypot;
+use crate::numeric::elementary::{hypot, sin_cos};
+use crate::numeric::plane::{add, rotate};
 use crate::palm_motion::{self, PalmMotion};
 
 pub use assembly::{
@@ -33,6 +34,13 @@ pub use outline::{
 
 /// Pose (x, y, θ) of a frame, in m and rad, or its rate.
 pub type Pose = [f64; 3];
+
+/// Returns a point of the frame of a body (`None` is the ground) in the world, in these poses.
+pub fn point_in(body: Option<usize>, point_m: [f64; 2], poses: &[Pose]) -> [f64; 2] {
+    let [x, y, angle] = body.map_or([0.0; 3], |body| poses[body]);
+    let (sin, cos) = sin_cos(angle);
+    add([x, y], rotate(point_m, [cos, sin]))
+}
 
 /// A mechanism. Indices of bodies and joints refer to its lists; a body `None` is the ground.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,10 +1,9 @@
 //! Geometry of the cable of a tendon: straight segments between eyelets and pulleys, and wraps around pulleys.
 
 use super::assembly::coordinate_in;
-use super::{Mechanism, PathElement, Pose, Tendon};
+use super::{Mechanism, PathElement, Pose, Tendon, point_in};
 use crate::numeric::Real;
-use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{Vector, add, dot, opening_angle, perp, rotate, scale, scale_by, sub};
+use crate::numeric::plane::{Vector, dot, opening_angle, perp, scale, scale_by, sub};
 use std::f64::consts::FRAC_PI_2;
 
 /// Largest wrap of a pulley: beyond it the strands may cross, and the wrap is not known from the directions alone.
@@ -70,9 +69,7 @@ pub fn wraps(path: &[PathElement], center: impl Fn(&PathElement) -> Vector<f64>)
 
 /// Returns the position of a path element in these poses.
 pub fn center_in(element: &PathElement, poses: &[Pose]) -> Vector<f64> {
-    let [x, y, angle] = element.body.map_or([0.0; 3], |body| poses[body]);
-    let (sin, cos) = sin_cos(angle);
-    add([x, y], rotate(element.point_m, [cos, sin]))
+    point_in(element.body, element.point_m, poses)
 }
 
 /// Returns the length of a tendon in these poses, with the terms of its joints.

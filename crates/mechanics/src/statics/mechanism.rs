@@ -10,10 +10,10 @@ use super::{FormClosure, Result, Row, Unilateral, Unknown};
 use crate::mechanism::tendon::{center_in, length_in, segment};
 use crate::mechanism::{
     Command, JointCombination, Mechanism, Pose, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
-    coordinate_in,
+    coordinate_in, point_in,
 };
 use crate::numeric::elementary::{hypot, sin_cos};
-use crate::numeric::plane::{cross, dot, rotate, scale, sub};
+use crate::numeric::plane::{cross, dot, scale, sub};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -248,10 +248,8 @@ impl<'a> Frame<'a> {
         let mut load = DVector::zeros(3 * self.at_rest.poses.len());
         let moving = self.at_rest.mechanism.bodies.iter().enumerate().filter(|(_, body)| body.motion.is_none());
         for (index, body) in moving {
-            let [x, y, angle] = self.at_rest.poses[index];
-            let (sin, cos) = sin_cos(angle);
-            let [dx, dy] = rotate(body.com_m, [cos, sin]);
-            load += self.force(Some(index), [x + dx, y + dy], scale(field, body.mass_kg));
+            let center_m = point_in(Some(index), body.com_m, self.at_rest.poses);
+            load += self.force(Some(index), center_m, scale(field, body.mass_kg));
         }
         self.reduced(&load)
     }
@@ -273,12 +271,7 @@ impl<'a> Frame<'a> {
                     (preload - spring.stiffness * (self.coordinate(on) - spring.rest)) * self.combination(on)
                 }
                 SpringKind::Linear { bodies, points_m } => {
-                    let ends = [0, 1].map(|k: usize| {
-                        let [x, y, angle] = bodies[k].map_or([0.0; 3], |body| poses[body]);
-                        let (sin, cos) = sin_cos(angle);
-                        let [dx, dy] = rotate(points_m[k], [cos, sin]);
-                        [x + dx, y + dy]
-                    });
+                    let ends = [0, 1].map(|k: usize| point_in(bodies[k], points_m[k], poses));
                     let between = sub(ends[1], ends[0]);
                     let length = dot(between, between).sqrt();
                     let pull = scale(between, spring.stiffness * (length - spring.rest) / length);

@@ -7,6 +7,12 @@ use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, scale_by, sub};
 use crate::numeric::{Dual, Real, array_from};
 
+/// Rotates a vector of a frame with this direction (cos θ, sin θ) to the world.
+#[inline(always)]
+pub(super) fn rotated<T: Real>([cos, sin]: Vector<T>, [x, y]: [f64; 2]) -> Vector<T> {
+    [cos * x - sin * y, sin * x + cos * y]
+}
+
 /// Pose of the frame of a body, its motion per unit of each coordinate rate, its rate, and its acceleration without
 /// accelerations of the coordinates. Components are x, y and θ.
 #[derive(Clone, Copy, Debug)]
@@ -109,9 +115,8 @@ impl<T: Real, const K: usize> BodyMotion<T, K> {
 
     /// Rotates a vector of the body frame to the world.
     #[inline(always)]
-    pub fn rotated(&self, [x, y]: [f64; 2]) -> Vector<T> {
-        let [cos, sin] = self.direction;
-        [cos * x - sin * y, sin * x + cos * y]
+    pub fn rotated(&self, vector: [f64; 2]) -> Vector<T> {
+        rotated(self.direction, vector)
     }
 
     /// Position of a point of the body frame in the world.

@@ -1,7 +1,7 @@
 //! The nearest points of a point outline and the core of a face. They lie on one feature of the core, a side or a
 //! corner; on each feature they are smooth functions of the poses of both bodies.
 
-use super::motion::{BodyMotion, pair};
+use super::motion::{BodyMotion, pair, rotated};
 use crate::mechanism::{ForcePoint, OutlinePoint, OutlineShape};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, scale_by, sub};
 use crate::numeric::{Dual, Real};
@@ -18,9 +18,8 @@ pub(super) struct Frame<T> {
 
 impl<T: Real> Frame<T> {
     #[inline(always)]
-    pub fn rotated(&self, [x, y]: [f64; 2]) -> Vector<T> {
-        let [cos, sin] = self.direction;
-        [cos * x - sin * y, sin * x + cos * y]
+    pub fn rotated(&self, vector: [f64; 2]) -> Vector<T> {
+        rotated(self.direction, vector)
     }
 
     #[inline(always)]
