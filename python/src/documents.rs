@@ -3,10 +3,10 @@
 use phalanx::format::ToReport;
 use phalanx::grasp::finger::{GraspOverrides, grasp};
 use phalanx::grasp::gripper::{GripperGraspRequest, gripper_grasp};
-use phalanx::report::statics::{GripperStaticsReport, StaticsReport};
+use phalanx::grasp::mechanism::{MechanismGraspRequest, mechanism_grasp};
+use phalanx::report::statics::{GripperStaticsReport, MechanismStaticsReport, StaticsReport};
 use phalanx::report::validation::ValidationReport;
-use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::{Axis, Keyword};
+use phalanx::scene::Axis;
 use phalanx::study::capture::{CaptureError, Plan as CapturePlan, SceneSource};
 use phalanx::study::hold::{HoldError, Loads, Plan as HoldPlan};
 use phalanx::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
@@ -34,11 +34,12 @@ fn optional_positive(
 /// Computes the static grasp of a scene (`phalanx statics --json`): forces, closure, and allowable acceleration.
 ///
 /// mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: torque, a string such as
-/// "500 N*mm" or a number in N·m. The other arguments are for grippers. posture: "run", "geometric" or angles such as
-/// "q11=2 deg, q21=65 deg". at: time in the run. within: largest gap at which a surface counts as in contact. every: angle between
+/// "500 N*mm" or a number in N·m, for fingers and grippers. The other arguments are for grippers and mechanisms. posture: "run",
+/// "geometric" or angles such as "q11=2 deg, q21=65 deg", for grippers. at: time in the run. within: largest gap at which a
+/// surface counts as in contact. object: held body of a mechanism, if it has several without joints. every: angle between
 /// directions, such as "15 deg". Quantities are strings with units, or numbers in SI.
 #[pyfunction]
-#[pyo3(signature = (scene, mu_static = None, motor = None, *, posture = None, at = None, within = None, every = None))]
+#[pyo3(signature = (scene, mu_static = None, motor = None, *, posture = None, at = None, within = None, object = None, every = None))]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
 pub fn statics<'py>(
     py: Python<'py>,
@@ -48,6 +49,7 @@ pub fn statics<'py>(
     posture: Option<&str>,
     at: Option<&Bound<'_, PyAny>>,
     within: Option<&Bound<'_, PyAny>>,
+    object: Option<&str>,
     every: Option<&str>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
@@ -64,10 +66,31 @@ pub fn statics<'py>(
         ("posture", posture.is_some()),
         ("at", at.is_some()),
         ("within", within.is_some()),
+        ("object", object.is_some()),
         ("every", every.is_some()),
     ];
-    match scene.scene.kind() {
-        SceneKind::Finger => {
+    let directions = parse_direction_count(every.unwrap_or("15 deg")).map_err(argument_error)?;
+    let at_s = optional_positive(py, "at", at, Dimension::Time)?;
+    let within_m = optional_positive(py, "within", within, Dimension::Length)?;
+    match scene.scene.finger_count() {
+        0 => {
+            if let Some(name) = [("motor", motor_n_m.is_some()), ("posture", posture.is_some())]
+                .iter()
+                .find_map(|(name, is_given)| is_given.then_some(name))
+            {
+                return Err(argument_error(format!(
+                    "{name} is only allowed for fingers and grippers, and {} is a mechanism; remove it",
+                    scene.file()
+                )));
+            }
+            let object = object.map(str::to_owned);
+            let request = MechanismGraspRequest { at_s, within_m, object, mu_static, directions };
+            let result =
+                interruptible::run(py, |keep_running| mechanism_grasp(&scene.scene, &request, &|| keep_running()))?;
+            let result = result.map_err(|error| errors::run(py, error, None))?;
+            conversion::parse_json(py, &MechanismStaticsReport::new(&result, 1).json())
+        }
+        1 => {
             if let Some((name, _)) = gripper_arguments.iter().find(|(_, is_given)| *is_given) {
                 return Err(argument_error(format!(
                     "{name} is only allowed for a gripper, and {} is a scene of one finger, whose posture is always geometric; remove it",
@@ -78,28 +101,21 @@ pub fn statics<'py>(
             let result = result.map_err(|error| errors::run(py, error, None))?;
             conversion::parse_json(py, &StaticsReport::new(&result).json())
         }
-        SceneKind::Gripper => {
+        _ => {
+            if object.is_some() {
+                return Err(argument_error(format!(
+                    "object is only allowed for a mechanism, and {} is a gripper",
+                    scene.file()
+                )));
+            }
             let posture = posture.map_or(Ok(END_OF_RUN), parse_posture).map_err(argument_error)?;
-            let at_s = optional_positive(py, "at", at, Dimension::Time)?;
-            let within_m = optional_positive(py, "within", within, Dimension::Length)?;
-            let request = GripperGraspRequest {
-                posture: with_options(posture, at_s, within_m).map_err(argument_error)?,
-                mu_static,
-                motor_n_m,
-                directions: parse_direction_count(every.unwrap_or("15 deg")).map_err(argument_error)?,
-            };
+            let posture = with_options(posture, at_s, within_m).map_err(argument_error)?;
+            let request = GripperGraspRequest { posture, mu_static, motor_n_m, directions };
             let result =
                 interruptible::run(py, |keep_running| gripper_grasp(&scene.scene, &request, &|| keep_running()))?;
             let result = result.map_err(|error| errors::run(py, error, None))?;
             conversion::parse_json(py, &GripperStaticsReport::new(&result, 1).json())
         }
-        kind @ (SceneKind::Bodies | SceneKind::Mechanism) => Err(argument_error(format!(
-            "{} is {} (kind = \"{}\"), but statics needs a finger or a gripper; give a scene such as \
-             scenes/experiment-95.toml or scenes/gripper/design-95.toml",
-            scene.file(),
-            if kind == SceneKind::Bodies { "a scene of discs" } else { "a mechanism" },
-            kind.keyword()
-        ))),
     }
 }
 
@@ -119,7 +135,7 @@ pub fn size<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
     let argument_error = |message: String| errors::argument(py, message);
-    if scene.scene.kind() != SceneKind::Finger {
+    if scene.scene.finger_count() != 1 {
         return Err(argument_error(format!(
             "{} is not a scene of one finger; only fingers have a spring and a motor to size",
             scene.file()

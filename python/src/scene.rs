@@ -130,7 +130,7 @@ impl Scene {
     /// "finger", "gripper", "bodies" (discs) or "mechanism".
     #[getter]
     fn kind(&self) -> &'static str {
-        self.scene.kind().keyword()
+        self.scene.kind.keyword()
     }
 
     /// The field `name` of the scene.

@@ -152,9 +152,9 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
     let contents = interruptible::run_on_caller(py, |keep_running| {
         let head = log::read_head(&path)?;
         let scene = scene_in_log(&head).and_then(std::result::Result::ok);
-        let scene = scene.filter(|scene| scene.kind() == head.kind());
+        let scene = scene.filter(|scene| scene.finger_count() == head.finger_count());
         let (observer, _) = LogObserver::new(&head);
-        let schema = Schema::from_kind(head.kind());
+        let schema = Schema::for_fingers(head.finger_count());
         let mut reader = Reader { recording: Recording::new(&schema), schema, observer, keep_running };
         let reading = log::read_file(&path, &mut reader)?;
         let Reader { schema, recording, mut observer, .. } = reader;

@@ -18,7 +18,6 @@ use crate::format::Report;
 use crate::limits::MAX_MODULE_BYTES;
 use crate::page::{InitialScene, Page, Playback, explorer_page, is_gzip, render_page, standalone_text};
 use crate::scene::Keyword;
-use crate::scene::keywords::SceneKind;
 
 /// Time in which a program must report that it cannot open a page. A program that still runs afterwards counts as
 /// successful.
@@ -240,15 +239,12 @@ fn load_initial_scene(args: &ExploreArgs) -> Result<InitialScene, Failure> {
     // The scene must be valid with the fields of --set; the page applies these fields itself.
     args.set.load_any(path)?;
     let scene = SetArgs::default().load_any(path)?;
-    let kind = scene.kind();
-    if matches!(kind, SceneKind::Bodies | SceneKind::Mechanism) {
-        let [what, them] =
-            if kind == SceneKind::Bodies { ["a scene of discs", "the discs"] } else { ["a mechanism", "it"] };
+    if scene.finger_count() == 0 {
         return Err(Failure::bad_input(format!(
-            "{} is {what} (kind = \"{}\"), which the explorer does not support; give a scene of a finger or a gripper, \
-             such as scenes/experiment-95.toml, or show {them} with: phalanx run {} --open",
+            "{} is the scene of a mechanism (kind = \"{}\"), which the explorer does not support; give a scene of a finger or a \
+             gripper, such as scenes/experiment-95.toml, or show it with: phalanx run {} --open",
             path.display(),
-            kind.keyword(),
+            scene.kind.keyword(),
             path.display()
         )));
     }

@@ -111,7 +111,7 @@ fn load_scene_and_settings(path: &Path, head: &LogSummary) -> Result<(Scene, Set
     let bad_input = |reason: String| Failure::bad_input(format!("{}: {reason}", path.display()));
     let logged_settings = settings(&head.metadata).map_err(|error| bad_input(error.to_string()))?;
     let unusable = match scene_in_log(head) {
-        Some(Ok(mut scene)) if scene.kind() == head.kind() => {
+        Some(Ok(mut scene)) if scene.finger_count() == head.finger_count() => {
             logged_settings.apply_to(&mut scene);
             return Ok((scene, logged_settings));
         }

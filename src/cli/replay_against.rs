@@ -11,8 +11,6 @@ use crate::format::{ToReport, format_duration};
 use crate::page::{Note, Page, render_page};
 use crate::plot;
 use crate::report::replay::{LogComparisonReport, ReplayReport, TrajectoryDifference, compare_summaries};
-use crate::scene::Keyword;
-use crate::scene::keywords::SceneKind;
 use crate::trace::{FingerContact, Sample, Schema};
 use crate::validate::{Angle, Recording, compare};
 
@@ -23,14 +21,9 @@ const FILES: [&str; 5] = ["report.txt", "report.json", "page.html", "overlay.svg
 pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
     let paths = [args.log.as_path(), other];
     let mut logs = [LogReader::new(paths[0], interrupt)?, LogReader::new(paths[1], interrupt)?];
-    let kinds = logs.each_ref().map(|log| log.summary.kind());
-    if kinds[0] != kinds[1] {
-        let [first, second] = kinds.map(|kind| match kind {
-            SceneKind::Finger => "a finger",
-            SceneKind::Bodies => "discs",
-            SceneKind::Gripper => "a gripper",
-            SceneKind::Mechanism => "a mechanism",
-        });
+    let counts = logs.each_ref().map(|log| log.summary.finger_count());
+    if counts[0] != counts[1] {
+        let [first, second] = counts.map(|count| ["a mechanism", "a finger", "a gripper"][count]);
         return Err(Failure::bad_input(format!(
             "{} is a log of {first}, but {} is a log of {second}; these cannot be compared; give two logs of one kind",
             paths[0].display(),
@@ -63,7 +56,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     let (trajectory_differences, plots) = compute_differences(&runs, &labels, &reports, compared_to_s);
     let (numbers, texts) = compare_summaries(&reports);
     let mut report = LogComparisonReport {
-        kind: kinds[0].keyword(),
+        kind: ["mechanism", "finger", "gripper"][counts[0]],
         labels,
         logs: reports,
         compared_to_s,
@@ -203,11 +196,11 @@ fn comparison_notes(logs: &[LogReader<'_>; 2], runs: &[(Schema, Recording); 2], 
         if summary.samples == 0 {
             notes.push(format!("{label} has no samples"));
         }
-        if summary.kind() != SceneKind::Bodies && recording.samples.first().is_some_and(|first| first.time_s > 0.0) {
+        if recording.samples.first().is_some_and(|first| first.time_s > 0.0) {
             notes.push(format!("{label} does not begin at 0"));
         }
     }
-    if summaries[0].kind() == SceneKind::Finger && summaries.iter().all(|summary| summary.samples > 0) {
+    if summaries[0].finger_count() == 1 && summaries.iter().all(|summary| summary.samples > 0) {
         let last = runs.each_ref().map(|(_, recording)| &recording.outcome.last);
         let objects = last.map(|sample| sample.finger_contact(FingerContact::Proximal).gap_m.is_finite());
         let limits = last.map(|sample| sample.finger_contact(FingerContact::Limit).gap_m.is_finite());

@@ -95,7 +95,7 @@ impl<'a> LogReader<'a> {
         warning.iter().for_each(|warning| print_diagnostic(warning));
         Ok(LogReader {
             path,
-            schema: Schema::from_kind(summary.kind()),
+            schema: Schema::for_fingers(summary.finger_count()),
             summary,
             recording: None,
             observer,
@@ -118,7 +118,7 @@ impl<'a> LogReader<'a> {
     /// Returns an error if the log has no readable scene of its kind.
     pub(super) fn record_page(&mut self) -> Result<(), Failure> {
         let scene = match scene_in_log(&self.summary) {
-            Some(Ok(scene)) if scene.kind() == self.summary.kind() => scene,
+            Some(Ok(scene)) if scene.finger_count() == self.summary.finger_count() => scene,
             Some(Ok(_)) => {
                 let reason = "the kind of the scene in the log differs from the kind in its metadata";
                 return Err(self.nothing_to_draw(reason));

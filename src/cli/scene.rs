@@ -15,7 +15,6 @@ use crate::gripper::{Finger, total_mass};
 use crate::mechanism::Mechanism;
 use crate::mjcf::mujoco_model;
 use crate::plot::linkage;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{self, DiscMotion, DrivenFinger, Scene, Side};
 use crate::shape::{self, Shape};
 use crate::trace::{Model, Simulation};
@@ -198,19 +197,15 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
         let path = path.display();
         Err(Failure::bad_input(format!("--figure: {path} is {advice} phalanx run {path} --html FILE.html")))
     };
-    match scene.kind() {
-        SceneKind::Finger => {}
-        SceneKind::Gripper => {
-            let advice = "only the scene of one finger can be drawn; give such a scene, or view the gripper with";
-            return bad_input(&format!("a gripper, but {advice}"));
-        }
-        SceneKind::Bodies => {
-            let advice = "give the scene of a finger, or view the discs with";
-            return bad_input(&format!("a scene of discs, which has no linkage; {advice}"));
-        }
-        SceneKind::Mechanism => {
+    match scene.finger_count() {
+        0 => {
             let advice = "the symbols are those of a finger; view the mechanism with";
             return bad_input(&format!("a mechanism, but {advice}"));
+        }
+        1 => {}
+        _ => {
+            let advice = "only the scene of one finger can be drawn; give such a scene, or view the gripper with";
+            return bad_input(&format!("a gripper, but {advice}"));
         }
     }
     let target = ("--figure", Some(figure), FileKind::Picture);
@@ -226,21 +221,17 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
 
 /// Summarizes a scene in one line.
 fn summarize(scene: &Scene) -> String {
-    let summary = match scene.kind() {
-        SceneKind::Finger => {
+    let summary = match (&scene.mechanism, scene.finger_count()) {
+        (Some(mechanism), _) => summarize_mechanism(mechanism),
+        (None, 1) => {
             let object = scene.object().map(|disc| format!("object {}", format_size(&disc.shape)));
             let object = object.unwrap_or("no object".to_string());
             let finger = scene.finger();
             format!("{}; {object}; {}", format_lengths(&finger.linkage), format_start(finger))
         }
-        SceneKind::Bodies => summarize_discs(scene),
-        SceneKind::Gripper => summarize_gripper(scene),
-        SceneKind::Mechanism => scene.mechanism.as_ref().map_or_else(String::new, summarize_mechanism),
+        (None, _) => summarize_gripper(scene),
     };
-    let unsupported = match scene.kind() {
-        SceneKind::Mechanism => Simulation::new(scene, Model::Analytic).err(),
-        _ => None,
-    };
+    let unsupported = scene.mechanism.as_ref().and_then(|_| Simulation::new(scene, Model::Analytic).err());
     let unsupported = unsupported.map_or_else(String::new, |error| format!("; not for the analytic model: {error}"));
     format!("{summary}; {:.1} ms{unsupported}", scene.duration_s * 1e3)
 }
@@ -249,7 +240,8 @@ fn summarize_mechanism(mechanism: &Mechanism) -> String {
     let count = |count: usize, one: &str, several: &str| format!("{count} {}", if count == 1 { one } else { several });
     let pulls = mechanism.tendons.iter().filter(|tendon| tendon.actuator.is_some());
     let actuators = mechanism.actuators.len() + pulls.count();
-    let freedoms = (3 * mechanism.bodies.len()).saturating_sub(mechanism.constraint_count());
+    let moving = mechanism.bodies.iter().flat_map(|body| body.moves_by_forces()).filter(|moves| *moves).count();
+    let freedoms = moving.saturating_sub(mechanism.constraint_count());
     [
         count(mechanism.bodies.len(), "body", "bodies"),
         count(mechanism.joints.len(), "joint", "joints"),
@@ -258,23 +250,6 @@ fn summarize_mechanism(mechanism: &Mechanism) -> String {
         count(mechanism.point_contacts().len(), "contact", "contacts"),
     ]
     .join(", ")
-}
-
-fn summarize_discs(scene: &Scene) -> String {
-    let motion = |motion: &DiscMotion| match motion {
-        DiscMotion::Free { .. } => "free",
-        DiscMotion::Driven { .. } => "driven",
-        DiscMotion::Fixed => "fixed",
-    };
-    let names_with = |kind: &&str| {
-        let discs = scene.system.discs.iter().filter(|disc| motion(&disc.motion) == *kind);
-        let names: Vec<&str> = discs.map(|disc| disc.name.as_str()).collect();
-        (!names.is_empty()).then(|| format!("{kind} {}", names.join(", ")))
-    };
-    let mut parts: Vec<String> = ["free", "driven", "fixed"].iter().filter_map(names_with).collect();
-    parts.extend(scene.system.palm.map(|plane| format!("half plane at {:.2} mm", plane.level_m * 1e3)));
-    let pairs = scene.system.pairs().len();
-    format!("discs: {}; {pairs} pair{}", parts.join("; "), if pairs == 1 { "" } else { "s" })
 }
 
 fn summarize_gripper(scene: &Scene) -> String {

@@ -15,7 +15,6 @@ use crate::report::samples::{csv_head, csv_sample};
 pub(super) use crate::report::simulation::{CheckPolicy, SimulatedRun};
 use crate::report::simulation::{SimulationOptions, simulate_and_check};
 use crate::scene::Scene;
-use crate::scene::keywords::SceneKind;
 use crate::trace::{Channel, Event, Model, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Conditions that end a run early, and whether to check it.
@@ -34,7 +33,7 @@ pub(super) fn simulate<W: Write + Send + 'static>(
     limits: &RunLimits<'_>,
     other_sink: &mut impl Sink,
 ) -> SimulatedRun<W> {
-    let object = scene.object().filter(|_| scene.kind() == SceneKind::Finger);
+    let object = scene.object().filter(|_| scene.finger_count() == 1);
     if let Some(Err(error)) = object.map(|object| static_grasp(scene, object)) {
         print_diagnostic(&format!("no dynamic criteria, because the finger cannot grasp this object: {error}"));
     }

@@ -18,7 +18,6 @@ use crate::plot;
 use crate::report::statics::{GripperStaticsReport, MechanismStaticsReport, StaticsReport};
 use crate::report::studies::sizing_csv;
 use crate::scene::Scene;
-use crate::scene::keywords::SceneKind;
 use crate::sizing::Rule;
 use crate::statics::StaticsError;
 use crate::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
@@ -187,15 +186,10 @@ pub(super) fn run_statics(args: &StaticsArgs) -> Result<Status, Failure> {
     let svg = ("--svg", args.svg.as_deref(), FileKind::Picture);
     reserve(&[("the scene", &source_files(&args.scene))], &[svg], NO_DIRECTORY)?;
     let scene = args.set.load_any(&args.scene)?;
-    match scene.kind() {
-        SceneKind::Finger => run_finger(args, &scene),
-        SceneKind::Gripper => run_gripper(args, &scene),
-        SceneKind::Mechanism => run_mechanism(args, &scene),
-        SceneKind::Bodies => Err(Failure::bad_input(format!(
-            "{} is a scene of discs (kind = \"bodies\"), but statics needs the grasp of a finger, a gripper or a mechanism; \
-             give a scene such as scenes/experiment-95.toml, scenes/gripper/design-95.toml or scenes/real/2f85-pinch.toml",
-            args.scene.display(),
-        ))),
+    match scene.finger_count() {
+        0 => run_mechanism(args, &scene),
+        1 => run_finger(args, &scene),
+        _ => run_gripper(args, &scene),
     }
 }
 

@@ -16,8 +16,6 @@ use crate::format::{ToReport, format_duration};
 use crate::page::report_page;
 use crate::report::reproduce::{Reproduced, ReproductionReport, reproduce};
 use crate::report::sweep::ranking_table;
-use crate::scene::Keyword;
-use crate::scene::keywords::SceneKind;
 use crate::table;
 use crate::thesis::stability::{ACCURACY_RAD, Grid, stability};
 use crate::thesis::step_size::step_size;
@@ -142,16 +140,12 @@ pub(super) fn run(command: &StudyCommand) -> Result<Status, Failure> {
 
 fn run_stability(args: &StabilityArgs) -> Result<Status, Failure> {
     let scene = args.set.load_any(&args.scene)?;
-    if scene.kind() != SceneKind::Finger {
+    if scene.finger_count() != 1 {
         return Err(Failure::bad_input(format!(
             "{} is {}; this study needs the scene of a finger (kind = \"finger\"), such as \
              scenes/experiment-95.toml",
             args.scene.display(),
-            match scene.kind() {
-                SceneKind::Gripper => "the scene of a gripper",
-                SceneKind::Mechanism => "the scene of a mechanism",
-                SceneKind::Finger | SceneKind::Bodies => "a scene of discs",
-            }
+            if scene.finger_count() == 2 { "the scene of a gripper" } else { "the scene of a mechanism" }
         )));
     }
     let files = ["stability.json", "stability.csv", "stability.svg", "table.txt"];
@@ -169,14 +163,6 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
         Some(path) => (args.set.load_any(path)?, source_files(path)),
         None => (args.set.parse_any(STEP_SIZE_SCENE, "step-size.toml")?, Vec::new()),
     };
-    if scene.kind() != SceneKind::Bodies {
-        return Err(Failure::bad_input(format!(
-            "{} is the scene of a {}; this study needs a scene of discs (kind = \"bodies\"), such as \
-             scenes/laws/step-size.toml",
-            args.scene.as_deref().unwrap_or(Path::new("")).display(),
-            scene.kind().keyword(),
-        )));
-    }
     let files = ["step-size.txt", "step-size.json", "step-size.csv", "step-size.svg"];
     let directory = reserve(&[("the scene", &inputs)], &[], (args.output.out.as_deref(), &files))?;
     let interrupt = Interrupt::listen()?;

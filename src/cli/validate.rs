@@ -17,7 +17,6 @@ use crate::log::{self, LogFile};
 use crate::page::{Note, Page, Picture, Playback, PlaybackRecorder, render_page};
 use crate::plot;
 use crate::report::validation::{ValidationReport, write_series};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Preset, Scene};
 use crate::trace::overrides::duration;
 use crate::trace::{Model, RunError};
@@ -76,7 +75,7 @@ impl From<ValidationError> for Failure {
 pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let scene = &args.set.load_any(&args.scene)?;
     let OutputArgs { out, json } = &args.output;
-    let files = file_names(scene);
+    let files = file_names();
     let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
     let interrupt = Interrupt::listen()?;
     check_sample_count(scene).map_err(Failure::bad_input)?;
@@ -109,11 +108,18 @@ pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
 }
 
 /// Returns the names of the files in the output directory. The report lists the others.
-fn file_names(scene: &Scene) -> Vec<&'static str> {
-    let plots = ["speed-error.svg", "overlay.svg"].into_iter();
-    let difference = (scene.kind() != SceneKind::Bodies).then_some("difference.svg");
-    let reports = ["report.txt", "report.json", "page.html", "series.csv"];
-    reports.into_iter().chain(plots).chain(difference).chain(["analytic.mcap", "engine.mcap"]).collect()
+fn file_names() -> Vec<&'static str> {
+    vec![
+        "report.txt",
+        "report.json",
+        "page.html",
+        "series.csv",
+        "speed-error.svg",
+        "overlay.svg",
+        "difference.svg",
+        "analytic.mcap",
+        "engine.mcap",
+    ]
 }
 
 /// Writes all files; the report lists them by their final paths.
@@ -129,9 +135,7 @@ fn write_files(
     let speed_error = plot::speed_error(name, validation);
     save(&out.join("speed-error.svg"), &speed_error)?;
     save(&out.join("overlay.svg"), &plot::overlay(scene, validation))?;
-    if scene.kind() != SceneKind::Bodies {
-        save(&out.join("difference.svg"), &plot::difference(scene, validation))?;
-    }
+    save(&out.join("difference.svg"), &plot::difference(scene, validation))?;
     let series = out.join("series.csv");
     let runs = [&validation.reference, &validation.engine];
     replace_file(&series, |mut out| write_series(&mut out, scene, runs)).map_err(|e| write_failure(&series, e))?;
@@ -150,7 +154,7 @@ fn write_files(
         pictures: vec![Picture { title: "Speed against error".to_string(), svg: speed_error }],
     });
     save(&out.join("page.html"), &page)?;
-    let names = file_names(scene).into_iter().map(String::from).collect();
+    let names = file_names().into_iter().map(String::from).collect();
     report.files = args.output.out.as_ref().map(|out| (out.display().to_string(), names));
     save(&out.join("report.txt"), &report.report().to_string())?;
     save(&out.join("report.json"), &report.json())
@@ -171,11 +175,7 @@ fn record_run(
     let mut recorder = PlaybackRecorder::default();
     let limits = RunLimits { interrupt, until_s: f64::INFINITY, check_policy: CheckPolicy::IfCheap };
     let run = simulate(model, scene, Some(log), &limits, &mut recorder);
-    let mut summary = run.report;
-    if scene.kind() == SceneKind::Bodies {
-        // Pages of scenes of discs do not show the result of the check.
-        summary.check = None;
-    }
+    let summary = run.report;
     match (&summary.error, interrupt.signal()) {
         (None, _) => {
             let result = run.log.and_then(|log| log.map_or(Ok(()), LogFile::commit));

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::scene::keywords::SceneKind;
 use crate::scene::{self, Layer, Scene, SceneError};
 
 macro_rules! shipped_scenes {
@@ -52,9 +51,9 @@ fn preset(file: &str, text: &str) -> Result<Preset, SceneError> {
     Ok(Preset {
         file: file.to_string(),
         name: Path::new(file).file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-        group: match (file.starts_with("hard/"), scene.kind()) {
+        group: match (file.starts_with("hard/"), scene.finger_count()) {
             (true, _) => "hard",
-            (_, SceneKind::Gripper) => "gripper",
+            (_, 2) => "gripper",
             _ => "finger",
         },
         title: description.split_inclusive(". ").next().unwrap_or_default().trim().to_string(),

@@ -8,7 +8,6 @@ use super::document::{Failure, RunData, RunReport};
 use crate::log::{self, ThreadedWriter};
 pub use crate::log::{CheckPolicy, FinishedRun, SimulationOptions};
 use crate::scene::Scene;
-use crate::scene::keywords::SceneKind;
 use crate::trace::{Model, RunError, Sink, SinkError};
 
 /// A finished simulation.
@@ -51,6 +50,6 @@ pub fn report_of<W>(model: Model, scene: &Scene, run: &FinishedRun<W>) -> RunRep
         warnings: &run.warnings,
     };
     let error = run.stopped.clone().map(|(time_s, reason)| Failure { time_s, reason });
-    let check = run.check.as_ref().map(|check| RunCheckReport::new(check, scene.kind() != SceneKind::Bodies));
+    let check = run.check.as_ref().map(|check| RunCheckReport::new(check, scene.has_joints()));
     RunReport { check, ..RunReport::new(scene, model, &data, error) }
 }

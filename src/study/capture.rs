@@ -11,7 +11,6 @@ use serde::{Serialize, Serializer};
 
 use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
 use crate::grasp::{geometric_posture, run};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Layer, Scene, SceneError, Side, parse_any, parse_layers};
 use crate::statics::{Blocked, GraspConfiguration, PerContact, gripper_closure};
 use crate::study::sweep::problem_messages;
@@ -145,8 +144,8 @@ impl SceneSource {
         };
         let added = [setting("positioning_error", plan.error_m), setting("object.offset", offset_m)];
         let scene = parse_layers(&self.layers, &[&self.settings[..], &added].concat(), parse_any)?;
-        match scene.kind() {
-            SceneKind::Gripper => Ok(scene),
+        match scene.finger_count() {
+            2 => Ok(scene),
             _ => {
                 let file = self.layers.last().map(|layer| layer.file.clone()).unwrap_or_default();
                 Err(SceneError::Read { file, reason: "it is not a gripper (kind = \"gripper\")".to_string() })

@@ -26,14 +26,13 @@ pub mod select;
 pub mod size;
 pub mod sweep;
 
-use crate::scene::keywords::SceneKind;
 use crate::scene::{DrivenFinger, Scene, SpringKind};
 use crate::thesis::monitor::KeepRunning;
 
 /// Returns the scene if it is of a gripper; the error calls it `name` and suggests `example`.
 pub fn require_gripper(scene: Scene, name: &str, example: &str) -> Result<Scene, String> {
-    match scene.kind() {
-        SceneKind::Gripper => Ok(scene),
+    match scene.finger_count() {
+        2 => Ok(scene),
         _ => Err(format!(
             "{name} is not a gripper; this study requires a scene of kind = \"gripper\", such as {example}"
         )),

@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use super::constant_spring;
 use crate::gripper::contact_angle_proximal;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{self, Scene, SpringKind, WrongKind};
 use crate::sizing::{CLOSING_S, Profile, Rule, SizingError, Task, profile};
 
@@ -53,10 +52,7 @@ pub enum SizeError {
 
 /// Sizes spring and motor of the finger for closing on the object from its initial posture.
 pub fn size_finger(scene: &Scene, options: SizingOptions) -> Result<FingerSizing, SizeError> {
-    let object = scene
-        .require_kind(SceneKind::Finger)?
-        .object()
-        .ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
+    let object = scene.require_fingers(1)?.object().ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
     let object = object.placed();
     let contact_rad =
         contact_angle_proximal(scene.finger().linkage.lengths.half_width_m, object).map_err(SizingError::from)?;

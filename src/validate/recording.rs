@@ -2,9 +2,8 @@
 
 use crate::criteria::{RunCriteria, RunCriteriaTracker};
 use crate::law::spring_force;
-use crate::scene::keywords::SceneKind;
-use crate::scene::{ContactId, Scene, System};
-use crate::trace::{Cancellable, ContactSummary, Event, EventKind, KeepRunning, Model, Outcome, RunError, Sample};
+use crate::scene::Scene;
+use crate::trace::{Cancellable, Event, EventKind, KeepRunning, Model, Outcome, RunError, Sample};
 use crate::trace::{RequiredData, Sink, SinkError, interpolate, run};
 
 /// All samples, events and results of a run.
@@ -17,7 +16,7 @@ pub struct Recording {
     pub outcome: Outcome,
     /// Criteria of the run.
     pub run_criteria: Option<RunCriteria>,
-    /// Spring force of each contact of discs at its maximum penetration, N.
+    /// Spring force of each contact of a mechanism at its maximum penetration, N.
     pub peak_spring_n: Vec<f64>,
 }
 
@@ -71,23 +70,14 @@ pub(crate) fn record_cancellable(
     let outcome = run(model, scene, &mut Cancellable { sink: &mut sink, keep_running })?;
     let JudgedRecording(mut recording, criteria) = sink;
     recording.run_criteria = Some(criteria.finish(true));
-    if scene.kind() == SceneKind::Bodies {
-        let contacts = scene.system.contact_ids().into_iter().zip(&outcome.contacts);
-        recording.peak_spring_n = contacts.map(|(id, contact)| peak_spring_n(&scene.system, id, contact)).collect();
+    if let Some(mechanism) = &scene.mechanism {
+        let points = mechanism.point_contacts();
+        let contacts = points.iter().map(|point| &mechanism.contacts[point.pair].law).zip(&outcome.contacts);
+        let peaks = contacts.map(|(law, contact)| spring_force(&law.normal, contact.max_penetration_m));
+        recording.peak_spring_n = peaks.collect();
     }
     recording.outcome = outcome;
     Ok(recording)
-}
-
-/// Spring force of a contact of discs at its maximum penetration, N.
-fn peak_spring_n(system: &System, contact_id: ContactId, contact: &ContactSummary) -> f64 {
-    let law = match contact_id {
-        ContactId::Discs(..) => system.between_discs,
-        ContactId::Palm(_) => system.palm.and_then(|palm| palm.contact),
-        ContactId::Table(_) => system.table.and_then(|table| table.contact),
-        ContactId::Phalanx(..) | ContactId::Stop(_) => None,
-    };
-    law.map_or(0.0, |law| spring_force(&law.normal, contact.max_penetration_m))
 }
 
 /// Records a run and evaluates its criteria.

@@ -5,8 +5,7 @@ use crate::check::{REFERENCE_LENGTH_M, perturbed, reference_length_m};
 use crate::gripper::FingerContact;
 use crate::invariants::{Finding, Invariants};
 use crate::limits::MAX_VALIDATED_SAMPLES;
-use crate::scene::keywords::SceneKind;
-use crate::scene::{DiscMotion, GripperContact, Preset, Scene, Side};
+use crate::scene::{GripperContact, Preset, Scene, Side};
 use crate::trace::{Model, Sink};
 
 /// Number of runs of a scene with a finger or discs; the worst one determines the result.
@@ -22,11 +21,11 @@ const MAX_REFERENCE_SAMPLES: f64 = 1e5;
 /// Maximum rate of a reference grid; interpolation at this rate is exact to rounding.
 const MAX_REFERENCE_HZ: f64 = 1e6;
 
-/// Returns the scene that a validation runs. Scenes of discs end at `until`, so that every figure of a run, including
+/// Returns the scene that a validation runs. Scenes without joints end at `until`, so that every figure of a run, including
 /// peaks and impulses, covers the compared time only.
 pub fn compared_scene(scene: &Scene) -> Scene {
     modify(scene, |scene| {
-        if scene.kind() == SceneKind::Bodies {
+        if !scene.has_joints() {
             scene.duration_s = scene.bounds.until_s.min(scene.duration_s);
         }
     })
@@ -34,30 +33,12 @@ pub fn compared_scene(scene: &Scene) -> Scene {
 
 /// Returns the number of runs of a scene; the worst one determines the result.
 pub(crate) fn ensemble_size(scene: &Scene) -> usize {
-    if scene.kind() == SceneKind::Gripper { GRIPPER_ENSEMBLE_SIZE } else { ENSEMBLE_SIZE }
+    if scene.finger_count() == 2 { GRIPPER_ENSEMBLE_SIZE } else { ENSEMBLE_SIZE }
 }
 
-/// Returns the scene of member `index`; member 0 is the scene itself. The motor torque is scaled, or for scenes of discs
-/// all velocities and gravity.
+/// Returns the scene of member `index`; member 0 is the scene itself.
 pub(crate) fn ensemble_member(scene: &Scene, index: usize) -> Scene {
-    let perturbation = index as f64 * MEMBER_PERTURBATION;
-    if !scene.system.fingers.is_empty() {
-        return perturbed(scene, perturbation);
-    }
-    let scale = |vector: &mut [f64; 2]| vector.iter_mut().for_each(|component| *component *= 1.0 + perturbation);
-    modify(scene, |member| {
-        scale(&mut member.system.gravity_m_s2);
-        for disc in &mut member.system.discs {
-            match &mut disc.motion {
-                DiscMotion::Fixed => {}
-                DiscMotion::Driven { velocity_m_s, acceleration_m_s2, .. } => {
-                    scale(velocity_m_s);
-                    scale(acceleration_m_s2);
-                }
-                DiscMotion::Free { velocity_m_s, .. } => scale(velocity_m_s),
-            }
-        }
-    })
+    perturbed(scene, index as f64 * MEMBER_PERTURBATION)
 }
 
 /// Checks that a validation of the scene fits into memory, because whole runs are stored to be compared.
@@ -119,33 +100,33 @@ pub fn scene_sampled_at_steps(scene: &Scene) -> Scene {
 /// Largest allowed error of the engine's trajectory, in the unit of the errors of [`check`](crate::check).
 pub(crate) fn path_bound(scene: &Scene) -> f64 {
     let bounds = &scene.bounds;
-    match scene.kind() {
-        SceneKind::Finger => bounds.angle_rad,
-        SceneKind::Bodies => bounds.position_m,
-        SceneKind::Gripper | SceneKind::Mechanism => bounds.angle_rad.min(bounds.position_m / REFERENCE_LENGTH_M),
+    match scene.finger_count() {
+        0 if !scene.has_joints() => bounds.position_m,
+        1 => bounds.angle_rad,
+        _ => bounds.angle_rad.min(bounds.position_m / REFERENCE_LENGTH_M),
     }
 }
 
 /// Largest allowed error of the reference trajectory. The check of the reference scales the position of a grasped
 /// object by its radius.
 pub(super) fn reference_path_bound(scene: &Scene) -> f64 {
-    match scene.kind() {
-        SceneKind::Gripper => scene.bounds.angle_rad.min(scene.bounds.position_m / reference_length_m(&scene.system)),
+    match scene.finger_count() {
+        2 => scene.bounds.angle_rad.min(scene.bounds.position_m / reference_length_m(&scene.system)),
         _ => path_bound(scene),
     }
 }
 
 /// Whether the scene is a single finger, which the engine can also build in reduced coordinates.
 pub(super) fn is_single_finger(scene: &Scene) -> bool {
-    scene.kind() == SceneKind::Finger
+    scene.finger_count() == 1
 }
 
 /// Coefficient of static friction of the contacts; `None` if no contact is possible.
 pub(super) fn contact_static_friction(scene: &Scene) -> Option<f64> {
     let system = &scene.system;
-    let (has_contacts, law) = match system.fingers.is_empty() {
-        true => (!system.pairs().is_empty(), system.between_discs),
-        false => (system.object().is_some(), system.law(GripperContact::Finger(Side::Right, FingerContact::Proximal))),
+    let (has_contacts, law) = match &scene.mechanism {
+        Some(mechanism) => (!mechanism.contacts.is_empty(), mechanism.contacts.first().map(|pair| pair.law)),
+        None => (system.object().is_some(), system.law(GripperContact::Finger(Side::Right, FingerContact::Proximal))),
     };
     has_contacts.then(|| law.and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static))
 }

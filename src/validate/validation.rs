@@ -14,7 +14,6 @@ use super::{
 use crate::check;
 use crate::invariants::Finding;
 use crate::scene::Scene;
-use crate::scene::keywords::SceneKind;
 use crate::trace::{Cancellable, Model, RunError, run};
 
 /// A callback that returns whether to continue, called from several threads.
@@ -115,7 +114,7 @@ pub fn validate(full_scene: &Scene, keep_running: SyncKeepRunning) -> Result<Val
 
     let engine_error = |error: RunError| ValidationError { model: Model::Engine, error };
     // Beyond the time up to which trajectories are compared, means over many runs are compared instead.
-    let is_shortened = scene.kind() == SceneKind::Finger && scene.bounds.until_s < scene.duration_s;
+    let is_shortened = scene.finger_count() == 1 && scene.bounds.until_s < scene.duration_s;
     let statistics = is_shortened.then(|| compare_statistics(scene, keep_running)).transpose().map_err(engine_error)?;
     let reference_invariants = check_invariants(&reference_scene(scene), Model::Analytic, &reference);
     let reason_not_judged = reason_not_judged(scene, &reference_check);

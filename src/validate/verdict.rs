@@ -6,7 +6,6 @@ use super::{Differences, MAX_STANDARD_ERRORS, Recording, Statistics, largest};
 use crate::check;
 use crate::criteria::{Criteria, EPSILON_RAD, Fate, GraspCriteria, Rebound, is_form_closed};
 use crate::invariants::Finding;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Bounds, Scene};
 use crate::trace::Schema;
 
@@ -204,11 +203,10 @@ impl Criterion {
 pub fn compare_criteria(scene: &Scene, analytic: &Recording, engine: &Recording) -> Vec<Criterion> {
     let runs = [analytic, engine];
     let (Some(analytic), Some(engine)) = (&analytic.run_criteria, &engine.run_criteria) else { return Vec::new() };
-    match (scene.kind(), &analytic.criteria, &engine.criteria, &analytic.grasp, &engine.grasp) {
-        (SceneKind::Finger, Some(analytic), Some(engine), ..) => compare_finger(scene, [analytic, engine]),
-        (SceneKind::Gripper, .., Some(analytic), Some(engine)) => compare_gripper(scene, runs, [analytic, engine]),
-        (SceneKind::Finger | SceneKind::Gripper | SceneKind::Mechanism, ..) => Vec::new(),
-        (SceneKind::Bodies, ..) => {
+    match (&analytic.criteria, &engine.criteria, &analytic.grasp, &engine.grasp) {
+        (Some(analytic), Some(engine), ..) => compare_finger(scene, [analytic, engine]),
+        (.., Some(analytic), Some(engine)) => compare_gripper(scene, runs, [analytic, engine]),
+        _ => {
             let schema = Schema::from_scene(scene);
             let contacts = schema.contacts.into_iter().zip(analytic.rebounds.iter().zip(&engine.rebounds));
             let restitutions = contacts.filter_map(|(contact, (analytic, engine))| {
@@ -265,11 +263,11 @@ fn compare_gripper(scene: &Scene, runs: [&Recording; 2], both: [&GraspCriteria; 
 /// `None` where they are judged.
 pub fn reason_not_judged(scene: &Scene, reference: &check::Check) -> Option<&'static str> {
     let Scene { bounds, duration_s, .. } = scene;
-    if scene.kind() != SceneKind::Bodies && bounds.until_s < *duration_s {
+    if scene.has_joints() && bounds.until_s < *duration_s {
         Some("the runs are not compared to their end")
     } else if reference.verdict == check::Verdict::Chaotic {
         Some("the outcome is chaotic")
-    } else if scene.kind() == SceneKind::Finger && bounds.angle_rad >= EPSILON_RAD {
+    } else if scene.finger_count() == 1 && bounds.angle_rad >= EPSILON_RAD {
         Some("the bound of the angles is not below the 0.2 deg band in which the finger counts as in position")
     } else {
         None

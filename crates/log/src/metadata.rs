@@ -36,7 +36,8 @@ pub fn scene_text(scene: &Scene) -> Cow<'_, str> {
 
 /// Returns the description and system of `as_written` with all settings of `settings_source`.
 fn with_settings_of(as_written: &Scene, settings_source: &Scene) -> Scene {
-    Scene { description: as_written.description.clone(), system: as_written.system.clone(), ..settings_source.clone() }
+    let Scene { description, system, mechanism, .. } = as_written.clone();
+    Scene { description, system, mechanism, ..settings_source.clone() }
 }
 
 /// Name of the metadata record with the result of an accuracy check; absent if the run was not checked.
@@ -81,7 +82,7 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
         ("mcap_version", mcap::VERSION.to_string()),
         ("libm_version", LIBM_VERSION.to_string()),
         ("model", run.model.to_string()),
-        ("kind", scene.kind().keyword().to_string()),
+        ("kind", scene.kind.keyword().to_string()),
         ("scene", scene.name.clone()),
         ("scene_file", run.scene_file.to_string()),
         ("duration_s", format!("{:?}", scene.duration_s)),

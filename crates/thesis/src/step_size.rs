@@ -16,7 +16,6 @@ use crate::numeric::elementary::{ln, pow};
 use crate::plot::canvas::{Marker, THIN_LINE};
 use crate::plot::chart::{Axis, Series, series_chart};
 use crate::plot::theme::{AMBER, Colour, GREEN, ORANGE, SOFT};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping};
 use crate::text::csv;
 use crate::trace::{Event, EventKind, Model, Outcome, RequiredData, Sample, Sink, SinkError};
@@ -147,7 +146,7 @@ impl Sink for Impact {
 /// # Errors
 /// Returns an error if the scene has no suitable impact, a run fails, or the monitor stops the computation.
 pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSize, StudyError> {
-    let scene = scene.require_kind(SceneKind::Bodies).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let scene = scene.require_fingers(0).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
     let fractions = &STEP_FRACTIONS[..if quick { QUICK_STEP_COUNT } else { STEP_FRACTIONS.len() }];
     let values = |formulation| if formulation == Formulation::Analytic { &TOLERANCES[..] } else { fractions };
     monitor.start(Formulation::ALL.map(|formulation| values(formulation).len()).iter().sum(), "the reference");

@@ -138,7 +138,7 @@ class Stage {
   drawMarks(ctx, view, body, x, y, angle) {
     ctx.strokeStyle = colour("edge");
     ctx.lineWidth = 1.25;
-    if (body.part === "disc") {
+    if (body.shapes.length === 1 && body.shapes[0].kind === "disc") {
       const rim = view.toScreen(toWorld([body.shapes[0].radius_m, 0], x, y, angle));
       const centre = view.toScreen([x, y]);
       if (Math.hypot(rim[0] - centre[0], rim[1] - centre[1]) > 1e5) return;
@@ -167,7 +167,7 @@ class Stage {
       return { body, outlines: shapes.map((shape) => shapeOutline(shape, x, y, angle, view)) };
     });
     // Only bodies that can touch each other: links overlap at their joints and cover the palm.
-    const isContactBody = ({ body }) => body.part === "object" || body.part === "disc";
+    const isContactBody = ({ body }) => body.part === "object";
     const canTouch = (first, other) => (isContactBody(first) || isContactBody(other)) && !(first.body.fixed && other.body.fixed);
     ctx.fillStyle = colour("force");
     for (const [index, first] of surfaces.entries()) {

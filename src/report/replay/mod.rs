@@ -27,8 +27,7 @@ use crate::format::report::{Report, ToReport, table};
 use crate::log::{
     ChannelContent, Difference, EntryDifference, LogSummary, QuantityTally, Solver, Verification, settings,
 };
-use crate::scene::keywords::SceneKind;
-use crate::scene::{Engine, Integrator, Keyword};
+use crate::scene::{Engine, Integrator};
 use crate::trace::{Energy, FingerState};
 
 /// Maximum number of rows of the table of a verification; the JSON document contains all.
@@ -51,8 +50,11 @@ pub struct ReplayReport {
     pub is_complete: bool,
     /// Name of the scene; null if the log does not contain it.
     pub scene: Option<String>,
-    /// `finger`, `bodies` or `gripper`; null if the log does not contain it.
+    /// `finger`, `gripper`, `bodies` or `mechanism`; null if the log does not contain it.
     pub kind: Option<String>,
+    /// Whether the log has joints.
+    #[serde(skip)]
+    pub has_joints: bool,
     pub model: Option<String>,
     /// Version of phalanx that wrote the log.
     pub phalanx_version: Option<String>,
@@ -90,18 +92,16 @@ pub struct ReplayReport {
     pub verification: Option<VerificationReport>,
 }
 
-/// States of fingers and bodies in the last sample. The keys `final` and `discs` are always present, null where there
-/// are no such states or no sample.
+/// States of fingers and bodies in the last sample. The key `final` is always present, null where there is no such
+/// state or no sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FinalStates(pub Option<States>);
 
 impl Serialize for FinalStates {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut entries = self.0.as_ref().map(States::entries).unwrap_or_default();
-        for key in ["final", "discs"] {
-            if !entries.iter().any(|(known, _)| *known == key) {
-                entries.push((key, None));
-            }
+        if !entries.iter().any(|(known, _)| *known == "final") {
+            entries.push(("final", None));
         }
         serializer.collect_map(entries)
     }
@@ -156,6 +156,7 @@ impl ReplayReport {
             is_complete: reading.is_complete(),
             scene: entry("scene"),
             kind: entry("kind"),
+            has_joints: !schema.joints.is_empty(),
             model: entry("model"),
             phalanx_version: entry("phalanx_version"),
             duration_s: number("duration_s"),
@@ -175,7 +176,7 @@ impl ReplayReport {
             reading: reading.clone(),
         };
         // The run of a gripper ends when the object is ejected. Without its fate, an early end is not an error.
-        let may_end_early = reading.kind() == SceneKind::Gripper
+        let may_end_early = reading.finger_count() == 2
             && report.grasp.as_ref().is_none_or(|grasp| matches!(grasp.criteria.fate, Fate::Ejected { .. }));
         if let Some(time_s) = ends_early(reading, report.duration_s).filter(|_| !may_end_early) {
             let requested = report.duration_s.map_or("an unknown time".to_string(), format_duration);
@@ -205,17 +206,13 @@ impl ReplayReport {
     /// Describes the results that are omitted because a topic is missing.
     fn withheld_results(&self) -> Option<&'static str> {
         let withholds = self.reading.missing.iter().any(|missing| missing.is_required_for_verdict);
-        (withholds && self.kind.is_some() && self.has_joints()).then_some("class and criteria are omitted")
-    }
-
-    /// Whether the scene has fingers or a grasped object, rather than discs only.
-    fn has_joints(&self) -> bool {
-        self.kind.as_deref() != Some(SceneKind::Bodies.keyword())
+        let has_criteria = self.kind.is_some() && self.reading.finger_count() > 0;
+        (withholds && has_criteria).then_some("class and criteria are omitted")
     }
 
     fn heading(&self) -> String {
         let requested = self.duration_s.map_or("an unknown time".to_string(), format_duration);
-        let settings = settings_text(self.integrator.as_ref(), self.engine.as_ref(), self.has_joints());
+        let settings = settings_text(self.integrator.as_ref(), self.engine.as_ref(), self.has_joints);
         let [scene, model] = [&self.scene, &self.model].map(or_unknown);
         let end = match (&self.error, self.completed, self.reading.last_s.map(format_duration)) {
             (Some(error), ..) => error.text(&requested),
@@ -255,7 +252,7 @@ impl ToReport for ReplayReport {
         sections.extend(last.into_iter().flat_map(|(last, end_s)| tables::states(last, end_s)));
         sections.extend([
             self.contacts.as_ref().map(tables::contacts).into(),
-            self.energy.map(|energy| tables::energies(&energy, self.has_joints())).into(),
+            self.energy.map(|energy| tables::energies(&energy, self.has_joints)).into(),
             self.criteria.as_ref().map(tables::criteria).into(),
             self.grasp.as_ref().map(GraspReport::text).into(),
             self.verification.as_ref().map(VerificationReport::section).into(),

@@ -5,7 +5,6 @@ use crate::criteria::{LinkOverlap, Rebound, Rebounds, RunCriteriaTracker, static
 use crate::invariants::EnergyAudit;
 use crate::limits::MAX_SCENE_BYTES;
 use crate::log::{LogSink, LogSummary, settings};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{self, Scene, SceneError};
 use crate::trace::{ContactSummary, Event, EventKind, Outcome, Sample, Schema, Sink, SinkError};
 
@@ -32,21 +31,20 @@ impl LogObserver {
         match scene_in_log(head) {
             None => (LogObserver::default(), None),
             Some(Ok(scene)) => {
-                let is_finger = scene.kind() == SceneKind::Finger;
+                let is_finger = scene.finger_count() == 1;
                 let object = scene.object().filter(|_| is_finger);
                 let ungraspable = object.and_then(|object| static_grasp(&scene, object).err());
                 let warning = ungraspable
                     .map(|error| format!("no dynamic criteria, because the finger cannot grasp this object: {error}"));
-                let tracker = (scene.kind() != SceneKind::Bodies).then(|| RunCriteriaTracker::for_scene(&scene));
+                let tracker = Some(RunCriteriaTracker::for_scene(&scene));
                 let audit = audit(head, &scene);
                 (LogObserver { tracker, scene: Some(scene), audit, ..LogObserver::default() }, warning)
             }
             Some(Err(error)) => {
-                let missing = match head.kind() {
-                    SceneKind::Finger => "no dynamic criteria",
-                    SceneKind::Bodies => "the prescribed motion of the discs is unknown",
-                    SceneKind::Gripper => "no grasp criteria",
-                    SceneKind::Mechanism => "the joints and bodies are unknown",
+                let missing = match head.finger_count() {
+                    0 => "the joints and bodies are unknown",
+                    1 => "no dynamic criteria",
+                    _ => "no grasp criteria",
                 };
                 let reason = "because this version of phalanx cannot read the scene in the log";
                 (LogObserver::default(), Some(format!("{missing}, {reason}: {error}")))
@@ -67,7 +65,7 @@ impl LogObserver {
 
     /// The scene, except for a finger: it contains the motion of discs, which is not in the log itself.
     pub(super) fn bodies_scene(&self) -> Option<&Scene> {
-        self.scene.as_ref().filter(|scene| scene.kind() != SceneKind::Finger)
+        self.scene.as_ref().filter(|scene| scene.finger_count() != 1)
     }
 
     /// Creates the report of the log, after it was read.
@@ -103,13 +101,14 @@ impl LogSink for LogObserver {
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         let count = schema.contacts.len();
         // The scene provides the masses for the rebounds.
-        let of_scene = self.bodies_scene().map(|scene| Rebounds::for_system(&scene.system));
+        let of_scene = self.scene.as_ref().and_then(|scene| scene.mechanism.as_ref()).and_then(Rebounds::for_mechanism);
         let of_scene = of_scene.filter(|found| found.pairs().len() == count);
-        self.rebounds = schema.fingers.is_empty().then(|| of_scene.unwrap_or_else(|| Rebounds::new(count)));
+        let is_unknown = self.scene.is_none() && schema.is_mechanism();
+        self.rebounds = of_scene.or_else(|| is_unknown.then(|| Rebounds::new(count)));
         self.schema = schema.clone();
         self.outcome = Outcome { contacts: vec![ContactSummary::default(); count], ..Outcome::default() };
         // The kind of the scene can differ from the kind of the log.
-        let finger_count = self.scene.as_ref().map_or(0, |scene| scene.system.fingers.len());
+        let finger_count = self.scene.as_ref().map_or(0, |scene| scene.finger_count());
         self.tracker = self.tracker.take().filter(|_| schema.fingers.len() == finger_count);
         Ok(())
     }

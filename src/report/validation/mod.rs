@@ -17,7 +17,6 @@ use super::states::States;
 use crate::format::numbers::{format_number, or_dash};
 use crate::format::report::{Report, table};
 use crate::invariants::Finding;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Keyword, Scene};
 use crate::trace::{Channel, Energy, Model, Sample, Schema};
 use crate::validate::{
@@ -69,7 +68,7 @@ impl<'a> ValidationReport<'a> {
             states: States::new(&self.schema, Some(outcome), Some(self.scene)),
             contacts: Contacts::new(&self.schema, outcome, &[]),
             energy: outcome.last.energy(),
-            loop_gap_m: (self.scene.kind() != SceneKind::Bodies).then_some(outcome.loop_gap_m),
+            loop_gap_m: self.scene.has_joints().then_some(outcome.loop_gap_m),
             invariants: if is_analytic { &found.reference_invariants } else { &found.engine_invariants },
         }
     }
@@ -116,7 +115,7 @@ impl Serialize for ValidationReport<'_> {
         let has_fingers = !self.schema.fingers.is_empty();
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("scene", &scene.name)?;
-        map.serialize_entry("kind", scene.kind().keyword())?;
+        map.serialize_entry("kind", scene.kind.keyword())?;
         map.serialize_entry("passed", &validation.verdict.passed())?;
         map.serialize_entry("duration_s", &scene.duration_s)?;
         map.serialize_entry("until_s", &validation.until_s)?;
@@ -134,7 +133,7 @@ impl Serialize for ValidationReport<'_> {
         map.serialize_entry("criteria_unjudged", &reason)?;
         map.serialize_entry("analytic", &self.model(Model::Analytic))?;
         map.serialize_entry("engine", &self.model(Model::Engine))?;
-        if scene.kind() == SceneKind::Finger {
+        if scene.finger_count() == 1 {
             map.serialize_entry("statistics", &validation.statistics)?;
         }
         if has_fingers {
@@ -357,33 +356,20 @@ const FINGER_COLUMNS: &str = "q11_rad q21_rad q22_rad qd11_rad_s qd21_rad_s qd22
                               proximal_normal_n distal_normal_n proximal_tangential_n distal_tangential_n \
                               limit_torque_n_m kinetic_j balance_j";
 
-/// Suffixes of columns that are omitted for scenes of discs: derived quantities, and energies that are mostly zero
-/// there.
-const OMITTED_FOR_DISCS: &str =
-    "gap_rate_m_s impulse_n_s point_x_m point_y_m normal_x normal_y gravity_j spring_j elastic_j motor_work_j";
-
 /// Writes both runs at every multiple of the scene's log interval and at the end.
 ///
 /// Each quantity in SI units has two columns, with the suffixes `_analytic` and `_engine`. A finger has angles between
-/// −π and π, rates, gaps, forces and energies; scenes of discs have positions and rates of every disc, gap and forces of
-/// every pair, and energies; a gripper has all quantities of a sample. Quantities of a contact without an object are
+/// −π and π, rates, gaps, forces and energies; other scenes have all quantities of a sample. Quantities of a contact without an object are
 /// empty.
 pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
-    let is_finger = scene.kind() == SceneKind::Finger;
+    let is_finger = scene.finger_count() == 1;
     // The first column is the time.
     let all = Schema::from_scene(scene).channels().into_iter().skip(1);
-    let all: Vec<Channel> = match scene.kind() {
-        SceneKind::Finger => {
-            let position = |column: &Channel| FINGER_COLUMNS.split(' ').position(|name| name == column.name);
-            let mut shown: Vec<Channel> = all.filter(|column| position(column).is_some()).collect();
-            shown.sort_by_key(position);
-            shown
-        }
-        SceneKind::Bodies => {
-            all.filter(|column| !OMITTED_FOR_DISCS.split(' ').any(|suffix| column.name.ends_with(suffix))).collect()
-        }
-        SceneKind::Gripper | SceneKind::Mechanism => all.collect(),
-    };
+    let position = |column: &Channel| FINGER_COLUMNS.split(' ').position(|name| name == column.name);
+    let mut all: Vec<Channel> = all.filter(|column| !is_finger || position(column).is_some()).collect();
+    if is_finger {
+        all.sort_by_key(position);
+    }
     let value = |column: &Channel, sample: &Sample| match column.value(sample) {
         angle_rad if is_finger && column.name.starts_with('q') && column.name.ends_with("_rad") => {
             wrap_angle(angle_rad)

@@ -197,10 +197,8 @@ fn side_by_side(report: &ValidationReport) -> Report {
         shown.iter().filter_map(state).collect()
     };
     schema.fingers.iter().for_each(|finger| rows.extend(states(finger, &STATES)));
-    let is_fixed =
-        |name: &str| scene.system.discs.iter().any(|disc| disc.name == name && disc.motion == DiscMotion::Fixed);
-    let is_moving = |name: &&String| !is_fixed(name);
-    schema.bodies.iter().filter(is_moving).for_each(|body| rows.extend(states(body, &STATES)));
+    let is_fixed = scene.object().is_some_and(|object| object.motion == DiscMotion::Fixed);
+    schema.bodies.iter().filter(|_| !is_fixed).for_each(|body| rows.extend(states(body, &STATES)));
     for index in schema.surfaces() {
         let [Some(analytic), Some(engine)] = runs.map(|run| run.contacts.get(index)) else { continue };
         if report.finger_count() == 1 || analytic.touchdowns + engine.touchdowns > 0 {

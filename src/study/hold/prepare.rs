@@ -5,7 +5,6 @@ use super::plan::{HoldError, Loads, Plan};
 use crate::criteria::{DriveMode, Fate, GraspTracker, sampled_hand_at_rest};
 use crate::grasp::run;
 use crate::numeric::elementary::{hypot, sin_cos};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, Profile, Scene};
 use crate::shape::support;
 use crate::statics::{AccelerationLimit, balanced_acceleration};
@@ -62,7 +61,7 @@ fn standard_cycle() -> PalmMotion {
 
 /// Finds the start time of the loads and prepares the scene for them.
 pub(super) fn prepare(scene: &Scene, plan: &Plan, keep_running: KeepRunning<'_>) -> Result<PreparedScene, HoldError> {
-    if scene.require_kind(SceneKind::Gripper)?.system.grasped().motion == DiscMotion::Fixed {
+    if scene.require_fingers(2)?.system.grasped().motion == DiscMotion::Fixed {
         return Err(HoldError::FixedObject);
     }
     let cycle = scene.cycle();

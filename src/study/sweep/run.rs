@@ -81,7 +81,7 @@ fn run_one(study: &Study, run: u64, keep_running: KeepRunning<'_>) -> Option<Row
     scene.log = scene.log.without_sample_grid(scene.duration_s);
     match study.kind {
         // The kind was checked when the study was read, unless an axis changes it.
-        kind if kind != scene.kind() => Some(cells.row(Status::Refused, "the scene is of another kind")),
+        kind if kind != scene.kind => Some(cells.row(Status::Refused, "the scene is of another kind")),
         SceneKind::Gripper => run_gripper(study, &scene, cells, keep_running),
         _ => run_finger(study, &scene, cells, keep_running),
     }

@@ -1,14 +1,12 @@
 //! The runs that a check compares, each sampled on an even grid, and the differences of two runs.
 
-use crate::analytic::multibody::count_moving_discs;
 use crate::criteria::{Rebound, Rebounds};
 use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
-use crate::mechanism::{JointKind, Mechanism, OutlinePoint, OutlineShape, SpringKind};
+use crate::mechanism::{Body, JointKind, Mechanism, OutlinePoint, OutlineShape, SpringKind};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::nearest_equivalent_angle;
-use crate::scene::keywords::SceneKind;
-use crate::scene::{Disc, DiscMotion, Integrator, Keyword, Method, Scene, Stepping, System};
+use crate::scene::{Integrator, Keyword, Method, Scene, Stepping, System};
 use crate::shape::max_radius;
 use crate::trace::schema::State;
 use crate::trace::{
@@ -44,7 +42,7 @@ pub struct Path {
     /// Whether the object left the gripper, which ended the run.
     pub ejected: bool,
     pub energy: Energy,
-    /// Rebounds of the pairs of discs; empty in scenes with fingers.
+    /// Rebounds of the contacts of discs; empty in scenes with joints or other outlines.
     pub rebounds: Vec<Rebound>,
     /// Largest speed of a body, m/s.
     pub speed_m_s: f64,
@@ -192,7 +190,7 @@ fn energy_error(run: &Path, reference: &Path) -> f64 {
 /// Estimated errors of the main results of a run; `None` if one or both runs do not have the quantity.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Largest error of a coordinate along the path, rad (discs: m; object: radii); infinite without a comparison.
+    /// Largest error of a coordinate along the path, rad (without joints: m; object: radii); infinite without a comparison.
     pub path: f64,
     /// Errors of the coordinates at the end: q11, q21, q22 of every finger or the joints of a mechanism, then x and y of
     /// every body, then the angle of every body.
@@ -209,23 +207,25 @@ pub struct Errors {
     pub energy: f64,
 }
 
-/// Units of the compared coordinates: 1 for angles; for a body next to fingers its radius in m, for discs alone 1 m, for
-/// lengths of a mechanism [`REFERENCE_LENGTH_M`]. The angle of a disc alone counts as the displacement of its rim.
+/// Units of the compared coordinates. Angles of joints have the unit 1, and positions a length: next to fingers the radius
+/// of the object, in a mechanism [`REFERENCE_LENGTH_M`]. Without joints the unit is 1 m, and the angle of a body counts
+/// as the displacement of its outermost point.
 pub fn units(scene: &Scene) -> Vec<f64> {
     if let Some(mechanism) = &scene.mechanism {
         let joints = mechanism.joints.iter().map(|joint| match joint.kind {
             JointKind::Revolute => 1.0,
             JointKind::Prismatic { .. } => REFERENCE_LENGTH_M,
         });
-        let centres = mechanism.bodies.iter().flat_map(|_| [REFERENCE_LENGTH_M; 2]);
-        return joints.chain(centres).chain(mechanism.bodies.iter().map(|_| 1.0)).collect();
+        let (unit_m, has_joints) = if scene.has_joints() { (REFERENCE_LENGTH_M, true) } else { (1.0, false) };
+        let turn = |body: &Body| if has_joints { 1.0 } else { body.reach_m().map_or(1.0, f64::recip) };
+        let centres = mechanism.bodies.iter().flat_map(|_| [unit_m; 2]);
+        return joints.chain(centres).chain(mechanism.bodies.iter().map(turn)).collect();
     }
     let system = &scene.system;
-    let unit = |disc: &Disc| if system.fingers.is_empty() { 1.0 } else { max_radius(&disc.shape) };
     let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * system.fingers.len());
-    let turn = |disc: &Disc| unit(disc) / max_radius(&disc.shape);
-    let discs = system.reported_discs();
-    angles.chain(discs.iter().flat_map(|disc| [unit(disc); 2])).chain(discs.iter().map(turn)).collect()
+    let objects = system.reported_discs();
+    let centres = objects.iter().flat_map(|object| [max_radius(&object.shape); 2]);
+    angles.chain(centres).chain(objects.iter().map(|_| 1.0)).collect()
 }
 
 /// Tolerance of the reference, as a fraction of the run's tolerance.
@@ -252,15 +252,15 @@ pub(crate) struct RunOptions<'a> {
 
 /// Increases the actuation of a scene by the relative amount `relative_change`. In a gripper the left motor torque
 /// increases by half of it only, so that the fingers differ. With a differential, its input torque increases and the
-/// object moves to the right by that part of its radius. Discs without fingers start faster, and gravity increases. In a
-/// mechanism actuators with their limits, springs, gravity and rates at the start increase.
+/// object moves to the right by that part of its radius. In a mechanism actuators with their limits, springs, gravity and
+/// rates at the start increase.
 pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
     let mut scene = scene.clone();
     if let Some(mechanism) = &mut scene.mechanism {
         perturb_mechanism(mechanism, 1.0 + relative_change);
         return scene;
     }
-    let System { fingers, differential, discs, gravity_m_s2, .. } = &mut scene.system;
+    let System { fingers, differential, discs, .. } = &mut scene.system;
     for (finger, part) in fingers.iter_mut().zip([relative_change, 0.5 * relative_change]) {
         finger.motor.actuation = finger.motor.actuation.scaled(1.0 + part);
     }
@@ -268,18 +268,6 @@ pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
         differential.motor.actuation = differential.motor.actuation.scaled(1.0 + relative_change);
         for object in &mut *discs {
             object.centre_m[0] += relative_change * max_radius(&object.shape);
-        }
-    }
-    if fingers.is_empty() {
-        let factor = 1.0 + relative_change;
-        *gravity_m_s2 = gravity_m_s2.map(|g| g * factor);
-        for disc in discs {
-            if let DiscMotion::Driven { velocity_m_s, spin_rad_s, .. }
-            | DiscMotion::Free { velocity_m_s, spin_rad_s, .. } = &mut disc.motion
-            {
-                *velocity_m_s = velocity_m_s.map(|v| v * factor);
-                *spin_rad_s *= factor;
-            }
         }
     }
     scene
@@ -326,10 +314,9 @@ pub(crate) fn reference_name(scene: &Scene, reference_model: Model) -> String {
     }
 }
 
-/// Whether the analytic model takes the scene, and both models use the same contact laws.
+/// Whether both models use the same contact laws.
 pub(crate) fn is_comparable(scene: &Scene) -> bool {
-    let is_supported = scene.kind() != SceneKind::Bodies || count_moving_discs(&scene.system).is_ok();
-    scene.engine.uses_laws() && is_supported
+    scene.engine.uses_laws()
 }
 
 /// Returns the scene with the settings of a run of a check.
@@ -356,7 +343,7 @@ pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn
             units: units(scene),
             ..Path::default()
         },
-        rebounds: (scene.kind() == SceneKind::Bodies).then(|| Rebounds::for_system(&scene.system)),
+        rebounds: scene.mechanism.as_ref().and_then(Rebounds::for_mechanism),
         sink,
         keep_running: options.keep_running,
     };

@@ -3,7 +3,7 @@
 use super::path;
 use super::path::{Errors, Path};
 use crate::integrator::Reason;
-use crate::scene::keywords::SceneKind;
+use crate::mechanism::{Body, Mechanism};
 use crate::scene::{Scene, System};
 use crate::shape::max_radius;
 use crate::trace::Model;
@@ -130,7 +130,7 @@ pub const MOTION_FRACTION: f64 = 1e-2;
 /// The effect of the perturbation is too large if it exceeds this fraction of the largest displacement.
 const CHAOS_MOTION_FRACTION: f64 = 0.1;
 /// Length that corresponds to a radian in scenes without fingers, in radii of the smallest moving disc.
-const DISC_LENGTH_RADII: f64 = 20.0;
+const FREE_BODY_LENGTH: f64 = 20.0;
 /// Displacements below this fraction of a radian, or of the corresponding length, are rounding and count as rest.
 const REST_FRACTION: f64 = 1e-10;
 
@@ -187,14 +187,13 @@ pub(crate) struct ErrorLimit {
 
 /// Returns the error limit of a run; `ordinary_limit` is the limit for a motion of a radian.
 pub(crate) fn path_error_limit(scene: &Scene, run: &Path, ordinary_limit: f64) -> ErrorLimit {
-    let system = &scene.system;
-    let is_discs = scene.kind() == SceneKind::Bodies;
-    let size = if is_discs { DISC_LENGTH_RADII * smallest_reach(system) } else { 1.0 };
+    let free_bodies = scene.mechanism.as_ref().filter(|_| !scene.has_joints());
+    let size = free_bodies.map_or(1.0, |mechanism| FREE_BODY_LENGTH * smallest_reach(mechanism));
     let largest_displacement = largest_displacement(run).max(REST_FRACTION * size);
     let (ordinary, small_motion) = (ordinary_limit * size, MOTION_FRACTION * largest_displacement);
     let chaos_threshold = (CHAOS_THRESHOLD * size).min(CHAOS_MOTION_FRACTION * largest_displacement);
     if small_motion < ordinary {
-        let unit = if is_discs { "m" } else { "rad" };
+        let unit = if free_bodies.is_some() { "m" } else { "rad" };
         let basis = format!("{MOTION_FRACTION} of the largest displacement, {largest_displacement:.1e} {unit}");
         return ErrorLimit {
             error: small_motion,
@@ -203,21 +202,21 @@ pub(crate) fn path_error_limit(scene: &Scene, run: &Path, ordinary_limit: f64) -
             largest_displacement: Some(largest_displacement),
         };
     }
-    let basis = match (is_discs, system.reported_discs().is_empty()) {
-        (true, _) => format!("{:e} of the radius of the smallest disc that moves", DISC_LENGTH_RADII * ordinary_limit),
+    let basis = match (free_bodies.is_some(), scene.system.reported_discs().is_empty()) {
+        (true, _) => format!("{:e} of the reach of the smallest body that moves", FREE_BODY_LENGTH * ordinary_limit),
         (false, true) => format!("{ordinary_limit:e} of a radian"),
         (false, false) => format!("{ordinary_limit:e} of a radian and of the object's radius"),
     };
     ErrorLimit { error: ordinary, chaos_threshold, basis, largest_displacement: None }
 }
 
-/// Reach of the smallest moving body, m; of the smallest body if none moves.
-fn smallest_reach(system: &System) -> f64 {
-    let smallest = |moving: bool| {
-        let discs = system.discs.iter().filter(|disc| !moving || disc.motion.moves());
-        discs.map(|disc| max_radius(&disc.shape)).min_by(f64::total_cmp)
+/// Reach of the smallest body that forces move, m; of the smallest body if there is none.
+fn smallest_reach(mechanism: &Mechanism) -> f64 {
+    let smallest = |only_free: bool| {
+        let bodies = mechanism.bodies.iter().filter(|body| !only_free || body.motion.is_none());
+        bodies.filter_map(Body::reach_m).min_by(f64::total_cmp)
     };
-    smallest(true).or(smallest(false)).unwrap_or(1.0 / DISC_LENGTH_RADII)
+    smallest(true).or(smallest(false)).unwrap_or(1.0 / FREE_BODY_LENGTH)
 }
 
 /// Largest distance of a coordinate from its start along a path, in its unit.

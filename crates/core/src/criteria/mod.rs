@@ -25,7 +25,6 @@ mod rebounds;
 mod segments;
 
 use crate::scene::Scene;
-use crate::scene::keywords::SceneKind;
 use crate::trace::{Event, RequiredData, Sample, Sink, SinkError};
 use class::{is_in_position, is_positive};
 use segments::{Hermite, Segment, SegmentObserver, SegmentSplitter};
@@ -277,7 +276,7 @@ pub struct RunCriteria {
     pub criteria: Option<Criteria>,
     /// Criteria of a gripper; `None` if the run was not completed.
     pub grasp: Option<GraspCriteria>,
-    /// Rebounds of all pairs of discs; empty in scenes with fingers.
+    /// Rebounds of all contacts of discs; empty in scenes with joints or other outlines.
     pub rebounds: Vec<Rebound>,
     /// Overlaps of links of a gripper with obstacles that they have no contact with.
     pub overlaps: Vec<LinkOverlap>,
@@ -286,14 +285,14 @@ pub struct RunCriteria {
 impl RunCriteriaTracker {
     /// Creates the trackers for runs of a scene.
     pub fn for_scene(scene: &Scene) -> Self {
-        let kind = scene.kind();
-        let object = scene.object().filter(|_| kind == SceneKind::Finger);
+        let count = scene.finger_count();
+        let object = scene.object().filter(|_| count == 1);
         let static_grasp = object.and_then(|object| static_grasp(scene, object).ok());
         RunCriteriaTracker {
             finger: static_grasp.as_ref().map(|grasp| Tracker::new(grasp.final_angles())),
             static_grasp,
-            gripper: (kind == SceneKind::Gripper).then(|| GraspTracker::for_scene(scene)),
-            rebounds: (kind == SceneKind::Bodies).then(|| Rebounds::for_system(&scene.system)),
+            gripper: (count == 2).then(|| GraspTracker::for_scene(scene)),
+            rebounds: scene.mechanism.as_ref().and_then(Rebounds::for_mechanism),
             overlaps: LinkOverlaps::for_scene(scene),
         }
     }

@@ -1,7 +1,7 @@
 //! Restitution: separation speed of two surfaces over their approach speed.
 
+use crate::mechanism::{Mechanism, OutlineId, OutlineShape};
 use crate::numeric::elementary::hypot;
-use crate::scene::{ContactId, DiscMotion, System};
 use crate::trace::{Event, EventKind, RequiredData, Sample, Sink, SinkError};
 
 /// Smallest approach speed relative to the fastest body; a slower approach is the rounding error of two velocities.
@@ -73,19 +73,22 @@ impl Rebounds {
         }
     }
 
-    /// Creates the sink for the pairs of a system of discs.
-    pub fn for_system(system: &System) -> Self {
-        let mobility = |disc: usize| match system.discs[disc].motion {
-            DiscMotion::Free { mass_kg, .. } => mass_kg.recip(),
-            DiscMotion::Fixed | DiscMotion::Driven { .. } => 0.0,
+    /// Creates the sink for the contacts of a mechanism without joints; `None` if it has joints, or if a contact force does
+    /// not pass through the centres of mass.
+    pub fn for_mechanism(mechanism: &Mechanism) -> Option<Self> {
+        let mobility = |id: OutlineId| match (id.body.map(|body| &mechanism.bodies[body]), &mechanism.outline(id).shape)
+        {
+            (Some(body), OutlineShape::Disc { center_m, .. }) if body.motion.is_none() => {
+                (*center_m == body.com_m).then(|| body.mass_kg.recip())
+            }
+            (None, _) => Some(0.0),
+            (Some(body), _) => body.motion.as_ref().map(|_| 0.0),
         };
-        let pairs = system.pairs();
-        let pair_mobility = |pair: &ContactId| match *pair {
-            ContactId::Discs(disc, other) => mobility(disc) + mobility(other),
-            ContactId::Phalanx(_, _, disc) | ContactId::Palm(disc) | ContactId::Table(disc) => mobility(disc),
-            ContactId::Stop(_) => 0.0,
-        };
-        Rebounds { mobilities_per_kg: pairs.iter().map(pair_mobility).collect(), ..Self::new(pairs.len()) }
+        let points = mechanism.point_contacts().into_iter().map(|point| &mechanism.contacts[point.pair]);
+        let mobilities = points.map(|pair| Some(mobility(pair.points)? + mobility(pair.face)?));
+        let mobilities_per_kg = mobilities.collect::<Option<Vec<f64>>>().filter(|_| mechanism.joints.is_empty())?;
+        let count = mobilities_per_kg.len();
+        Some(Rebounds { mobilities_per_kg, ..Self::new(count) })
     }
 
     pub fn pairs(&self) -> &[Rebound] {

@@ -5,11 +5,13 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::{Body, BodyRole, Drawing, Pose, Shape};
+use crate::law::NormalLaw;
 use crate::mechanism::tendon::{Segment, center_in, segment};
 use crate::mechanism::{
-    Command, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineShape, PathElement, assemble,
+    Command, ContactPair, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineId, OutlineShape, PathElement,
+    assemble,
 };
-use crate::numeric::elementary::{atan2, hypot, sin_cos};
+use crate::numeric::elementary::{atan2, hypot, pow, sin_cos};
 use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, rotate, scale, sub};
 use crate::trace::{BodyState, Sample};
 
@@ -44,7 +46,9 @@ pub(super) fn drawing(mechanism: &Mechanism) -> Drawing {
         let [x, y] = mechanism.gravity_m_s2;
         body.mass_kg * hypot(x, y)
     });
-    let typical_n = efforts.chain(weights).fold(0.0, f64::max);
+    let impacts =
+        mechanism.contacts.iter().filter(|_| mechanism.joints.is_empty()).map(|pair| impact_n(mechanism, pair));
+    let typical_n = efforts.chain(weights).chain(impacts).filter(|force| force.is_finite()).fold(0.0, f64::max);
     Drawing {
         contacts: mechanism.point_contacts().into_iter().map(|contact| contact.name).collect(),
         arrow_m_per_n: 0.1 * view_m / if typical_n > 0.0 { typical_n } else { 1.0 },
@@ -52,6 +56,20 @@ pub(super) fn drawing(mechanism: &Mechanism) -> Drawing {
         extent_m: [low.map(|low| low - 0.1 * view_m), high.map(|high| high + 0.1 * view_m)],
         bodies: parts.into_iter().map(|part| part.drawn).collect(),
     }
+}
+
+/// Largest force of an undamped impact of free bodies at their speeds at the start: k δᵉ with ½ m v² = k δ^(e+1)/(e+1).
+fn impact_n(mechanism: &Mechanism, pair: &ContactPair) -> f64 {
+    let rate_and_mass = |id: OutlineId| match id.body.map(|body| &mechanism.bodies[body]) {
+        Some(body) => (body.rate, if body.motion.is_some() { f64::INFINITY } else { body.mass_kg }),
+        None => ([0.0; 3], f64::INFINITY),
+    };
+    let [(first, m1), (second, m2)] = [pair.points, pair.face].map(rate_and_mass);
+    let mass_kg = (m1.recip() + m2.recip()).recip();
+    let NormalLaw { stiffness_n_per_m_e: k, exponent: e, .. } = pair.law.normal;
+    let speed_m_s = hypot(first[0] - second[0], first[1] - second[1]);
+    let energy_j = 0.5 * mass_kg * speed_m_s * speed_m_s;
+    if k > 0.0 { k * pow((e + 1.0) * energy_j / k, e / (e + 1.0)) } else { 0.0 }
 }
 
 fn is_linear(mechanism: &Mechanism, joint: usize) -> bool {

@@ -9,12 +9,11 @@ use std::f64::consts::PI;
 use serde::Serialize;
 
 use crate::gripper::{Lengths, Posture, close_loop, final_posture, link_outline, tip_outline};
-use crate::law::ContactLaw;
-use crate::numeric::elementary::{cos, hypot, pow, sin, sin_cos};
-use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, PalmMotion, Scene, Side, System};
+use crate::numeric::elementary::{cos, sin, sin_cos};
+use crate::scene::{ContactId, Disc, DrivenFinger, PalmMotion, Scene, Side, System};
 pub use mechanism::poses_at_start;
 
-use crate::shape::{self, circle_radius, max_radius};
+use crate::shape::{self, circle_radius};
 use crate::trace::{BodyState, FingerState, Sample};
 
 /// The drawing of a scene.
@@ -24,11 +23,11 @@ pub struct Drawing {
     pub bodies: Vec<Body>,
     /// Names of the contacts, in the order of samples.
     pub contacts: Vec<String>,
-    /// Arrow length per newton. The arrow of a usual force is about half as long as a phalanx (a radius).
+    /// Arrow length per newton.
     pub arrow_m_per_n: f64,
     /// Largest arrow length; impact forces can be a thousand times the usual ones.
     pub longest_arrow_m: f64,
-    /// Lower left and upper right corner of a view of all bodies, at the start and (with fingers) in the grasp.
+    /// Lower left and upper right corner of a view of all bodies, at the start and (with five-bar fingers) in the grasp.
     pub extent_m: [[f64; 2]; 2],
 }
 
@@ -60,7 +59,6 @@ pub enum BodyRole {
     Distal,
     Object,
     Palm,
-    Disc,
 }
 
 /// A shape in the frame of its body.
@@ -123,13 +121,12 @@ impl Drawing {
         }
         let system = &scene.system;
         let mut bodies = plane_bodies(system);
-        let role = if system.fingers.is_empty() { BodyRole::Disc } else { BodyRole::Object };
         bodies.extend(system.discs.iter().map(|disc| Body {
             name: disc.name.clone(),
-            role,
+            role: BodyRole::Object,
             fixed: !disc.motion.moves(),
             shapes: vec![Shape::from_shape(&disc.shape)],
-            marks_m: if system.fingers.is_empty() { Vec::new() } else { vec![[0.0; 2]] },
+            marks_m: vec![[0.0; 2]],
         }));
         for (side, finger) in system.fingers_by_side() {
             bodies.extend(link_bodies(&finger.linkage.lengths).map(|body| Body {
@@ -326,8 +323,7 @@ fn plane_bodies(system: &System) -> Vec<Body> {
         shapes: vec![Shape::HalfPlane { level_m }],
         marks_m: Vec::new(),
     };
-    let below = if system.fingers.is_empty() { "plane" } else { "palm" };
-    let palm = system.palm.map(|palm| plane(below, true, palm.level_m));
+    let palm = system.palm.map(|palm| plane("palm", true, palm.level_m));
     // The pose contains the level.
     let table = system.table.map(|_| plane("table", system.palm_motion.is_none(), 0.0));
     palm.into_iter().chain(table).collect()
@@ -351,47 +347,15 @@ fn table(level_m: f64, palm: Option<&PalmMotion>, time_s: f64) -> (Pose, Pose) {
 }
 
 /// Arrow length per newton, and the largest arrow length. The arrow of a usual force is about half as long as a
-/// phalanx, or as a radius in scenes without fingers.
+/// phalanx.
 fn arrow_scale(system: &System) -> (f64, f64) {
-    let (typical_n, half_m, longest_m) = if system.fingers.is_empty() {
-        let smallest_m = system.discs.iter().map(|disc| max_radius(&disc.shape)).fold(f64::INFINITY, f64::min);
-        let impact = |pair| system.between_discs.map_or(0.0, |law| impact_n(system, &law, pair));
-        let typical_n = system.pairs().into_iter().map(impact).fold(0.0, f64::max);
-        (if typical_n.is_finite() { typical_n } else { 0.0 }, 0.5 * smallest_m, 2.0 * smallest_m)
-    } else {
-        // The largest torque on a driven link.
-        let motors = system.fingers.iter().map(|finger| finger.motor.actuation.largest());
-        let input = system.differential.as_ref().map(|input| 0.5 * input.motor.actuation.largest());
-        let torque_n_m = motors.chain(input).fold(0.0, f64::max);
-        let lengths = &system.finger(Side::Right).linkage.lengths;
-        (torque_n_m / lengths.l11_m, 0.5 * lengths.l21_m, lengths.l21_m)
-    };
-    (half_m / if typical_n > 0.0 { typical_n } else { 1.0 }, longest_m)
-}
-
-/// Largest force of an undamped impact at the initial speeds, k δᵉ with ½ m v² = k δ^(e+1)/(e+1), but at least the
-/// weight.
-fn impact_n(system: &System, law: &ContactLaw, pair: ContactId) -> f64 {
-    let velocity_and_mass = |disc: Option<usize>| match disc.map(|index| &system.discs[index].motion) {
-        None | Some(DiscMotion::Fixed) => ([0.0; 2], f64::INFINITY),
-        Some(DiscMotion::Driven { velocity_m_s, .. }) => (*velocity_m_s, f64::INFINITY),
-        Some(DiscMotion::Free { velocity_m_s, mass_kg, .. }) => (*velocity_m_s, *mass_kg),
-    };
-    let (disc, other) = match pair {
-        ContactId::Discs(disc, other) => (disc, Some(other)),
-        ContactId::Palm(disc) => (disc, None),
-        _ => return 0.0,
-    };
-    let [(v1, m1), (v2, m2)] = [Some(disc), other].map(velocity_and_mass);
-    let mass = (m1.recip() + m2.recip()).recip();
-    if !mass.is_finite() {
-        return 0.0;
-    }
-    let speed = hypot(v1[0] - v2[0], v1[1] - v2[1]);
-    let (k, e) = (law.normal.stiffness_n_per_m_e, law.normal.exponent);
-    let energy = 0.5 * mass * speed * speed;
-    let weight = mass * hypot(system.gravity_m_s2[0], system.gravity_m_s2[1]);
-    if k > 0.0 { (k * pow((e + 1.0) * energy / k, e / (e + 1.0))).max(weight) } else { weight }
+    // The largest torque on a driven link.
+    let motors = system.fingers.iter().map(|finger| finger.motor.actuation.largest());
+    let input = system.differential.as_ref().map(|input| 0.5 * input.motor.actuation.largest());
+    let torque_n_m = motors.chain(input).fold(0.0, f64::max);
+    let lengths = &system.finger(Side::Right).linkage.lengths;
+    let typical_n = torque_n_m / lengths.l11_m;
+    (0.5 * lengths.l21_m / if typical_n > 0.0 { typical_n } else { 1.0 }, lengths.l21_m)
 }
 
 #[cfg(test)]

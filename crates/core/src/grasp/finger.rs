@@ -5,7 +5,6 @@ use serde::Serialize;
 use crate::fivebar::kinematics::gradient;
 use crate::gripper::{FinalPosture, Finger, GraspError, Spring, final_posture};
 use crate::numeric::elementary::{cos, sin};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Scene, WrongKind};
 use crate::shape::PlacedShape;
 use crate::statics::{
@@ -134,7 +133,7 @@ pub enum GraspStudyError {
 /// posture is singular.
 pub fn grasp(scene: &Scene, overrides: &GraspOverrides) -> Result<Grasp, GraspStudyError> {
     let name = || scene.name.clone();
-    let Some(object) = scene.require_kind(SceneKind::Finger)?.object() else {
+    let Some(object) = scene.require_fingers(1)?.object() else {
         return Err(GraspStudyError::NoObject { scene: name() });
     };
     let object = object.placed();

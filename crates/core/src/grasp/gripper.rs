@@ -5,7 +5,6 @@
 
 use crate::criteria::{DriveMode, Fate, GraspState, GraspTracker, friction_coefficients, grasp_state, hand_at_rest};
 use crate::gripper::{FingerContact, GraspError, close_loop, final_posture};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{DiscMotion, GripperContact, Scene, Side, WrongKind};
 use crate::shape::max_radius;
 use crate::statics::{
@@ -132,7 +131,7 @@ pub fn gripper_grasp(
     keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Result<GripperGrasp, GripperGraspError> {
     let name = || scene.name.clone();
-    let DiscMotion::Free { mass_kg, .. } = scene.require_kind(SceneKind::Gripper)?.system.grasped().motion else {
+    let DiscMotion::Free { mass_kg, .. } = scene.require_fingers(2)?.system.grasped().motion else {
         return Err(GripperGraspError::Fixed { scene: name() });
     };
     let statics_error = |error| GripperGraspError::Statics { scene: name(), error };

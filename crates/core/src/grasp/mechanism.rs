@@ -6,7 +6,6 @@
 use crate::mechanism::{Body, Mechanism, OutlineShape, Pose, point_in};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::sub;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Scene, WrongKind};
 use crate::statics::{
     ContactAtRest, DriveState, ForceClosure, FrictionContact, MechanismAtRest, MechanismBalance, MechanismClosure,
@@ -113,7 +112,7 @@ pub fn mechanism_grasp(
     request: &MechanismGraspRequest,
     keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Result<MechanismGrasp, MechanismGraspError> {
-    scene.require_kind(SceneKind::Mechanism)?;
+    scene.require_fingers(0)?;
     let Some(mechanism) = &scene.mechanism else { return Err(MechanismGraspError::Stopped) };
     let name = || scene.name.clone();
     let object = object_of(scene, mechanism, request.object.as_deref())?;

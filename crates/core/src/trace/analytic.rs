@@ -7,13 +7,12 @@ use super::reading::{Kernel, KernelUser, Start};
 use super::stepper::{AnalyticStepper, Stepper};
 use super::{Outcome, Reach, RunError};
 #[cfg(feature = "lists")]
-use crate::analytic::multibody::{MAX_SIZES, TooLarge, count_moving_discs};
+use crate::analytic::multibody::{MAX_SIZES, TooLarge};
 use crate::analytic::multibody::{Multibody, Size};
 use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
 use crate::integrator::Hybrid;
 #[cfg(not(feature = "lists"))]
 use crate::mechanism::Mechanism;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Integrator, Motor, Scene, Side, System};
 
 /// Builds the stepper of a scene.
@@ -51,15 +50,11 @@ pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Ou
         return build_mechanism(scene, mechanism, user);
     }
     let system = &scene.system;
-    match scene.kind() {
-        SceneKind::Finger if fits_finger_kernel(system) => match system.has_stiction() {
-            true => build_finger::<4, 6, U>(scene, user),
-            false => build_finger::<2, 4, U>(scene, user),
-        },
-        SceneKind::Finger => build_general(scene, user),
-        // Mechanisms have been built above.
-        SceneKind::Bodies | SceneKind::Mechanism => build_discs(scene, user),
-        SceneKind::Gripper => build_gripper(scene, user),
+    match (scene.finger_count(), system.has_stiction()) {
+        (1, true) if fits_finger_kernel(system) => build_finger::<4, 6, U>(scene, user),
+        (1, false) if fits_finger_kernel(system) => build_finger::<2, 4, U>(scene, user),
+        (2, _) => build_gripper(scene, user),
+        _ => build_general(scene, user),
     }
 }
 
@@ -73,17 +68,6 @@ fn build_gripper<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, Run
         (0 | 1, false, 8) => build_multibody::<8, 8, 10, 24, U>(scene, 1.0, user),
         (0 | 1, true, ..=16) => build_multibody::<16, 8, 10, 24, U>(scene, 1.0, user),
         _ => build_general(scene, user),
-    }
-}
-
-/// A scene of discs.
-#[cfg(feature = "lists")]
-fn build_discs<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
-    match count_moving_discs(&scene.system).map(|moving| (moving, scene.system.has_stiction())) {
-        Ok((0, _)) => Err(RunError::rejected(NOTHING_MOVES.to_string(), Outcome::default())),
-        Ok((_, true)) => build_multibody::<18, 12, 14, 36, U>(scene, 1.0, user),
-        Ok((_, false)) => build_multibody::<9, 12, 14, 36, U>(scene, 1.0, user),
-        Err(error) => Err(too_large(&error)),
     }
 }
 
@@ -116,19 +100,10 @@ fn build_mechanism<U: KernelUser>(scene: &Scene, _: &Mechanism, user: U) -> Resu
 }
 
 #[cfg(not(feature = "lists"))]
-fn build_discs<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
-    build_general(scene, user)
-}
-
-#[cfg(not(feature = "lists"))]
 fn build_general<U: KernelUser>(_: &Scene, _: U) -> Result<U::Output, RunError> {
     let reason = "in this build the analytic model supports only a finger and a gripper with one object";
     Err(RunError::rejected(reason.to_string(), Outcome::default()))
 }
-
-/// Reason why a scene without moving discs has no simulation.
-#[cfg(feature = "lists")]
-const NOTHING_MOVES: &str = "no disc of the scene moves; give one a mass, or a motion";
 
 /// Whether the system is one finger that closes on fixed surfaces, driven by a torque alone; the finger kernel supports
 /// nothing else.

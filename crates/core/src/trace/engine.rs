@@ -8,7 +8,6 @@ use super::{Outcome, RunError, Sample, Sink, SinkError};
 use crate::drive::Profile;
 use crate::engine::{Motion, StepError, Tolerance, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Construction, Engine, Scene, Stepping};
 
 /// Contact sub-steps allowed per step of the budget. A step with hard contacts can take 100,000 sub-steps, so a budget
@@ -24,8 +23,8 @@ const MIN_STEP_FRACTION: f64 = 1e-9;
 /// # Errors
 /// Returns an error if the scene is rejected.
 pub(super) fn build_engine(scene: &Scene, recording: RecordingOptions) -> Result<Box<dyn Stepper>, RunError> {
-    let initial_outcome = || match scene.kind() {
-        SceneKind::Finger => Outcome::stationary_finger(),
+    let initial_outcome = || match scene.finger_count() {
+        1 => Outcome::stationary_finger(),
         _ => Outcome::default(),
     };
     let reason = unsupported(scene).map(str::to_owned);
@@ -45,16 +44,16 @@ pub(super) fn build_engine(scene: &Scene, recording: RecordingOptions) -> Result
 
 /// Returns why the engine model does not simulate the scene.
 fn unsupported(scene: &Scene) -> Option<&'static str> {
-    let (kind, is_reduced) = (scene.kind(), scene.engine.construction == Construction::Reduced);
-    match kind {
-        SceneKind::Gripper if is_reduced => {
+    let is_reduced = scene.engine.construction == Construction::Reduced;
+    match (&scene.mechanism, scene.finger_count()) {
+        (None, 2..) if is_reduced => {
             Some("joint coordinates (construction \"reduced\") are for one finger, not for grippers")
         }
-        SceneKind::Mechanism if is_reduced => {
+        (Some(_), _) if is_reduced => {
             Some("joint coordinates (construction \"reduced\") are for one finger, not for mechanisms")
         }
-        SceneKind::Mechanism if !scene.engine.uses_laws() => {
-            Some("rapier's own contact (law \"rapier\") is for fingers and discs, not for mechanisms")
+        (Some(_), _) if !scene.engine.uses_laws() && scene.has_joints() => {
+            Some("rapier's own contact (law \"rapier\") is for fingers and free bodies, not for mechanisms with joints")
         }
         _ => None,
     }

@@ -7,7 +7,6 @@ use super::grid::RecordingOptions;
 use super::sampled::with_sampled_servos;
 use super::stepper::{Interruption, Stepper};
 use super::{Outcome, RunError, Sink};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Keyword, Scene};
 
 /// Which of the two independent models simulates a scene.
@@ -44,10 +43,6 @@ impl Keyword for Model {
 /// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
     check_supported(scene)?;
-    let moves = scene.kind() != SceneKind::Bodies || scene.system.discs.iter().any(|disc| disc.motion.moves());
-    if model == Model::Analytic && !moves {
-        return Ok(Outcome::default());
-    }
     let mut stepper = build(model, scene, RecordingOptions::of_run(scene, sink))?;
     stepper.begin(sink)?;
     let result = stepper.advance(scene.duration_s, sink);

@@ -1,7 +1,6 @@
 //! Settings that override those of a scene, such as the flags of `phalanx run`. Settings without effect are rejected.
 
 use super::Model;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Construction, ENGINE_MAX_STEP_S, Preset, Scene, Stepping};
 use crate::units::{self, Dimension};
 
@@ -34,17 +33,10 @@ impl Overrides {
     /// than a run may have.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), String> {
         if self.construction == Some(Construction::Reduced) {
-            let reason = match scene.kind() {
-                SceneKind::Finger => None,
-                SceneKind::Bodies => {
-                    Some("a scene of discs has no joints; leave the flag out: every disc moves freely in the engine")
-                }
-                SceneKind::Gripper | SceneKind::Mechanism => Some(
-                    "they are available for one finger only; leave the flag out: every body moves freely in the engine",
-                ),
-            };
-            if let Some(reason) = reason {
-                return Err(format!("--construction reduced uses joint coordinates, and {reason}"));
+            if scene.finger_count() != 1 {
+                let reason = "--construction reduced uses joint coordinates, and they are available for one finger only; \
+                              leave the flag out: every body moves freely in the engine";
+                return Err(reason.to_string());
             }
         }
         self.reject_unused(model)?;

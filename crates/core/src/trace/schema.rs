@@ -8,7 +8,6 @@
 use serde::Serialize;
 
 use crate::mechanism::{Joint, JointKind, Mechanism};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Disc, GripperContact, Scene, Side, System};
 
 /// Rule for values between two samples. `rate` is the index of the rate among the quantities of the subject.
@@ -436,8 +435,6 @@ pub struct Schema {
     pub limits: usize,
     /// Whether the forces of joints are among the channels. Samples always have their numbers, which are 0 otherwise.
     pub has_joint_forces: bool,
-    /// Whether the scene is that of a mechanism.
-    pub is_mechanism: bool,
 }
 
 /// Name of a joint or actuator of a sample.
@@ -506,7 +503,6 @@ impl Schema {
             contacts: surfaces.chain(limit_names).collect(),
             limits: limits.len(),
             has_joint_forces: true,
-            is_mechanism: true,
         }
     }
 
@@ -527,24 +523,15 @@ impl Schema {
         }
     }
 
-    /// Kind of the scene.
-    pub fn kind(&self) -> SceneKind {
-        match self.fingers.len() {
-            0 if self.is_mechanism => SceneKind::Mechanism,
-            0 => SceneKind::Bodies,
-            1 => SceneKind::Finger,
-            _ => SceneKind::Gripper,
-        }
+    /// Whether the subjects are those of a mechanism, rather than of five-bar fingers.
+    pub fn is_mechanism(&self) -> bool {
+        self.fingers.is_empty()
     }
 
-    /// Returns the schema implied by a kind of scene alone; names that come from the scene are missing.
-    pub fn from_kind(kind: SceneKind) -> Self {
-        match kind {
-            SceneKind::Bodies => Self::default(),
-            SceneKind::Mechanism => Self { is_mechanism: true, ..Self::default() },
-            SceneKind::Finger => Self::from_finger_count(1),
-            SceneKind::Gripper => Self { bodies: vec![Disc::OBJECT.to_string()], ..Self::from_finger_count(2) },
-        }
+    /// Returns the schema implied by the number of fingers alone; names that come from the scene are missing.
+    pub fn for_fingers(count: usize) -> Self {
+        let bodies = if count == 2 { vec![Disc::OBJECT.to_string()] } else { Vec::new() };
+        Self { bodies, ..Self::from_finger_count(count) }
     }
 
     fn from_finger_count(count: usize) -> Self {
@@ -569,7 +556,6 @@ impl Schema {
             contacts: GripperContact::for_fingers(count).iter().map(contact).collect(),
             limits: 0,
             has_joint_forces: true,
-            is_mechanism: false,
         }
     }
 

@@ -100,7 +100,6 @@ fn style(part: BodyRole) -> (Color, f64) {
     let ([r, g, b], layer) = match part {
         BodyRole::Palm => ([120.0, 120.0, 120.0], -2.0),
         BodyRole::Object => ([190.0, 170.0, 120.0], -1.0),
-        BodyRole::Disc => ([86.0, 180.0, 233.0], -1.0),
         BodyRole::Driver => ([122.0, 134.0, 150.0], 0.0),
         BodyRole::Coupler => ([160.0, 170.0, 184.0], 1.0),
         BodyRole::Proximal => ([0.0, 114.0, 178.0], 2.0),

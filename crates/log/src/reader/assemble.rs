@@ -17,7 +17,6 @@ use super::summary::{Defect, LogSink, LogSummary, Loss, RunEnd, Stop};
 use crate::channels::{ChannelContent, Topic, topics};
 use crate::lines::is_friction_line;
 use crate::messages::{decode, decode_event};
-use phalanx_core::scene::keywords::SceneKind;
 use phalanx_core::scene::parse_any;
 use phalanx_core::trace::{ContactName, ContactSample, Event, EventKind, Sample, Schema};
 
@@ -83,14 +82,14 @@ impl Assembler {
     /// Creates an assembler after the first pass; takes over its summary.
     pub fn new(scan: &mut Scan) -> Self {
         let mut summary = std::mem::take(&mut scan.summary);
-        let kind = summary.kind();
+        let count = summary.finger_count();
         let scene = summary.scene.as_ref().filter(|(_, text)| text.len() < MAX_RECORD_BYTES);
-        let scene = scene.and_then(|(name, text)| parse_any(text, name).ok()).filter(|scene| scene.kind() == kind);
-        let mut schema = scene.map_or_else(|| Schema::from_kind(kind), |scene| Schema::from_scene(&scene));
+        let scene =
+            scene.and_then(|(name, text)| parse_any(text, name).ok()).filter(|scene| scene.finger_count() == count);
+        let is_known = scene.is_some();
+        let mut schema = scene.map_or_else(|| Schema::for_fingers(count), |scene| Schema::from_scene(&scene));
         let found: BTreeMap<_, _> = scan.index.channels.iter().collect();
-        if kind == SceneKind::Bodies {
-            // Contacts that the scene does not have are omitted.
-            schema.contacts.retain(|contact| contact.exists);
+        if count == 0 && !is_known {
             add_disc_topics(&mut schema, found.values().map(|channel| channel.topic.as_str()));
         }
         schema.has_joint_forces = summary.metadata.get("log_joint_forces").is_some_and(|value| value == "true");

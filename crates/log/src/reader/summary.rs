@@ -98,11 +98,10 @@ impl LogSummary {
         self.missing.iter().all(|missing| missing.content == ChannelContent::Lines)
     }
 
-    /// Kind of the logged scene; `Finger` if the metadata has no valid `kind`.
-    pub fn kind(&self) -> SceneKind {
-        let entry = self.metadata.get("kind");
-        let kind = SceneKind::ALL.into_iter().find(|kind| entry.is_some_and(|entry| kind.keyword() == entry));
-        kind.unwrap_or(SceneKind::Finger)
+    /// Number of five-bar fingers of the logged scene; 1 if the metadata has no valid `kind`.
+    pub fn finger_count(&self) -> usize {
+        let kind = self.metadata.get("kind").and_then(|entry| SceneKind::from_keyword(entry));
+        kind.map_or(1, SceneKind::fingers)
     }
 }
 

@@ -113,7 +113,7 @@ impl Mirror<'_> {
     /// Returns the image of a contact pair; outlines of bodies without an image stay.
     pub fn contact(&self, pair: &ContactPair) -> ContactPair {
         let image = |id: OutlineId| OutlineId { body: self.of_body(id.body), ..id };
-        ContactPair { points: image(pair.points), face: image(pair.face), ..*pair }
+        ContactPair { points: image(pair.points), face: image(pair.face), ..pair.clone() }
     }
 }
 

@@ -318,6 +318,11 @@ impl Body {
         self.inertia_kg_m2.is_finite()
     }
 
+    /// Largest distance of a point of its outlines from the origin of its frame; `None` without outlines.
+    pub fn reach_m(&self) -> Option<f64> {
+        self.outlines.iter().map(|outline| outline.shape.reach_m()).max_by(f64::total_cmp)
+    }
+
     /// Whether forces affect x, y and θ of the body.
     pub fn moves_by_forces(&self) -> [bool; 3] {
         [true, true, self.rotates()].map(|moves| moves && self.motion.is_none())
@@ -393,6 +398,12 @@ impl Mechanism {
             others.map(move |(_, [u, v])| hypot(u - x, v - y))
         });
         lengths.filter(|length| *length > 0.0).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Narrowest slip range of any friction law of a contact, m/s; infinite without friction.
+    pub fn narrowest_slip_range_m_s(&self) -> f64 {
+        let laws = self.contacts.iter().filter_map(|contact| contact.law.friction);
+        laws.map(|friction| friction.min_slip_scale_m_s()).fold(f64::INFINITY, f64::min)
     }
 
     /// Number of scalar constraints of the joints and couplings.

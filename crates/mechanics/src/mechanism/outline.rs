@@ -51,8 +51,10 @@ pub struct OutlineId {
 }
 
 /// Two outlines that may touch: the points of one touch the face of the other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ContactPair {
+    /// Name of its contacts; `None` for the names of the outlines.
+    pub name: Option<String>,
     pub points: OutlineId,
     pub face: OutlineId,
     pub law: ContactLaw,
@@ -129,6 +131,18 @@ impl OutlineShape {
             other => {
                 let vertices = other.vertices_m().into_iter().map(|vertex| dot(vertex, direction));
                 vertices.fold(f64::NEG_INFINITY, f64::max) + other.radius_m()
+            }
+        }
+    }
+
+    /// Largest distance of a point of the outline from the origin of its frame; infinite for a half plane.
+    pub fn reach_m(&self) -> f64 {
+        match self {
+            OutlineShape::HalfPlane { .. } => f64::INFINITY,
+            OutlineShape::Ellipse { center_m: [x, y], semi_axes_m: [a, b], .. } => hypot(*x, *y) + a.max(*b),
+            other => {
+                let distances = other.vertices_m().into_iter().map(|[x, y]| hypot(x, y));
+                distances.fold(0.0, f64::max) + other.radius_m()
             }
         }
     }
@@ -305,7 +319,10 @@ impl Mechanism {
             let (points_name, face_name) = (self.outline_name(contact.points), self.outline_name(contact.face));
             for (index, point) in points.iter().enumerate() {
                 let index = if points.len() > 1 { format!("[{index}]") } else { String::new() };
-                let name = format!("{points_name}{index}/{face_name}");
+                let name = match &contact.name {
+                    Some(name) => format!("{name}{index}"),
+                    None => format!("{points_name}{index}/{face_name}"),
+                };
                 all.push(PointContact { name, pair, body: contact.points.body, point: *point });
             }
         }

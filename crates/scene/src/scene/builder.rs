@@ -81,6 +81,7 @@ impl System {
             if self.fingers.len() == 1 && moving.count() == 0 { ForcePoint::Each } else { ForcePoint::Face };
         let on_plane = if self.fingers.is_empty() { ForcePoint::Each } else { ForcePoint::Face };
         for (_, id, law) in self.surface_contacts() {
+            let name = self.fingers.is_empty().then(|| self.contact_name(id));
             let (disc, face, force_point) = match id {
                 ContactId::Phalanx(side, contact, disc) => {
                     let link = if contact == FingerContact::Proximal { L21 } else { L22 };
@@ -93,7 +94,7 @@ impl System {
                 ContactId::Stop(_) => continue,
             };
             let Some(face) = face else { continue };
-            mechanism.contacts.push(ContactPair { points: discs[disc], face, law, rolling: None, force_point });
+            mechanism.contacts.push(ContactPair { name, points: discs[disc], face, law, rolling: None, force_point });
         }
         Ok(mechanism)
     }
@@ -124,7 +125,7 @@ impl System {
         for pair in pairs {
             let directions =
                 if pair.points == id { mechanism.directions([id, pair.face]) } else { vec![[pair.points, pair.face]] };
-            let directed = directions.into_iter().map(|[points, face]| ContactPair { points, face, ..pair });
+            let directed = directions.into_iter().map(|[points, face]| ContactPair { points, face, ..pair.clone() });
             mechanism.contacts.extend(directed);
         }
         // Rates of bodies with joints follow from those of the joints.

@@ -65,13 +65,15 @@ use std::borrow::Cow;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub name: String,
+    /// Kind of its file.
+    pub kind: SceneKind,
     /// Description by the user; empty if there is none.
     pub description: String,
     /// The exact text of the file, for the attachment of the log.
     pub source: String,
-    /// Fingers and discs; empty in a scene of a mechanism.
+    /// Fingers and their object; empty in other scenes.
     pub system: System,
-    /// The mechanism of a scene of that kind.
+    /// The mechanism of a scene without fingers.
     pub mechanism: Option<Mechanism>,
     pub duration_s: f64,
     pub integrator: Integrator,
@@ -83,11 +85,17 @@ pub struct Scene {
 }
 
 impl Scene {
-    pub fn kind(&self) -> SceneKind {
-        if self.mechanism.is_some() { SceneKind::Mechanism } else { self.system.kind() }
+    /// Number of five-bar fingers.
+    pub fn finger_count(&self) -> usize {
+        self.system.fingers.len()
     }
 
-    /// Returns the mechanism that both models simulate: that of a scene of this kind, or of the fingers and discs.
+    /// Whether bodies are connected by joints.
+    pub fn has_joints(&self) -> bool {
+        self.mechanism.as_ref().map_or(self.finger_count() > 0, |mechanism| !mechanism.joints.is_empty())
+    }
+
+    /// Returns the mechanism that both models simulate.
     ///
     /// # Errors
     /// Returns an error if the initial angles of a finger do not close its loop.
@@ -101,7 +109,7 @@ impl Scene {
     /// Returns the single finger, or the right finger of a gripper.
     ///
     /// # Panics
-    /// Panics if there are no fingers: check [`Scene::kind`] first.
+    /// Panics if there are no fingers: check [`Scene::finger_count`] first.
     #[inline]
     pub fn finger(&self) -> &DrivenFinger {
         &self.system.fingers[0]
@@ -134,24 +142,29 @@ impl Scene {
     pub fn apply_preset(&mut self, preset: Preset) {
         let max_steps = self.integrator.max_steps;
         self.integrator = match preset {
-            Preset::Engineering => Integrator { max_steps, ..Integrator::engineering_for(self.kind()) },
+            Preset::Engineering => Integrator { max_steps, ..Integrator::engineering_for(self.kind) },
             Preset::Reference => {
                 let reference = self.integrator.with_preset(preset);
-                let resolved = 1e-5 * self.system.narrowest_slip_range_m_s();
+                let range_m_s = match &self.mechanism {
+                    Some(mechanism) => mechanism.narrowest_slip_range_m_s(),
+                    None => self.system.narrowest_slip_range_m_s(),
+                };
+                let resolved = 1e-5 * range_m_s;
                 Integrator { atol_rate_rad_s: reference.atol_rate_rad_s.min(resolved), ..reference }
             }
         };
     }
 
-    /// Returns the scene if it is of the required kind.
+    /// Returns the scene if it has this number of five-bar fingers.
     ///
     /// # Errors
-    /// Returns an error if the scene is of another kind.
-    pub fn require_kind(&self, required: SceneKind) -> Result<&Self, WrongKind> {
-        match self.kind() {
-            found if found == required => Ok(self),
-            found => Err(WrongKind { scene: self.name.clone(), found, required }),
+    /// Returns an error if the scene has another number of fingers.
+    pub fn require_fingers(&self, count: usize) -> Result<&Self, WrongKind> {
+        if self.finger_count() == count {
+            return Ok(self);
         }
+        let required = [SceneKind::Mechanism, SceneKind::Finger, SceneKind::Gripper][count];
+        Err(WrongKind { scene: self.name.clone(), found: self.kind, required })
     }
 }
 

@@ -27,7 +27,7 @@ use crate::shape;
 /// Returns all problems of the text, or an error if the scene is of another kind.
 pub fn parse(text: &str, file_name: &str) -> Result<Scene, SceneError> {
     let scene = parse_any(text, file_name)?;
-    match scene.kind() {
+    match scene.kind {
         SceneKind::Finger => Ok(scene),
         kind => Err(invalid(text, file_name)(vec![not_a_finger(text, kind)])),
     }
@@ -149,12 +149,17 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
                 }
             }
         }
-        // Initial positions are checked only if everything else is valid.
-        (None, Some(system)) => bodies::check_initial_positions(&root, system),
-        (_, None) => {}
+        (None, Some(of_discs)) if kind == SceneKind::Bodies => {
+            // Initial positions are checked only if everything else is valid.
+            bodies::check_initial_positions(&root, of_discs);
+            mechanism = Some(of_discs.mechanism().ok());
+            *of_discs = System::EMPTY;
+        }
+        _ => {}
     }
     Some(Scene {
         name: settings.name.unwrap_or_else(|| stem(file_name)),
+        kind,
         description: settings.description.unwrap_or_default(),
         source: checker.text.to_string(),
         system: system?,

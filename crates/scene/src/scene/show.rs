@@ -8,6 +8,7 @@ use toml::{Table, Value};
 use super::compose::{find, remove, texts, write_texts};
 use super::error::locate_problems;
 use super::keys::{join, pair_element};
+use super::keywords::SceneKind;
 use super::schema::top_level;
 use super::section::{Key, Section};
 use super::sections::{bodies, drive, law, list, mechanism, motion, table};
@@ -26,7 +27,7 @@ const OPTIONAL: [&str; 5] = ["design", "lengths", "half_plane", "table", "differ
 /// Returns the scene as simulated, with all values.
 pub fn show(scene: &Scene) -> String {
     let mut text = "# Scene with every default filled in; masses and lengths as simulated.\n".to_string();
-    let schema = top_level(scene.kind());
+    let schema = top_level(scene.kind);
     let exact = |value: &Value, value_type: &ValueType, _: &str| Some(toml_text(value, value_type, None));
     write_texts(&mut text, schema, &to_texts(schema, &resolved(scene), "", &exact), "");
     text
@@ -40,7 +41,7 @@ fn resolved(scene: &Scene) -> Table {
     let gravity: Vec<f64> = scene.mechanism.as_ref().map_or(system.gravity_m_s2, |of| of.gravity_m_s2).into();
     let mut file = table([
         ("name", scene.name.as_str().into()),
-        ("kind", scene.kind().keyword().into()),
+        ("kind", scene.kind.keyword().into()),
         ("duration", scene.duration_s.into()),
         ("gravity", gravity.into()),
         ("palm", system.palm.is_some().into()),
@@ -55,18 +56,14 @@ fn resolved(scene: &Scene) -> Table {
         file.insert("description".into(), scene.description.as_str().into());
     }
     if let Some(mechanism) = &scene.mechanism {
-        file.extend(mechanism::mechanism_settings(mechanism));
+        file.extend(match scene.kind {
+            SceneKind::Bodies => bodies::discs_settings(mechanism),
+            _ => mechanism::mechanism_settings(mechanism),
+        });
         return file;
     }
     match &system.fingers[..] {
-        [] => {
-            let discs: Table =
-                system.discs.iter().map(|disc| (disc.name.clone(), bodies::disc_settings(disc).into())).collect();
-            file.insert("discs".into(), discs.into());
-            let ground = system.palm.map(|ground| table([("level", ground.level_m.into())]).into());
-            file.extend(ground.map(|ground| ("half_plane".to_string(), ground)));
-            file.extend(system.between_discs.map(|law| ("contact".to_string(), law::contact_settings(&law).into())));
-        }
+        [] => {}
         [first, others @ ..] => {
             file.insert("object".into(), bodies::object_settings(system.object()).into());
             let has_motor = system.differential.is_none();
@@ -232,7 +229,7 @@ fn quantity(si: f64, dimension: Dimension, digits: Option<usize>) -> String {
 /// changed since its source was read is shown in full as it is now.
 pub fn show_written(scene: &Scene) -> String {
     let Ok(document) = DeTable::parse(&scene.source) else { return show(scene) };
-    let (schema, resolved) = (top_level(scene.kind()), resolved(scene));
+    let (schema, resolved) = (top_level(scene.kind), resolved(scene));
     let written = texts(document.get_ref(), &scene.source);
     let mut complete = written.clone();
     complete.entry("name").or_insert_with(|| toml::Value::String(scene.name.clone()).to_string().into());
@@ -243,7 +240,7 @@ pub fn show_written(scene: &Scene) -> String {
         match parse_any(&text, "scene.toml") {
             Ok(found) if found == (Scene { source: found.source.clone(), ..scene.clone() }) => {
                 // All values of a mechanism are given.
-                let derived = if scene.mechanism.is_some() {
+                let derived = if scene.kind == SceneKind::Mechanism {
                     String::new()
                 } else {
                     derived_values(schema, &resolved, &complete)

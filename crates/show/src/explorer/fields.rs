@@ -19,7 +19,7 @@ pub fn fields(scene: &Scene) -> Value {
     let written: toml::Table = scene.source.parse().unwrap_or_default();
     let field_order = field_order(&text);
     let mut found = Vec::new();
-    collect(schema_for(scene.kind()), "", Some(&resolved), Some(&written), &mut found);
+    collect(schema_for(scene.kind), "", Some(&resolved), Some(&written), &mut found);
     let position_in_text =
         |field: &Value| field_order.iter().position(|path| field["path"] == **path).unwrap_or(field_order.len());
     found.sort_by_cached_key(position_in_text);
@@ -29,7 +29,7 @@ pub fn fields(scene: &Scene) -> Value {
         .map(|field| &field["path"])
         .collect();
     json!({
-        "kind": scene.kind().keyword(),
+        "kind": scene.kind.keyword(),
         "name": &scene.name,
         "description": &scene.description,
         "design": design,

@@ -28,7 +28,6 @@ use crate::report::check::{RunCheckReport, summary_line};
 use crate::report::document::{Failure, RunData, RunReport};
 use crate::report::samples::{csv_head, csv_sample};
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Layer, Scene, SceneError, parse_any, parse_layers, setting_from_parts};
 use crate::trace::{
     Channel, Decimated, Event, Model, RequiredData, RunError, Sample, Schema, Sink, SinkError, run_analytic,
@@ -158,20 +157,20 @@ fn problems(error: &SceneError) -> Vec<Value> {
     document.collect()
 }
 
-/// Returns tables and a picture of the grasp at rest, as reported by `phalanx statics`; a scene of discs has neither.
+/// Returns tables and a picture of the grasp at rest, as reported by `phalanx statics`; a scene without fingers has neither.
 fn statics(scene: &Scene) -> Result<Value, Value> {
     let problem = |error: &dyn std::fmt::Display| {
         let help = "the run does not depend on this analysis";
         json!([{ "message": error.to_string(), "help": help, "line": null, "field": null }])
     };
-    let (report, caption, picture) = match scene.kind() {
-        SceneKind::Bodies | SceneKind::Mechanism => return Ok(json!({ "sections": [], "pictures": [] })),
-        SceneKind::Finger => {
+    let (report, caption, picture) = match scene.finger_count() {
+        0 => return Ok(json!({ "sections": [], "pictures": [] })),
+        1 => {
             let result = grasp(scene, &GraspOverrides::default()).map_err(|error| problem(&error))?;
             let picture = plot::grasp(scene, &result, PictureFormat::Column);
             (StaticsReport::new(&result).report(), "The grasp at rest: forces on the object", picture)
         }
-        SceneKind::Gripper => {
+        _ => {
             let posture = PostureRequest::Run { at_s: None, within_m: None };
             let request =
                 GripperGraspRequest { posture, mu_static: Vec::new(), motor_n_m: None, directions: DIRECTIONS };
@@ -257,7 +256,7 @@ fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
 /// Returns the result of the check of a run.
 fn check(scene: &Scene) -> Value {
     let found = check::check(Model::Analytic, scene, &|| true);
-    let report = RunCheckReport::new(&found, scene.kind() != SceneKind::Bodies);
+    let report = RunCheckReport::new(&found, scene.has_joints());
     json!({
         "verdict": found.verdict.name(),
         "text": summary_line(Some(&report), None),

@@ -53,7 +53,7 @@ fn curves(schema: &Schema, kind: SubjectKind, items: &[Item], quantities: &[Quan
         let value = |key: &str| -> Value {
             let channel = schema.channel(kind, subject, key);
             match (kind, key) {
-                (SubjectKind::Joint, "angle_rad") if !schema.is_mechanism => {
+                (SubjectKind::Joint, "angle_rad") if !schema.is_mechanism() => {
                     Box::new(move |sample| wrap_angle(channel.value(sample)))
                 }
                 _ => Box::new(move |sample| channel.value(sample)),
@@ -105,8 +105,9 @@ fn mechanism_panels(mechanism: &Mechanism, schema: &Schema, contacts: &[ShownCon
         of("Tendon tension", "N", SubjectKind::Tendon, &tendons, &[("", "tension_n", None)]),
         of("Tendon length", "m", SubjectKind::Tendon, &tendons, &[("", "length_m", Some("rate_m_s"))]),
         of("Position", "m", SubjectKind::Body, &bodies, &[("x", "x_m", Some("vx_m_s")), ("y", "y_m", Some("vy_m_s"))]),
+        of("Velocity", "m/s", SubjectKind::Body, &bodies, &[("vx", "vx_m_s", None), ("vy", "vy_m_s", None)]),
         of("Spin", "rad/s", SubjectKind::Body, &bodies, &[("spin", "spin_rad_s", None)]),
-        energy_panel(schema, true),
+        energy_panel(schema, !mechanism.joints.is_empty()),
     ];
     if mechanism.contacts.iter().all(|contact| contact.law.friction.is_none()) {
         panels.remove(1);
@@ -121,35 +122,30 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
         return mechanism_panels(mechanism, schema, contacts);
     }
     let system = &scene.system;
-    let has_fingers = !system.fingers.is_empty();
     let contact = |title, unit, key, rate| PanelPlan {
-        scale: if has_fingers { Scale::Logarithmic } else { Scale::Linear },
+        scale: Scale::Logarithmic,
         ..panel(title, unit, contact_curves(contacts, key, rate))
     };
-    let bodies = moving_bodies(system);
+    let object: Vec<Item> = system.moving_object().iter().map(|object| (object.name.clone(), String::new())).collect();
     let body = |title, unit, quantities: &[Quantity]| {
-        panel(title, unit, curves(schema, SubjectKind::Body, &bodies, quantities))
+        panel(title, unit, curves(schema, SubjectKind::Body, &object, quantities))
     };
-    let [position, velocity] = if has_fingers { ["Object", "Object velocity"] } else { ["Position", "Velocity"] };
+    let has_friction = |contact: &GripperContact| system.law(*contact).is_some_and(|law| law.friction.is_some());
+    let [angles, rates, torques] = finger_panels(system, schema);
     let mut panels = vec![
         contact("Normal force", "N", "normal_n", None),
         contact("Friction force", "N", "tangential_n", None),
         contact("Gap", "m", "gap_m", Some("gap_rate_m_s")),
-        body(position, "m", &[("x", "x_m", Some("vx_m_s")), ("y", "y_m", Some("vy_m_s"))]),
-        body(velocity, "m/s", &[("vx", "vx_m_s", None), ("vy", "vy_m_s", None)]),
-        match has_fingers {
-            true => body("Object angle", "rad", &[("angle", "angle_rad", Some("spin_rad_s"))]),
-            false => body("Spin", "rad/s", &[("spin", "spin_rad_s", None)]),
-        },
-        energy_panel(schema, has_fingers),
+        body("Object", "m", &[("x", "x_m", Some("vx_m_s")), ("y", "y_m", Some("vy_m_s"))]),
+        body("Object velocity", "m/s", &[("vx", "vx_m_s", None), ("vy", "vy_m_s", None)]),
+        body("Object angle", "rad", &[("angle", "angle_rad", Some("spin_rad_s"))]),
+        angles,
+        rates,
+        energy_panel(schema, true),
+        torques,
     ];
-    if !has_friction(system) {
+    if !system.gripper_contacts().iter().any(has_friction) {
         panels.remove(1);
-    }
-    if has_fingers {
-        let [angles, rates, torques] = finger_panels(system, schema);
-        let energy = panels.pop();
-        panels.extend([angles, rates].into_iter().chain(energy).chain([torques]));
     }
     panels.retain(|panel| !panel.curves.is_empty());
     panels
@@ -159,34 +155,17 @@ fn panel(title: &'static str, unit: &'static str, curves: Vec<Curve>) -> PanelPl
     PanelPlan { title, unit, scale: Scale::Linear, curves }
 }
 
-/// The moving discs, or the moving object of fingers, which has no label.
-fn moving_bodies(system: &System) -> Vec<Item> {
-    if !system.fingers.is_empty() {
-        return system.moving_object().iter().map(|object| (object.name.clone(), String::new())).collect();
-    }
-    let moving = system.discs.iter().filter(|disc| disc.motion.moves());
-    moving.map(|disc| (disc.name.clone(), disc.name.clone())).collect()
-}
-
-fn has_friction(system: &System) -> bool {
-    let gripper = |place: &GripperContact| system.law(*place).is_some_and(|law| law.friction.is_some());
-    match system.fingers.is_empty() {
-        true => system.between_discs.is_some_and(|law| law.friction.is_some()),
-        false => system.gripper_contacts().iter().any(gripper),
-    }
-}
-
-fn energy_panel(schema: &Schema, has_fingers: bool) -> PanelPlan {
+fn energy_panel(schema: &Schema, has_joints: bool) -> PanelPlan {
     let mut quantities: Vec<Quantity> = vec![
         ("kinetic", "kinetic_j", None),
-        (if has_fingers { "motor work" } else { "drive work" }, "motor_work_j", None),
+        (if has_joints { "motor work" } else { "drive work" }, "motor_work_j", None),
         ("dissipated", "dissipated_j", None),
         ("spring", "spring_j", None),
         ("contact", "elastic_j", None),
         ("gravity", "gravity_j", None),
         ("balance", "balance_j", None),
     ];
-    quantities.retain(|(name, ..)| has_fingers || *name != "spring");
+    quantities.retain(|(name, ..)| has_joints || *name != "spring");
     let system = [("energy".to_string(), String::new())];
     panel("Energy", "J", curves(schema, SubjectKind::Energy, &system, &quantities))
 }

@@ -71,7 +71,7 @@ pub fn outlines(bodies: &[Body], poses: &[Pose]) -> Vec<(Vec<Point>, Colour)> {
             BodyRole::Proximal => PROXIMAL,
             BodyRole::Distal => DISTAL,
             BodyRole::Object => OBJECT,
-            BodyRole::Palm | BodyRole::Disc => return Vec::new(),
+            BodyRole::Palm => return Vec::new(),
         };
         // The bar of a proximal phalanx lies within its contact surface except for the corners, so it is omitted.
         let is_covered = |shape: &&Shape| body.role == BodyRole::Proximal && matches!(shape, Shape::Polygon { .. });

@@ -4,16 +4,14 @@ use serde::Serialize;
 
 use super::named::Named;
 use crate::criteria::Rebound;
-use crate::scene::keywords::SceneKind;
 use crate::trace::{Outcome, Schema};
 
 /// The contacts of a run by name, such as `distal` for one finger, `right_distal` for two fingers, or `hammer-anvil`
-/// for discs, in the order of their names.
+/// for discs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Contacts {
     pub all: Named<ContactReport>,
-    /// Whether the scene consists of discs only, whose names are given by the user.
     #[serde(skip)]
     /// Whether names come from the scene, rather than being keys.
     has_own_names: bool,
@@ -46,7 +44,7 @@ pub struct SurfaceReport {
     /// Number of transitions from stiction to slip; omitted if 0.
     #[serde(skip_serializing_if = "is_zero")]
     pub slips: u32,
-    /// First impact of a pair of discs.
+    /// First impact of free discs.
     #[serde(flatten)]
     pub rebound: Option<ReboundReport>,
 }
@@ -72,9 +70,8 @@ pub struct LimitReport {
 }
 
 impl Contacts {
-    /// Builds the report of the contacts of this schema; for discs with the available rebounds.
+    /// Builds the report of the contacts of this schema; with rebounds, if there are any.
     pub fn new(schema: &Schema, outcome: &Outcome, rebounds: &[Rebound]) -> Self {
-        let is_discs_only = schema.kind() == SceneKind::Bodies;
         let report = |index: usize| {
             let (summary, last) = (&outcome.contacts[index], outcome.last.contact(index));
             if schema.contacts[index].is_angular {
@@ -102,18 +99,15 @@ impl Contacts {
                 passed_through: summary.passed_through(),
                 impulse_n_s: summary.impulse_n_s,
                 slips: summary.slips,
-                rebound: is_discs_only.then(|| rebound.unwrap_or_default()),
+                rebound,
             })
         };
         // Omit contacts that a gripper does not have, such as that of the object with a table.
         let is_present = |index: &usize| schema.fingers.len() < 2 || outcome.last.contact(*index).gap_m.is_finite();
         let count = schema.contacts.len().min(outcome.contacts.len()).min(outcome.last.counts().contacts);
         let name = |index: usize| schema.contacts[index].name.clone();
-        let mut all: Named<_> = (0..count).filter(is_present).map(|index| (name(index), report(index))).collect();
-        if is_discs_only {
-            all.0.sort_by(|a, b| a.0.cmp(&b.0));
-        }
-        Contacts { all, has_own_names: schema.fingers.is_empty() }
+        let all = (0..count).filter(is_present).map(|index| (name(index), report(index))).collect();
+        Contacts { all, has_own_names: schema.is_mechanism() }
     }
 
     /// Contacts between surfaces with their display names.

@@ -12,7 +12,6 @@ use super::tables;
 use crate::criteria::{Criteria, GraspCriteria, Rebound, scene_static_grasp};
 use crate::format::numbers::{G_M_S2, format_number};
 use crate::format::{Report, ToReport, format_duration};
-use crate::scene::keywords::SceneKind;
 use crate::scene::schema::{SettingsSection, columns};
 use crate::scene::{Engine, Integrator, Keyword, Response, Scene, Stepping};
 use crate::trace::{Energy, Model, Outcome, Schema, Work};
@@ -25,6 +24,9 @@ pub struct RunReport {
     pub scene: String,
     /// `finger`, `bodies` or `gripper`.
     pub kind: &'static str,
+    /// Whether bodies are connected by joints.
+    #[serde(skip)]
+    pub has_joints: bool,
     /// `analytic` or `engine`.
     pub model: &'static str,
     /// Requested duration; `end_s` is the time reached.
@@ -123,13 +125,14 @@ impl RunReport {
     /// Builds the report of a completed run, or of a run up to its failure `error`.
     pub fn new(scene: &Scene, model: Model, data: &RunData<'_>, error: Option<Failure>) -> Self {
         let (engine, outcome) = (model == Model::Engine, data.outcome);
-        let (kind, schema) = (scene.kind(), Schema::from_scene(scene));
-        let (finger, gripper) = (kind == SceneKind::Finger, kind == SceneKind::Gripper);
+        let (schema, count) = (Schema::from_scene(scene), scene.finger_count());
+        let (finger, gripper) = (count == 1, count == 2);
         let palm = scene.system.palm_motion.as_ref();
         let criteria = data.criteria.filter(|_| error.is_none());
         RunReport {
             scene: scene.name.clone(),
-            kind: kind.keyword(),
+            kind: scene.kind.keyword(),
+            has_joints: scene.has_joints(),
             model: model.name(),
             duration_s: scene.duration_s,
             steps: outcome.map(|outcome| outcome.work.steps),
@@ -151,17 +154,12 @@ impl RunReport {
             work: outcome.map(|outcome| outcome.work),
             integrator: (!engine).then_some(scene.integrator),
             engine: engine.then_some(scene.engine),
-            loop_gap_m: (finger || gripper).then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
+            loop_gap_m: scene.has_joints().then(|| outcome.filter(|_| engine).map(|outcome| outcome.loop_gap_m)),
             log: None,
             page: None,
             csv: None,
             check: None,
         }
-    }
-
-    /// Whether the scene has fingers.
-    pub fn has_joints(&self) -> bool {
-        self.kind != SceneKind::Bodies.keyword()
     }
 }
 
@@ -173,7 +171,7 @@ impl ToReport for RunReport {
         sections.extend(tables::states(&self.states, self.end_s.unwrap_or_default()));
         sections.extend([
             self.contacts.as_ref().map(tables::contacts).into(),
-            self.energy.map(|energy| tables::energies(&energy, self.has_joints())).into(),
+            self.energy.map(|energy| tables::energies(&energy, self.has_joints)).into(),
             self.criteria.flatten().as_ref().map(tables::criteria).into(),
             no_criteria.map(|reason| format!("no class: {reason}\n")).into(),
             self.grasp.iter().flatten().next().map(GraspReport::text).into(),
@@ -185,7 +183,7 @@ impl ToReport for RunReport {
 
 impl RunReport {
     fn heading(&self) -> String {
-        let settings = settings_text(self.integrator.as_ref(), self.engine.as_ref(), self.has_joints());
+        let settings = settings_text(self.integrator.as_ref(), self.engine.as_ref(), self.has_joints);
         let mut lines = vec![
             format!("{}: {} model{settings}", self.scene, self.model),
             format!("{}{} of wall time", self.effort(), format_duration(self.wall_s)),
@@ -234,7 +232,7 @@ impl Failure {
 }
 
 /// Describes the settings of the model; empty if they are unknown.
-pub fn settings_text(integrator: Option<&Integrator>, engine: Option<&Engine>, has_fingers: bool) -> String {
+pub fn settings_text(integrator: Option<&Integrator>, engine: Option<&Engine>, has_joints: bool) -> String {
     if let Some(Integrator { method, rtol, preset, .. }) = integrator {
         return format!(", {} (rtol {rtol:e}, {} preset)", method.keyword(), preset.keyword());
     }
@@ -243,14 +241,14 @@ pub fn settings_text(integrator: Option<&Integrator>, engine: Option<&Engine>, h
         Stepping::Fixed { step_s } => format!("steps of {}", format_duration(step_s)),
         Stepping::Adaptive { tolerance_m, max_step_s } => format!(
             "{} within {} m per step, steps up to {}",
-            if has_fingers { "joints" } else { "discs" },
+            if has_joints { "joints" } else { "bodies" },
             format_number(tolerance_m, 3),
             format_duration(max_step_s)
         ),
     };
     let law = if matches!(settings.response, Response::Rapier { .. }) { ", rapier's own contact" } else { "" };
     let (construction, iterations) = (settings.construction.keyword(), settings.iterations);
-    match has_fingers {
+    match has_joints {
         true => format!(", {construction} construction ({stepping}, {iterations} sweeps{law})"),
         false => format!(", {stepping}{law}"),
     }

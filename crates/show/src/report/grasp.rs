@@ -8,7 +8,6 @@ use crate::criteria::{CycleCriteria, Fate, GraspCriteria, fate_reason, is_form_c
 use crate::format::numbers::{format_number, or_dash};
 use crate::format::report::{Report, table_of};
 use crate::scene::Scene;
-use crate::scene::keywords::SceneKind;
 use crate::statics::ForceClosure;
 use crate::trace::Sample;
 use crate::units::Dimension;
@@ -30,7 +29,7 @@ pub struct GraspReport {
 impl GraspReport {
     /// Builds the report of a run that ended with the sample `last`; without the scene there is no form closure.
     pub fn new(found: &GraspCriteria, scene: Option<&Scene>, last: &Sample) -> Self {
-        let gripper = scene.filter(|scene| scene.kind() == SceneKind::Gripper);
+        let gripper = scene.filter(|scene| scene.finger_count() == 2);
         // Fingers that have released the object hold nothing.
         let holding = gripper.filter(|_| found.fate == Fate::Held && found.cycle.release_s.is_none());
         GraspReport {

@@ -1,12 +1,11 @@
 //! Final states of fingers and bodies in the JSON document. A single finger has the key `final`; two fingers have the
-//! key `fingers`, and their object the key `object`; without fingers, bodies have the key `discs`. A mechanism has
-//! `joints`, `actuators`, `tendons` and `bodies`.
+//! key `fingers`, and their object the key `object`. A mechanism has `joints`, `actuators`, `tendons` and `bodies`.
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::named::Named;
-use crate::scene::keywords::SceneKind;
+use crate::mechanism::Mechanism;
 use crate::scene::{DiscMotion, Scene};
 use crate::trace::schema::{Quantity, State as _, SubjectKind};
 use crate::trace::{BodyState, FingerState, Outcome, Schema};
@@ -14,7 +13,7 @@ use crate::trace::{BodyState, FingerState, Outcome, Schema};
 /// A body at the end of the run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyReport {
-    /// `free`, `driven`, `fixed`, or `jointed` in a mechanism; `unknown` without a scene that has it.
+    /// `free`, `driven`, `fixed`, or `jointed` for a body with joints; `unknown` without a scene that has it.
     pub motion: &'static str,
     pub state: BodyState,
 }
@@ -52,9 +51,8 @@ pub struct States {
     pub tendons: Named<JointReport>,
     /// A single finger has an empty name.
     pub fingers: Named<FingerState>,
-    /// Sorted by name if there are no fingers.
     pub bodies: Named<BodyReport>,
-    kind: SceneKind,
+    finger_count: usize,
     has_outcome: bool,
 }
 
@@ -74,26 +72,25 @@ impl States {
     pub fn new(schema: &Schema, outcome: Option<&Outcome>, scene: Option<&Scene>) -> Self {
         let fingers = outcome.into_iter().flat_map(|outcome| schema.fingers.iter().zip(outcome.last.fingers()));
         let bodies = outcome.into_iter().flat_map(|outcome| schema.bodies.iter().zip(outcome.last.bodies()));
-        let discs = scene.map_or(&[][..], |scene| &scene.system.discs);
+        let object = scene.and_then(Scene::object);
         let mechanism = scene.and_then(|scene| scene.mechanism.as_ref());
-        let mechanism_motion = |name: &str| {
-            let mechanism = mechanism?;
+        let motion_in = |mechanism: &Mechanism, name: &str| {
             let body = mechanism.bodies.iter().position(|body| body.name == name)?;
             let is_jointed = mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
-            Some(if is_jointed { "jointed" } else { "free" })
+            Some(match &mechanism.bodies[body].motion {
+                Some(_) => "driven",
+                None if is_jointed => "jointed",
+                None => "free",
+            })
         };
-        let motion = |name: &str| match discs.iter().find(|disc| disc.name == name).map(|disc| &disc.motion) {
+        let motion = |name: &str| match object.map(|object| &object.motion) {
             Some(DiscMotion::Fixed) => "fixed",
             Some(DiscMotion::Driven { .. }) => "driven",
             Some(DiscMotion::Free { .. }) => "free",
-            None => mechanism_motion(name).unwrap_or("unknown"),
+            None => mechanism.and_then(|mechanism| motion_in(mechanism, name)).unwrap_or("unknown"),
         };
         let body = |(name, state): (&String, BodyState)| (name.clone(), BodyReport { motion: motion(name), state });
-        let mut bodies: Named<_> = bodies.map(body).collect();
-        if schema.fingers.is_empty() {
-            bodies.0.sort_by(|a, b| a.0.cmp(&b.0));
-        }
-        let subjects = if schema.is_mechanism { schema.subjects() } else { Vec::new() };
+        let subjects = if schema.is_mechanism() { schema.subjects() } else { Vec::new() };
         let quantities_of = |kinds: [SubjectKind; 2]| -> Named<JointReport> {
             let chosen = subjects.iter().filter(|subject| kinds.contains(&subject.kind));
             let values = chosen.zip(std::iter::repeat(outcome)).filter_map(|(subject, outcome)| {
@@ -109,8 +106,8 @@ impl States {
             actuators: quantities_of([SubjectKind::Actuator, SubjectKind::LinearActuator]),
             tendons: quantities_of([SubjectKind::Tendon; 2]),
             fingers: fingers.map(|(name, state)| (name.clone(), state)).collect(),
-            bodies,
-            kind: schema.kind(),
+            bodies: bodies.map(body).collect(),
+            finger_count: schema.fingers.len(),
             has_outcome: outcome.is_some(),
         }
     }
@@ -118,21 +115,18 @@ impl States {
     /// Returns the keys of the document and their values.
     pub fn entries(&self) -> Vec<(&'static str, Option<State<'_>>)> {
         let present = |state| self.has_outcome.then_some(state);
-        match self.kind {
-            SceneKind::Mechanism => vec![
+        match self.finger_count {
+            0 => vec![
                 ("joints", present(State::Joints(&self.joints))),
                 ("actuators", present(State::Joints(&self.actuators))),
                 ("tendons", present(State::Joints(&self.tendons))),
                 ("bodies", present(State::Bodies(&self.bodies))),
             ],
-            SceneKind::Bodies => vec![("discs", present(State::Bodies(&self.bodies)))],
-            SceneKind::Finger => vec![("final", self.fingers.first().map(State::Finger))],
-            SceneKind::Gripper => {
-                vec![
-                    ("fingers", present(State::Fingers(&self.fingers))),
-                    ("object", self.bodies.first().map(State::Body)),
-                ]
-            }
+            1 => vec![("final", self.fingers.first().map(State::Finger))],
+            _ => vec![
+                ("fingers", present(State::Fingers(&self.fingers))),
+                ("object", self.bodies.first().map(State::Body)),
+            ],
         }
     }
 }

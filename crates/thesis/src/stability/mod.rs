@@ -30,7 +30,6 @@ use crate::integrator::{Failure, Reason};
 use crate::invariants::{Finding, Invariant, Invariants};
 use crate::monitor::{Monitor, StudyError, map, require};
 use crate::numeric::plane::wrap_angle;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{Engine, Preset, Response, Scene, Stepping};
 use crate::trace::{FingerState, Model, RequiredData, RunError, Sample, Sink, SinkError, interpolate};
 
@@ -195,7 +194,7 @@ pub fn stability(scene: &Scene, grid: &Grid, accuracy_rad: f64, monitor: &Monito
 }
 
 fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
-    let finger = scene.require_kind(SceneKind::Finger).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+    let finger = scene.require_fingers(1).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
     require(finger.object().is_some(), || {
         "the scene has no contacts, so factors of contact stiffness and damping have no effect; add an object: [object] radius and \
          centre"

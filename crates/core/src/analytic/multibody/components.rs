@@ -340,16 +340,3 @@ pub(super) fn error_coordinates(system: &System) -> usize {
     let moving_discs = count_moving(system);
     3 * moving_discs + if system.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { 0 }
 }
-
-/// Number of moving discs in a system without fingers; an error if the system is too large for the model.
-pub(crate) fn count_moving_discs(system: &System) -> Result<usize, TooLarge> {
-    let moving_discs = count_moving(system);
-    let pairs = system.contact_ids().len();
-    let limit =
-        if system.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { MAX_DISC_PAIRS };
-    if moving_discs > MAX_MOVING_DISCS || pairs > limit {
-        Err(TooLarge::Discs { moving: moving_discs, pairs, limit })
-    } else {
-        Ok(moving_discs)
-    }
-}

@@ -7,10 +7,11 @@ use serde::Deserialize;
 use toml::Table;
 
 use super::finger::{FingerLengths, example_base_m};
+use super::law::contact_settings;
 use super::mechanism::outline::{OutlineSettings, outline};
 use super::{FINGER, FINGERS, GRIPPER, SceneSettings, list, table};
 use crate::limits::MAX_DISCS;
-use crate::mechanism::OutlineShape;
+use crate::mechanism::{Mechanism, OutlineShape, PrescribedMotion};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::keywords::Motion;
 use crate::scene::quantity::{
@@ -118,6 +119,47 @@ pub struct DiscSettings {
     /// Initial angular rate, counter-clockwise (motion = "free" or "driven").
     #[schemars(extend("x-with" = "motion = free|driven", "default" = "0 rad/s"))]
     pub spin: Option<Quantity<AngularRate>>,
+}
+
+/// Settings of discs, of the half plane below them, and of their contact law.
+pub fn discs_settings(mechanism: &Mechanism) -> Table {
+    let (mut discs, mut file) = (Table::new(), Table::new());
+    let mut add = |name: &str, radius_m: f64, [x, y, angle_rad]: [f64; 3], motion: DiscMotion| {
+        let disc = Disc { name: name.to_owned(), shape: Shape::Disc { radius_m }, centre_m: [x, y], angle_rad, motion };
+        discs.insert(name.to_owned(), disc_settings(&disc).into());
+    };
+    for body in &mechanism.bodies {
+        let [vx, vy, spin_rad_s] = body.rate;
+        let velocity_m_s = [vx, vy];
+        let motion = match body.motion {
+            Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 }) => {
+                DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s }
+            }
+            _ => DiscMotion::Free {
+                mass_kg: body.mass_kg,
+                inertia_kg_m2: body.rotates().then_some(body.inertia_kg_m2),
+                velocity_m_s,
+                spin_rad_s,
+            },
+        };
+        let radius_m = body.outlines.first().map_or(f64::NAN, |outline| outline.shape.radius_m());
+        add(&body.name, radius_m, body.pose, motion);
+    }
+    for outline in &mechanism.ground_outlines {
+        match outline.shape {
+            OutlineShape::Disc { center_m: [x, y], radius_m } => {
+                add(&outline.name, radius_m, [x, y, 0.0], DiscMotion::Fixed);
+            }
+            OutlineShape::HalfPlane { point_m: [_, level_m], .. } => {
+                file.insert("half_plane".into(), table([("level", level_m.into())]).into());
+            }
+            _ => {}
+        }
+    }
+    file.insert("discs".into(), discs.into());
+    let law = mechanism.contacts.first().map(|pair| ("contact".to_owned(), contact_settings(&pair.law).into()));
+    file.extend(law);
+    file
 }
 
 /// Settings of a given disc.

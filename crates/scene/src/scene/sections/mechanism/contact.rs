@@ -259,7 +259,7 @@ fn contact_entry(section: &SectionInput<'_>, mechanism: &Mechanism, known: &Know
     Some(
         pairs
             .into_iter()
-            .map(|([points, face], _)| ContactPair { points, face, law, rolling, force_point: at.0 })
+            .map(|([points, face], _)| ContactPair { name: None, points, face, law, rolling, force_point: at.0 })
             .collect(),
     )
 }
