@@ -3,7 +3,6 @@
 //!
 //! `cargo run --release --example logged -- run.mcap`
 
-use phalanx::scene::keywords::SceneKind;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -25,7 +24,7 @@ pub fn write(path: &Path) -> Result<(), Box<dyn Error>> {
 
 /// Returns the summary of a log, and its samples as arrays.
 pub fn read(path: &Path) -> Result<(LogSummary, Recording), Box<dyn Error>> {
-    let mut recording = Recording::new(&Schema::from_kind(SceneKind::Finger));
+    let mut recording = Recording::new(&Schema::for_fingers(1));
     let summary = log::read_file(path, &mut recording)?;
     Ok((summary, recording))
 }

@@ -6,7 +6,6 @@ use std::error::Error;
 
 use phalanx::criteria::Rebounds;
 use phalanx::prelude::*;
-use phalanx::scene::DiscMotion;
 
 /// Approach and separation speed, m/s, and peak force, N.
 pub struct Bounce {
@@ -20,17 +19,11 @@ pub fn bounces() -> Result<Vec<Bounce>, Box<dyn Error>> {
     let mut scene = scene::load_any("scenes/laws/impact.toml")?;
     let mut bounces = Vec::new();
     for speed_m_s in [1.0, 2.0, 4.0] {
-        let moving_disc = scene
-            .system
-            .discs
-            .iter_mut()
-            .find(|disc| disc.name == "hammer")
-            .ok_or("the scene has no disc \"hammer\"")?;
-        if let DiscMotion::Free { velocity_m_s, .. } = &mut moving_disc.motion {
-            *velocity_m_s = [speed_m_s, 0.0];
-        }
+        let mechanism = scene.mechanism.as_mut().ok_or("the scene has fingers")?;
+        let hammer = mechanism.bodies.iter_mut().find(|body| body.name == "hammer").ok_or("there is no hammer")?;
+        hammer.rate = [speed_m_s, 0.0, 0.0];
         // This sink records the first impact of each pair.
-        let mut rebounds = Rebounds::for_system(&scene.system);
+        let mut rebounds = Rebounds::for_mechanism(mechanism).ok_or("the mechanism has joints")?;
         let outcome = run(Model::Analytic, &scene, &mut rebounds)?;
         if let [pair] = rebounds.pairs()
             && let (Some(approach_m_s), Some(separation_m_s)) = (pair.approach_m_s, pair.separation_m_s)

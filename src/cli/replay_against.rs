@@ -213,7 +213,7 @@ fn comparison_notes(logs: &[LogReader<'_>; 2], runs: &[(Schema, Recording); 2], 
     notes
 }
 
-/// Retains only the discs and pairs that both logs contain, in the same order. Returns notes on the removed ones.
+/// Retains only the bodies and contacts that both logs contain, in the same order. Returns notes on the removed ones.
 fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> Vec<String> {
     let [first, second] = runs.each_ref().map(|(schema, _)| schema.clone());
     if first == second {
@@ -222,10 +222,10 @@ fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> V
     let subjects = [&first, &second].map(Subjects::new);
     let mut notes = Vec::new();
     for ((schema, others), label) in [(&first, &subjects[1]), (&second, &subjects[0])].into_iter().zip(labels) {
-        let discs = schema.bodies.iter().filter(|name| !others.bodies.contains_key(name.as_str()));
-        let pairs = schema.contacts.iter().map(|contact| &contact.name);
-        let pairs = pairs.filter(|name| !others.contacts.contains_key(name.as_str()));
-        for (part, names) in [("disc", discs.cloned().collect::<Vec<_>>()), ("pair", pairs.cloned().collect())] {
+        let bodies = schema.bodies.iter().filter(|name| !others.bodies.contains_key(name.as_str()));
+        let contacts = schema.contacts.iter().map(|contact| &contact.name);
+        let contacts = contacts.filter(|name| !others.contacts.contains_key(name.as_str()));
+        for (part, names) in [("body", bodies.cloned().collect::<Vec<_>>()), ("contact", contacts.cloned().collect())] {
             if !names.is_empty() {
                 notes.push(format!("only {label} has the {part} {}", names.join(", ")));
             }

@@ -120,7 +120,7 @@ pub struct Differences {
     pub loop_gap_m: f64,
     /// Largest excess of the energy balance, J.
     pub energy_created_j: f64,
-    /// The same relative to the motor's work, or for scenes of discs to the largest energy of the run.
+    /// The same relative to the motor's work, or for scenes without joints to the largest energy of the run.
     pub energy_created: f64,
 }
 

@@ -17,8 +17,8 @@
 //! every impact up to its lift-off, or in the first [`IMPACT_S`] of a lasting contact, where each model counts from its
 //! own touch-down; the opening of the engine's joints; spurious energy.
 //!
-//! For scenes of discs: positions of the discs, times of first contact, impulse and peak force of every pair, up to
-//! `until`. The members of the ensemble differ in speeds and gravity.
+//! For mechanisms: positions of the bodies, times of first contact, impulse and peak force of every contact; without
+//! joints up to `until`. The members of the ensemble differ in the actuation, springs, speeds and gravity.
 //!
 //! | file | content |
 //! |---|---|

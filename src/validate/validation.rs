@@ -32,7 +32,7 @@ pub struct FinerConfiguration {
 pub struct Validation {
     /// Trajectories are compared up to this time.
     pub until_s: f64,
-    /// Largest allowed error of the engine's trajectory, rad; for scenes of discs, m.
+    /// Largest allowed error of the engine's trajectory, rad; for scenes without joints, m.
     pub path_bound: f64,
     /// Run of the analytic model at its reference preset, on a dense grid, for the scene itself.
     pub reference: Recording,

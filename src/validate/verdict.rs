@@ -61,7 +61,7 @@ impl Verdict {
 }
 
 /// Judges the differences of the engine at the settings of the scene: angles and final forces of fingers, positions of
-/// bodies, and peak forces in scenes of discs.
+/// bodies, and peak forces in scenes without fingers.
 pub fn check_bounds(found: &Differences, bounds: &Bounds) -> Verdict {
     let (has_fingers, has_bodies) = (found.has_fingers(), !found.angle_end_rad.is_empty());
     let [position, impulse] = match has_fingers {

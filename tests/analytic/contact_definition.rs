@@ -2,42 +2,41 @@
 //! undefined.
 
 use crate::support::cli::{directory, path_in, run_json, succeed, write};
-use crate::support::laws::{
-    self, BOTH_MODELS, CollectSink, disc, driven, free, relative_error, spring, with_half_plane,
-};
+use crate::support::laws::{self, BOTH_MODELS, CollectSink, disc, driven, free, mechanism, relative_error, spring};
 use crate::support::runs::engineering_settings;
 use phalanx::criteria::{Rebound, Rebounds};
 use phalanx::law::NormalLaw;
 use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::{Bounds, Disc, DiscMotion, Scene, show};
+use phalanx::scene::{Bounds, DiscMotion, Scene, show};
 use phalanx::trace::{Event, EventKind, Model, Outcome, run};
 use phalanx::validate::validate;
 use serde_json::Value;
 
-/// Discs without friction, with default settings.
-fn bodies(discs: Vec<Disc>, normal: NormalLaw, duration_s: f64) -> Scene {
-    let (integrator, bounds) = (engineering_settings(), Bounds::defaults_for_run(SceneKind::Bodies, duration_s));
-    Scene { integrator, bounds, ..laws::scene(discs, normal, None, duration_s) }
+/// The scene with default settings.
+fn with_defaults(scene: Scene) -> Scene {
+    let bounds = Bounds::defaults_for_run(SceneKind::Bodies, scene.duration_s);
+    Scene { integrator: engineering_settings(), bounds, ..scene }
 }
 
 /// A disc that starts 1 mm inside the plane and is pulled out, so fast that the clamped normal force is zero.
 fn disc_pulled_out(speed: f64) -> Scene {
     let normal = NormalLaw::step(1e5, 1.0, 1e3, 1e-4);
     let hammer = disc("hammer", 0.01, [0.0, 9e-3], driven([0.0, speed], [0.0; 2]));
-    with_half_plane(bodies(vec![hammer], normal, 1e-3))
+    with_defaults(laws::scene_on_plane(vec![hammer], normal, None, 1e-3))
 }
 
 /// A ball whose centre starts at a height in mm with a velocity along y in m/s, under gravity along y in m/s².
 fn ball(height_mm: f64, velocity: f64, gravity: f64) -> Scene {
     let ball = disc("ball", 0.01, [0.0, 1e-3 * height_mm], free(0.1, None, [0.0, velocity]));
-    let mut scene = with_half_plane(bodies(vec![ball], spring(1e8, 1.5), 5e-3));
-    scene.system.gravity_m_s2 = [0.0, gravity];
+    let mut scene = with_defaults(laws::scene_on_plane(vec![ball], spring(1e8, 1.5), None, 5e-3));
+    mechanism(&mut scene).gravity_m_s2 = [0.0, gravity];
     scene
 }
 
 /// Returns the outcome of a run, and the rebound and touch-downs of its first pair.
 fn first_pair(model: Model, scene: &Scene) -> (Outcome, Rebound, Vec<Event>) {
-    let (mut log, mut rebounds) = (CollectSink::default(), Rebounds::for_system(&scene.system));
+    let (mut log, mut rebounds) =
+        (CollectSink::default(), Rebounds::for_mechanism(scene.mechanism.as_ref().expect("discs")).expect("no joints"));
     let outcome = run(model, scene, &mut log).unwrap_or_else(|error| panic!("{error}"));
     run(model, scene, &mut rebounds).expect("the same run");
     log.events.retain(|event| event.contact == 0 && event.kind == EventKind::TouchDown);
@@ -133,7 +132,7 @@ fn restitution_is_undefined_if_a_drive_causes_the_separation() {
             disc("a", 0.01, [0.0; 2], free(0.1, None, [approach, 0.0])),
             disc("b", 0.01, [0.02, 0.0], driven([0.0; 2], [acceleration, 0.0])),
         ];
-        first_pair(model, &bodies(discs, spring(1e5, 1.5), 20e-3)).1.restitution()
+        first_pair(model, &with_defaults(laws::scene(discs, spring(1e5, 1.5), None, 20e-3))).1.restitution()
     };
     for model in BOTH_MODELS {
         // An impact with a disc at rest.
@@ -155,7 +154,7 @@ fn fast_ball(height_mm: f64) -> String {
         disc("ball", 1e-3, [0.0, 1e-3 * height_mm], free(0.1, None, [0.0, -100.0])),
         disc("post", 1e-3, [0.0; 2], DiscMotion::Fixed),
     ];
-    show(&bodies(discs, spring(1e8, 1.5), 1e-3))
+    show(&with_defaults(laws::scene(discs, spring(1e8, 1.5), None, 1e-3)))
 }
 
 #[test]
@@ -193,8 +192,10 @@ fn a_half_plane_has_its_surface_at_its_level() {
     let fall_s = (2.0 * 1e-3 / 100.0_f64).sqrt();
     for level_mm in [-30.0, -0.5, 0.0, 12.5, 40.0] {
         let mut scene = ball(11.0, 0.0, -100.0);
-        scene.system.discs[0].centre_m[1] += 1e-3 * level_mm;
-        scene.system.palm.as_mut().expect("a half plane").level_m = 1e-3 * level_mm;
+        let of_ball = mechanism(&mut scene);
+        of_ball.bodies[0].pose[1] += 1e-3 * level_mm;
+        let plane = &mut of_ball.ground_outlines[0].shape;
+        *plane = plane.moved([0.0, 1e-3 * level_mm], 0.0);
         for model in BOTH_MODELS {
             let first_s = first_pair(model, &scene).0.contacts[0].first_s.expect("a contact");
             assert!(

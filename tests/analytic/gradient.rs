@@ -2,9 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::support::laws::{
-    EMPTY, change_contact_law, disc, free, free_translation, scene, scene_of, spring, with_half_plane,
-};
+use crate::support::laws::{disc, free, free_translation, mechanism_scene, scene, scene_on_plane, spring};
 use crate::support::mechanism_cases::mechanism_case;
 use crate::support::random::Random;
 use crate::support::random_mechanisms::random_mechanism;
@@ -116,7 +114,7 @@ fn a_pendulum_has_the_derivative_of_its_time_scale() {
 /// A disc of mass `m` at speed `v` that a linear spring `k` turns back.
 fn bounce(m: f64, k: f64, v: f64) -> Scene {
     let disc = disc("ball", 0.01, [0.0, 0.015], free(m, None, [0.0, -v]));
-    with_half_plane(scene(vec![disc], spring(k, 1.0), None, 0.03))
+    scene_on_plane(vec![disc], spring(k, 1.0), None, 0.03)
 }
 
 /// Touch-down at t₁ = s/v, lift-off at t₂ = t₁ + π √(m/k), and y = r + v (t − t₂) afterwards.
@@ -150,14 +148,13 @@ fn a_bounce_has_the_derivatives_of_half_a_period() {
 #[test]
 fn a_grazing_contact_has_no_derivative() {
     let thrown = |speed: f64| {
-        let mut scene = scene_of(EMPTY, 0.1);
         let height = 0.01 + (0.4 * 0.4) / (2.0 * 9.81) * (1.0 - 1e-12);
-        scene.system.discs = vec![
+        let discs = vec![
             disc("ball", 0.01, [0.0, 0.0], free_translation([0.0, speed])),
             disc("ceiling", 0.01, [0.0, height + 0.01], DiscMotion::Fixed),
         ];
-        scene.system.gravity_m_s2 = [0.0, -9.81];
-        scene.system.between_discs = Some(phalanx::law::ContactLaw { normal: spring(1e6, 1.5), friction: None });
+        let mut scene = scene(discs, spring(1e6, 1.5), None, 0.1);
+        scene.mechanism.as_mut().expect("discs").gravity_m_s2 = [0.0, -9.81];
         scene
     };
     let found = gradient_of(&parameter(0.4, thrown));
@@ -263,7 +260,7 @@ fn random_error(seed: u64) -> Option<f64> {
     let mechanism = random_mechanism(seed);
     let mut random = Random::for_seed(seed + 3_000_000);
     let (value, at) = random_parameter(&mechanism, &mut random);
-    let parameter = parameter(value, |value| Scene { mechanism: Some(at(value)), ..scene_of(EMPTY, 0.02) });
+    let parameter = parameter(value, |value| mechanism_scene(at(value), 0.02));
     let scene = (parameter.scene_at)(value).expect("a scene");
     let found = gradient(&scene, std::slice::from_ref(&parameter), &|| true).ok()?.remove(0);
     if let Some(reason) = &found.end.reason {
@@ -312,15 +309,9 @@ fn refusals_name_their_reasons() {
     // The parameter separates surfaces that touch at the start.
     let touching = parameter(0.01, |radius| {
         let disc = disc("ball", radius, [0.0, 0.01], free(0.05, None, [0.0, -0.1]));
-        with_half_plane(scene_with(disc))
+        scene_on_plane(vec![disc], NormalLaw::step(1e6, 1.5, 0.0, 1e-5), None, 0.01)
     });
     let found = gradient_of(&touching);
     let reason = found.end.reason.expect("a reason");
     assert!(reason.contains("at the start") || reason.contains("the events change"), "{reason}");
-}
-
-fn scene_with(disc: phalanx::scene::Disc) -> Scene {
-    let mut scene = scene(vec![disc], NormalLaw::step(1e6, 1.5, 0.0, 1e-5), None, 0.01);
-    change_contact_law(&mut scene, |_| {});
-    scene
 }

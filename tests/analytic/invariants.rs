@@ -2,9 +2,7 @@
 
 use FingerContact::{Distal, Limit, Proximal};
 
-use crate::support::laws::{
-    self, BOTH_MODELS, THESIS_FRICTION, THESIS_NORMAL, disc, free_translation, with_half_plane,
-};
+use crate::support::laws::{self, BOTH_MODELS, THESIS_FRICTION, THESIS_NORMAL, disc, free_translation};
 use crate::support::reference_cases::reference_case;
 use crate::support::synthetic;
 use phalanx::invariants::{Finding, Invariant, Invariants};
@@ -249,7 +247,7 @@ fn tolerances_depend_on_engine_settings() {
 #[test]
 fn invariants_apply_to_discs() {
     let discs = vec![disc("puck", 0.1, [0.0, 0.1], free_translation([1.0, 0.0]))];
-    let scene = with_half_plane(laws::scene(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 5e-3));
+    let scene = laws::scene_on_plane(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 5e-3);
     let changes: [(Change<Sample>, &[Invariant], Option<&str>); 7] = [
         (|_| {}, &[], None),
         (

@@ -2,14 +2,13 @@
 
 use phalanx::check::check;
 use phalanx::law::{Bristle, FrictionLaw};
+use phalanx::mechanism::OutlineShape;
 use phalanx::scene::{self, Integrator, Preset, Scene};
-use phalanx::shape::max_radius;
 use phalanx::trace::{EventKind, Model, Outcome, Sample};
 use phalanx::validate::{Settings, SolverConfiguration, ladder_configurations};
 
 use crate::support::laws::{
-    self, BOTH_MODELS, CollectSink, THESIS_FRICTION, THESIS_NORMAL, change_contact_law, free, run_to_end,
-    with_half_plane,
+    self, BOTH_MODELS, CollectSink, THESIS_FRICTION, THESIS_NORMAL, change_contact_law, free, mechanism, run_to_end,
 };
 use crate::support::runs::{self, assert_below, run_model};
 
@@ -32,14 +31,15 @@ const TOLERANCES: [(Model, f64); 2] = [(Model::Analytic, 1e-9), (Model::Engine, 
 #[test]
 fn a_block_on_an_incline_sticks_within_the_friction_cone_and_slides_beyond_it() {
     for (model, tolerance) in TOLERANCES {
-        let scene = load("holds");
+        let mut scene = load("holds");
         let last = run(model, &scene).0.last;
-        let stretch = 0.1 * scene.system.gravity_m_s2[0] / 1e9;
-        let shift = last.body(0).centre_m[0] - scene.system.discs[0].centre_m[0];
+        let holds = mechanism(&mut scene);
+        let stretch = 0.1 * holds.gravity_m_s2[0] / 1e9;
+        let shift = last.body(0).centre_m[0] - holds.bodies[0].pose[0];
         assert_below((shift - stretch).abs(), tolerance * 1e-6, format!("{model:?}: stretch"));
         assert_below(last.contact(0).slip_m_s.abs(), 1e-15, format!("{model:?}: slip"));
 
-        let [gx, gy] = load("slides").system.gravity_m_s2;
+        let [gx, gy] = mechanism(&mut load("slides")).gravity_m_s2;
         let speed = run(model, &load("slides")).0.last.body(0).velocity_m_s[0];
         assert_below((speed - (1.0 + 0.1 * (gx + 0.7 * 0.5 * gy))).abs(), tolerance, format!("{model:?}: speed"));
     }
@@ -70,8 +70,10 @@ fn a_sliding_disc_ends_up_rolling_without_creep() {
 fn wedge(distance: f64, angle_rad: f64) -> Scene {
     let mut scene = load("jams");
     let (sin, cos) = angle_rad.sin_cos();
-    for disc in scene.system.discs.iter_mut().filter(|disc| max_radius(&disc.shape) == 10.0) {
-        disc.centre_m = [disc.centre_m[0].signum() * distance * cos, -distance * sin];
+    for outline in &mut mechanism(&mut scene).ground_outlines {
+        if let OutlineShape::Disc { center_m, .. } = &mut outline.shape {
+            *center_m = [center_m[0].signum() * distance * cos, -distance * sin];
+        }
     }
     scene
 }
@@ -181,8 +183,7 @@ fn a_mass_pulled_below_v_static_creeps_without_stick_slip() {
 #[test]
 fn a_pinched_disc_sinks_with_regularised_friction_and_stays_with_stiction() {
     let mut scene = wedge(WEDGE_DISTANCE_M, 0.0);
-    scene.system.gravity_m_s2 = [0.0, -G];
-    let pinched = scene.system.discs.iter().position(|disc| disc.motion.moves()).expect("a moving disc");
+    mechanism(&mut scene).gravity_m_s2 = [0.0, -G];
     let (weight, normal) = (0.05 * G, 1e6 * 1e-4);
     let friction = laws::contact_law(&scene).friction.expect("friction");
     let bristle = friction.bristle.expect("a bristle");
@@ -194,9 +195,9 @@ fn a_pinched_disc_sinks_with_regularised_friction_and_stays_with_stiction() {
     for (model, duration_s) in [(Model::Analytic, 60.0), (Model::Engine, 0.2)] {
         scene.duration_s = duration_s;
         let last = run(model, &scene).0.last;
-        assert_below((last.body(pinched).centre_m[1] + stretch).abs(), 1e-12, format!("{model:?}: height"));
+        assert_below((last.body(0).centre_m[1] + stretch).abs(), 1e-12, format!("{model:?}: height"));
         assert_below(last.contact(0).slip_m_s.abs(), 1e-15, format!("{model:?}: slip"));
-        let speed = -run(model, &regularised).0.last.body(pinched).velocity_m_s[1];
+        let speed = -run(model, &regularised).0.last.body(0).velocity_m_s[1];
         assert_below((speed / sinking_speed - 1.0).abs(), 5e-3, format!("{model:?}: sinking speed"));
     }
 }
@@ -265,8 +266,8 @@ fn separated_contacts_have_no_stiction() {
     ];
     let friction =
         FrictionLaw { bristle: Some(Bristle { damping_n_s_per_m: 1e6, relaxation_s: 1e-3 }), ..THESIS_FRICTION };
-    let mut scene = with_half_plane(laws::scene(discs, THESIS_NORMAL, Some(friction), 1e-3));
-    scene.system.gravity_m_s2 = [0.0, G];
+    let mut scene = laws::scene_on_plane(discs, THESIS_NORMAL, Some(friction), 1e-3);
+    mechanism(&mut scene).gravity_m_s2 = [0.0, G];
     let (analytic, _) = run(Model::Analytic, &scene);
     for step_s in [1e-6, 2.5e-7] {
         let (engine, _) = run(Model::Engine, &laws::with_fixed_step(&scene, step_s));

@@ -3,7 +3,7 @@
 
 use crate::support::laws::{
     BOTH_MODELS, THESIS_FRICTION, THESIS_NORMAL, disc, driven, impact_scene, relative_error, run_to_end,
-    sampled_at_steps, scene, spring, with_fixed_step, with_half_plane,
+    sampled_at_steps, scene, scene_on_plane, spring, with_fixed_step,
 };
 use crate::support::runs::{assert_below, assert_near, assert_relative};
 use phalanx::law::NormalLaw;
@@ -87,7 +87,7 @@ fn friction_force_is_mu_of_v_times_the_normal_force() {
     let start = [0.0, 0.1 - 1e-5];
     // x of the disc decreases at first, so slip along the tangent (−1, 0) falls from 0.3 m/s to −0.3 m/s.
     let discs = vec![disc("slider", 0.1, start, driven([-0.3, 0.0], [6.0, 0.0]))];
-    let mut scene = with_half_plane(scene(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 0.1));
+    let mut scene = scene_on_plane(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 0.1);
     scene.log.numeric_hz = 2e4;
     let normal = 1e8 * 1e-5f64.powf(2.2);
     for model in BOTH_MODELS {
@@ -121,7 +121,7 @@ fn friction_force_is_mu_of_v_times_the_normal_force() {
 fn spin_causes_slip() {
     let motion = DiscMotion::Driven { velocity_m_s: [0.0; 2], acceleration_m_s2: [0.0; 2], spin_rad_s: 1.5 };
     let discs = vec![disc("wheel", 0.1, [0.0, 0.1 - 1e-5], motion)];
-    let scene = with_half_plane(scene(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 10e-3));
+    let scene = scene_on_plane(discs, THESIS_NORMAL, Some(THESIS_FRICTION), 10e-3);
     for model in BOTH_MODELS {
         let last = run_to_end(model, &sampled_at_steps(model, scene.clone())).0.last;
         let contact = last.contact(0);
@@ -148,8 +148,8 @@ fn simulated_impact(model: Model, scene: &Scene, speed: f64) -> ImpactResult {
     assert_eq!(summary.touchdowns, 1, "{model:?}");
     let contact_start_s = log.event_time_s(0, EventKind::TouchDown);
     assert_near(contact_start_s, 1e-3, 1e-12, model.name());
-    let final_velocity = outcome.last.body(1).velocity_m_s;
-    assert_eq!((final_velocity[1], outcome.last.body(1).spin_rad_s), (0.0, 0.0));
+    let final_velocity = outcome.last.body(0).velocity_m_s;
+    assert_eq!((final_velocity[1], outcome.last.body(0).spin_rad_s), (0.0, 0.0));
     ImpactResult {
         contact_time_s: log.event_time_s(0, EventKind::LiftOff) - contact_start_s,
         restitution: -final_velocity[0] / speed,

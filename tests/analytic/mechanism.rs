@@ -446,7 +446,7 @@ fn with_all_components() -> MechanismCase {
     (hammer.name, hammer.pose, hammer.rate) = ("hammer".to_string(), [0.0, 0.175, 0.0], [0.1, -0.8, 2.0]);
     hammer.motion = Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [0.0, 5.0] });
     let face = OutlineId { body: Some(bodies.len()), outline: 0 };
-    contacts.push(ContactPair { face, force_point: ForcePoint::Each, ..contacts[1] });
+    contacts.push(ContactPair { face, force_point: ForcePoint::Each, ..contacts[1].clone() });
     let eyelet = |body, point_m| PathElement { body, point_m, radius_m: 0.0, side: 1.0 };
     let tension = Profile::Table { points: vec![(0.0, 0.5), (0.1, 3.0)], interpolation: Interpolation::Linear };
     tendons.push(Tendon {

@@ -7,7 +7,7 @@ use phalanx::scene::{self, Axis, Integrator, Move, PalmMotion, Preset, Ramp, Sce
 use phalanx::trace::{self, Model, Sample};
 use std::f64::consts::FRAC_PI_2;
 
-use crate::support::laws::{EMPTY, scene_of};
+use crate::support::laws::mechanism_scene;
 use crate::support::runs::CollectSink;
 
 /// Last sample of a run.
@@ -19,11 +19,7 @@ fn end_of(model: Model, scene: &Scene) -> Sample {
 
 /// Last sample of a mechanism at reference tolerances. No energy is created.
 fn end_of_mechanism(model: Model, mechanism: &Mechanism, duration_s: f64) -> Sample {
-    let scene = Scene {
-        mechanism: Some(mechanism.clone()),
-        integrator: Integrator::preset(Preset::Reference),
-        ..scene_of(EMPTY, duration_s)
-    };
+    let scene = mechanism_scene(mechanism.clone(), duration_s);
     let sample = end_of(model, &scene);
     let (energy, allowed) = (sample.energy(), if model == Model::Analytic { 1e-11 } else { 2e-5 });
     let exchanged_j = energy.kinetic_j + energy.motor_work_j.abs();
@@ -303,45 +299,4 @@ fn a_slider_that_does_not_rotate_on_a_turning_body_is_refused_by_name() {
     let error = find_groups(&mechanism).expect_err("a refusal").to_string();
     assert!(error.starts_with("the joint of the body `slider`, which does not rotate,"), "{error}");
     assert!(error.contains("--model engine"), "{error}");
-}
-
-/// Scenes of discs as mechanisms equal their closed-form kernel, also those in which all discs are driven.
-#[test]
-fn scenes_of_discs_as_mechanisms_equal_their_closed_form_kernel() {
-    for name in
-        ["impact", "two-free", "friction", "rolling", "radii", "bristle-slides", "bristle-holds", "impact-damper"]
-    {
-        let mut scene = scene::load_any(format!("scenes/laws/{name}.toml")).unwrap_or_else(|error| panic!("{error}"));
-        scene.integrator = Integrator::preset(Preset::Reference);
-        let mechanism = scene.mechanism().expect("no loops").into_owned();
-        let names: Vec<String> = mechanism.bodies.iter().map(|body| body.name.clone()).collect();
-        let (surfaces, _) = scene.system.contact_channels();
-        let reported: Vec<usize> = scene
-            .system
-            .reported_discs()
-            .iter()
-            .enumerate()
-            .filter(|(_, disc)| disc.motion.moves())
-            .map(|(index, _)| index)
-            .collect();
-        assert_eq!(reported.len(), names.len(), "{name}");
-        let general = Scene { mechanism: Some(mechanism), ..scene.clone() };
-        let [kernel, general] = [&scene, &general].map(|scene| end_of(Model::Analytic, scene));
-        for (body, disc) in reported.into_iter().enumerate() {
-            let [expected, found] = [kernel.body(disc), general.body(body)];
-            let differences = [0, 1].map(|k| (expected.centre_m[k] - found.centre_m[k]).abs());
-            assert!(differences.iter().all(|difference| *difference < 1e-10), "{name}: {expected:?} {found:?}");
-            assert!((expected.angle_rad - found.angle_rad).abs() < 1e-8, "{name}: {expected:?} {found:?}");
-        }
-        for (channel, surface) in surfaces.into_iter().enumerate() {
-            let [expected, found] = [kernel.contact(surface), general.contact(channel)];
-            let difference = (expected.impulse_n_s - found.impulse_n_s).abs();
-            assert!(difference < 1e-7 * expected.impulse_n_s.max(1e-3), "{name}: {expected:?} {found:?}");
-        }
-        let [expected, found] = [kernel.energy(), general.energy()];
-        // Where nothing accelerates, the powers alone determine the steps.
-        let allowed = 1e-6 * expected.dissipated_j.max(1e-2);
-        assert!((expected.dissipated_j - found.dissipated_j).abs() < allowed, "{name}: {expected:?} {found:?}");
-        assert!((expected.motor_work_j - found.motor_work_j).abs() < allowed, "{name}: {expected:?} {found:?}");
-    }
 }

@@ -6,8 +6,7 @@ use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, succeed_sil
 use phalanx::drawing::{self, BodyRole, Drawing, Pose, Shape};
 use phalanx::gripper::{Posture, joint_positions};
 use phalanx::plot::{Linkage, linkage};
-use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::{self, ContactId, Scene};
+use phalanx::scene::{self, Scene};
 use phalanx::shape::max_radius;
 use phalanx::trace::{FingerContact, FingerState, Model};
 use phalanx::validate::record;
@@ -110,17 +109,17 @@ fn disc_poses_match_samples() {
     let scene = scene::load_any("scenes/laws/two-free.toml").unwrap();
     let drawing = Drawing::from_scene(&scene);
     let recording = record(Model::Analytic, &scene).unwrap();
-    let offset = usize::from(scene.system.palm.is_some());
-    assert_eq!(drawing.bodies.len(), scene.system.discs.len() + offset);
+    let mechanism = scene.mechanism.as_ref().expect("discs");
+    // The ground is first.
+    assert_eq!(drawing.bodies.len(), 1 + mechanism.bodies.len());
     for sample in &recording.samples {
-        for (index, pose) in drawing::poses(&scene, sample).iter().skip(offset).enumerate() {
-            assert_eq!(pose.position_m, sample.body(index).centre_m);
-            assert_eq!(pose.angle_rad, sample.body(index).angle_rad);
+        let poses = drawing::poses(&scene, sample);
+        for (pose, body) in poses.iter().skip(1).zip(sample.bodies()) {
+            assert_eq!((pose.position_m, pose.angle_rad), (body.centre_m, body.angle_rad));
         }
-        let (ContactId::Discs(disc, _) | ContactId::Palm(disc)) = scene.system.pairs()[0] else { panic!("a pair") };
-        let (index, contact) = (offset + disc, sample.contact(0));
-        let pose = &drawing::poses(&scene, sample)[index];
-        let distance_m = distance_from_surface(&drawing.bodies[index].shapes[0], pose, contact.point_m);
+        let index = 1 + mechanism.contacts[0].points.body.expect("a moving disc");
+        let point_m = sample.contact(0).point_m;
+        let distance_m = distance_from_surface(&drawing.bodies[index].shapes[0], &poses[index], point_m);
         assert!(distance_m < 1e-12, "{distance_m}");
     }
     assert!(drawing.arrow_m_per_n > 0.0 && drawing.arrow_m_per_n.is_finite());
@@ -153,7 +152,7 @@ fn scenes(directory: &str) -> Vec<Scene> {
     let mut paths: Vec<_> = entries.map(|entry| entry.expect("entry").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
     paths.sort();
-    let load = |path| scene::load_any(path).ok().filter(|scene| scene.kind() == SceneKind::Finger);
+    let load = |path| scene::load_any(path).ok().filter(|scene| scene.finger_count() == 1);
     paths.into_iter().filter_map(load).collect()
 }
 
@@ -237,7 +236,7 @@ fn figure_errors_leave_files_unchanged() {
     for (scene, figure, part) in [
         (scene.as_str(), scene.as_str(), "the scene itself"),
         (scene.as_str(), missing_directory.as_str(), "does not exist; create it first (mkdir -p"),
-        ("scenes/laws/impact.toml", "figure.svg", "a scene of discs"),
+        ("scenes/laws/impact.toml", "figure.svg", "the symbols are those of a finger"),
     ] {
         assert_rejected(&["scene", "show", scene, "--figure", figure], &[part]);
     }

@@ -181,7 +181,7 @@ fn scene_text_is_never_markup() {
     let untrusted_text = "</script><script>alert(1)</script><!--<svg onload='x'>\"&amp;{{data}}\u{2028}";
     let mut scene = load("laws/two-free");
     scene.name = untrusted_text.to_string();
-    scene.system.discs[0].name = untrusted_text.to_string();
+    scene.mechanism.as_mut().expect("discs").bodies[0].name = untrusted_text.to_string();
     let recording = record(Model::Analytic, &scene).expect("a run");
     let named = build_playback(untrusted_text, &scene, &recording.samples, &recording.events, untrusted_text);
     let plain = build_playback("label", &load("laws/two-free"), &recording.samples, &recording.events, "text");

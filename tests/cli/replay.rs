@@ -139,8 +139,8 @@ fn every_sample_is_a_line_of_the_table() {
         ("scenes/free-swing.toml", 55, [("q21_rad", "/final/q21_rad"), ("kinetic_j", "/energy/kinetic_j")]),
         (
             "scenes/laws/impact.toml",
-            31,
-            [("hammer_x_m", "/discs/hammer/x_m"), ("hammer-anvil_impulse_n_s", "/contacts/hammer-anvil/impulse_n_s")],
+            25,
+            [("hammer_x_m", "/bodies/hammer/x_m"), ("hammer-anvil_impulse_n_s", "/contacts/hammer-anvil/impulse_n_s")],
         ),
         (GRIPPER, 130, [("left_q11_rad", "/fingers/left/q11_rad"), ("object_x_m", "/object/x_m")]),
     ] {
@@ -253,7 +253,7 @@ fn compares_two_logs() {
     let (rolling, _) = run_and_log("scenes/laws/rolling.toml", "rolling.mcap", &[]);
     let (impact, _) = run_and_log(discs, "impact.mcap", &[]);
     let report = succeed_json(&["replay", &rolling, "--against", &impact]);
-    assert_contains(&report["notes"].to_string(), &["only impact.mcap has the disc anvil, hammer"]);
+    assert_contains(&report["notes"].to_string(), &["only impact.mcap has the body hammer"]);
     assert_rejected(&["replay", &closing, "--against", &impact], &["two logs of one kind"]);
     // A lost part of one log is reported with status 1.
     let bytes = fs::read(&closing).expect("the log");

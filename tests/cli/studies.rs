@@ -153,7 +153,7 @@ fn stability_study_rejects_unsuitable_scenes_and_grids() {
         anchor.replace("[contact.friction]", "[contact]\nstiffness_si = 0\nexponent = 2.2\n[contact.friction]");
     let undamped = write(&directory, "undamped.toml", &undamped);
     let cases: [(&[&str], &str); 13] = [
-        (&["scenes/laws/step-size.toml"], "scene of discs"),
+        (&["scenes/laws/step-size.toml"], "scene of a mechanism"),
         (&["scenes/gripper/design-95.toml"], "scene of a gripper"),
         (&["scenes/free-swing.toml"], "has no contacts"),
         (&[&rigid], "rapier's own contact"),

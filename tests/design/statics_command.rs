@@ -174,7 +174,7 @@ fn rejects_scenes_without_a_grasp() {
     let (picture, missing) = (path_in(&directory, "x.svg"), path_in(&directory, "no/where.svg"));
     for (scene, picture, fragment) in [
         ("scenes/free-swing.toml", &picture, "no object"),
-        ("scenes/laws/spring.toml", &picture, "scene of discs"),
+        ("scenes/laws/spring.toml", &picture, "has no body without joints that has contacts"),
         ("scenes/hard/misses.toml", &picture, "make l21 longer"),
         ("scenes/nowhere.toml", &picture, "nowhere.toml"),
         (EXPERIMENT_95, &missing, "mkdir -p"),
@@ -406,7 +406,7 @@ fn rejects_invalid_options_of_grippers() {
         (&[GRIPPER, "--every", "7 deg"], "divide a full turn"),
         (&["scenes/gripper/fixed.toml"], "is fixed, so it needs no grasp"),
         (&["scenes/experiment-95.toml", "--at", "1 ms"], "--at needs a gripper"),
-        (&["scenes/laws/radii.toml"], "the grasp of a finger, a gripper or a mechanism"),
+        (&["scenes/laws/radii.toml"], "name the held body with --object"),
     ] {
         assert_rejected(&[&["statics"], args].concat(), &[message]);
     }

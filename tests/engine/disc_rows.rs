@@ -1,6 +1,6 @@
 //! Rows of discs at zero gaps: at rest they stay at rest at any position; hit at one end, they transmit the momentum.
 
-use crate::support::laws::{disc, free, run_to_end, scene, with_half_plane};
+use crate::support::laws::{disc, free, run_to_end, scene, scene_on_plane};
 use phalanx::law::NormalLaw;
 use phalanx::trace::{BodyState, Model, Outcome};
 
@@ -44,8 +44,8 @@ impl Row {
             disc(&format!("d{index}"), self.radius_m, centre_m, motion)
         });
         let normal = NormalLaw::step(self.stiffness, self.exponent, self.damping, 1e-5);
-        let scene = scene(row.collect(), normal, None, 0.5e-3);
-        run_to_end(Model::Engine, &if self.with_half_plane { with_half_plane(scene) } else { scene }).0
+        let of_discs = if self.with_half_plane { scene_on_plane } else { scene };
+        run_to_end(Model::Engine, &of_discs(row.collect(), normal, None, 0.5e-3)).0
     }
 
     /// Asserts that there is no motion, no contact force and no dissipation.

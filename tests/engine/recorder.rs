@@ -3,14 +3,14 @@
 use phalanx::scene::Scene;
 use phalanx::trace::{ContactSample, EventKind, FingerContact, Model};
 
-use crate::support::laws::{self, BOTH_MODELS, disc, free_translation, impact_scene, with_fixed_step, with_half_plane};
+use crate::support::laws::{self, BOTH_MODELS, disc, free_translation, impact_scene, mechanism, with_fixed_step};
 use crate::support::runs::{assert_relative, experiment_95, load, run_engine, run_model, run_to_end};
 
 /// A disc of 1 kg at rest on the half plane.
 fn resting_disc(gravity_m_s2: f64) -> Scene {
     let discs = vec![disc("puck", 0.05, [0.0, 0.05], free_translation([0.0; 2]))];
-    let mut scene = with_half_plane(laws::scene(discs, laws::THESIS_NORMAL, None, 1e-3));
-    scene.system.gravity_m_s2 = [0.0, gravity_m_s2];
+    let mut scene = laws::scene_on_plane(discs, laws::THESIS_NORMAL, None, 1e-3);
+    mechanism(&mut scene).gravity_m_s2 = [0.0, gravity_m_s2];
     scene
 }
 

@@ -200,7 +200,8 @@ fn draws_discs() {
     let scene = scene::load_any("scenes/laws/two-free.toml").expect("a scene");
     let (messages, _) = log_run(&scene, Model::Analytic);
     let last = messages_on_topic(&messages, "/tf").last().expect("pictures");
-    for (frame, disc) in decode_transforms(last).transforms.iter().zip(&scene.system.discs) {
+    let bodies = &scene.mechanism.as_ref().expect("discs").bodies;
+    for (frame, disc) in decode_transforms(last).transforms.iter().zip(bodies) {
         assert_eq!(frame.child_frame_id, disc.name);
         let topic = format!("/body/{}", disc.name);
         let state = messages.iter().rfind(|message| message.0 == topic && message.1 == last.1).expect("a sample");
@@ -210,7 +211,7 @@ fn draws_discs() {
         assert_eq!((translation.x, translation.y), (number(1), number(2)));
     }
     let shapes = update(messages_on_topic(&messages, "/scene").next().expect("shapes"));
-    assert_eq!(shapes.entities.len(), scene.system.discs.len());
+    assert_eq!(shapes.entities.len(), 1 + bodies.len());
     assert!(messages_on_topic(&messages, "/forces").any(|message| !update(message).entities[0].arrows.is_empty()));
     let end = update(messages_on_topic(&messages, "/forces").last().expect("forces"));
     assert!(end.entities[0].arrows.is_empty(), "the discs have separated");

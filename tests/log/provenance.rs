@@ -4,8 +4,8 @@ use std::io::Cursor;
 use std::path::Path;
 
 use phalanx::log::{RunInfo, Writer, read, scene_text};
+use phalanx::mechanism::OutlineShape;
 use phalanx::scene::{Preset, Profile, Scene, load, load_any, parse, parse_any};
-use phalanx::shape::{Shape, max_radius};
 use phalanx::trace::{Model, run};
 
 fn anchor() -> Scene {
@@ -50,12 +50,20 @@ fn modified_scene_is_logged_as_simulated() {
     }
 }
 
+/// Scales the radius of the first moving disc.
+fn change_radius(scene: &mut Scene, factor: f64) {
+    let mechanism = scene.mechanism.as_mut().expect("discs");
+    if let OutlineShape::Disc { radius_m, .. } = &mut mechanism.bodies[0].outlines[0].shape {
+        *radius_m *= factor;
+    }
+}
+
 #[test]
 fn modified_discs_are_logged_as_simulated() {
     let scene = load_any(Path::new("scenes/laws/impact.toml")).expect("a scene");
     assert_eq!(scene_text(&scene), scene.source);
     let mut changed: Scene = scene.clone();
-    changed.system.discs[0].shape = Shape::Disc { radius_m: 1.25 * max_radius(&scene.system.discs[0].shape) };
+    change_radius(&mut changed, 1.25);
     let text = scene_text(&changed);
     let read = parse_any(&text, "scene.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
     assert_eq!(Scene { source: changed.source.clone(), ..read }, changed);

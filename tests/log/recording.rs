@@ -1,6 +1,5 @@
 //! Recording of a run as arrays: same columns as `replay --csv`, same peaks as the run.
 
-use phalanx::scene::keywords::SceneKind;
 use std::fs;
 
 use phalanx::log::{read_file, run_to};
@@ -53,11 +52,11 @@ fn recording_matches_the_csv_table() {
         let table = read_csv_table(&path);
         assert_same_columns(&recording, &table);
         // Reading the log gives the same arrays.
-        let mut read = Recording::new(&Schema::from_kind(scene.kind()));
+        let mut read = Recording::new(&Schema::for_fingers(scene.finger_count()));
         read_file(&path, &mut read).expect("a log");
         assert_same_columns(&read, &table);
         assert_eq!(read.events(), recording.events());
-        if scene.kind() != SceneKind::Finger {
+        if scene.finger_count() != 1 {
             assert!(recording.column("hammer_x_m").is_some() && recording.column("hammer-anvil_normal_n").is_some());
             assert_eq!(read, recording);
             assert!(recording.events().len() >= 2);
@@ -70,7 +69,7 @@ fn maximum_of_a_column_is_the_peak_of_the_run() {
     let scene = load(FINGER_SCENE).expect("a scene");
     let (outcome, recording) = record(Model::Analytic, &scene).expect("a run");
     // A second recording is not decimated.
-    let mut all_steps = Recording::new(&Schema::from_kind(SceneKind::Finger));
+    let mut all_steps = Recording::new(&Schema::for_fingers(1));
     run(Model::Analytic, &scene, &mut all_steps).expect("a run");
     assert!(all_steps.time().len() >= recording.time().len());
     assert!(all_steps.time().is_sorted() && recording.time().is_sorted());
@@ -115,7 +114,7 @@ fn slip_events_are_read_back_from_a_log() {
             let mut contacts = outcome.contacts.iter().enumerate();
             assert!(contacts.all(|(contact, summary)| summary.slips == slips(contact)), "{scene}");
             run_to(&loaded, model, &path).expect("a run");
-            let mut read = Recording::new(&Schema::from_kind(loaded.kind()));
+            let mut read = Recording::new(&Schema::for_fingers(loaded.finger_count()));
             assert!(read_file(&path, &mut read).expect("a log").is_complete());
             assert_eq!(read.events(), recording.events(), "{scene}, {}", model.name());
             succeed(&["replay", path_text(&path), "--verify", "--json"]);

@@ -7,7 +7,6 @@ use crate::support::synthetic::{lift_off, reload, sample, scene, touch_down};
 use mcap::{MessageStream, Summary};
 use phalanx::log::{RunInfo, Severity, Writer, metadata};
 use phalanx::scene::Scene;
-use phalanx::scene::keywords::SceneKind;
 use phalanx::trace::{Event, FingerContact, Recording, Sample, Schema, Sink};
 use prost_reflect::{DescriptorPool, DynamicMessage, ReflectMessage, Value};
 
@@ -104,7 +103,7 @@ fn every_value_is_read_back_unchanged() {
         scene.log.joint_forces = joint_forces;
         read(&write(&scene, &records))
     });
-    let mut recording = Recording::new(&Schema::from_kind(SceneKind::Finger));
+    let mut recording = Recording::new(&Schema::for_fingers(1));
     for record in &records {
         if let Record::Sample(sample) = record {
             recording.sample(sample).expect("recorded");

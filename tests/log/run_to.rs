@@ -5,7 +5,6 @@ use std::path::Path;
 
 use phalanx::log::{LoggedRunError, read_file, run_into, run_to};
 use phalanx::scene::{Profile, Scene, load, load_any};
-use phalanx::shape::{Shape, max_radius};
 use phalanx::trace::{FingerContact, Model, RunError};
 
 use crate::support::cli::{directory, path_in, path_text, run_json, succeed};
@@ -77,8 +76,10 @@ fn logs_of_modified_scenes_verify() {
         }
     }
     let mut scene = discs();
-    scene.system.discs[0].shape = Shape::Disc { radius_m: 1.03 * max_radius(&scene.system.discs[0].shape) };
-    scene.system.discs[1].name = "thrown".to_string();
+    let mechanism = scene.mechanism.as_mut().expect("discs");
+    mechanism.bodies[0].name = "thrown".to_string();
+    mechanism.bodies[0].mass_kg *= 1.03;
+    mechanism.contacts[0].name = Some("thrown-anvil".to_string());
     scene.duration_s = 13.3e-3;
     let run = run_to(&scene, Model::Analytic, &path).expect("a run");
     assert!(run.rebounds[0].restitution().is_some_and(|ratio| ratio < 1.0), "{:?}", run.rebounds);

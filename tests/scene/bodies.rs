@@ -1,9 +1,9 @@
 //! Scenes of discs: defaults, keys, round trips, and messages.
 
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::mechanism::{Mechanism, OutlineShape, PrescribedMotion};
 use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::{self, Bounds, ContactId, DiscMotion, Engine, HalfPlane, Integrator, Preset, Response, Scene};
-use phalanx::shape::max_radius;
+use phalanx::scene::{self, Bounds, Engine, Integrator, Preset, Response, Scene};
 use proptest::prelude::*;
 use serde_json::Value;
 
@@ -12,9 +12,13 @@ use crate::support::cli::{path_text, succeed};
 
 const BALL: &str = "[discs.ball]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"25 mm\"]\nmass = \"50 g\"\n";
 
+fn mechanism(scene: &Scene) -> &Mechanism {
+    scene.mechanism.as_ref().expect("discs")
+}
+
 /// Returns the law of all contacts.
 fn law(scene: &Scene) -> ContactLaw {
-    scene.system.between_discs.expect("a law")
+    mechanism(scene).contacts[0].law
 }
 
 fn scene_with(rest: &str) -> Scene {
@@ -23,15 +27,15 @@ fn scene_with(rest: &str) -> Scene {
 
 #[test]
 fn a_short_scene_has_the_defaults() {
-    let scene = scene_with("");
-    assert_eq!((scene.name.as_str(), scene.description.as_str()), ("test", ""));
-    assert_eq!((scene.system.gravity_m_s2, scene.duration_s, scene.system.palm), ([0.0; 2], 0.02, None));
-    let [ball] = scene.system.discs.as_slice() else { panic!("{:?}", scene.system.discs) };
-    assert_eq!((ball.name.as_str(), max_radius(&ball.shape), ball.centre_m), ("ball", 0.02, [0.001, 0.025]));
+    let scene = scene_with("[half_plane]\n");
+    assert_eq!((scene.name.as_str(), scene.description.as_str(), scene.duration_s), ("test", "", 0.02));
+    let mechanism = mechanism(&scene);
+    assert_eq!((mechanism.gravity_m_s2, mechanism.joints.len()), ([0.0; 2], 0));
+    let [ball] = mechanism.bodies.as_slice() else { panic!("{:?}", mechanism.bodies) };
+    assert_eq!((ball.name.as_str(), ball.reach_m(), ball.pose), ("ball", Some(0.02), [0.001, 0.025, 0.0]));
     // A homogeneous disc: m r²/2 = 0.05 × 0.02²/2.
-    let DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } = ball.motion else { panic!("{ball:?}") };
-    assert_eq!((mass_kg, velocity_m_s, spin_rad_s), (0.05, [0.0; 2], 0.0));
-    assert!((inertia_kg_m2.expect("it rotates") - 1e-5).abs() < 1e-19);
+    assert_eq!((ball.mass_kg, ball.rate, ball.motion.as_ref()), (0.05, [0.0; 3], None));
+    assert!((ball.inertia_kg_m2 - 1e-5).abs() < 1e-19);
     let normal = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
     assert_eq!((law(&scene).normal, law(&scene).friction), (normal, None));
     assert_eq!((scene.integrator, scene.engine), (Integrator::preset(Preset::Engineering), Engine::DEFAULT));
@@ -55,25 +59,22 @@ fn every_key_is_applied() {
          contact_time = \"3 us\"\nimpulse = 0.04\npeak_force = 0.05\nuntil = \"6 ms\"\n[log]\nnumeric_rate = \"1 kHz\"\n",
     );
     assert_eq!((scene.name.as_str(), scene.description.as_str(), scene.duration_s), ("all", "of them", 7e-3));
-    assert_eq!(
-        (scene.system.gravity_m_s2, scene.system.palm),
-        ([1.0, -9.81], Some(HalfPlane { level_m: -3e-3, contact: scene.system.between_discs }))
-    );
-    let names: Vec<&str> = scene.system.discs.iter().map(|disc| disc.name.as_str()).collect();
-    assert_eq!(names, ["a", "b", "c", "d"], "in the order of their names");
-    let motions: Vec<DiscMotion> = scene.system.discs.iter().map(|disc| disc.motion).collect();
+    let mechanism = mechanism(&scene);
+    assert_eq!(mechanism.gravity_m_s2, [1.0, -9.81]);
+    let names: Vec<&str> = mechanism.bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["a", "b", "d"], "in the order of their names");
     let spin_rad_s = std::f64::consts::TAU;
-    let free = |mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s| DiscMotion::Free {
-        mass_kg,
-        inertia_kg_m2,
-        velocity_m_s,
-        spin_rad_s,
-    };
-    assert_eq!(motions[0], free(2.0, Some(3.0), [-1.0, 0.0], spin_rad_s));
-    let driven = DiscMotion::Driven { velocity_m_s: [1.0, 2.0], acceleration_m_s2: [3.0, 4.0], spin_rad_s: 5.0 };
-    assert_eq!(motions[1], driven);
-    assert_eq!(motions[2], DiscMotion::Fixed);
-    assert_eq!(motions[3], free(1e-3, None, [0.0; 2], 0.0));
+    let [free, driven, block] = mechanism.bodies.as_slice() else { panic!("{:?}", mechanism.bodies) };
+    assert_eq!((free.mass_kg, free.inertia_kg_m2, free.rate), (2.0, 3.0, [-1.0, 0.0, spin_rad_s]));
+    let acceleration_m_s2 = [3.0, 4.0];
+    assert_eq!(driven.rate, [1.0, 2.0, 5.0]);
+    assert_eq!(driven.motion, Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 }));
+    assert_eq!((block.mass_kg, block.inertia_kg_m2, block.rate), (1e-3, f64::INFINITY, [0.0; 3]));
+    let ground: Vec<_> =
+        mechanism.ground_outlines.iter().map(|outline| (outline.name.as_str(), &outline.shape)).collect();
+    let fixed = OutlineShape::Disc { center_m: [0.0, 0.08], radius_m: 1e-3 };
+    let plane = OutlineShape::HalfPlane { point_m: [0.0, -3e-3], normal: [0.0, 1.0] };
+    assert_eq!(ground, [("c", &fixed), ("plane", &plane)]);
     let normal = NormalLaw::step(5.0, 1.0, 0.0, 1e-3);
     let friction =
         FrictionLaw { mu_static: 0.5, mu_dynamic: 0.35, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
@@ -96,17 +97,16 @@ fn pairs_include_a_moving_disc_and_are_named() {
         "[half_plane]\n[discs.anvil]\nradius = \"10 mm\"\ncentre = [\"60 mm\", \"20 mm\"]\nmotion = \"fixed\"\n\
          [discs.post]\nradius = \"10 mm\"\ncentre = [\"90 mm\", \"20 mm\"]\nmotion = \"fixed\"\n",
     );
-    let names: Vec<String> = scene.system.pairs().into_iter().map(|pair| scene.system.contact_name(pair)).collect();
+    let names: Vec<String> = mechanism(&scene).point_contacts().into_iter().map(|contact| contact.name).collect();
     assert_eq!(names, ["ball-anvil", "ball-post", "ball-plane"]);
-    assert_eq!(scene.system.pairs()[2], ContactId::Palm(1));
 }
 
 #[test]
 fn initial_overlaps_and_laws_without_spring_or_damper_are_accepted() {
     let post = "[discs.post]\nradius = \"20 mm\"\ncentre = [\"1 mm\", \"55 mm\"]\nmotion = \"fixed\"\n";
     scene_with(&format!("{post}[half_plane]\nlevel = \"10 mm\"\n"));
-    assert_eq!(law(&scene_with("[contact]\nstiffness_si = 0\n")).normal.stiffness_n_per_m_e, 0.0);
-    assert_eq!(law(&scene_with("[contact]\ndamping = \"0 N*s/m\"\n")).normal.damping_max(), 0.0);
+    assert_eq!(law(&scene_with("[half_plane]\n[contact]\nstiffness_si = 0\n")).normal.stiffness_n_per_m_e, 0.0);
+    assert_eq!(law(&scene_with("[half_plane]\n[contact]\ndamping = \"0 N*s/m\"\n")).normal.damping_max(), 0.0);
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn scene_commands_accept_discs() {
     let _ = std::fs::remove_file(&file);
     assert_round_trip(&parse(&shown));
     assert!(
-        checked.ends_with("valid: discs: free ball; fixed anvil; half plane at 0.00 mm; 2 pairs; 20.0 ms\n"),
+        checked.ends_with("valid: 1 body, 0 joints, 3 degrees of freedom, 0 actuators, 2 contacts; 20.0 ms\n"),
         "{checked}"
     );
 }

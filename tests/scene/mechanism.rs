@@ -95,7 +95,7 @@ fn shipped_mechanisms_are_the_reference_cases() {
     ] {
         let (scene, case) = (shipped(name), mechanism_case(case));
         let (found, expected) = (scene.mechanism.as_ref().expect("a mechanism"), &case.mechanism);
-        assert_eq!(scene.kind(), SceneKind::Mechanism);
+        assert_eq!(scene.kind, SceneKind::Mechanism);
         assert_eq!(scene.duration_s, case.duration_s, "{name}");
         assert_eq!(found.gravity_m_s2, expected.gravity_m_s2, "{name}");
         // The names of the reference begin with a side, and lists have another order.
@@ -482,7 +482,12 @@ fn the_mechanism_of_a_gripper_is_a_scene_file() {
     for (name, joints) in [("experiment-95", ["q11", "q22"]), ("gripper/seesaw", ["right_q11", "left_q22"])] {
         let of_fingers = scene::load_any(format!("scenes/{name}.toml")).expect("a scene");
         let mechanism = of_fingers.mechanism().expect("a closed loop").into_owned();
-        let written = Scene { mechanism: Some(mechanism), system: System::EMPTY, ..of_fingers.clone() };
+        let written = Scene {
+            kind: SceneKind::Mechanism,
+            mechanism: Some(mechanism),
+            system: System::EMPTY,
+            ..of_fingers.clone()
+        };
         let of_bodies = parse(&scene::show(&written));
         let ends = [&of_fingers, &of_bodies].map(|scene| {
             let mut samples = CollectSink::default();
@@ -513,7 +518,7 @@ fn objects_of_fingers_have_any_outline() {
     let disc = "object.outline.type=disc|object.outline.radius=20 mm";
     for (file, joint) in [("experiment-95", "q22"), ("gripper/offset", "left_q22"), ("gripper/fixed", "right_q11")] {
         let (plain, outlined) = (with_object(file, "name=plain"), with_object(file, disc));
-        assert_eq!(outlined.kind(), SceneKind::Mechanism);
+        assert_eq!(outlined.kind, SceneKind::Mechanism);
         assert_round_trip(&outlined);
         let [a, b] = [&plain, &outlined].map(|scene| end(scene, Model::Analytic, joint));
         assert!((a - b).abs() < 1e-6, "{file}: {a} {b}");

@@ -37,10 +37,9 @@ fn unsupported_systems_are_rejected_by_both_models() {
         scene.system.grasped_mut().motion = free(Some(1e-5));
         scene.system.discs.push(second_disc());
     };
-    let cases: [Case<'_>; 8] = [
+    let cases: [Case<'_>; 6] = [
         (GRIPPER, &|scene| scene.system.fingers.push(scene.finger().clone()), "more than two fingers"),
         (FINGER, &|scene| scene.system.differential = load(SEESAW).system.differential, "requires two fingers"),
-        (DISCS, &moving, "a moving palm requires fingers"),
         (FINGER, &moving, "the palm moves"),
         (
             GRIPPER,
@@ -52,7 +51,6 @@ fn unsupported_systems_are_rejected_by_both_models() {
         ),
         (FINGER, &two_discs, "no law"),
         (GRIPPER, &two_discs, "no law"),
-        (DISCS, &|scene| scene.system.between_discs = None, "no law"),
     ];
     for (path, change, message) in cases {
         let mut scene = load(path);
@@ -74,14 +72,10 @@ fn unsupported_systems_are_rejected_by_both_models() {
 fn discs_start_at_their_angle() {
     let mut scene = load(DISCS);
     scene.duration_s = 1e-4;
-    for (index, disc) in scene.system.discs.iter_mut().enumerate() {
-        disc.angle_rad = 0.25 + index as f64;
-    }
+    scene.mechanism.as_mut().expect("discs").bodies[0].pose[2] = 0.25;
     for model in [Model::Analytic, Model::Engine] {
-        let last = run(model, &scene, &mut ()).expect("a run").last;
-        for (disc, body) in scene.system.discs.iter().zip(last.bodies()) {
-            assert!((body.angle_rad - disc.angle_rad).abs() < 1e-6, "{}: {}: {body:?}", model.name(), disc.name);
-        }
+        let body = run(model, &scene, &mut ()).expect("a run").last.body(0);
+        assert!((body.angle_rad - 0.25).abs() < 1e-6, "{}: {body:?}", model.name());
     }
 }
 
@@ -109,6 +103,6 @@ fn other_scene_kinds_are_rejected() {
         assert_rejected(gripper_grasp(other, &request, keep_running), "gripper");
     }
     for other in [&finger, &gripper] {
-        assert_rejected(step_size(other, true, &Monitor::silent(keep_running)), "bodies");
+        assert_rejected(step_size(other, true, &Monitor::silent(keep_running)), "mechanism");
     }
 }

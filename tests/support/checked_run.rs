@@ -2,7 +2,6 @@
 
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant, Invariants, Tolerances};
-use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{Engine, Scene, Stepping};
 use phalanx::trace::{self, Event, Model, Outcome, RunError, Sample, Sink, SinkError};
 use phalanx::validate::{Recording, record, scene_sampled_at_steps};
@@ -68,7 +67,7 @@ fn run_with_invariants(model: Model, scene: &Scene, sink: &mut impl Sink) -> (Re
     };
     let mut violations = checked_sink.invariants.findings(loop_gap_m);
     violations.retain(Finding::is_violated);
-    if scene.kind() != SceneKind::Finger {
+    if scene.finger_count() != 1 {
         return (result, violations);
     }
     violations.retain(|finding| finding.invariant != Invariant::LoopGap || is_at_most_default_tolerance(&scene.engine));

@@ -3,6 +3,8 @@
 pub use super::runs::CollectSink;
 use super::runs::run_model;
 use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::mechanism::Mechanism;
+use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
     Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogSettings, Preset, Scene, Stepping, System, Thresholds,
 };
@@ -40,15 +42,22 @@ pub fn driven(velocity_m_s: [f64; 2], acceleration_m_s2: [f64; 2]) -> DiscMotion
     DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s: 0.0 }
 }
 
-/// A scene built in code, with reference integrator settings, the default engine and default bounds.
+/// A scene of fingers built in code, with reference integrator settings, the default engine and default bounds.
 pub fn scene_of(system: System, duration_s: f64) -> Scene {
+    let kind = if system.fingers.len() == 1 { SceneKind::Finger } else { SceneKind::Gripper };
+    Scene { kind, system, mechanism: None, ..mechanism_scene(Mechanism::default(), duration_s) }
+}
+
+/// The same for a mechanism.
+pub fn mechanism_scene(mechanism: Mechanism, duration_s: f64) -> Scene {
     Scene {
         name: "in-code".to_string(),
+        kind: SceneKind::Mechanism,
         description: String::new(),
         source: String::new(),
-        bounds: Bounds::defaults_for_run(system.kind(), duration_s),
-        system,
-        mechanism: None,
+        bounds: Bounds::defaults_for_run(SceneKind::Mechanism, duration_s),
+        system: EMPTY,
+        mechanism: Some(mechanism),
         duration_s,
         integrator: Integrator::preset(Preset::Reference),
         engine: Engine::DEFAULT,
@@ -62,29 +71,36 @@ pub const EMPTY: System = System::EMPTY;
 
 /// A scene of discs without gravity and half plane.
 pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {
-    let between_discs = Some(ContactLaw { normal, friction });
-    let mut scene = scene_of(System { discs, between_discs, ..EMPTY }, duration_s);
+    disc_scene(discs, ContactLaw { normal, friction }, None, duration_s)
+}
+
+/// A scene of discs above a half plane at y = 0.
+pub fn scene_on_plane(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {
+    let law = ContactLaw { normal, friction };
+    disc_scene(discs, law, Some(HalfPlane { level_m: 0.0, contact: Some(law) }), duration_s)
+}
+
+fn disc_scene(discs: Vec<Disc>, law: ContactLaw, palm: Option<HalfPlane>, duration_s: f64) -> Scene {
+    let system = System { discs, between_discs: Some(law), palm, ..EMPTY };
+    let mut scene = mechanism_scene(system.mechanism().expect("no loop"), duration_s);
+    scene.kind = SceneKind::Bodies;
     scene.bounds = Bounds { position_m: 1e-6, contact_time_s: 1e-6, impulse: 1e-3, ..scene.bounds };
     scene
 }
 
-/// The scene with a half plane at y = 0 that has the contact law of the discs.
-pub fn with_half_plane(mut scene: Scene) -> Scene {
-    scene.system.palm = Some(HalfPlane { level_m: 0.0, contact: scene.system.between_discs });
-    scene
+/// The mechanism of a scene without fingers.
+pub fn mechanism(scene: &mut Scene) -> &mut Mechanism {
+    scene.mechanism.as_mut().expect("a mechanism")
 }
 
 /// Returns the law of all contacts of a scene of discs.
 pub fn contact_law(scene: &Scene) -> ContactLaw {
-    scene.system.between_discs.expect("a contact law of the discs")
+    scene.mechanism.as_ref().expect("a mechanism").contacts[0].law
 }
 
 /// Applies `change` to the law of all contacts of a scene of discs.
-pub fn change_contact_law(scene: &mut Scene, change: impl FnOnce(&mut ContactLaw)) {
-    let mut law = contact_law(scene);
-    change(&mut law);
-    scene.system.between_discs = Some(law);
-    scene.system.palm.iter_mut().for_each(|plane| plane.contact = Some(law));
+pub fn change_contact_law(scene: &mut Scene, change: impl Fn(&mut ContactLaw)) {
+    mechanism(scene).contacts.iter_mut().for_each(|pair| change(&mut pair.law));
 }
 
 /// The scene with a log rate at which the engine reports samples at its steps only; between steps it interpolates

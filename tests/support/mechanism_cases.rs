@@ -13,7 +13,7 @@ use phalanx::mechanism::{
 use phalanx::scene::Scene;
 use serde_json::Value;
 
-use super::laws::{EMPTY, scene_of};
+use super::laws::mechanism_scene;
 
 /// A mechanism and its reference solution. Lists follow the order of the mechanism.
 pub struct MechanismCase {
@@ -52,7 +52,7 @@ pub struct ContactValues {
 impl MechanismCase {
     /// Returns the scene of the case.
     pub fn scene(&self) -> Scene {
-        Scene { mechanism: Some(self.mechanism.clone()), ..scene_of(EMPTY, self.duration_s) }
+        mechanism_scene(self.mechanism.clone(), self.duration_s)
     }
 }
 
@@ -277,6 +277,7 @@ fn contact(value: &Value, mechanism: &Mechanism) -> ContactPair {
         other => panic!("force point {other:?}"),
     };
     ContactPair {
+        name: None,
         points: outline_id(&value["points"], mechanism),
         face: outline_id(&value["face"], mechanism),
         law: ContactLaw { normal: normal_law(value), friction },

@@ -455,6 +455,7 @@ fn add_contacts(mechanism: &mut Mechanism, random: &mut Random) {
         let damping = if random.chance(0.5) { step } else { Damping::HuntCrossley { factor_s_per_m: 1.0 } };
         let normal = NormalLaw { stiffness_n_per_m_e: 1e6, exponent: 1.5, damping };
         mechanism.contacts.push(ContactPair {
+            name: None,
             points: OutlineId { body: Some(body), outline: 0 },
             face: OutlineId { body: None, outline: 0 },
             law: ContactLaw { normal, friction: random.chance(0.7).then_some(friction) },

@@ -265,11 +265,12 @@ fn fingers_and_grippers_have_fixed_error_limits() {
 
 #[test]
 fn a_rejected_or_failed_run_has_no_verdict() {
-    let discs = [25.0, 50.0, 75.0, 100.0].map(|height| disc(&format!("at{height}"), 10.0, height, "0.1 kg", 0.0));
-    let four_discs = discs_above_plane("1 ms", &discs, "1e3", "");
+    let heights: [f64; 12] = std::array::from_fn(|index| 25.0 * (index + 1) as f64);
+    let discs = heights.map(|height| disc(&format!("at{height}"), 10.0, height, "0.1 kg", 0.0));
+    let twelve_discs = discs_above_plane("1 ms", &discs, "1e3", "");
     let finger = load("experiment-95").source + "\n[integrator]\nmax_steps = 20\n";
     for (text, start, cause) in [
-        (four_discs, "the run ended at 0.000000 ms because: 4 discs move", "takes up to 3"),
+        (twelve_discs, "the run ended at 0.000000 ms because: the mechanism has 36 coordinates", "takes up to 48"),
         (finger, "the run ended at ", "the budget of 20 steps"),
     ] {
         let result = run_check(Model::Analytic, &scene(&text));

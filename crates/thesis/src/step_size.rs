@@ -18,7 +18,7 @@ use crate::plot::chart::{Axis, Series, series_chart};
 use crate::plot::theme::{AMBER, Colour, GREEN, ORANGE, SOFT};
 use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping};
 use crate::text::csv;
-use crate::trace::{Event, EventKind, Model, Outcome, RequiredData, Sample, Sink, SinkError};
+use crate::trace::{Event, EventKind, Model, Outcome, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
 const STEP_FRACTIONS: [f64; 7] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
@@ -179,7 +179,7 @@ pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSi
         .collect();
     Ok(StepSize {
         scene: scene.name.clone(),
-        pair: scene.system.contact_name(scene.system.pairs()[reference.pair]),
+        pair: Schema::from_scene(scene).contacts[reference.pair].name.clone(),
         plotted_s: scene.duration_s,
         contact_s: contact_s.1 - contact_s.0,
         peak_n: reference.peak_n,

@@ -72,7 +72,7 @@ pub(crate) struct TrajectoryDifference {
 }
 
 /// Parts of a summary that are compared, in order.
-const SECTIONS: [&str; 6] = ["end_s", "final", "discs", "contacts", "criteria", "energy"];
+const SECTIONS: [&str; 6] = ["end_s", "final", "bodies", "contacts", "criteria", "energy"];
 
 /// Order of keys within a section, separated by spaces; others follow.
 const KEY_ORDER: &str = "\
@@ -192,7 +192,7 @@ fn format_quantity(path: &str) -> (String, &'static str, f64) {
     ];
     let name = |path: &str| {
         let components: Vec<&str> =
-            path.split('.').filter(|component| !["contacts", "discs", "final"].contains(component)).collect();
+            path.split('.').filter(|component| !["contacts", "bodies", "final"].contains(component)).collect();
         components.join(" ").replace('_', " ")
     };
     match UNITS.iter().find(|(suffix, ..)| path.ends_with(suffix)) {

@@ -124,7 +124,7 @@ impl Serialize for ValidationReport<'_> {
         let step = if has_fingers { "ensemble_torque_step" } else { "ensemble_speed_step" };
         map.serialize_entry(step, &MEMBER_PERTURBATION)?;
         map.serialize_entry("verdict", &validation.verdict)?;
-        // In m for scenes of discs, otherwise in rad.
+        // In m for scenes without joints, otherwise in rad.
         map.serialize_entry("reference_error", &validation.reference_error())?;
         map.serialize_entry("trusted", &validation.trusted_model().map(Model::name))?;
         map.serialize_entry("finer", &validation.finer_configurations)?;
@@ -328,8 +328,8 @@ impl Serialize for NamedDifferences<'_> {
         let [bodies, contacts] = [self.document(&BODY, self.bodies()), self.document(&CONTACT, self.contacts())];
         match self.schema.fingers.as_slice() {
             [] => {
-                map.serialize_entry("discs", &bodies)?;
-                map.serialize_entry("pairs", &contacts)?;
+                map.serialize_entry("bodies", &bodies)?;
+                map.serialize_entry("contacts", &contacts)?;
             }
             [_] => {
                 map.serialize_entry("joints", &joints(0))?;

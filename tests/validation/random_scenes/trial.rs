@@ -6,7 +6,6 @@ use std::time::{Duration, Instant};
 use phalanx::integrator::{Failure, Reason};
 use phalanx::invariants::{Finding, Invariant};
 use phalanx::log::{RunInfo, Severity, Writer};
-use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{Scene, parse_any};
 use phalanx::trace::{BodyState, Model, RunError, Sample};
 use prost_reflect::{DescriptorPool, DynamicMessage, Value};
@@ -122,7 +121,7 @@ fn run_and_log(model: Model, scene: &Scene, counts: &mut Counts) -> Result<Optio
     if last.is_some_and(|last| *last != outcome.last) || last.is_none() && summary.samples > 0 {
         return Err(format!("the log ends with {last:?}, the run with {:?}", outcome.last));
     }
-    if scene.kind() == SceneKind::Bodies {
+    if scene.finger_count() == 0 {
         check_last_states(&bytes, scene, &outcome.last)?;
     }
     if failure.is_none() && outcome.ejected_s.is_none() && outcome.last.time_s != scene.duration_s {
@@ -149,8 +148,8 @@ fn check_last_states(bytes: &[u8], scene: &Scene, last: &Sample) -> Result<(), S
         let message = message.map_err(|error| error.to_string())?;
         latest.insert(message.channel.topic.clone(), message);
     }
-    for (disc, state) in scene.system.discs.iter().zip(last.bodies()) {
-        let message = latest.get(&format!("/body/{}", disc.name)).ok_or("a disc without a message")?;
+    for (disc, state) in scene.mechanism.iter().flat_map(|mechanism| &mechanism.bodies).zip(last.bodies()) {
+        let message = latest.get(&format!("/body/{}", disc.name)).ok_or("a body without a message")?;
         let schema = message.channel.schema.as_ref().ok_or("a channel without a schema")?;
         let pool = DescriptorPool::decode(&schema.data[..]).map_err(|error| error.to_string())?;
         let descriptor = pool.get_message_by_name(&schema.name).ok_or("a schema without its message")?;

@@ -129,7 +129,7 @@ pub const CHAOS_THRESHOLD: f64 = 1e-3;
 pub const MOTION_FRACTION: f64 = 1e-2;
 /// The effect of the perturbation is too large if it exceeds this fraction of the largest displacement.
 const CHAOS_MOTION_FRACTION: f64 = 0.1;
-/// Length that corresponds to a radian in scenes without fingers, in radii of the smallest moving disc.
+/// Length that corresponds to a radian in scenes without joints, in reaches of the smallest moving body.
 const FREE_BODY_LENGTH: f64 = 20.0;
 /// Displacements below this fraction of a radian, or of the corresponding length, are rounding and count as rest.
 const REST_FRACTION: f64 = 1e-10;
@@ -137,8 +137,8 @@ const REST_FRACTION: f64 = 1e-10;
 /// Largest errors of a run with the verdict "sure".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorLimits {
-    /// Estimated path error: in rad for joint angles, in radii for a gripper's object, and in 20 radii of the smallest
-    /// moving disc in scenes of discs. The limit is at most [`MOTION_FRACTION`] of the largest displacement.
+    /// Estimated path error: in rad for joint angles, in radii for a gripper's object, and without joints in 20
+    /// reaches of the smallest moving body. The limit is at most [`MOTION_FRACTION`] of the largest displacement.
     pub path: f64,
     /// Energy error, as a fraction of the energy exchanged in the run. In 560 random scenes of fingers, grippers and
     /// discs, the largest error of an accurate path was 3e-4; in the engine it was 6e-3, apart from one of 1.3e-2.

@@ -12,7 +12,7 @@
 //!
 //! [`Tracker`] computes these criteria during a run and stores only the last sample.
 //!
-//! [`Rebounds`] computes restitution in a scene of discs.
+//! [`Rebounds`] computes the restitution of free discs.
 //!
 //! The criteria of a gripper are [`GraspCriteria`], computed by [`GraspTracker`]. [`is_form_closed`] decides form
 //! closure in a sample by [`gripper_closure`](crate::statics::gripper_closure).

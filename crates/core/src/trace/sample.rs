@@ -257,7 +257,7 @@ impl Sample {
         (0..self.counts.fingers).map(|index| self.finger(index))
     }
 
-    /// Returns a body that is not part of a finger; in a scene of discs all discs, including fixed ones.
+    /// Returns a body that is not part of a finger; of a mechanism any body.
     pub fn body(&self, index: usize) -> BodyState {
         self.state(self.counts.body(index))
     }

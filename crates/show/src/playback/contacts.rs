@@ -105,7 +105,8 @@ fn pairs_of_outlines(mechanism: &Mechanism) -> Vec<ShownContact> {
         match pairs.iter_mut().find(|(other, _)| *other == key) {
             Some((_, shown)) => shown.points.push((index, sign)),
             None => {
-                let name = key.map(|id| label(mechanism, id)).join(" / ");
+                let of_outlines = || key.map(|id| label(mechanism, id)).join(" / ");
+                let name = pair.name.clone().unwrap_or_else(of_outlines);
                 pairs.push((key, ShownContact { name, points: vec![(index, sign)] }));
             }
         }
