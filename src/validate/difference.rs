@@ -105,8 +105,8 @@ pub struct Differences {
     pub path: Vec<CoordinateError>,
     /// RMS errors of qd11, qd21, qd22 of every finger.
     pub rate_rms_rad_s: Vec<f64>,
-    /// Error of the angle of every body at the end.
-    pub angle_end_rad: Vec<f64>,
+    /// Error of the angle of every body.
+    pub turn: Vec<CoordinateError>,
     /// Difference of the first touch-down of every contact between surfaces.
     pub contact_time_s: Vec<Option<f64>>,
     /// Worst relative difference of the normal impulse of an impact; for pairs of bodies, of the impulse over the run.
@@ -135,9 +135,10 @@ impl Differences {
         !self.rate_rms_rad_s.is_empty()
     }
 
-    /// Largest difference of an angle of any finger.
+    /// Largest difference of an angle of any finger; in a mechanism, of any body.
     pub(crate) fn angle_max(&self) -> f64 {
-        self.path[..self.rate_rms_rad_s.len()].iter().map(|error| error.max).fold(0.0, f64::max)
+        let angles = if self.has_fingers() { &self.path[..self.rate_rms_rad_s.len()] } else { &self.turn };
+        angles.iter().map(|error| error.max).fold(0.0, f64::max)
     }
 
     /// Largest distance between the centres of any body.
@@ -153,7 +154,7 @@ impl Differences {
         Differences {
             path: self.path.iter().zip(&other.path).map(|(a, b)| a.worst(b)).collect(),
             rate_rms_rad_s: each(&self.rate_rms_rad_s, &other.rate_rms_rad_s),
-            angle_end_rad: each(&self.angle_end_rad, &other.angle_end_rad),
+            turn: self.turn.iter().zip(&other.turn).map(|(a, b)| a.worst(b)).collect(),
             contact_time_s: each_known(&self.contact_time_s, &other.contact_time_s),
             impulse: each_known(&self.impulse, &other.impulse),
             final_force: each_known(&self.final_force, &other.final_force),
@@ -177,6 +178,7 @@ pub struct Comparison<'a> {
     cursor: usize,
     path: Vec<RunningDifference>,
     rates: Vec<RunningDifference>,
+    turns: Vec<RunningDifference>,
     impacts: Impacts,
     excess_j: f64,
     motor_work_j: f64,
@@ -194,6 +196,7 @@ impl<'a> Comparison<'a> {
             cursor: 0,
             path: vec![RunningDifference::default(); angles + counts.bodies],
             rates: vec![RunningDifference::default(); angles],
+            turns: vec![RunningDifference::default(); counts.bodies],
             impacts: Impacts::default(),
             excess_j: 0.0,
             motor_work_j: 0.0,
@@ -275,7 +278,6 @@ impl<'a> Comparison<'a> {
         let reference = &self.reference.outcome;
         let has_fingers = reference.last.counts().fingers > 0;
         let surfaces = || (0..reference.contacts.len()).filter(|&index| !reference.last.is_stop(index));
-        let bodies = outcome.last.bodies().zip(reference.last.bodies());
         let impulse = |index: usize| match has_fingers {
             true => self.worst_impulse(index),
             false => self.total(index, outcome, |contact| contact.impulse_n_s),
@@ -284,7 +286,7 @@ impl<'a> Comparison<'a> {
         Differences {
             path: self.path.iter().map(RunningDifference::error).collect(),
             rate_rms_rad_s: self.rates.iter().map(RunningDifference::rms).collect(),
-            angle_end_rad: bodies.map(|(found, expected)| distance(found.angle_rad, expected.angle_rad)).collect(),
+            turn: self.turns.iter().map(RunningDifference::error).collect(),
             contact_time_s: surfaces().map(|index| self.first_contact(index, outcome)).collect(),
             impulse: surfaces().map(impulse).collect(),
             final_force: surfaces().map(|index| self.final_force(index, &outcome.last)).collect(),
@@ -317,7 +319,9 @@ impl Sink for Comparison<'_> {
         }
         let fingers = sample.fingers().zip(expected.fingers());
         let rates = fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| (joint.rate_rad_s)(&a) - (joint.rate_rad_s)(&b)));
-        for (running, error) in self.rates.iter_mut().zip(rates) {
+        let turns = sample.bodies().zip(expected.bodies()).map(|(a, b)| a.angle_rad - b.angle_rad);
+        let errors = rates.chain(turns);
+        for (running, error) in self.rates.iter_mut().chain(&mut self.turns).zip(errors) {
             running.push(sample.time_s, error);
         }
         Ok(())

@@ -60,25 +60,33 @@ impl Verdict {
     }
 }
 
-/// Judges the differences of the engine at the settings of the scene: angles and final forces of fingers, positions of
-/// bodies, and peak forces in scenes without fingers.
+/// Judges the differences of the engine at the settings of the scene: angles and positions, and final forces of fingers or
+/// peak forces of mechanisms.
 pub fn check_bounds(found: &Differences, bounds: &Bounds) -> Verdict {
-    let (has_fingers, has_bodies) = (found.has_fingers(), !found.angle_end_rad.is_empty());
-    let [position, impulse] = match has_fingers {
-        true => ["largest position difference of the object", "relative difference of the impulse of an impact"],
-        false => ["largest position difference of a body", "relative difference of the impulse of a pair"],
+    let (has_fingers, has_bodies) = (found.has_fingers(), !found.turn.is_empty());
+    let [angle, position, impulse] = match has_fingers {
+        true => [
+            "largest difference of a joint angle",
+            "largest position difference of the object",
+            "relative difference of the impulse of an impact",
+        ],
+        false => [
+            "largest difference of the angle of a body",
+            "largest position difference of a body",
+            "relative difference of the impulse of a pair",
+        ],
     };
     let contact_time = "largest difference of a first contact";
     let final_force = "relative difference of a normal force at the end";
     let peak_force = "relative difference of a largest normal force";
     let all = [
-        (has_fingers, "angle_rad", "largest difference of a joint angle", Some(found.angle_max()), bounds.angle_rad),
+        (true, "angle_rad", angle, Some(found.angle_max()), bounds.angle_rad),
         (has_bodies, "position_m", position, Some(found.centre_max()), bounds.position_m),
         (true, "contact_time_s", contact_time, largest(&found.contact_time_s), bounds.contact_time_s),
         (has_fingers, "final_force", final_force, largest(&found.final_force), bounds.final_force),
         (true, "impulse", impulse, largest(&found.impulse), bounds.impulse),
         (!has_fingers, "peak_force", peak_force, largest(&found.peak_force), bounds.peak_force),
-        (has_fingers, "loop_gap_m", "largest opening of a joint", Some(found.loop_gap_m), bounds.loop_gap_m),
+        (true, "loop_gap_m", "largest opening of a joint", Some(found.loop_gap_m), bounds.loop_gap_m),
     ];
     let checks = all.into_iter().filter(|(is_applicable, ..)| *is_applicable);
     let check = |(_, bound, meaning, measured, limit)| Check::new(bound, meaning, measured, limit);

@@ -205,13 +205,14 @@ const JOINT: [Figure; 5] = [
     Figure("rate_rms_rad_s", "rate RMS, rad/s", 1.0, 3, |found, k| Some(found.rate_rms_rad_s[k])),
 ];
 /// Figures of a body.
-const BODY: [Figure; 5] = [
+const BODY: [Figure; 6] = [
     Figure("max_m", "max, µm", 1e6, 3, |found, k| Some(found.path[k].max)),
     Figure("max_at_s", "at, ms", 1e3, 5, |found, k| Some(found.path[k].max_at_s)),
     Figure("rms_m", "RMS, µm", 1e6, 3, |found, k| Some(found.path[k].rms)),
     Figure("end_m", "at the end, µm", 1e6, 3, |found, k| Some(found.path[k].end)),
+    Figure("angle_max_rad", "angle max, rad", 1.0, 3, |found, k| Some(found.turn[k - found.rate_rms_rad_s.len()].max)),
     Figure("angle_end_rad", "angle at the end, rad", 1.0, 3, |found, k| {
-        Some(found.angle_end_rad[k - found.rate_rms_rad_s.len()])
+        Some(found.turn[k - found.rate_rms_rad_s.len()].end)
     }),
 ];
 /// Figures of a contact between surfaces; forces and impulses are relative.
@@ -237,7 +238,8 @@ impl Figure {
     /// Whether scenes of this schema have the figure: final forces only with fingers, peak forces only without.
     fn applies_to(&self, schema: &Schema) -> bool {
         match self.0 {
-            "angle_max_rad" | "final_force" | "loop_gap_m" => !schema.fingers.is_empty(),
+            "final_force" => !schema.fingers.is_empty(),
+            "loop_gap_m" => !schema.joints.is_empty(),
             "position_max_m" => !schema.bodies.is_empty(),
             "peak_force" => schema.fingers.is_empty(),
             _ => true,
@@ -342,7 +344,7 @@ impl Serialize for NamedDifferences<'_> {
                 map.serialize_entry("contacts", &contacts)?;
             }
         }
-        if !self.schema.fingers.is_empty() {
+        if !self.schema.joints.is_empty() {
             map.serialize_entry("loop_gap_m", &self.found.loop_gap_m)?;
         }
         map.serialize_entry("energy_created_j", &self.found.energy_created_j)?;

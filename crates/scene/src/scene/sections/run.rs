@@ -259,8 +259,8 @@ pub struct EngineSettings {
 /// Tolerances of `phalanx validate` for differences between the engine model and the analytic model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Bounds {
-    /// Difference of any joint angle, over the run up to `until`.
-    #[schemars(with = "Positive<Angle>", extend("x-kinds" = FINGERS, "x-finger" = { "default": "2e-5 rad" }, "x-gripper" = {
+    /// Difference of any joint angle, in other scenes of the angle of any body, over the run up to `until`.
+    #[schemars(with = "Positive<Angle>", extend("default" = "2e-5 rad", "x-gripper" = {
         "default": "1e-4 rad", "description": "Difference of any joint angle of either finger, over the run up to `until`."
     }))]
     pub angle_rad: f64,
@@ -286,7 +286,7 @@ pub struct Bounds {
     #[schemars(with = "Positive<Plain>", extend("x-kinds" = BODIES, "default" = 1e-2))]
     pub peak_force: f64,
     /// Opening of a joint of the engine model.
-    #[schemars(with = "Positive<Length>", extend("x-kinds" = FINGERS, "default" = "1e-4 mm"))]
+    #[schemars(with = "Positive<Length>", extend("default" = "1e-4 mm"))]
     pub loop_gap_m: f64,
     /// Difference of the time to stability.
     #[schemars(with = "Positive<Time>", extend("x-kinds" = FINGERS, "default" = "10 us", "x-gripper" = {
