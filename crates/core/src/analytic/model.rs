@@ -10,8 +10,8 @@ use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
 use crate::law::{
-    Bristle, FrictionLaw, NormalForce, NormalLaw, elastic_energy, friction_force, friction_with_state, normal_force,
-    normal_over_gap, unclamped_normal_force,
+    Bristle, FrictionLaw, FrictionRange, NormalForce, NormalLaw, elastic_energy, friction_force, friction_with_state,
+    normal_force, normal_over_gap, unclamped_normal_force,
 };
 use crate::numeric::plane::{dot, perp};
 use crate::numeric::{Dual, Real, array_from, map_array};
@@ -132,9 +132,15 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
 
     /// Friction of a contact at these rates.
     #[inline(always)]
-    fn friction<T: Real>(law: &FrictionLaw, contact: FingerContact, slip: T, v: &[T; N], normal: T) -> T {
+    fn friction<T: Real>(
+        law: &FrictionLaw,
+        (contact, range): (FingerContact, FrictionRange),
+        slip: T,
+        v: &[T; N],
+        normal: T,
+    ) -> T {
         match Self::bristle_index(contact) {
-            Some(bristle) if Self::HAS_BRISTLES => friction_with_state(law, slip, Some(v[bristle]), normal),
+            Some(bristle) if Self::HAS_BRISTLES => friction_with_state(law, slip, Some(v[bristle]), normal, range),
             _ => friction_force(law, slip, normal),
         }
     }
@@ -191,7 +197,8 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
             quadratures[index] = normal;
             if let Some(friction) = self.finger.friction_law(contact) {
                 let slip = dot(geometry.tangent_row, finger_rates);
-                let tangential = Self::friction(friction, contact, slip, &v, normal);
+                let range = mode.friction_ranges[index];
+                let tangential = Self::friction(friction, (contact, range), slip, &v, normal);
                 load[0] += geometry.tangent_row[0] * tangential;
                 load[1] += geometry.tangent_row[1] * tangential;
                 contact_power += tangential * slip;
@@ -232,7 +239,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         let (delta, delta_rate) = (-geometry.gap, -dot(geometry.normal_row, finger_coordinates(v)));
         let slip = dot(geometry.tangent_row, finger_coordinates(v));
         let normal = normal_force_on_branch(law, state, delta, delta_rate).force.max(0.0);
-        let friction = |law| Self::friction(law, contact, slip, v, normal);
+        let friction = |law| Self::friction(law, (contact, FrictionRange::Any), slip, v, normal);
         let tangential = self.finger.friction_law(contact).map_or(0.0, friction);
         Some(ContactReading { geometry, delta, delta_rate, slip, normal, tangential })
     }

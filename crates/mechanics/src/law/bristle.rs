@@ -5,7 +5,7 @@
 //! k s)/c. The internal state of a model is σ = k s/c, a speed, so that T = c (σ + v) within the cone and σ̇ = (k/c)
 //! (T/c − σ).
 
-use super::{FrictionLaw, friction_coefficient, friction_force};
+use super::{FrictionLaw, FrictionRange, friction_coefficient, friction_force};
 use crate::numeric::Real;
 
 /// A bristle with damping c and, when unloaded, relaxation time c/k. For a brake, angles replace lengths.
@@ -61,11 +61,26 @@ pub fn bristle_force<T: Real>(law: &FrictionLaw, bristle: &Bristle, slip: T, sta
 }
 
 /// Friction on the sliding surface: by the bristle law if there is an internal state, by the regularised law otherwise.
+///
+/// A bristle that slides in `range` has the force of that side of the cone, also within the cone. A step towards sticking is
+/// then smooth up to its event; by the law, a rate that overshoots by c⁻¹ times the force would change the force by all of it.
 #[inline(always)]
-pub fn friction_with_state<T: Real>(law: &FrictionLaw, slip: T, state: Option<T>, normal: T) -> T {
-    match law.bristle.as_ref().zip(state) {
-        Some((bristle, state)) => -bristle_force(law, bristle, slip, state, normal),
-        None => friction_force(law, slip, normal),
+pub fn friction_with_state<T: Real>(
+    law: &FrictionLaw,
+    slip: T,
+    state: Option<T>,
+    normal: T,
+    range: FrictionRange,
+) -> T {
+    use FrictionRange::{Any, Sliding, Sticking, Transition};
+    match (law.bristle.as_ref().zip(state), range) {
+        (None, _) => friction_force(law, slip, normal),
+        (Some((bristle, state)), Sticking | Any) => -bristle_force(law, bristle, slip, state, normal),
+        (Some(_), Transition { forward } | Sliding { forward }) => {
+            let (mu, slope) = friction_cone(law, slip.value());
+            let limit = slip.chain(mu, slope) * normal;
+            if forward { -limit } else { limit }
+        }
     }
 }
 

@@ -18,7 +18,7 @@ use crate::analytic::multibody::contact_kinematics::{
     ContactForces, ContactKinematics, WithDerivatives, contact_forces, contact_forces_with_derivatives,
 };
 use crate::integrator::{Linearised, Rates, System};
-use crate::law::{friction_coefficient, friction_force, friction_with_state};
+use crate::law::{FrictionRange, friction_coefficient, friction_force, friction_with_state};
 use crate::numeric::{Dual, Real, array_from};
 
 /// Largest number of coordinates of a group for which loops have a constant length.
@@ -179,7 +179,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 Surfaces::Friction(joint) => {
                     let (group, motion) = (self.group_of_joint(*joint), &motions.joints[*joint]);
                     let state = contact.bristle.map(|bristle| v[bristle]);
-                    let effort = contact.friction_effort(motion.rate, state);
+                    let effort = contact.friction_effort(motion.rate, state, laws.range);
                     (0..group.size()).for_each(|i| load[group.first + i] += motion.row[i] * effort);
                     g[Self::CONTACT_WORK] += effort * motion.rate;
                     contact.bristle.into_iter().for_each(|bristle| load[bristle] -= effort * contact.stretch_gain());
@@ -445,7 +445,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     let (first, rate) = (group.first, motion.rate.value);
                     let state = contact.bristle.map(|bristle| Dual::<2>::variable(v[bristle], 1));
                     let Dual { value, grad: [by_rate, by_state] } =
-                        contact.friction_effort(Dual::<2>::variable(rate, 0), state);
+                        contact.friction_effort(Dual::<2>::variable(rate, 0), state, laws.range);
                     let effort = motion.rate.chain(value, by_rate);
                     sums.add_block((first, group.size()), &motion.row, effort, |j| by_rate * motion.row[j].value);
                     let gain = contact.stretch_gain();
@@ -525,9 +525,9 @@ impl Contact {
     }
 
     /// Torque or force of the friction of a joint.
-    fn friction_effort<T: Real>(&self, rate: T, state: Option<T>) -> T {
+    fn friction_effort<T: Real>(&self, rate: T, state: Option<T>, range: FrictionRange) -> T {
         let one = T::constant(1.0);
-        self.friction.as_ref().map_or(T::zero(), |law| friction_with_state(law, rate, state, one))
+        self.friction.as_ref().map_or(T::zero(), |law| friction_with_state(law, rate, state, one, range))
     }
 
     /// Gain from the friction to the rate of the bristle state; 0 without a bristle.
@@ -537,8 +537,13 @@ impl Contact {
 
     /// Returns the laws if the contact has a force in this mode.
     fn laws<const C: usize>(&self, mode: &MechanismMode<C>, index: usize) -> Option<ContactLaws<'_>> {
-        let state = mode[index];
-        state.has_force().then_some(ContactLaws { normal: &self.normal, friction: self.friction.as_ref(), state })
+        let (state, range) = (mode[index], mode.contacts.friction_ranges[index]);
+        state.has_force().then_some(ContactLaws {
+            normal: &self.normal,
+            friction: self.friction.as_ref(),
+            state,
+            range,
+        })
     }
 }
 

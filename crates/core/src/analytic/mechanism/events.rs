@@ -24,6 +24,11 @@ pub const fn event_function_count(contacts: usize) -> usize {
 
 /// Index of the event function of features, after those of contacts.
 const FEATURES: usize = MAX_ACTUATORS;
+/// Largest change of depth and slip of a contact between driven bodies in one step, as a fraction of the length and speed
+/// scales of its law.
+const DRIVEN_FRACTION: f64 = 0.05;
+/// Longest step during such a contact, s.
+const MAX_DRIVEN_STEP_S: f64 = 1.0;
 /// The region of a feature ends this far beyond its nominal end, m, so that neighbouring regions do not alternate.
 const FEATURE_MARGIN_M: f64 = 1e-12;
 /// Tolerance of locating that end, m.
@@ -187,6 +192,34 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
 {
     fn next_discontinuity(&self, t: f64) -> f64 {
         self.next_time_discontinuity(t)
+    }
+
+    /// The force of a contact between bodies with prescribed motion changes no coordinate, so that the error of a step does
+    /// not contain it.
+    fn max_step(&self, _t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> f64 {
+        let mut max_dt = f64::INFINITY;
+        let Some(time) = self.time_index else { return max_dt };
+        let is_driven = |body: &Option<usize>| body.is_none_or(|body| self.mechanism.bodies[body].motion.is_some());
+        for (index, contact) in self.contacts.iter().enumerate() {
+            let Surfaces::Point(pair) = &contact.surfaces else { continue };
+            if mode[index] != ContactState::Active || !pair.bodies.iter().all(is_driven) {
+                continue;
+            }
+            let after = |dt: f64| {
+                let mut q = *q;
+                q[time] += dt;
+                self.variables_at((&q, v), index, mode.features[index])
+            };
+            let Some(contact) = after(0.0) else { continue };
+            let depth = contact.delta.max(contact.law.depth_scale_m());
+            let mut dt = MAX_DRIVEN_STEP_S.min(DRIVEN_FRACTION * depth / contact.rate.abs());
+            let max_change = contact.friction.map_or(f64::INFINITY, |law| DRIVEN_FRACTION * law.v_static_m_s);
+            while after(dt).is_some_and(|later| (later.slip - contact.slip).abs() > max_change) {
+                dt *= 0.5;
+            }
+            max_dt = max_dt.min(dt);
+        }
+        max_dt
     }
 
     fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> EventSet<N, G> {

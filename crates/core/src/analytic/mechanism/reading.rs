@@ -7,7 +7,7 @@ use crate::analytic::ContactState;
 use crate::analytic::finger::Geometry;
 use crate::analytic::mode::{StateRef, row_dot};
 use crate::analytic::model::{ContactReading, Energies, normal_force_on_branch};
-use crate::law::{elastic_energy, friction_with_state};
+use crate::law::{FrictionRange, elastic_energy, friction_with_state};
 use crate::mechanism::Pose;
 use crate::numeric::plane::dot;
 use crate::shape::Support;
@@ -87,8 +87,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             };
             let force = normal_force_on_branch(&contact.normal, branch, -gap, -gap_rate).force.max(0.0);
             let bristle_state = contact.bristle.map(|bristle| v[bristle]);
-            let tangential =
-                contact.friction.as_ref().map_or(0.0, |law| friction_with_state(law, slip, bristle_state, force));
+            let friction = |law| friction_with_state(law, slip, bristle_state, force, FrictionRange::Any);
+            let tangential = contact.friction.as_ref().map_or(0.0, friction);
             let geometry =
                 Geometry { gap, normal_row: none, tangent_row: none, normal, point, support: Support::none() };
             ContactReading { geometry, delta: -gap, delta_rate: -gap_rate, slip, normal: force, tangential }

@@ -2,9 +2,10 @@
 
 use crate::analytic::ContactState;
 use crate::analytic::finger::FingerModel;
+use crate::analytic::mode::Mode;
 use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
-use crate::law::{Bristle, FrictionLaw, NormalLaw};
+use crate::law::{Bristle, FrictionLaw, FrictionRange, NormalLaw};
 use crate::scene::{Brake, Disc, DiscMotion, Motor, Profile, Side, System};
 use crate::shape::Shape;
 
@@ -77,12 +78,13 @@ pub(crate) struct ContactModel {
     pub bristle_index: Option<usize>,
 }
 
-/// Laws of one contact, and the branch that is active.
+/// Laws of one contact, the active branch, and the range of the friction law.
 #[derive(Clone, Copy)]
 pub(crate) struct ContactLaws<'a> {
     pub normal: &'a NormalLaw,
     pub friction: Option<&'a FrictionLaw>,
     pub state: ContactState,
+    pub range: FrictionRange,
 }
 
 impl DiscComponent {
@@ -126,10 +128,16 @@ impl ContactModel {
         Self { pair, normal: law.0, friction: law.1, bristle_index: None }
     }
 
-    /// Returns the laws if the contact has a force in this state.
+    /// Returns the laws if the contact, with this index, has a force in this mode.
     #[inline(always)]
-    pub fn laws(&self, state: ContactState) -> Option<ContactLaws<'_>> {
-        state.has_force().then_some(ContactLaws { normal: &self.normal, friction: self.friction.as_ref(), state })
+    pub fn laws<const C: usize>(&self, mode: &Mode<C>, index: usize) -> Option<ContactLaws<'_>> {
+        let (state, range) = (mode[index], mode.friction_ranges[index]);
+        state.has_force().then_some(ContactLaws {
+            normal: &self.normal,
+            friction: self.friction.as_ref(),
+            state,
+            range,
+        })
     }
 
     /// Returns the bristle of the friction law.

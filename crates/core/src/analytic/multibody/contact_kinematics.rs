@@ -115,7 +115,7 @@ fn normal_and_friction<T: Real>([gap, gap_rate, slip]: [T; 3], state: Option<T>,
     let normal =
         normal_over_gap(|depth, speed| normal_force_on_branch(laws.normal, laws.state, depth, speed), gap, gap_rate);
     let Some(friction) = laws.friction else { return [normal, T::zero(), T::zero()] };
-    let tangential = friction_with_state(friction, slip, state, normal);
+    let tangential = friction_with_state(friction, slip, state, normal, laws.range);
     let bristle_rate = friction.bristle.map_or(T::zero(), |bristle| -tangential * bristle.stretch_gain());
     [normal, tangential, bristle_rate]
 }

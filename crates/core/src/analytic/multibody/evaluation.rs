@@ -16,7 +16,7 @@ use crate::analytic::model::{ContactReading, Energies};
 use crate::fivebar::dynamics::{AccelerationField, Terms, absolute_rates};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::integrator::{Linearised, Rates};
-use crate::law::{elastic_energy, friction_with_state};
+use crate::law::{FrictionRange, elastic_energy, friction_with_state};
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array, map_same_type};
 use crate::shape::Support;
@@ -153,7 +153,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let (delta, delta_rate, slip) =
             (-kinematics.gap, -row_dot(&kinematics.normal_row, v), row_dot(&kinematics.tangent_row, v));
         let normal = normal_force_on_branch(&contact.normal, state, delta, delta_rate).force.max(0.0);
-        let friction = |law| friction_with_state(law, slip, self.bristle_state(contact, v), normal);
+        let friction = |law| friction_with_state(law, slip, self.bristle_state(contact, v), normal, FrictionRange::Any);
         let tangential = contact.friction.as_ref().map_or(0.0, friction);
         let none = [0.0; 2];
         let (mut sign, [x, y]) = (1.0, kinematics.normal);

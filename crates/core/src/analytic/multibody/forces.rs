@@ -283,7 +283,7 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         let (finger, component, terms) = data;
         let Self { model, q, v, mode, .. } = *self;
         let Some(contact) = &model.contacts[index] else { return };
-        let Some(laws) = contact.laws(mode[index]) else { return };
+        let Some(laws) = contact.laws(mode, index) else { return };
         let ([first, second], mirror) = (Multibody::<N, C>::finger_coordinates(finger, v), component.side.mirror());
         if let ContactPair::Phalanx { phalanx, disc, .. } = model.contact_pair(finger, index, contact) {
             let [vx, vy, spin] = model.disc_rates(disc, v);
@@ -311,7 +311,7 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
     fn add_disc_contact(&mut self, index: usize) {
         let Self { model, q, v, mode, .. } = *self;
         let Some(contact) = &model.contacts[index] else { return };
-        let Some(laws) = contact.laws(mode[index]) else { return };
+        let Some(laws) = contact.laws(mode, index) else { return };
         let (active_contact, bristle_state) = ((index, contact, laws), model.bristle_state(contact, v));
         let first_coordinate = |disc| model.first_coordinate(disc);
         match contact.pair {
