@@ -322,7 +322,7 @@ fn validate_writes_report_and_files() {
     let report = run_json(&["validate", IMPACT, "--quick", "--json", "--out", path_text(&directory)]);
     assert_eq!((&report["kind"], &report["passed"]), (&"bodies".into(), &true.into()));
     let bounds: Vec<_> = report["verdict"].as_array().expect("a list").iter().map(|c| c["bound"].as_str()).collect();
-    assert_eq!(bounds[..4], ["position_m", "contact_time_s", "impulse", "peak_force"].map(Some));
+    assert_eq!(bounds[..5], ["angle_rad", "position_m", "contact_time_s", "impulse", "peak_force"].map(Some));
     assert!(report["differences"]["bodies"]["hammer"]["max_m"].as_f64().expect("a figure") > 0.0);
     assert!(report["differences"]["contacts"]["hammer-anvil"]["impulse"].is_number());
     let settings = report["settings"].as_array().expect("a list");

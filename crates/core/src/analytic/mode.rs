@@ -42,7 +42,7 @@ pub enum DamperRange {
 
 /// Branches of the normal laws of all contacts, and the ranges of their friction laws and dampers.
 ///
-/// The ranges change no force, except that a bristle keeps its sliding force up to the event that ends sliding. They
+/// The ranges change no force, except that a bristle keeps its sliding force in the transition range up to its end. They
 /// prevent a step from skipping a part of a law, such as the whole sticking range between sliding in one direction and
 /// sliding in the other, which neither the stages of the step nor its error estimate would detect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -62,8 +62,9 @@ pub fn bristle_force<T: Real>(law: &FrictionLaw, bristle: &Bristle, slip: T, sta
 
 /// Friction on the sliding surface: by the bristle law if there is an internal state, by the regularised law otherwise.
 ///
-/// A bristle that slides in `range` has the force of that side of the cone, also within the cone. A step towards sticking is
-/// then smooth up to its event; by the law, a rate that overshoots by c⁻¹ times the force would change the force by all of it.
+/// In the transition range a bristle has the force of its side of the cone, also within the cone. A step towards sticking is
+/// then smooth up to the event that ends the range; by the law, a rate that overshoots by the force over c would change the
+/// force by all of it.
 #[inline(always)]
 pub fn friction_with_state<T: Real>(
     law: &FrictionLaw,
@@ -72,15 +73,14 @@ pub fn friction_with_state<T: Real>(
     normal: T,
     range: FrictionRange,
 ) -> T {
-    use FrictionRange::{Any, Sliding, Sticking, Transition};
     match (law.bristle.as_ref().zip(state), range) {
         (None, _) => friction_force(law, slip, normal),
-        (Some((bristle, state)), Sticking | Any) => -bristle_force(law, bristle, slip, state, normal),
-        (Some(_), Transition { forward } | Sliding { forward }) => {
+        (Some(_), FrictionRange::Transition { forward }) => {
             let (mu, slope) = friction_cone(law, slip.value());
             let limit = slip.chain(mu, slope) * normal;
             if forward { -limit } else { limit }
         }
+        (Some((bristle, state)), _) => -bristle_force(law, bristle, slip, state, normal),
     }
 }
 
