@@ -42,7 +42,7 @@ pub enum DamperRange {
 
 /// Branches of the normal laws of all contacts, and the ranges of their friction laws and dampers.
 ///
-/// The ranges change no force, except that a bristle keeps its sliding force in the transition range up to its end. They
+/// The ranges change no force, except that a bristle keeps the branch of its law up to the event that ends the range. They
 /// prevent a step from skipping a part of a law, such as the whole sticking range between sliding in one direction and
 /// sliding in the other, which neither the stages of the step nor its error estimate would detect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -402,10 +402,12 @@ impl<const C: usize> Mode<C> {
         if !self.contacts[index].has_force() || range == FrictionRange::Any {
             return EventFunction::INACTIVE;
         }
-        let value = contact.range_margin(range, law, force.total()) + RANGE_MARGIN * law.min_slip_scale_m_s();
-        // A step may leave sticking and return; but a sliding step must not miss that it would have stuck.
-        let is_sticking = range == FrictionRange::Sticking;
-        let root_search = if is_sticking { RootSearch::EndOnly } else { RootSearch::Smooth };
+        let (is_sticking, has_bristle) = (range == FrictionRange::Sticking, law.bristle.is_some());
+        // A bristle leaves the cone at its surface, beyond which the sticking branch is another force.
+        let width = if is_sticking && has_bristle { 0.0 } else { RANGE_MARGIN };
+        let value = contact.range_margin(range, law, force.total()) + width * law.min_slip_scale_m_s();
+        // A regularised step may leave sticking and return; but a sliding step must not miss that it would have stuck.
+        let root_search = if is_sticking && !has_bristle { RootSearch::EndOnly } else { RootSearch::Smooth };
         let error_weight = match range {
             FrictionRange::Sticking if law.bristle.is_some() => contact.sticking_error_weight(law, force.total()),
             _ if law.bristle.is_some() => ErrorWeight::None,

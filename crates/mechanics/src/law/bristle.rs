@@ -62,9 +62,9 @@ pub fn bristle_force<T: Real>(law: &FrictionLaw, bristle: &Bristle, slip: T, sta
 
 /// Friction on the sliding surface: by the bristle law if there is an internal state, by the regularised law otherwise.
 ///
-/// In the transition range a bristle has the force of its side of the cone, also within the cone. A step towards sticking is
-/// then smooth up to the event that ends the range; by the law, a rate that overshoots by the force over c would change the
-/// force by all of it.
+/// In a monitored range a bristle has the force of that branch also beyond its end: c (σ + v) while it sticks, and the force
+/// of its side of the cone in transition. Steps are then smooth up to the event that ends the range. The law itself changes
+/// its slope there from c to 0, within rates that are a millionth of usual ones.
 #[inline(always)]
 pub fn friction_with_state<T: Real>(
     law: &FrictionLaw,
@@ -73,14 +73,15 @@ pub fn friction_with_state<T: Real>(
     normal: T,
     range: FrictionRange,
 ) -> T {
-    match (law.bristle.as_ref().zip(state), range) {
-        (None, _) => friction_force(law, slip, normal),
-        (Some(_), FrictionRange::Transition { forward }) => {
+    let Some((bristle, state)) = law.bristle.as_ref().zip(state) else { return friction_force(law, slip, normal) };
+    match range {
+        FrictionRange::Sticking if normal.value() > 0.0 => -(state + slip) * bristle.damping_n_s_per_m,
+        FrictionRange::Transition { forward } => {
             let (mu, slope) = friction_cone(law, slip.value());
             let limit = slip.chain(mu, slope) * normal;
             if forward { -limit } else { limit }
         }
-        (Some((bristle, state)), _) => -bristle_force(law, bristle, slip, state, normal),
+        _ => -bristle_force(law, bristle, slip, state, normal),
     }
 }
 

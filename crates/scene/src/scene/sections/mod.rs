@@ -78,7 +78,8 @@ const FINGER: &str = "finger";
 const GRIPPER: &str = "gripper";
 const BODIES: &str = "bodies";
 const FINGERS: &str = "finger gripper";
-const NO_OR_TWO_FINGERS: &str = "bodies gripper";
+const NO_OR_TWO_FINGERS: &str = "bodies gripper mechanism";
+const NO_FINGERS: &str = "bodies mechanism";
 
 /// A scene of kind "finger": one finger, the object it grasps, and the settings of the simulation. Omitted keys
 /// have their defaults. Quantities are strings with a unit: "15 mm", "120 deg", "480 N*mm".

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{BODIES, FINGERS, NO_OR_TWO_FINGERS};
+use super::{FINGERS, NO_FINGERS, NO_OR_TWO_FINGERS};
 use crate::limits::{MAX_PICTURES, MAX_SAMPLES};
 use crate::numeric::elementary::{log10, powi};
 use crate::scene::System;
@@ -264,7 +264,7 @@ pub struct Bounds {
         "default": "1e-4 rad", "description": "Difference of any joint angle of either finger, over the run up to `until`."
     }))]
     pub angle_rad: f64,
-    /// Distance between the centres of a disc in both models, over the run up to `until`.
+    /// Distance between the positions of a body in both models, over the run up to `until`.
     #[schemars(with = "Positive<Length>", extend("x-kinds" = NO_OR_TWO_FINGERS, "default" = "1 um", "x-gripper" = {
         "description": "Distance between the object's centres in both models, over the run up to `until`."
     }))]
@@ -282,8 +282,8 @@ pub struct Bounds {
         "description": "Relative difference of the normal impulse of a pair, over the run up to `until`."
     }))]
     pub impulse: f64,
-    /// Relative difference of the largest normal force of a pair.
-    #[schemars(with = "Positive<Plain>", extend("x-kinds" = BODIES, "default" = 1e-2))]
+    /// Relative difference of the largest normal force of a contact.
+    #[schemars(with = "Positive<Plain>", extend("x-kinds" = NO_FINGERS, "default" = 1e-2))]
     pub peak_force: f64,
     /// Opening of a joint of the engine model.
     #[schemars(with = "Positive<Length>", extend("default" = "1e-4 mm"))]
@@ -293,8 +293,8 @@ pub struct Bounds {
         "default": "0.1 ms", "description": "Difference of the time to stability of the whole grasp."
     }))]
     pub stability_time_s: f64,
-    /// Difference of the coefficient of restitution of a pair.
-    #[schemars(with = "Positive<Plain>", extend("x-kinds" = BODIES, "default" = 1e-2))]
+    /// Difference of the coefficient of restitution of two discs without joints.
+    #[schemars(with = "Positive<Plain>", extend("x-kinds" = NO_FINGERS, "default" = 1e-2))]
     pub restitution: f64,
     /// End of the comparison of trajectories, at most the duration: later rebounds may be chaotic. Default: the
     /// duration.
