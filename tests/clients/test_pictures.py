@@ -81,7 +81,7 @@ class Frames(unittest.TestCase):
         for run in logs.discs():
             with self.subTest(run.name):
                 fixed = {frame.child_frame_id for body in run.log.on("/tf_static") for frame in body.transforms}
-                names = [name for name in run.json["discs"] if name not in fixed]
+                names = [name for name in run.json["bodies"] if name not in fixed]
                 for body, states in with_numbers(run.log, "/tf", [f"/body/{name}" for name in names]):
                     at = {frame.child_frame_id: plane(frame) for frame in body.transforms}
                     for name, state in zip(names, states):
