@@ -174,8 +174,9 @@ impl ContactCandidate {
     }
 }
 
+/// Returns a candidate by its element index, in which they are sorted.
 pub fn find(candidates: &[ContactCandidate], index: usize) -> Option<&ContactCandidate> {
-    candidates.iter().find(|candidate| candidate.index == index)
+    candidates.binary_search_by_key(&index, |candidate| candidate.index).ok().map(|position| &candidates[position])
 }
 
 /// Collects all stops, contacts, brakes, motors with a no-load speed, and servos.

@@ -379,6 +379,9 @@ impl Workspace {
             3 => self.iterate(space, stage, rate, 3),
             4 => self.iterate(space, stage, rate, 4),
             5 => self.iterate(space, stage, rate, 5),
+            6 => self.iterate(space, stage, rate, 6),
+            7 => self.iterate(space, stage, rate, 7),
+            8 => self.iterate(space, stage, rate, 8),
             rows => self.iterate(space, stage, rate, rows),
         }
     }

@@ -718,7 +718,7 @@ mod tests {
     /// Sweeps of rapier over joints that are closed change nothing.
     #[test]
     fn moves_bodies_as_rapier_does() {
-        let scene = parse("", "").unwrap();
+        let scene = parse(include_str!("../../../../scenes/experiment-95.toml"), "experiment-95.toml").unwrap();
         let plan = build_plan(&scene).unwrap();
         let world = build_world(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
         let mut motion = Motion::new(plan, world).unwrap();
