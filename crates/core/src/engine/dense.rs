@@ -49,20 +49,20 @@ pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
             b.swap(k, pivot);
         }
         let inverse = 1.0 / value;
-        for i in k + 1..size {
-            let factor = a[i * size + k] * inverse;
-            for column in k + 1..size {
-                a[i * size + column] -= factor * a[k * size + column];
+        let (above, below) = a.split_at_mut((k + 1) * size);
+        let (pivot_row, b_pivot, b_below) = (&above[k * size + k + 1..], b[k], &mut b[k + 1..]);
+        for (row, b) in below.chunks_exact_mut(size).zip(b_below) {
+            let factor = row[k] * inverse;
+            for (x, pivot) in row[k + 1..].iter_mut().zip(pivot_row) {
+                *x -= factor * pivot;
             }
-            b[i] -= factor * b[k];
+            *b -= factor * b_pivot;
         }
     }
     for k in (0..size).rev() {
-        let mut rest = b[k];
-        for column in k + 1..size {
-            rest -= a[k * size + column] * b[column];
-        }
-        b[k] = rest / a[k * size + k];
+        let row = &a[k * size..(k + 1) * size];
+        let known = row[k + 1..].iter().zip(&b[k + 1..]);
+        b[k] = known.fold(b[k], |rest, (x, b)| rest - x * b) / row[k];
     }
     true
 }
@@ -94,18 +94,18 @@ pub(crate) fn factorise(a: &mut [f64], first: &[usize]) -> bool {
 /// Solves L Lᵀ x = b with the factor of [`factorise`]; `b` becomes x.
 pub(crate) fn solve_factorised(factor: &[f64], first: &[usize], b: &mut [f64]) {
     match first.len() {
-        // Five pins are the usual case: unrolled, and processing zeros is cheaper than reading the first column.
-        10 => substitute(factor, |_| 0, b, 10),
-        size => substitute(factor, |row| first[row], b, size),
+        // Five pins are the usual case: unrolled, and processing zeros is cheaper than skipping them.
+        10 => substitute(factor, b, 10),
+        size => substitute_sparse(factor, first, b, size),
     }
 }
 
 #[inline(always)]
-fn substitute(factor: &[f64], first_column: impl Fn(usize) -> usize, b: &mut [f64], size: usize) {
+fn substitute(factor: &[f64], b: &mut [f64], size: usize) {
     assert!(factor.len() == size * size && b.len() == size);
     for i in 0..size {
         let mut rest = b[i];
-        for j in first_column(i)..i {
+        for j in 0..i {
             rest -= factor[i * size + j] * b[j];
         }
         b[i] = rest * factor[i * size + i];
@@ -113,8 +113,33 @@ fn substitute(factor: &[f64], first_column: impl Fn(usize) -> usize, b: &mut [f6
     for i in (0..size).rev() {
         let x = b[i] * factor[i * size + i];
         b[i] = x;
-        for j in first_column(i)..i {
+        for j in 0..i {
             b[j] -= factor[i * size + j] * x;
+        }
+    }
+}
+
+/// Skips the zeros of the factor, and those of `b` that belong to parts of the mechanism on which nothing acts.
+fn substitute_sparse(factor: &[f64], first: &[usize], b: &mut [f64], size: usize) {
+    let mut nonzero_end = 0;
+    for i in 0..size {
+        let row = &factor[i * size..(i + 1) * size];
+        let columns = first[i]..nonzero_end.max(first[i]);
+        let known = row[columns.clone()].iter().zip(&b[columns]);
+        b[i] = known.fold(b[i], |rest, (x, b)| rest - x * b) * row[i];
+        if b[i] != 0.0 {
+            nonzero_end = i + 1;
+        }
+    }
+    for i in (0..size).rev() {
+        let row = &factor[i * size..(i + 1) * size];
+        let x = b[i] * row[i];
+        b[i] = x;
+        if x != 0.0 {
+            let columns = first[i]..i;
+            for (b, factor) in b[columns.clone()].iter_mut().zip(&row[columns]) {
+                *b -= factor * x;
+            }
         }
     }
 }

@@ -9,12 +9,12 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::coordinate::{BodyPose, Coordinate, Twist};
+use super::coordinate::{BodyPose, Coordinate, Row, Twist};
 use super::dense;
 use super::plan::{Plan, PlannedBody, PlannedGear, PlannedJoint, relative_angle};
 use super::world::World;
 use crate::mechanism::JointKind;
-use crate::numeric::elementary::{atan2, hypot, powi};
+use crate::numeric::elementary::{atan2, powi};
 use crate::numeric::plane::{perp, rotate};
 
 /// Mass and moment of inertia of a body, and their inverses.
@@ -72,6 +72,26 @@ pub struct Linkage {
     /// First nonzero column of each row of the factor: pairs that share no body do not couple.
     first_columns: Vec<usize>,
     /// Right-hand side and solution.
+    multipliers: Vec<f64>,
+    responses: Responses,
+}
+
+/// Identifies a row at given poses: the index of its candidate, and its place there.
+pub(crate) type RowKey = (usize, RowKind);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RowKind {
+    Normal,
+    Slip,
+    Roll,
+}
+
+/// Responses to unit impulses along rows at the present poses, each with its multipliers. Most rows are needed twice: for
+/// the correction of the rates at a node, and for the step from there.
+#[derive(Clone, Default)]
+struct Responses {
+    keys: Vec<RowKey>,
+    velocities: Vec<Twist>,
     multipliers: Vec<f64>,
 }
 
@@ -159,6 +179,7 @@ impl Linkage {
             couplings,
             unused_rows,
             multipliers: vec![0.0; size],
+            responses: Responses::default(),
         };
         linkage.read_poses(world);
         linkage
@@ -194,6 +215,10 @@ impl Linkage {
 
     /// Factorises A at the current poses; fails if the joint constraints are singular.
     pub(crate) fn factorise(&mut self) -> Result<(), SingularConstraints> {
+        let Responses { keys, velocities, multipliers } = &mut self.responses;
+        keys.clear();
+        velocities.clear();
+        multipliers.clear();
         let size = self.first_columns.len();
         if size == 0 {
             return Ok(());
@@ -219,10 +244,11 @@ impl Linkage {
     /// Returns the largest opening of a joint, m.
     pub(crate) fn max_joint_opening(&self) -> f64 {
         let joints = self.openings().zip(&self.pairs).take(self.joints);
-        joints.fold(0.0, |largest, ([x, y], pair)| match pair {
-            Pair::Pin { .. } => largest.max(hypot(x, y)),
-            Pair::Relation { .. } => largest.max(x.abs()),
-        })
+        let squares = joints.map(|([x, y], pair)| match pair {
+            Pair::Pin { .. } => x * x + y * y,
+            Pair::Relation { .. } => x * x,
+        });
+        squares.fold(0.0, f64::max).sqrt()
     }
 
     /// Returns the openings of every pair of constraints.
@@ -275,6 +301,20 @@ impl Linkage {
         self.multipliers.chunks_exact(2).map(move |pair| [scale * pair[0], scale * pair[1]])
     }
 
+    /// Returns the largest opening of a pair (m, rad) after a step of `dt` straight on at these velocities, given the
+    /// openings with the effect of curved paths.
+    pub(crate) fn max_opening_after(&mut self, open: &[[f64; 2]], velocities: &[Twist], dt: f64) -> f64 {
+        self.multipliers.copy_from_slice(open.as_flattened());
+        for side in &self.sides {
+            let [x, y, w] = velocities[side.body];
+            let opening = &mut self.multipliers[2 * side.pair..2 * side.pair + 2];
+            for (opening, row) in opening.iter_mut().zip(&side.rows) {
+                *opening += dt * (row[0] * x + row[1] * y + row[2] * w);
+            }
+        }
+        self.multipliers.iter().fold(0.0, |largest, opening| largest.max(opening.abs()))
+    }
+
     /// Transforms a direction from the world to a body frame; `None` is the ground.
     pub(crate) fn direction_in_body(&self, body: Option<usize>, direction: [f64; 2]) -> [f64; 2] {
         body.map_or(direction, |body| {
@@ -286,7 +326,8 @@ impl Linkage {
     /// Returns the largest opening acceleration of a pair whose bodies move straight on, m/s².
     pub(crate) fn max_opening_acceleration(&mut self, velocities: &[Twist]) -> f64 {
         self.centripetal(velocities);
-        self.multipliers.chunks_exact(2).fold(0.0, |largest, pair| largest.max(hypot(pair[0], pair[1])))
+        let squares = self.multipliers.chunks_exact(2).map(|pair| pair[0] * pair[0] + pair[1] * pair[1]);
+        squares.fold(0.0, f64::max).sqrt()
     }
 
     /// Projects velocities onto the joint constraints, with the smallest change in the mass metric.
@@ -354,6 +395,23 @@ impl Linkage {
             *v = [v[0] * inertia.inverse_mass, v[1] * inertia.inverse_mass, v[2] * inertia.inverse_inertia];
         }
         self.project(out);
+    }
+
+    /// Computes the velocity response to a unit impulse along a row, like [`Linkage::respond`]; for each key once until
+    /// the poses change.
+    pub(crate) fn respond_to(&mut self, key: RowKey, row: &Row, out: &mut [Twist]) {
+        let (bodies, size) = (out.len(), self.multipliers.len());
+        if let Some(index) = self.responses.keys.iter().position(|other| *other == key) {
+            out.copy_from_slice(&self.responses.velocities[index * bodies..(index + 1) * bodies]);
+            self.multipliers.copy_from_slice(&self.responses.multipliers[index * size..(index + 1) * size]);
+            return;
+        }
+        out.fill([0.0; 3]);
+        row.add_to(out, 1.0);
+        self.respond(out);
+        self.responses.keys.push(key);
+        self.responses.velocities.extend_from_slice(out);
+        self.responses.multipliers.extend_from_slice(&self.multipliers);
     }
 
     /// v ← v + M⁻¹ Jᵀ A⁻¹ (b − J v), with b passed in `multipliers`.

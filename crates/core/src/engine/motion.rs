@@ -1,10 +1,12 @@
-//! Motion of the engine: one rapier step at a time in a centred leapfrog scheme, with contact from the contact solver.
+//! Motion of the engine: one step of rapier's bodies at a time in a centred leapfrog scheme, with contact from the contact
+//! solver.
 //!
-//! Between nodes n and n + 1 rapier moves every body with one velocity, the mean over the step. It starts from the mean
-//! velocity of the preceding step. The difference between both means is applied as a force over the step: the second
-//! half of the last step's smooth forces and its late contact impulses, and the first half of this step's smooth forces
-//! and its early contact impulses. This leapfrog is of second order, even with a variable step size. The velocity *at*
-//! a node is the last mean plus the second halves, including joint reactions.
+//! Between nodes n and n + 1 every body moves with one velocity, the mean over the step. It follows from the mean velocity
+//! of the preceding step. The difference between both means is an impulse: the second half of the last step's smooth
+//! forces and its late contact impulses, and the first half of this step's smooth forces and its early contact impulses,
+//! with the reactions of the joints. rapier applies it as a force over the step if its solver is needed. This leapfrog is
+//! of second order, even with a variable step size. The velocity *at* a node is the last mean plus the second halves,
+//! including joint reactions.
 
 use rapier2d_f64::prelude::*;
 
@@ -13,17 +15,17 @@ use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrec
 use super::coordinate::{Row, Twist};
 use super::dense::refill;
 use super::forces;
-use super::linkage::{Linkage, SingularConstraints};
+use super::linkage::{Linkage, RowKind, SingularConstraints};
 use super::plan::{Plan, PlannedDrive};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::support;
-use super::world::{LawContactHook, World};
+use super::world::World;
 use crate::drive::Profile;
 use crate::integrator::Clock;
 use crate::law::friction_coefficient;
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{cos, exp, hypot, sin};
-use crate::numeric::plane::add;
+use crate::numeric::plane::{add, dot, sub};
 use crate::scene::{Construction, Response};
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -47,6 +49,9 @@ const MAX_OPENING_PER_TOLERANCE: f64 = 100.0;
 const MAX_ANCHOR_ITERATIONS: u32 = 4;
 /// Error of the anchor correction, in step tolerances, below which its iteration stops.
 const ANCHOR_TOLERANCE: f64 = 0.1;
+
+/// Opening (m, rad) up to which a joint is closed: far below any tolerance, and far above rounding.
+const CLOSED: f64 = 1e-12;
 
 /// Impulses of rapier's own contact in one step, for scenes that select it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,6 +95,8 @@ pub struct Motion {
     pub velocities: Vec<Twist>,
     /// Bodies that move by forces and have no joints.
     free_bodies: Vec<RigidBodyHandle>,
+    /// Whether each body is driven or has no joints, so that no opening of a joint is predicted for its rotation.
+    turns_freely: Vec<bool>,
     /// Accelerations without contact at the node.
     pub accelerations: Vec<Twist>,
     /// Largest change of a body's acceleration over the last step, in m/s².
@@ -112,6 +119,8 @@ pub struct Motion {
     mean_velocities: Vec<Twist>,
     /// Accelerations at the start of the last step, as produced by rapier's joints.
     pub step_accelerations: Vec<Twist>,
+    /// Opening (m, rad) of a joint after a step from which rapier's solver is called.
+    max_opening: f64,
     /// Working array: impulses on the bodies.
     impulse: Vec<Twist>,
     /// Working array: predicted mean velocities of the next step.
@@ -147,8 +156,10 @@ impl Motion {
         let is_driven = |body: usize| plan.drives.iter().any(|drive| drive.body == body);
         let free = (0..bodies).filter(|body| !is_jointed(*body) && !is_driven(*body));
         let free_bodies = free.map(|body| world.bodies[body]).collect();
+        let turns_freely = (0..bodies).map(|body| !is_jointed(body) || is_driven(body)).collect();
         let mut motion = Self {
             free_bodies,
+            turns_freely,
             plan,
             world,
             linkage,
@@ -166,6 +177,7 @@ impl Motion {
             forces: vec![[0.0; 3]; bodies],
             mean_velocities: vec![[0.0; 3]; bodies],
             step_accelerations: vec![[0.0; 3]; bodies],
+            max_opening: CLOSED,
             impulse: vec![[0.0; 3]; bodies],
             predicted_mean_velocities: vec![[0.0; 3]; bodies],
             driven: Vec::new(),
@@ -207,7 +219,7 @@ impl Motion {
         }
         let mut iterations = 0;
         loop {
-            self.shift_anchors(dt);
+            self.close_joints(dt);
             let Self { world, plan, linkage, .. } = self;
             let candidates = (&self.candidates[..], &self.bristle_states[..]);
             self.space.assemble(world, plan, linkage, candidates, &self.velocities, &self.step_accelerations, dt);
@@ -236,7 +248,7 @@ impl Motion {
         }
         let now = self.clock.now();
         refill(&mut self.previous_torques, self.plan.motors.iter().map(|motor| motor.characteristic(now).0));
-        self.step_rapier(dt);
+        self.move_bodies(dt);
         self.clock.advance(dt);
         self.last_dt_s = dt;
 
@@ -400,8 +412,10 @@ impl Motion {
             let friction = |candidate: &ContactCandidate, tangent: usize| {
                 candidate.friction_at_step_end([contact.rate[tangent], contact.bristle_state[index], force], dt)
             };
-            let tangent_row = |tangent: usize, row: Row, mu: f64, creep: f64| CorrectedRow {
+            let element = active.candidate.index;
+            let tangent_row = |(tangent, kind): (usize, RowKind), row: Row, mu: f64, creep: f64| CorrectedRow {
                 index: tangent,
+                key: (element, kind),
                 row,
                 target: contact.rate[tangent],
                 removable: f64::INFINITY,
@@ -412,7 +426,7 @@ impl Motion {
             if let (Source::Brake(_) | Source::Motor(_), Some(tangent)) = (active.candidate.source, active.tangent) {
                 let creep = dt * friction(&active.candidate, tangent).d_slip;
                 let slip_row = at_end.unwrap_or(&active.candidate).slip_row.clone();
-                rate_correction.rows.push(tangent_row(tangent, slip_row, 0.0, creep));
+                rate_correction.rows.push(tangent_row((tangent, RowKind::Slip), slip_row, 0.0, creep));
                 continue;
             }
             if let (Source::Servo(_), Some(at_end)) = (active.candidate.source, at_end) {
@@ -420,6 +434,7 @@ impl Motion {
                 let [target_rate, target_acceleration] = active.candidate.prescribed_gap_motion;
                 rate_correction.rows.push(CorrectedRow {
                     index: normal,
+                    key: (element, RowKind::Normal),
                     row: at_end.normal_row.clone(),
                     target: contact.rate[normal] + target_rate + dt * target_acceleration,
                     removable: f64::INFINITY,
@@ -435,11 +450,13 @@ impl Motion {
             let Some(candidate) = at_end else { continue };
             if let Some((rolling, law)) = active.rolling.zip(candidate.rolling.as_ref()) {
                 let creep = dt * friction_coefficient(law, contact.rate[rolling]).1 * force;
-                rate_correction.rows.push(tangent_row(rolling, candidate.roll_row.clone(), 0.0, creep.max(0.0)));
+                let roll_row = candidate.roll_row.clone();
+                rate_correction.rows.push(tangent_row((rolling, RowKind::Roll), roll_row, 0.0, creep.max(0.0)));
             }
             let law = candidate.normal_force(contact.gap[index], contact.rate[normal]);
             rate_correction.rows.push(CorrectedRow {
                 index: normal,
+                key: (element, RowKind::Normal),
                 row: candidate.normal_row.clone(),
                 target: contact.rate[normal],
                 removable: contact.late_impulse[normal],
@@ -449,7 +466,8 @@ impl Motion {
             let Some(tangent) = active.tangent else { continue };
             let after = friction(candidate, tangent);
             let creep = (dt * after.d_slip).max(0.0);
-            rate_correction.rows.push(tangent_row(tangent, candidate.slip_row.clone(), after.d_normal, creep));
+            let slip_row = candidate.slip_row.clone();
+            rate_correction.rows.push(tangent_row((tangent, RowKind::Slip), slip_row, after.d_normal, creep));
         }
         rate_correction.solve(&mut self.linkage, &mut self.velocities);
         let is_motor_row = |row: usize| {
@@ -535,14 +553,23 @@ impl Motion {
         }
     }
 
-    /// Shifts the joint anchors of rapier. It closes a joint along the tangent at the start of the step, so that the
-    /// joint is open by ½ dt² |J̇ v| at the end. Shifting the anchors by that amount beforehand, for the predicted mean
-    /// velocities, leaves an error of third order.
-    fn shift_anchors(&mut self, dt: f64) {
+    /// Computes the accelerations that close the joints at the end of the step. At mean velocities that close them along
+    /// the tangent at its start, joints would be open by ½ dt² |J̇ v| at its end. Closing them further by that amount, for
+    /// the predicted mean velocities, leaves an error of third order.
+    fn close_joints(&mut self, dt: f64) {
         let Self { linkage, open, overshoot, predicted_mean_velocities, .. } = self;
         refill(overshoot, linkage.overshoot(predicted_mean_velocities, dt));
         let corrected = linkage.openings().zip(&*overshoot).map(|(open, overshoot)| add(open, *overshoot));
         refill(open, corrected);
+        let (plan, now) = (&self.plan, self.clock.now());
+        forces::mean_driven_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
+        let opening = (&self.open[..], dt);
+        self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
+    }
+
+    /// Shifts the joint anchors of rapier, which closes joints along the tangent, by the overshoot of
+    /// [`Motion::close_joints`].
+    fn shift_anchors(&mut self, dt: f64) {
         for ((planned, joint), overshoot) in self.plan.joints.iter().zip(&self.world.joints).zip(&self.overshoot) {
             let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
                 continue;
@@ -561,10 +588,6 @@ impl Motion {
             let [x, y] = planned.anchors_m[0];
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }
-        let (plan, now) = (&self.plan, self.clock.now());
-        forces::mean_driven_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
-        let opening = (&self.open[..], dt);
-        self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
     }
 
     /// Computes the impulses from rapier's last mean velocity to the next one (node velocity, half a step of
@@ -591,16 +614,31 @@ impl Motion {
     fn opening_errors(&mut self, dt: f64) -> [f64; 2] {
         let Self { linkage, overshoot, predicted_mean_velocities, .. } = self;
         let openings = linkage.overshoot(predicted_mean_velocities, dt).zip(&*overshoot);
-        openings.fold([0.0; 2], |[largest, error], (opening, corrected)| {
-            [
-                largest.max(hypot(opening[0], opening[1])),
-                error.max(hypot(opening[0] - corrected[0], opening[1] - corrected[1])),
-            ]
-        })
+        let largest = openings.fold([0.0_f64; 2], |[largest, error], (opening, corrected)| {
+            let difference = sub(opening, *corrected);
+            [largest.max(dot(opening, opening)), error.max(dot(difference, difference))]
+        });
+        largest.map(f64::sqrt)
+    }
+
+    /// Moves the bodies by one step. Sweeps over joints that the mean velocities already close would change nothing, and
+    /// nor would rapier's contact in a world without colliders; the bodies then move straight on.
+    fn move_bodies(&mut self, dt: f64) {
+        let World { construction, response, .. } = self.world;
+        let now = self.clock.now();
+        let Self { plan, linkage, world, open, turns_freely, predicted_mean_velocities: velocities, .. } = self;
+        forces::set_driven_mean_velocities(plan, &linkage.poses, (now, dt), velocities);
+        let needs_solver = construction == Construction::Reduced || response != Response::Laws;
+        if !needs_solver && linkage.max_opening_after(open, velocities, dt) <= self.max_opening {
+            forces::move_bodies((&world.bodies, turns_freely), velocities, &mut world.physics.bodies, dt);
+        } else {
+            self.step_rapier(dt);
+        }
     }
 
     /// Takes one step of rapier with the impulses applied as forces over the step.
     fn step_rapier(&mut self, dt: f64) {
+        self.shift_anchors(dt);
         let physics = &mut self.world.physics;
         for (impulse, handle) in self.impulse.iter().zip(&self.world.bodies) {
             let body = &mut physics.bodies[*handle];
@@ -609,16 +647,10 @@ impl Motion {
             body.add_force(Vector::new(impulse[0] / dt, impulse[1] / dt), false);
             body.add_torque(impulse[2] / dt, false);
         }
-        forces::set_rapier_velocities(
-            &self.plan,
-            &self.linkage.poses,
-            &self.world.bodies,
-            &mut physics.bodies,
-            self.clock.now(),
-            dt,
-        );
+        let velocities = &self.predicted_mean_velocities;
+        forces::set_rapier_velocities(&self.plan, &self.world.bodies, velocities, &mut physics.bodies, dt);
         physics.integration_parameters.dt = dt;
-        physics.step_with_events(&LawContactHook, &());
+        physics.step();
         forces::turn_free_bodies(&self.free_bodies, &mut physics.bodies, dt);
     }
 
@@ -675,4 +707,33 @@ fn read_rapier_impulses(
         out.push(RapierContact { index, normal, tangential, closing_rate: -candidate.normal_row.rate(before) });
     }
     (work, on_driven)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{build_plan, build_world, next_step};
+    use super::Motion;
+    use crate::scene::parse;
+
+    /// Sweeps of rapier over joints that are closed change nothing.
+    #[test]
+    fn moves_bodies_as_rapier_does() {
+        let scene = parse(include_str!("../../../../scenes/experiment-95.toml"), "experiment-95.toml").unwrap();
+        let plan = build_plan(&scene).unwrap();
+        let world = build_world(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
+        let mut motion = Motion::new(plan, world).unwrap();
+        let mut with_rapier = Motion { max_opening: -1.0, ..motion.clone() };
+        while motion.clock.now() < scene.duration_s {
+            let dt = next_step(&motion, scene.engine.stepping, scene.duration_s);
+            for motion in [&mut motion, &mut with_rapier] {
+                motion.advance(dt, &|| true).unwrap();
+            }
+            for (pose, of_rapier) in motion.linkage.poses.iter().zip(&with_rapier.linkage.poses) {
+                let change = [pose.com[0] - of_rapier.com[0], pose.com[1] - of_rapier.com[1]];
+                let largest =
+                    change.into_iter().chain([pose.angle - of_rapier.angle]).fold(0.0, |a: f64, b| a.max(b.abs()));
+                assert!(largest < 1e-7, "{largest:e} at {} s", motion.clock.now());
+            }
+        }
+    }
 }
