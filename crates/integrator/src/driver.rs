@@ -70,6 +70,8 @@ const MIN_APPROACH_STEP_S: f64 = 1e-11;
 const UNLOADING_CUT: f64 = 0.4;
 /// Scaled error of a partial step above which the interpolant is more accurate.
 const MAX_RESOLVED_ERROR: f64 = 10.0;
+/// Number of states inside a step that are kept for further readings.
+const MAX_REFINED_STATES: usize = 16;
 /// Maximum number of attempts to locate one event.
 const MAX_LOCATION_ATTEMPTS: usize = 12;
 
@@ -118,7 +120,12 @@ where
 #[derive(Clone)]
 pub struct Integration<const N: usize, const Z: usize, const S: usize, M, K> {
     run: Run<N, Z, S, M, K>,
-    pending: Option<Pending<N, Z, S>>,
+    /// What follows the last committed step, if it is known.
+    pending: Option<Pending>,
+    /// Linearisation at the start of the pending step.
+    linearised: Linearised<N, Z>,
+    /// The pending step. It stays in place, because it is large for a gripper.
+    found: AcceptedStep<N, Z, S>,
 }
 
 impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<N, Z>> Integration<N, Z, S, M, K> {
@@ -131,10 +138,11 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         let run = Run {
             options: *options,
             controller: Controller::new(method.error_order()),
+            resolver: method.clone(),
             method,
             clock: Clock::at(t0),
             state: start,
-            events: system.eval_events(&start.q, &start.v, &mode),
+            events: Box::new(system.eval_events(&start.q, &start.v, &mode)),
             mode,
             latest_time: f64::INFINITY,
             h: FIRST_STEP_S,
@@ -142,8 +150,17 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             stall_detector: StallDetector::new(&options.tolerances, t0),
             tolerance_schedule: ToleranceSchedule::new(&options.tolerances),
             counters: Counters::default(),
+            refined: Vec::new(),
         };
-        Self { run, pending: None }
+        let found = AcceptedStep {
+            attempt: Attempt { error: 0.0, rhs: 0, end: start, error_q: [0.0; N], error_v: [0.0; N] },
+            events: run.events.clone(),
+            size: 0.0,
+            resume_size: 0.0,
+            event: None,
+            reaches_stop: false,
+        };
+        Self { run, pending: None, linearised: Linearised::ZERO, found }
     }
 
     /// Time at the end of the last committed step, s.
@@ -197,17 +214,17 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         Y: Hybrid<N, Z, S, Mode = M>,
         O: Observer<N, Z, M>,
     {
-        let Self { run, pending } = self;
+        let Self { run, pending, linearised, found } = self;
         while run.clock.until(t) > MIN_STEP_S {
             if pending.is_none() {
-                let found = run.find_next(system, stop).map_err(|reason| run.failure(reason))?;
-                *pending = Some(found);
+                let next = run.find_next(system, stop, (linearised, found));
+                *pending = Some(next.map_err(|reason| run.failure(reason))?);
             }
             let Some(next) = pending else { break };
-            if next.ends_after(&run.clock, t) {
+            if next.ends_after(found, &run.clock, t) {
                 break;
             }
-            let result = run.commit(system, next, t_end, observer);
+            let result = run.commit(system, next, (linearised, found), t_end, observer);
             *pending = None;
             result.map_err(|reason| run.failure(reason))?;
         }
@@ -216,7 +233,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
 
     /// Whether the pending step ends after time `t`, so that an advance to `t` commits nothing.
     pub fn is_within_step(&self, t: f64) -> bool {
-        self.pending.as_ref().is_some_and(|pending| pending.ends_after(&self.run.clock, t))
+        self.pending.as_ref().is_some_and(|pending| pending.ends_after(&self.found, &self.run.clock, t))
     }
 
     /// Reads states inside the pending step; `None` if no step is pending. `read` receives the step, its mode, and the
@@ -229,8 +246,8 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     where
         Y: Hybrid<N, Z, S, Mode = M>,
     {
-        let Some(Pending { next: Next::Step(accepted), linearised, .. }) = &self.pending else { return None };
-        let run = &self.run;
+        let Some(Pending { next: Next::Step, .. }) = &self.pending else { return None };
+        let Self { run, linearised, found: accepted, .. } = self;
         let mut end = run.clock;
         end.advance(accepted.size);
         let step = Step {
@@ -241,10 +258,11 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             end: &accepted.attempt.end,
         };
         // Readings inside a committed step start from the same history.
-        let mut method = run.method.clone();
-        method.accept_step();
+        let mut resolver = run.method.clone();
+        resolver.accept_step();
         let origin = run.origin(system, &run.options.tolerances, linearised);
-        let mut tools = StepEvaluator { method: &mut method, origin, size: accepted.size, dense: None };
+        let (method, resolver, refined) = (&run.method, &mut resolver, &mut Vec::new());
+        let mut tools = StepEvaluator { method, resolver, origin, size: accepted.size, dense: None, refined };
         Some(read(&step, &run.mode, &mut tools))
     }
 
@@ -262,11 +280,13 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
 struct Run<const N: usize, const Z: usize, const S: usize, M, K> {
     options: Options,
     method: K,
+    /// Method of steps that end inside the last one.
+    resolver: K,
     controller: Controller,
     clock: Clock,
     state: State<N, Z>,
     /// Event functions of `mode` at `state`.
-    events: EventSet<N, S>,
+    events: Box<EventSet<N, S>>,
     mode: M,
     /// Latest time before the next discontinuity of the right-hand side.
     latest_time: f64,
@@ -275,33 +295,39 @@ struct Run<const N: usize, const Z: usize, const S: usize, M, K> {
     stall_detector: StallDetector,
     tolerance_schedule: ToleranceSchedule,
     counters: Counters,
+    /// States inside the last step, for reuse of the allocation.
+    refined: Vec<(f64, State<N, Z>)>,
 }
 
 /// What follows the last committed step.
-#[derive(Clone)]
-struct Pending<const N: usize, const Z: usize, const S: usize> {
-    linearised: Linearised<N, Z>,
-    next: Next<N, Z, S>,
+#[derive(Clone, Copy)]
+struct Pending {
+    next: Next,
     stop: f64,
     /// Whether the right-hand side is discontinuous at the stop.
     stops_at_discontinuity: bool,
 }
 
-impl<const N: usize, const Z: usize, const S: usize> Pending<N, Z, S> {
+impl Pending {
     /// Whether the step ends after time `t`.
-    fn ends_after(&self, clock: &Clock, t: f64) -> bool {
-        match &self.next {
-            Next::Step(accepted) if accepted.reaches_stop => self.stop > t,
-            Next::Step(accepted) => accepted.size > clock.until(t),
+    fn ends_after<const N: usize, const Z: usize, const S: usize>(
+        &self,
+        accepted: &AcceptedStep<N, Z, S>,
+        clock: &Clock,
+        t: f64,
+    ) -> bool {
+        match self.next {
+            Next::Step if accepted.reaches_stop => self.stop > t,
+            Next::Step => accepted.size > clock.until(t),
             Next::Event(_) => false,
         }
     }
 }
 
 /// Outcome of the search for the next step.
-#[derive(Clone)]
-enum Next<const N: usize, const Z: usize, const S: usize> {
-    Step(AcceptedStep<N, Z, S>),
+#[derive(Clone, Copy)]
+enum Next {
+    Step,
     /// An event with this index at the current time: no step is taken.
     Event(usize),
 }
@@ -311,7 +337,7 @@ enum Next<const N: usize, const Z: usize, const S: usize> {
 struct AcceptedStep<const N: usize, const Z: usize, const S: usize> {
     attempt: Attempt<N, Z>,
     /// Event functions at its end.
-    events: EventSet<N, S>,
+    events: Box<EventSet<N, S>>,
     size: f64,
     /// Acceptable size before the step was shortened; the next step starts from it.
     resume_size: f64,
@@ -338,7 +364,12 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     /// Finds the next step, at most up to `stop`, or an event at the current time.
-    fn find_next<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y, stop: f64) -> Result<Pending<N, Z, S>, Reason> {
+    fn find_next<Y: Hybrid<N, Z, S, Mode = M>>(
+        &mut self,
+        system: &Y,
+        stop: f64,
+        (linearised, found): (&mut Linearised<N, Z>, &mut AcceptedStep<N, Z, S>),
+    ) -> Result<Pending, Reason> {
         // Written so that a NaN clearance counts as negative.
         if self.events.clearance.partial_cmp(&0.0).is_none_or(|order| order.is_lt()) {
             return Err(Reason::Obstacle(system.describe_obstacle(&self.state.q)));
@@ -347,7 +378,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             return Err(Reason::Budget(self.options.max_steps));
         }
         let t = self.clock.now();
-        let linearised = system.linearise(t, &self.state.q, &self.state.v, &self.mode);
+        system.linearise_into(t, &self.state.q, &self.state.v, &self.mode, linearised);
         self.counters.jacobians += 1;
         if !linearised.rates.a.iter().all(|a| a.is_finite()) {
             return Err(Reason::NotFinite);
@@ -355,26 +386,24 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         let discontinuity = system.next_discontinuity(t);
         self.latest_time = discontinuity.next_down();
         let stop = discontinuity.min(stop);
-        let next = self.find_step(system, &linearised, stop)?;
-        Ok(Pending { linearised, next, stop, stops_at_discontinuity: stop == discontinuity })
+        let next = self.find_step(system, linearised, stop, found)?;
+        Ok(Pending { next, stop, stops_at_discontinuity: stop == discontinuity })
     }
 
     /// Takes the step that was found, or handles the event at the current time.
     fn commit<Y: Hybrid<N, Z, S, Mode = M>, O: Observer<N, Z, M>>(
         &mut self,
         system: &Y,
-        pending: &Pending<N, Z, S>,
+        pending: &Pending,
+        (linearised, accepted): (&Linearised<N, Z>, &mut AcceptedStep<N, Z, S>),
         t_end: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
-        let accepted = match &pending.next {
-            Next::Step(accepted) => accepted,
-            Next::Event(event_index) => {
-                self.apply_event(system, *event_index, observer);
-                return Ok(());
-            }
-        };
-        self.take_step(system, &pending.linearised, accepted, pending.stop, observer)?;
+        if let Next::Event(event_index) = pending.next {
+            self.apply_event(system, event_index, observer);
+            return Ok(());
+        }
+        self.take_step(system, linearised, accepted, pending.stop, observer)?;
         if self.stall_detector.is_stalled(self.counters.steps, self.clock.now(), t_end) && accepted.event.is_none() {
             self.method.on_stall();
             if self.stall_detector.may_project() {
@@ -396,7 +425,8 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         system: &Y,
         linearised: &Linearised<N, Z>,
         stop: f64,
-    ) -> Result<Next<N, Z, S>, Reason> {
+        found: &mut AcceptedStep<N, Z, S>,
+    ) -> Result<Next, Reason> {
         let (state, mode) = (self.state, self.mode);
         let mut tolerances = self.tolerance_schedule.tolerances(&self.options.tolerances, &self.counters);
         error_weight::raise_above_noise(
@@ -426,15 +456,17 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             if size < MIN_STEP_S && !reaches_stop {
                 return Err(Reason::StepUnderflow { h_s: size });
             }
-            let attempt = self.attempt(&origin, size);
+            found.attempt = self.attempt(&origin, size);
+            let attempt = &found.attempt;
             if !attempt.is_acceptable() {
                 self.counters.rejected += 1;
                 h = self.controller.reject(size, attempt.error);
                 continue;
             }
-            let events = system.eval_events(&attempt.end.q, &attempt.end.v, &mode);
+            *found.events = system.eval_events(&attempt.end.q, &attempt.end.v, &mode);
+            let events = &found.events;
             let clearance = |w: &EventSet<N, S>| (w.clearance, w.clearance_rate);
-            if events.clearance.is_nan() || may_have_passed(clearance(&self.events), clearance(&events), size) {
+            if events.clearance.is_nan() || may_have_passed(clearance(&self.events), clearance(events), size) {
                 if size < MIN_APPROACH_STEP_S {
                     return Err(Reason::Obstacle(system.describe_obstacle(&attempt.end.q)));
                 }
@@ -442,20 +474,23 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 h = APPROACH_CUT * size;
                 continue;
             }
-            if error_weight::unloads(&self.events.functions, &events.functions, &attempt, &state, &tolerances) {
+            if error_weight::unloads(&self.events.functions, &events.functions, attempt, &state, &tolerances) {
                 self.counters.rejected += 1;
                 h = UNLOADING_CUT * size;
                 continue;
             }
             let (at_start, at_end) = (&self.events.functions, &events.functions);
-            let crossing = first_crossing(system, &mode, at_start, at_end, size, &|| self.method.dense());
+            let crossing = first_crossing(system, &mode, at_start, at_end, size, &|| self.method.dense(None));
             let Some(crossing) = crossing else {
-                let resume_size = if reaches_stop { requested_size } else { size };
-                let event = None;
-                return Ok(Next::Step(AcceptedStep { attempt, events, size, resume_size, event, reaches_stop }));
+                found.resume_size = if reaches_stop { requested_size } else { size };
+                (found.size, found.event, found.reaches_stop) = (size, None, reaches_stop);
+                return Ok(Next::Step);
             };
             match self.locate_event(&origin, crossing, size) {
-                EventLocation::Located(accepted) => return Ok(Next::Step(accepted)),
+                EventLocation::Located(accepted) => {
+                    *found = accepted;
+                    return Ok(Next::Step);
+                }
                 EventLocation::AtStart(event_index) => return Ok(Next::Event(event_index)),
                 EventLocation::Rejected { size, error } => h = self.controller.reject(size, error),
             }
@@ -480,7 +515,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
 
     /// Half of the time in which a small clearance would vanish at its present rate.
     fn approach_limit(&self) -> f64 {
-        let EventSet { clearance, clearance_rate, .. } = self.events;
+        let EventSet { clearance, clearance_rate, .. } = *self.events;
         if clearance < NEAR_OBSTACLE && clearance_rate < 0.0 {
             (-0.5 * clearance / clearance_rate).max(MIN_APPROACH_STEP_S)
         } else {
@@ -516,7 +551,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 if !attempt.is_acceptable() {
                     return EventLocation::Rejected { size: target, error: attempt.error };
                 }
-                let events = system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode);
+                let events = Box::new(system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode));
                 if error_weight::unloads(
                     &self.events.functions,
                     &events.functions,
@@ -530,10 +565,10 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 let is_within_tolerance = value.abs() <= tolerance;
                 let event = (is_within_tolerance || value < 0.0).then_some(event_index);
                 let (resume_size, reaches_stop) = (size, false);
-                let candidate = Some(AcceptedStep { attempt, events, size: target, resume_size, event, reaches_stop });
                 // The shortened step may contain the crossing, or an earlier crossing of another event function.
                 let (at_start, at_end) = (&self.events.functions, &events.functions);
-                let recheck = first_crossing(system, origin.mode, at_start, at_end, target, &|| self.method.dense());
+                let dense = || self.method.dense(None);
+                let recheck = first_crossing(system, origin.mode, at_start, at_end, target, &dense);
                 if let Some(earlier) = recheck.filter(|c| c.event_index != event_index && c.theta < 1.0) {
                     let value = events.functions[earlier.event_index].value;
                     if value.abs() > system.event_tolerance(earlier.event_index, origin.mode) {
@@ -541,6 +576,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                         continue 'crossing;
                     }
                 }
+                let candidate = Some(AcceptedStep { attempt, events, size: target, resume_size, event, reaches_stop });
                 match recheck.filter(|c| c.event_index == event_index && event.is_none()) {
                     // The step ends after a dip.
                     Some(dip) => (low, high) = (0.0, dip.negative_at * target),
@@ -574,7 +610,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         &mut self,
         system: &Y,
         linearised: &Linearised<N, Z>,
-        accepted: &AcceptedStep<N, Z, S>,
+        accepted: &mut AcceptedStep<N, Z, S>,
         stop: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
@@ -586,7 +622,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             self.clock.advance(accepted.size);
         }
         self.state = accepted.attempt.end;
-        self.events = accepted.events;
+        std::mem::swap(&mut self.events, &mut accepted.events);
         self.counters.steps += 1;
         let proposed_size = self.controller.accept(accepted.size, accepted.attempt.error);
         self.h =
@@ -602,7 +638,10 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             latest_time: self.latest_time,
             state: &start,
         };
-        let mut tools = StepEvaluator { method: &mut self.method, origin, size: accepted.size, dense: None };
+        self.refined.clear();
+        self.resolver.follow(&self.method);
+        let (method, resolver, refined) = (&self.method, &mut self.resolver, &mut self.refined);
+        let mut tools = StepEvaluator { method, resolver, origin, size: accepted.size, dense: None, refined };
         if !observer.step(&step, &self.mode, &mut tools) {
             return Err(Reason::Stopped);
         }
@@ -668,7 +707,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     fn update_events<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y) {
-        self.events = system.eval_events(&self.state.q, &self.state.v, &self.mode);
+        *self.events = system.eval_events(&self.state.q, &self.state.v, &self.mode);
     }
 
     fn restart_method(&mut self) {
@@ -691,23 +730,37 @@ enum EventLocation<const N: usize, const Z: usize, const S: usize> {
 
 /// Evaluates states inside the step just taken, for an observer.
 struct StepEvaluator<'a, Y: Hybrid<N, Z, S>, K, const N: usize, const Z: usize, const S: usize> {
-    method: &'a mut K,
+    method: &'a K,
+    resolver: &'a mut K,
     origin: StepStart<'a, Y, N, Z>,
     size: f64,
     dense: Option<super::Dense<N, Z>>,
+    /// States refined so far, with their fractions of the step: the searches of several contacts begin alike.
+    refined: &'a mut Vec<(f64, State<N, Z>)>,
 }
 
 impl<Y: Hybrid<N, Z, S>, K: Method<N, Z>, const N: usize, const Z: usize, const S: usize> StepTools<N, Z>
     for StepEvaluator<'_, Y, K, N, Z, S>
 {
     fn interpolate(&mut self, theta: f64) -> State<N, Z> {
-        self.dense.get_or_insert_with(|| self.method.dense()).evaluate(theta)
+        self.dense.get_or_insert_with(|| self.method.dense(Some(self.origin.linearised))).evaluate(theta)
+    }
+
+    fn refine(&mut self, theta: f64) -> State<N, Z> {
+        if let Some((_, state)) = self.refined.iter().find(|(refined, _)| *refined == theta) {
+            return *state;
+        }
+        let dense = self.dense.get_or_insert_with(|| self.method.dense(Some(self.origin.linearised)));
+        let refined = self.method.refine(&self.origin, dense, theta);
+        let state = refined.unwrap_or_else(|| self.resolve(theta));
+        if self.refined.len() < MAX_REFINED_STATES {
+            self.refined.push((theta, state));
+        }
+        state
     }
 
     fn resolve(&mut self, theta: f64) -> State<N, Z> {
-        // The attempt replaces the stages from which the dense output is computed.
-        self.dense.get_or_insert_with(|| self.method.dense());
-        let attempt = self.method.attempt(&self.origin, theta * self.size);
+        let attempt = self.resolver.attempt(&self.origin, theta * self.size);
         // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
         // size equals the reciprocal of a growth rate.
         if attempt.error <= MAX_RESOLVED_ERROR { attempt.end } else { self.interpolate(theta) }

@@ -27,6 +27,10 @@ pub(crate) fn raise_above_noise<const N: usize, const Z: usize, const S: usize>(
         let ErrorWeight::Depth { row, is_spring_dominated: true, .. } = &function.error_weight else { continue };
         let (mut stiffness, mut norm_squared, mut magnitude) = (0.0, 0.0, 0.0);
         for i in 0..N {
+            // A contact depends on few coordinates.
+            if row[i] == 0.0 {
+                continue;
+            }
             for j in 0..N {
                 stiffness -= row[i] * linearised.a_q[i][j] * row[j];
             }

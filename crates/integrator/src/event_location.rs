@@ -36,13 +36,13 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     }
     let dense = dense();
     let function_at = |theta: f64, index: usize| {
-        let state = dense.evaluate(theta);
-        system.eval_event(&state.q, &state.v, mode, index)
+        let (q, v) = dense.motion(theta);
+        system.eval_event(&q, &v, mode, index)
     };
     // One call evaluates all selected functions, because most steps need no further evaluation.
     let event_values = |theta: f64, selected: &[bool; S]| {
-        let state = dense.evaluate(theta);
-        system.event_values(&state.q, &state.v, mode, selected)
+        let (q, v) = dense.motion(theta);
+        system.event_values(&q, &v, mode, selected)
     };
     let searches: [RootSearch; S] = array_from(|index| select_search(&start[index], &end[index]));
     let gaps = || array_from(|index| may_cross[index] && searches[index] == RootSearch::Gap);

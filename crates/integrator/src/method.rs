@@ -47,11 +47,25 @@ pub trait Method<const N: usize, const Z: usize>: Clone {
     /// Notifies the method that its last attempt was accepted.
     fn accept_step(&mut self);
 
+    /// Takes over the history of another method.
+    fn follow(&mut self, other: &Self);
+
     /// Notifies the method that the run has stalled.
     fn on_stall(&mut self) {}
 
     fn attempt<Y: System<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, h: f64) -> Attempt<N, Z>;
 
-    /// Dense output of the last attempt.
-    fn dense(&self) -> Dense<N, Z>;
+    /// Corrects the dense output of the last attempt at the fraction `theta` of its step, so that it gives the forces of stiff
+    /// contacts; `None` if a step that ends there is required.
+    fn refine<Y: System<N, Z>>(
+        &self,
+        _origin: &StepStart<Y, N, Z>,
+        _dense: &Dense<N, Z>,
+        _theta: f64,
+    ) -> Option<State<N, Z>> {
+        None
+    }
+
+    /// Dense output of the last attempt, which had this linearisation; without it the quadratures are not interpolated.
+    fn dense(&self, linearised: Option<&Linearised<N, Z>>) -> Dense<N, Z>;
 }

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use super::linear::ShiftedSolver;
 use super::method::{Attempt, Method, StepStart};
-use super::{Dense, Rates, State, System};
+use super::{Dense, Linearised, Rates, State, System};
 use crate::numeric::array_from;
 use crate::numeric::elementary::{cbrt, powi};
 
@@ -166,6 +166,10 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         self.is_restarted = true;
     }
 
+    fn follow(&mut self, other: &Self) {
+        (self.last, self.is_restarted) = (other.last, other.is_restarted);
+    }
+
     fn accept_step(&mut self) {
         self.last = Some(self.candidate);
         self.is_restarted = false;
@@ -175,8 +179,9 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         let StepStart { system, mode, linearised: lin, tolerances, t, state: from, .. } = *origin;
         let (k, coordinates) = (self.coefficients, system.coordinate_count());
         let (gamma, shift) = (k.gamma / h, Complex64::new(k.alpha / h, k.beta / h));
-        let real = ShiftedSolver::new(gamma, &lin.a_q, &lin.a_v, coordinates);
-        let pair = ShiftedSolver::new(shift, &lin.a_q, &lin.a_v, coordinates);
+        let matrices = (&lin.a_q, &lin.a_v);
+        let sizes = [Y::SECOND_ORDER, coordinates];
+        let (real, pair) = (ShiftedSolver::new(gamma, matrices, sizes), ShiftedSolver::new(shift, matrices, sizes));
         let mut rhs = 0;
         let failed = |rhs| Attempt { error: f64::NAN, rhs, end: *from, error_q: [0.0; N], error_v: [0.0; N] };
 
@@ -195,13 +200,15 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
             let f = self.evaluate(origin, h, &z);
             rhs += 3;
             let tf = transform(&k.ti, &[(f[0].1, f[0].0.a), (f[1].1, f[1].0.a), (f[2].1, f[2].0.a)]);
-            let (dq1, dv1) = real
-                .solve(array_from(|n| tf[0].0[n] - gamma * w[0].0[n]), array_from(|n| tf[0].1[n] - gamma * w[0].1[n]));
+            let residual_q = array_from(|n| tf[0].0[n] - gamma * w[0].0[n]);
+            let residual_v = array_from(|n| tf[0].1[n] - gamma * w[0].1[n]);
+            let (dq1, dv1) = real.solve(&lin.a_q, sizes, (residual_q, residual_v));
             let complex = |a: &[f64; N], b: &[f64; N], wa: &[f64; N], wb: &[f64; N]| -> [Complex64; N] {
                 array_from(|n| Complex64::new(a[n], b[n]) - shift * Complex64::new(wa[n], wb[n]))
             };
-            let (dq2, dv2) = pair
-                .solve(complex(&tf[1].0, &tf[2].0, &w[1].0, &w[2].0), complex(&tf[1].1, &tf[2].1, &w[1].1, &w[2].1));
+            let residual_q = complex(&tf[1].0, &tf[2].0, &w[1].0, &w[2].0);
+            let residual_v = complex(&tf[1].1, &tf[2].1, &w[1].1, &w[2].1);
+            let (dq2, dv2) = pair.solve(&lin.a_q, sizes, (residual_q, residual_v));
             let (re, im) = (|x: &[Complex64; N]| array_from(|n| x[n].re), |x: &[Complex64; N]| array_from(|n| x[n].im));
             let dw: Stages<N> = [(dq1, dv1), (re(&dq2), re(&dv2)), (im(&dq2), im(&dv2))];
             let size = |(q, v): &Stage<N>| powi(tolerances.norm((q, v), (from, from), coordinates), 2);
@@ -250,7 +257,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         // Error (γ/h − J)⁻¹ (f₀ + Σ eᵢ zᵢ/h), filtered a second time if it is too large after a restart.
         let ez = weighted_stages(&k.e, &z);
         let estimate = |v0: &[f64; N], a0: &[f64; N]| {
-            real.solve(array_from(|n| v0[n] + ez.0[n] / h), array_from(|n| a0[n] + ez.1[n] / h))
+            real.solve(&lin.a_q, sizes, (array_from(|n| v0[n] + ez.0[n] / h), array_from(|n| a0[n] + ez.1[n] / h)))
         };
         let (mut eq, mut ev) = estimate(&from.v, &lin.rates.a);
         let mut error = tolerances.norm((&eq, &ev), (from, &end), coordinates);
@@ -265,7 +272,7 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
         Attempt { error, rhs, end, error_q: eq, error_v: ev }
     }
 
-    fn dense(&self) -> Dense<N, Z> {
+    fn dense(&self, _: Option<&Linearised<N, Z>>) -> Dense<N, Z> {
         self.candidate
     }
 }

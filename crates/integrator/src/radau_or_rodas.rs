@@ -1,7 +1,7 @@
 //! Method of a run: Rodas5P, or Radau IIA with a switch to Rodas5P.
 
 use super::method::{Attempt, Method, StepStart};
-use super::{Dense, Radau5, Rodas5p, System};
+use super::{Dense, Linearised, Radau5, Rodas5p, State, System};
 
 /// Rodas5P, or Radau IIA until a run stalls and Rodas5P afterwards. One type for both, so that the integration of a
 /// model is compiled once.
@@ -41,6 +41,13 @@ impl<const N: usize, const Z: usize> Method<N, Z> for RadauOrRodas<N, Z> {
         self.radau.restart();
     }
 
+    fn follow(&mut self, other: &Self) {
+        self.uses_radau = other.uses_radau;
+        if self.uses_radau {
+            self.radau.follow(&other.radau);
+        }
+    }
+
     fn accept_step(&mut self) {
         if self.uses_radau {
             self.radau.accept_step();
@@ -60,10 +67,20 @@ impl<const N: usize, const Z: usize> Method<N, Z> for RadauOrRodas<N, Z> {
         }
     }
 
-    fn dense(&self) -> Dense<N, Z> {
+    #[inline(never)]
+    fn refine<Y: System<N, Z>>(
+        &self,
+        origin: &StepStart<Y, N, Z>,
+        dense: &Dense<N, Z>,
+        theta: f64,
+    ) -> Option<State<N, Z>> {
+        if self.uses_radau { None } else { self.rodas.refine(origin, dense, theta) }
+    }
+
+    fn dense(&self, linearised: Option<&Linearised<N, Z>>) -> Dense<N, Z> {
         match self.uses_radau {
-            true => self.radau.dense(),
-            false => self.rodas.dense(),
+            true => self.radau.dense(linearised),
+            false => self.rodas.dense(linearised),
         }
     }
 }

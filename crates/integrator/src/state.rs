@@ -32,9 +32,30 @@ impl<const N: usize, const Z: usize> Dense<N, Z> {
     /// State at the fraction `theta` of the step.
     #[inline(always)]
     pub fn evaluate(&self, theta: f64) -> State<N, Z> {
-        let bump = theta * (1.0 - theta);
-        let blend =
-            |y0: f64, y1: f64, d: [f64; 3]| y0 + theta * (y1 - y0) + bump * (d[0] + theta * (d[1] + theta * d[2]));
+        let (q, v) = self.motion(theta);
+        let [a, b, c] = &self.d;
+        let z = array_from(|i| blend(theta, self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]]));
+        State { q, v, z }
+    }
+
+    /// Coordinates and rates at the fraction `theta` of the step.
+    #[inline(always)]
+    pub(crate) fn motion(&self, theta: f64) -> ([f64; N], [f64; N]) {
+        let [a, b, c] = &self.d;
+        (
+            array_from(|i| blend(theta, self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]])),
+            array_from(|i| blend(theta, self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]])),
+        )
+    }
+
+    /// Time derivative of the state at the fraction `theta` of the step.
+    #[inline(always)]
+    pub(crate) fn derivative(&self, theta: f64) -> State<N, Z> {
+        let (bump, slope, inverse) = (theta * (1.0 - theta), 1.0 - 2.0 * theta, 1.0 / self.h);
+        let blend = |y0: f64, y1: f64, d: [f64; 3]| {
+            let bumps = slope * (d[0] + theta * (d[1] + theta * d[2])) + bump * (d[1] + 2.0 * theta * d[2]);
+            inverse * ((y1 - y0) + bumps)
+        };
         let [a, b, c] = &self.d;
         State {
             q: array_from(|i| blend(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]])),
@@ -42,6 +63,12 @@ impl<const N: usize, const Z: usize> Dense<N, Z> {
             z: array_from(|i| blend(self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]])),
         }
     }
+}
+
+/// y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ d₃)).
+#[inline(always)]
+fn blend(theta: f64, y0: f64, y1: f64, d: [f64; 3]) -> f64 {
+    y0 + theta * (y1 - y0) + theta * (1.0 - theta) * (d[0] + theta * (d[1] + theta * d[2]))
 }
 
 /// An accepted step from `t0` to `t1`.
@@ -60,7 +87,10 @@ pub trait StepTools<const N: usize, const Z: usize> {
     /// Returns the dense output at the fraction `theta` of the step: accurate for angles and rates.
     fn interpolate(&mut self, theta: f64) -> State<N, Z>;
 
-    /// Returns the end of a separate step from the same start. The force of a stiff damper requires this accuracy,
+    /// Returns the dense output, corrected so that it gives contact forces as accurately.
+    fn refine(&mut self, theta: f64) -> State<N, Z>;
+
+    /// Returns the end of a separate step from the same start, the most accurate state. The force of a stiff damper requires this accuracy,
     /// since it is a large multiple of a tiny rate.
     fn resolve(&mut self, theta: f64) -> State<N, Z>;
 }

@@ -24,9 +24,39 @@ pub struct Linearised<const N: usize, const Z: usize> {
     pub g_t: [f64; Z],
 }
 
+impl<const N: usize, const Z: usize> Linearised<N, Z> {
+    pub const ZERO: Self = Self {
+        rates: Rates { a: [0.0; N], g: [0.0; Z] },
+        a_q: [[0.0; N]; N],
+        a_v: [[0.0; N]; N],
+        a_t: [0.0; N],
+        g_q: [[0.0; N]; Z],
+        g_v: [[0.0; N]; Z],
+        g_t: [0.0; Z],
+    };
+
+    /// Sets all numbers to 0, except those that stay 0 if only the first `second_order` coordinates have an effect.
+    #[inline(always)]
+    pub fn clear(&mut self, second_order: usize) {
+        for row in self.a_q.iter_mut().chain(&mut self.g_q) {
+            row[..second_order].fill(0.0);
+        }
+        for row in self.a_v.iter_mut().chain(&mut self.g_v) {
+            row.fill(0.0);
+        }
+        self.rates = Rates { a: [0.0; N], g: [0.0; Z] };
+        (self.a_t, self.g_t) = ([0.0; N], [0.0; Z]);
+    }
+}
+
 /// A smooth second-order system within one mode (one frozen set of branches).
 pub trait System<const N: usize, const Z: usize> {
     type Mode: Copy + std::fmt::Debug;
+
+    /// Number of coordinates with equations of second order, which come first. The rates after them are first-order
+    /// states, such as those of bristles: the rate of each depends on the coordinates and rates before them and on itself
+    /// only. Nothing depends on their coordinates, which stay at 0.
+    const SECOND_ORDER: usize = N;
 
     /// Number of coordinates in use, up to N. The remaining ones stay at 0 and have no effect.
     #[inline(always)]
@@ -37,6 +67,13 @@ pub trait System<const N: usize, const Z: usize> {
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Rates<N, Z>;
 
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Linearised<N, Z>;
+
+    /// Like [`System::linearise`], in place, for systems with large matrices. `linearised` is [`Linearised::ZERO`] or the
+    /// result of an earlier call.
+    #[inline(always)]
+    fn linearise_into(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, linearised: &mut Linearised<N, Z>) {
+        *linearised = self.linearise(t, q, v, mode);
+    }
 }
 
 /// How the zero crossings of an event function are searched within a step.

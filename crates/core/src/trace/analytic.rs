@@ -6,9 +6,9 @@ use super::mechanism::build_mechanism;
 use super::reading::{Kernel, KernelUser, Start};
 use super::stepper::{AnalyticStepper, Stepper};
 use super::{Outcome, Reach, RunError};
+use crate::analytic::multibody::{MAX_GRASP_BRISTLES, MAX_GRASP_COORDINATES, Multibody, Size, count_bristles};
 #[cfg(feature = "lists")]
 use crate::analytic::multibody::{MAX_SIZES, TooLarge};
-use crate::analytic::multibody::{Multibody, Size};
 use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
 use crate::integrator::Hybrid;
 #[cfg(not(feature = "lists"))]
@@ -59,14 +59,14 @@ pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Ou
 }
 
 /// Two fingers with at most one object, which has six contacts with phalanges, palm and table: 4, 7 or 8
-/// coordinates, or up to 16 with bristle states.
+/// coordinates, or 16 with bristle states.
 fn build_gripper<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     let system = &scene.system;
-    match (system.discs.len(), system.has_stiction(), Size::of_system(system).coordinates) {
-        (0 | 1, false, 4) => build_multibody::<4, 8, 10, 24, U>(scene, 1.0, user),
-        (0 | 1, false, 7) => build_multibody::<7, 8, 10, 24, U>(scene, 1.0, user),
-        (0 | 1, false, 8) => build_multibody::<8, 8, 10, 24, U>(scene, 1.0, user),
-        (0 | 1, true, ..=16) => build_multibody::<16, 8, 10, 24, U>(scene, 1.0, user),
+    match (system.discs.len(), count_bristles(system), Size::of_system(system).coordinates) {
+        (0 | 1, 0, 4) => build_multibody::<4, 8, 10, 24, U>(scene, 1.0, user),
+        (0 | 1, 0, 7) => build_multibody::<7, 8, 10, 24, U>(scene, 1.0, user),
+        (0 | 1, 0, 8) => build_multibody::<8, 8, 10, 24, U>(scene, 1.0, user),
+        (0 | 1, 1..=MAX_GRASP_BRISTLES, _) => build_multibody::<MAX_GRASP_COORDINATES, 8, 10, 24, U>(scene, 1.0, user),
         _ => build_general(scene, user),
     }
 }

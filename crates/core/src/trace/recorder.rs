@@ -38,7 +38,17 @@ impl<M: Index<usize, Output = ContactState>, const N: usize, const Z: usize> Int
     /// those of the step. Normal impulses must not decrease, so they are clamped between the previous sample and the
     /// end of the step.
     fn resolve(&mut self, theta: f64) -> State<N, Z> {
-        let mut state = self.tools.resolve(theta);
+        let state = self.tools.resolve(theta);
+        self.with_impulses(state)
+    }
+
+    /// Like [`Interior::resolve`], but from the dense output.
+    fn refine(&mut self, theta: f64) -> State<N, Z> {
+        let state = self.tools.refine(theta);
+        self.with_impulses(state)
+    }
+
+    fn with_impulses(&mut self, mut state: State<N, Z>) -> State<N, Z> {
         for (index, before) in self.impulses.iter_mut().enumerate().take(self.contacts) {
             *before = state.z[index].min(self.step.end.z[index]).max(*before);
             state.z[index] = *before;
@@ -197,7 +207,10 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
             self.emit_peaks(&mut interior, theta)?;
             if theta > 0.0 {
                 if has_active_contact {
-                    self.read_within(t, &interior.resolve(theta), mode);
+                    self.read_within(t, &interior.refine(theta), mode);
+                    if exceeds_summaries(&self.state.trackers, &self.state.within) {
+                        self.read_within(t, &interior.resolve(theta), mode);
+                    }
                     update_summaries(&mut self.state.trackers, &self.state.within);
                 } else {
                     self.read_within(t, &interior.tools.interpolate(theta), mode);
@@ -308,8 +321,11 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
                 highest = (end.impulse_n_s - start.impulse_n_s) / length_s;
             }
             if is_active && highest > MIN_SEARCHED_FORCE_FRACTION * summary.peak_normal_n {
-                let mut force = |theta: f64| read(&tools.resolve(theta)).normal_n;
-                let (theta, peak) = parabola_peak(at_start, end.normal_n, &mut force);
+                let mut force = |theta: f64| read(&tools.refine(theta)).normal_n;
+                let (theta, mut peak) = parabola_peak(at_start, end.normal_n, &mut force);
+                if theta > 0.0 && theta < 1.0 && peak > summary.peak_normal_n {
+                    peak = read(&tools.resolve(theta)).normal_n;
+                }
                 if summary.update_peak_force(peak) {
                     self.state.peaks.push(theta.max(STEP_START));
                 }
@@ -317,6 +333,11 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         }
         self.state.peaks.sort();
     }
+}
+
+/// Whether a force of a sample exceeds the largest one of its contact so far.
+fn exceeds_summaries(trackers: &[ContactTracker], sample: &Sample) -> bool {
+    trackers.iter().zip(sample.contacts()).any(|(tracker, contact)| contact.normal_n > tracker.summary.peak_normal_n)
 }
 
 /// Position just after the start of a step.

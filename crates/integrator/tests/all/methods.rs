@@ -39,7 +39,7 @@ fn march<K: Method<N, Z>, Y: System<N, Z>, const N: usize, const Z: usize>(
         let attempt = method.attempt(&start_point, h);
         assert!(!attempt.error.is_nan(), "a step of {h} failed at {t}");
         method.accept_step();
-        visit(&method.dense());
+        visit(&method.dense(Some(&linearised)));
         state = attempt.end;
     }
     state
@@ -175,6 +175,91 @@ fn quadratures_are_integrated_like_coordinates() {
     }
     let (rodas, radau) = (quadrature_error::<Rodas5p<2, QUADRATURES>>(), quadrature_error::<Radau5<2, QUADRATURES>>());
     assert!(rodas < 1e-13 && radau < 1e-13, "{rodas:e} {radau:e}");
+}
+
+/// v = cos t under a damper of strength λ: a = −λ (v − cos t) − sin t.
+struct Damper(f64);
+
+impl System<1, 0> for Damper {
+    type Mode = ();
+
+    fn rates(&self, t: f64, _: &[f64; 1], v: &[f64; 1], (): &()) -> Rates<1, 0> {
+        Rates { a: [-self.0 * (v[0] - t.cos()) - t.sin()], g: [] }
+    }
+
+    fn linearise(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &()) -> Linearised<1, 0> {
+        let by_time = -self.0 * t.sin() - t.cos();
+        let rates = self.rates(t, q, v, mode);
+        Linearised { rates, a_q: [[0.0]], a_v: [[-self.0]], a_t: [by_time], g_q: [], g_v: [], g_t: [] }
+    }
+}
+
+/// The force of a damper is a large multiple of the error of a rate. A refined state has this force; the dense output does
+/// not.
+#[test]
+fn refined_states_have_the_force_of_a_stiff_damper() {
+    let (system, h) = (Damper(1e8), 0.3);
+    let state = State { q: [0.0], v: [1.0], z: [] };
+    let linearised = system.linearise(0.0, &state.q, &state.v, &());
+    let origin = StepStart {
+        system: &system,
+        mode: &(),
+        linearised: &linearised,
+        tolerances: &Tolerances { atol_q: 1e-9, atol_v: 1e-9, rtol_v: 1e-9 },
+        t: 0.0,
+        latest_time: f64::INFINITY,
+        state: &state,
+    };
+    let mut method = Rodas5p::<1, 0>::new();
+    method.attempt(&origin, h);
+    let dense = method.dense(Some(&linearised));
+    for theta in [0.1, 0.5, 0.8] {
+        let exact = (theta * h).cos();
+        let refined = method.refine(&origin, &dense, theta).expect("a linear problem converges at once");
+        let [before, after] = [dense.evaluate(theta), refined].map(|state| (state.v[0] - exact).abs());
+        assert!(before > 1e-9 && after < 1e-12, "{theta}: {before:e} {after:e}");
+    }
+}
+
+/// Two masses with springs, the first of which drags a bristle: σ̇ = v − σ/τ with the force −k σ.
+struct Bristle<const SECOND_ORDER: usize>;
+
+impl<const SECOND_ORDER: usize> System<3, 1> for Bristle<SECOND_ORDER> {
+    type Mode = ();
+
+    const SECOND_ORDER: usize = SECOND_ORDER;
+
+    fn rates(&self, t: f64, q: &[f64; 3], v: &[f64; 3], (): &()) -> Rates<3, 1> {
+        let a = [t.cos() - q[0] + 0.5 * q[1] - 300.0 * v[2], 0.5 * q[0] - q[1] - 0.1 * v[1], v[0] - 40.0 * v[2]];
+        Rates { a, g: [v[0] * v[0] + q[1]] }
+    }
+
+    fn linearise(&self, t: f64, q: &[f64; 3], v: &[f64; 3], mode: &()) -> Linearised<3, 1> {
+        Linearised {
+            rates: self.rates(t, q, v, mode),
+            a_q: [[-1.0, 0.5, 0.0], [0.5, -1.0, 0.0], [0.0; 3]],
+            a_v: [[0.0, 0.0, -300.0], [0.0, -0.1, 0.0], [1.0, 0.0, -40.0]],
+            a_t: [-t.sin(), 0.0, 0.0],
+            g_q: [[0.0, 1.0, 0.0]],
+            g_v: [[2.0 * v[0], 0.0, 0.0]],
+            g_t: [0.0],
+        }
+    }
+}
+
+/// Elimination of first-order states does not change the motion. Their coordinates, which have no effect, stay at 0.
+#[test]
+fn first_order_states_are_eliminated_exactly() {
+    fn difference<K: Method<3, 1>>() -> f64 {
+        let start = State { q: [0.3, -0.2, 0.0], v: [1.0, 0.5, 0.01], z: [0.0] };
+        let all = march::<K, _, 3, 1>(&Bristle::<3>, &(), (0.0, start), 0.1, 10, |_| ());
+        let reduced = march::<K, _, 3, 1>(&Bristle::<2>, &(), (0.0, start), 0.1, 10, |_| ());
+        assert!(all.q[2] != 0.0 && reduced.q[2] == 0.0);
+        let of = |state: &State<3, 1>| [&state.q[..2], &state.v, &state.z].concat();
+        of(&all).iter().zip(of(&reduced)).fold(0.0, |worst, (a, b)| f64::max(worst, (a - b).abs()))
+    }
+    let (rodas, radau) = (difference::<Rodas5p<3, 1>>(), difference::<Radau5<3, 1>>());
+    assert!(rodas < 1e-13 && radau < 1e-12, "{rodas:e} {radau:e}");
 }
 
 /// Coordinate and rate after `count` steps of size `h` from time 0.

@@ -308,17 +308,9 @@ pub enum TooLarge {
 
 impl Size {
     pub(crate) fn of_system(system: &System) -> Self {
-        let moving_discs = count_moving(system);
-        let contacts = system.contact_ids();
-        let bristles = contacts.iter().filter_map(|contact| system.contact_laws(*contact)?.1?.bristle).count();
-        let input = system.differential.iter().map(|differential| &differential.motor);
-        let motors = system.fingers.iter().map(|finger| &finger.motor).chain(input);
-        let brakes = motors.filter(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some())).count();
         let time = usize::from(system.palm_motion.is_some());
-        Self {
-            coordinates: 2 * system.fingers.len() + 3 * moving_discs + time + bristles + brakes,
-            contacts: contacts.len(),
-        }
+        let positions = 2 * system.fingers.len() + 3 * count_moving(system) + time;
+        Self { coordinates: positions + count_bristles(system), contacts: system.contact_ids().len() }
     }
 
     /// Whether this size is within `capacity`.
@@ -333,6 +325,15 @@ const MAX_MOVING_DISCS: usize = 3;
 /// How many discs of a system move.
 fn count_moving(system: &System) -> usize {
     system.discs.iter().filter(|disc| disc.motion.moves()).count()
+}
+
+/// How many bristles the contacts and brakes of a system have.
+pub(crate) fn count_bristles(system: &System) -> usize {
+    let contacts = system.contact_ids();
+    let bristles = contacts.iter().filter_map(|contact| system.contact_laws(*contact)?.1?.bristle).count();
+    let input = system.differential.iter().map(|differential| &differential.motor);
+    let motors = system.fingers.iter().map(|finger| &finger.motor).chain(input);
+    bristles + motors.filter(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some())).count()
 }
 
 /// Largest number of contact pairs in a system without fingers.

@@ -15,7 +15,7 @@ use crate::analytic::mode::{Mode, StateRef, row_dot};
 use crate::analytic::model::{ContactReading, Energies};
 use crate::fivebar::dynamics::{AccelerationField, Terms, absolute_rates};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
-use crate::integrator::{Linearised, Rates};
+use crate::integrator::Linearised;
 use crate::law::{FrictionRange, elastic_energy, friction_with_state};
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array, map_same_type};
@@ -69,6 +69,39 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         finger_kinematics: impl FnOnce(usize) -> FingerKinematics,
         contact: &ContactModel,
     ) -> ContactKinematics<f64, N> {
+        self.use_contact_kinematics(q, finger_kinematics, contact, Spread)
+    }
+
+    /// Like [`Multibody::contact_motion`], but compiled only once.
+    #[inline(never)]
+    pub(super) fn contact_motion_noinline(
+        &self,
+        state: StateRef<'_, N>,
+        finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
+        contact: &ContactModel,
+    ) -> ContactMotion {
+        self.contact_motion(state, finger_kinematics, contact)
+    }
+
+    /// Gap and rates of a contact, without rows over all coordinates.
+    #[inline(always)]
+    pub(super) fn contact_motion(
+        &self,
+        (q, v): StateRef<'_, N>,
+        finger_kinematics: impl FnOnce(usize) -> FingerKinematics,
+        contact: &ContactModel,
+    ) -> ContactMotion {
+        self.use_contact_kinematics(q, finger_kinematics, contact, MotionAt(v))
+    }
+
+    #[inline(always)]
+    fn use_contact_kinematics<U: KinematicsUser<N>>(
+        &self,
+        q: &[f64; N],
+        finger_kinematics: impl FnOnce(usize) -> FingerKinematics,
+        contact: &ContactModel,
+        user: U,
+    ) -> U::Output {
         match contact.pair {
             ContactPair::Phalanx { .. } | ContactPair::Stop { .. } if Self::DISCS => {
                 unreachable!("systems of this size have no fingers")
@@ -78,30 +111,30 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 let ((pose, rates), mirror) = (finger_kinematics(finger), component.side.mirror());
                 let object = self.disc_in_finger_frame(component.side, disc, q);
                 let geometry = component.model.phalanx_geometry(&pose, &rates, phalanx, &object);
-                spread(
+                user.take(
                     &contact_kinematics::phalanx(&geometry),
                     &phalanx_indices(finger, self.first_coordinate(disc), mirror),
                 )
             }
             ContactPair::Stop { finger } => {
                 let (pose, rates) = finger_kinematics(finger);
-                spread(
+                user.take(
                     &contact_kinematics::limit(&self.fingers[finger].model.limit_geometry(&pose, &rates)),
                     &finger_indices(finger),
                 )
             }
             ContactPair::Discs { disc, other } => {
                 let kinematics = contact_kinematics::discs([&self.placed_disc(disc, q), &self.placed_disc(other, q)]);
-                spread(&kinematics, &disc_pair_indices([self.first_coordinate(disc), self.first_coordinate(other)]))
+                user.take(&kinematics, &disc_pair_indices([self.first_coordinate(disc), self.first_coordinate(other)]))
             }
             ContactPair::Plane { disc, plane } => {
                 let kinematics =
                     contact_kinematics::plane(&plane, &self.placed_disc(disc, q), self.shares_contact_point());
-                spread(&kinematics, &disc_indices(self.first_coordinate(disc)))
+                user.take(&kinematics, &disc_indices(self.first_coordinate(disc)))
             }
             ContactPair::MovingPlane { disc, plane } => {
                 let kinematics = frame::table(&plane, &self.pose(q), 0.0, &self.placed_disc(disc, q));
-                spread(&kinematics, &disc_time_indices(self.first_coordinate(disc), self.time_index.unwrap_or(N)))
+                user.take(&kinematics, &disc_time_indices(self.first_coordinate(disc), self.time_index.unwrap_or(N)))
             }
         }
     }
@@ -149,9 +182,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         state: ContactState,
     ) -> Option<ContactReading> {
         let contact = self.contacts.get(index)?.as_ref()?;
-        let kinematics = self.contact_kinematics_noinline(q, finger_kinematics, contact);
-        let (delta, delta_rate, slip) =
-            (-kinematics.gap, -row_dot(&kinematics.normal_row, v), row_dot(&kinematics.tangent_row, v));
+        let kinematics = self.contact_motion_noinline((q, v), finger_kinematics, contact);
+        let (delta, delta_rate, slip) = (-kinematics.gap, -kinematics.gap_rate, kinematics.slip);
         let normal = normal_force_on_branch(&contact.normal, state, delta, delta_rate).force.max(0.0);
         let friction = |law| friction_with_state(law, slip, self.bristle_state(contact, v), normal, FrictionRange::Any);
         let tangential = contact.friction.as_ref().map_or(0.0, friction);
@@ -198,7 +230,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     pub fn energies(&self, q: &[f64; N], v: &[f64; N]) -> Energies {
         let terms = self.terms(q);
         let gap = |index: usize| match &self.contacts[index] {
-            Some(contact) => self.contact_kinematics_noinline(q, &|finger| kinematics_of(&terms[finger]), contact).gap,
+            Some(contact) => self.contact_motion_noinline((q, v), &|finger| kinematics_of(&terms[finger]), contact).gap,
             None => f64::INFINITY,
         };
         self.energies_in_pose(&terms, (q, v), gap)
@@ -230,51 +262,66 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 }
 
-/// Expands rows over the coordinates `indices` to rows over all coordinates.
-#[inline(always)]
-fn spread<const N: usize, const K: usize>(
-    kinematics: &ContactKinematics<f64, K>,
-    indices: &[SignedIndex; K],
-) -> ContactKinematics<f64, N> {
-    let expand = |values: &[f64; K]| {
-        let mut row = [0.0; N];
-        scatter(&mut row, indices, values);
-        row
-    };
-    let (normal_row, tangent_row) = (expand(&kinematics.normal_row), expand(&kinematics.tangent_row));
-    ContactKinematics {
-        gap: kinematics.gap,
-        normal_row,
-        tangent_row,
-        normal: kinematics.normal,
-        point: kinematics.point,
+/// Gap of a contact, its rate, slip, normal and point, as in [`ContactKinematics`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactMotion {
+    pub gap: f64,
+    pub gap_rate: f64,
+    pub slip: f64,
+    pub normal: [f64; 2],
+    pub point: [f64; 2],
+}
+
+/// A use of the kinematics of a contact, whose number of coordinates depends on its pair.
+trait KinematicsUser<const N: usize> {
+    type Output;
+
+    /// Takes the kinematics, with rows over the coordinates `indices`.
+    fn take<const K: usize>(self, kinematics: &ContactKinematics<f64, K>, indices: &[SignedIndex; K]) -> Self::Output;
+}
+
+/// Expands rows to all coordinates.
+struct Spread;
+
+impl<const N: usize> KinematicsUser<N> for Spread {
+    type Output = ContactKinematics<f64, N>;
+
+    #[inline(always)]
+    fn take<const K: usize>(
+        self,
+        kinematics: &ContactKinematics<f64, K>,
+        indices: &[SignedIndex; K],
+    ) -> ContactKinematics<f64, N> {
+        let expand = |values: &[f64; K]| {
+            let mut row = [0.0; N];
+            scatter(&mut row, indices, values);
+            row
+        };
+        let (normal_row, tangent_row) = (expand(&kinematics.normal_row), expand(&kinematics.tangent_row));
+        let ContactKinematics { gap, normal, point, .. } = *kinematics;
+        ContactKinematics { gap, normal_row, tangent_row, normal, point }
     }
 }
 
-/// Loads on all coordinates and rates of all quadratures, with their derivatives.
-struct DerivativeSums<const N: usize, const Z: usize> {
-    load: [f64; N],
-    load_q: [[f64; N]; N],
-    load_v: [[f64; N]; N],
-    load_t: [f64; N],
-    g: [f64; Z],
-    g_q: [[f64; N]; Z],
-    g_v: [[f64; N]; Z],
-    g_t: [f64; Z],
+/// Applies rows to rates.
+struct MotionAt<'a, const N: usize>(&'a [f64; N]);
+
+impl<const N: usize> KinematicsUser<N> for MotionAt<'_, N> {
+    type Output = ContactMotion;
+
+    #[inline(always)]
+    fn take<const K: usize>(self, kinematics: &ContactKinematics<f64, K>, indices: &[SignedIndex; K]) -> ContactMotion {
+        let rates = map_array(*indices, |(index, sign)| if index < N { sign * self.0[index] } else { 0.0 });
+        let ContactKinematics { gap, normal, point, .. } = *kinematics;
+        let (gap_rate, slip) = (row_dot(&kinematics.normal_row, &rates), row_dot(&kinematics.tangent_row, &rates));
+        ContactMotion { gap, gap_rate, slip, normal, point }
+    }
 }
 
-impl<const N: usize, const Z: usize> DerivativeSums<N, Z> {
-    const ZERO: Self = Self {
-        load: [0.0; N],
-        load_q: [[0.0; N]; N],
-        load_v: [[0.0; N]; N],
-        load_t: [0.0; N],
-        g: [0.0; Z],
-        g_q: [[0.0; N]; Z],
-        g_v: [[0.0; N]; Z],
-        g_t: [0.0; Z],
-    };
+/// Loads on all coordinates, in place of accelerations, and rates of all quadratures, with their derivatives.
+struct DerivativeSums<'a, const N: usize, const Z: usize>(&'a mut Linearised<N, Z>);
 
+impl<const N: usize, const Z: usize> DerivativeSums<'_, N, Z> {
     /// Adds inertial forces on coordinates from `first` on, and their work, with their time derivatives and those by
     /// the same coordinates and their rates: `by_q[i][j]` is the derivative of force i by coordinate j.
     #[inline(always)]
@@ -288,22 +335,22 @@ impl<const N: usize, const Z: usize> DerivativeSums<N, Z> {
         let work = Self::DRIVE_WORK;
         for i in 0..K {
             let row = first + i;
-            self.load[row] += force[i];
-            self.load_t[row] += by_time[i];
-            self.g[work] += force[i] * rates[i];
-            self.g_t[work] += by_time[i] * rates[i];
-            self.g_v[work][row] += force[i];
+            self.0.rates.a[row] += force[i];
+            self.0.a_t[row] += by_time[i];
+            self.0.rates.g[work] += force[i] * rates[i];
+            self.0.g_t[work] += by_time[i] * rates[i];
+            self.0.g_v[work][row] += force[i];
             for j in 0..K {
-                self.load_q[row][first + j] += by_q[i][j];
-                self.load_v[row][first + j] += by_v[i][j];
-                self.g_q[work][first + j] += by_q[i][j] * rates[i];
-                self.g_v[work][first + j] += by_v[i][j] * rates[i];
+                self.0.a_q[row][first + j] += by_q[i][j];
+                self.0.a_v[row][first + j] += by_v[i][j];
+                self.0.g_q[work][first + j] += by_q[i][j] * rates[i];
+                self.0.g_v[work][first + j] += by_v[i][j] * rates[i];
             }
         }
     }
 }
 
-impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<N, Z> {
+impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<'_, N, Z> {
     type Angles = Dual<2>;
     type Positions<const P: usize> = Dual<P>;
 
@@ -324,9 +371,9 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<N, Z> {
         let (terms, load, by_rates) = finger_terms(model, state);
         for (i, (load, by_rates)) in load.iter().zip(by_rates).enumerate() {
             let row = 2 * finger + i;
-            self.load[row] += load.value;
-            scatter(&mut self.load_q[row], &finger_indices(finger), &load.grad);
-            scatter(&mut self.load_v[row], &finger_indices(finger), &by_rates);
+            self.0.rates.a[row] += load.value;
+            scatter(&mut self.0.a_q[row], &finger_indices(finger), &load.grad);
+            scatter(&mut self.0.a_v[row], &finger_indices(finger), &by_rates);
         }
         terms
     }
@@ -345,8 +392,12 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<N, Z> {
         };
         let (force, force_rate) = (forces(rates, &field), forces(rates, &field_rate));
         let coriolis_field = AccelerationField { coriolis: field.coriolis, ..AccelerationField::default() };
-        let by_rates =
-            map_array([[1.0, 0.0], [0.0, 1.0]], |unit| map_array(forces(unit, &coriolis_field), |force| force.value));
+        let mut by_rates = [[0.0; 2]; 2];
+        if field.coriolis != 0.0 {
+            for (unit, by_rate) in [[1.0, 0.0], [0.0, 1.0]].into_iter().zip(&mut by_rates) {
+                *by_rate = map_array(forces(unit, &coriolis_field), |force| force.value);
+            }
+        }
         let by_v = array_from(|i| array_from(|j| by_rates[j][i]));
         let values = [force, force_rate].map(|force| map_array(force, |force| force.value));
         self.add_inertia(2 * finger, rates, values, [map_array(force, |force| force.grad), by_v]);
@@ -366,70 +417,70 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<N, Z> {
         let (bristle_index, contact_work) = (contact.bristle_index, Self::CONTACT_WORK);
         for (load, (row, sign)) in forces.load.iter().zip(indices) {
             if *row < N {
-                self.load[*row] += sign * load.value;
-                scatter(&mut self.load_q[*row], indices, &map_same_type(load.by_q, |derivative| sign * derivative));
-                scatter(&mut self.load_v[*row], indices, &map_same_type(load.by_v, |derivative| sign * derivative));
-                bristle_index.into_iter().for_each(|bristle| self.load_v[*row][bristle] += sign * load.by_bristle);
+                self.0.rates.a[*row] += sign * load.value;
+                scatter(&mut self.0.a_q[*row], indices, &map_same_type(load.by_q, |derivative| sign * derivative));
+                scatter(&mut self.0.a_v[*row], indices, &map_same_type(load.by_v, |derivative| sign * derivative));
+                bristle_index.into_iter().for_each(|bristle| self.0.a_v[*row][bristle] += sign * load.by_bristle);
             }
         }
         if let Some(bristle) = bristle_index {
-            self.load[bristle] += forces.bristle_rate.value;
-            scatter(&mut self.load_q[bristle], indices, &forces.bristle_rate.by_q);
-            scatter(&mut self.load_v[bristle], indices, &forces.bristle_rate.by_v);
-            self.load_v[bristle][bristle] += forces.bristle_rate.by_bristle;
-            self.g_v[contact_work][bristle] += forces.power.by_bristle;
+            self.0.rates.a[bristle] += forces.bristle_rate.value;
+            scatter(&mut self.0.a_q[bristle], indices, &forces.bristle_rate.by_q);
+            scatter(&mut self.0.a_v[bristle], indices, &forces.bristle_rate.by_v);
+            self.0.a_v[bristle][bristle] += forces.bristle_rate.by_bristle;
+            self.0.g_v[contact_work][bristle] += forces.power.by_bristle;
         }
         for (index, rate) in [(index, &forces.normal), (contact_work, &forces.power)] {
-            self.g[index] += rate.value;
-            scatter(&mut self.g_q[index], indices, &rate.by_q);
-            scatter(&mut self.g_v[index], indices, &rate.by_v);
+            self.0.rates.g[index] += rate.value;
+            scatter(&mut self.0.g_q[index], indices, &rate.by_q);
+            scatter(&mut self.0.g_v[index], indices, &rate.by_v);
         }
     }
 
     #[inline(always)]
     fn add_shaft_torque(&mut self, shaft: &ShaftTorque, (weights, fingers): ([f64; FINGERS], usize), work: usize) {
-        self.g[work] += shaft.torque * shaft.rate;
-        self.g_t[work] += shaft.by_time * shaft.rate;
+        self.0.rates.g[work] += shaft.torque * shaft.rate;
+        self.0.g_t[work] += shaft.by_time * shaft.rate;
         for (i, weight) in weights.into_iter().enumerate().take(fingers) {
-            self.load[2 * i] += weight * shaft.torque;
-            self.load_t[2 * i] += weight * shaft.by_time;
-            self.g_v[work][2 * i] += weight * (shaft.torque + shaft.by_rate * shaft.rate);
-            (0..fingers).for_each(|j| self.load_v[2 * i][2 * j] += weight * weights[j] * shaft.by_rate);
+            self.0.rates.a[2 * i] += weight * shaft.torque;
+            self.0.a_t[2 * i] += weight * shaft.by_time;
+            self.0.g_v[work][2 * i] += weight * (shaft.torque + shaft.by_rate * shaft.rate);
+            (0..fingers).for_each(|j| self.0.a_v[2 * i][2 * j] += weight * weights[j] * shaft.by_rate);
         }
     }
 
     fn add_brake_bristle(&mut self, brake: &BrakeTorque, (weights, fingers): ([f64; FINGERS], usize), bristle: usize) {
-        self.load[bristle] += brake.bristle_rate;
-        self.load_t[bristle] += brake.gain * brake.shaft.by_time;
-        self.load_v[bristle][bristle] += brake.gain * brake.by_bristle;
-        self.g_v[Self::CONTACT_WORK][bristle] += brake.by_bristle * brake.shaft.rate;
+        self.0.rates.a[bristle] += brake.bristle_rate;
+        self.0.a_t[bristle] += brake.gain * brake.shaft.by_time;
+        self.0.a_v[bristle][bristle] += brake.gain * brake.by_bristle;
+        self.0.g_v[Self::CONTACT_WORK][bristle] += brake.by_bristle * brake.shaft.rate;
         for (i, weight) in weights.into_iter().enumerate().take(fingers) {
-            self.load_v[2 * i][bristle] += weight * brake.by_bristle;
-            self.load_v[bristle][2 * i] += weight * brake.gain * brake.shaft.by_rate;
+            self.0.a_v[2 * i][bristle] += weight * brake.by_bristle;
+            self.0.a_v[bristle][2 * i] += weight * brake.gain * brake.shaft.by_rate;
         }
     }
 
     fn add_prescribed_work(&mut self, row: usize, rate: f64, is_disc: bool) {
         let work = Self::DRIVE_WORK;
-        self.g[work] -= self.load[row] * rate;
+        self.0.rates.g[work] -= self.0.rates.a[row] * rate;
         for j in 0..N {
-            self.g_q[work][j] -= self.load_q[row][j] * rate;
-            self.g_v[work][j] -= self.load_v[row][j] * rate;
+            self.0.g_q[work][j] -= self.0.a_q[row][j] * rate;
+            self.0.g_v[work][j] -= self.0.a_v[row][j] * rate;
         }
         if is_disc {
-            self.g_v[work][row] -= self.load[row];
+            self.0.g_v[work][row] -= self.0.rates.a[row];
         }
     }
 
     #[inline(always)]
     fn add_decay(&mut self, bristle: usize, decay_rate: f64, state: f64) {
-        self.load[bristle] -= decay_rate * state;
-        self.load_v[bristle][bristle] -= decay_rate;
+        self.0.rates.a[bristle] -= decay_rate * state;
+        self.0.a_v[bristle][bristle] -= decay_rate;
     }
 
     #[inline(always)]
     fn loads(&mut self) -> &mut [f64; N] {
-        &mut self.load
+        &mut self.0.rates.a
     }
 
     /// The forces are linear in position and velocity; the moment depends on neither.
@@ -459,29 +510,31 @@ fn finger_terms(model: &FingerModel, (q, v): ([f64; 2], [f64; 2])) -> (Terms<Dua
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Accelerations, and their derivatives with respect to coordinates, rates and time.
-    pub(super) fn jacobian<const Z: usize>(&self, t: f64, state: StateRef<'_, N>, mode: &Mode<C>) -> Linearised<N, Z> {
-        let mut sums = DerivativeSums::<N, Z>::ZERO;
+    pub(super) fn jacobian<const Z: usize>(
+        &self,
+        t: f64,
+        state: StateRef<'_, N>,
+        mode: &Mode<C>,
+        linearised: &mut Linearised<N, Z>,
+    ) {
+        linearised.clear(Self::POSITIONS);
+        let mut sums = DerivativeSums(linearised);
         let masses = self.add_loads(t, state, mode, &mut sums);
         let inverse = Inertia::new(self, map_array(masses, |mass| map_array(mass, |m| m.value))).inverse();
-        let mut a = inverse.solve(&sums.load);
+        let Linearised { rates, a_q, a_v, a_t, .. } = linearised;
+        rates.a = inverse.solve(&rates.a);
         // From M a = load with M(q): M ∂a = ∂load − ∂M a.
         for (finger, mass) in masses.iter().enumerate().take(self.fingers.len()) {
             let (first, second) = (2 * finger, 2 * finger + 1);
             for (k, j) in [first, second].into_iter().enumerate() {
                 let [m, c, n] = [mass[0].grad[k], mass[1].grad[k], mass[2].grad[k]];
-                sums.load_q[first][j] -= m * a[first] + c * a[second];
-                sums.load_q[second][j] -= c * a[first] + n * a[second];
+                a_q[first][j] -= m * rates.a[first] + c * rates.a[second];
+                a_q[second][j] -= c * rates.a[first] + n * rates.a[second];
             }
         }
-        self.prescribe_disc_accelerations(&mut a);
-        Linearised {
-            rates: Rates { a, g: sums.g },
-            a_q: inverse.solve_columns(&sums.load_q),
-            a_v: inverse.solve_columns(&sums.load_v),
-            a_t: inverse.solve(&sums.load_t),
-            g_q: sums.g_q,
-            g_v: sums.g_v,
-            g_t: sums.g_t,
-        }
+        self.prescribe_disc_accelerations(&mut rates.a);
+        inverse.solve_columns(a_q);
+        inverse.solve_columns(a_v);
+        *a_t = inverse.solve(a_t);
     }
 }

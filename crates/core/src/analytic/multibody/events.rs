@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use super::components::{ContactModel, ContactPair};
 use super::contact_kinematics::ContactKinematics;
+use super::evaluation::ContactMotion;
 use super::model::Multibody;
 use super::{FINGERS, event_function_count, first_impact_step};
 use crate::analytic::ContactState;
@@ -33,6 +34,31 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         }
         let contact = self.contacts.get(index)?.as_ref()?;
         Some(self.contact_variables_from(v, contact, self.contact_kinematics(q, finger_kinematics, contact)))
+    }
+
+    /// Like [`Multibody::contact_variables`], with rows of zeros, which only error weights need.
+    #[inline(always)]
+    fn contact_variables_without_rows(
+        &self,
+        (q, v): StateRef<'_, N>,
+        finger_kinematics: impl Fn(usize) -> FingerKinematics,
+        index: usize,
+    ) -> Option<ContactVariables<'_, N>> {
+        let contact = self.contacts.get(index)?.as_ref()?;
+        let ContactMotion { gap, gap_rate, slip, .. } = match Self::GRASP {
+            true => self.contact_motion((q, v), finger_kinematics, contact),
+            false => self.contact_motion_noinline((q, v), &finger_kinematics, contact),
+        };
+        Some(ContactVariables {
+            law: &contact.normal,
+            friction: contact.friction.as_ref(),
+            delta: -gap,
+            rate: -gap_rate,
+            slip,
+            bristle_state: self.bristle_state(contact, v).unwrap_or(0.0),
+            normal_row: [0.0; N],
+            tangent_row: [0.0; N],
+        })
     }
 
     /// Like [`Multibody::contact_variables`], but compiled only once.
@@ -134,7 +160,11 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         const { assert!(G == event_function_count(C)) };
         let all_finger_kinematics = self.all_finger_kinematics(q);
         let functions = mode.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
-            self.contact_variables((q, v), |finger| all_finger_kinematics[finger], index)
+            let finger_kinematics = |finger: usize| all_finger_kinematics[finger];
+            match mode[index].has_force() {
+                true => self.contact_variables((q, v), finger_kinematics, index),
+                false => self.contact_variables_without_rows((q, v), finger_kinematics, index),
+            }
         });
         let (clearance, clearance_rate) = self.clearance(&all_finger_kinematics, v);
         EventSet { functions, clearance, clearance_rate }
@@ -142,7 +172,8 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
 
     #[inline(always)]
     fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, event: usize) -> EventFunction<N> {
-        let contact = self.contact_variables((q, v), |finger| self.finger_kinematics(finger, q), event % C);
+        let finger_kinematics = |finger: usize| self.finger_kinematics(finger, q);
+        let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % C);
         mode.event_function(event, &self.event_tolerances, contact)
     }
 
@@ -153,7 +184,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
             |finger: usize| *all_finger_kinematics[finger].get_or_init(|| self.finger_kinematics(finger, q));
         let mut values = [f64::NAN; G];
         for event in (0..G).filter(|event| requested[*event]) {
-            let contact = self.contact_variables((q, v), finger_kinematics, event % C);
+            let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % C);
             values[event] = mode.event_function(event, &self.event_tolerances, contact).value;
         }
         values

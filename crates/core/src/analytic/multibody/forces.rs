@@ -202,7 +202,7 @@ struct Assembly<'a, const N: usize, const C: usize, const Z: usize, S: LoadSums<
 }
 
 impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly<'_, N, C, Z, S> {
-    const GRASP: bool = Multibody::<N, C>::GRASP;
+    const GRIPPER: bool = Multibody::<N, C>::GRIPPER;
     const DISCS: bool = Multibody::<N, C>::DISCS;
 
     /// Adds all loads and powers, and returns the mass matrices of the fingers.
@@ -231,7 +231,7 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
             self.sums.add_shaft_torque(&brake.shaft, driven, S::CONTACT_WORK);
             bristle_index.iter().for_each(|bristle| self.sums.add_brake_bristle(&brake, driven, *bristle));
         }
-        if Self::GRASP && S::UNROLLED {
+        if Self::GRIPPER && S::UNROLLED {
             self.add_disc_contact(GripperContact::Palm.index());
             self.add_disc_contact(GripperContact::Table.index());
         } else {
@@ -266,7 +266,7 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         if self.model.palm_moves() {
             self.sums.add_finger_inertia((finger, component), rates, &terms, &self.field);
         }
-        if Self::GRASP && S::UNROLLED {
+        if Self::GRIPPER && S::UNROLLED {
             let first = FingerContact::ALL.len() * finger;
             self.add_finger_contact(first, (finger, component, &terms));
             self.add_finger_contact(first + 1, (finger, component, &terms));
@@ -315,7 +315,7 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         let (active_contact, bristle_state) = ((index, contact, laws), model.bristle_state(contact, v));
         let first_coordinate = |disc| model.first_coordinate(disc);
         match contact.pair {
-            ContactPair::Discs { disc, other } if !Self::GRASP => {
+            ContactPair::Discs { disc, other } if !Self::GRIPPER => {
                 const P: usize = DISC_PAIR_POSITIONS;
                 let ([vx, vy, spin], [wx, wy, other_spin]) = (model.disc_rates(disc, v), model.disc_rates(other, v));
                 let kinematics = contact_kinematics::discs([
@@ -445,6 +445,8 @@ fn placed_positions<const N: usize, const Z: usize, S: LoadSums<N, Z>, const P: 
 impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<N, C> {
     type Mode = Mode<C>;
 
+    const SECOND_ORDER: usize = Self::POSITIONS;
+
     #[inline(always)]
     fn coordinate_count(&self) -> usize {
         self.coordinate_count()
@@ -456,6 +458,12 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
     }
 
     fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Linearised<N, Z> {
-        self.jacobian(t, (q, v), mode)
+        let mut linearised = Linearised::ZERO;
+        self.jacobian(t, (q, v), mode, &mut linearised);
+        linearised
+    }
+
+    fn linearise_into(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, linearised: &mut Linearised<N, Z>) {
+        self.jacobian(t, (q, v), mode, linearised);
     }
 }

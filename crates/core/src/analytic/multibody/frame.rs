@@ -163,22 +163,22 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
     /// Solves M x = `load`.
     #[inline(always)]
     pub fn solve(&self, load: &[f64; N]) -> [f64; N] {
-        let mut column = [[0.0]; N];
+        let mut columns = [[0.0]; N];
         for i in 0..N {
-            column[i] = [load[i]];
+            columns[i] = [load[i]];
         }
-        let a = self.solve_columns(&column);
-        array_from(|i| a[i][0])
+        self.solve_columns(&mut columns);
+        array_from(|i| columns[i][0])
     }
 
-    /// M⁻¹ of a matrix of loads, row by row, so that the compiler can vectorise over the columns.
+    /// Replaces a matrix of loads by M⁻¹ of it, row by row, so that the compiler can vectorise over the columns. Bristle
+    /// states have no mass: their load is their rate.
     #[inline(always)]
-    pub(crate) fn solve_columns<const K: usize>(&self, loads: &[[f64; K]; N]) -> [[f64; K]; N] {
-        let mut a = [[0.0; K]; N];
+    pub(crate) fn solve_columns<const K: usize>(&self, a: &mut [[f64; K]; N]) {
         for finger in 0..self.model.finger_count() {
             let ([m, c, n], [first, second]) = (self.fingers[finger], [2 * finger, 2 * finger + 1]);
             for j in 0..K {
-                let [f, g] = [loads[first][j], loads[second][j]];
+                let [f, g] = [a[first][j], a[second][j]];
                 (a[first][j], a[second][j]) = (m * f + c * g, c * f + n * g);
             }
         }
@@ -204,15 +204,14 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
             let disc = &self.model.discs[index];
             for (i, inverse) in [disc.inverse_mass, disc.inverse_mass, disc.inverse_inertia].into_iter().enumerate() {
                 for j in 0..K {
-                    a[first + i][j] = loads[first + i][j] * inverse;
+                    a[first + i][j] *= inverse;
                 }
             }
         }
-        // Bristle states have no mass: their load is their rate.
-        if !Multibody::<N, C>::GRASP {
-            a.iter_mut().zip(loads).skip(self.model.first_bristle).for_each(|(a, load)| *a = *load);
+        // Time has a constant rate.
+        if let Some(time) = self.model.time_index.filter(|_| self.model.palm_moves()) {
+            a[time] = [0.0; K];
         }
-        a
     }
 }
 

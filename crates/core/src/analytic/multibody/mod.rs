@@ -18,11 +18,21 @@ use crate::analytic::finger_events::first_impact_step;
 use crate::analytic::model::normal_force_on_branch;
 
 pub use components::{MAX_SIZES, Size, TooLarge};
+pub(crate) use components::count_bristles;
 pub(crate) use evaluation::kinematics_of;
 pub use model::Multibody;
 
 /// Largest number of fingers: a right and a left one.
 const FINGERS: usize = 2;
+
+/// Largest number of positions of two fingers with one object: four angles, the pose of the object, and time.
+const GRASP_POSITIONS: usize = 2 * FINGERS + 4;
+
+/// Largest number of bristles of two fingers with one object, in contacts and brakes.
+pub const MAX_GRASP_BRISTLES: usize = 8;
+
+/// Number of coordinates of two fingers with one object whose contacts or brakes have bristles.
+pub const MAX_GRASP_COORDINATES: usize = GRASP_POSITIONS + MAX_GRASP_BRISTLES;
 
 /// Number of quadratures of a system: the normal impulse of each contact, the work of all contact forces and brakes,
 /// and the work of motors, palm and driven discs.

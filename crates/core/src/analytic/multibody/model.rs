@@ -3,7 +3,7 @@
 use super::components::{
     ContactModel, ContactPair, DiscComponent, Drive, FingerComponent, MAX_DISC_PAIRS, Plane, error_coordinates,
 };
-use super::{FINGERS, Size, quadratures};
+use super::{FINGERS, GRASP_POSITIONS, MAX_GRASP_COORDINATES, Size, quadratures};
 use crate::analytic::finger::FingerModel;
 use crate::analytic::mode::EventTolerances;
 use crate::fivebar::dynamics::{InertialForces, Terms};
@@ -36,10 +36,10 @@ pub struct Multibody<const N: usize, const C: usize> {
     /// Entry of the mass matrix that couples both driven links.
     pub(super) coupling: f64,
     pub(super) palm_motion: Option<PalmMotion>,
+    /// First coordinate of the object of a gripper; beyond the last coordinate if it is fixed.
+    object_coordinate: usize,
     /// Index of time among the coordinates of a moving palm.
     pub(super) time_index: Option<usize>,
-    /// Index of the first bristle state.
-    pub(super) first_bristle: usize,
     /// Number of coordinates that error norms average over, and size of the matrices.
     coordinate_count: usize,
     half_palm_width: f64,
@@ -101,7 +101,10 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let [x, y] = system.gravity_m_s2;
         let half_palm_width = 0.5 * system.palm_width_m;
         let (discs, time_index) = build_discs(system, 2 * system.fingers.len(), N);
-        let first_bristle = time_index + usize::from(system.palm_motion.is_some());
+        let (time_index, first_bristle) = match Self::POSITIONS < N {
+            true => (Self::POSITIONS - 1, Self::POSITIONS),
+            false => (time_index, time_index + usize::from(system.palm_motion.is_some())),
+        };
         let mut contacts: Vec<_> =
             system.contact_ids().into_iter().map(|contact_id| build_contact(system, contact_id)).collect();
         let mut bristles = Vec::new();
@@ -146,8 +149,10 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             coupling = (input - seesaw) / 4.0;
         }
         let brake_bristles = drives.iter().map(|drive| add_bristle(drive.bristle())).collect();
+        assert!(first_bristle + bristles.len() <= N, "{} bristles exceed {N} coordinates", bristles.len());
         Self {
             fingers,
+            object_coordinate: discs.first().map_or(N, |disc| disc.first_coordinate),
             discs,
             contacts,
             disc_contacts,
@@ -158,7 +163,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             coupling,
             palm_motion: system.palm_motion.clone(),
             time_index: system.palm_motion.is_some().then_some(time_index),
-            first_bristle,
             coordinate_count: if Self::DISCS { error_coordinates(system) } else { N },
             half_palm_width,
             gravity: system.gravity_m_s2,
@@ -253,9 +257,16 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         drives.chain(palm).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the system is two fingers and one object without bristles. All indices are compile-time constants then,
-    /// which reduces the instructions of a closing motion to a tenth.
-    pub(super) const GRASP: bool = C == GripperContact::ALL.len() && N <= 2 * FINGERS + 4;
+    /// Whether the system is two fingers and at most one object. Its contacts are known at compile time.
+    pub(super) const GRIPPER: bool = C == GripperContact::ALL.len() && N <= MAX_GRASP_COORDINATES;
+
+    /// Whether the system is a gripper without bristles. All indices are compile-time constants then, which reduces the
+    /// instructions of a closing motion to a tenth.
+    pub(super) const GRASP: bool = Self::GRIPPER && N <= GRASP_POSITIONS;
+
+    /// Number of coordinates before the bristle states, if it is known at compile time, otherwise N: angles of two fingers,
+    /// pose of an object and time, of which the last may be unused.
+    pub(super) const POSITIONS: usize = if Self::GRIPPER && !Self::GRASP { GRASP_POSITIONS } else { N };
 
     /// Whether the system has discs only; then no code for fingers is compiled.
     pub(super) const DISCS: bool = C == MAX_DISC_PAIRS;
@@ -268,17 +279,17 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
     #[inline(always)]
     pub(super) fn finger_count(&self) -> usize {
-        match (Self::GRASP, Self::DISCS) {
+        match (Self::GRIPPER, Self::DISCS) {
             (true, _) => FINGERS,
             (_, true) => 0,
             _ => self.fingers.len(),
         }
     }
 
-    /// Number of discs; a compile-time constant for a grasp.
+    /// Number of discs; a compile-time constant for a gripper.
     #[inline(always)]
     pub(super) fn disc_count(&self) -> usize {
-        if Self::GRASP { 1 } else { self.discs.len() }
+        if Self::GRIPPER { 1 } else { self.discs.len() }
     }
 
     /// Index of the bristle state of a drive's brake.
@@ -290,7 +301,11 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// First coordinate of a disc; beyond the last coordinate if the disc is fixed.
     #[inline(always)]
     pub(super) fn first_coordinate(&self, disc: usize) -> usize {
-        if Self::GRASP { 2 * FINGERS } else { self.discs[disc].first_coordinate }
+        match (Self::GRASP, Self::GRIPPER) {
+            (true, _) => 2 * FINGERS,
+            (_, true) => self.object_coordinate,
+            _ => self.discs[disc].first_coordinate,
+        }
     }
 
     /// Whether the palm, and with it the frame, moves.
@@ -308,9 +323,9 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     pub(super) fn contact_pair(&self, finger: usize, index: usize, contact: &ContactModel) -> ContactPair {
         match index.wrapping_sub(FingerContact::ALL.len() * finger) {
-            0 if Self::GRASP => ContactPair::Phalanx { finger, phalanx: FingerContact::Proximal, disc: 0 },
-            1 if Self::GRASP => ContactPair::Phalanx { finger, phalanx: FingerContact::Distal, disc: 0 },
-            2 if Self::GRASP => ContactPair::Stop { finger },
+            0 if Self::GRIPPER => ContactPair::Phalanx { finger, phalanx: FingerContact::Proximal, disc: 0 },
+            1 if Self::GRIPPER => ContactPair::Phalanx { finger, phalanx: FingerContact::Distal, disc: 0 },
+            2 if Self::GRIPPER => ContactPair::Stop { finger },
             _ => contact.pair,
         }
     }
