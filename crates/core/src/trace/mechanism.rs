@@ -3,7 +3,7 @@
 use super::reading::{Kernel, KernelUser, Start, contact_sample, stored_energy};
 use super::schema::TendonState;
 use super::{BodyState, ContactSample, Energy, JointState, Outcome, RequiredData, RunError, Sample};
-use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel, MechanismSize};
+use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel, MechanismSize, event_function_count};
 use crate::drive::Profile;
 use crate::integrator::{State, System};
 use crate::mechanism::structure::StructureError;
@@ -11,14 +11,14 @@ use crate::mechanism::{Mechanism, assemble};
 use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::Scene;
 
-/// Sizes of mechanisms that the model is compiled for; the last one is the largest.
-const SIZES: [MechanismSize; 5] = [
-    MechanismSize { coordinates: 3, group: 3, contacts: 4, actuators: 8 },
-    MechanismSize { coordinates: 9, group: 3, contacts: 12, actuators: 8 },
-    MechanismSize { coordinates: 9, group: 3, contacts: 32, actuators: 8 },
-    MechanismSize { coordinates: 24, group: 12, contacts: 64, actuators: 8 },
-    MechanismSize { coordinates: 48, group: 12, contacts: 64, actuators: 8 },
-];
+/// Builds the model in the first size that fits, of coordinates, coordinates of a group, contacts and actuators.
+macro_rules! build_fitting {
+    ($size:ident, $arguments:tt, $([$n:literal, $k:literal, $c:literal, $a:literal]),+) => {
+        $(if $size.fits(&MechanismSize { coordinates: $n, group: $k, contacts: $c, actuators: $a }) {
+            return build_sized::<$n, $k, $c, { $c + 2 }, { event_function_count($c, $a) }, U> $arguments;
+        })+
+    };
+}
 
 /// Builds the model of a mechanism.
 pub(super) fn build_mechanism<U: KernelUser>(
@@ -28,32 +28,24 @@ pub(super) fn build_mechanism<U: KernelUser>(
 ) -> Result<U::Output, RunError> {
     let rejected = |reason: String| RunError::rejected(reason, Outcome::default());
     let size = MechanismSize::new(mechanism).map_err(|error| rejected(error.to_string()))?;
-    if size.fits(&SIZES[0]) {
-        build_sized::<3, 3, 4, 6, 21, U>(scene, mechanism, user)
-    } else if size.fits(&SIZES[1]) {
-        build_sized::<9, 3, 12, 14, 45, U>(scene, mechanism, user)
-    } else if size.fits(&SIZES[2]) {
-        build_sized::<9, 3, 32, 34, 105, U>(scene, mechanism, user)
-    } else if size.fits(&SIZES[3]) {
-        build_sized::<24, 12, 64, 66, 201, U>(scene, mechanism, user)
-    } else if size.fits(&SIZES[4]) {
-        build_sized::<48, 12, 64, 66, 201, U>(scene, mechanism, user)
-    } else {
-        let [.., largest] = SIZES;
-        Err(rejected(format!(
-            "the mechanism has {} coordinates with those of bristles ({} in its largest group of connected bodies), {} \
-             contacts and {} actuators; the analytic model takes up to {} ({}), {} and {}: give some contacts a law of friction \
-             without bristles, list fewer pairs of outlines, or simulate with `--model engine`, which takes any number",
-            size.coordinates,
-            size.group,
-            size.contacts,
-            size.actuators,
-            largest.coordinates,
-            largest.group,
-            largest.contacts,
-            largest.actuators
-        )))
-    }
+    build_fitting!(
+        size,
+        (scene, mechanism, user),
+        [3, 2, 5, 1],
+        [7, 2, 8, 2],
+        [9, 1, 8, 0],
+        [14, 3, 12, 2],
+        [9, 3, 32, 2],
+        [16, 5, 12, 2],
+        [24, 4, 24, 2],
+        [48, 12, 64, 8]
+    );
+    Err(rejected(format!(
+        "the mechanism has {} coordinates with those of bristles ({} in its largest group of connected bodies), {} contacts \
+         and {} actuators; the analytic model takes up to 48 (12), 64 and 8: give some contacts a law of friction without \
+         bristles, list fewer pairs of outlines, or simulate with `--model engine`, which takes any number",
+        size.coordinates, size.group, size.contacts, size.actuators,
+    )))
 }
 
 /// Builds the model of one size.
@@ -140,7 +132,8 @@ where
         sample.set_energy(&match required_data.energies {
             true => {
                 let work = state.z[C + 1] + model.frame_work(qv);
-                stored_energy(&model.energies(qv)).relative_to(start, state.z[C], work)
+                let gap = |index: usize| (index < counts.contacts).then(|| sample.contact(index).gap_m);
+                stored_energy(&model.energies_at_gaps(qv, gap)).relative_to(start, state.z[C], work)
             }
             false => Energy::default(),
         });

@@ -8,7 +8,7 @@ use super::motion::{
 use crate::mechanism::structure::Attachment;
 use crate::mechanism::{Joint, JointKind, Mechanism};
 use crate::numeric::elementary::{atan2, sin_cos};
-use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, scale_by, sub};
+use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, scale, scale_by, sub};
 use crate::numeric::{Real, array_from};
 
 /// Assembly mode of a dyad: the sign of its root, and the coordinates of its outer joints and its inner joint at the
@@ -17,6 +17,8 @@ use crate::numeric::{Real, array_from};
 pub(super) struct AssemblyMode {
     pub sign: f64,
     pub coordinates: [f64; 3],
+    /// Whether its angles are evaluated with its positions, because forces or other bodies depend on them.
+    pub has_angles: bool,
 }
 
 /// A dyad as it is in one pose: outer joints, and the sine and cosine of the transmission angle with its rate.
@@ -94,11 +96,15 @@ pub(super) fn close_dyad<T: Real, const K: usize>(
     (outer, inner): (&[Attachment; 2], usize),
     bases: [&BodyMotion<T, K>; 2],
     (bodies, motions): (&mut [BodyMotion<T, K>; 2], &mut [JointMotion<T, K>; 2]),
-    v: &[f64],
+    v: &[f64; K],
 ) {
     let joints = pair(|k| &mechanism.joints[outer[k].joint]);
     let inner = &mechanism.joints[inner];
     let of = inner_bodies(inner, outer);
+    if joints[0].kind.is_angle() && joints[1].kind.is_angle() && inner.kind.is_angle() {
+        let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
+        return close_pins((joints, outer, points), bases, (bodies, motions), v);
+    }
     (0..2).for_each(|k| carry(bases[k], &mut bodies[k]));
     let closure = closure(inner, of, bodies);
     let columns = pair(|k| column(joints[k], &outer[k], [bases[k], &bodies[k]]));
@@ -127,6 +133,71 @@ pub(super) fn close_dyad<T: Real, const K: usize>(
     for k in 0..2 {
         motions[k].bias = biases[k];
         (0..3).for_each(|axis| bodies[k].bias[axis] += columns[k][axis] * biases[k]);
+    }
+}
+
+/// [`close_dyad`] for three revolute joints, with the points of the inner joint in the frames of both bodies.
+///
+/// The inner joint moves with each base, by r₁ and r₂, and about the pivot of each outer joint: r₁ + w₁ d₁⊥ = r₂ + w₂ d₂⊥
+/// with the arms d from the pivots. Therefore w₁ = (r₂ − r₁)·d₂/(d₁ × d₂), and likewise w₂.
+#[inline(always)]
+fn close_pins<T: Real, const K: usize>(
+    (joints, outer, points): ([&Joint; 2], &[Attachment; 2], [[f64; 2]; 2]),
+    bases: [&BodyMotion<T, K>; 2],
+    ([first, second], motions): (&mut [BodyMotion<T, K>; 2], &mut [JointMotion<T, K>; 2]),
+    v: &[f64; K],
+) {
+    let pivot = |k: usize| joints[k].points_m[usize::from(outer[k].is_second)];
+    let signs = pair(|k| outer[k].sign());
+    let arms = [first.rotated(points[0]), second.rotated(points[1])];
+    let from_pivot = [first.rotated(sub(points[0], pivot(0))), second.rotated(sub(points[1], pivot(1)))];
+    let from_base =
+        [sub(add(first.origin, arms[0]), bases[0].origin), sub(add(second.origin, arms[1]), bases[1].origin)];
+    let across = [perp(from_base[0]), perp(from_base[1])];
+    let (arms_across, turning) = ([perp(arms[0]), perp(arms[1])], perp(from_pivot[0]));
+    let inverse = cross(from_pivot[0], from_pivot[1]).recip();
+    // Motion of the inner joint and rates about both pivots, from its motions with both bases.
+    let closed = |carried: [[T; 2]; 2]| {
+        let gap = sub(carried[1], carried[0]);
+        let turns = [dot(gap, from_pivot[1]) * inverse, dot(gap, from_pivot[0]) * inverse];
+        (add(carried[0], scale(turning, turns[0])), turns)
+    };
+    for i in 0..K {
+        let carried = pair(|k| match outer[k].base {
+            Some(_) => {
+                let turn = bases[k].jacobian[2][i];
+                [bases[k].jacobian[0][i] + across[k][0] * turn, bases[k].jacobian[1][i] + across[k][1] * turn]
+            }
+            None => [T::zero(); 2],
+        });
+        let (motion, turns) = closed(carried);
+        for (k, body) in [&mut *first, &mut *second].into_iter().enumerate() {
+            let turn = bases[k].jacobian[2][i] + turns[k];
+            motions[k].row[i] = turns[k] * signs[k];
+            body.jacobian[0][i] = motion[0] - arms_across[k][0] * turn;
+            body.jacobian[1][i] = motion[1] - arms_across[k][1] * turn;
+            body.jacobian[2][i] = turn;
+        }
+    }
+    first.update_rate(v);
+    second.update_rate(v);
+    let squared = [first.rate[2].squared(), second.rate[2].squared()];
+    let carried = pair(|k| {
+        let (base, base_squared) = (bases[k], bases[k].rate[2].squared());
+        let base_arm = sub(from_base[k], from_pivot[k]);
+        pair(|axis| {
+            base.bias[axis] + across[k][axis] * base.bias[2]
+                - base_arm[axis] * base_squared
+                - from_pivot[k][axis] * squared[k]
+        })
+    });
+    let (motion, turns) = closed(carried);
+    for (k, body) in [first, second].into_iter().enumerate() {
+        let turn = bases[k].bias[2] + turns[k];
+        motions[k].rate = (body.rate[2] - bases[k].rate[2]) * signs[k];
+        motions[k].bias = turns[k] * signs[k];
+        let [x, y] = pair(|axis| motion[axis] - arms_across[k][axis] * turn + arms[k][axis] * squared[k]);
+        body.bias = [x, y, turn];
     }
 }
 
@@ -190,6 +261,7 @@ enum Locus {
 
 impl Locus {
     /// Locus of a point (in the frame of the attached body).
+    #[inline(always)]
     fn new<const K: usize>(joint: &Joint, at: &Attachment, base: &BodyMotion<f64, K>, point: [f64; 2]) -> Self {
         let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
         let pivot = base.position(joint.points_m[1 - own]);
@@ -209,8 +281,21 @@ impl Locus {
     }
 }
 
+/// Angle of a body at an outer joint of a dyad, from its direction, and the coordinate of the joint.
+pub(super) fn outer_angle(
+    joint: &Joint,
+    at: &Attachment,
+    base_angle: f64,
+    [cos, sin]: [f64; 2],
+    start: f64,
+) -> (f64, f64) {
+    let raw = at.sign() * (atan2(sin, cos) - base_angle) - joint.offset_rad;
+    let coordinate = nearest_equivalent_angle(raw, start);
+    (base_angle + at.sign() * (coordinate + joint.offset_rad), coordinate)
+}
+
 /// Poses of the two bodies of a dyad and coordinates of its outer joints, from the intersection of the loci of its inner
-/// joint. Not a number if there is none.
+/// joint. Not a number if there is none. Angles of circles are 0 unless the mode has angles.
 pub(super) fn place_dyad<const K: usize>(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
@@ -237,11 +322,13 @@ pub(super) fn place_dyad<const K: usize>(
     for (k, body) in bodies.iter_mut().enumerate() {
         match loci[k] {
             Locus::Circle { center, arm } => {
-                let (sign, offset) = (outer[k].sign(), sub(position, center));
+                let offset = sub(position, center);
                 body.direction = scale_by([dot(arm, offset), cross(arm, offset)], 1.0 / dot(arm, arm));
-                let angle = atan2(body.direction[1], body.direction[0]);
-                coordinates[k] = nearest(k, sign * (angle - bases[k].angle) - joints[k].offset_rad);
-                body.angle = bases[k].angle + sign * (coordinates[k] + joints[k].offset_rad);
+                if mode.has_angles {
+                    let base_angle = bases[k].angle;
+                    (body.angle, coordinates[k]) =
+                        outer_angle(joints[k], &outer[k], base_angle, body.direction, mode.coordinates[k]);
+                }
             }
             Locus::Line { point, direction, angle } => {
                 *body = BodyMotion::at([0.0, 0.0, angle], [0.0; 3]);
@@ -254,6 +341,7 @@ pub(super) fn place_dyad<const K: usize>(
 }
 
 /// Intersection of two circles, a circle and a line, or two lines.
+#[inline(always)]
 fn intersection(loci: &[Locus; 2], sign: f64) -> [f64; 2] {
     match *loci {
         [Locus::Circle { center, arm }, Locus::Circle { center: other, arm: other_arm }] => {

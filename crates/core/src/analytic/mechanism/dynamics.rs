@@ -8,7 +8,7 @@
 use super::actuator::{BrakeEffort, Effort, brake_effort, effort};
 use super::factor::Factor;
 use super::group::{Element, PlacedGroup};
-use super::model::{Contact, MechanismMode, MechanismModel, Surfaces};
+use super::model::{Contact, MechanismMode, MechanismModel, Span, Surfaces};
 use super::motion::{Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;
@@ -85,15 +85,22 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub(super) const CONTACT_WORK: usize = C;
     pub(super) const DRIVE_WORK: usize = C + 1;
 
-    /// Rates of the poses of two bodies.
+    /// Rate of the relative pose of two bodies.
     #[inline(always)]
     pub(super) fn pair_rates(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [f64; POSES] {
-        let [a, b] = pair(|side| motions.body(bodies[side]).rate);
-        [a[0], a[1], a[2], b[0], b[1], b[2]]
+        let [a, b] = pair(|side| &motions.body(bodies[side]).rate);
+        [a[0] - b[0], a[1] - b[1], a[2], b[2]]
     }
 
+    #[inline(always)]
     pub(super) fn frames(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [Frame<f64>; 2] {
         pair(|side| Frame::new(motions.body(bodies[side])))
+    }
+
+    /// Frames of two bodies with their relative pose as variables.
+    #[inline(always)]
+    pub(super) fn variable_frames(frames: &[Frame<f64>; 2], bodies: [Option<usize>; 2]) -> [Frame<Dual<POSES>>; 2] {
+        pair(|side| Frame::variable(&frames[side], side, bodies[side].is_none()))
     }
 
     /// Number of coordinates of a group in loops, which are unrolled if the groups are small.
@@ -131,6 +138,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         load: &mut [f64; N],
         g: &mut [f64; Z],
     ) {
+        for free in &self.free_bodies {
+            load[free.first..free.first + 2].copy_from_slice(&free.weight);
+        }
         for group in &self.groups {
             let of_group = self.group_loads(t, (group, v), mode, motions, g);
             load[group.first..].iter_mut().zip(of_group).take(group.size()).for_each(|(load, part)| *load = part);
@@ -155,7 +165,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             match &contact.surfaces {
                 Surfaces::Point(pair) => {
                     let frames = Self::frames(motions, pair.bodies);
-                    let kinematics = pairs::contact(pair, &frames, mode.features[index]);
+                    let kinematics = pairs::contact(pair, &frames, pair.nearest_on(&frames, mode.features[index]));
                     let rates = Self::pair_rates(motions, pair.bodies);
                     let state = contact.bristle.map(|bristle| v[bristle]);
                     let mut forces = contact_forces(&kinematics, &rates, state, laws);
@@ -168,19 +178,20 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     }
                 }
                 Surfaces::Limit(limit) => {
-                    let (group, motion) = (self.group_of_joint(limit.joint), &motions.joints[limit.joint]);
-                    let (depth, rate) = (limit.side * (motion.coordinate - limit.value), limit.side * motion.rate);
+                    let (span, motion) = (self.span_of_joint(limit.joint), &motions.joints[limit.joint]);
+                    let coordinate = self.joint_coordinate(motions, limit.joint);
+                    let (depth, rate) = (limit.side * (coordinate - limit.value), limit.side * motion.rate);
                     let force = normal_force_on_branch(&limit.law, laws.state, depth, rate).force;
                     let effort = -limit.side * force;
-                    (0..group.size()).for_each(|i| load[group.first + i] += motion.row[i] * effort);
+                    (0..span.size).for_each(|i| load[span.first + i] += motion.row[i] * effort);
                     g[index] += force;
                     g[Self::CONTACT_WORK] -= force * rate;
                 }
                 Surfaces::Friction(joint) => {
-                    let (group, motion) = (self.group_of_joint(*joint), &motions.joints[*joint]);
+                    let (span, motion) = (self.span_of_joint(*joint), &motions.joints[*joint]);
                     let state = contact.bristle.map(|bristle| v[bristle]);
                     let effort = contact.friction_effort(motion.rate, state, laws.range);
-                    (0..group.size()).for_each(|i| load[group.first + i] += motion.row[i] * effort);
+                    (0..span.size).for_each(|i| load[span.first + i] += motion.row[i] * effort);
                     g[Self::CONTACT_WORK] += effort * motion.rate;
                     contact.bristle.into_iter().for_each(|bristle| load[bristle] -= effort * contact.stretch_gain());
                 }
@@ -236,7 +247,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         brake_effort(&self.mechanism.actuators[actuator], t, rate, state)
     }
 
-    /// Adds loads on the poses of two bodies, or a row over them, to those on all coordinates.
+    /// Adds loads on the relative pose of two bodies, or a row over it, to those on all coordinates.
+    #[inline(always)]
     pub(super) fn add_pair_loads(
         &self,
         motions: &Motions<f64, K>,
@@ -244,18 +256,30 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         loads: &[f64; POSES],
         load: &mut [f64; N],
     ) {
-        for (body, loads) in bodies.into_iter().zip(loads.chunks_exact(3)) {
+        for (side, body) in bodies.into_iter().enumerate() {
             let Some(body) = body else { continue };
-            let (group, [x, y, turn]) = (&self.groups[self.group_of[body]], &motions.bodies[body].jacobian);
-            for (i, load) in load[group.first..].iter_mut().take(group.size()).enumerate() {
-                *load += loads[0] * x[i] + loads[1] * y[i] + loads[2] * turn[i];
+            let (Span { first, size, is_free }, of_body) = (self.spans[body], of_side(loads, side));
+            let load = &mut load[first..first + size];
+            if is_free {
+                load.iter_mut().zip(of_body).for_each(|(load, part)| *load += part);
+                continue;
+            }
+            let [x, y, turn] = &motions.bodies[body].jacobian;
+            for (i, load) in load.iter_mut().enumerate() {
+                *load += of_body[0] * x[i] + of_body[1] * y[i] + of_body[2] * turn[i];
             }
         }
     }
 
-    /// Solves the mass matrices of all groups for one vector of loads, in place. Returns the power that the prescribed
+    /// Solves the mass matrices of all bodies for one vector of loads, in place. Returns the power that the prescribed
     /// motions require: time is their coordinate, and its rate is 1.
     pub(super) fn solve(&self, factors: &[Factor<K>], x: &mut [f64; N]) -> f64 {
+        for free in &self.free_bodies {
+            x[free.first..free.first + free.axes]
+                .iter_mut()
+                .zip(free.mobility)
+                .for_each(|(x, mobility)| *x *= mobility);
+        }
         let mut power = 0.0;
         for (index, (group, factor)) in self.groups.iter().zip(factors).enumerate() {
             let x = &mut x[group.first..group.first + group.size()];
@@ -337,8 +361,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
     }
 
-    /// Adds the derivatives of forces between two bodies: loads on their poses, and numbers added to quadratures or to
-    /// the rates of bristle states.
+    /// Adds the derivatives of forces between two bodies: loads on their relative pose, and numbers added to quadratures or
+    /// to the rates of bristle states.
     pub(super) fn add_pair_derivatives<const Z: usize>(
         &self,
         motions: &Motions<Dual<K>, K>,
@@ -352,13 +376,21 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let add = |number: &WithDerivatives<POSES, POSES>, by_q: &mut [f64; N], by_v: &mut [f64; N]| {
             for (side, body) in bodies.into_iter().enumerate() {
                 let Some(body) = body else { continue };
-                let (group, motion) = (&self.groups[self.group_of[body]], &motions.bodies[body]);
+                let Span { first, size, is_free } = self.spans[body];
+                let (by_pose, by_rate) = (of_side(&number.by_q, side), of_side(&number.by_v, side));
+                let (by_q, by_v) = (&mut by_q[first..first + size], &mut by_v[first..first + size]);
+                if is_free {
+                    by_q.iter_mut().zip(by_pose).for_each(|(entry, part)| *entry += part);
+                    by_v.iter_mut().zip(by_rate).for_each(|(entry, part)| *entry += part);
+                    continue;
+                }
+                let motion = &motions.bodies[body];
                 for axis in 0..3 {
-                    let (d_pose, d_rate) = (number.by_q[3 * side + axis], number.by_v[3 * side + axis]);
+                    let (d_pose, d_rate) = (by_pose[axis], by_rate[axis]);
                     let (jacobian, rate) = (&motion.jacobian[axis], &motion.rate[axis]);
-                    for j in 0..group.size() {
-                        by_q[group.first + j] += d_pose * jacobian[j].value + d_rate * rate.grad[j];
-                        by_v[group.first + j] += d_rate * jacobian[j].value;
+                    for j in 0..size {
+                        by_q[j] += d_pose * jacobian[j].value + d_rate * rate.grad[j];
+                        by_v[j] += d_rate * jacobian[j].value;
                     }
                 }
             }
@@ -368,19 +400,27 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         };
         for (side, body) in bodies.into_iter().enumerate() {
             let Some(body) = body else { continue };
-            let (group, motion) = (&self.groups[self.group_of[body]], &motions.bodies[body]);
-            let (first, size) = (group.first, group.size());
+            let Span { first, size, is_free } = self.spans[body];
+            let sign = if side == 0 { 1.0 } else { -1.0 };
+            let of_body = [(&loads[0], sign), (&loads[1], sign), (&loads[2 + side], 1.0)];
             for i in 0..size {
                 // The load on a coordinate is a sum of those on the pose.
                 let mut on_coordinate = WithDerivatives::default();
-                for axis in 0..3 {
-                    let (load, number) = (&loads[3 * side + axis], motion.jacobian[axis][i]);
+                let mut add_part = |load: &WithDerivatives<POSES, POSES>, factor: f64| {
                     for k in 0..POSES {
-                        on_coordinate.by_q[k] += number.value * load.by_q[k];
-                        on_coordinate.by_v[k] += number.value * load.by_v[k];
+                        on_coordinate.by_q[k] += factor * load.by_q[k];
+                        on_coordinate.by_v[k] += factor * load.by_v[k];
                     }
-                    on_coordinate.by_bristle += number.value * load.by_bristle;
-                    (0..size).for_each(|j| sums.load_q[first + i][first + j] += number.grad[j] * load.value);
+                    on_coordinate.by_bristle += factor * load.by_bristle;
+                };
+                if is_free {
+                    add_part(of_body[i].0, of_body[i].1);
+                } else {
+                    for ((load, sign), row) in of_body.iter().zip(&motions.bodies[body].jacobian) {
+                        add_part(load, sign * row[i].value);
+                        let value = sign * load.value;
+                        (0..size).for_each(|j| sums.load_q[first + i][first + j] += row[i].grad[j] * value);
+                    }
                 }
                 add(&on_coordinate, &mut sums.load_q[first + i], &mut sums.load_v[first + i]);
             }
@@ -398,28 +438,26 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         &self,
         v: &[f64; N],
         mode: &MechanismMode<C>,
-        motions: &Motions<Dual<K>, K>,
+        (plain, motions): (&Motions<f64, K>, &Motions<Dual<K>, K>),
         sums: &mut Sums<N, Z>,
     ) {
-        let frames = |bodies: [Option<usize>; 2]| {
-            pair(|side| Frame::variable(motions.body(bodies[side]), side, bodies[side].is_none()))
-        };
-        let rates = |bodies: [Option<usize>; 2]| {
-            let [a, b] = pair(|side| &motions.body(bodies[side]).rate);
-            [a[0].value, a[1].value, a[2].value, b[0].value, b[1].value, b[2].value]
-        };
         for (index, bodies, points_m) in self.linear_springs() {
-            let (spring, state) = (&self.mechanism.springs[index], pairs::spring(points_m, &frames(bodies)));
-            let (loads, power) = pairs::spring_loads_with_derivatives(spring, &state, &rates(bodies));
+            let frames = Self::variable_frames(&Self::frames(plain, bodies), bodies);
+            let (spring, state) = (&self.mechanism.springs[index], pairs::spring(points_m, &frames));
+            let rates = Self::pair_rates(plain, bodies);
+            let (loads, power) = pairs::spring_loads_with_derivatives(spring, &state, &rates);
             self.add_pair_derivatives(motions, bodies, &loads, &[(Self::CONTACT_WORK, power)], None, sums);
         }
         for (index, contact) in self.contacts.iter().enumerate() {
             let Some(laws) = contact.laws(mode, index) else { continue };
             match &contact.surfaces {
                 Surfaces::Point(pair) => {
-                    let kinematics = pairs::contact(pair, &frames(pair.bodies), mode.features[index]);
+                    let frames = Self::frames(plain, pair.bodies);
+                    let feature = mode.features[index].unwrap_or_else(|| pair.nearest(&frames).0);
+                    let frames = Self::variable_frames(&frames, pair.bodies);
+                    let kinematics = pairs::contact(pair, &frames, pair.on_feature(&frames, feature));
                     let state = contact.bristle.map(|bristle| v[bristle]);
-                    let rates = rates(pair.bodies);
+                    let rates = Self::pair_rates(plain, pair.bodies);
                     let mut forces = contact_forces_with_derivatives(&kinematics, &rates, state, laws);
                     contact.add_rolling_with_derivatives(&rates, &mut forces);
                     let quadratures = [(index, forces.normal), (Self::CONTACT_WORK, forces.power)];
@@ -427,29 +465,30 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     self.add_pair_derivatives(motions, pair.bodies, &forces.load, &quadratures, bristle, sums);
                 }
                 Surfaces::Limit(limit) => {
-                    let (group, motion) = (self.group_of_joint(limit.joint), &motions.joints[limit.joint]);
-                    let (side, first) = (limit.side, group.first);
-                    let depth = (motion.coordinate - limit.value) * side;
+                    let (span, motion) = (self.span_of_joint(limit.joint), &motions.joints[limit.joint]);
+                    let side = limit.side;
+                    let coordinate = self.joint_coordinate(plain, limit.joint);
+                    let depth = (motion.coordinate.chain(coordinate, 1.0) - limit.value) * side;
                     let rate = motion.rate * side;
                     let law = normal_force_on_branch(&limit.law, laws.state, depth.value, rate.value);
                     let force = depth.chain2(rate, law.force, law.d_delta, law.d_rate);
                     let (load, power) = (force * -side, -(force * rate));
-                    let of_group = (first, group.size());
+                    let of_group = (span.first, span.size);
                     sums.add_block(of_group, &motion.row, load, |j| -law.d_rate * motion.row[j].value);
                     sums.add_power(index, of_group, force, |j| law.d_rate * side * motion.row[j].value);
                     let power_by_rate = -side * (law.d_rate * rate.value + force.value);
                     sums.add_power(Self::CONTACT_WORK, of_group, power, |j| power_by_rate * motion.row[j].value);
                 }
                 Surfaces::Friction(joint) => {
-                    let (group, motion) = (self.group_of_joint(*joint), &motions.joints[*joint]);
-                    let (first, rate) = (group.first, motion.rate.value);
+                    let (Span { first, size, .. }, motion) = (self.span_of_joint(*joint), &motions.joints[*joint]);
+                    let rate = motion.rate.value;
                     let state = contact.bristle.map(|bristle| Dual::<2>::variable(v[bristle], 1));
                     let Dual { value, grad: [by_rate, by_state] } =
                         contact.friction_effort(Dual::<2>::variable(rate, 0), state, laws.range);
                     let effort = motion.rate.chain(value, by_rate);
-                    sums.add_block((first, group.size()), &motion.row, effort, |j| by_rate * motion.row[j].value);
+                    sums.add_block((first, size), &motion.row, effort, |j| by_rate * motion.row[j].value);
                     let gain = contact.stretch_gain();
-                    for i in 0..group.size() {
+                    for i in 0..size {
                         let (row, rate_q) = (motion.row[i].value, motion.rate.grad[i]);
                         sums.g_q[Self::CONTACT_WORK][first + i] += (by_rate * rate + value) * rate_q;
                         sums.g_v[Self::CONTACT_WORK][first + i] += (by_rate * rate + value) * row;
@@ -472,28 +511,41 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
     }
 
-    /// Kinematics of a point contact in a state, with the rates of the poses of its bodies.
+    /// Kinematics of a point contact in a state, with the rate of the relative pose of its bodies.
     pub(super) fn point_kinematics(
         &self,
         motions: &Motions<f64, K>,
         pair: &PointOnFace,
         feature: Option<Feature>,
     ) -> (ContactKinematics<f64, POSES>, [f64; POSES]) {
-        (pairs::contact(pair, &Self::frames(motions, pair.bodies), feature), Self::pair_rates(motions, pair.bodies))
+        let frames = Self::frames(motions, pair.bodies);
+        let nearest = pair.nearest_on(&frames, feature);
+        (pairs::contact(pair, &frames, nearest), Self::pair_rates(motions, pair.bodies))
+    }
+}
+
+/// The part of a load on, or of a derivative by, the relative pose of two bodies that belongs to the pose of one of them.
+#[inline(always)]
+fn of_side(of_pair: &[f64; POSES], side: usize) -> [f64; 3] {
+    match side {
+        0 => [of_pair[0], of_pair[1], of_pair[2]],
+        _ => [-of_pair[0], -of_pair[1], of_pair[3]],
     }
 }
 
 impl Contact {
     /// Moment of rolling resistance on the first body at a normal force.
     pub(super) fn rolling_moment(&self, rates: &[f64; POSES], normal: f64) -> f64 {
-        self.rolling.as_ref().map_or(0.0, |law| friction_force(law, rates[2] - rates[5], normal))
+        self.rolling.as_ref().map_or(0.0, |law| friction_force(law, rates[2] - rates[3], normal))
     }
 
     fn add_rolling(&self, rates: &[f64; POSES], forces: &mut ContactForces<f64, POSES>) {
-        let moment = self.rolling_moment(rates, forces.normal);
-        forces.load[2] += moment;
-        forces.load[5] -= moment;
-        forces.power += moment * (rates[2] - rates[5]);
+        if self.rolling.is_some() {
+            let moment = self.rolling_moment(rates, forces.normal);
+            forces.load[2] += moment;
+            forces.load[3] -= moment;
+            forces.power += moment * (rates[2] - rates[3]);
+        }
     }
 
     fn add_rolling_with_derivatives(
@@ -502,10 +554,10 @@ impl Contact {
         forces: &mut ContactForces<WithDerivatives<POSES, POSES>, POSES>,
     ) {
         let Some(law) = &self.rolling else { return };
-        let (spin, normal) = (rates[2] - rates[5], forces.normal);
+        let (spin, normal) = (rates[2] - rates[3], forces.normal);
         let (arm, slope) = friction_coefficient(law, spin);
         let by_spin = -slope * normal.value;
-        let turn = [0.0, 0.0, 1.0, 0.0, 0.0, -1.0];
+        let turn = [0.0, 0.0, 1.0, -1.0];
         let moment = WithDerivatives::<POSES, POSES> {
             value: -arm * normal.value,
             by_q: array_from(|k| -arm * normal.by_q[k]),
@@ -520,7 +572,7 @@ impl Contact {
             }
         };
         add(&mut forces.load[2], 1.0, 0.0);
-        add(&mut forces.load[5], -1.0, 0.0);
+        add(&mut forces.load[3], -1.0, 0.0);
         add(&mut forces.power, spin, moment.value);
     }
 
@@ -551,7 +603,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
     type Mode = MechanismMode<C>;
 
     fn coordinate_count(&self) -> usize {
-        self.coordinates_in_use()
+        self.error_coordinates
     }
 
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Rates<N, Z> {
@@ -571,7 +623,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
             for group in &self.groups {
                 self.add_group_derivatives(t, (group, v, &rates.a), mode, motions, &mut sums);
             }
-            self.add_all_pair_derivatives(v, mode, motions, &mut sums);
+            self.add_all_pair_derivatives(v, mode, (plain, motions), &mut sums);
             self.add_tendon_derivatives(t, v, mode, (plain, motions), &mut sums);
         });
         let count = self.coordinates_in_use();

@@ -3,6 +3,7 @@
 /// Lower triangle of the Cholesky factor of the mass matrix of one group.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Factor<const K: usize> {
+    /// Its diagonal contains reciprocals.
     lower: [[f64; K]; K],
     size: usize,
     /// Load on a prescribed first coordinate per acceleration of the others.
@@ -22,7 +23,7 @@ impl<const K: usize> Factor<K> {
         for i in 0..size {
             for j in 0..=i {
                 let sum = (0..j).fold(mass[i][j], |sum, k| sum - lower[i][k] * lower[j][k]);
-                lower[i][j] = if i == j { sum.sqrt() } else { sum / lower[j][j] };
+                lower[i][j] = if i == j { 1.0 / sum.sqrt() } else { sum * lower[j][j] };
             }
         }
         Self { lower, size, inertia }
@@ -34,13 +35,13 @@ impl<const K: usize> Factor<K> {
             for k in 0..i {
                 x[i] -= self.lower[i][k] * x[k];
             }
-            x[i] /= self.lower[i][i];
+            x[i] *= self.lower[i][i];
         }
         for i in (0..self.size).rev() {
             for k in i + 1..self.size {
                 x[i] -= self.lower[k][i] * x[k];
             }
-            x[i] /= self.lower[i][i];
+            x[i] *= self.lower[i][i];
         }
     }
 

@@ -1,13 +1,14 @@
 //! A group of connected bodies with the assembly modes of its dyads: evaluation of all its motions, placement by
 //! placement.
 
-use super::dyad::{AssemblyMode, Transmission, close_dyad, inner_motion, place_dyad, transmission};
+use super::dyad::{AssemblyMode, Transmission, close_dyad, inner_motion, outer_angle, place_dyad, transmission};
 use super::motion::{
     BodyMotion, JointMotion, Motions, carried_bias, carry, column, joint_coordinate, joint_rate, pair, place,
 };
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
-use crate::mechanism::{Body, Joint, JointCombination, Mechanism, Pose, SpringKind};
-use crate::numeric::plane::{dot, nearest_equivalent_angle, sub};
+use crate::mechanism::{Actuator, Body, Command, Joint, JointCombination, Mechanism, Pose, Spring, SpringKind};
+use crate::numeric::elementary::atan2;
+use crate::numeric::plane::{cross, dot, nearest_equivalent_angle, sub};
 use crate::numeric::{Dual, Real};
 use crate::scene;
 
@@ -56,7 +57,12 @@ impl PlacedGroup {
             let coordinates = joints.map(|joint| joint_coordinate(joint, |body| motions.body(body).placed()));
             let bases = pair(|k| motions.body(outer[k].base));
             let distance = |sign: f64| {
-                let (_, found) = place_dyad(mechanism, (outer, *inner), bases, &AssemblyMode { sign, coordinates });
+                let (_, found) = place_dyad(
+                    mechanism,
+                    (outer, *inner),
+                    bases,
+                    &AssemblyMode { sign, coordinates, has_angles: true },
+                );
                 let error = |k: usize| {
                     let error = (found[k] - coordinates[k]).abs();
                     if joints[k].kind.is_angle() { error } else { error / bases_length(bases, &motions, outer) }
@@ -64,7 +70,10 @@ impl PlacedGroup {
                 error(0) + error(1)
             };
             let sign = if distance(-1.0) < distance(1.0) { -1.0 } else { 1.0 };
-            Some(AssemblyMode { sign, coordinates })
+            let is_base = |body: usize| group.placements.iter().any(|other| bases_of(other).contains(&Some(body)));
+            let has_angles = outer.iter().any(|at| is_base(at.body))
+                || [outer[0].joint, outer[1].joint, *inner].into_iter().any(|joint| has_force(mechanism, joint));
+            Some(AssemblyMode { sign, coordinates, has_angles })
         };
         let modes = group.placements.iter().map(mode).collect();
         let joints = group.placements.iter().flat_map(|placement| match placement {
@@ -121,22 +130,34 @@ impl PlacedGroup {
         self.group.coordinates.len()
     }
 
+    /// Coordinates and rates of the group among all.
+    #[inline(always)]
+    pub fn state<'a, const N: usize, const K: usize>(
+        &self,
+        (q, v): (&'a [f64; N], &[f64; N]),
+    ) -> (&'a [f64], [f64; K]) {
+        let of_group = self.first..self.first + self.size();
+        let mut rates = [0.0; K];
+        rates[..self.size()].copy_from_slice(&v[of_group.clone()]);
+        (&q[of_group], rates)
+    }
+
     /// Evaluates all bodies and joints of the group at the coordinates `q` and rates `v` of the group.
     pub fn evaluate<const K: usize>(
         &self,
         mechanism: &Mechanism,
-        (q, v): (&[f64], &[f64]),
+        (q, v): (&[f64], [f64; K]),
         motions: &mut Motions<f64, K>,
     ) {
         self.place(mechanism, q, motions);
-        self.propagate(mechanism, v, q.first().copied().unwrap_or_default(), motions);
+        self.propagate(mechanism, &v, q.first().copied().unwrap_or_default(), motions);
     }
 
     /// Evaluates the motions with derivatives by the coordinates of the group, from the motions in plain numbers.
     pub fn differentiate<const K: usize>(
         &self,
         mechanism: &Mechanism,
-        (q, v): (&[f64], &[f64]),
+        (q, v): (&[f64], [f64; K]),
         plain: &Motions<f64, K>,
         motions: &mut Motions<Dual<K>, K>,
     ) {
@@ -148,7 +169,7 @@ impl PlacedGroup {
             motions.joints[joint].coordinate = Dual { value: coordinate, grad: row };
         }
         let first = q.first().map_or(Dual::constant(0.0), |first| Dual::variable(*first, 0));
-        self.propagate(mechanism, v, first, motions);
+        self.propagate(mechanism, &v, first, motions);
     }
 
     /// Evaluates the poses of all bodies and the coordinates of all joints.
@@ -190,15 +211,66 @@ impl PlacedGroup {
                         motions.bodies[at.body].place_at(&bodies[k]);
                         motions.joints[at.joint].coordinate = coordinates[k];
                     }
-                    let joint = &mechanism.joints[*inner];
-                    let mut coordinate = joint_coordinate(joint, |body| motions.body(body).placed());
-                    if joint.kind.is_angle() {
-                        coordinate = nearest_equivalent_angle(coordinate, mode.coordinates[2]);
-                    }
+                    let is_needed = mode.has_angles || !mechanism.joints[*inner].kind.is_angle();
+                    let coordinate = if is_needed { inner_coordinate(mechanism, *inner, motions, mode) } else { 0.0 };
                     motions.joints[*inner].coordinate = coordinate;
                 }
             }
         }
+    }
+
+    /// Evaluates the angles of the bodies of dyads and the coordinates of their joints, if they were not evaluated with
+    /// their positions.
+    pub fn evaluate_angles<const K: usize>(&self, mechanism: &Mechanism, motions: &mut Motions<f64, K>) {
+        for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
+            let (Placement::Dyad { outer, inner }, Some(mode @ AssemblyMode { has_angles: false, .. })) =
+                (placement, mode)
+            else {
+                continue;
+            };
+            for (at, start) in outer.iter().zip(mode.coordinates) {
+                let joint = &mechanism.joints[at.joint];
+                if joint.kind.is_angle() {
+                    let (base, direction) = (motions.body(at.base).angle, motions.bodies[at.body].direction);
+                    (motions.bodies[at.body].angle, motions.joints[at.joint].coordinate) =
+                        outer_angle(joint, at, base, direction, start);
+                }
+            }
+            motions.joints[*inner].coordinate = inner_coordinate(mechanism, *inner, motions, mode);
+        }
+    }
+
+    /// Coordinate of a joint of the dyad of a placement, which was not evaluated with its positions.
+    pub fn joint_coordinate<const K: usize>(
+        &self,
+        mechanism: &Mechanism,
+        motions: &Motions<f64, K>,
+        dyad: usize,
+        joint: usize,
+    ) -> f64 {
+        let (Placement::Dyad { outer, inner }, Some(mode)) = (&self.group.placements[dyad], &self.modes[dyad]) else {
+            return motions.joints[joint].coordinate;
+        };
+        if let Some(k) = outer.iter().position(|at| at.joint == joint) {
+            let (base, direction) = (motions.body(outer[k].base).angle, motions.bodies[outer[k].body].direction);
+            return outer_angle(&mechanism.joints[joint], &outer[k], base, direction, mode.coordinates[k]).1;
+        }
+        let directions = mechanism.joints[*inner].bodies.map(|body| motions.body(body).direction);
+        let turn = atan2(cross(directions[0], directions[1]), dot(directions[0], directions[1]));
+        nearest_equivalent_angle(turn - mechanism.joints[*inner].offset_rad, mode.coordinates[2])
+    }
+
+    /// Revolute joints of dyads whose coordinates are not evaluated with their positions, with the indices of their
+    /// placements.
+    pub fn joints_on_demand<'a>(&'a self, mechanism: &'a Mechanism) -> impl Iterator<Item = (usize, usize)> + 'a {
+        let dyads = self.group.placements.iter().zip(&self.modes).enumerate();
+        let joints = dyads.filter_map(|(index, of)| match of {
+            (Placement::Dyad { outer, inner }, Some(AssemblyMode { has_angles: false, .. })) => {
+                Some([outer[0].joint, outer[1].joint, *inner].map(|joint| (index, joint)))
+            }
+            _ => None,
+        });
+        joints.flatten().filter(|(_, joint)| mechanism.joints[*joint].kind.is_angle())
     }
 
     /// Evaluates Jacobians, rates and bias accelerations of all bodies and joints, whose poses and coordinates are known;
@@ -206,7 +278,7 @@ impl PlacedGroup {
     fn propagate<T: Real, const K: usize>(
         &self,
         mechanism: &Mechanism,
-        v: &[f64],
+        v: &[f64; K],
         first: T,
         motions: &mut Motions<T, K>,
     ) {
@@ -295,38 +367,43 @@ impl PlacedGroup {
         })
     }
 
-    /// Angles of the revolute joints of dyads relative to the start: joint, angle, and rate.
-    pub fn dyad_angles<'a, const K: usize>(
-        &'a self,
-        mechanism: &'a Mechanism,
-        motions: &'a Motions<f64, K>,
-    ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
+    /// Revolute joints of dyads, with their angles at the start.
+    pub fn dyad_joints<'a>(&'a self, mechanism: &'a Mechanism) -> impl Iterator<Item = (usize, f64)> + 'a {
         let dyads = self.group.placements.iter().zip(&self.modes).filter_map(|(placement, mode)| match placement {
             Placement::Dyad { outer, inner } => Some(([outer[0].joint, outer[1].joint, *inner], (*mode)?.coordinates)),
             _ => None,
         });
         let joints = dyads.flat_map(|(joints, starts)| joints.into_iter().zip(starts));
-        joints.filter(|(joint, _)| mechanism.joints[*joint].kind.is_angle()).map(|(joint, start)| {
-            let motion = &motions.joints[joint];
-            (joint, motion.coordinate - start, motion.rate)
-        })
+        joints.filter(|(joint, _)| mechanism.joints[*joint].kind.is_angle())
     }
+}
 
-    /// Coordinates and rates of the group in assembled poses.
-    pub fn start(&self, mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Vec<(f64, f64)> {
-        let motion = |body: Option<usize>| {
-            body.map_or_else(BodyMotion::<f64, 1>::ground, |body| BodyMotion::at(poses[body], rates[body]))
-        };
-        let start = |coordinate: &Coordinate| match coordinate {
-            Coordinate::Joint(joint) => {
-                let joint = &mechanism.joints[*joint];
-                (joint_coordinate(joint, motion), joint_rate(joint, motion))
-            }
-            Coordinate::Body(body, axis) => (poses[*body][*axis], rates[*body][*axis]),
-            Coordinate::Time => (0.0, 1.0),
-        };
-        self.group.coordinates.iter().map(start).collect()
-    }
+/// Coordinates and rates of a group in assembled poses.
+pub(super) fn start_of(group: &Group, mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Vec<(f64, f64)> {
+    let motion = |body: Option<usize>| {
+        body.map_or_else(BodyMotion::<f64, 1>::ground, |body| BodyMotion::at(poses[body], rates[body]))
+    };
+    let start = |coordinate: &Coordinate| match coordinate {
+        Coordinate::Joint(joint) => {
+            let joint = &mechanism.joints[*joint];
+            (joint_coordinate(joint, motion), joint_rate(joint, motion))
+        }
+        Coordinate::Body(body, axis) => (poses[*body][*axis], rates[*body][*axis]),
+        Coordinate::Time => (0.0, 1.0),
+    };
+    group.coordinates.iter().map(start).collect()
+}
+
+/// Coordinate of the inner joint of a dyad.
+fn inner_coordinate<const K: usize>(
+    mechanism: &Mechanism,
+    inner: usize,
+    motions: &Motions<f64, K>,
+    mode: &AssemblyMode,
+) -> f64 {
+    let joint = &mechanism.joints[inner];
+    let coordinate = joint_coordinate(joint, |body| motions.body(body).placed());
+    if joint.kind.is_angle() { nearest_equivalent_angle(coordinate, mode.coordinates[2]) } else { coordinate }
 }
 
 fn bases_length<const K: usize>(
@@ -337,6 +414,25 @@ fn bases_length<const K: usize>(
     let offset = |k: usize| sub(motions.bodies[outer[k].body].origin, bases[k].origin);
     let squared = |k: usize| dot(offset(k), offset(k));
     (squared(0) + squared(1)).sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// Whether a spring, a servo, a coupling or a tendon depends on the coordinate of a joint.
+pub(super) fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
+    let is_servo = |actuator: &&Actuator| matches!(actuator.command, Command::Servo { .. });
+    let springs = mechanism.springs.iter().filter_map(Spring::on);
+    let servos = mechanism.actuators.iter().filter(is_servo).map(|actuator| &actuator.on);
+    let mut all = springs.chain(servos).chain(mechanism.couplings.iter().map(|coupling| &coupling.on));
+    all.any(|on| on.factor(joint) != 0.0)
+        || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
+}
+
+/// Bodies from which a placement places others.
+fn bases_of(placement: &Placement) -> [Option<usize>; 2] {
+    match placement {
+        Placement::Free { .. } | Placement::Prescribed { .. } => [None; 2],
+        Placement::Joint { at, .. } => [at.base, None],
+        Placement::Dyad { outer, .. } => [outer[0].base, outer[1].base],
+    }
 }
 
 /// Pose of a body with prescribed motion.

@@ -3,7 +3,7 @@
 //! A revolute joint transmits a force, a prismatic joint a force across its axis and a moment; a coupling adds one
 //! unknown. Without redundant constraints, the 3 equations of every body determine all of them.
 
-use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::model::{MechanismMode, MechanismModel, Span, Surfaces};
 use super::motion::Motions;
 use super::nearest::PointOnFace;
 use super::pairs;
@@ -153,11 +153,17 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     fn add_accelerations(&self, a: &[f64; N], motions: &Motions<f64, K>, system: &mut JointForces) {
         let (gravity, right) = (self.mechanism.gravity_m_s2, system.unknowns);
         for (index, (body, center)) in self.mechanism.bodies.iter().zip(&motions.centers).enumerate() {
-            let (group, motion) = (&self.groups[self.group_of[index]], &motions.bodies[index]);
-            let acceleration =
-                |row: &[f64; K], bias: f64| (0..group.size()).fold(bias, |sum, k| sum + row[k] * a[group.first + k]);
-            let force = [0, 1].map(|k| body.mass_kg * (acceleration(&center.jacobian[k], center.bias[k]) - gravity[k]));
-            let moment = body.inertia_kg_m2 * acceleration(&motion.jacobian[2], motion.bias[2]);
+            let (Span { first, size, is_free }, motion) = (self.spans[index], &motions.bodies[index]);
+            let acceleration = |row: &[f64; K], bias: f64| (0..size).fold(bias, |sum, k| sum + row[k] * a[first + k]);
+            let [x, y, turn] = match is_free {
+                true => [a[first], a[first + 1], if size > 2 { a[first + 2] } else { 0.0 }],
+                false => {
+                    let [x, y] = [0, 1].map(|k| acceleration(&center.jacobian[k], center.bias[k]));
+                    [x, y, acceleration(&motion.jacobian[2], motion.bias[2])]
+                }
+            };
+            let force = [x - gravity[0], y - gravity[1]].map(|part| body.mass_kg * part);
+            let moment = body.inertia_kg_m2 * turn;
             system.add(right, Some(index), force, center.position, moment);
         }
     }
@@ -226,8 +232,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for (index, bodies, points_m) in self.linear_springs() {
             let state = pairs::spring(points_m, &Self::frames(motions, bodies));
             let rates = Self::pair_rates(motions, bodies);
-            let ([.., x, y, _], _) = pairs::spring_loads(&self.mechanism.springs[index], &state, &rates);
-            system.add_pair(right, bodies, [-x, -y], motions.body(bodies[1]).position(points_m[1]), 0.0);
+            let ([x, y, ..], _) = pairs::spring_loads(&self.mechanism.springs[index], &state, &rates);
+            system.add_pair(right, bodies, [x, y], motions.body(bodies[1]).position(points_m[1]), 0.0);
         }
     }
 

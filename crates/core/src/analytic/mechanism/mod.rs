@@ -8,6 +8,7 @@ mod dyad;
 mod dynamics;
 mod events;
 mod factor;
+mod free;
 mod group;
 mod joint_forces;
 mod model;

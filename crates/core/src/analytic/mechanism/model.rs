@@ -5,7 +5,8 @@ use std::cell::RefCell;
 use super::actuator::{MAX_ACTUATORS, Ranges};
 use super::cable::Cable;
 use super::factor::Factor;
-use super::group::PlacedGroup;
+use super::free::{FreeBody, center_frame, free_body, is_round};
+use super::group::{PlacedGroup, has_force, start_of};
 use super::motion::Motions;
 use super::nearest::{Face, Feature, PointOnFace};
 use crate::analytic::ContactState;
@@ -13,13 +14,18 @@ use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::mechanism::structure::{Coordinate, Group, StructureError, find_groups};
-use crate::mechanism::{Actuator, Body, Command, Limit, Mechanism, Pose, Spring, SpringKind};
+use crate::mechanism::{Actuator, Body, Limit, Mechanism, Pose, SpringKind};
 use crate::numeric::Dual;
+use crate::numeric::plane::scale_by;
 use crate::scene::Profile;
 use std::ops::Index;
 
 /// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
 const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-7, force: 1e-8 };
+
+/// Number of bristle states that error norms assume in a mechanism without joints, by its number of bodies. If only existing
+/// bristles counted, a wheel that starts to roll would take 333 steps instead of 33 (scenes/laws/bristle-rolls).
+const BRISTLE_RATES: [usize; 4] = [0, 4, 6, 9];
 
 /// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint.
 #[derive(Clone, Debug)]
@@ -60,17 +66,28 @@ impl<const C: usize> Index<usize> for MechanismMode<C> {
     }
 }
 
+/// Coordinates on which the pose of a body depends. Those of a free body are its pose.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Span {
+    pub first: usize,
+    pub size: usize,
+    pub is_free: bool,
+}
+
 /// Motions at the last state, with and without derivatives, kept to avoid allocation and repetition.
 #[derive(Clone, Debug)]
 struct Workspace<const N: usize, const K: usize> {
     state: Option<([f64; N], [f64; N])>,
     motions: Motions<f64, K>,
+    /// Whether the motions contain all angles, see [`MechanismModel::with_angles`].
+    has_angles: bool,
     /// Factors of the mass matrices of all groups in this state; empty before they are needed.
     factors: Vec<Factor<K>>,
     with_derivatives: Motions<Dual<K>, K>,
 }
 
-/// The analytic model of a mechanism with at most N coordinates and bristles, K coordinates a group, and C contacts.
+/// The analytic model of a mechanism with at most N coordinates and bristles, K coordinates of a group of bodies with
+/// joints, and C contacts.
 ///
 /// Coordinates are the independent coordinates of all groups. If friction or a brake has bristles, the next rates are the
 /// bristle states; nothing depends on the coordinates at these indices. Time is the last coordinate if an event of an
@@ -78,9 +95,15 @@ struct Workspace<const N: usize, const K: usize> {
 #[derive(Clone, Debug)]
 pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     pub(super) mechanism: Mechanism,
+    /// Groups of bodies with joints or prescribed motions.
     pub(super) groups: Vec<PlacedGroup>,
-    /// Group of each body.
-    pub(super) group_of: Vec<usize>,
+    pub(super) free_bodies: Vec<FreeBody>,
+    /// Coordinates of each body.
+    pub(super) spans: Vec<Span>,
+    /// Origin of the reported frame of each body, in its frame here.
+    pub(super) reported_origins: Vec<[f64; 2]>,
+    /// Dyad of each joint whose coordinate is evaluated on demand: its group and placement.
+    dyad_of: Vec<Option<(usize, usize)>>,
     /// All contacts in the order of [`Mechanism::point_contacts`], of [`Mechanism::limits`], of the tendons, then of
     /// friction in joints.
     pub(super) contacts: Vec<Contact>,
@@ -97,7 +120,9 @@ pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     pub(super) moves_by_forces: Vec<[bool; 3]>,
     /// Whether a force depends on the coordinate of each joint.
     pub(super) depends_on_joint: Vec<bool>,
-    coordinate_count: usize,
+    used_coordinates: usize,
+    /// Number of coordinates over which error norms average.
+    pub(super) error_coordinates: usize,
     pub(super) event_tolerances: EventTolerances,
     workspace: RefCell<Workspace<N, K>>,
     start: Vec<(f64, f64)>,
@@ -108,7 +133,7 @@ pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
 pub struct MechanismSize {
     /// Coordinates of all groups, time and bristle states.
     pub coordinates: usize,
-    /// Coordinates of the largest group.
+    /// Coordinates of the largest group of bodies with joints.
     pub group: usize,
     /// Contacts, limits, elastic tendons, and joints with friction.
     pub contacts: usize,
@@ -125,7 +150,7 @@ impl MechanismSize {
     }
 
     fn with_groups(mechanism: &Mechanism, groups: &[Group]) -> Self {
-        let sizes = || groups.iter().map(|group| group.coordinates.len());
+        let linked = groups.iter().filter(|group| free_body(group).is_none());
         let points = mechanism.point_contacts();
         let has_bristle = |pair: usize| mechanism.contacts[pair].law.bristle().is_some();
         let bristles = points.iter().filter(|point| has_bristle(point.pair)).count()
@@ -134,8 +159,8 @@ impl MechanismSize {
         let has_time = groups.iter().any(|group| group.coordinates.contains(&Coordinate::Time));
         let time = usize::from(!has_time && depends_on_time(mechanism));
         Self {
-            coordinates: sizes().sum::<usize>() + time + bristles,
-            group: sizes().max().unwrap_or(0),
+            coordinates: groups.iter().map(|group| group.coordinates.len()).sum::<usize>() + time + bristles,
+            group: linked.map(|group| group.coordinates.len()).max().unwrap_or(0),
             contacts: points.len()
                 + mechanism.limits().len()
                 + elastic_tendons(mechanism).count()
@@ -150,6 +175,11 @@ impl MechanismSize {
             && self.contacts <= capacity.contacts
             && self.actuators <= capacity.actuators
     }
+}
+
+/// Whether two arrays have the same bits; compared without branches, because they nearly always have.
+fn has_bits_of<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
+    a.iter().zip(b).fold(0, |difference, (a, b)| difference | (a.to_bits() ^ b.to_bits())) == 0
 }
 
 /// Joints with friction, with their laws.
@@ -175,17 +205,6 @@ fn depends_on_time(mechanism: &Mechanism) -> bool {
     })
 }
 
-/// Whether a spring, a limit, a servo, a coupling or a tendon depends on the coordinate of a joint.
-fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
-    let is_servo = |actuator: &&Actuator| matches!(actuator.command, Command::Servo { .. });
-    let springs = mechanism.springs.iter().filter_map(Spring::on);
-    let servos = mechanism.actuators.iter().filter(is_servo).map(|actuator| &actuator.on);
-    let mut all = springs.chain(servos).chain(mechanism.couplings.iter().map(|coupling| &coupling.on));
-    all.any(|on| on.factor(joint) != 0.0)
-        || mechanism.limits().iter().any(|limit| limit.joint == joint)
-        || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
-}
-
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Builds the model from the assembled poses and rates of all bodies.
     ///
@@ -196,19 +215,39 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Panics if the mechanism exceeds the capacity of the model.
     pub fn new(mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Result<Self, StructureError> {
         let found = find_groups(mechanism)?;
-        let size = MechanismSize::with_groups(mechanism, &found);
+        let (mut mechanism, mut poses, mut rates) = (mechanism.clone(), poses.to_vec(), rates.to_vec());
+        let mut reported_origins = vec![[0.0; 2]; mechanism.bodies.len()];
+        for (body, _) in found.iter().filter_map(free_body) {
+            reported_origins[body] = scale_by(mechanism.bodies[body].com_m, -1.0);
+            center_frame(&mut mechanism, body, (&mut poses, &mut rates));
+        }
+        let (poses, rates) = (&poses[..], &rates[..]);
+        let size = MechanismSize::with_groups(&mechanism, &found);
         let capacity = MechanismSize { coordinates: N, group: K, contacts: C, actuators: MAX_ACTUATORS };
         assert!(size.fits(&capacity), "{size:?} exceeds {capacity:?}");
         let mut first = 0;
-        let mut groups = Vec::new();
-        let mut group_of = vec![0; mechanism.bodies.len()];
-        for (index, group) in found.into_iter().enumerate() {
-            group.bodies.iter().for_each(|body| group_of[*body] = index);
-            let placed = PlacedGroup::new::<K>(mechanism, group, first, poses);
-            first += placed.size();
-            groups.push(placed);
+        let (mut groups, mut free_bodies, mut start) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spans = vec![Span::default(); mechanism.bodies.len()];
+        let mut dyad_of = vec![None; mechanism.joints.len()];
+        for group in found {
+            let (size, free) = (group.coordinates.len(), free_body(&group));
+            group.bodies.iter().for_each(|body| spans[*body] = Span { first, size, is_free: free.is_some() });
+            start.extend(start_of(&group, &mechanism, (poses, rates)));
+            if let Some((body, axes)) = free {
+                let of = &mechanism.bodies[body];
+                let (mobility, weight) = (1.0 / of.mass_kg, scale_by(mechanism.gravity_m_s2, of.mass_kg));
+                let mobility = [mobility, mobility, 1.0 / of.inertia_kg_m2];
+                let is_round = reported_origins[body] == [0.0; 2] && is_round(&mechanism, body);
+                free_bodies.push(FreeBody { body, first, axes, is_round, angle_rad: poses[body][2], mobility, weight });
+            } else {
+                let placed = PlacedGroup::new::<K>(&mechanism, group, first, poses);
+                placed
+                    .joints_on_demand(&mechanism)
+                    .for_each(|(placement, joint)| dyad_of[joint] = Some((groups.len(), placement)));
+                groups.push(placed);
+            }
+            first += size;
         }
-        let start = groups.iter().flat_map(|group| group.start(mechanism, (poses, rates))).collect();
         let prescribed = groups.iter().position(PlacedGroup::has_prescribed);
         let mut next = first;
         let mut bristles = Vec::new();
@@ -243,22 +282,21 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             bristle: None,
         }));
         let mut cables: Vec<Cable> = mechanism.tendons.iter().map(Cable::new).collect();
-        for (index, normal) in elastic_tendons(mechanism) {
+        for (index, normal) in elastic_tendons(&mechanism) {
             cables[index].contact = Some(contacts.len());
             let surfaces = Surfaces::Tendon(index);
             contacts.push(Contact { surfaces, normal, friction: None, rolling: None, bristle: None });
         }
-        for (joint, law) in joint_frictions(mechanism) {
+        for (joint, law) in joint_frictions(&mechanism) {
             let (surfaces, normal) = (Surfaces::Friction(joint), NormalLaw::constant_force(1.0));
             let bristle = add_bristle(law.bristle);
             contacts.push(Contact { surfaces, normal, friction: Some(law), rolling: None, bristle });
         }
-        let brake_bristles = bristles_of_brakes(mechanism).map(add_bristle).collect();
+        let brake_bristles = bristles_of_brakes(&mechanism).map(add_bristle).collect();
         let time = prescribed.map(|group: usize| groups[group].first);
-        let time_index = time.or_else(|| depends_on_time(mechanism).then_some(next));
+        let time_index = time.or_else(|| depends_on_time(&mechanism).then_some(next));
         let palm = mechanism.palm().map(|(body, _)| body);
         let moves_by_forces = mechanism.bodies.iter().map(Body::moves_by_forces).collect();
-        let mut mechanism = mechanism.clone();
         for (body, pose) in mechanism.bodies.iter_mut().zip(poses) {
             if body.motion.is_none() {
                 body.pose = *pose;
@@ -268,17 +306,30 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             body.mass_kg *= f64::from(moves);
             body.inertia_kg_m2 = if rotates { body.inertia_kg_m2 } else { 0.0 };
         }
+        let limits = mechanism.limits();
+        let depends_on_joint = |joint| has_force(&mechanism, joint) || limits.iter().any(|limit| limit.joint == joint);
         let workspace = Workspace {
             state: None,
             motions: Motions::new(&mechanism),
+            has_angles: false,
             factors: Vec::with_capacity(groups.len()),
             with_derivatives: Motions::new(&mechanism),
         };
+        let coordinate_count = next + usize::from(time_index == Some(next));
+        let moving = mechanism.bodies.len();
+        let bristle_rates = if bristles.is_empty() || !mechanism.joints.is_empty() {
+            0
+        } else {
+            3 * moving + BRISTLE_RATES[moving.min(BRISTLE_RATES.len() - 1)]
+        };
         Ok(Self {
-            depends_on_joint: (0..mechanism.joints.len()).map(|joint| has_force(&mechanism, joint)).collect(),
+            depends_on_joint: (0..mechanism.joints.len()).map(depends_on_joint).collect(),
             mechanism,
             groups,
-            group_of,
+            free_bodies,
+            spans,
+            reported_origins,
+            dyad_of,
             contacts,
             cables,
             bristles,
@@ -287,7 +338,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             prescribed,
             palm,
             moves_by_forces,
-            coordinate_count: next + usize::from(time_index == Some(next)),
+            used_coordinates: coordinate_count,
+            error_coordinates: coordinate_count.max(bristle_rates),
             event_tolerances: EVENT_TOLERANCES,
             workspace: RefCell::new(workspace),
             start,
@@ -328,8 +380,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     ) {
         *self.mechanism.actuators[index].command.profile_mut() = input;
         if self.time_index.is_none() && depends_on_time(&self.mechanism) {
-            self.time_index = Some(self.coordinate_count);
-            self.coordinate_count += 1;
+            self.time_index = Some(self.used_coordinates);
+            self.used_coordinates += 1;
+            self.error_coordinates = self.error_coordinates.max(self.used_coordinates);
         }
         if let Some(time) = self.time_index {
             (q[time], v[time]) = (t, 1.0);
@@ -340,7 +393,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Number of coordinates and bristle states in use.
     #[inline(always)]
     pub(super) fn coordinates_in_use(&self) -> usize {
-        self.coordinate_count
+        self.used_coordinates
     }
 
     /// Whether the friction of a contact has a bristle, so that it can stick.
@@ -348,11 +401,19 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         self.contacts[contact].bristle.is_some()
     }
 
-    /// Group of a joint.
-    pub(super) fn group_of_joint(&self, joint: usize) -> &PlacedGroup {
+    /// Coordinates on which a joint depends.
+    pub(super) fn span_of_joint(&self, joint: usize) -> Span {
         let bodies = self.mechanism.joints[joint].bodies;
         let body = bodies[1].or(bodies[0]).expect("a joint has a body");
-        &self.groups[self.group_of[body]]
+        self.spans[body]
+    }
+
+    /// Coordinate of a joint.
+    pub(super) fn joint_coordinate(&self, motions: &Motions<f64, K>, joint: usize) -> f64 {
+        match self.dyad_of[joint] {
+            None => motions.joints[joint].coordinate,
+            Some((group, dyad)) => self.groups[group].joint_coordinate(&self.mechanism, motions, dyad, joint),
+        }
     }
 
     /// Evaluates a function of the motions of all bodies and joints in a state.
@@ -360,6 +421,17 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub(super) fn with_motions<R>(&self, state: (&[f64; N], &[f64; N]), f: impl FnOnce(&Motions<f64, K>) -> R) -> R {
         let mut workspace = self.workspace.borrow_mut();
         self.update(state, &mut workspace);
+        f(&workspace.motions)
+    }
+
+    /// Like [`MechanismModel::with_motions`], with the angles of all bodies and the coordinates of all joints: evaluations
+    /// of forces omit those of dyads that no force depends on.
+    pub(super) fn with_angles<R>(&self, state: (&[f64; N], &[f64; N]), f: impl FnOnce(&Motions<f64, K>) -> R) -> R {
+        let mut workspace = self.workspace.borrow_mut();
+        self.update(state, &mut workspace);
+        if !std::mem::replace(&mut workspace.has_angles, true) {
+            self.groups.iter().for_each(|group| group.evaluate_angles(&self.mechanism, &mut workspace.motions));
+        }
         f(&workspace.motions)
     }
 
@@ -384,13 +456,16 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Evaluates the motions of a state, unless they are there.
     fn update(&self, (q, v): (&[f64; N], &[f64; N]), workspace: &mut Workspace<N, K>) {
-        if workspace.state.as_ref().is_some_and(|(old_q, old_v)| old_q == q && old_v == v) {
+        if workspace.state.as_ref().is_some_and(|(old_q, old_v)| has_bits_of(old_q, q) && has_bits_of(old_v, v)) {
             return;
         }
-        for group in &self.groups {
-            let of_group = group.first..group.first + group.size();
-            group.evaluate(&self.mechanism, (&q[of_group.clone()], &v[of_group]), &mut workspace.motions);
+        for free in &self.free_bodies {
+            free.place((&q[free.first..], &v[free.first..]), &mut workspace.motions);
         }
+        for group in &self.groups {
+            group.evaluate(&self.mechanism, group.state((q, v)), &mut workspace.motions);
+        }
+        workspace.has_angles = false;
         workspace.factors.clear();
         workspace.state = Some((*q, *v));
     }
@@ -406,8 +481,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let workspace = &mut *workspace;
         self.update(state, workspace);
         for group in &self.groups {
-            let of_group = group.first..group.first + group.size();
-            let state = (&state.0[of_group.clone()], &state.1[of_group]);
+            let state = group.state(state);
             group.differentiate(&self.mechanism, state, &workspace.motions, &mut workspace.with_derivatives);
         }
         f(&workspace.motions, &workspace.with_derivatives)

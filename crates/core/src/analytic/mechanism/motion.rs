@@ -109,7 +109,8 @@ impl<T: Real, const K: usize> BodyMotion<T, K> {
     }
 
     /// Rates of the pose at the rates `v` of the coordinates.
-    pub fn update_rate(&mut self, v: &[f64]) {
+    #[inline(always)]
+    pub fn update_rate(&mut self, v: &[f64; K]) {
         self.rate = triple(|axis| rate_along(&self.jacobian[axis], v));
     }
 
@@ -166,7 +167,7 @@ pub(super) fn triple<T>(f: impl Fn(usize) -> T) -> [T; 3] {
 
 /// Rate of a quantity whose derivatives by the coordinates are `row`.
 #[inline(always)]
-pub(super) fn rate_along<T: Real, const K: usize>(row: &[T; K], v: &[f64]) -> T {
+pub(super) fn rate_along<T: Real, const K: usize>(row: &[T; K], v: &[f64; K]) -> T {
     row.iter().zip(v).fold(T::zero(), |sum, (entry, rate)| sum + *entry * *rate)
 }
 

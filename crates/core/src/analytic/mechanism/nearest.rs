@@ -1,13 +1,14 @@
 //! The nearest points of a point outline and the core of a face. They lie on one feature of the core, a side or a
 //! corner; on each feature they are smooth functions of the poses of both bodies.
 
-use super::motion::{BodyMotion, pair, rotated};
+use super::motion::{BodyMotion, rotated};
 use crate::mechanism::{ForcePoint, OutlinePoint, OutlineShape};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, scale_by, sub};
 use crate::numeric::{Dual, Real};
 
-/// Number of pose components of two bodies.
-pub(super) const POSES: usize = 6;
+/// Number of components of the relative pose of two bodies A and B: x and y of A against B, then both angles. Forces
+/// between the bodies depend on nothing else, and the load on x and y of B is the opposite of that on A.
+pub(super) const POSES: usize = 4;
 
 /// Frame of a body of a pair.
 #[derive(Clone, Copy, Debug)]
@@ -26,11 +27,6 @@ impl<T: Real> Frame<T> {
     pub fn position(&self, point: [f64; 2]) -> Vector<T> {
         add(self.origin, self.rotated(point))
     }
-
-    #[inline(always)]
-    fn value(&self) -> Frame<f64> {
-        Frame { origin: pair(|k| self.origin[k].value()), direction: pair(|k| self.direction[k].value()) }
-    }
 }
 
 impl Frame<f64> {
@@ -40,21 +36,19 @@ impl Frame<f64> {
 }
 
 impl Frame<Dual<POSES>> {
-    /// The frame of body `index` of a pair, with its pose as variables; a frame of the ground is constant.
-    pub fn variable<const K: usize>(body: &BodyMotion<Dual<K>, K>, index: usize, is_ground: bool) -> Self {
-        let constant = |value: f64| Dual::constant(value);
-        let mut frame = Self {
-            origin: pair(|k| constant(body.origin[k].value)),
-            direction: pair(|k| constant(body.direction[k].value)),
-        };
-        if !is_ground {
-            let first = 3 * index;
-            frame.origin[0].grad[first] = 1.0;
-            frame.origin[1].grad[first + 1] = 1.0;
-            let [cos, sin] = pair(|k| frame.direction[k].value);
-            (frame.direction[0].grad[first + 2], frame.direction[1].grad[first + 2]) = (-sin, cos);
+    /// The frame of body `index` of a pair, with the relative pose as variables; the angle of the ground is constant.
+    #[inline(always)]
+    pub fn variable(frame: &Frame<f64>, index: usize, is_ground: bool) -> Self {
+        let ([x, y], [cos, sin]) = (frame.origin, frame.direction);
+        let mut origin = [Dual::constant(x), Dual::constant(y)];
+        if index == 0 {
+            (origin[0].grad[0], origin[1].grad[1]) = (1.0, 1.0);
         }
-        frame
+        let mut direction = [Dual::constant(cos), Dual::constant(sin)];
+        if !is_ground {
+            (direction[0].grad[2 + index], direction[1].grad[2 + index]) = (-sin, cos);
+        }
+        Self { origin, direction }
     }
 }
 
@@ -72,13 +66,17 @@ pub(super) struct Face {
     corners_m: Vec<[f64; 2]>,
     /// Directions and lengths of the sides.
     sides: Vec<([f64; 2], f64)>,
+    /// The feature of a half plane or a point.
+    only_feature: Option<Feature>,
     pub radius_m: f64,
 }
 
 impl Face {
     pub fn new(shape: &OutlineShape) -> Self {
         if let OutlineShape::HalfPlane { point_m, normal } = *shape {
-            return Self { corners_m: vec![point_m], sides: vec![(perp(normal), f64::INFINITY)], radius_m: 0.0 };
+            let only_feature = Some(Feature::Side(0));
+            let sides = vec![(perp(normal), f64::INFINITY)];
+            return Self { corners_m: vec![point_m], sides, only_feature, radius_m: 0.0 };
         }
         let corners_m = shape.vertices_m();
         let side = |k: usize| {
@@ -86,8 +84,10 @@ impl Face {
             let length_m = dot(along, along).sqrt();
             (scale_by(along, 1.0 / length_m), length_m)
         };
-        let sides = if corners_m.len() > 1 { (0..corners_m.len()).map(side).collect() } else { Vec::new() };
-        Self { corners_m, sides, radius_m: shape.radius_m() }
+        let is_point = corners_m.len() == 1;
+        let sides = if is_point { Vec::new() } else { (0..corners_m.len()).map(side).collect() };
+        let only_feature = is_point.then_some(Feature::Corner(0));
+        Self { corners_m, sides, only_feature, radius_m: shape.radius_m() }
     }
 }
 
@@ -169,46 +169,57 @@ impl PointOnFace {
         sides.chain((0..corners_m.len()).map(|k| Feature::Corner(k as u8)))
     }
 
-    /// The nearest feature of the core. If the core contains the point, that is the side with the smallest depth.
-    pub fn nearest_feature<T: Real>(&self, frames: &[Frame<T>; 2]) -> Feature {
-        let frames = pair(|side| frames[side].value());
+    /// The nearest feature of the core, with its nearest points. If the core contains the point, that is the side with
+    /// the smallest depth.
+    pub fn nearest(&self, frames: &[Frame<f64>; 2]) -> (Feature, Nearest<f64>) {
+        if let Some(only) = self.face.only_feature {
+            return (only, self.on_feature(frames, only));
+        }
         let mut shallowest = (f64::NEG_INFINITY, Feature::Corner(0));
         for feature in self.features() {
-            let nearest = self.on_feature(&frames, feature);
-            if self.region_margin(&frames, feature, &nearest) >= 0.0 {
-                return feature;
+            let nearest = self.on_feature(frames, feature);
+            if self.region_margin(frames, feature, &nearest) >= 0.0 {
+                return (feature, nearest);
             }
             if matches!(feature, Feature::Side(_)) && nearest.distance > shallowest.0 {
                 shallowest = (nearest.distance, feature);
             }
         }
-        shallowest.1
+        (shallowest.1, self.on_feature(frames, shallowest.1))
+    }
+
+    /// Nearest points on a feature, or on the nearest one.
+    #[inline(always)]
+    pub fn nearest_on(&self, frames: &[Frame<f64>; 2], feature: Option<Feature>) -> Nearest<f64> {
+        match feature {
+            Some(feature) => self.on_feature(frames, feature),
+            None => self.nearest(frames).1,
+        }
     }
 
     /// Distance from the end of the region of a feature, m; negative beyond it.
     pub fn margin(&self, frames: &[Frame<f64>; 2], feature: Feature) -> f64 {
+        if self.face.only_feature.is_some() {
+            return f64::INFINITY;
+        }
         self.margin_of(frames, feature, &self.on_feature(frames, feature))
     }
 
     /// [`PointOnFace::margin`], which is also negative for a point on the inner side of the face.
     fn region_margin(&self, frames: &[Frame<f64>; 2], feature: Feature, nearest: &Nearest<f64>) -> f64 {
         let margin = self.margin_of(frames, feature, nearest);
-        match feature {
-            Feature::Side(_) if margin < f64::INFINITY => margin.min(nearest.distance),
-            Feature::Side(_) | Feature::Corner(_) => margin,
-        }
+        if matches!(feature, Feature::Side(_)) { margin.min(nearest.distance) } else { margin }
     }
 
     fn margin_of(&self, [_, of_face]: &[Frame<f64>; 2], feature: Feature, nearest: &Nearest<f64>) -> f64 {
-        let Face { corners_m, sides, radius_m } = &self.face;
+        let Face { corners_m, sides, radius_m, .. } = &self.face;
         match feature {
             Feature::Side(index) => {
                 let (direction, length_m) = sides[usize::from(index)];
                 let arm = sub(nearest.point, of_face.position(corners_m[usize::from(index)]));
                 let from_start = dot(of_face.rotated(direction), arm);
-                if length_m.is_finite() { from_start.min(length_m - from_start) } else { f64::INFINITY }
+                from_start.min(length_m - from_start)
             }
-            Feature::Corner(_) if sides.is_empty() => f64::INFINITY,
             Feature::Corner(index) => {
                 let index = usize::from(index);
                 let along = |side: usize| dot(of_face.rotated(sides[side % sides.len()].0), nearest.normal);
@@ -220,7 +231,7 @@ impl PointOnFace {
 
     /// The feature beyond the end of the region of another one.
     pub fn feature_beyond(&self, frames: &[Frame<f64>; 2], old: Feature) -> Feature {
-        let found = self.nearest_feature(frames);
+        let (found, _) = self.nearest(frames);
         if found != old {
             return found;
         }

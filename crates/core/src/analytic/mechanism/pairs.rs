@@ -1,21 +1,18 @@
-//! Forces between two bodies, on the poses (x, y, θ) of both: contacts of a point with a face, and linear springs.
+//! Forces between two bodies, on their relative pose: contacts of a point with a face, and linear springs.
 
-use super::nearest::{Feature, Frame, Nearest, POSES, PointOnFace};
+use super::nearest::{Frame, Nearest, POSES, PointOnFace};
 use crate::analytic::multibody::contact_kinematics::{ContactKinematics, WithDerivatives};
 use crate::mechanism::{ForcePoint, Spring};
 use crate::numeric::plane::{Vector, cross, dot, perp, scale, sub};
 use crate::numeric::{Dual, Real, array_from};
 
-/// Kinematics of a contact of two bodies with these frames, on a feature of the face, or on the nearest one: the rows
-/// are over the poses of both.
+/// Kinematics of a contact of two bodies with these frames and nearest points: the rows are over the relative pose.
 #[inline(always)]
 pub(super) fn contact<T: Real>(
     pair: &PointOnFace,
     frames: &[Frame<T>; 2],
-    feature: Option<Feature>,
+    Nearest { point, distance, normal }: Nearest<T>,
 ) -> ContactKinematics<T, POSES> {
-    let feature = feature.unwrap_or_else(|| pair.nearest_feature(frames));
-    let Nearest { point, distance, normal } = pair.on_feature(frames, feature);
     let (point_radius, face_radius) = (pair.point_radius_m(), pair.face.radius_m);
     let gap = distance - (point_radius + face_radius);
     // Distances of the force points of both bodies from the point, against the normal.
@@ -31,7 +28,7 @@ pub(super) fn contact<T: Real>(
     let row = |direction: Vector<T>| {
         let turn = |body: usize| cross(sub(force_points[body], frames[body].origin), direction);
         let [x, y] = direction;
-        [x, y, turn(0), -x, -y, -turn(1)]
+        [x, y, turn(0), -turn(1)]
     };
     ContactKinematics { gap, normal_row: row(normal), tangent_row: row(tangent), normal, point: force_points[0] }
 }
@@ -39,7 +36,7 @@ pub(super) fn contact<T: Real>(
 /// Tension of a linear spring, with the derivatives of length and rate by the poses.
 pub(super) struct SpringState<T> {
     pub length: T,
-    /// Derivative of the length by the poses of both bodies.
+    /// Derivative of the length by the relative pose of both bodies.
     pub row: [T; POSES],
 }
 
@@ -50,10 +47,10 @@ pub(super) fn spring<T: Real>(points_m: [[f64; 2]; 2], frames: &[Frame<T>; 2]) -
     let length = dot(offset, offset).sqrt();
     let u = scale(offset, length.recip());
     let turn = |k: usize| cross(sub(points[k], frames[k].origin), u);
-    SpringState { length, row: [-u[0], -u[1], -turn(0), u[0], u[1], turn(1)] }
+    SpringState { length, row: [-u[0], -u[1], -turn(0), turn(1)] }
 }
 
-/// Loads of a linear spring on the poses of both bodies, and the power of its damper.
+/// Loads of a linear spring on the relative pose of both bodies, and the power of its damper.
 pub(super) fn spring_loads(data: &Spring, state: &SpringState<f64>, rates: &[f64; POSES]) -> ([f64; POSES], f64) {
     let rate: f64 = (0..POSES).map(|k| state.row[k] * rates[k]).sum();
     let tension = data.stiffness * (state.length - data.rest) + data.damping * rate;

@@ -17,17 +17,18 @@ use super::pairs;
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Pose of a body and its rate, relative to a moving palm.
     pub fn body(&self, state: (&[f64; N], &[f64; N]), body: usize) -> (Pose, Pose) {
-        self.with_motions(state, |motions| {
+        self.with_angles(state, |motions| {
             let (palm, motion) = (motions.body(self.palm), motions.body(Some(body)));
-            let [x, y] = palm.point_in_frame(motion.origin);
-            let [vx, vy] = palm.velocity_in_frame(motion.origin, [motion.rate[0], motion.rate[1]]);
+            let origin = motion.point(self.reported_origins[body]);
+            let [x, y] = palm.point_in_frame(origin.position);
+            let [vx, vy] = palm.velocity_in_frame(origin.position, origin.rate);
             ([x, y, motion.angle - palm.angle], [vx, vy, motion.rate[2] - palm.rate[2]])
         })
     }
 
     /// Coordinate of a joint and its rate.
     pub fn joint(&self, state: (&[f64; N], &[f64; N]), joint: usize) -> (f64, f64) {
-        self.with_motions(state, |motions| (motions.joints[joint].coordinate, motions.joints[joint].rate))
+        self.with_angles(state, |motions| (motions.joints[joint].coordinate, motions.joints[joint].rate))
     }
 
     /// Torque or force of an actuator with its brake; those of tendons follow those of joints.
@@ -56,11 +57,13 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// distance and a force.
     pub fn contact_reading(&self, state: StateRef<'_, N>, index: usize, branch: ContactState) -> ContactReading {
         let mut reading = self.world_reading(state, index, branch);
-        self.with_motions(state, |motions| {
-            let palm = motions.body(self.palm);
-            reading.geometry.point = palm.point_in_frame(reading.geometry.point);
-            reading.geometry.normal = palm.in_frame(reading.geometry.normal);
-        });
+        if self.palm.is_some() {
+            self.with_motions(state, |motions| {
+                let palm = motions.body(self.palm);
+                reading.geometry.point = palm.point_in_frame(reading.geometry.point);
+                reading.geometry.normal = palm.in_frame(reading.geometry.normal);
+            });
+        }
         reading
     }
 
@@ -77,7 +80,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 }
                 Surfaces::Limit(limit) => {
                     let motion = &motions.joints[limit.joint];
-                    (limit.side * (limit.value - motion.coordinate), -limit.side * motion.rate, 0.0, none, none)
+                    let gap = limit.side * (limit.value - self.joint_coordinate(motions, limit.joint));
+                    (gap, -limit.side * motion.rate, 0.0, none, none)
                 }
                 Surfaces::Friction(joint) => (-1.0, 0.0, motions.joints[*joint].rate, none, none),
                 Surfaces::Tendon(index) => {
@@ -111,6 +115,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Work of a moving palm in its own frame beyond its work in the world, from the start, where it is at rest.
     pub fn frame_work(&self, state: StateRef<'_, N>) -> f64 {
+        if self.palm.is_none() {
+            return 0.0;
+        }
         self.with_motions(state, |motions| {
             let [in_frame, in_world] = [self.palm, None].map(|frame| self.body_energies(motions, frame));
             in_frame[0] + in_frame[1] - in_world[0] - in_world[1]
@@ -119,6 +126,15 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Energies stored in a state, in the frame of a moving palm.
     pub fn energies(&self, state: (&[f64; N], &[f64; N])) -> Energies {
+        self.energies_at_gaps(state, |_| None)
+    }
+
+    /// [`MechanismModel::energies`] with the gaps of contacts, if they are known.
+    pub(crate) fn energies_at_gaps(
+        &self,
+        state: (&[f64; N], &[f64; N]),
+        gap_of: impl Fn(usize) -> Option<f64>,
+    ) -> Energies {
         let mut energies = Energies::default();
         self.with_motions(state, |motions| {
             [energies.kinetic, energies.gravity] = self.body_energies(motions, self.palm);
@@ -136,8 +152,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         });
         for (index, contact) in self.contacts.iter().enumerate() {
             if !matches!(contact.surfaces, Surfaces::Friction(_)) {
-                energies.elastic +=
-                    elastic_energy(&contact.normal, self.world_reading(state, index, ContactState::Free).delta);
+                let gap = gap_of(index).unwrap_or_else(|| -self.world_reading(state, index, ContactState::Free).delta);
+                energies.elastic += elastic_energy(&contact.normal, -gap);
             }
         }
         energies.elastic += self.bristles.iter().map(|(index, bristle)| bristle.energy(state.1[*index])).sum::<f64>();

@@ -22,12 +22,12 @@ pub(super) struct Elongation<const N: usize> {
     pub row: [f64; N],
 }
 
-/// Derivative of the length of a segment between two path elements by the poses of their bodies.
+/// Derivative of the length of a segment between two path elements by the relative pose of their bodies.
 fn segment_row<T: Real>(elements: [&PathElement; 2], frames: &[Frame<T>; 2]) -> [T; POSES] {
     let centers = pair(|k| frames[k].position(elements[k].point_m));
     let u = segment(elements, sub(centers[1], centers[0])).direction;
     let turn = |k: usize| cross(sub(centers[k], frames[k].origin), u);
-    [-u[0], -u[1], -turn(0), u[0], u[1], turn(1)]
+    [-u[0], -u[1], -turn(0), turn(1)]
 }
 
 /// Pairs of path elements with a segment, and their bodies.
@@ -44,18 +44,22 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             self.add_pair_loads(motions, bodies, &by_pose, &mut row);
         }
         for &(joint, factor) in &tendon.joints {
-            let (group, motion) = (self.group_of_joint(joint), &motions.joints[joint]);
+            let (span, motion) = (self.span_of_joint(joint), &motions.joints[joint]);
             value += factor * motion.coordinate;
-            (0..group.size()).for_each(|i| row[group.first + i] += factor * motion.row[i]);
+            (0..span.size).for_each(|i| row[span.first + i] += factor * motion.row[i]);
         }
         Elongation { value, rate: row_dot(&row, v), row }
     }
 
     /// Second derivatives of the length of a tendon by the coordinates.
-    fn second_derivatives(&self, motions: &Motions<Dual<K>, K>, tendon: &Tendon) -> [[f64; N]; N] {
+    fn second_derivatives(
+        &self,
+        (plain, motions): (&Motions<f64, K>, &Motions<Dual<K>, K>),
+        tendon: &Tendon,
+    ) -> [[f64; N]; N] {
         let mut sums = Sums::<N, 0>::ZERO;
         for (elements, bodies) in segments(tendon) {
-            let frames = pair(|side| Frame::variable(motions.body(bodies[side]), side, bodies[side].is_none()));
+            let frames = Self::variable_frames(&Self::frames(plain, bodies), bodies);
             let row = segment_row(elements, &frames).map(|part| WithDerivatives {
                 value: part.value,
                 by_q: part.grad,
@@ -64,8 +68,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             self.add_pair_derivatives(motions, bodies, &row, &[], None, &mut sums);
         }
         for &(joint, factor) in &tendon.joints {
-            let (group, row) = (self.group_of_joint(joint), &motions.joints[joint].row);
-            sums.add_block((group.first, group.size()), row, Dual::constant(factor), |_| 0.0);
+            let (span, row) = (self.span_of_joint(joint), &motions.joints[joint].row);
+            sums.add_block((span.first, span.size), row, Dual::constant(factor), |_| 0.0);
         }
         sums.load_q
     }
@@ -114,7 +118,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     ) {
         for cable in &self.cables {
             let (Elongation { rate, row, .. }, tension) = self.tension(t, v, mode, plain, cable);
-            let second = self.second_derivatives(motions, &cable.tendon);
+            let second = self.second_derivatives((plain, motions), &cable.tendon);
             for j in 0..N {
                 let rate_q = row_dot(&second[j], v);
                 let by_q = tension.by_elongation * row[j] + tension.by_rate * rate_q;

@@ -1,0 +1,84 @@
+//! Bodies without joints: their coordinates are the pose of their centre of mass.
+
+use super::motion::{BodyMotion, Motions};
+use crate::mechanism::structure::{Group, Placement};
+use crate::mechanism::{Mechanism, Outline, OutlineShape, Pose, SpringKind};
+use crate::numeric::elementary::sin_cos;
+use crate::numeric::plane::sub;
+
+/// A body without joints. Its frame is moved to its centre of mass, so that its mass matrix is diagonal and constant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FreeBody {
+    pub body: usize,
+    /// Index of the first coordinate, and the number of coordinates: two for a body that does not rotate.
+    pub first: usize,
+    pub axes: usize,
+    /// Whether its angle has no effect: its outlines are discs about its centre of mass, and nothing else is attached.
+    pub is_round: bool,
+    /// Angle at the start, rad; a body that does not rotate keeps it.
+    pub angle_rad: f64,
+    /// Reciprocals of mass and inertia.
+    pub mobility: [f64; 3],
+    pub weight: [f64; 2],
+}
+
+impl FreeBody {
+    /// Moves the body to the pose and rate at its coordinates, which are the first ones.
+    pub fn place<const K: usize>(&self, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64, K>) {
+        let body = &mut motions.bodies[self.body];
+        (body.origin, body.rate) = ([q[0], q[1]], [v[0], v[1], 0.0]);
+        body.angle = self.angle_rad;
+        if self.axes == 3 {
+            (body.angle, body.rate[2]) = (q[2], v[2]);
+        }
+        if !self.is_round {
+            let (sin, cos) = sin_cos(body.angle);
+            body.direction = [cos, sin];
+        }
+        let center = &mut motions.centers[self.body];
+        (center.position, center.rate) = (body.origin, [v[0], v[1]]);
+    }
+}
+
+/// The only body of a group without joints and prescribed motion, with the number of its coordinates.
+pub(super) fn free_body(group: &Group) -> Option<(usize, usize)> {
+    match group.placements[..] {
+        [Placement::Free { body, axes, .. }] => Some((body, axes)),
+        _ => None,
+    }
+}
+
+/// Moves the frame of a free body to its centre of mass.
+pub(super) fn center_frame(mechanism: &mut Mechanism, index: usize, (poses, rates): (&mut [Pose], &mut [Pose])) {
+    let [x, y] = std::mem::take(&mut mechanism.bodies[index].com_m);
+    if [x, y] == [0.0; 2] {
+        return;
+    }
+    let body = BodyMotion::<f64, 1>::at(poses[index], rates[index]);
+    let center = body.point([x, y]);
+    poses[index][..2].copy_from_slice(&center.position);
+    rates[index][..2].copy_from_slice(&center.rate);
+    let shift = |point: &mut [f64; 2]| *point = sub(*point, [x, y]);
+    for outline in &mut mechanism.bodies[index].outlines {
+        outline.shape = outline.shape.moved([-x, -y], 0.0);
+    }
+    for spring in &mut mechanism.springs {
+        let SpringKind::Linear { bodies, points_m } = &mut spring.kind else { continue };
+        let ends = bodies.iter().zip(points_m);
+        ends.filter(|(body, _)| **body == Some(index)).for_each(|(_, point)| shift(point));
+    }
+    let elements = mechanism.tendons.iter_mut().flat_map(|tendon| &mut tendon.path);
+    elements.filter(|element| element.body == Some(index)).for_each(|element| shift(&mut element.point_m));
+}
+
+/// Whether the outlines of a free body are discs about its origin, and no spring or tendon is attached to it.
+pub(super) fn is_round(mechanism: &Mechanism, index: usize) -> bool {
+    let is_disc = |outline: &Outline| matches!(outline.shape, OutlineShape::Disc { center_m: [0.0, 0.0], .. });
+    let springs = mechanism.springs.iter().filter_map(|spring| match &spring.kind {
+        SpringKind::Linear { bodies, .. } => Some(*bodies),
+        SpringKind::Torsional { .. } => None,
+    });
+    let elements = mechanism.tendons.iter().flat_map(|tendon| &tendon.path);
+    let mut attached = springs.flatten().chain(elements.map(|element| element.body));
+    mechanism.bodies[index].outlines.iter().all(is_disc) && attached.all(|body| body != Some(index))
+}
