@@ -603,7 +603,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
     type Mode = MechanismMode<C>;
 
     fn coordinate_count(&self) -> usize {
-        self.error_coordinates
+        self.coordinates_in_use()
     }
 
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Rates<N, Z> {

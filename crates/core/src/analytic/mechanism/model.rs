@@ -23,10 +23,6 @@ use std::ops::Index;
 /// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
 const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-7, force: 1e-8 };
 
-/// Number of bristle states that error norms assume in a mechanism without joints, by its number of bodies. If only existing
-/// bristles counted, a wheel that starts to roll would take 333 steps instead of 33 (scenes/laws/bristle-rolls).
-const BRISTLE_RATES: [usize; 4] = [0, 4, 6, 9];
-
 /// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint.
 #[derive(Clone, Debug)]
 pub(super) enum Surfaces {
@@ -121,8 +117,6 @@ pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     /// Whether a force depends on the coordinate of each joint.
     pub(super) depends_on_joint: Vec<bool>,
     used_coordinates: usize,
-    /// Number of coordinates over which error norms average.
-    pub(super) error_coordinates: usize,
     pub(super) event_tolerances: EventTolerances,
     workspace: RefCell<Workspace<N, K>>,
     start: Vec<(f64, f64)>,
@@ -157,7 +151,9 @@ impl MechanismSize {
             + joint_frictions(mechanism).filter(|(_, friction)| friction.bristle.is_some()).count()
             + bristles_of_brakes(mechanism).flatten().count();
         let has_time = groups.iter().any(|group| group.coordinates.contains(&Coordinate::Time));
-        let time = usize::from(!has_time && depends_on_time(mechanism));
+        // A new input of an actuator can depend on time.
+        let may_depend_on_time = depends_on_time(mechanism) || !mechanism.actuators.is_empty();
+        let time = usize::from(!has_time && may_depend_on_time);
         Self {
             coordinates: groups.iter().map(|group| group.coordinates.len()).sum::<usize>() + time + bristles,
             group: linked.map(|group| group.coordinates.len()).max().unwrap_or(0),
@@ -316,12 +312,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             with_derivatives: Motions::new(&mechanism),
         };
         let coordinate_count = next + usize::from(time_index == Some(next));
-        let moving = mechanism.bodies.len();
-        let bristle_rates = if bristles.is_empty() || !mechanism.joints.is_empty() {
-            0
-        } else {
-            3 * moving + BRISTLE_RATES[moving.min(BRISTLE_RATES.len() - 1)]
-        };
         Ok(Self {
             depends_on_joint: (0..mechanism.joints.len()).map(depends_on_joint).collect(),
             mechanism,
@@ -339,7 +329,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             palm,
             moves_by_forces,
             used_coordinates: coordinate_count,
-            error_coordinates: coordinate_count.max(bristle_rates),
             event_tolerances: EVENT_TOLERANCES,
             workspace: RefCell::new(workspace),
             start,
@@ -382,7 +371,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         if self.time_index.is_none() && depends_on_time(&self.mechanism) {
             self.time_index = Some(self.used_coordinates);
             self.used_coordinates += 1;
-            self.error_coordinates = self.error_coordinates.max(self.used_coordinates);
         }
         if let Some(time) = self.time_index {
             (q[time], v[time]) = (t, 1.0);
