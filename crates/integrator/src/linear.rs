@@ -125,10 +125,7 @@ pub(crate) type Sizes = [usize; 2];
 
 /// Sum of products of the first `n` numbers, in two parts, which the compiler can vectorise.
 #[inline(always)]
-pub(crate) fn dot<A: Copy, F: Field, const N: usize>(row: &[A; N], x: &[F; N], n: usize) -> F
-where
-    F: From<A>,
-{
+pub(crate) fn dot<A: Copy, F: Field + From<A>, const N: usize>(row: &[A; N], x: &[F; N], n: usize) -> F {
     let mut sums = [F::from(0.0); 2];
     for k in 0..n / 2 {
         sums[0] = sums[0] + F::from(row[2 * k]) * x[2 * k];
