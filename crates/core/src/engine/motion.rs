@@ -50,8 +50,9 @@ const MAX_ANCHOR_ITERATIONS: u32 = 4;
 /// Error of the anchor correction, in step tolerances, below which its iteration stops.
 const ANCHOR_TOLERANCE: f64 = 0.1;
 
-/// Opening (m, rad) up to which a joint is closed: far below any tolerance, and far above rounding.
-const CLOSED: f64 = 1e-12;
+/// Opening (m, rad) up to which a joint is closed: far above the rounding of a step, and far below the steps of the smallest
+/// scenes.
+const CLOSED: f64 = 1e-15;
 
 /// Impulses of rapier's own contact in one step, for scenes that select it.
 #[derive(Clone, Copy, Debug, PartialEq)]
