@@ -11,17 +11,21 @@ pub(super) struct Span {
     pub numeric_hz: f64,
     /// Whether long steps of a long run are sampled less densely.
     pub is_thinned: bool,
+    /// Whether samples inside steps are refined dense output. Restitution is compared more closely than its error of a few
+    /// 1e-5, so discs alone have a separate step for each sample.
+    pub is_refined: bool,
 }
 
 impl Span {
     /// Without an end, and without points inside steps.
-    pub const UNSAMPLED: Self = Span { end_s: f64::INFINITY, numeric_hz: 0.0, is_thinned: false };
+    pub const UNSAMPLED: Self = Span { end_s: f64::INFINITY, numeric_hz: 0.0, is_thinned: false, is_refined: false };
 
     /// Returns duration and sampling rate of a scene.
     pub fn from_scene(scene: &Scene) -> Self {
         // The object of a gripper is at rest in the grasp for most of a run.
         let is_thinned = scene.system.fingers.len() > 1;
-        Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz, is_thinned }
+        let is_refined = !scene.system.fingers.is_empty();
+        Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz, is_thinned, is_refined }
     }
 }
 
@@ -120,7 +124,7 @@ mod tests {
 
     #[test]
     fn each_point_is_returned_once_and_step_ends_on_the_grid_are_sampled() {
-        let mut grid = Grid::new(Span { end_s: 2.0, numeric_hz: 4.0, is_thinned: true });
+        let mut grid = Grid::new(Span { end_s: 2.0, numeric_hz: 4.0, is_thinned: true, is_refined: false });
         assert_eq!(grid.next_before(0.25), None);
         assert!(grid.includes_end(0.25, 0.25));
         assert_eq!(
@@ -134,7 +138,7 @@ mod tests {
 
     /// Grid points of a run whose steps end at `ends`, in units of the interval.
     fn points(end: f64, ends: &[f64]) -> Vec<f64> {
-        let mut grid = Grid::new(Span { end_s: end, numeric_hz: 1.0, is_thinned: true });
+        let mut grid = Grid::new(Span { end_s: end, numeric_hz: 1.0, is_thinned: true, is_refined: false });
         let (mut points, mut start) = (Vec::new(), 0.0);
         for &end in ends {
             grid.begin_step(end);

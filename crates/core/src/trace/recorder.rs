@@ -75,6 +75,8 @@ pub(super) struct Recorder<'a, 'o, R: Kernel<N, Z>, const N: usize, const Z: usi
 #[derive(Clone)]
 pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize> {
     required_data: RequiredData,
+    /// Whether samples inside steps are refined dense output.
+    is_refined: bool,
     grid: Grid,
     end_s: f64,
     /// Region whose boundary ends the run.
@@ -114,6 +116,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         kernel.read((start, &mode), &start_energy, RequiredData::ALL, &mut history, &mut last);
         Self {
             required_data,
+            is_refined: span.is_refined,
             grid: Grid::new(span),
             end_s: span.end_s,
             reach,
@@ -207,8 +210,10 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
             self.emit_peaks(&mut interior, theta)?;
             if theta > 0.0 {
                 if has_active_contact {
-                    self.read_within(t, &interior.refine(theta), mode);
-                    if exceeds_summaries(&self.state.trackers, &self.state.within) {
+                    if self.state.is_refined {
+                        self.read_within(t, &interior.refine(theta), mode);
+                    }
+                    if !self.state.is_refined || exceeds_summaries(&self.state.trackers, &self.state.within) {
                         self.read_within(t, &interior.resolve(theta), mode);
                     }
                     update_summaries(&mut self.state.trackers, &self.state.within);

@@ -177,9 +177,9 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
     pub(crate) fn solve_columns<const K: usize>(&self, a: &mut [[f64; K]; N]) {
         for finger in 0..self.model.finger_count() {
             let ([m, c, n], [first, second]) = (self.fingers[finger], [2 * finger, 2 * finger + 1]);
+            let [f, g] = [a[first], a[second]];
             for j in 0..K {
-                let [f, g] = [a[first][j], a[second][j]];
-                (a[first][j], a[second][j]) = (m * f + c * g, c * f + n * g);
+                (a[first][j], a[second][j]) = (m * f[j] + c * g[j], c * f[j] + n * g[j]);
             }
         }
         if self.model.coupling != 0.0 {
@@ -203,9 +203,7 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
             }
             let disc = &self.model.discs[index];
             for (i, inverse) in [disc.inverse_mass, disc.inverse_mass, disc.inverse_inertia].into_iter().enumerate() {
-                for j in 0..K {
-                    a[first + i][j] *= inverse;
-                }
+                a[first + i].iter_mut().for_each(|a| *a *= inverse);
             }
         }
         // Time has a constant rate.
