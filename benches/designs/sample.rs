@@ -2,7 +2,7 @@
 
 use phalanx::gripper::{Assembly, Design, Finger, ProximalLength, bodies, disc, lengths, start_posture};
 use phalanx::law::FrictionLaw;
-use phalanx::scene::{Disc, DrivenFinger, Initial, Motor, Placement, Profile, Scene, Spring, SpringKind};
+use phalanx::scene::{Disc, HandFinger, Initial, Motor, Placement, Profile, Scene, Spring, SpringKind};
 use phalanx::sizing::{OPENING_RAD, Rule, Sizing, Task, size};
 
 const DENSITY_KG_M3: f64 = 1070.0;
@@ -55,7 +55,7 @@ pub fn random_design(rng: &mut Rng, template: &Scene, drive: Drive) -> Option<Sc
     let Sizing { motor_n_m, spring_n_m } = match drive {
         Drive::Random => random,
         Drive::Sized => {
-            let task = Task { gravity_m_s2: template.system.gravity_m_s2, ..Task::thesis(object) };
+            let task = Task { gravity_m_s2: template.hand.gravity_m_s2, ..Task::thesis(object) };
             size(&finger, &task, Rule::Rigid).ok()?
         }
     };
@@ -70,8 +70,8 @@ pub fn random_design(rng: &mut Rng, template: &Scene, drive: Drive) -> Option<Sc
     let mut contact = template.finger().contact;
     (contact.proximal.friction, contact.distal.friction) = (friction, friction);
     let mut scene = template.clone();
-    scene.system.discs = vec![Disc::fixed_object(object)];
-    *scene.finger_mut() = DrivenFinger {
+    scene.hand.discs = vec![Disc::fixed_object(object)];
+    *scene.finger_mut() = HandFinger {
         linkage: finger,
         contact,
         motor: Motor::from_actuation(Profile::Constant { value: motor_n_m }),

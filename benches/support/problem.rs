@@ -27,7 +27,7 @@ impl Problem {
             v: [initial.qd11_rad_s, initial.qd21_rad_s],
             z: [0.0; QUADRATURES],
         };
-        Self { model: Model::new(&scene.system), start, scene }
+        Self { model: Model::new(&scene.hand), start, scene }
     }
 
     /// Returns the closing with its constant motor torque multiplied by `factor`.

@@ -15,7 +15,7 @@ use crate::gripper::{Finger, total_mass};
 use crate::mechanism::Mechanism;
 use crate::mjcf::mujoco_model;
 use crate::plot::linkage;
-use crate::scene::{self, DiscMotion, DrivenFinger, Scene, Side};
+use crate::scene::{self, DiscMotion, HandFinger, Scene, Side};
 use crate::shape::{self, Shape};
 use crate::trace::{Model, Simulation};
 
@@ -254,29 +254,29 @@ fn summarize_mechanism(mechanism: &Mechanism) -> String {
 
 fn summarize_gripper(scene: &Scene) -> String {
     let describe_finger = |side: Side| {
-        let finger = scene.system.finger(side);
+        let finger = scene.hand.finger(side);
         format!("{}; {}", format_lengths(&finger.linkage), format_start(finger))
     };
     let [right, left] = Side::BOTH.map(describe_finger);
     let fingers = if right == left { format!("two fingers: {right}") } else { format!("right: {right}; left: {left}") };
-    let disc = scene.system.grasped();
+    let disc = scene.hand.grasped();
     let object = match disc.motion {
         DiscMotion::Free { mass_kg, .. } => format!("free, {:.2} g", mass_kg * 1e3),
         DiscMotion::Fixed | DiscMotion::Driven { .. } => "fixed".to_string(),
     };
     let [x, y] = disc.centre_m.map(|coordinate| coordinate * 1e3);
-    let open = if scene.system.palm.is_some() { "" } else { " and open" };
+    let open = if scene.hand.palm.is_some() { "" } else { " and open" };
     let mut parts = vec![
-        format!("palm {:.2} mm wide{open}", scene.system.palm_width_m * 1e3),
+        format!("palm {:.2} mm wide{open}", scene.hand.palm_width_m * 1e3),
         format!("object {} at ({x:.2}, {y:.2}) mm, {object}", format_size(&disc.shape)),
     ];
-    parts.extend(scene.system.table.map(|table| format!("table at {:.2} mm", table.level_m * 1e3)));
-    parts.extend(scene.system.differential.as_ref().map(|_| "differential".to_string()));
+    parts.extend(scene.hand.table.map(|table| format!("table at {:.2} mm", table.level_m * 1e3)));
+    parts.extend(scene.hand.differential.as_ref().map(|_| "differential".to_string()));
     format!("{fingers}; {}", parts.join("; "))
 }
 
 /// Formats the initial angles of a finger.
-fn format_start(DrivenFinger { initial, .. }: &DrivenFinger) -> String {
+fn format_start(HandFinger { initial, .. }: &HandFinger) -> String {
     format!("starts at q11 {:.2}°, q21 {:.2}°", initial.q11_rad.to_degrees(), initial.q21_rad.to_degrees())
 }
 

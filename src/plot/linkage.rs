@@ -81,7 +81,7 @@ pub fn linkage(scene: &Scene) -> Linkage {
     let height = (drawing + 40.0 + ROW_HEIGHT * rows as f64 + 12.0).round();
     let title = format!("{}: the linkage {posture_name}, with the symbols of scenes and results", scene.name);
     let svg = document([width, height], &title, |svg| {
-        if scene.system.palm.is_some() {
+        if scene.hand.palm.is_some() {
             svg.rectangle([[0.0, view.pixel([0.0; 2])[1]], [width, drawing]], Paint::fill(PALM));
         }
         for (outline, _) in outlines.iter().filter(|(_, fill)| *fill != OBJECT) {

@@ -190,7 +190,7 @@ pub fn capture(
         ([Some(left), Some(right)], true) => Some([left, right]),
         _ => return Err(interrupted()),
     };
-    Ok(Capture { scene: middle.name, plan, palm_width_m: middle.system.palm_width_m, placements, captured_range })
+    Ok(Capture { scene: middle.name, plan, palm_width_m: middle.hand.palm_width_m, placements, captured_range })
 }
 
 /// Locates one edge of the captured range from placements ordered outward from the middle; `None` if interrupted.
@@ -232,12 +232,12 @@ fn simulate_placement(
 /// Form closure of the geometric grasp of the object at its initial position.
 fn geometric_form_closed(scene: &Scene) -> Option<bool> {
     let configuration = GraspConfiguration {
-        fingers: Side::BOTH.map(|side| &scene.system.finger(side).linkage),
+        fingers: Side::BOTH.map(|side| &scene.hand.finger(side).linkage),
         angles_rad: geometric_posture(scene).ok()?,
-        palm_width_m: scene.system.palm_width_m,
-        object: scene.system.grasped().placed(),
+        palm_width_m: scene.hand.palm_width_m,
+        object: scene.hand.grasped().placed(),
     };
-    let in_contact = PerContact { phalanges: [[true; 2]; 2], palm: scene.system.palm.is_some() };
-    let blocked = if scene.system.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
+    let in_contact = PerContact { phalanges: [[true; 2]; 2], palm: scene.hand.palm.is_some() };
+    let blocked = if scene.hand.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
     gripper_closure(&configuration, &in_contact, blocked).ok().map(|closure| closure.closed)
 }

@@ -26,7 +26,7 @@ pub mod select;
 pub mod size;
 pub mod sweep;
 
-use crate::scene::{DrivenFinger, Scene, SpringKind};
+use crate::scene::{HandFinger, Scene, SpringKind};
 use crate::thesis::monitor::KeepRunning;
 
 /// Returns the scene if it is of a gripper; the error calls it `name` and suggests `example`.
@@ -39,7 +39,7 @@ pub fn require_gripper(scene: Scene, name: &str, example: &str) -> Result<Scene,
     }
 }
 
-fn constant_spring(finger: &DrivenFinger) -> Option<f64> {
+fn constant_spring(finger: &HandFinger) -> Option<f64> {
     match finger.spring?.kind {
         SpringKind::Constant { torque_n_m } => Some(torque_n_m),
         SpringKind::Torsional { .. } => None,

@@ -59,7 +59,7 @@ pub fn size_finger(scene: &Scene, options: SizingOptions) -> Result<FingerSizing
     let task = Task {
         object,
         opening_rad: contact_rad - scene.finger().initial.q21_rad,
-        gravity_m_s2: scene.system.gravity_m_s2,
+        gravity_m_s2: scene.hand.gravity_m_s2,
         closing_s: options.closing_s,
     };
     let scene_preload_rad = scene.finger().spring.and_then(|spring| match spring.kind {

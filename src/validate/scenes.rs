@@ -111,7 +111,7 @@ pub(crate) fn path_bound(scene: &Scene) -> f64 {
 /// object by its radius.
 pub(super) fn reference_path_bound(scene: &Scene) -> f64 {
     match scene.finger_count() {
-        2 => scene.bounds.angle_rad.min(scene.bounds.position_m / reference_length_m(&scene.system)),
+        2 => scene.bounds.angle_rad.min(scene.bounds.position_m / reference_length_m(&scene.hand)),
         _ => path_bound(scene),
     }
 }
@@ -123,10 +123,10 @@ pub(super) fn is_single_finger(scene: &Scene) -> bool {
 
 /// Coefficient of static friction of the contacts; `None` if no contact is possible.
 pub(super) fn contact_static_friction(scene: &Scene) -> Option<f64> {
-    let system = &scene.system;
+    let hand = &scene.hand;
     let (has_contacts, law) = match &scene.mechanism {
         Some(mechanism) => (!mechanism.contacts.is_empty(), mechanism.contacts.first().map(|pair| pair.law)),
-        None => (system.object().is_some(), system.law(GripperContact::Finger(Side::Right, FingerContact::Proximal))),
+        None => (hand.object().is_some(), hand.law(GripperContact::Finger(Side::Right, FingerContact::Proximal))),
     };
     has_contacts.then(|| law.and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static))
 }

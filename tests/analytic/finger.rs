@@ -85,13 +85,13 @@ fn closings() -> Vec<(String, Scene)> {
         scene.finger_mut().contact.both_mut().into_iter().for_each(|law| law.friction = None);
     });
     add("no object", &|scene| {
-        scene.system.discs.clear();
+        scene.hand.discs.clear();
         scene.duration_s = 8e-3;
     });
     add("gravity only", &|scene| {
         scene.finger_mut().motor.actuation = Profile::Constant { value: 0.0 };
         scene.finger_mut().spring = None;
-        scene.system.gravity_m_s2 = [-9.81, 0.0];
+        scene.hand.gravity_m_s2 = [-9.81, 0.0];
         scene.duration_s = 60e-3;
     });
     add("torque table", &|scene| {
@@ -214,7 +214,7 @@ type SwingState = State<2, QUADRATURES>;
 fn conservative_swings() -> Vec<(Scene, SwingState, f64)> {
     let mut scene = experiment_95();
     scene.finger_mut().limit = None;
-    scene.system.discs.clear();
+    scene.hand.discs.clear();
     let state = |q, v| State { q, v, z: [0.0; QUADRATURES] };
     let mut swings = vec![
         (scene.clone(), state([-0.3, 1.1], [0.0, 0.0]), 3e-3),
@@ -233,7 +233,7 @@ fn conservative_swings() -> Vec<(Scene, SwingState, f64)> {
 fn both_methods_are_time_reversible() {
     fn check<K: integrator::Method<2, QUADRATURES>>(name: &str) {
         for (scene, start, span) in conservative_swings() {
-            let model = Model::new(&scene.system);
+            let model = Model::new(&scene.hand);
             let swing = |start: SwingState| {
                 let options = options(&reference_settings());
                 let end =
@@ -351,7 +351,7 @@ fn each_finger_of_a_gripper_on_a_fixed_disc_matches_a_single_finger() {
     for contacts in [all_sticking, proximal_only, soft] {
         let finger_log = run_finger(contacts);
         let mut gripper = with_reference_settings(&scene::load_any("scenes/gripper/fixed.toml").expect("a scene"));
-        gripper.system.fingers.iter_mut().for_each(|finger| finger.contact = contacts);
+        gripper.hand.fingers.iter_mut().for_each(|finger| finger.contact = contacts);
         gripper.duration_s = 0.06;
         let mut gripper_log = CollectSink::default();
         trace::run_analytic(&gripper, &mut gripper_log).expect("a run");
@@ -387,7 +387,7 @@ struct EndContact {
 
 /// Runs a finger up to `time_s` and returns the contacts of both phalanges.
 fn contacts_at(scene: &Scene, time_s: f64) -> [EndContact; 2] {
-    let (model, start) = (BristleModel::new(&scene.system), BristleModel::start(&scene.system));
+    let (model, start) = (BristleModel::new(&scene.hand), BristleModel::start(&scene.hand));
     let end = integrate::<4, QUADRATURES, EVENT_FUNCTIONS, _, RadauOrRodas<4, QUADRATURES>, _>(
         &model,
         &options(&reference_settings()),

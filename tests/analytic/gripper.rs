@@ -67,8 +67,8 @@ fn integrate_scene<const N: usize, K: Method<N, QUADRATURES>>(
     settings: &Integrator,
     observer: &mut impl Observer<N, QUADRATURES, GripperMode>,
 ) -> End<N, QUADRATURES> {
-    let model = GripperModel::<N>::new(&scene.system);
-    let (start, duration_s) = (model.start(&scene.system), scene.duration_s);
+    let model = GripperModel::<N>::new(&scene.hand);
+    let (start, duration_s) = (model.start(&scene.hand), scene.duration_s);
     let end = integrate::<N, QUADRATURES, EVENT_FUNCTIONS, _, K, _>(
         &model,
         &options(settings),
@@ -102,7 +102,7 @@ fn run_engineering<const N: usize>(case: &ReferenceCase) -> (StateRecorder<N>, E
 /// Largest difference between the found states and the reference states: angles in rad, positions in object radii.
 fn max_error<const N: usize>(case: &ReferenceCase, actual: &[GripperState<N>]) -> f64 {
     assert_eq!(actual.len(), case.states.len(), "{}", case.name);
-    let radius = max_radius(&case.scene.system.grasped().shape);
+    let radius = max_radius(&case.scene.hand.grasped().shape);
     let scale = |coordinate: usize| if coordinate == 4 || coordinate == 5 { 1.0 / radius } else { 1.0 };
     let state_error = |(actual, expected): (&GripperState<N>, &[f64; 7])| {
         (0..7).map(|i| scale(i) * (actual.q[i] - expected[i]).abs()).fold(0.0, f64::max)
@@ -146,10 +146,10 @@ fn presets_agree_with_an_independent_program() {
     for letter in ["g", "h"] {
         let case = reference_case(letter);
         let (_, end) = assert_agrees_with_program::<STICTION>(&case, 5e-7);
-        let (model, system) = (GripperModel::<STICTION>::new(&case.scene.system), &case.scene.system);
+        let (model, hand) = (GripperModel::<STICTION>::new(&case.scene.hand), &case.scene.hand);
         // The reference cases list the two brakes after the contacts; the second brake has an entry even if one motor
         // drives both fingers.
-        let brakes = if system.differential.is_some() { [0, 2] } else { [0, 1] };
+        let brakes = if hand.differential.is_some() { [0, 2] } else { [0, 1] };
         let bristles = REFERENCE_CONTACTS.map(|contact| model.bristle_index(contact)).into_iter();
         let bristles = bristles.chain(brakes.map(|drive| model.brake_bristle_index(drive)));
         // The deflection is σ times the relaxation time.
@@ -189,7 +189,7 @@ fn a_symmetric_gripper_stays_symmetric() {
         assert_below((q[0] - q[2]).abs().max((q[1] - q[3]).abs()).max(q[6].abs()), 1e-10, letter);
         assert_below(q[4].abs(), 1e-12, letter);
         assert!(samples.events.iter().any(|(_, contact, _)| *contact == 1), "{letter}: no distal contact");
-        let model = GripperModel::<AT_REST>::new(&case.scene.system);
+        let model = GripperModel::<AT_REST>::new(&case.scene.hand);
         let reading = |side, contact| {
             let index = GripperContact::Finger(side, contact).index();
             model.contact_reading(&q, &v, index, ContactState::Active).expect("a contact")
@@ -211,7 +211,7 @@ fn a_symmetric_gripper_stays_symmetric() {
 }
 
 fn with_fixed_object(mut scene: Scene) -> Scene {
-    scene.system.grasped_mut().motion = DiscMotion::Fixed;
+    scene.hand.grasped_mut().motion = DiscMotion::Fixed;
     scene
 }
 
@@ -227,12 +227,12 @@ fn each_finger_on_a_fixed_object_matches_its_single_finger_scene() {
     let q = end_coordinates::<4>(&with_fixed_object(scene.clone()));
     for (side, sign) in [(0, 1.0), (1, -1.0)] {
         let single = experiment_95_with(|single| {
-            *single.finger_mut() = scene.system.fingers[side].clone();
+            *single.finger_mut() = scene.hand.fingers[side].clone();
             (single.duration_s, single.integrator) = (scene.duration_s, reference_settings());
-            single.system.gravity_m_s2 = scene.system.gravity_m_s2;
-            let Disc { shape, centre_m: [x, y], .. } = scene.system.grasped();
-            let centre_m = [sign * x - 0.5 * scene.system.palm_width_m, *y];
-            single.system.discs = vec![Disc::fixed_object(PlacedShape::disc(max_radius(shape), centre_m))];
+            single.hand.gravity_m_s2 = scene.hand.gravity_m_s2;
+            let Disc { shape, centre_m: [x, y], .. } = scene.hand.grasped();
+            let centre_m = [sign * x - 0.5 * scene.hand.palm_width_m, *y];
+            single.hand.discs = vec![Disc::fixed_object(PlacedShape::disc(max_radius(shape), centre_m))];
         });
         let finger = run_to_end(&single).0.last.finger(0);
         let error = (q[2 * side] - finger.q11_rad).abs().max((q[2 * side + 1] - finger.q21_rad).abs());
@@ -243,12 +243,12 @@ fn each_finger_on_a_fixed_object_matches_its_single_finger_scene() {
 #[test]
 fn a_heavy_object_converges_to_a_fixed_object() {
     let mut scene = reference_case("c").scene;
-    scene.system.gravity_m_s2 = [0.0; 2];
+    scene.hand.gravity_m_s2 = [0.0; 2];
     let fixed = end_coordinates::<4>(&with_fixed_object(scene.clone()));
     let mut last = f64::INFINITY;
     for factor in [1e3, 1e6] {
         let (mass_kg, inertia_kg_m2) = (0.0537840662 * factor, Some(1.0756813e-5 * factor));
-        scene.system.grasped_mut().motion =
+        scene.hand.grasped_mut().motion =
             DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 };
         let heavy = end_coordinates::<AT_REST>(&scene);
         let error = (0..4).map(|i| (heavy[i] - fixed[i]).abs()).fold(0.0, f64::max);
@@ -263,12 +263,12 @@ fn a_heavy_object_converges_to_a_fixed_object() {
 #[test]
 fn energy_balances() {
     fn check<const N: usize>(case: &ReferenceCase, tolerance: f64) {
-        let model = GripperModel::<N>::new(&case.scene.system);
+        let model = GripperModel::<N>::new(&case.scene.hand);
         let stored = |state: &GripperState<N>| {
             let energies = model.energies(&state.q, &state.v);
             energies.kinetic + energies.gravity + energies.spring
         };
-        let initial = stored(&model.start(&case.scene.system));
+        let initial = stored(&model.start(&case.scene.hand));
         let (samples, end) = run_reference::<N>(case);
         for state in samples.states.iter().chain([&end.state]) {
             let supplied = state.z[CONTACTS] + state.z[CONTACTS + 1];
@@ -346,18 +346,18 @@ impl Observer<AT_REST, QUADRATURES, GripperMode> for MomentumBalance<'_> {
 fn momentum_of_the_object_balances() {
     for case in cases_at_rest() {
         let (scene, name) = (&case.scene, &case.name);
-        let model = GripperModel::<AT_REST>::new(&scene.system);
-        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = scene.system.grasped().motion else {
+        let model = GripperModel::<AT_REST>::new(&scene.hand);
+        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = scene.hand.grasped().motion else {
             panic!("the object is fixed")
         };
-        let [gx, gy] = scene.system.gravity_m_s2;
+        let [gx, gy] = scene.hand.gravity_m_s2;
         let (inertia, weight) = ([mass_kg, mass_kg, inertia_kg_m2], [mass_kg * gx, mass_kg * gy, 0.0]);
         let (transferred, impulse_scale, error, largest_force) = ([0.0; 3], 0.0, 0.0, 0.0);
         let mut balance =
             MomentumBalance { model: &model, inertia, weight, transferred, impulse_scale, error, largest_force };
         let settings = reference_settings();
         let end = integrate_scene::<AT_REST, RadauOrRodas<AT_REST, QUADRATURES>>(scene, &settings, &mut balance);
-        let before: GripperState<AT_REST> = model.start(&scene.system);
+        let before: GripperState<AT_REST> = model.start(&scene.hand);
         // Instantaneous balance, to rounding.
         assert_below(balance.error, 1e-12 * balance.largest_force, name);
         // Balance over the run, limited by the error of Simpson's rule in impacts.

@@ -92,7 +92,7 @@ fn lost_objects_are_reported_with_their_fate() {
     assert_eq!(run_with_tracker(&early_end).0.fate, Fate::NotGrasped);
 
     let mut frictionless = reference_case("a").scene;
-    for finger in &mut frictionless.system.fingers {
+    for finger in &mut frictionless.hand.fingers {
         (finger.contact.proximal.friction, finger.contact.distal.friction) = (None, None);
     }
     let mut run_for = |duration_s: f64| {
@@ -149,7 +149,7 @@ fn form_closure_of_final_grasps_with_and_without_the_palm() {
         let input_blocked = checked_closure(&scene, &last, &with_palm, Blocked::Input);
         assert!(!input_blocked.closed && !input_blocked.necessary.is_met(), "{letter}");
     }
-    let finger = reference_case("c").scene.system.fingers[0].linkage;
+    let finger = reference_case("c").scene.hand.fingers[0].linkage;
     for (base_m, closed) in [(15.5e-3, true), (17e-3, false)] {
         let disc = PlacedShape::disc(0.02, [-base_m, 0.02]);
         let end = final_posture(&finger.lengths, finger.assembly, disc).expect("a grasp");

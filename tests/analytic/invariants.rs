@@ -294,13 +294,12 @@ fn momentum_balance_detects_wrong_mass_inertia_and_gravity() {
     let scene = reference_case("c").scene;
     let with_factors = |mass: f64, inertia: f64, gravity: f64| {
         let mut scene = scene.clone();
-        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } =
-            &mut scene.system.grasped_mut().motion
+        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = &mut scene.hand.grasped_mut().motion
         else {
             panic!("the object is fixed")
         };
         (*mass_kg, *inertia_kg_m2) = (*mass_kg * mass, *inertia_kg_m2 * inertia);
-        scene.system.gravity_m_s2[1] *= gravity;
+        scene.hand.gravity_m_s2[1] *= gravity;
         Invariants::new(Model::Analytic, &scene)
     };
     let mut invariants = AllInvariants(vec![

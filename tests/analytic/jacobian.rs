@@ -51,7 +51,7 @@ pub(super) struct Entry {
 
 /// Equations of motion in one state.
 pub(super) struct Equations<'a, S: System<N, Z>, const N: usize, const Z: usize> {
-    pub system: &'a S,
+    pub hand: &'a S,
     pub mode: S::Mode,
     pub t: f64,
     pub q: [f64; N],
@@ -60,7 +60,7 @@ pub(super) struct Equations<'a, S: System<N, Z>, const N: usize, const Z: usize>
 
 impl<S: System<N, Z>, const N: usize, const Z: usize> Equations<'_, S, N, Z> {
     fn linearise(&self) -> Linearised<N, Z> {
-        self.system.linearise(self.t, &self.q, &self.v, &self.mode)
+        self.hand.linearise(self.t, &self.q, &self.v, &self.mode)
     }
 
     /// Accelerations and integrands of the quadratures, with a variable changed.
@@ -71,7 +71,7 @@ impl<S: System<N, Z>, const N: usize, const Z: usize> Equations<'_, S, N, Z> {
             Variable::Coordinate(i) => q[i] += by,
             Variable::Rate(i) => v[i] += by,
         }
-        let Rates { a, g } = self.system.rates(t, &q, &v, &self.mode);
+        let Rates { a, g } = self.hand.rates(t, &q, &v, &self.mode);
         a.into_iter().chain(g).collect()
     }
 
@@ -139,8 +139,8 @@ struct Case {
 /// depend on a variable is the output divided by the step in that variable.
 fn check_case(case: &Case) {
     let Case { name, scene, mode, t, q, v, steps } = case;
-    let model = Model::new(&scene.system);
-    let equations = Equations::<_, 2, QUADRATURES> { system: &model, mode: *mode, t: *t, q: *q, v: *v };
+    let model = Model::new(&scene.hand);
+    let equations = Equations::<_, 2, QUADRATURES> { hand: &model, mode: *mode, t: *t, q: *q, v: *v };
     let allowed = |entry: &Entry| 1e-6 * (entry.row_size + 1e-7 * entry.value.abs() / entry.h + 1e-9);
     equations.check(name, 4, |variable| steps[variable.kind()], allowed);
     // The right-hand side is the same with and without derivatives.
@@ -195,12 +195,12 @@ fn free_swing_with_every_kind_and_placement_of_the_spring() {
             let mut case = free_swing(experiment_95());
             case.scene.finger_mut().spring = Some(Spring { kind, placement });
             check_case(&case);
-            case.scene.system.discs.clear();
+            case.scene.hand.discs.clear();
             check_case(&Case { name: "fast, no object", v: [-700.0, 300.0], ..case });
         }
     }
     let without_spring_and_limit = experiment_95_with(|scene| {
-        (scene.finger_mut().spring, scene.finger_mut().limit, scene.system.gravity_m_s2) = (None, None, [3.0, -4.0]);
+        (scene.finger_mut().spring, scene.finger_mut().limit, scene.hand.gravity_m_s2) = (None, None, [3.0, -4.0]);
     });
     check_case(&free_swing(without_spring_and_limit));
 }
@@ -208,7 +208,7 @@ fn free_swing_with_every_kind_and_placement_of_the_spring() {
 #[test]
 fn joint_limit_in_all_contact_states() {
     let scene = experiment_95();
-    let model = Model::new(&scene.system);
+    let model = Model::new(&scene.hand);
     for (name, delta, rate) in
         [("creeping", 3e-7, 1e-3), ("engaging", 4e-6, 0.2), ("beyond", 3e-5, -0.1), ("returning", 6e-6, -0.02)]
     {
@@ -240,7 +240,7 @@ fn is_near_clamp_limit(model: &Model, q: [f64; 2], v: [f64; 2], contact: FingerC
 fn one_and_two_contacts_on_all_friction_branches() {
     let mut clamped_cases = 0;
     let scene = experiment_95();
-    let model = Model::new(&scene.system);
+    let model = Model::new(&scene.hand);
     let case = |name, states, q, v| contact_case(name, &scene, states, q, v);
     for depth in [[2e-6, 3e-6], [8e-6, 6e-6], [1.5e-5, 3e-5]] {
         let q = penetrating_posture(&model, depth);
@@ -275,7 +275,7 @@ fn one_and_two_contacts_on_all_friction_branches() {
 #[test]
 fn contact_at_the_end_of_the_distal_phalanx() {
     let mut scene = experiment_95();
-    let distal = |scene: &Scene| reading(&Model::new(&scene.system), GRASP_POSTURE, FingerContact::Distal);
+    let distal = |scene: &Scene| reading(&Model::new(&scene.hand), GRASP_POSTURE, FingerContact::Distal);
     let face = distal(&scene).geometry;
     let (linkage, [q11, q21]) = (scene.finger().linkage, GRASP_POSTURE);
     let posture = gripper::close_loop(&linkage.lengths, linkage.assembly, q11, q21).expect("the grasp closes the loop");
@@ -284,7 +284,7 @@ fn contact_at_the_end_of_the_distal_phalanx() {
     let rotated = |[x, y]: [f64; 2], [c, s]: [f64; 2]| [x * c + y * s, y * c - x * s];
     let first = rotated(face.normal.map(|n| -n), [0.8, 0.6]);
     for direction in [first, rotated(first, [0.6, 0.8])] {
-        scene.system.grasped_mut().centre_m = [tip[0] + reach * direction[0], tip[1] + reach * direction[1]];
+        scene.hand.grasped_mut().centre_m = [tip[0] + reach * direction[0], tip[1] + reach * direction[1]];
         let end = distal(&scene);
         assert!((end.delta - 4e-6).abs() < 1e-12, "{:e}", end.delta);
         assert!((end.geometry.tangent_row[0] - face.tangent_row[0]).abs() > 1e-5);
@@ -314,15 +314,15 @@ fn time_dependent_torque_profiles() {
     let Case { scene, mode, t, q, v, .. } = free_swing(experiment_95_with(|scene| {
         scene.finger_mut().motor.actuation = table(Interpolation::Linear);
     }));
-    let exact = Model::new(&scene.system).linearise(t, &q, &v, &mode);
+    let exact = Model::new(&scene.hand).linearise(t, &q, &v, &mode);
     assert!(exact.a_t[0].abs() > 1e5 && (exact.g_t[4] - 200.0 * v[0]).abs() < 1e-9, "{exact:?}");
 }
 
 /// Bristles that stick and slip, on both phalanges.
 #[test]
 fn bristles_of_a_finger() {
-    let model = BristleModel::new(&load_with_stiction("experiment-95").system);
-    let plain = Model::new(&experiment_95().system);
+    let model = BristleModel::new(&load_with_stiction("experiment-95").hand);
+    let plain = Model::new(&experiment_95().hand);
     let q = penetrating_posture(&plain, [2e-6; 2]);
     let rows = PHALANGES.map(|contact| reading(&plain, q, contact).geometry);
     let [a, b] = solve(rows.map(|row| row.normal_row), [-1e-3; 2]);
@@ -331,7 +331,7 @@ fn bristles_of_a_finger() {
     for slider_rates in [[1e-5, -2e-5], [1.0, 1e-5], [2e-5, -1.0], [1.0, 1.0]] {
         let bristle_states = [slider_rates[0] - slips[0], slider_rates[1] - slips[1]];
         let (q, v) = ([q[0], q[1], 0.3, -0.7], [a, b, bristle_states[0], bristle_states[1]]);
-        let equations = Equations { system: &model, mode: [Active, Active, Free].into(), t: 1e-3, q, v };
+        let equations = Equations { hand: &model, mode: [Active, Active, Free].into(), t: 1e-3, q, v };
         let h = |variable: Variable| [0.0, 1e-8, 1e-6][variable.kind()];
         let allowed = |entry: &Entry| 1e-5 * entry.row_size + 1e-9 * (entry.value.abs() + 1.0) / entry.h;
         equations.check(&format!("{bristle_states:?}"), 1, h, allowed);
@@ -348,12 +348,12 @@ fn bristles_of_a_finger() {
 #[test]
 fn grippers_at_rest() {
     for letter in ["c", "f", "i"] {
-        let mut system = reference_case(letter).scene.system;
-        system.fingers[0].spring.as_mut().expect("a spring").kind =
+        let mut hand = reference_case(letter).scene.hand;
+        hand.fingers[0].spring.as_mut().expect("a spring").kind =
             SpringKind::Torsional { stiffness_n_m_per_rad: 0.08, preload_rad: 1.0 };
-        system.table.iter_mut().for_each(|table| table.level_m = 0.0399);
-        system.differential.iter_mut().for_each(|input| input.motor.no_load_speed_rad_s = Some(300.0));
-        let model = GripperModel::<7>::new(&system);
+        hand.table.iter_mut().for_each(|table| table.level_m = 0.0399);
+        hand.differential.iter_mut().for_each(|input| input.motor.no_load_speed_rad_s = Some(300.0));
+        let model = GripperModel::<7>::new(&hand);
         let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02];
         let v = [12.0, -7.0, 9.0, 5.0, 0.3, -0.2, 4.0];
         let has_force = |index: &usize| model.contact_reading(&q, &v, *index, Active).is_some();
@@ -365,7 +365,7 @@ fn grippers_at_rest() {
             Variable::Rate(_) => 2e-3,
         };
         let equations =
-            Equations::<_, 7, GRIPPER_QUADRATURES> { system: &model, mode: [Active; CONTACTS].into(), t: 1e-3, q, v };
+            Equations::<_, 7, GRIPPER_QUADRATURES> { hand: &model, mode: [Active; CONTACTS].into(), t: 1e-3, q, v };
         equations.check(letter, 2, h, |entry| 1e-6 * entry.row_size);
     }
 }
@@ -373,17 +373,17 @@ fn grippers_at_rest() {
 /// A gripper with all contacts active, a rotating palm and creeping brakes.
 #[test]
 fn a_gripper_on_a_moving_palm() {
-    let mut system = reference_case("e").scene.system;
-    let motion = system.palm_motion.as_mut().expect("a palm motion");
+    let mut hand = reference_case("e").scene.hand;
+    let motion = hand.palm_motion.as_mut().expect("a palm motion");
     motion.moves.push(Move { axis: Axis::Angle, distance: 0.3, start_s: 0.05, length_s: 0.06 });
     // The palm is at its pose at time t, and the table is within reach.
     let (t, [x, y, angle]) = (0.073, motion.pose(0.073).position);
     let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02, t];
-    system.table.as_mut().expect("a table").level_m = y + angle.sin() * q[4] + angle.cos() * q[5] + 0.01998;
+    hand.table.as_mut().expect("a table").level_m = y + angle.sin() * q[4] + angle.cos() * q[5] + 0.01998;
     assert!(x != 0.0);
     let v = [4e-3, -7.0, -6e-3, 5.0, 0.3, 0.2, 4.0, 1.0];
-    let model = GripperModel::<8>::new(&system);
-    let equations = Equations::<_, 8, GRIPPER_QUADRATURES> { system: &model, mode: [Active; CONTACTS].into(), t, q, v };
+    let model = GripperModel::<8>::new(&hand);
+    let equations = Equations::<_, 8, GRIPPER_QUADRATURES> { hand: &model, mode: [Active; CONTACTS].into(), t, q, v };
     assert!(equations.outputs(Variable::Time, 0.0)[8 + 7] > 0.0, "the table is in contact");
     let h = |variable| match variable {
         Variable::Coordinate(4 | 5) => 4e-7,
@@ -412,21 +412,21 @@ fn mixed_systems_with_active_contacts() {
         let strong_contacts =
             |sample: &&phalanx::trace::Sample| sample.contacts().filter(|contact| contact.normal_n > 0.1).count();
         let sample = log.samples.iter().max_by_key(strong_contacts).expect("samples");
-        let model = Multibody::<MIXED_COORDINATES, MIXED_CONTACTS>::new(&scene.system);
-        let State { mut q, mut v, .. }: State<MIXED_COORDINATES, MIXED_QUADRATURES> = model.start(&scene.system);
+        let model = Multibody::<MIXED_COORDINATES, MIXED_CONTACTS>::new(&scene.hand);
+        let State { mut q, mut v, .. }: State<MIXED_COORDINATES, MIXED_QUADRATURES> = model.start(&scene.hand);
         for (index, finger) in sample.fingers().enumerate() {
             q[2 * index..][..2].copy_from_slice(&[finger.q11_rad, finger.q21_rad]);
             v[2 * index..][..2].copy_from_slice(&[finger.qd11_rad_s, finger.qd21_rad_s]);
         }
         let mut next = 2 * sample.counts().fingers;
-        for (_, body) in scene.system.discs.iter().zip(sample.bodies()).filter(|(disc, _)| disc.motion.moves()) {
+        for (_, body) in scene.hand.discs.iter().zip(sample.bodies()).filter(|(disc, _)| disc.motion.moves()) {
             let ([x, y], [vx, vy]) = (body.centre_m, body.velocity_m_s);
             q[next..][..3].copy_from_slice(&[x, y, body.angle_rad]);
             v[next..][..3].copy_from_slice(&[vx, vy, body.spin_rad_s]);
             next += 3;
         }
         let t = sample.time_s;
-        if scene.system.palm_motion.is_some() {
+        if scene.hand.palm_motion.is_some() {
             q[next] = t;
         }
         let mut mode = Mode::<MIXED_CONTACTS>::FREE;
@@ -439,7 +439,7 @@ fn mixed_systems_with_active_contacts() {
             let noise = 2e-15 * entry.value.abs().max(entry.row_size) / entry.h;
             2e-5 * entry.row_size + 30.0 * noise
         };
-        let equations = Equations::<_, MIXED_COORDINATES, MIXED_QUADRATURES> { system: &model, mode, t, q, v };
+        let equations = Equations::<_, MIXED_COORDINATES, MIXED_QUADRATURES> { hand: &model, mode, t, q, v };
         equations.check(name, 2, |variable| [0.0, 2e-11, rate_step][variable.kind()], allowed);
     }
 }

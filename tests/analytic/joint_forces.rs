@@ -160,7 +160,7 @@ fn both_models_agree_on_the_forces_in_joints() {
             .map(|channel| channel.name.as_str())
             .filter(|name| name.contains("_force_"))
             .collect();
-        assert_eq!(forces.len(), 10 * scene.system.fingers.len());
+        assert_eq!(forces.len(), 10 * scene.hand.fingers.len());
         let value =
             |recording: &phalanx::trace::Recording, name: &str, index: usize| recording.column(name).unwrap()[index];
         // Instants that both models sample.

@@ -199,7 +199,7 @@ fn jacobians_match_differences_along_the_reference_cases() {
             // The friction law changes over 1e-2 m/s.
             let rate_step = if depth < 1e-2 { 1e-4 } else { 1e-3 * (1.0 + largest(&state.v)) };
             let steps = [time_step, 0.02 * depth, rate_step];
-            let equations = Equations::<_, N, Z> { system: &model, mode, t, q: state.q, v: state.v };
+            let equations = Equations::<_, N, Z> { hand: &model, mode, t, q: state.q, v: state.v };
             let allowed = |entry: &Entry| {
                 2e-5 * (entry.row_size + 1e-6 * entry.value.abs() / entry.h) + 1e-7 * entry.largest[1] * entry.h + 1e-7
             };
@@ -290,8 +290,8 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
         if posture.map_or(0.0, sine).abs() < 0.2 {
             continue;
         }
-        let kernel = FingerKernel::new(&scene.system);
-        let start = FingerKernel::start(&scene.system);
+        let kernel = FingerKernel::new(&scene.hand);
+        let start = FingerKernel::start(&scene.hand);
         let overlaps = |contact: FingerContact| {
             kernel.contact_reading(start.q, start.v, contact, ContactState::Free).is_some_and(|it| it.delta > 0.0)
         };

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use phalanx::gripper::FingerContact;
 use phalanx::law::{Bristle, ContactLaw};
-use phalanx::scene::{Axis, Brake, ContactId, DiscMotion, HalfPlane, Move, PalmMotion, Scene, Side, System, load_any};
+use phalanx::scene::{Axis, Brake, ContactId, DiscMotion, HalfPlane, Hand, Move, PalmMotion, Scene, Side, load_any};
 use phalanx::shape::{PlacedShape, max_radius};
 use phalanx::trace::{Model, Outcome, RunError, Schema, run};
 
@@ -30,9 +30,9 @@ fn free(mass_kg: f64, inertia_kg_m2: Option<f64>) -> DiscMotion {
 /// A finger that pushes a free object along its palm.
 fn finger_pushing_object() -> Scene {
     let mut scene = load(FINGER);
-    scene.system.grasped_mut().motion = free(0.05, Some(1e-5));
-    scene.system.palm = Some(HalfPlane { level_m: 0.0, contact: Some(LAW) });
-    scene.system.gravity_m_s2 = [0.0, -9.81];
+    scene.hand.grasped_mut().motion = free(0.05, Some(1e-5));
+    scene.hand.palm = Some(HalfPlane { level_m: 0.0, contact: Some(LAW) });
+    scene.hand.gravity_m_s2 = [0.0, -9.81];
     scene.duration_s = 0.01;
     scene
 }
@@ -40,21 +40,21 @@ fn finger_pushing_object() -> Scene {
 /// The scene of [`finger_pushing_object`] with a second disc that the object is pushed against, and a wall behind it.
 fn finger_pushing_two_discs() -> Scene {
     let mut scene = finger_pushing_object();
-    let [x, y] = scene.system.grasped().centre_m;
-    scene.system.discs.push(disc("ball", 0.01, [x - 0.0305, y - 0.0095], free(0.02, Some(1e-6))));
-    scene.system.discs.push(disc("wall", 0.01, [x - 0.0555, y - 0.0095], DiscMotion::Fixed));
-    scene.system.between_discs = Some(LAW);
+    let [x, y] = scene.hand.grasped().centre_m;
+    scene.hand.discs.push(disc("ball", 0.01, [x - 0.0305, y - 0.0095], free(0.02, Some(1e-6))));
+    scene.hand.discs.push(disc("wall", 0.01, [x - 0.0555, y - 0.0095], DiscMotion::Fixed));
+    scene.hand.between_discs = Some(LAW);
     scene
 }
 
 /// Two fingers with two objects, one on the other.
 fn gripper_with_two_objects() -> Scene {
     let mut scene = load(GRIPPER);
-    scene.system.gravity_m_s2 = [0.0, -9.81];
-    let PlacedShape { shape, centre_m: [x, y], .. } = scene.system.grasped().placed();
+    scene.hand.gravity_m_s2 = [0.0, -9.81];
+    let PlacedShape { shape, centre_m: [x, y], .. } = scene.hand.grasped().placed();
     let radius_m = max_radius(&shape);
-    scene.system.discs.push(disc("ball", 0.008, [x + 1e-3, y + radius_m + 0.00795], free(0.015, Some(5e-7))));
-    scene.system.between_discs = Some(LAW);
+    scene.hand.discs.push(disc("ball", 0.008, [x + 1e-3, y + radius_m + 0.00795], free(0.015, Some(5e-7))));
+    scene.hand.between_discs = Some(LAW);
     scene.duration_s = 0.01;
     scene
 }
@@ -63,24 +63,24 @@ fn with_bristles(mut scene: Scene) -> Scene {
     let bristle = Bristle { damping_n_s_per_m: 1e6, relaxation_s: 1e-3 };
     let add_bristle =
         |law: &mut ContactLaw| law.friction.iter_mut().for_each(|friction| friction.bristle = Some(bristle));
-    scene.system.between_discs.iter_mut().for_each(add_bristle);
-    scene.system.palm.iter_mut().filter_map(|palm| palm.contact.as_mut()).for_each(add_bristle);
-    scene.system.fingers.iter_mut().flat_map(|finger| finger.contact.both_mut()).for_each(add_bristle);
+    scene.hand.between_discs.iter_mut().for_each(add_bristle);
+    scene.hand.palm.iter_mut().filter_map(|palm| palm.contact.as_mut()).for_each(add_bristle);
+    scene.hand.fingers.iter_mut().flat_map(|finger| finger.contact.both_mut()).for_each(add_bristle);
     scene
 }
 
 /// The scene with bristles in which the ball slowly separates from the object while the fingers hit the object.
 fn separating_bristles() -> Scene {
     let mut scene = with_bristles(gripper_with_two_objects());
-    scene.system.gravity_m_s2 = load(GRIPPER).system.gravity_m_s2;
+    scene.hand.gravity_m_s2 = load(GRIPPER).hand.gravity_m_s2;
     scene
 }
 
 /// Two fingers around a disc with prescribed motion.
 fn gripper_with_driven_disc() -> Scene {
     let mut scene = load(GRIPPER);
-    scene.system.palm = None;
-    scene.system.grasped_mut().motion =
+    scene.hand.palm = None;
+    scene.hand.grasped_mut().motion =
         DiscMotion::Driven { velocity_m_s: [0.05, 0.1], acceleration_m_s2: [5.0, 8.0], spin_rad_s: 4.0 };
     scene.duration_s = 0.01;
     scene
@@ -89,7 +89,7 @@ fn gripper_with_driven_disc() -> Scene {
 /// Two fingers that close up to their stops, without an object.
 fn gripper_without_object() -> Scene {
     let mut scene = load(GRIPPER);
-    scene.system.discs.clear();
+    scene.hand.discs.clear();
     scene.duration_s = 0.006;
     scene
 }
@@ -98,7 +98,7 @@ fn gripper_without_object() -> Scene {
 fn with_moving_palm(mut scene: Scene) -> Scene {
     let displacement = |axis, distance| Move { axis, distance, start_s: 1e-3, length_s: 8e-3 };
     let moves = vec![displacement(Axis::X, 2e-3), displacement(Axis::Y, -3e-3), displacement(Axis::Angle, 0.05)];
-    scene.system.palm_motion = Some(PalmMotion { moves, ..PalmMotion::default() });
+    scene.hand.palm_motion = Some(PalmMotion { moves, ..PalmMotion::default() });
     scene
 }
 
@@ -117,9 +117,9 @@ pub fn cases() -> Vec<(&'static str, Scene)> {
 }
 
 /// Largest difference between two final states: finger angles in rad, positions of discs in radii of the first disc.
-fn max_difference(system: &System, first: &Outcome, second: &Outcome) -> f64 {
+fn max_difference(hand: &Hand, first: &Outcome, second: &Outcome) -> f64 {
     assert_eq!(first.last.counts().bodies, second.last.counts().bodies);
-    let radius_m = system.discs.first().map_or(1.0, |disc| max_radius(&disc.shape));
+    let radius_m = hand.discs.first().map_or(1.0, |disc| max_radius(&disc.shape));
     let fingers = first.last.fingers().zip(second.last.fingers());
     let bodies = first.last.bodies().zip(second.last.bodies());
     let positions = bodies.flat_map(|(a, b)| [0, 1].map(|i| (a.centre_m[i] - b.centre_m[i]).abs() / radius_m));
@@ -131,13 +131,13 @@ fn max_difference(system: &System, first: &Outcome, second: &Outcome) -> f64 {
 #[test]
 fn both_models_agree_and_energy_balances() {
     for (name, scene) in cases() {
-        assert_eq!(scene.system.unsupported(), None, "{name}");
+        assert_eq!(scene.hand.unsupported(), None, "{name}");
         let (reference, log) = run_to_end(&with_reference_settings(&scene));
         let (engineering, _) = run_to_end(&Scene { integrator: engineering_settings(), ..scene.clone() });
         let (engine, _) = run_engine(&sampled_at_steps(Model::Engine, scene.clone()));
         // The engineering preset is accurate to its relative tolerance; the engine is about as accurate.
-        assert_below(max_difference(&scene.system, &reference, &engineering), 1e-5, name);
-        assert_below(max_difference(&scene.system, &reference, &engine), 3e-5, name);
+        assert_below(max_difference(&scene.hand, &reference, &engineering), 1e-5, name);
+        assert_below(max_difference(&scene.hand, &reference, &engine), 3e-5, name);
         let has_contact =
             |outcome: &Outcome| outcome.contacts.iter().map(|contact| contact.first_s.is_some()).collect::<Vec<_>>();
         assert_eq!(has_contact(&reference), has_contact(&engine), "{name}: {:?}", names(&scene));
@@ -156,8 +156,8 @@ fn a_distant_disc_has_no_effect() {
     for (path, motion) in [(FINGER, DiscMotion::Fixed), (GRIPPER, free(0.01, Some(1e-6)))] {
         let scene = with_reference_settings(&load(path));
         let mut with_distant_disc = scene.clone();
-        with_distant_disc.system.discs.push(disc("far", 0.01, [0.5, 0.4], motion));
-        with_distant_disc.system.between_discs = Some(LAW);
+        with_distant_disc.hand.discs.push(disc("far", 0.01, [0.5, 0.4], motion));
+        with_distant_disc.hand.between_discs = Some(LAW);
         let [(expected, _), (actual, _)] = [&scene, &with_distant_disc].map(run_to_end);
         for (a, b) in expected.last.fingers().zip(actual.last.fingers()) {
             assert_below(finger_difference(&a, &b), 1e-9, path);
@@ -174,19 +174,19 @@ fn a_distant_disc_has_no_effect() {
 fn one_finger_supports_brake_rotor_inertia_and_no_load_speed() {
     let mut scene = with_reference_settings(&load(FINGER));
     let (plain, _) = run_to_end(&scene);
-    let motor = &mut scene.system.fingers[0].motor;
+    let motor = &mut scene.hand.fingers[0].motor;
     motor.inertia_kg_m2 = 2e-6;
     motor.no_load_speed_rad_s = Some(600.0);
     motor.brake = Some(Brake { start_s: 0.004, ..brake() });
     let [(analytic, _), (engine, _)] = [run_to_end(&scene), run_engine(&scene)];
-    assert_below(max_difference(&scene.system, &analytic, &engine), 1e-3, "both models");
-    assert!(max_difference(&scene.system, &analytic, &plain) > 0.05, "the motor settings have no effect");
+    assert_below(max_difference(&scene.hand, &analytic, &engine), 1e-3, "both models");
+    assert!(max_difference(&scene.hand, &analytic, &plain) > 0.05, "the motor settings have no effect");
 }
 
 fn brake() -> Brake {
     let scene = load("scenes/gripper/lift.toml");
-    let brakes = scene.system.fingers.iter().filter_map(|finger| finger.motor.brake);
-    brakes.chain(scene.system.differential.and_then(|input| input.motor.brake)).next().expect("a brake")
+    let brakes = scene.hand.fingers.iter().filter_map(|finger| finger.motor.brake);
+    brakes.chain(scene.hand.differential.and_then(|input| input.motor.brake)).next().expect("a brake")
 }
 
 fn names(scene: &Scene) -> Vec<String> {
@@ -216,7 +216,7 @@ fn contacts_have_unique_names() {
 fn too_many_bodies_are_rejected() {
     let mut scene = gripper_with_two_objects();
     for index in 0..3 {
-        scene.system.discs.push(disc(&format!("far{index}"), 0.01, [0.5 + 0.1 * index as f64, 0.4], free(0.01, None)));
+        scene.hand.discs.push(disc(&format!("far{index}"), 0.01, [0.5 + 0.1 * index as f64, 0.4], free(0.01, None)));
     }
     let Err(RunError::Simulation { failure, .. }) = run(Model::Analytic, &scene, &mut ()) else {
         panic!("the run completed")
@@ -230,11 +230,11 @@ fn too_many_bodies_are_rejected() {
 /// The contacts that a scene file can name come first: those of the fingers, palm and table with the object.
 #[test]
 fn gripper_contacts_come_first() {
-    let system = gripper_with_two_objects().system;
-    let contact_ids = system.contact_ids();
-    for contact in system.gripper_contacts() {
+    let hand = gripper_with_two_objects().hand;
+    let contact_ids = hand.contact_ids();
+    for contact in hand.gripper_contacts() {
         assert_eq!(contact_ids[contact.index()], contact.contact_id(0));
     }
-    let first_other = contact_ids[system.gripper_contacts().len()];
+    let first_other = contact_ids[hand.gripper_contacts().len()];
     assert_eq!(first_other, ContactId::Phalanx(Side::Right, FingerContact::Proximal, 1));
 }

@@ -179,7 +179,7 @@ fn random_cases(count: usize) -> Vec<Case> {
 /// All samples of the closing of design 95, through both impacts to the grasp.
 fn closing_cases() -> Vec<Case> {
     let scene = with_reference_settings(&experiment_95());
-    let (finger, gravity) = (scene.finger().linkage, scene.system.gravity_m_s2);
+    let (finger, gravity) = (scene.finger().linkage, scene.hand.gravity_m_s2);
     let reference = reference_gamma(&finger.lengths);
     let gamma = if finger.assembly == Assembly::Reference { reference } else { -reference };
     let samples = run_to_end(&scene).1.samples.into_iter();

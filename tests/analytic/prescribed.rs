@@ -189,7 +189,7 @@ fn grippers_on_a_moving_palm_equal_their_closed_form_kernel() {
         scene.integrator = Integrator::preset(Preset::Reference);
         scene.duration_s = scene.duration_s.min(0.1);
         let mechanism = scene.mechanism().expect("closed loops").into_owned();
-        let (surfaces, _) = scene.system.contact_channels();
+        let (surfaces, _) = scene.hand.contact_channels();
         let general = Scene { mechanism: Some(mechanism), ..scene.clone() };
         let [kernel, general] = [&scene, &general].map(|scene| end_of(Model::Analytic, scene));
         for (index, finger) in kernel.fingers().enumerate() {

@@ -54,7 +54,7 @@ fn failure(scene: &Scene) -> (Failure, CollectSink) {
 fn loop_without_object(assembly: Assembly, q: [f64; 2], v: [f64; 2], torque_n_m: f64) -> Scene {
     experiment_95_with(|scene| {
         scene.name = format!("{assembly:?} from {q:?} with {torque_n_m}");
-        scene.system.discs.clear();
+        scene.hand.discs.clear();
         let finger = scene.finger_mut();
         (finger.limit, finger.spring, finger.linkage.assembly) = (None, None, assembly);
         finger.initial = Initial { q11_rad: q[0], q21_rad: q[1], qd11_rad_s: v[0], qd21_rad_s: v[1] };
@@ -156,8 +156,8 @@ fn extreme_scenes_do_not_panic() {
     }
     add("fast start", &|s| s.finger_mut().initial.qd11_rad_s = 1e6);
     add("fast start the other way", &|s| s.finger_mut().initial.qd21_rad_s = -1e6);
-    add("no gravity", &|s| s.system.gravity_m_s2 = [0.0; 2]);
-    add("much gravity", &|s| s.system.gravity_m_s2 = [1e8, -1e8]);
+    add("no gravity", &|s| s.hand.gravity_m_s2 = [0.0; 2]);
+    add("much gravity", &|s| s.hand.gravity_m_s2 = [1e8, -1e8]);
     let with_laws = |change: fn(&mut NormalLaw, &mut FrictionLaw)| {
         move |scene: &mut Scene| {
             for law in scene.finger_mut().contact.both_mut() {
@@ -173,7 +173,7 @@ fn extreme_scenes_do_not_panic() {
     add("start inside the object", &|s| {
         (s.finger_mut().initial.q11_rad, s.finger_mut().initial.q21_rad) = (-0.4, 1.17);
     });
-    add("tiny object", &|s| s.system.grasped_mut().shape = Shape::Disc { radius_m: 1e-6 });
+    add("tiny object", &|s| s.hand.grasped_mut().shape = Shape::Disc { radius_m: 1e-6 });
     for scene in scenes {
         for integrator in all_settings() {
             let scene = Scene { integrator: Integrator { max_steps: 20_000, ..integrator }, ..scene.clone() };

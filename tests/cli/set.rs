@@ -106,7 +106,7 @@ fn set_removes_fields_without_effect() {
     let extending = write(&dir, "own.toml", &format!("extends = \"{}\"\n{bristle}", lift()));
     let disabling_fields = ["motor.brake=none", "table.present=false", "contact.friction.law=regularised"];
     let without_sections = set(&extending, &disabling_fields).expect("a scene without them");
-    assert!(without_sections.finger().motor.brake.is_none() && without_sections.system.table.is_none());
+    assert!(without_sections.finger().motor.brake.is_none() && without_sections.hand.table.is_none());
     assert!(without_sections.finger().contact.distal.friction.expect("friction").bristle.is_none());
     // Fields without effect in the file itself are still errors.
     let without_motor =

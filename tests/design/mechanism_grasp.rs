@@ -4,7 +4,7 @@ use crate::support::cli::{assert_contains, assert_rejected, succeed};
 use phalanx::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
 use phalanx::grasp::mechanism::{MechanismGrasp, MechanismGraspRequest, mechanism_grasp};
 use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::{self, Scene, System};
+use phalanx::scene::{self, Hand, Scene};
 use phalanx::statics::{AccelerationLimit, Balance, ContactMotion, MechanismBalance, MechanismLimit};
 
 fn grasp(scene: &Scene, request: &MechanismGraspRequest) -> MechanismGrasp {
@@ -137,10 +137,10 @@ fn a_gripper_and_its_mechanism_withstand_the_same_accelerations() {
     for name in ["design-95", "seesaw", "different"] {
         let mut scene = scene::load_any(format!("scenes/gripper/{name}.toml")).expect("a scene");
         // The statics of a gripper leave the table out.
-        scene.system.table = None;
+        scene.hand.table = None;
         let mechanism = scene.mechanism().expect("a closed loop").into_owned();
         let written =
-            Scene { kind: SceneKind::Mechanism, mechanism: Some(mechanism), system: System::EMPTY, ..scene.clone() };
+            Scene { kind: SceneKind::Mechanism, mechanism: Some(mechanism), hand: Hand::EMPTY, ..scene.clone() };
         let posture = PostureRequest::Run { at_s: Some(scene.duration_s), within_m: None };
         let of_scene = GripperGraspRequest { posture, mu_static: vec![0.3], motor_n_m: None, directions: 16 };
         let expected = gripper_grasp(&scene, &of_scene, &|| true).unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -49,7 +49,7 @@ fn penetrated_posture(scene: &Scene, last: &Sample) -> FinalPosture {
 /// Returns the forces that balance motor, spring and weight without friction.
 fn balance(scene: &Scene, end: &FinalPosture) -> Equilibrium {
     let finger = scene.finger();
-    let dynamics = Dynamics::new(&finger.linkage, reference_gamma(&finger.linkage.lengths), scene.system.gravity_m_s2);
+    let dynamics = Dynamics::new(&finger.linkage, reference_gamma(&finger.linkage.lengths), scene.hand.gravity_m_s2);
     let weight = inverse_dynamics(&dynamics, [end.posture.q11_rad, end.posture.q21_rad], [0.0; 2], [0.0; 2]);
     let motor_n_m = finger.motor.actuation.at(scene.duration_s).0;
     let drive = drive_loads(&finger.linkage, end, motor_n_m, finger.spring.as_ref()).unwrap();
@@ -106,7 +106,7 @@ fn simulated_palm_force_matches_its_definition() {
 /// Returns the scene without gravity.
 fn weightless(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
-    scene.system.gravity_m_s2 = [0.0; 2];
+    scene.hand.gravity_m_s2 = [0.0; 2];
     scene
 }
 

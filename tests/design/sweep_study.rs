@@ -58,12 +58,12 @@ fn each_run_has_the_values_of_its_axes() {
     assert_eq!(kinds, [Number, Number, Number, Flag, Text, Text, Integer]);
     let [first, last] = [1, 32].map(|run| scene_of(&study, run));
     assert_eq!(last.finger().contact.proximal.friction.expect("given").mu_static, 0.4);
-    assert_eq!((last.duration_s, last.system.palm.is_some(), last.system.gravity_m_s2), (0.03, false, [0.0, 0.0]));
+    assert_eq!((last.duration_s, last.hand.palm.is_some(), last.hand.gravity_m_s2), (0.03, false, [0.0, 0.0]));
     assert_eq!((last.integrator.rtol, last.integrator.max_steps), (1e-11, 1000));
     assert_eq!(last.object().expect("given").centre_m[0], -0.016);
     let values: Vec<Value> = study.field_values(32).into_iter().map(|value| value.value).collect();
     assert_eq!(values[1..3], [Value::Number(0.016), Value::Number(0.13)]);
-    assert!(first.system.palm.is_some() && first.system.gravity_m_s2[1] == 9.81);
+    assert!(first.hand.palm.is_some() && first.hand.gravity_m_s2[1] == 9.81);
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::support::runs::{
 /// Largest difference of angles (rad) and of positions (object radii) over the grid of the log.
 fn max_difference(scene: &Scene, a: &CollectSink, b: &CollectSink) -> f64 {
     let steps = (scene.duration_s * scene.log.numeric_hz).round() as usize;
-    let radius = max_radius(&scene.system.grasped().shape);
+    let radius = max_radius(&scene.hand.grasped().shape);
     let mut differences = Vec::new();
     for k in 0..=steps {
         let time_s = k as f64 / scene.log.numeric_hz;
@@ -78,7 +78,7 @@ fn both_models_agree_and_the_difference_falls_with_the_tolerance() {
         let comparison = Comparison::run(reference_case(letter).scene);
         comparison.assert_agrees(bound, 2e-6);
         assert_below(comparison.outcome.loop_gap_m, 1e-7, format!("{letter}: loop gap"));
-        if comparison.scene.system.palm_motion.is_some() {
+        if comparison.scene.hand.palm_motion.is_some() {
             assert_below(comparison.energy_difference(|energy| energy.motor_work_j), 1e-4, format!("{letter}: work"));
         }
     }
@@ -143,7 +143,7 @@ fn grasp_criteria_match_the_analytic_model() {
 fn momentum_of_the_object_matches_its_contact_forces() {
     let mut scene = reference_case("c").scene;
     scene.log.numeric_hz = 2e5;
-    let DiscMotion::Free { mass_kg, .. } = scene.system.grasped().motion else { panic!("the object is fixed") };
+    let DiscMotion::Free { mass_kg, .. } = scene.hand.grasped().motion else { panic!("the object is fixed") };
     for model in BOTH_MODELS {
         let (outcome, log) = run_model(model, &scene);
         let (mut impulse, mut most) = ([0.0; 2], 0.0f64);
@@ -152,7 +152,7 @@ fn momentum_of_the_object_matches_its_contact_forces() {
             for sample in pair {
                 let push = force_on_object(sample);
                 (0..2).for_each(|axis| {
-                    impulse[axis] += 0.5 * dt * (push[axis] + mass_kg * scene.system.gravity_m_s2[axis])
+                    impulse[axis] += 0.5 * dt * (push[axis] + mass_kg * scene.hand.gravity_m_s2[axis])
                 });
             }
             most = most.max(impulse[0].hypot(impulse[1]));
@@ -199,10 +199,10 @@ fn a_symmetric_grasp_remains_symmetric_in_both_models() {
 #[test]
 fn a_fixed_object_does_not_move() {
     let mut scene = reference_case("c").scene;
-    scene.system.grasped_mut().motion = DiscMotion::Fixed;
+    scene.hand.grasped_mut().motion = DiscMotion::Fixed;
     let Comparison { scene, difference, outcome, .. } = Comparison::run(scene);
     assert_below(difference, 5e-5, "both models");
-    assert_eq!(outcome.last.body(0).centre_m, scene.system.grasped().centre_m);
+    assert_eq!(outcome.last.body(0).centre_m, scene.hand.grasped().centre_m);
     assert!(outcome.contacts[0].impulse_n_s > 0.1 && outcome.contacts[6].impulse_n_s == 0.0);
 }
 
@@ -210,18 +210,18 @@ fn a_fixed_object_does_not_move() {
 #[test]
 fn a_rotating_palm_agrees_in_both_models() {
     let mut rotating = reference_case("e").scene;
-    let motion = rotating.system.palm_motion.as_mut().expect("a palm motion");
+    let motion = rotating.hand.palm_motion.as_mut().expect("a palm motion");
     motion.moves.push(Move { axis: Axis::Angle, distance: 0.7, start_s: 0.06, length_s: 0.04 });
     motion.vibrations[0].axis = Axis::Angle;
     motion.vibrations[0].amplitude = 2e-3;
-    rotating.system.fingers[0].motor.inertia_kg_m2 = 5e-6;
-    rotating.system.fingers[1].motor.brake.as_mut().expect("a brake").torque_n_m = 0.05;
+    rotating.hand.fingers[0].motor.inertia_kg_m2 = 5e-6;
+    rotating.hand.fingers[1].motor.brake.as_mut().expect("a brake").torque_n_m = 0.05;
     let mut geared = reference_case("f").scene;
-    geared.system.palm_motion = rotating.system.palm_motion.clone();
+    geared.hand.palm_motion = rotating.hand.palm_motion.clone();
     geared.duration_s = 0.1;
     geared.log.numeric_hz = 1e4;
-    let differential = geared.system.differential.as_mut().expect("a differential");
-    differential.motor.brake = rotating.system.fingers[0].motor.brake;
+    let differential = geared.hand.differential.as_mut().expect("a differential");
+    differential.motor.brake = rotating.hand.fingers[0].motor.brake;
     for scene in [rotating, geared] {
         let comparison = Comparison::run(scene);
         comparison.assert_agrees(4e-5, 2e-6);
@@ -239,13 +239,13 @@ fn consecutive_moves_do_not_create_a_tiny_step() {
     let lift = Move { axis: Axis::Y, distance: -0.007, start_s: 0.02, length_s: 0.031 };
     let across = Move { axis: Axis::X, distance: 0.01, start_s: 0.051, length_s: 0.025 };
     assert_ne!(lift.start_s + lift.length_s, across.start_s);
-    scene.system.palm_motion.as_mut().expect("a palm motion").moves = vec![lift, across];
-    let radius_m = max_radius(&scene.system.grasped().shape);
-    let DiscMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.system.grasped_mut().motion else {
+    scene.hand.palm_motion.as_mut().expect("a palm motion").moves = vec![lift, across];
+    let radius_m = max_radius(&scene.hand.grasped().shape);
+    let DiscMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.hand.grasped_mut().motion else {
         panic!("the object is fixed")
     };
     (*mass_kg, *inertia_kg_m2) = (1.51, Some(0.5 * 1.51 * radius_m.powi(2)));
-    for finger in &mut scene.system.fingers {
+    for finger in &mut scene.hand.fingers {
         finger.motor.brake.as_mut().expect("a brake").torque_n_m = 0.3194;
     }
     let comparison = Comparison::run(scene);

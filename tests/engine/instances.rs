@@ -36,7 +36,7 @@ fn every_shipped_scene_is_an_assembled_mechanism_that_runs() {
                 assert!(error <= 1e-11 * (1.0 + closed.abs()), "{}: {} {error:e}", scene.name, body.name);
             }
         }
-        let (surfaces, limits) = scene.system.contact_channels();
+        let (surfaces, limits) = scene.hand.contact_channels();
         assert_eq!((surfaces.len(), limits.len()), (mechanism.point_contacts().len(), mechanism.limits().len()));
         drop(mechanism);
         scene.duration_s = 2e-4;

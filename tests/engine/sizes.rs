@@ -60,7 +60,7 @@ fn assert_models_agree_at_scale(kind: &str, scale: f64, torque_factor: f64) {
     for outcome in &outcomes {
         assert_below(outcome.last.energy().balance_j.abs(), 1e-3 * largest_energy_j(outcome), &text);
     }
-    let link_m = parse_any(&text, "scaled.toml").unwrap().system.fingers[0].linkage.lengths.l22_m;
+    let link_m = parse_any(&text, "scaled.toml").unwrap().hand.fingers[0].linkage.lengths.l22_m;
     assert_below(outcomes[1].loop_gap_m, 1e-3 * link_m, &text);
 }
 

@@ -36,7 +36,7 @@ fn modified_scene_is_logged_as_simulated() {
     let scene = anchor();
     let changes: [fn(&mut Scene); 4] = [
         |scene| scene.finger_mut().motor.actuation = Profile::Constant { value: 0.5 },
-        |scene| scene.system.gravity_m_s2 = [1.0, -2.0],
+        |scene| scene.hand.gravity_m_s2 = [1.0, -2.0],
         |scene| scene.finger_mut().contact.distal.normal.exponent = 1.5,
         |scene| scene.source = String::new(),
     ];

@@ -61,8 +61,8 @@ fn logs_of_modified_scenes_verify() {
     let changes: [fn(&mut Scene); 4] = [
         |scene| scene.finger_mut().motor.actuation = Profile::Ramp { value: 0.7, rise_s: 1.3e-3 },
         |scene| scene.finger_mut().contact.distal.normal.exponent = 1.5,
-        |scene| (scene.system.gravity_m_s2, scene.duration_s) = ([1.0 / 3.0, -9.0], 7.1e-3),
-        |scene| scene.system.discs.clear(),
+        |scene| (scene.hand.gravity_m_s2, scene.duration_s) = ([1.0 / 3.0, -9.0], 7.1e-3),
+        |scene| scene.hand.discs.clear(),
     ];
     for change in changes {
         let mut scene = finger();

@@ -23,14 +23,14 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     assert_eq!(Ok(finger.linkage.lengths), gripper::lengths(&design));
     assert_eq!(gripper::bodies(&finger.linkage.lengths, 1070.0, 0.04), Ok(finger.linkage.bodies));
     assert_eq!((max_radius(&object.shape), object.centre_m), (0.02, [-0.0155, 0.02]));
-    assert!(scene.system.palm.is_some());
+    assert!(scene.hand.palm.is_some());
     let limit = NormalLaw::step(1e11, 2.2, 1e9, 1e-5);
     assert_eq!(finger.limit, Some(limit));
     let contact = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
     for law in [finger.contact.proximal, finger.contact.distal] {
         assert_eq!((law.normal, law.friction), (contact, None));
     }
-    assert_eq!((scene.system.gravity_m_s2, scene.duration_s), ([0.0, 9.81], 0.02));
+    assert_eq!((scene.hand.gravity_m_s2, scene.duration_s), ([0.0, 9.81], 0.02));
     assert_eq!(finger.motor.actuation, Profile::Constant { value: 0.48 });
     let spring = finger.spring.expect("spring");
     assert_eq!((spring.kind, spring.placement), (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges));
@@ -76,7 +76,7 @@ fn stiction_applies_only_to_contacts_with_bristles() {
         let scene = finger_with(&format!("{friction}{keys}"));
         let contact = scene.finger().contact;
         assert_eq!([contact.proximal.bristle(), contact.distal.bristle()], bristles, "{keys}");
-        assert_eq!(scene.system.has_stiction(), bristles[0].is_some(), "{keys}");
+        assert_eq!(scene.hand.has_stiction(), bristles[0].is_some(), "{keys}");
     }
 }
 

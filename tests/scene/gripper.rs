@@ -21,14 +21,14 @@ fn scene_with(top: &str, rest: &str) -> Scene {
 fn a_minimal_gripper_has_the_specified_defaults() {
     let scene = scene_with("", "");
     let expected = reference_case("a").scene;
-    let [right, left] = scene.system.fingers.as_slice() else { panic!("two fingers") };
+    let [right, left] = scene.hand.fingers.as_slice() else { panic!("two fingers") };
     assert_eq!(right, left);
-    assert_eq!((scene.name.as_str(), scene.duration_s, scene.system.gravity_m_s2), ("test", 0.02, [0.0, 9.81]));
+    assert_eq!((scene.name.as_str(), scene.duration_s, scene.hand.gravity_m_s2), ("test", 0.02, [0.0, 9.81]));
     assert_eq!(
-        (scene.system.palm_width_m, scene.system.grasped().centre_m, scene.system.grasped().angle_rad),
+        (scene.hand.palm_width_m, scene.hand.grasped().centre_m, scene.hand.grasped().angle_rad),
         (0.031, [0.0, 0.02], 0.0)
     );
-    let mass_and_inertia = |scene: &Scene| match scene.system.grasped().motion {
+    let mass_and_inertia = |scene: &Scene| match scene.hand.grasped().motion {
         DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } => [mass_kg, inertia_kg_m2],
         other => panic!("{other:?}"),
     };
@@ -36,9 +36,9 @@ fn a_minimal_gripper_has_the_specified_defaults() {
         assert!((actual / expected - 1.0).abs() < 1e-14, "{actual} {expected}");
     }
     let start = &right.initial;
-    assert!((start.q11_rad - expected.system.fingers[0].initial.q11_rad).abs() < 1e-9, "{start:?}");
-    assert!((start.q21_rad - expected.system.fingers[0].initial.q21_rad).abs() < 1e-9, "{start:?}");
-    assert!(scene.system.palm.is_some() && scene.system.table.is_none() && scene.system.differential.is_none());
+    assert!((start.q11_rad - expected.hand.fingers[0].initial.q11_rad).abs() < 1e-9, "{start:?}");
+    assert!((start.q21_rad - expected.hand.fingers[0].initial.q21_rad).abs() < 1e-9, "{start:?}");
+    assert!(scene.hand.palm.is_some() && scene.hand.table.is_none() && scene.hand.differential.is_none());
     assert_eq!((right.motor.inertia_kg_m2, right.motor.no_load_speed_rad_s), (0.0, None));
     assert_eq!(scene.bounds, Bounds::defaults_for_run(SceneKind::Gripper, 0.02));
     assert_eq!((scene.integrator.preset, scene.integrator.rtol), (Preset::Engineering, 3e-6));
@@ -84,13 +84,13 @@ fn the_engineering_preset_of_grippers_has_its_own_tolerance() {
 fn both_fingers_start_at_the_posture_of_the_nearer_one() {
     let case_c = scene_with("palm_width = \"34 mm\"\n", "[object]\noffset = \"3.5 mm\"\n[table]\n");
     let expected = reference_case("c").scene;
-    for (actual, expected) in case_c.system.fingers.iter().zip(&expected.system.fingers) {
+    for (actual, expected) in case_c.hand.fingers.iter().zip(&expected.hand.fingers) {
         assert!((actual.initial.q11_rad - expected.initial.q11_rad).abs() < 1e-9, "{:?}", actual.initial);
         assert!((actual.initial.q21_rad - expected.initial.q21_rad).abs() < 1e-9, "{:?}", actual.initial);
     }
-    assert_eq!(case_c.system.fingers[0].initial, case_c.system.fingers[1].initial);
+    assert_eq!(case_c.hand.fingers[0].initial, case_c.hand.fingers[1].initial);
     // The posture depends on the expected positioning error, not on the offset of the object.
-    let starts = |scene: &Scene| scene.system.fingers.iter().map(|finger| finger.initial).collect::<Vec<_>>();
+    let starts = |scene: &Scene| scene.hand.fingers.iter().map(|finger| finger.initial).collect::<Vec<_>>();
     let start = |offset: &str| {
         let top = "palm_width = \"34 mm\"\npositioning_error = \"3.5 mm\"\n";
         starts(&scene_with(top, &format!("[object]\noffset = \"{offset}\"\n")))
@@ -112,13 +112,13 @@ fn motors_and_springs_are_sized_for_the_whole_positioning_error() {
         let task = Task {
             object: disc,
             opening_rad: 25f64.to_radians(),
-            gravity_m_s2: scene.system.gravity_m_s2,
+            gravity_m_s2: scene.hand.gravity_m_s2,
             closing_s: 0.01,
         };
-        size_with(&scene.system.finger(Side::Right).linkage, &task, Rule::Rigid, Placement::Phalanges, INTERVALS)
+        size_with(&scene.hand.finger(Side::Right).linkage, &task, Rule::Rigid, Placement::Phalanges, INTERVALS)
     };
     let drive_torques = |scene: &Scene| {
-        let driven_finger = scene.system.finger(Side::Right);
+        let driven_finger = scene.hand.finger(Side::Right);
         let SpringKind::Constant { torque_n_m } = driven_finger.spring.expect("a spring").kind else {
             panic!("{driven_finger:?}")
         };
@@ -147,10 +147,10 @@ fn motors_and_springs_are_sized_for_the_whole_positioning_error() {
     assert_equal(drive_torques(&scene), [wide_base.motor_n_m, wide_base.spring_n_m]);
     // A differential has one motor for both fingers.
     let seesaw = sized_scene(SHORT, "[differential]\n");
-    let input = &seesaw.system.differential.as_ref().expect("it is given").motor;
+    let input = &seesaw.hand.differential.as_ref().expect("it is given").motor;
     let single_torque_n_m = drive_torques(&sized_scene(SHORT, ""))[0];
     assert_eq!(input.actuation.at(0.0).0, 2.0 * single_torque_n_m);
-    assert_eq!(seesaw.system.fingers.iter().map(|finger| &finger.motor).collect::<Vec<_>>(), [&Motor::NONE; 2]);
+    assert_eq!(seesaw.hand.fingers.iter().map(|finger| &finger.motor).collect::<Vec<_>>(), [&Motor::NONE; 2]);
     assert_round_trip(&seesaw);
 }
 
@@ -163,7 +163,7 @@ fn each_finger_can_override_common_keys() {
          inertia = \"1e-6 kg*m^2\"\n[left.lengths]\nl21 = \"23 mm\"\nl22 = \"7 mm\"\nt22 = \"13 mm\"\nphi22 = \"118 deg\"\n\
          [left.spring]\ntype = \"torsional\"\nstiffness = \"40 N*mm/rad\"\n[left.contact.friction]\nmu_static = 0.3\n",
     );
-    let [right, left] = scene.system.fingers.as_slice() else { panic!("two fingers") };
+    let [right, left] = scene.hand.fingers.as_slice() else { panic!("two fingers") };
     assert_eq!((right.linkage.lengths.half_width_m, left.linkage.lengths.half_width_m), (0.003, 0.002));
     assert_eq!(right.motor.actuation, Profile::Ramp { value: 0.5, rise_s: 1e-3 });
     assert_eq!((right.motor.inertia_kg_m2, left.motor.inertia_kg_m2), (1e-6, 0.0));
@@ -173,7 +173,7 @@ fn each_finger_can_override_common_keys() {
     assert!(matches!(right.spring.expect("it is given").kind, SpringKind::Constant { .. }));
     assert_eq!((right.contact.mu_static(), left.contact.mu_static()), ([0.8; 2], [0.3; 2]));
     assert_eq!(left.contact.distal.normal.damping_max(), 2e5);
-    assert_eq!(scene.system.law(GripperContact::Palm).and_then(|law| law.friction).map(|law| law.mu_static), Some(0.1));
+    assert_eq!(scene.hand.law(GripperContact::Palm).and_then(|law| law.friction).map(|law| law.mu_static), Some(0.1));
     assert_round_trip(&scene);
 }
 
@@ -184,16 +184,16 @@ fn table_differential_and_inertias_are_applied() {
         "[table]\n[contact.table]\nstiffness_si = 1e6\nexponent = 1.5\n[object]\nheight = \"21 mm\"\n\
          radius = \"20.5 mm\"\n[differential]\ninput_inertia = \"2e-5 kg*m^2\"\nseesaw_inertia = \"5e-6 kg*m^2\"\n",
     );
-    let table = scene.system.table.expect("a table");
+    let table = scene.hand.table.expect("a table");
     assert!((table.level_m - 0.0415).abs() < 1e-17, "the table touches the object: {}", table.level_m);
     assert_eq!(table.contact.expect("a law").normal.stiffness_n_per_m_e, 1e6);
-    assert_eq!(scene.system.law(GripperContact::Palm).expect("a palm").normal.stiffness_n_per_m_e, 1e8);
-    let differential = scene.system.differential.as_ref().expect("it is given");
+    assert_eq!(scene.hand.law(GripperContact::Palm).expect("a palm").normal.stiffness_n_per_m_e, 1e8);
+    let differential = scene.hand.differential.as_ref().expect("it is given");
     assert_eq!((differential.motor.inertia_kg_m2, differential.seesaw_inertia_kg_m2), (2e-5, 5e-6));
     assert_round_trip(&scene);
     // A scene can remove palm, table and differential of the scene that it extends.
     let without = scene_with("palm = false\n", "[table]\npresent = false\n[differential]\npresent = false\n");
-    assert!(without.system.table.is_none() && without.system.differential.is_none() && without.system.palm.is_none());
+    assert!(without.hand.table.is_none() && without.hand.differential.is_none() && without.hand.palm.is_none());
     assert_round_trip(&without);
 }
 
@@ -204,7 +204,7 @@ fn the_base_sets_the_palm_width_and_motions_keep_their_names() {
     let moves = "[moves.lift]\nx = \"1 mm\"\ny = \"-25 mm\"\nstart = \"1 ms\"\nacceleration = \"2 g\"\n\
                  [vibrations.shake]\nx = \"1 um\"\nfrequency = \"1 kHz\"\n";
     let scene = parse(&format!("kind = \"gripper\"\n{lengths}{DRIVE}[object]\nradius = \"18 mm\"\n{moves}"));
-    assert_eq!((scene.system.palm_width_m, scene.system.grasped().centre_m), (0.028, [0.0, 0.018]));
+    assert_eq!((scene.hand.palm_width_m, scene.hand.grasped().centre_m), (0.028, [0.0, 0.018]));
     let text = show(&scene);
     assert!(
         text.contains("[moves.lift]\nx = \"1 mm\"\ny = \"-25 mm\"\n") && text.contains("[vibrations.shake]"),

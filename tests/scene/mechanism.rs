@@ -10,7 +10,7 @@ use phalanx::mechanism::{
     Command, ForcePoint, JointCombination, JointKind, Mechanism, OutlineShape, PathElement, SpringKind, assemble,
 };
 use phalanx::scene::keywords::SceneKind;
-use phalanx::scene::{self, Scene, System};
+use phalanx::scene::{self, Hand, Scene};
 use phalanx::trace::schema::{JointState, SubjectKind};
 use phalanx::trace::{self, BodyState, ContactSample, Model, Sample, Schema, interpolate};
 
@@ -482,12 +482,8 @@ fn the_mechanism_of_a_gripper_is_a_scene_file() {
     for (name, joints) in [("experiment-95", ["q11", "q22"]), ("gripper/seesaw", ["right_q11", "left_q22"])] {
         let of_fingers = scene::load_any(format!("scenes/{name}.toml")).expect("a scene");
         let mechanism = of_fingers.mechanism().expect("a closed loop").into_owned();
-        let written = Scene {
-            kind: SceneKind::Mechanism,
-            mechanism: Some(mechanism),
-            system: System::EMPTY,
-            ..of_fingers.clone()
-        };
+        let written =
+            Scene { kind: SceneKind::Mechanism, mechanism: Some(mechanism), hand: Hand::EMPTY, ..of_fingers.clone() };
         let of_bodies = parse(&scene::show(&written));
         let ends = [&of_fingers, &of_bodies].map(|scene| {
             let mut samples = CollectSink::default();

@@ -32,19 +32,19 @@ fn free(inertia_kg_m2: Option<f64>) -> DiscMotion {
 fn unsupported_systems_are_rejected_by_both_models() {
     let second_disc = || Disc::fixed_object(PlacedShape::disc(0.01, [0.1, 0.1]));
     let driven = DiscMotion::Driven { velocity_m_s: [0.0; 2], acceleration_m_s2: [0.0; 2], spin_rad_s: 0.0 };
-    let moving = |scene: &mut Scene| scene.system.palm_motion = Some(PalmMotion::default());
+    let moving = |scene: &mut Scene| scene.hand.palm_motion = Some(PalmMotion::default());
     let two_discs = |scene: &mut Scene| {
-        scene.system.grasped_mut().motion = free(Some(1e-5));
-        scene.system.discs.push(second_disc());
+        scene.hand.grasped_mut().motion = free(Some(1e-5));
+        scene.hand.discs.push(second_disc());
     };
     let cases: [Case<'_>; 6] = [
-        (GRIPPER, &|scene| scene.system.fingers.push(scene.finger().clone()), "more than two fingers"),
-        (FINGER, &|scene| scene.system.differential = load(SEESAW).system.differential, "requires two fingers"),
+        (GRIPPER, &|scene| scene.hand.fingers.push(scene.finger().clone()), "more than two fingers"),
+        (FINGER, &|scene| scene.hand.differential = load(SEESAW).hand.differential, "requires two fingers"),
         (FINGER, &moving, "the palm moves"),
         (
             GRIPPER,
             &|scene| {
-                scene.system.grasped_mut().motion = driven;
+                scene.hand.grasped_mut().motion = driven;
                 moving(scene);
             },
             "the palm moves",
@@ -54,7 +54,7 @@ fn unsupported_systems_are_rejected_by_both_models() {
     ];
     for (path, change, message) in cases {
         let mut scene = load(path);
-        assert_eq!(scene.system.unsupported(), None, "{path}");
+        assert_eq!(scene.hand.unsupported(), None, "{path}");
         change(&mut scene);
         for model in [Model::Analytic, Model::Engine] {
             let Err(RunError::Simulation { failure, .. }) = run(model, &scene, &mut ()) else {

@@ -6,7 +6,7 @@ use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::mechanism::Mechanism;
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
-    Bounds, Disc, DiscMotion, Engine, HalfPlane, Integrator, LogSettings, Preset, Scene, Stepping, System, Thresholds,
+    Bounds, Disc, DiscMotion, Engine, HalfPlane, Hand, Integrator, LogSettings, Preset, Scene, Stepping, Thresholds,
 };
 use phalanx::shape::Shape;
 use phalanx::trace::{Model, Outcome};
@@ -43,9 +43,9 @@ pub fn driven(velocity_m_s: [f64; 2], acceleration_m_s2: [f64; 2]) -> DiscMotion
 }
 
 /// A scene of fingers built in code, with reference integrator settings, the default engine and default bounds.
-pub fn scene_of(system: System, duration_s: f64) -> Scene {
-    let kind = if system.fingers.len() == 1 { SceneKind::Finger } else { SceneKind::Gripper };
-    Scene { kind, system, mechanism: None, ..mechanism_scene(Mechanism::default(), duration_s) }
+pub fn scene_of(hand: Hand, duration_s: f64) -> Scene {
+    let kind = if hand.fingers.len() == 1 { SceneKind::Finger } else { SceneKind::Gripper };
+    Scene { kind, hand, mechanism: None, ..mechanism_scene(Mechanism::default(), duration_s) }
 }
 
 /// The same for a mechanism.
@@ -56,7 +56,7 @@ pub fn mechanism_scene(mechanism: Mechanism, duration_s: f64) -> Scene {
         description: String::new(),
         source: String::new(),
         bounds: Bounds::defaults_for_run(SceneKind::Mechanism, duration_s),
-        system: EMPTY,
+        hand: EMPTY,
         mechanism: Some(mechanism),
         duration_s,
         integrator: Integrator::preset(Preset::Reference),
@@ -67,7 +67,7 @@ pub fn mechanism_scene(mechanism: Mechanism, duration_s: f64) -> Scene {
 }
 
 /// A system without bodies.
-pub const EMPTY: System = System::EMPTY;
+pub const EMPTY: Hand = Hand::EMPTY;
 
 /// A scene of discs without gravity and half plane.
 pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {
@@ -81,8 +81,8 @@ pub fn scene_on_plane(discs: Vec<Disc>, normal: NormalLaw, friction: Option<Fric
 }
 
 fn disc_scene(discs: Vec<Disc>, law: ContactLaw, palm: Option<HalfPlane>, duration_s: f64) -> Scene {
-    let system = System { discs, between_discs: Some(law), palm, ..EMPTY };
-    let mut scene = mechanism_scene(system.mechanism().expect("no loop"), duration_s);
+    let hand = Hand { discs, between_discs: Some(law), palm, ..EMPTY };
+    let mut scene = mechanism_scene(hand.mechanism().expect("no loop"), duration_s);
     scene.kind = SceneKind::Bodies;
     scene.bounds = Bounds { position_m: 1e-6, contact_time_s: 1e-6, impulse: 1e-3, ..scene.bounds };
     scene

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
 use phalanx::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    Axis, Brake, Differential, Disc, DiscMotion, DrivenFinger, FingerContactLaws, HalfPlane, Initial, Integrator,
-    LogSettings, Motor, Move, PalmMotion, Preset, Profile, Ramp, Scene, System, Thresholds, Vibration,
+    Axis, Brake, Differential, Disc, DiscMotion, FingerContactLaws, HalfPlane, Hand, HandFinger, Initial, Integrator,
+    LogSettings, Motor, Move, PalmMotion, Preset, Profile, Ramp, Scene, Thresholds, Vibration,
 };
 use serde_json::Value;
 
@@ -37,8 +37,8 @@ pub struct State {
 
 /// Cases with a palm at rest and without stiction, ordered by their letter in the specification.
 pub fn cases_at_rest() -> Vec<ReferenceCase> {
-    let is_included = |system: &System| system.palm_motion.is_none() && !system.has_stiction();
-    all_cases().into_iter().filter(|case| is_included(&case.scene.system)).collect()
+    let is_included = |hand: &Hand| hand.palm_motion.is_none() && !hand.has_stiction();
+    all_cases().into_iter().filter(|case| is_included(&case.scene.hand)).collect()
 }
 
 fn all_cases() -> Vec<ReferenceCase> {
@@ -138,7 +138,7 @@ fn palm_motion(scene: &Value) -> Option<PalmMotion> {
     (motion != PalmMotion::default()).then_some(motion)
 }
 
-fn finger(value: &Value, [proximal, distal]: [&Value; 2], brake_data: &Value) -> DrivenFinger {
+fn finger(value: &Value, [proximal, distal]: [&Value; 2], brake_data: &Value) -> HandFinger {
     let [l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m] =
         ["l11", "l12", "l21", "l22", "t22", "phi22", "w"].map(|key| number(&value[key]));
     let body = |index: usize| {
@@ -146,7 +146,7 @@ fn finger(value: &Value, [proximal, distal]: [&Value; 2], brake_data: &Value) ->
         Body { mass_kg, com_m: [a, b], inertia_kg_m2 }
     };
     let ([q11_rad, q21_rad], [qd11_rad_s, qd21_rad_s]) = (numbers(&value["q"]), numbers(&value["v"]));
-    DrivenFinger {
+    HandFinger {
         linkage: Finger {
             lengths: Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m },
             bodies: Bodies { l11: body(0), l12: body(1), l21: body(2), l22: body(3) },
@@ -169,7 +169,7 @@ fn scene(value: &Value) -> Scene {
     let has_table = value["support"].as_bool() == Some(true);
     let duration_s = number(&value["T"]);
     let differential = &value["diff"];
-    let system = System {
+    let hand = Hand {
         fingers: vec![
             finger(&value["right"], [&contacts["R21"], &contacts["R22"]], &value["brakes"]["r"]),
             finger(&value["left"], [&contacts["L21"], &contacts["L22"]], &value["brakes"]["l"]),
@@ -201,6 +201,6 @@ fn scene(value: &Value) -> Scene {
         integrator: Integrator::preset(Preset::Engineering),
         thresholds: Thresholds::defaults_for_run(duration_s, 0.0),
         log: LogSettings { numeric_hz: 1e4, picture_hz: 0.0, joint_forces: false },
-        ..scene_of(system, duration_s)
+        ..scene_of(hand, duration_s)
     }
 }

@@ -3,8 +3,8 @@
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::law::{ContactLaw, NormalLaw};
 use phalanx::scene::{
-    Disc, DrivenFinger, FingerContactLaws, HalfPlane, Initial, Integrator, Method, Motor, Placement, Preset, Profile,
-    Scene, Spring, SpringKind, System, show,
+    Disc, FingerContactLaws, HalfPlane, Hand, HandFinger, Initial, Integrator, Method, Motor, Placement, Preset,
+    Profile, Scene, Spring, SpringKind, show,
 };
 use phalanx::shape::PlacedShape;
 use phalanx::trace::{ContactSample, Energy, Event, EventKind, FingerContact, FingerState, Sample};
@@ -18,7 +18,7 @@ pub fn scene() -> Scene {
 }
 
 fn resolved() -> Scene {
-    let system = System {
+    let hand = Hand {
         fingers: vec![finger()],
         discs: vec![Disc::fixed_object(PlacedShape::disc(20e-3, [-15.5e-3, 20e-3]))],
         palm: Some(HalfPlane { level_m: 0.0, contact: None }),
@@ -33,14 +33,14 @@ fn resolved() -> Scene {
         atol_rate_rad_s: 1e-6,
         max_steps: 1_000_000,
     };
-    Scene { name: "synthetic".to_string(), integrator, ..scene_of(system, 20e-3) }
+    Scene { name: "synthetic".to_string(), integrator, ..scene_of(hand, 20e-3) }
 }
 
-fn finger() -> DrivenFinger {
+fn finger() -> HandFinger {
     let body = Body { mass_kg: 5e-3, com_m: [1e-2, 0.0], inertia_kg_m2: 1e-7 };
     let normal = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
     let contact = ContactLaw { normal, friction: None };
-    DrivenFinger {
+    HandFinger {
         linkage: Finger {
             lengths: Lengths {
                 l11_m: 15e-3,

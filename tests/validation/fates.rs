@@ -68,7 +68,7 @@ fn an_untouched_object_is_not_ejected() {
         // An untouched object that flies away is not ejected either.
         (small_object("4 mm", "20 mm", "4 ms", escaping), true),
     ] {
-        let reach = Reach::from_system(&scene.system).expect("a free object");
+        let reach = Reach::from_hand(&scene.hand).expect("a free object");
         for model in BOTH_MODELS {
             let (criteria, outcome) = run_with_criteria(&scene, model);
             assert_eq!((criteria.fate, outcome.last.time_s), (Fate::NotGrasped, scene.duration_s), "{model:?}");
@@ -113,7 +113,7 @@ fn the_forces_of_a_held_object_balance() {
 #[test]
 fn a_run_ends_at_the_ejection_for_any_tolerance() {
     let scene = parse_any(BOUNCING_OBJECT, "fates.toml").unwrap_or_else(|error| panic!("{error}"));
-    let reach = Reach::from_system(&scene.system).expect("a free object");
+    let reach = Reach::from_hand(&scene.hand).expect("a free object");
     // The run ends with the object on the boundary of the reach.
     let end_s = |model: Model, scene: &Scene| {
         let (criteria, outcome) = run_with_criteria(scene, model);

@@ -36,8 +36,8 @@ pub fn scene_text(scene: &Scene) -> Cow<'_, str> {
 
 /// Returns the description and system of `as_written` with all settings of `settings_source`.
 fn with_settings_of(as_written: &Scene, settings_source: &Scene) -> Scene {
-    let Scene { description, system, mechanism, .. } = as_written.clone();
-    Scene { description, system, mechanism, ..settings_source.clone() }
+    let Scene { description, hand, mechanism, .. } = as_written.clone();
+    Scene { description, hand, mechanism, ..settings_source.clone() }
 }
 
 /// Name of the metadata record with the result of an accuracy check; absent if the run was not checked.

@@ -55,7 +55,7 @@ impl<W: Write> Writer<W> {
     ) -> Result<Self, SinkError> {
         let mut file = McapFile::start(out, name, run, feed)?;
         let scene = run.scene.clone();
-        let system = &scene.system;
+        let hand = &scene.hand;
         let schema = Schema { has_joint_forces: scene.log.joint_forces, ..Schema::from_scene(&scene) };
         let (subjects, mut channels) = (schema.subjects(), Vec::new());
         for topic in topics(&schema).iter().filter(|topic| topic.is_expected) {
@@ -66,7 +66,7 @@ impl<W: Write> Writer<W> {
         }
         let events = file.register(EVENTS, Some(event_schema()))?;
         let mut start = Sample::new(0.0, schema.counts());
-        for (index, disc) in system.reported_discs().iter().enumerate() {
+        for (index, disc) in hand.reported_discs().iter().enumerate() {
             start.set_body(index, &initial_state(disc));
         }
         for (index, pose) in scene.mechanism.iter().flat_map(drawing::poses_at_start).enumerate() {
@@ -77,7 +77,7 @@ impl<W: Write> Writer<W> {
         let pictures = Pictures::register(&mut file, &drawing, &poses, scene.log.picture_hz)?;
         let lines = file.register(LINES, Log::get_schema())?;
         let drawn_contacts = schema.surfaces().filter(|&contact| schema.contacts[contact].exists).collect();
-        let grasp = (system.fingers.len() == 1).then(GraspState::default);
+        let grasp = (hand.fingers.len() == 1).then(GraspState::default);
         Ok(Writer { file, channels, events, schema, drawn_contacts, pictures, grasp, lines, scene })
     }
 
@@ -132,7 +132,7 @@ impl<W: Write> Sink for Writer<W> {
         if contact.exists {
             let (name, kind) = (&contact.name, contact.kind());
             file.write(self.events, event.time_s, |out| encode_event(event, name, kind, out))?;
-            let display_name = match event.contact < self.scene.system.gripper_contacts().len() {
+            let display_name = match event.contact < self.scene.hand.gripper_contacts().len() {
                 true => display_name(&contact.name),
                 false => contact.name.clone(),
             };

@@ -61,7 +61,7 @@ fn standard_cycle() -> PalmMotion {
 
 /// Finds the start time of the loads and prepares the scene for them.
 pub(super) fn prepare(scene: &Scene, plan: &Plan, keep_running: KeepRunning<'_>) -> Result<PreparedScene, HoldError> {
-    if scene.require_fingers(2)?.system.grasped().motion == DiscMotion::Fixed {
+    if scene.require_fingers(2)?.hand.grasped().motion == DiscMotion::Fixed {
         return Err(HoldError::FixedObject);
     }
     let cycle = scene.cycle();
@@ -69,7 +69,7 @@ pub(super) fn prepare(scene: &Scene, plan: &Plan, keep_running: KeepRunning<'_>)
     if let Some(release_s) = cycle.release_s.filter(|release_s| *release_s <= start_s) {
         return Err(HoldError::ReleasedBeforeLoad { start_s, release_s });
     }
-    let palm_motion = scene.system.palm_motion.clone().unwrap_or_default();
+    let palm_motion = scene.hand.palm_motion.clone().unwrap_or_default();
     let scene_motion = match moves_start(&palm_motion) {
         Some(start_s) => rescale(&palm_motion, 1.0, -start_s),
         None => standard_cycle(),
@@ -78,7 +78,7 @@ pub(super) fn prepare(scene: &Scene, plan: &Plan, keep_running: KeepRunning<'_>)
         Loads::Move => PalmMotion::default(),
         _ => completed_motion(&palm_motion, start_s),
     };
-    let centre_m = scene.system.grasped().centre_m;
+    let centre_m = scene.hand.grasped().centre_m;
     let setup = LoadSetup {
         start_s,
         prior_motion,
@@ -122,7 +122,7 @@ fn load_start(
     if let Some(start_s) = plan.start_s {
         return Ok((start_s, StartReason::Requested));
     }
-    let palm_motion = scene.system.palm_motion.as_ref();
+    let palm_motion = scene.hand.palm_motion.as_ref();
     let blocked_s = cycle.blocked_s.into_iter().flatten().fold(0.0, f64::max);
     if let Some(start_s) = palm_motion.and_then(moves_start) {
         return Ok(match plan.loads {
@@ -178,8 +178,8 @@ fn with_fixed_drives(scene: &Scene, time_s: f64) -> Scene {
         motor.actuation = fixed_actuation(&motor.actuation, time_s);
         motor.brake.iter_mut().for_each(|brake| brake.release_s = brake.release_s.filter(|end_s| *end_s < time_s));
     };
-    fixed.system.fingers.iter_mut().for_each(|finger| fix_motor(&mut finger.motor));
-    fixed.system.differential.iter_mut().for_each(|differential| fix_motor(&mut differential.motor));
+    fixed.hand.fingers.iter_mut().for_each(|finger| fix_motor(&mut finger.motor));
+    fixed.hand.differential.iter_mut().for_each(|differential| fix_motor(&mut differential.motor));
     fixed
 }
 
@@ -223,8 +223,8 @@ pub(super) fn largest_clear_load(prepared: &PreparedScene, plan: &Plan, case: &L
 
 /// Returns whether the object, fixed in the hand, stays clear of the table from the start of the load.
 fn is_clear(prepared: &PreparedScene, load: &Load) -> bool {
-    let Some(table) = &prepared.scene.system.table else { return true };
-    let (object, start_s) = (prepared.scene.system.grasped().placed(), prepared.setup.start_s);
+    let Some(table) = &prepared.scene.hand.table else { return true };
+    let (object, start_s) = (prepared.scene.hand.grasped().placed(), prepared.setup.start_s);
     (0..=CLEARANCE_SAMPLES).all(|index| {
         let time_s = start_s + (load.end_s - start_s) * index as f64 / CLEARANCE_SAMPLES as f64;
         let [_, height, turn] = load.motion.pose(time_s).position;

@@ -239,13 +239,13 @@ impl Sink for GripperSink {
 }
 
 fn run_gripper(study: &Study, scene: &Scene, mut cells: Cells, keep_running: KeepRunning<'_>) -> Option<Row> {
-    cells.set("palm_width_m", scene.system.palm_width_m);
-    cells.set("x_start_m", scene.system.grasped().centre_m[0]);
+    cells.set("palm_width_m", scene.hand.palm_width_m);
+    cells.set("x_start_m", scene.hand.grasped().centre_m[0]);
     // Time-dependent torques are reported at the end of the run.
     let torque_n_m = |actuation: &scene::Profile| actuation.at(scene.duration_s).0;
-    let input_n_m = scene.system.differential.as_ref().map_or(0.0, |input| torque_n_m(&input.motor.actuation));
+    let input_n_m = scene.hand.differential.as_ref().map_or(0.0, |input| torque_n_m(&input.motor.actuation));
     for side in Side::BOTH {
-        let finger = scene.system.finger(side);
+        let finger = scene.hand.finger(side);
         let column = |quantity: &str| format!("{}_{quantity}", side.name());
         cells.set(&column("l21_m"), finger.linkage.lengths.l21_m);
         cells.set(&column("motor_n_m"), torque_n_m(&finger.motor.actuation) + 0.5 * input_n_m);

@@ -12,7 +12,7 @@ use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, angle_between, cross, dot, opening_angle, perp, rotate, scale_by, sub};
 use crate::numeric::{Dual, Real, map_array};
-use crate::scene::{DrivenFinger, FingerContactLaws};
+use crate::scene::{FingerContactLaws, HandFinger};
 use crate::shape::{PlacedShape, Support};
 
 /// Pose of a finger with its passive rates.
@@ -32,8 +32,8 @@ pub(crate) struct FingerModel {
 
 impl FingerModel {
     /// Builds the model under the gravity in the finger's own frame.
-    pub fn new(finger: &DrivenFinger, gravity_m_s2: [f64; 2]) -> Self {
-        let DrivenFinger { linkage, spring, limit, contact, initial, .. } = finger;
+    pub fn new(finger: &HandFinger, gravity_m_s2: [f64; 2]) -> Self {
+        let HandFinger { linkage, spring, limit, contact, initial, .. } = finger;
         let lengths = linkage.lengths;
         let reference = reference_gamma(&lengths);
         let gamma = match linkage.assembly {

@@ -89,7 +89,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     /// # Panics
     ///
     /// Panics if N does not fit the presence of bristles in the scene.
-    pub fn new(system: &scene::System) -> Self {
+    pub fn new(system: &scene::Hand) -> Self {
         assert!(
             Self::HAS_BRISTLES == system.has_stiction() && W == FINGER_COORDINATES + N,
             "N and W must match the finger's coordinates and bristles"
@@ -103,7 +103,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     }
 
     /// Returns the coordinates and rates at the start.
-    pub fn start(system: &scene::System) -> State<N, QUADRATURES> {
+    pub fn start(system: &scene::Hand) -> State<N, QUADRATURES> {
         let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = system.finger(Side::Right).initial;
         State { q: pad([q11_rad, q21_rad]), v: pad([qd11_rad_s, qd21_rad_s]), z: [0.0; QUADRATURES] }
     }

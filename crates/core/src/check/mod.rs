@@ -143,7 +143,7 @@ pub fn check_with_sinks(
         sensitivity,
         chaos_threshold: limit.chaos_threshold,
         limits: ErrorLimits { path: limit.error, ..limits },
-        max_loop_gap_m: ENGINE_LIMITS.path * scene.system.shortest_link_m(),
+        max_loop_gap_m: ENGINE_LIMITS.path * scene.hand.shortest_link_m(),
         // The reference of the analytic model uses another method.
         same_method: reference_model == Model::Engine,
     });

@@ -6,7 +6,7 @@ use crate::invariants::EnergyAudit;
 use crate::mechanism::{Body, JointKind, Mechanism, OutlinePoint, OutlineShape, SpringKind};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::nearest_equivalent_angle;
-use crate::scene::{Integrator, Keyword, Method, Scene, Stepping, System};
+use crate::scene::{Hand, Integrator, Keyword, Method, Scene, Stepping};
 use crate::shape::max_radius;
 use crate::trace::schema::State;
 use crate::trace::{
@@ -221,9 +221,9 @@ pub fn units(scene: &Scene) -> Vec<f64> {
         let centres = mechanism.bodies.iter().flat_map(|_| [unit_m; 2]);
         return joints.chain(centres).chain(mechanism.bodies.iter().map(turn)).collect();
     }
-    let system = &scene.system;
-    let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * system.fingers.len());
-    let objects = system.reported_discs();
+    let hand = &scene.hand;
+    let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * hand.fingers.len());
+    let objects = hand.reported_discs();
     let centres = objects.iter().flat_map(|object| [max_radius(&object.shape); 2]);
     angles.chain(centres).chain(objects.iter().map(|_| 1.0)).collect()
 }
@@ -260,7 +260,7 @@ pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
         perturb_mechanism(mechanism, 1.0 + relative_change);
         return scene;
     }
-    let System { fingers, differential, discs, .. } = &mut scene.system;
+    let Hand { fingers, differential, discs, .. } = &mut scene.hand;
     for (finger, part) in fingers.iter_mut().zip([relative_change, 0.5 * relative_change]) {
         finger.motor.actuation = finger.motor.actuation.scaled(1.0 + part);
     }

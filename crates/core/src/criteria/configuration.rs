@@ -16,11 +16,11 @@ use crate::trace::{ContactSample, FingerState, Sample};
 pub fn grasp_configuration<'a>(scene: &'a Scene, sample: &Sample) -> GraspConfiguration<'a> {
     let angles = |FingerState { q11_rad, q21_rad, .. }: FingerState| [q11_rad, q21_rad];
     GraspConfiguration {
-        fingers: Side::BOTH.map(|side| &scene.system.finger(side).linkage),
+        fingers: Side::BOTH.map(|side| &scene.hand.finger(side).linkage),
         angles_rad: Side::BOTH.map(|side| angles(sample.finger(side as usize))),
-        palm_width_m: scene.system.palm_width_m,
+        palm_width_m: scene.hand.palm_width_m,
         object: PlacedShape {
-            shape: scene.system.grasped().shape,
+            shape: scene.hand.grasped().shape,
             centre_m: sample.body(0).centre_m,
             angle_rad: sample.body(0).angle_rad,
         },
@@ -42,7 +42,7 @@ pub fn normal_forces(sample: &Sample) -> PerContact<f64> {
 /// Returns whether the active contacts of a sample form-close the object with both motors blocked, or with the input of
 /// the differential blocked; `None` if form closure cannot be decided.
 pub fn is_form_closed(scene: &Scene, sample: &Sample) -> Option<bool> {
-    let blocked = if scene.system.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
+    let blocked = if scene.hand.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
     let active = normal_forces(sample).map(|normal_n| normal_n > 0.0);
     gripper_closure(&grasp_configuration(scene, sample), &active, blocked).ok().map(|closure| closure.closed)
 }
@@ -50,14 +50,14 @@ pub fn is_form_closed(scene: &Scene, sample: &Sample) -> Option<bool> {
 /// Returns the static friction coefficients of phalanges and palm.
 pub(crate) fn friction_coefficients(scene: &Scene) -> PerContact<f64> {
     let palm =
-        scene.system.law(GripperContact::Palm).and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
-    PerContact { phalanges: Side::BOTH.map(|side| scene.system.finger(side).contact.mu_static()), palm }
+        scene.hand.law(GripperContact::Palm).and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
+    PerContact { phalanges: Side::BOTH.map(|side| scene.hand.finger(side).contact.mu_static()), palm }
 }
 
 /// Returns the force closure by the active contacts of phalanges and palm in a sample, independent of their forces.
 pub fn sample_force_closure(scene: &Scene, sample: &Sample) -> ForceClosure {
     let is_active = |_, contact: &ContactSample| contact.normal_n > 0.0;
-    selected_force_closure(&friction_coefficients(scene), max_radius(&scene.system.grasped().shape), sample, is_active)
+    selected_force_closure(&friction_coefficients(scene), max_radius(&scene.hand.grasped().shape), sample, is_active)
 }
 
 /// Returns the force closure by the contacts of phalanges and palm that a predicate selects. `object_m` is the distance
@@ -122,7 +122,7 @@ pub(crate) fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'
 
 /// Returns the gripper at rest with its active contacts; `None` if its object is fixed.
 pub(crate) fn hand_at_rest<'a>(scene: &'a Scene, grasp: &GraspState<'a>, mode: DriveMode) -> Option<HandAtRest<'a>> {
-    let DiscMotion::Free { mass_kg, .. } = scene.system.grasped().motion else { return None };
+    let DiscMotion::Free { mass_kg, .. } = scene.hand.grasped().motion else { return None };
     let GraspState { configuration, active, at_limit, time_s } = *grasp;
     let drive = |motor: &Motor, weights: [f64; 2]| Drive {
         weights,
@@ -135,22 +135,22 @@ pub(crate) fn hand_at_rest<'a>(scene: &'a Scene, grasp: &GraspState<'a>, mode: D
             }
         },
     };
-    let drives = match &scene.system.differential {
+    let drives = match &scene.hand.differential {
         Some(differential) => vec![drive(&differential.motor, [0.5, 0.5])],
         None => vec![
-            drive(&scene.system.finger(Side::Right).motor, [1.0, 0.0]),
-            drive(&scene.system.finger(Side::Left).motor, [0.0, 1.0]),
+            drive(&scene.hand.finger(Side::Right).motor, [1.0, 0.0]),
+            drive(&scene.hand.finger(Side::Left).motor, [0.0, 1.0]),
         ],
     };
-    let (sin, cos) = sin_cos(scene.system.palm_motion.as_ref().map_or(0.0, |motion| motion.pose(time_s).position[2]));
+    let (sin, cos) = sin_cos(scene.hand.palm_motion.as_ref().map_or(0.0, |motion| motion.pose(time_s).position[2]));
     Some(HandAtRest {
         configuration,
         friction: friction_coefficients(scene).zip_with(active, |mu, is_active| is_active.then_some(mu)),
         limits: at_limit,
-        springs: Side::BOTH.map(|side| scene.system.finger(side).spring),
+        springs: Side::BOTH.map(|side| scene.hand.finger(side).spring),
         drives,
         mass_kg,
-        gravity_m_s2: rotate(scene.system.gravity_m_s2, [cos, -sin]),
+        gravity_m_s2: rotate(scene.hand.gravity_m_s2, [cos, -sin]),
     })
 }
 

@@ -474,9 +474,9 @@ impl GraspTracker {
         Self::new(Setup {
             thresholds,
             cycle: scene.cycle(),
-            reach: Reach::from_system(&scene.system),
+            reach: Reach::from_hand(&scene.hand),
             friction: friction_coefficients(scene),
-            object_m: shape::max_radius(&scene.system.grasped().shape),
+            object_m: shape::max_radius(&scene.hand.grasped().shape),
             closure_interval_s: thresholds.held_time_s.max(CLOSURE_INTERVAL_FRACTION * scene.duration_s),
         })
     }

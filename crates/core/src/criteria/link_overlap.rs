@@ -79,13 +79,13 @@ struct Axis {
 impl LinkOverlaps {
     /// Creates the check for runs of a gripper; `None` for other kinds of scene.
     pub fn for_scene(scene: &Scene) -> Option<Self> {
-        let system = &scene.system;
-        (system.fingers.len() == 2).then(|| LinkOverlaps {
-            lengths: Side::BOTH.map(|side| system.finger(side).linkage.lengths),
-            palm_width_m: system.palm_width_m,
-            has_palm: system.palm.is_some(),
-            table_m: system.table.map(|table| table.level_m),
-            palm_motion: system.palm_motion.clone(),
+        let hand = &scene.hand;
+        (hand.fingers.len() == 2).then(|| LinkOverlaps {
+            lengths: Side::BOTH.map(|side| hand.finger(side).linkage.lengths),
+            palm_width_m: hand.palm_width_m,
+            has_palm: hand.palm.is_some(),
+            table_m: hand.table.map(|table| table.level_m),
+            palm_motion: hand.palm_motion.clone(),
             interval_s: scene.duration_s / CHECKS_PER_RUN,
             next_check_s: 0.0,
             unchecked_sample: None,

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::gripper::{Lengths, Posture, close_loop, final_posture, link_outline, tip_outline};
 use crate::numeric::elementary::{cos, sin, sin_cos};
-use crate::scene::{ContactId, Disc, DrivenFinger, PalmMotion, Scene, Side, System};
+use crate::scene::{ContactId, Disc, Hand, HandFinger, PalmMotion, Scene, Side};
 pub use mechanism::poses_at_start;
 
 use crate::shape::{self, circle_radius};
@@ -119,18 +119,18 @@ impl Drawing {
         if let Some(mechanism) = &scene.mechanism {
             return mechanism::drawing(mechanism);
         }
-        let system = &scene.system;
-        let mut bodies = plane_bodies(system);
-        bodies.extend(system.discs.iter().map(|disc| Body {
+        let hand = &scene.hand;
+        let mut bodies = plane_bodies(hand);
+        bodies.extend(hand.discs.iter().map(|disc| Body {
             name: disc.name.clone(),
             role: BodyRole::Object,
             fixed: !disc.motion.moves(),
             shapes: vec![Shape::from_shape(&disc.shape)],
             marks_m: vec![[0.0; 2]],
         }));
-        for (side, finger) in system.fingers_by_side() {
+        for (side, finger) in hand.fingers_by_side() {
             bodies.extend(link_bodies(&finger.linkage.lengths).map(|body| Body {
-                name: if system.fingers.len() == 1 { body.name } else { format!("{}_{}", side.name(), body.name) },
+                name: if hand.fingers.len() == 1 { body.name } else { format!("{}_{}", side.name(), body.name) },
                 shapes: match side {
                     Side::Right => body.shapes,
                     Side::Left => body.shapes.into_iter().map(Shape::mirrored).collect(),
@@ -138,11 +138,11 @@ impl Drawing {
                 ..body
             }));
         }
-        let (arrow_m_per_n, longest_arrow_m) = arrow_scale(system);
-        let is_surface = |contact: &ContactId| !contact.is_stop() && system.contact_laws(*contact).is_some();
-        let contacts = system.contact_ids().into_iter().filter(is_surface);
-        let contacts = contacts.map(|contact| system.contact_name(contact)).collect();
-        Drawing { contacts, arrow_m_per_n, longest_arrow_m, extent_m: view_extent(system, &bodies), bodies }
+        let (arrow_m_per_n, longest_arrow_m) = arrow_scale(hand);
+        let is_surface = |contact: &ContactId| !contact.is_stop() && hand.contact_laws(*contact).is_some();
+        let contacts = hand.contact_ids().into_iter().filter(is_surface);
+        let contacts = contacts.map(|contact| hand.contact_name(contact)).collect();
+        Drawing { contacts, arrow_m_per_n, longest_arrow_m, extent_m: view_extent(hand, &bodies), bodies }
     }
 
     /// Signed length of the arrow of a force.
@@ -168,20 +168,20 @@ pub fn poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
         return mechanism::poses(mechanism, sample);
     }
     let postures: Vec<Posture> = sample.fingers().map(posture).collect();
-    poses_at(&scene.system, sample.time_s, sample.bodies().map(pose), &postures)
+    poses_at(&scene.hand, sample.time_s, sample.bodies().map(pose), &postures)
 }
 
 /// Poses of the bodies with the fingers in these postures and everything else at its start.
 pub fn poses_for_postures(scene: &Scene, postures: &[Posture]) -> Vec<Pose> {
-    poses_at(&scene.system, 0.0, scene.system.reported_discs().iter().map(pose_at_start), postures)
+    poses_at(&scene.hand, 0.0, scene.hand.reported_discs().iter().map(pose_at_start), postures)
 }
 
 /// `reported` are the poses of the discs that samples contain.
-fn poses_at(system: &System, time_s: f64, reported: impl Iterator<Item = Pose>, postures: &[Posture]) -> Vec<Pose> {
-    let mut poses: Vec<Pose> = plane_poses(system, time_s).map(|(pose, _)| pose).collect();
-    poses.extend(unreported_discs(system).map(pose_at_start).chain(reported));
-    for ((side, finger), posture) in system.fingers_by_side().zip(postures) {
-        let half_palm_m = 0.5 * system.palm_width_m;
+fn poses_at(hand: &Hand, time_s: f64, reported: impl Iterator<Item = Pose>, postures: &[Posture]) -> Vec<Pose> {
+    let mut poses: Vec<Pose> = plane_poses(hand, time_s).map(|(pose, _)| pose).collect();
+    poses.extend(unreported_discs(hand).map(pose_at_start).chain(reported));
+    for ((side, finger), posture) in hand.fingers_by_side().zip(postures) {
+        let half_palm_m = 0.5 * hand.palm_width_m;
         poses.extend(link_poses(&finger.linkage.lengths, posture).map(|pose| {
             let [x, y] = pose.position_m;
             let angle_rad = if side == Side::Right { pose.angle_rad } else { PI - pose.angle_rad };
@@ -196,15 +196,15 @@ pub fn velocities(scene: &Scene, sample: &Sample) -> Vec<Pose> {
     if let Some(mechanism) = &scene.mechanism {
         return mechanism::velocities(mechanism, sample);
     }
-    let system = &scene.system;
-    let mut velocities: Vec<Pose> = plane_poses(system, sample.time_s).map(|(_, motion)| motion).collect();
-    velocities.extend(unreported_discs(system).map(|_| Pose::default()));
+    let hand = &scene.hand;
+    let mut velocities: Vec<Pose> = plane_poses(hand, sample.time_s).map(|(_, motion)| motion).collect();
+    velocities.extend(unreported_discs(hand).map(|_| Pose::default()));
     velocities.extend(
         sample
             .bodies()
             .map(|BodyState { velocity_m_s, spin_rad_s, .. }| Pose { position_m: velocity_m_s, angle_rad: spin_rad_s }),
     );
-    for ((side, finger), state) in system.fingers_by_side().zip(sample.fingers()) {
+    for ((side, finger), state) in hand.fingers_by_side().zip(sample.fingers()) {
         velocities.extend(link_velocities(&finger.linkage.lengths, &state).map(|motion| {
             let [x, y] = motion.position_m;
             Pose { position_m: [side.mirror() * x, y], angle_rad: side.mirror() * motion.angle_rad }
@@ -214,8 +214,8 @@ pub fn velocities(scene: &Scene, sample: &Sample) -> Vec<Pose> {
 }
 
 /// Discs that samples do not contain because they are fixed.
-fn unreported_discs(system: &System) -> impl Iterator<Item = &Disc> {
-    system.discs[..system.discs.len() - system.reported_discs().len()].iter()
+fn unreported_discs(hand: &Hand) -> impl Iterator<Item = &Disc> {
+    hand.discs[..hand.discs.len() - hand.reported_discs().len()].iter()
 }
 
 /// Pose of a disc at the start.
@@ -225,13 +225,13 @@ fn pose_at_start(disc: &Disc) -> Pose {
 
 /// Lower left and upper right corner of everything except half planes, with a margin of a tenth, at the start and, if the
 /// fingers can close on the object, in their grasp.
-fn view_extent(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
+fn view_extent(hand: &Hand, bodies: &[Body]) -> [[f64; 2]; 2] {
     // A start whose loop does not close fails before the first step; the straight finger stands in for it.
     let upright = Posture { q11_rad: 0.0, q21_rad: 0.5 * PI, q12_rad: 0.0, q22_rad: 0.0 };
-    let postures = system.fingers_by_side().map(|(side, DrivenFinger { linkage, initial, .. })| {
+    let postures = hand.fingers_by_side().map(|(side, HandFinger { linkage, initial, .. })| {
         let start = close_loop(&linkage.lengths, linkage.assembly, initial.q11_rad, initial.q21_rad).unwrap_or(upright);
-        let grasp = system.object().and_then(|object| {
-            let object_in_finger_frame = object.placed().in_finger_frame(side.mirror(), 0.5 * system.palm_width_m);
+        let grasp = hand.object().and_then(|object| {
+            let object_in_finger_frame = object.placed().in_finger_frame(side.mirror(), 0.5 * hand.palm_width_m);
             final_posture(&linkage.lengths, linkage.assembly, object_in_finger_frame).ok()
         });
         (start, grasp.map_or(start, |end| end.posture))
@@ -243,7 +243,7 @@ fn view_extent(system: &System, bodies: &[Body]) -> [[f64; 2]; 2] {
         high = [high[0].max(x + radius), high[1].max(y + radius)];
     };
     for postures in [start, end] {
-        let poses = poses_at(system, 0.0, system.reported_discs().iter().map(pose_at_start), &postures);
+        let poses = poses_at(hand, 0.0, hand.reported_discs().iter().map(pose_at_start), &postures);
         for (pose, shape) in
             bodies.iter().zip(poses).flat_map(|(body, pose)| body.shapes.iter().map(move |s| (pose, s)))
         {
@@ -315,7 +315,7 @@ fn link_velocities(lengths: &Lengths, finger: &FingerState) -> [Pose; 4] {
 }
 
 /// Returns the existing planes, in the order of their poses.
-fn plane_bodies(system: &System) -> Vec<Body> {
+fn plane_bodies(hand: &Hand) -> Vec<Body> {
     let plane = |name: &str, fixed: bool, level_m: f64| Body {
         name: name.to_string(),
         role: BodyRole::Palm,
@@ -323,16 +323,16 @@ fn plane_bodies(system: &System) -> Vec<Body> {
         shapes: vec![Shape::HalfPlane { level_m }],
         marks_m: Vec::new(),
     };
-    let palm = system.palm.map(|palm| plane("palm", true, palm.level_m));
+    let palm = hand.palm.map(|palm| plane("palm", true, palm.level_m));
     // The pose contains the level.
-    let table = system.table.map(|_| plane("table", system.palm_motion.is_none(), 0.0));
+    let table = hand.table.map(|_| plane("table", hand.palm_motion.is_none(), 0.0));
     palm.into_iter().chain(table).collect()
 }
 
 /// Poses and velocities of the planes.
-fn plane_poses(system: &System, time_s: f64) -> impl Iterator<Item = (Pose, Pose)> {
-    let palm = system.palm.map(|_| (Pose::default(), Pose::default()));
-    palm.into_iter().chain(system.table.map(|surface| table(surface.level_m, system.palm_motion.as_ref(), time_s)))
+fn plane_poses(hand: &Hand, time_s: f64) -> impl Iterator<Item = (Pose, Pose)> {
+    let palm = hand.palm.map(|_| (Pose::default(), Pose::default()));
+    palm.into_iter().chain(hand.table.map(|surface| table(surface.level_m, hand.palm_motion.as_ref(), time_s)))
 }
 
 /// Pose and velocity of a table, solid above its level, which is at rest in the world while the palm moves. The origin
@@ -348,12 +348,12 @@ fn table(level_m: f64, palm: Option<&PalmMotion>, time_s: f64) -> (Pose, Pose) {
 
 /// Arrow length per newton, and the largest arrow length. The arrow of a usual force is about half as long as a
 /// phalanx.
-fn arrow_scale(system: &System) -> (f64, f64) {
+fn arrow_scale(hand: &Hand) -> (f64, f64) {
     // The largest torque on a driven link.
-    let motors = system.fingers.iter().map(|finger| finger.motor.actuation.largest());
-    let input = system.differential.as_ref().map(|input| 0.5 * input.motor.actuation.largest());
+    let motors = hand.fingers.iter().map(|finger| finger.motor.actuation.largest());
+    let input = hand.differential.as_ref().map(|input| 0.5 * input.motor.actuation.largest());
     let torque_n_m = motors.chain(input).fold(0.0, f64::max);
-    let lengths = &system.finger(Side::Right).linkage.lengths;
+    let lengths = &hand.finger(Side::Right).linkage.lengths;
     let typical_n = torque_n_m / lengths.l11_m;
     (0.5 * lengths.l21_m / if typical_n > 0.0 { typical_n } else { 1.0 }, lengths.l21_m)
 }

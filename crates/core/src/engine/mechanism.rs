@@ -26,7 +26,7 @@ pub fn build_plan(scene: &Scene) -> Result<Plan, String> {
     let start = assemble(&mechanism).map_err(|error| error.to_string())?;
     let mut plan = build_mechanism_plan(&mechanism, &start)?;
     if scene.mechanism.is_none() {
-        let (surfaces, limits) = scene.system.contact_channels();
+        let (surfaces, limits) = scene.hand.contact_channels();
         plan.contact_channels.iter_mut().for_each(|channel| *channel = surfaces[*channel]);
         plan.stop_channels = limits;
     }

@@ -50,8 +50,7 @@ const MAX_ANCHOR_ITERATIONS: u32 = 4;
 /// Error of the anchor correction, in step tolerances, below which its iteration stops.
 const ANCHOR_TOLERANCE: f64 = 0.1;
 
-/// Opening (m, rad) up to which a joint is closed: far above the rounding of a step, and far below the steps of the smallest
-/// scenes.
+/// Opening (m, rad) up to which a joint is closed, far below any tolerance.
 const CLOSED: f64 = 1e-15;
 
 /// Impulses of rapier's own contact in one step, for scenes that select it.
@@ -609,6 +608,11 @@ impl Motion {
             let inverse = [inertia.inverse_mass, inertia.inverse_mass, inertia.inverse_inertia];
             *predicted = std::array::from_fn(|axis| mean[axis] + inverse[axis] * impulse[axis]);
         }
+    }
+
+    /// Calls rapier's solver in every step.
+    pub fn call_solver_always(&mut self) {
+        self.max_opening = -1.0;
     }
 
     /// Returns the largest joint opening, m, at the predicted mean velocities, and the part not compensated by anchors.

@@ -214,7 +214,7 @@ fn contacts(finger: &Finger, object: &PlacedShape, end: &FinalPosture) -> [Conta
 
 fn palm(scene: &Scene, object: &PlacedShape) -> Palm {
     let gap_m = object.lowest_point_m()[1];
-    match scene.system.palm.is_some() {
+    match scene.hand.palm.is_some() {
         false => Palm::None,
         true if gap_m.abs() <= PALM_TOLERANCE_M => Palm::Resting,
         true if gap_m > 0.0 => Palm::Separated { gap_m },

@@ -131,7 +131,7 @@ pub fn gripper_grasp(
     keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Result<GripperGrasp, GripperGraspError> {
     let name = || scene.name.clone();
-    let DiscMotion::Free { mass_kg, .. } = scene.require_fingers(2)?.system.grasped().motion else {
+    let DiscMotion::Free { mass_kg, .. } = scene.require_fingers(2)?.hand.grasped().motion else {
         return Err(GripperGraspError::Fixed { scene: name() });
     };
     let statics_error = |error| GripperGraspError::Statics { scene: name(), error };
@@ -144,10 +144,10 @@ pub fn gripper_grasp(
                 error,
             };
             let angles_rad = geometric_posture(scene).map_err(not_reached)?;
-            (PostureSource::Geometric, rest_sample(scene, angles_rad, scene.system.grasped().centre_m)?)
+            (PostureSource::Geometric, rest_sample(scene, angles_rad, scene.hand.grasped().centre_m)?)
         }
         PostureRequest::Explicit(ExplicitPosture { angles_rad, object_m, .. }) => {
-            let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(scene.system.grasped().centre_m[axis]));
+            let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(scene.hand.grasped().centre_m[axis]));
             (PostureSource::Explicit, rest_sample(scene, angles_rad, centre_m)?)
         }
     };
@@ -171,7 +171,7 @@ pub fn gripper_grasp(
     if contacts.is_empty() {
         return Err(no_contact(scene, source));
     }
-    let differential = scene.system.differential.as_ref().map(|_| Blocked::Input);
+    let differential = scene.hand.differential.as_ref().map(|_| Blocked::Input);
     let closures = [Blocked::Outputs].into_iter().chain(differential);
     let hand = |mode| hand_at_rest(scene, &state, mode).ok_or(GripperGraspError::Fixed { scene: name() });
     let hands =
@@ -230,7 +230,7 @@ fn run_posture(
 fn rest_sample(scene: &Scene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -> Result<Sample, GripperGraspError> {
     let mut fingers = Vec::with_capacity(2);
     for side in Side::BOTH {
-        let (finger, [q11, q21]) = (&scene.system.finger(side).linkage, angles_rad[side as usize]);
+        let (finger, [q11, q21]) = (&scene.hand.finger(side).linkage, angles_rad[side as usize]);
         let posture = close_loop(&finger.lengths, finger.assembly, q11, q21)
             .map_err(|error| GripperGraspError::Statics { scene: scene.name.clone(), error: error.into() })?;
         fingers.push(FingerState {
@@ -242,7 +242,7 @@ fn rest_sample(scene: &Scene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -> 
             ..FingerState::default()
         });
     }
-    let bodies = vec![BodyState { centre_m, angle_rad: scene.system.grasped().angle_rad, ..BodyState::default() }];
+    let bodies = vec![BodyState { centre_m, angle_rad: scene.hand.grasped().angle_rad, ..BodyState::default() }];
     let contacts = vec![trace::ContactSample::NONE; GripperContact::ALL.len()];
     Ok(Sample::of(scene.duration_s, &fingers, &bodies, &contacts))
 }
@@ -250,13 +250,13 @@ fn rest_sample(scene: &Scene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -> 
 /// Returns which phalanges, and whether the palm, have a gap of at most `within_m` to the object.
 fn contacts_within(scene: &Scene, points: &PerContact<ContactPoint>, within_m: f64) -> PerContact<bool> {
     let is_near = points.map(|point| point.gap_m <= within_m);
-    PerContact { palm: is_near.palm && scene.system.palm.is_some(), ..is_near }
+    PerContact { palm: is_near.palm && scene.hand.palm.is_some(), ..is_near }
 }
 
 /// Returns whether the joint limits of a posture are reached, right and left.
 fn limits_reached(scene: &Scene, sample: &Sample) -> [bool; 2] {
     Side::BOTH.map(|side| {
-        let finger = scene.system.finger(side);
+        let finger = scene.hand.finger(side);
         let angle_from_straight_rad = sample.finger(side as usize).q22_rad + finger.linkage.lengths.phi22_rad;
         finger.limit.is_some() && angle_from_straight_rad <= STRAIGHT_TOLERANCE_RAD
     })
@@ -282,7 +282,7 @@ fn contact_label(id: GripperContact) -> String {
 
 /// Returns the contacts of the hand in the scene: phalanges and palm.
 fn hand_contacts(scene: &Scene) -> impl Iterator<Item = GripperContact> {
-    let has_palm = scene.system.palm.is_some();
+    let has_palm = scene.hand.palm.is_some();
     GripperContact::ALL.into_iter().filter(move |id| match id {
         GripperContact::Finger(_, contact) => *contact != FingerContact::Limit,
         GripperContact::Palm => has_palm,
@@ -367,11 +367,11 @@ fn friction_case(
 /// # Errors
 /// Returns the first finger that does not reach around the object, and the reason.
 pub fn geometric_posture(scene: &Scene) -> Result<[[f64; 2]; 2], (Side, GraspError)> {
-    let object = scene.system.grasped().placed();
+    let object = scene.hand.grasped().placed();
     let mut angles_rad = [[0.0; 2]; 2];
     for side in Side::BOTH {
-        let finger = &scene.system.finger(side).linkage;
-        let object_in_finger_frame = object.in_finger_frame(side.mirror(), 0.5 * scene.system.palm_width_m);
+        let finger = &scene.hand.finger(side).linkage;
+        let object_in_finger_frame = object.in_finger_frame(side.mirror(), 0.5 * scene.hand.palm_width_m);
         let end =
             final_posture(&finger.lengths, finger.assembly, object_in_finger_frame).map_err(|error| (side, error))?;
         angles_rad[side as usize] = [end.posture.q11_rad, end.posture.q21_rad];

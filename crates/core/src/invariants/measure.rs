@@ -4,7 +4,7 @@ use super::{Finding, Invariant, Tolerances, update_max};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{hypot, pow};
-use crate::scene::{ContactId, DiscMotion, Scene, System};
+use crate::scene::{ContactId, DiscMotion, Hand, Scene};
 use crate::trace::{ContactSample, Energy, Model, Sample, Sink, SinkError};
 
 /// Tolerance for limits that hold in exact arithmetic; relative rounding error of the exchanged momentum.
@@ -77,14 +77,14 @@ struct Violation {
 impl Invariants {
     /// Measures a run of `scene` with `model`, with the tolerances of its settings.
     pub fn new(model: Model, scene: &Scene) -> Self {
-        let system = &scene.system;
+        let hand = &scene.hand;
         // Discs have no joints that could open.
-        let has_joints = !system.fingers.is_empty() || scene.mechanism.is_some();
+        let has_joints = !hand.fingers.is_empty() || scene.mechanism.is_some();
         let loop_gap_m = if has_joints { scene.bounds.loop_gap_m } else { 0.0 };
         let tolerances = Tolerances::for_settings(model, &scene.integrator, &scene.engine, loop_gap_m);
         // Momentum is not conserved in a moving frame. The engine's forces are averages over steps, so their impulses
         // between samples are not known accurately enough.
-        let free_object = object(system).filter(|_| system.palm_motion.is_none() && model == Model::Analytic);
+        let free_object = object(hand).filter(|_| hand.palm_motion.is_none() && model == Model::Analytic);
         Self {
             model,
             tolerances,
@@ -266,7 +266,7 @@ const LIMIT_ARM_M: f64 = 0.1;
 
 /// Returns the contacts of a scene, in the order of its samples.
 fn monitored_contacts(scene: &Scene) -> Vec<MonitoredContact> {
-    let system = &scene.system;
+    let hand = &scene.hand;
     let monitored =
         |name: String, (law, friction): (NormalLaw, Option<FrictionLaw>), depth, reach_m| MonitoredContact {
             name,
@@ -291,25 +291,25 @@ fn monitored_contacts(scene: &Scene) -> Vec<MonitoredContact> {
         return points.chain(limits).collect();
     }
     let contact = |id: ContactId| {
-        let name = system.contact_name(id);
+        let name = hand.contact_name(id);
         let ContactId::Stop(side) = id else {
-            return system.contact_laws(id).map(|laws| monitored(name, laws, Invariant::Penetration, 1.0));
+            return hand.contact_laws(id).map(|laws| monitored(name, laws, Invariant::Penetration, 1.0));
         };
-        let (law, reach_m) = (system.finger(side).limit?, system.finger(side).linkage.lengths.l22_m);
+        let (law, reach_m) = (hand.finger(side).limit?, hand.finger(side).linkage.lengths.l22_m);
         Some(monitored(name, (law, None), Invariant::JointLimit, reach_m))
     };
-    system.contact_ids().into_iter().filter_map(contact).collect()
+    hand.contact_ids().into_iter().filter_map(contact).collect()
 }
 
 /// Returns a free object that is the only disc, and the friction law of every contact.
-fn object(system: &System) -> Option<(FreeBody, Vec<Option<FrictionLaw>>)> {
-    let object = system.object().filter(|_| system.discs.len() == 1)?;
+fn object(hand: &Hand) -> Option<(FreeBody, Vec<Option<FrictionLaw>>)> {
+    let object = hand.object().filter(|_| hand.discs.len() == 1)?;
     let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = object.motion else {
         return None;
     };
-    let friction = |id: ContactId| system.contact_laws(id).and_then(|(_, friction)| friction);
-    let friction_laws = system.contact_ids().into_iter().map(friction);
-    Some((FreeBody { mass_kg, inertia_kg_m2, gravity_m_s2: system.gravity_m_s2 }, friction_laws.collect()))
+    let friction = |id: ContactId| hand.contact_laws(id).and_then(|(_, friction)| friction);
+    let friction_laws = hand.contact_ids().into_iter().map(friction);
+    Some((FreeBody { mass_kg, inertia_kg_m2, gravity_m_s2: hand.gravity_m_s2 }, friction_laws.collect()))
 }
 
 /// Number of values that are not finite. An infinite gap belongs to a missing contact and does not count.

@@ -13,7 +13,7 @@ use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
 use crate::integrator::Hybrid;
 #[cfg(not(feature = "lists"))]
 use crate::mechanism::Mechanism;
-use crate::scene::{Integrator, Motor, Scene, Side, System};
+use crate::scene::{Hand, Integrator, Motor, Scene, Side};
 
 /// Builds the stepper of a scene.
 struct StepperBuilder<'a> {
@@ -44,15 +44,15 @@ pub(super) fn build_analytic(scene: &Scene, recording: RecordingOptions) -> Resu
 ///
 /// # Errors
 /// Returns an error if the scene has more discs or pairs than the model supports or is unsupported
-/// ([`System::unsupported`](crate::scene::System::unsupported)).
+/// ([`Hand::unsupported`](crate::scene::Hand::unsupported)).
 pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     if let Some(mechanism) = &scene.mechanism {
         return build_mechanism(scene, mechanism, user);
     }
-    let system = &scene.system;
-    match (scene.finger_count(), system.has_stiction()) {
-        (1, true) if fits_finger_kernel(system) => build_finger::<4, 6, U>(scene, user),
-        (1, false) if fits_finger_kernel(system) => build_finger::<2, 4, U>(scene, user),
+    let hand = &scene.hand;
+    match (scene.finger_count(), hand.has_stiction()) {
+        (1, true) if fits_finger_kernel(hand) => build_finger::<4, 6, U>(scene, user),
+        (1, false) if fits_finger_kernel(hand) => build_finger::<2, 4, U>(scene, user),
         (2, _) => build_gripper(scene, user),
         _ => build_general(scene, user),
     }
@@ -61,8 +61,8 @@ pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Ou
 /// Two fingers with at most one object, which has six contacts with phalanges, palm and table: 4, 7 or 8
 /// coordinates, or 16 with bristle states.
 fn build_gripper<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
-    let system = &scene.system;
-    match (system.discs.len(), count_bristles(system), Size::of_system(system).coordinates) {
+    let hand = &scene.hand;
+    match (hand.discs.len(), count_bristles(hand), Size::of_hand(hand).coordinates) {
         (0 | 1, 0, 4) => build_multibody::<4, 8, 10, 24, U>(scene, 1.0, user),
         (0 | 1, 0, 7) => build_multibody::<7, 8, 10, 24, U>(scene, 1.0, user),
         (0 | 1, 0, 8) => build_multibody::<8, 8, 10, 24, U>(scene, 1.0, user),
@@ -74,7 +74,7 @@ fn build_gripper<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, Run
 /// Any other system that fits the largest kernel.
 #[cfg(feature = "lists")]
 fn build_general<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
-    let (size, has_stiction) = (Size::of_system(&scene.system), scene.system.has_stiction());
+    let (size, has_stiction) = (Size::of_hand(&scene.hand), scene.hand.has_stiction());
     let max_size = MAX_SIZES[usize::from(has_stiction)];
     // Unused coordinates have no errors; scaled tolerances compensate for their share in the mean over all coordinates.
     let tolerance_scale = (size.coordinates as f64 / max_size.coordinates as f64).sqrt();
@@ -107,19 +107,19 @@ fn build_general<U: KernelUser>(_: &Scene, _: U) -> Result<U::Output, RunError> 
 
 /// Whether the system is one finger that closes on fixed surfaces, driven by a torque alone; the finger kernel supports
 /// nothing else.
-fn fits_finger_kernel(system: &System) -> bool {
-    let motor = &system.finger(Side::Right).motor;
+fn fits_finger_kernel(hand: &Hand) -> bool {
+    let motor = &hand.finger(Side::Right).motor;
     let is_torque_driven = *motor == Motor::from_actuation(motor.actuation.clone());
-    system.discs.iter().all(|disc| !disc.motion.moves())
-        && system.discs.len() < 2
-        && system.palm_motion.is_none()
+    hand.discs.iter().all(|disc| !disc.motion.moves())
+        && hand.discs.len() < 2
+        && hand.palm_motion.is_none()
         && is_torque_driven
 }
 
 /// A scene with the finger kernel.
 fn build_finger<const N: usize, const W: usize, U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
-    let kernel = FingerMotion::<N, W>::new(&scene.system);
-    let state = FingerMotion::<N, W>::start(&scene.system);
+    let kernel = FingerMotion::<N, W>::new(&scene.hand);
+    let state = FingerMotion::<N, W>::start(&scene.hand);
     let start = Start { kernel, state, settings: scene.integrator, reach: None };
     Ok(user.use_kernel::<_, N, QUADRATURES, EVENT_FUNCTIONS>(start))
 }
@@ -138,7 +138,7 @@ fn build_multibody<const N: usize, const C: usize, const Z: usize, const G: usiz
         rtol: tolerance_scale * requested.rtol,
         ..*requested
     };
-    let kernel = Multibody::<N, C>::new(&scene.system);
-    let (state, reach) = (kernel.start::<Z>(&scene.system), Reach::from_system(&scene.system));
+    let kernel = Multibody::<N, C>::new(&scene.hand);
+    let (state, reach) = (kernel.start::<Z>(&scene.hand), Reach::from_hand(&scene.hand));
     Ok(user.use_kernel::<_, N, Z, G>(Start { kernel, state, settings, reach }))
 }

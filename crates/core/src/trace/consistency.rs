@@ -2,7 +2,6 @@
 
 use super::Energy;
 use super::schema::State;
-use crate::mechanism::Mechanism;
 use crate::scene::{Scene, Stepping};
 
 /// Limits for adaptive steps: joint opening relative to the shortest link, and created energy relative to the supplied
@@ -34,9 +33,7 @@ pub(super) struct ConsistencyCheck {
 impl ConsistencyCheck {
     pub fn new(scene: &Scene, start: Energy) -> Self {
         let limits = if let Stepping::Adaptive { .. } = scene.engine.stepping { ADAPTIVE } else { FIXED };
-        let shortest_link_m =
-            scene.mechanism.as_ref().map_or_else(|| scene.system.shortest_link_m(), Mechanism::shortest_link_m);
-        Self { limits, shortest_link_m, start, input_j: 0.0 }
+        Self { limits, shortest_link_m: scene.shortest_link_m(), start, input_j: 0.0 }
     }
 
     /// Checks the energies after a step of `dt_s` and the largest joint opening; returns the reason if the motion is

@@ -32,7 +32,7 @@ fn planned_joint(sample: &Sample, joint: usize) -> usize {
 
 /// Body of the plan of each body of a sample, or the disc that does not move.
 fn reported_bodies<'a>(scene: &'a Scene, sample: &Sample) -> impl Iterator<Item = Result<usize, &'a Disc>> + use<'a> {
-    let (discs, mut next) = (scene.system.reported_discs(), LINKS * scene.system.fingers.len());
+    let (discs, mut next) = (scene.hand.reported_discs(), LINKS * scene.hand.fingers.len());
     (0..sample.counts().bodies).map(move |index| match discs.get(index) {
         Some(disc) if !disc.motion.moves() => Err(disc),
         _ => {
@@ -51,7 +51,7 @@ pub(super) fn read_state(scene: &Scene, motion: &Motion, sample: &mut Sample) {
         let (angle_rad, rate_rad_s) = (coordinate.value(state.0), coordinate.row(state.0).rate(state.1));
         sample.set_joint(index, &JointState { angle_rad, rate_rad_s, ..sample.joint_state(index) });
     }
-    for (finger, (_, of)) in scene.system.fingers_by_side().enumerate() {
+    for (finger, (_, of)) in scene.hand.fingers_by_side().enumerate() {
         // Angles of bodies count whole turns, but the passive angles of the analytic model do not.
         for (joint, lowest_rad) in [(Q12, -PI), (Q22, -FRAC_PI_2 - of.linkage.lengths.phi22_rad)] {
             let index = FINGER_PINS * finger + joint;
@@ -149,9 +149,9 @@ pub(super) fn flipped_normals(scene: &Scene) -> Vec<bool> {
             .chain(mechanism.limits().iter().map(|_| false))
             .collect();
     }
-    let system = &scene.system;
+    let hand = &scene.hand;
     let is_plane = |id: &ContactId| matches!(id, ContactId::Palm(_) | ContactId::Table(_));
-    system.contact_ids().iter().map(|id| !system.fingers.is_empty() && is_plane(id)).collect()
+    hand.contact_ids().iter().map(|id| !hand.fingers.is_empty() && is_plane(id)).collect()
 }
 
 /// Returns the stored energies of the node.

@@ -63,7 +63,7 @@ impl EngineRecorderState {
             joint_forces,
             grid: Grid::new(span),
             end_s: span.end_s,
-            reach: Reach::from_system(&scene.system).filter(|_| ends_at_exit),
+            reach: Reach::from_hand(&scene.hand).filter(|_| ends_at_exit),
             ejected_s: None,
             last,
             node: Sample::default(),

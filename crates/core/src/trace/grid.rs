@@ -23,8 +23,8 @@ impl Span {
     /// Returns duration and sampling rate of a scene.
     pub fn from_scene(scene: &Scene) -> Self {
         // The object of a gripper is at rest in the grasp for most of a run.
-        let is_thinned = scene.system.fingers.len() > 1;
-        let is_refined = !scene.system.fingers.is_empty();
+        let is_thinned = scene.hand.fingers.len() > 1;
+        let is_refined = !scene.hand.fingers.is_empty();
         Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz, is_thinned, is_refined }
     }
 }

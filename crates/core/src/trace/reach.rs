@@ -2,7 +2,7 @@
 
 use super::{BodyState, Sample};
 use crate::numeric::elementary::hypot;
-use crate::scene::{Side, System};
+use crate::scene::{Hand, Side};
 use crate::shape;
 
 /// Tolerance of the boundary, as a fraction of the largest finger reach.
@@ -21,11 +21,11 @@ pub struct Reach {
 impl Reach {
     /// Returns the region that the fingers of a system can reach; `None` if the scene is not a gripper or its object is
     /// fixed.
-    pub fn from_system(system: &System) -> Option<Self> {
-        let object = system.moving_object().filter(|_| system.fingers.len() == 2)?;
-        let half_m = 0.5 * system.palm_width_m;
+    pub fn from_hand(hand: &Hand) -> Option<Self> {
+        let object = hand.moving_object().filter(|_| hand.fingers.len() == 2)?;
+        let half_m = 0.5 * hand.palm_width_m;
         let radius_m = |side| {
-            let lengths = &system.finger(side).linkage.lengths;
+            let lengths = &hand.finger(side).linkage.lengths;
             lengths.l21_m + lengths.t22_m + lengths.half_width_m
         };
         Some(Self {

@@ -272,7 +272,7 @@ impl Sample {
 
     /// Returns a contact. Contacts of every finger come first, in the order of [`FingerContact::ALL`], with the limit in
     /// rad, rad/s, N·m and N·m·s; then one contact for each pair of discs
-    /// ([`System::pairs`](crate::scene::System::pairs)): forces on the first disc of the pair, normal from the other disc
+    /// ([`System::pairs`](crate::scene::Hand::pairs)): forces on the first disc of the pair, normal from the other disc
     /// to it.
     pub fn contact(&self, index: usize) -> ContactSample {
         self.state(self.counts.contact(index))

@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use crate::mechanism::{Joint, JointKind, Mechanism};
-use crate::scene::{Disc, GripperContact, Scene, Side, System};
+use crate::scene::{Disc, GripperContact, Hand, Scene, Side};
 
 /// Rule for values between two samples. `rate` is the index of the rate among the quantities of the subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -472,10 +472,10 @@ impl ContactName {
 const TIME: &str = "time_s";
 
 impl Schema {
-    /// Returns the schema of a scene. Contacts are in the order of [`System::contact_ids`]; in a mechanism those of
+    /// Returns the schema of a scene. Contacts are in the order of [`Hand::contact_ids`]; in a mechanism those of
     /// [`Mechanism::point_contacts`] come first, and [`Mechanism::limits`] follow.
     pub fn from_scene(scene: &Scene) -> Self {
-        scene.mechanism.as_ref().map_or_else(|| Self::from_system(&scene.system), Self::from_mechanism)
+        scene.mechanism.as_ref().map_or_else(|| Self::from_hand(&scene.hand), Self::from_mechanism)
     }
 
     fn from_mechanism(mechanism: &Mechanism) -> Self {
@@ -506,20 +506,20 @@ impl Schema {
         }
     }
 
-    fn from_system(system: &System) -> Self {
-        let gripper_contacts = system.gripper_contacts();
+    fn from_hand(hand: &Hand) -> Self {
+        let gripper_contacts = hand.gripper_contacts();
         let contact = |(index, id)| ContactName {
-            name: system.contact_name(id),
+            name: hand.contact_name(id),
             is_angular: id.is_stop(),
             exists: match gripper_contacts.get(index) {
-                Some(&id) => system.has_contact(id),
-                None => system.contact_laws(id).is_some(),
+                Some(&id) => hand.has_contact(id),
+                None => hand.contact_laws(id).is_some(),
             },
         };
         Self {
-            bodies: system.reported_discs().iter().map(|disc| disc.name.clone()).collect(),
-            contacts: system.contact_ids().into_iter().enumerate().map(contact).collect(),
-            ..Self::from_finger_count(system.fingers.len())
+            bodies: hand.reported_discs().iter().map(|disc| disc.name.clone()).collect(),
+            contacts: hand.contact_ids().into_iter().enumerate().map(contact).collect(),
+            ..Self::from_finger_count(hand.fingers.len())
         }
     }
 

@@ -339,12 +339,12 @@ impl Simulation {
 /// The scene with a motor on each finger that no differential drives. The engine model has no actuator where the motor is
 /// [`Motor::NONE`].
 fn with_motors(scene: &Scene) -> Cow<'_, Scene> {
-    let fingers = &scene.system.fingers;
-    if scene.system.differential.is_some() || fingers.iter().all(|finger| finger.motor != Motor::NONE) {
+    let fingers = &scene.hand.fingers;
+    if scene.hand.differential.is_some() || fingers.iter().all(|finger| finger.motor != Motor::NONE) {
         return Cow::Borrowed(scene);
     }
     let mut scene = scene.clone();
-    for finger in scene.system.fingers.iter_mut().filter(|finger| finger.motor == Motor::NONE) {
+    for finger in scene.hand.fingers.iter_mut().filter(|finger| finger.motor == Motor::NONE) {
         let (points, interpolation) = (vec![(0.0, 0.0)], Interpolation::Step);
         finger.motor.actuation = Profile::Table { points, interpolation };
     }
@@ -374,8 +374,8 @@ fn inputs(scene: &Scene, schema: &Schema) -> Vec<Input> {
         requested: None,
         target_rate: None,
     };
-    let fingers = &scene.system.fingers;
-    match &scene.system.differential {
+    let fingers = &scene.hand.fingers;
+    match &scene.hand.differential {
         Some(differential) => vec![input(0, "motor", &differential.motor)],
         None => {
             let named = schema.actuators.iter().zip(fingers).enumerate();

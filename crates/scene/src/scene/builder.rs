@@ -1,11 +1,11 @@
-//! The mechanism of a system of fingers and discs.
+//! The mechanism of a hand, and of discs.
 //!
 //! Bodies are the links of the fingers, the moving discs in their order, and a moving palm; fixed discs and planes are
 //! outlines of the ground. The joints of a finger have the angles of the thesis as coordinates, q11, q12, q21 and q22;
 //! q13 closes the loop. A left finger is the mirror image of a right one: its joints connect the same bodies in the
 //! opposite order, so that its coordinates are the angles in the mirrored finger.
 
-use super::system::{ContactId, Differential, Disc, DiscMotion, DrivenFinger, Motor, Side, System};
+use super::hand::{ContactId, Differential, Disc, DiscMotion, Hand, HandFinger, Motor, Side};
 use crate::gripper::{FingerContact, Lengths, Placement, Posture, Spring, SpringKind, close_loop, straight_posture};
 use crate::law::ContactLaw;
 use crate::mechanism::{
@@ -40,8 +40,8 @@ pub enum OpenLoop {
     OneOfTwo(Side),
 }
 
-impl System {
-    /// Returns the mechanism of the system, with poses and rates at the start in closed form.
+impl Hand {
+    /// Returns the mechanism of the hand, with poses and rates at the start in closed form.
     ///
     /// # Errors
     /// Returns an error if the initial angles of a finger do not close its loop.
@@ -149,7 +149,7 @@ impl System {
         ids.filter_map(|(channel, id)| Some((channel, id, law(&id)?))).collect()
     }
 
-    /// Returns the channels, in samples, of the contacts of [`System::mechanism`], then of its limits.
+    /// Returns the channels, in samples, of the contacts of [`Hand::mechanism`], then of its limits.
     pub fn contact_channels(&self) -> (Vec<usize>, Vec<usize>) {
         let has_limit = |id: &ContactId| matches!(id, ContactId::Stop(side) if self.finger(*side).limit.is_some());
         let ids = self.contact_ids();
@@ -207,11 +207,11 @@ struct Mount {
 /// Adds links, joints, spring, motor and limit of a finger; `None` if its angles do not close the loop.
 fn add_finger(
     mechanism: &mut Mechanism,
-    driven: &DrivenFinger,
+    driven: &HandFinger,
     mount: &Mount,
     name: &dyn Fn(&str) -> String,
 ) -> Option<()> {
-    let DrivenFinger { linkage: finger, initial, motor, .. } = driven;
+    let HandFinger { linkage: finger, initial, motor, .. } = driven;
     let (lengths, mirror, ground_m) = (&finger.lengths, mount.mirror, [mount.mirror * mount.half_palm_m, 0.0]);
     let (first_body, first_joint) = (mechanism.bodies.len(), mechanism.joints.len());
     let posture = close_loop(lengths, finger.assembly, initial.q11_rad, initial.q21_rad).ok()?;

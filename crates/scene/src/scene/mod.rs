@@ -14,13 +14,14 @@
 //! | `check`, `error` | collecting, showing and locating problems |
 //! | `show` | a scene → a complete scene file |
 //! | `template` | the common part of all designs of a study |
-//! | `system` | [`System`], a design of fingers and discs, and its possible contacts |
-//! | `builder` | the mechanism of a system |
+//! | `hand` | [`Hand`], a design of five-bar fingers with their object, and its possible contacts |
+//! | `builder` | the mechanism of a hand, and of discs |
 
 mod builder;
 pub mod check;
 mod compose;
 pub mod error;
+mod hand;
 pub mod keys;
 pub mod keywords;
 pub mod parse;
@@ -31,7 +32,6 @@ pub mod section;
 mod section_input;
 pub mod sections;
 mod show;
-mod system;
 mod template;
 pub mod toml_value;
 pub mod value;
@@ -41,6 +41,10 @@ pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration
 pub use builder::OpenLoop;
 pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
+pub use hand::{
+    ContactId, Differential, Disc, DiscMotion, FingerContactLaws, GripperContact, HalfPlane, Hand, HandFinger, Initial,
+    Motor, Side,
+};
 pub use keys::closest_match;
 use keywords::SceneKind;
 pub use parse::{parse, parse_any, parse_template};
@@ -51,10 +55,6 @@ pub use sections::{
     Stepping, Thresholds,
 };
 pub use show::{show, show_written};
-pub use system::{
-    ContactId, Differential, Disc, DiscMotion, DrivenFinger, FingerContactLaws, GripperContact, HalfPlane, Initial,
-    Motor, Side, System,
-};
 pub use template::Template;
 
 pub use crate::gripper::{Placement, Spring, SpringKind};
@@ -72,7 +72,7 @@ pub struct Scene {
     /// The exact text of the file, for the attachment of the log.
     pub source: String,
     /// Fingers and their object; empty in other scenes.
-    pub system: System,
+    pub hand: Hand,
     /// The mechanism of a scene without fingers.
     pub mechanism: Option<Mechanism>,
     pub duration_s: f64,
@@ -87,7 +87,7 @@ pub struct Scene {
 impl Scene {
     /// Number of five-bar fingers.
     pub fn finger_count(&self) -> usize {
-        self.system.fingers.len()
+        self.hand.fingers.len()
     }
 
     /// Whether bodies are connected by joints.
@@ -102,8 +102,13 @@ impl Scene {
     pub fn mechanism(&self) -> Result<Cow<'_, Mechanism>, OpenLoop> {
         match &self.mechanism {
             Some(mechanism) => Ok(Cow::Borrowed(mechanism)),
-            None => self.system.mechanism().map(Cow::Owned),
+            None => self.hand.mechanism().map(Cow::Owned),
         }
+    }
+
+    /// Length of the shortest link, m; infinite without links.
+    pub fn shortest_link_m(&self) -> f64 {
+        self.mechanism.as_ref().map_or_else(|| self.hand.shortest_link_m(), Mechanism::shortest_link_m)
     }
 
     /// Returns the single finger, or the right finger of a gripper.
@@ -111,28 +116,28 @@ impl Scene {
     /// # Panics
     /// Panics if there are no fingers: check [`Scene::finger_count`] first.
     #[inline]
-    pub fn finger(&self) -> &DrivenFinger {
-        &self.system.fingers[0]
+    pub fn finger(&self) -> &HandFinger {
+        &self.hand.fingers[0]
     }
 
     /// Mutable access to [`Scene::finger`].
     ///
     /// # Panics
     /// Panics if there are no fingers.
-    pub fn finger_mut(&mut self) -> &mut DrivenFinger {
-        &mut self.system.fingers[0]
+    pub fn finger_mut(&mut self) -> &mut HandFinger {
+        &mut self.hand.fingers[0]
     }
 
     /// Returns the object that fingers grasp.
     #[inline]
     pub fn object(&self) -> Option<&Disc> {
-        self.system.object()
+        self.hand.object()
     }
 
     /// Returns a copy with another palm motion and duration.
     pub fn with_palm_motion(&self, palm_motion: Option<PalmMotion>, duration_s: f64) -> Self {
         let mut moved = self.clone();
-        (moved.system.palm_motion, moved.duration_s) = (palm_motion, duration_s);
+        (moved.hand.palm_motion, moved.duration_s) = (palm_motion, duration_s);
         moved
     }
 
@@ -147,7 +152,7 @@ impl Scene {
                 let reference = self.integrator.with_preset(preset);
                 let range_m_s = match &self.mechanism {
                     Some(mechanism) => mechanism.narrowest_slip_range_m_s(),
-                    None => self.system.narrowest_slip_range_m_s(),
+                    None => self.hand.narrowest_slip_range_m_s(),
                 };
                 let resolved = 1e-5 * range_m_s;
                 Integrator { atol_rate_rad_s: reference.atol_rate_rad_s.min(resolved), ..reference }
@@ -195,12 +200,12 @@ pub struct Cycle {
 impl Scene {
     /// Returns the grasp cycle of a gripper.
     pub fn cycle(&self) -> Cycle {
-        let input = self.system.differential.as_ref().map(|differential| &differential.motor);
+        let input = self.hand.differential.as_ref().map(|differential| &differential.motor);
         let motors: Vec<&Motor> =
-            input.into_iter().chain(self.system.fingers.iter().map(|finger| &finger.motor)).collect();
+            input.into_iter().chain(self.hand.fingers.iter().map(|finger| &finger.motor)).collect();
         let engaged_s = |motor: &Motor| motor.brake.map(|brake| brake.start_s + brake.rise_s);
-        let blocked_s = [0, 1].map(|side: usize| engaged_s(input.unwrap_or(&self.system.fingers[side].motor)));
-        let motion = self.system.palm_motion.as_ref();
+        let blocked_s = [0, 1].map(|side: usize| engaged_s(input.unwrap_or(&self.hand.fingers[side].motor)));
+        let motion = self.hand.palm_motion.as_ref();
         let motion_start_s = motion.map(|motion| motion.start_s()).filter(|start| *start < self.duration_s);
         let closes = |t: f64| {
             motors.iter().any(|motor| {

@@ -18,7 +18,7 @@ use super::sections::{
     mechanism, motion, run, start,
 };
 use super::template::{self, Template};
-use super::{Differential, DiscMotion, DrivenFinger, FingerContactLaws, HalfPlane, Motor, Scene, Side, System};
+use super::{Differential, DiscMotion, FingerContactLaws, HalfPlane, Hand, HandFinger, Motor, Scene, Side};
 use crate::shape;
 
 /// Parses, checks and resolves the scene of a finger; `file_name` appears in messages and gives the default name.
@@ -115,23 +115,23 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
     }
     let duration_s = root.is_valid("duration").then_some(*settings.duration);
     let outline = bodies::object_outline(&root);
-    let (mut system, mut mechanism) = match input.kind {
+    let (mut hand, mut mechanism) = match input.kind {
         SceneKind::Mechanism => {
             let gravity_m_s2 = settings.gravity.map(|component| *component);
-            (Some(System::EMPTY), mechanism::mechanism(input, &root, gravity_m_s2).map(Some))
+            (Some(Hand::EMPTY), mechanism::mechanism(input, &root, gravity_m_s2).map(Some))
         }
-        _ => (system(input, &root, &settings), Some(None)),
+        _ => (hand(input, &root, &settings), Some(None)),
     };
     // With an object that is no disc, the scene is one of a mechanism.
     let is_outlined = outline.as_ref().is_some_and(Option::is_some);
     let kind = if is_outlined { SceneKind::Mechanism } else { input.kind };
     let of_run = root.with_schema(kind, top_level(kind));
     let integrator = run::integrator(&of_run.subsection("integrator"));
-    let engine = run::engine(&of_run.subsection("engine"), system.as_ref());
+    let engine = run::engine(&of_run.subsection("engine"), hand.as_ref());
     let bounds = run::bounds(&of_run.subsection("validate"), duration_s);
-    let thresholds = run::thresholds(&of_run.subsection("criteria"), system.as_ref(), duration_s);
+    let thresholds = run::thresholds(&of_run.subsection("criteria"), hand.as_ref(), duration_s);
     let log = run::log(&root.subsection("log"), duration_s);
-    match (outline?, system.as_mut().filter(|_| checker.is_clean())) {
+    match (outline?, hand.as_mut().filter(|_| checker.is_clean())) {
         (Some((outline, inertia)), Some(of_discs)) => {
             if of_discs.palm_motion.is_some() {
                 let section = root.subsection("object").subsection("outline");
@@ -141,7 +141,7 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
                 return section.refuse("", message, "with a moving palm", help);
             }
             match of_discs.mechanism_with_object(&outline, inertia) {
-                Ok(found) => (*of_discs, mechanism) = (System::EMPTY, Some(Some(found))),
+                Ok(found) => (*of_discs, mechanism) = (Hand::EMPTY, Some(Some(found))),
                 Err(error) => {
                     let help =
                         "give other angles in [initial], or remove the section, so that they follow from the object";
@@ -153,7 +153,7 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
             // Initial positions are checked only if everything else is valid.
             bodies::check_initial_positions(&root, of_discs);
             mechanism = Some(of_discs.mechanism().ok());
-            *of_discs = System::EMPTY;
+            *of_discs = Hand::EMPTY;
         }
         _ => {}
     }
@@ -162,7 +162,7 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
         kind,
         description: settings.description.unwrap_or_default(),
         source: checker.text.to_string(),
-        system: system?,
+        hand: hand?,
         mechanism: mechanism?,
         duration_s: duration_s?,
         integrator,
@@ -179,8 +179,8 @@ fn stem(file_name: &str) -> String {
     if stem.trim().is_empty() { "scene".into() } else { stem.into_owned() }
 }
 
-/// Resolves the system; `None` if any part is invalid.
-fn system(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings) -> Option<System> {
+/// Resolves the hand, or the discs of a scene without fingers; `None` if any part is invalid.
+fn hand(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings) -> Option<Hand> {
     let gravity_m_s2 = settings.gravity.map(|component| *component);
     let given = bodies::object(root);
     let object = &given.0;
@@ -201,7 +201,7 @@ fn system(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings)
     let differential_settings = section.is_present().then(|| section.read::<DifferentialSettings>());
     let differential_settings = differential_settings.filter(|settings| settings.present);
     let curvature_m = shape::curvature_radius(&object.shape);
-    let (mut sizings, mut fingers): (Vec<SizingResult>, Vec<Option<DrivenFinger>>) = Default::default();
+    let (mut sizings, mut fingers): (Vec<SizingResult>, Vec<Option<HandFinger>>) = Default::default();
     for ((side, finger), (lengths, target)) in
         input.sides().iter().zip(&fingers_input).zip(finger_lengths.iter().zip(&targets))
     {
@@ -245,7 +245,7 @@ fn system(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings)
     };
     let [palm, table] = [(levels[0], palm_law), (levels[1], table_law)]
         .map(|(level, contact)| level.map(|level_m| HalfPlane { level_m, contact }));
-    Some(System {
+    Some(Hand {
         fingers: fingers.into_iter().collect::<Option<_>>()?,
         palm_width_m: palm_width_m?,
         differential: differential?,
@@ -267,7 +267,7 @@ fn driven_finger(
     has_motor: bool,
     curvature_m: f64,
     target: Option<&Target>,
-) -> (SizingResult, Option<DrivenFinger>) {
+) -> (SizingResult, Option<HandFinger>) {
     let linkage = finger::linkage(input, lengths);
     let finger_and_target = linkage.as_ref().zip(target);
     let sized = drive::size(input, lengths, finger_and_target, gravity_m_s2);
@@ -278,7 +278,7 @@ fn driven_finger(
     let (proximal, distal) = (contact.law_of("proximal"), contact.law_of("distal"));
     let initial = start::initial(input, lengths, finger_and_target, limit);
     let finger = || {
-        Some(DrivenFinger {
+        Some(HandFinger {
             linkage: linkage?,
             motor: motor?,
             spring: spring?,

@@ -13,7 +13,7 @@ use super::schema::top_level;
 use super::section::{Key, Section};
 use super::sections::{bodies, drive, law, list, mechanism, motion, table};
 use super::value::ValueType;
-use super::{Bounds, Differential, DrivenFinger, Keyword, Scene, System, parse_any};
+use super::{Bounds, Differential, Hand, HandFinger, Keyword, Scene, parse_any};
 use crate::gripper::{Body, Lengths};
 use crate::law::ContactLaw;
 use crate::units::{self, Dimension, number};
@@ -35,17 +35,17 @@ pub fn show(scene: &Scene) -> String {
 
 /// The settings of a scene as simulated, by section, in SI units.
 fn resolved(scene: &Scene) -> Table {
-    let system = &scene.system;
+    let hand = &scene.hand;
     // A program may have shortened the run.
     let validate = Bounds { until_s: scene.bounds.until_s.min(scene.duration_s), ..scene.bounds };
-    let gravity: Vec<f64> = scene.mechanism.as_ref().map_or(system.gravity_m_s2, |of| of.gravity_m_s2).into();
+    let gravity: Vec<f64> = scene.mechanism.as_ref().map_or(hand.gravity_m_s2, |of| of.gravity_m_s2).into();
     let mut file = table([
         ("name", scene.name.as_str().into()),
         ("kind", scene.kind.keyword().into()),
         ("duration", scene.duration_s.into()),
         ("gravity", gravity.into()),
-        ("palm", system.palm.is_some().into()),
-        ("palm_width", system.palm_width_m.into()),
+        ("palm", hand.palm.is_some().into()),
+        ("palm_width", hand.palm_width_m.into()),
         ("integrator", serialized(&scene.integrator)),
         ("engine", serialized(&scene.engine)),
         ("validate", serialized(&validate)),
@@ -62,24 +62,24 @@ fn resolved(scene: &Scene) -> Table {
         });
         return file;
     }
-    match &system.fingers[..] {
+    match &hand.fingers[..] {
         [] => {}
         [first, others @ ..] => {
-            file.insert("object".into(), bodies::object_settings(system.object()).into());
-            let has_motor = system.differential.is_none();
+            file.insert("object".into(), bodies::object_settings(hand.object()).into());
+            let has_motor = hand.differential.is_none();
             if others.iter().all(|finger| finger == first) {
                 file.extend(finger(first, has_motor));
             } else {
-                for (side, driven) in system.fingers_by_side() {
+                for (side, driven) in hand.fingers_by_side() {
                     file.insert(side.name().into(), finger(driven, has_motor).into());
                 }
             }
             if !others.is_empty() {
-                add_gripper(&mut file, system);
+                add_gripper(&mut file, hand);
             }
         }
     }
-    file.extend(system.palm_motion.iter().flat_map(motion::palm_motion_settings));
+    file.extend(hand.palm_motion.iter().flat_map(motion::palm_motion_settings));
     file
 }
 
@@ -87,8 +87,8 @@ fn serialized(section: &impl Serialize) -> Value {
     Value::try_from(section).unwrap_or_else(|_| Table::new().into())
 }
 
-fn finger(finger: &DrivenFinger, has_motor: bool) -> Table {
-    let DrivenFinger { linkage, contact: laws, initial, .. } = finger;
+fn finger(finger: &HandFinger, has_motor: bool) -> Table {
+    let HandFinger { linkage, contact: laws, initial, .. } = finger;
     let Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m } = linkage.lengths;
     let lengths = [l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad].map(Value::from);
     let lengths = ["l11", "l12", "l21", "l22", "t22", "phi22"].map(String::from).into_iter().zip(lengths);
@@ -128,22 +128,22 @@ fn finger(finger: &DrivenFinger, has_motor: bool) -> Table {
 }
 
 /// Adds table, differential, and the contacts with palm and table of a gripper.
-fn add_gripper(file: &mut Table, system: &System) {
-    let level_m = system.table.map_or(f64::NAN, |table| table.level_m);
-    let mut differential = table([("present", system.differential.is_some().into())]);
-    if let Some(Differential { motor, seesaw_inertia_kg_m2 }) = &system.differential {
+fn add_gripper(file: &mut Table, hand: &Hand) {
+    let level_m = hand.table.map_or(f64::NAN, |table| table.level_m);
+    let mut differential = table([("present", hand.differential.is_some().into())]);
+    if let Some(Differential { motor, seesaw_inertia_kg_m2 }) = &hand.differential {
         let [input, seesaw] = [motor.inertia_kg_m2, *seesaw_inertia_kg_m2].map(Value::from);
         differential.extend(table([("input_inertia", input), ("seesaw_inertia", seesaw)]));
         file.insert("motor".into(), drive::motor_settings(motor, 0.0).into());
     }
     file.insert("differential".into(), differential.into());
-    let present = system.table.is_some().into();
+    let present = hand.table.is_some().into();
     file.insert("table".into(), table([("present", present), ("level", level_m.into())]).into());
     // Fingers that differ would inherit the keys of a common friction law.
-    let first = system.fingers[0].contact.proximal;
+    let first = hand.fingers[0].contact.proximal;
     let common = if file.contains_key("contact") { first } else { ContactLaw { friction: None, ..first } };
     let laws = file.entry("contact").or_insert_with(|| law::contact_settings(&common).into());
-    for (key, plane) in [("palm", system.palm), ("table", system.table)] {
+    for (key, plane) in [("palm", hand.palm), ("table", hand.table)] {
         let law = plane.and_then(|plane| plane.contact).filter(|law| *law != common);
         let law = law.map(|law| (key.to_string(), Value::from(law::contact_settings(&law))));
         laws.as_table_mut().into_iter().for_each(|laws| laws.extend(law.clone()));

@@ -99,7 +99,7 @@ fn resolve(input: &SectionInput<'_>, scene: &Scene) -> Option<Template> {
         overrides,
         assembly: settings.assembly,
         opening_rad: *initial.read::<InitialSettings>().offset?,
-        gravity_m_s2: scene.system.gravity_m_s2,
+        gravity_m_s2: scene.hand.gravity_m_s2,
         closing_s: settings.closing_s,
         rule: settings.rule,
         mu_static: scene.finger().contact.mu_static(),

@@ -71,8 +71,8 @@ pub(super) fn shown_contacts(
             schema.surfaces().map(single).collect()
         }
     };
-    if scene.system.fingers.len() == 1 {
-        all.retain(|_| scene.system.object().is_some());
+    if scene.hand.fingers.len() == 1 {
+        all.retain(|_| scene.hand.object().is_some());
         return all;
     }
     let closes = |contact: &ShownContact| {
@@ -87,7 +87,7 @@ pub(super) fn shown_contacts(
 /// Name of a contact of samples. Keys become words; names given by the user are unchanged.
 pub(super) fn display_name(scene: &Scene, schema: &Schema, contact: usize) -> String {
     let name = &schema.contacts[contact].name;
-    if scene.system.fingers.is_empty() { name.clone() } else { name.replace('_', " ") }
+    if scene.hand.fingers.is_empty() { name.clone() } else { name.replace('_', " ") }
 }
 
 /// The pairs of outlines of a mechanism. The first outline of a pair is that of a link rather than of an object, and of

@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 use super::contacts::ShownContact;
 use crate::mechanism::Mechanism;
 use crate::numeric::plane::wrap_angle;
-use crate::scene::{GripperContact, Scene, System};
+use crate::scene::{GripperContact, Hand, Scene};
 use crate::trace::schema::{JointName, SubjectKind};
 use crate::trace::{Sample, Schema};
 
@@ -121,17 +121,17 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
     if let Some(mechanism) = &scene.mechanism {
         return mechanism_panels(mechanism, schema, contacts);
     }
-    let system = &scene.system;
+    let hand = &scene.hand;
     let contact = |title, unit, key, rate| PanelPlan {
         scale: Scale::Logarithmic,
         ..panel(title, unit, contact_curves(contacts, key, rate))
     };
-    let object: Vec<Item> = system.moving_object().iter().map(|object| (object.name.clone(), String::new())).collect();
+    let object: Vec<Item> = hand.moving_object().iter().map(|object| (object.name.clone(), String::new())).collect();
     let body = |title, unit, quantities: &[Quantity]| {
         panel(title, unit, curves(schema, SubjectKind::Body, &object, quantities))
     };
-    let has_friction = |contact: &GripperContact| system.law(*contact).is_some_and(|law| law.friction.is_some());
-    let [angles, rates, torques] = finger_panels(system, schema);
+    let has_friction = |contact: &GripperContact| hand.law(*contact).is_some_and(|law| law.friction.is_some());
+    let [angles, rates, torques] = finger_panels(hand, schema);
     let mut panels = vec![
         contact("Normal force", "N", "normal_n", None),
         contact("Friction force", "N", "tangential_n", None),
@@ -144,7 +144,7 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
         energy_panel(schema, true),
         torques,
     ];
-    if !system.gripper_contacts().iter().any(has_friction) {
+    if !hand.gripper_contacts().iter().any(has_friction) {
         panels.remove(1);
     }
     panels.retain(|panel| !panel.curves.is_empty());
@@ -166,16 +166,16 @@ fn energy_panel(schema: &Schema, has_joints: bool) -> PanelPlan {
         ("balance", "balance_j", None),
     ];
     quantities.retain(|(name, ..)| has_joints || *name != "spring");
-    let system = [("energy".to_string(), String::new())];
-    panel("Energy", "J", curves(schema, SubjectKind::Energy, &system, &quantities))
+    let hand = [("energy".to_string(), String::new())];
+    panel("Energy", "J", curves(schema, SubjectKind::Energy, &hand, &quantities))
 }
 
 /// Joints whose angles and rates are shown.
 const JOINTS: [&str; 3] = ["q11", "q21", "q22"];
 
 /// Panels of joint angles, joint rates and torques. A single finger has no label.
-fn finger_panels(system: &System, schema: &Schema) -> [PanelPlan; 3] {
-    let is_single = system.fingers.len() == 1;
+fn finger_panels(hand: &Hand, schema: &Schema) -> [PanelPlan; 3] {
+    let is_single = hand.fingers.len() == 1;
     let named = |finger: &str, part: &str| if is_single { part.to_string() } else { format!("{finger}_{part}") };
     // Curves of all three joints of a finger, then of the next finger.
     let of_joints = |labels: [&'static str; 3], key: &'static str, rate: Option<&'static str>| -> Vec<Curve> {
@@ -191,7 +191,7 @@ fn finger_panels(system: &System, schema: &Schema) -> [PanelPlan; 3] {
     let rates = of_joints(["qd11", "qd21", "qd22"], "rate_rad_s", None);
     let motors: Vec<Item> = schema.fingers.iter().map(|finger| (named(finger, "motor"), finger.clone())).collect();
     let mut torques = curves(schema, SubjectKind::Actuator, &motors, &[("motor", "torque_n_m", None)]);
-    let limited = system.fingers_by_side().zip(&schema.fingers).filter(|((_, finger), _)| finger.limit.is_some());
+    let limited = hand.fingers_by_side().zip(&schema.fingers).filter(|((_, finger), _)| finger.limit.is_some());
     let limits: Vec<Item> = limited.map(|(_, finger)| (named(finger, "limit"), finger.clone())).collect();
     let limit = |quantity: Quantity| curves(schema, SubjectKind::Limit, &limits, &[quantity]);
     if is_single {

@@ -66,7 +66,7 @@ pub fn grasp(scene: &Scene, found: &Grasp, picture_format: PictureFormat) -> Str
     });
     let title = format!("{}: the grasp at rest{friction}; forces on the object", found.scene);
     picture_format.picture(&title, height, |svg| {
-        if scene.system.palm.is_some() {
+        if scene.hand.palm.is_some() {
             palm(svg, &view, centre[0]);
         }
         for (outline, fill) in &rest {
@@ -224,7 +224,7 @@ pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureForma
         curves,
         directions: ["right", "down, out of the palm", "left", "up"],
         drawn: "the gripper, in the same directions",
-        palm: scene.system.palm.is_some().then(|| max_radius(&scene.system.grasped().shape)),
+        palm: scene.hand.palm.is_some().then(|| max_radius(&scene.hand.grasped().shape)),
     };
     plot.draw(scene, &found.sample, picture_format)
 }

@@ -127,7 +127,7 @@ impl RunReport {
         let (engine, outcome) = (model == Model::Engine, data.outcome);
         let (schema, count) = (Schema::from_scene(scene), scene.finger_count());
         let (finger, gripper) = (count == 1, count == 2);
-        let palm = scene.system.palm_motion.as_ref();
+        let palm = scene.hand.palm_motion.as_ref();
         let criteria = data.criteria.filter(|_| error.is_none());
         RunReport {
             scene: scene.name.clone(),

@@ -6,7 +6,7 @@ use crate::analytic::mode::Mode;
 use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
 use crate::law::{Bristle, FrictionLaw, FrictionRange, NormalLaw};
-use crate::scene::{Brake, Disc, DiscMotion, Motor, Profile, Side, System};
+use crate::scene::{Brake, Disc, DiscMotion, Hand, Motor, Profile, Side};
 use crate::shape::Shape;
 
 /// Constant data of a finger, and indices of its contacts.
@@ -307,10 +307,10 @@ pub enum TooLarge {
 }
 
 impl Size {
-    pub(crate) fn of_system(system: &System) -> Self {
-        let time = usize::from(system.palm_motion.is_some());
-        let positions = 2 * system.fingers.len() + 3 * count_moving(system) + time;
-        Self { coordinates: positions + count_bristles(system), contacts: system.contact_ids().len() }
+    pub(crate) fn of_hand(hand: &Hand) -> Self {
+        let time = usize::from(hand.palm_motion.is_some());
+        let positions = 2 * hand.fingers.len() + 3 * count_moving(hand) + time;
+        Self { coordinates: positions + count_bristles(hand), contacts: hand.contact_ids().len() }
     }
 
     /// Whether this size is within `capacity`.
@@ -323,16 +323,16 @@ impl Size {
 const MAX_MOVING_DISCS: usize = 3;
 
 /// How many discs of a system move.
-fn count_moving(system: &System) -> usize {
-    system.discs.iter().filter(|disc| disc.motion.moves()).count()
+fn count_moving(hand: &Hand) -> usize {
+    hand.discs.iter().filter(|disc| disc.motion.moves()).count()
 }
 
 /// How many bristles the contacts and brakes of a system have.
-pub(crate) fn count_bristles(system: &System) -> usize {
-    let contacts = system.contact_ids();
-    let bristles = contacts.iter().filter_map(|contact| system.contact_laws(*contact)?.1?.bristle).count();
-    let input = system.differential.iter().map(|differential| &differential.motor);
-    let motors = system.fingers.iter().map(|finger| &finger.motor).chain(input);
+pub(crate) fn count_bristles(hand: &Hand) -> usize {
+    let contacts = hand.contact_ids();
+    let bristles = contacts.iter().filter_map(|contact| hand.contact_laws(*contact)?.1?.bristle).count();
+    let input = hand.differential.iter().map(|differential| &differential.motor);
+    let motors = hand.fingers.iter().map(|finger| &finger.motor).chain(input);
     bristles + motors.filter(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some())).count()
 }
 
@@ -345,7 +345,7 @@ const MAX_BRISTLE_PAIRS: [usize; MAX_MOVING_DISCS + 1] = [0, 4, 6, 9];
 /// Number of coordinates over which errors are averaged in systems without fingers: all positions, and the largest
 /// number of bristles allowed for this number of discs. If only existing bristles counted, a wheel that starts to roll
 /// would take 333 steps instead of 33 (scenes/laws/bristle-rolls).
-pub(super) fn error_coordinates(system: &System) -> usize {
-    let moving_discs = count_moving(system);
-    3 * moving_discs + if system.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { 0 }
+pub(super) fn error_coordinates(hand: &Hand) -> usize {
+    let moving_discs = count_moving(hand);
+    3 * moving_discs + if hand.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { 0 }
 }

@@ -17,8 +17,8 @@ mod model;
 use crate::analytic::finger_events::first_impact_step;
 use crate::analytic::model::normal_force_on_branch;
 
-pub use components::{MAX_SIZES, Size, TooLarge};
 pub(crate) use components::count_bristles;
+pub use components::{MAX_SIZES, Size, TooLarge};
 pub(crate) use evaluation::kinematics_of;
 pub use model::Multibody;
 

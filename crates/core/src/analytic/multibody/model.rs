@@ -11,7 +11,7 @@ use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
 use crate::numeric::array_from;
-use crate::scene::{ContactId, Disc, DiscMotion, DrivenFinger, GripperContact, PalmMotion, Profile, Side, System};
+use crate::scene::{ContactId, Disc, DiscMotion, GripperContact, Hand, HandFinger, PalmMotion, Profile, Side};
 use crate::shape::PlacedShape;
 
 /// Position-dependent terms of both fingers; `None` for a missing finger.
@@ -22,7 +22,7 @@ pub(crate) type FingerTerms = [Option<Terms<f64>>; FINGERS];
 pub struct Multibody<const N: usize, const C: usize> {
     pub(super) fingers: Vec<FingerComponent>,
     pub(super) discs: Vec<DiscComponent>,
-    /// Contacts in the order of [`System::contact_ids`]; `None` where the scene has no such surface.
+    /// Contacts in the order of [`Hand::contact_ids`]; `None` where the scene has no such surface.
     pub(super) contacts: Vec<Option<ContactModel>>,
     /// Indices of the contacts without a finger.
     pub(super) disc_contacts: Vec<usize>,
@@ -55,35 +55,35 @@ const COLLISION_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 
 
 /// Builds the discs of a system, and returns them with the first coordinate after them. Coordinates of moving discs
 /// start at `first`; fixed discs get the index `end`.
-fn build_discs(system: &System, first: usize, end: usize) -> (Vec<DiscComponent>, usize) {
+fn build_discs(hand: &Hand, first: usize, end: usize) -> (Vec<DiscComponent>, usize) {
     let mut next = first;
     let disc = |disc: &Disc| {
         let component = DiscComponent::new(disc, if disc.motion.moves() { next } else { end });
         next += if disc.motion.moves() { 3 } else { 0 };
         component
     };
-    let discs = system.discs.iter().map(disc).collect();
+    let discs = hand.discs.iter().map(disc).collect();
     (discs, next)
 }
 
 /// Builds a contact; `None` where the scene has no surface to touch.
-fn build_contact(system: &System, contact_id: ContactId) -> Option<ContactModel> {
+fn build_contact(hand: &Hand, contact_id: ContactId) -> Option<ContactModel> {
     let plane = |level_m: Option<f64>, up| Plane::at_level(level_m.unwrap_or(f64::NAN), up);
     let pair = match contact_id {
         ContactId::Phalanx(side, phalanx, disc) => ContactPair::Phalanx { finger: side as usize, phalanx, disc },
         ContactId::Stop(side) => ContactPair::Stop { finger: side as usize },
         ContactId::Discs(disc, other) => ContactPair::Discs { disc, other },
-        ContactId::Palm(disc) => ContactPair::Plane { disc, plane: plane(system.palm.map(|palm| palm.level_m), 1.0) },
+        ContactId::Palm(disc) => ContactPair::Plane { disc, plane: plane(hand.palm.map(|palm| palm.level_m), 1.0) },
         ContactId::Table(disc) => {
-            let plane = plane(system.table.map(|table| table.level_m), -1.0);
-            if system.palm_motion.is_some() {
+            let plane = plane(hand.table.map(|table| table.level_m), -1.0);
+            if hand.palm_motion.is_some() {
                 ContactPair::MovingPlane { disc, plane }
             } else {
                 ContactPair::Plane { disc, plane }
             }
         }
     };
-    system.contact_laws(contact_id).map(|laws| ContactModel::new(pair, laws))
+    hand.contact_laws(contact_id).map(|laws| ContactModel::new(pair, laws))
 }
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
@@ -92,21 +92,21 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// # Panics
     ///
     /// Panics if the system exceeds N coordinates or C contacts.
-    pub fn new(system: &System) -> Self {
-        let size = Size::of_system(system);
+    pub fn new(hand: &Hand) -> Self {
+        let size = Size::of_hand(hand);
         assert!(size.fits(&Size { coordinates: N, contacts: C }), "{size:?} exceeds {N} coordinates or {C} contacts");
-        let is_grasp = system.fingers.len() == FINGERS && system.discs.len() < 2 && size.coordinates == N;
+        let is_grasp = hand.fingers.len() == FINGERS && hand.discs.len() < 2 && size.coordinates == N;
         assert!(is_grasp || !Self::GRASP, "a grasp has two fingers, at most one disc, and {N} coordinates");
-        assert!(system.fingers.is_empty() || !Self::DISCS, "this size takes discs only");
-        let [x, y] = system.gravity_m_s2;
-        let half_palm_width = 0.5 * system.palm_width_m;
-        let (discs, time_index) = build_discs(system, 2 * system.fingers.len(), N);
+        assert!(hand.fingers.is_empty() || !Self::DISCS, "this size takes discs only");
+        let [x, y] = hand.gravity_m_s2;
+        let half_palm_width = 0.5 * hand.palm_width_m;
+        let (discs, time_index) = build_discs(hand, 2 * hand.fingers.len(), N);
         let (time_index, first_bristle) = match Self::POSITIONS < N {
             true => (Self::POSITIONS - 1, Self::POSITIONS),
-            false => (time_index, time_index + usize::from(system.palm_motion.is_some())),
+            false => (time_index, time_index + usize::from(hand.palm_motion.is_some())),
         };
         let mut contacts: Vec<_> =
-            system.contact_ids().into_iter().map(|contact_id| build_contact(system, contact_id)).collect();
+            hand.contact_ids().into_iter().map(|contact_id| build_contact(hand, contact_id)).collect();
         let mut bristles = Vec::new();
         let mut add_bristle = |bristle: Option<Bristle>| {
             let bristle_index = first_bristle + bristles.len();
@@ -127,22 +127,22 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             let found = indices.filter(|(_, contact)| contact.is_some_and(|contact| belongs_to_finger(contact.pair)));
             found.map(|(index, _)| index).collect::<Vec<_>>()
         };
-        let finger = |(side, finger): (Side, &DrivenFinger)| FingerComponent {
+        let finger = |(side, finger): (Side, &HandFinger)| FingerComponent {
             side,
             model: FingerModel::new(finger, [side.mirror() * x, y]),
             inertial_load: InertialForces::new(&finger.linkage, [half_palm_width, 0.0]),
             contacts: finger_contacts(side as usize),
         };
-        let (fingers, disc_contacts) = (system.fingers_by_side().map(finger).collect(), finger_contacts(FINGERS));
+        let (fingers, disc_contacts) = (hand.fingers_by_side().map(finger).collect(), finger_contacts(FINGERS));
         let mut rotor_inertia = [0.0; FINGERS];
         let mut drives = Vec::new();
-        for (side, finger) in system.fingers_by_side() {
+        for (side, finger) in hand.fingers_by_side() {
             let weights = if side == Side::Right { [1.0, 0.0] } else { [0.0, 1.0] };
             drives.push(Drive::new(&finger.motor, weights));
             rotor_inertia[side as usize] = finger.motor.inertia_kg_m2;
         }
         let mut coupling = 0.0;
-        if let Some(differential) = &system.differential {
+        if let Some(differential) = &hand.differential {
             drives.push(Drive::new(&differential.motor, [0.5, 0.5]));
             let (input, seesaw) = (differential.motor.inertia_kg_m2, differential.seesaw_inertia_kg_m2);
             rotor_inertia.iter_mut().for_each(|inertia| *inertia += (input + seesaw) / 4.0);
@@ -161,25 +161,25 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             drives,
             rotor_inertia,
             coupling,
-            palm_motion: system.palm_motion.clone(),
-            time_index: system.palm_motion.is_some().then_some(time_index),
-            coordinate_count: if Self::DISCS { error_coordinates(system) } else { N },
+            palm_motion: hand.palm_motion.clone(),
+            time_index: hand.palm_motion.is_some().then_some(time_index),
+            coordinate_count: if Self::DISCS { error_coordinates(hand) } else { N },
             half_palm_width,
-            gravity: system.gravity_m_s2,
-            event_tolerances: if system.fingers.is_empty() { COLLISION_TOLERANCES } else { GRASP_TOLERANCES },
+            gravity: hand.gravity_m_s2,
+            event_tolerances: if hand.fingers.is_empty() { COLLISION_TOLERANCES } else { GRASP_TOLERANCES },
         }
     }
 
     /// Returns the coordinates and rates at the start.
-    pub fn start<const Z: usize>(&self, system: &System) -> State<N, Z> {
+    pub fn start<const Z: usize>(&self, hand: &Hand) -> State<N, Z> {
         const { assert!(Z == quadratures(C)) };
         let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
-        for (index, finger) in system.fingers.iter().enumerate() {
+        for (index, finger) in hand.fingers.iter().enumerate() {
             let initial = &finger.initial;
             (state.q[2 * index], state.q[2 * index + 1]) = (initial.q11_rad, initial.q21_rad);
             (state.v[2 * index], state.v[2 * index + 1]) = (initial.qd11_rad_s, initial.qd21_rad_s);
         }
-        for (disc, component) in system.discs.iter().zip(&self.discs) {
+        for (disc, component) in hand.discs.iter().zip(&self.discs) {
             let (([vx, vy], spin), first) = match disc.motion {
                 DiscMotion::Fixed => continue,
                 DiscMotion::Driven { velocity_m_s, spin_rad_s, .. } => {

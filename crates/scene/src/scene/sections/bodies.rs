@@ -18,7 +18,7 @@ use crate::scene::quantity::{
     Acceleration, Angle, AngularRate, Inertia, Keyword, Length, Mass, Positive, Quantity, Speed, Word,
 };
 use crate::scene::section_input::{SceneInput, SectionInput};
-use crate::scene::{Disc, DiscMotion, Problem, Side, System};
+use crate::scene::{Disc, DiscMotion, Hand, Problem, Side};
 use crate::shape::{self, PlacedShape, Shape, tangent};
 use crate::units::{Dimension, format};
 
@@ -568,11 +568,11 @@ fn inertia(input: &SectionInput<'_>, name: &str, settings: &DiscSettings, shape:
 
 /// Rejects initial positions in which the centre of a disc is inside another disc or the half plane: contact laws do
 /// not cover such deep penetrations.
-pub(crate) fn check_initial_positions(input: &SectionInput<'_>, system: &System) {
+pub(crate) fn check_initial_positions(input: &SectionInput<'_>, hand: &Hand) {
     let section = input.subsection("discs");
-    for (index, b) in system.discs.iter().enumerate() {
+    for (index, b) in hand.discs.iter().enumerate() {
         let keys = section.subsection(&b.name);
-        for a in &system.discs[..index] {
+        for a in &hand.discs[..index] {
             let distance_m = hypot(a.centre_m[0] - b.centre_m[0], a.centre_m[1] - b.centre_m[1]);
             let [radius_a, radius_b] = [a, b].map(|disc| shape::max_radius(&disc.shape));
             let moves = a.motion.moves() || b.motion.moves();
@@ -591,7 +591,7 @@ pub(crate) fn check_initial_positions(input: &SectionInput<'_>, system: &System)
                 keys.report("centre", message, "too deep", help);
             }
         }
-        if let Some(plane) = system.palm
+        if let Some(plane) = hand.palm
             && b.motion.moves()
             && b.centre_m[1] <= plane.level_m
         {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{FINGERS, NO_FINGERS, NO_OR_TWO_FINGERS};
 use crate::limits::{MAX_PICTURES, MAX_SAMPLES};
 use crate::numeric::elementary::{log10, powi};
-use crate::scene::System;
+use crate::scene::Hand;
 use crate::scene::keywords::SceneKind;
 use crate::scene::quantity::{
     Angle, AngularRate, Force, Frequency, Keyword, Length, NotNegative, Plain, Positive, Quantity, Time, Word,
@@ -432,20 +432,20 @@ const SHORT_LINK_M: f64 = 2.5e-3;
 
 /// Resolves the settings of the engine model. The default friction of rapier's contact is the static friction of the
 /// scene's contact law.
-pub fn engine(input: &SectionInput<'_>, system: Option<&System>) -> Engine {
+pub fn engine(input: &SectionInput<'_>, hand: Option<&Hand>) -> Engine {
     let mut engine: Engine = input.read();
     if !input.has("iterations") {
         engine.iterations = Engine::default_iterations(engine.response);
     }
-    let proximal = system.and_then(|system| system.fingers.first()).map(|finger| finger.contact.proximal);
-    let law = proximal.or(system.and_then(|system| system.between_discs));
+    let proximal = hand.and_then(|hand| hand.fingers.first()).map(|finger| finger.contact.proximal);
+    let law = proximal.or(hand.and_then(|hand| hand.between_discs));
     if let (Response::Rapier { friction, .. }, Some(law), false) = (&mut engine.response, law, input.has("friction")) {
         *friction = law.friction.map_or(0.0, |friction| friction.mu_static);
     }
-    if let (Stepping::Adaptive { tolerance_m, .. }, Some(system), false) =
-        (&mut engine.stepping, system, input.has("tolerance"))
+    if let (Stepping::Adaptive { tolerance_m, .. }, Some(hand), false) =
+        (&mut engine.stepping, hand, input.has("tolerance"))
     {
-        *tolerance_m *= SHORT_LINK_M.min(system.shortest_link_m()) / SHORT_LINK_M;
+        *tolerance_m *= SHORT_LINK_M.min(hand.shortest_link_m()) / SHORT_LINK_M;
     }
     if engine.construction == Construction::Reduced && input.kind != SceneKind::Finger {
         let (reason, label, what) = match input.kind {
@@ -469,8 +469,8 @@ pub fn bounds(input: &SectionInput<'_>, duration_s: Option<f64>) -> Bounds {
 }
 
 /// Resolves the thresholds of the grasp criteria of a gripper.
-pub fn thresholds(input: &SectionInput<'_>, system: Option<&System>, duration_s: Option<f64>) -> Thresholds {
-    let motor_force_n = system.map_or(0.0, System::motor_force_n);
+pub fn thresholds(input: &SectionInput<'_>, hand: Option<&Hand>, duration_s: Option<f64>) -> Thresholds {
+    let motor_force_n = hand.map_or(0.0, Hand::motor_force_n);
     let defaults = match input.kind {
         SceneKind::Gripper => Thresholds::defaults_for_run(duration_s.unwrap_or(DURATION_S), motor_force_n),
         SceneKind::Finger | SceneKind::Bodies | SceneKind::Mechanism => Thresholds::NONE,

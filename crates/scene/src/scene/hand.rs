@@ -1,5 +1,5 @@
-//! The simulated system: the description that both models read, as plain lists of fingers, discs and planes, and its
-//! possible contacts.
+//! A hand of five-bar fingers with its object, as plain lists of fingers, discs and planes, and its possible contacts. The
+//! builder makes a mechanism of it; closed forms, statics and criteria of grasps read it.
 
 use super::keywords::SceneKind;
 use crate::drive::{Brake, Profile};
@@ -11,14 +11,14 @@ pub use crate::statics::Side;
 
 /// Fingers, discs, planes and their contact laws, in SI units.
 ///
-/// For a system built by a program, [`System::unsupported`] checks whether the models support it.
+/// For a hand built by a program, [`Hand::unsupported`] checks whether the models support it.
 ///
 /// Coordinates are those of the palm frame: origin in the middle of the palm, x along it and y out of it. It is the
 /// world frame if the palm is at rest or missing.
 #[derive(Clone, Debug, PartialEq)]
-pub struct System {
+pub struct Hand {
     /// None, one, or right and left. The left finger is described by its mirror image about x = 0.
-    pub fingers: Vec<DrivenFinger>,
+    pub fingers: Vec<HandFinger>,
     /// Distance between the ground joints of two fingers; 0 for one finger, with its ground joint at the origin.
     pub palm_width_m: f64,
     /// Differential that drives both fingers.
@@ -37,8 +37,8 @@ pub struct System {
     pub gravity_m_s2: [f64; 2],
 }
 
-impl System {
-    /// A system without fingers and discs.
+impl Hand {
+    /// A hand without fingers and discs, in scenes of mechanisms.
     pub const EMPTY: Self = Self {
         fingers: Vec::new(),
         palm_width_m: 0.0,
@@ -64,12 +64,12 @@ impl System {
     /// # Panics
     /// Panics if the finger does not exist.
     #[inline]
-    pub fn finger(&self, side: Side) -> &DrivenFinger {
+    pub fn finger(&self, side: Side) -> &HandFinger {
         &self.fingers[side as usize]
     }
 
     /// All fingers with their sides.
-    pub fn fingers_by_side(&self) -> impl Iterator<Item = (Side, &DrivenFinger)> {
+    pub fn fingers_by_side(&self) -> impl Iterator<Item = (Side, &HandFinger)> {
         Side::BOTH.into_iter().zip(&self.fingers)
     }
 
@@ -93,7 +93,7 @@ impl System {
         self.object().expect("a gripper has an object")
     }
 
-    /// Mutable access to [`System::grasped`].
+    /// Mutable access to [`Hand::grasped`].
     ///
     /// # Panics
     /// Panics if there is no object.
@@ -152,7 +152,7 @@ impl System {
     /// Largest motor torque over the length of the proximal phalanx, N; 0 without fingers.
     pub(crate) fn motor_force_n(&self) -> f64 {
         let input = self.differential.as_ref().map(|differential| &differential.motor);
-        let force = |finger: &DrivenFinger| {
+        let force = |finger: &HandFinger| {
             let motor_torque = finger.motor.actuation.largest();
             let half = input.map_or(0.0, |motor| 0.5 * motor.actuation.largest());
             motor_torque.max(half) / finger.linkage.lengths.l21_m
@@ -193,7 +193,7 @@ impl System {
         pairs
     }
 
-    /// All possible contacts. With fingers: first [`System::gripper_contacts`] with the first disc, whether or not it
+    /// All possible contacts. With fingers: first [`Hand::gripper_contacts`] with the first disc, whether or not it
     /// exists; then the contacts of the other discs with the fingers; then pairs of discs. Without fingers: only pairs.
     pub fn contact_ids(&self) -> Vec<ContactId> {
         let pairs = self.pairs().into_iter();
@@ -259,13 +259,13 @@ impl System {
         laws.map(|friction| friction.min_slip_scale_m_s()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns why neither model supports the system and how to change it; `None` for a supported system.
+    /// Returns why neither model supports the hand and how to change it; `None` for a supported one.
     pub fn unsupported(&self) -> Option<&'static str> {
         let (fingers, moves) = (self.fingers.len(), self.palm_motion.is_some());
         let is_free = |disc: &Disc| matches!(disc.motion, DiscMotion::Free { .. });
         let lacks_law = |contact: &ContactId| matches!(contact, ContactId::Discs(..)) && self.between_discs.is_none();
         let conditions = [
-            (fingers > 2, "the system has more than two fingers: remove all except a right and a left one"),
+            (fingers > 2, "the hand has more than two fingers: remove all except a right and a left one"),
             (
                 fingers < 2 && self.differential.is_some(),
                 "a differential requires two fingers: remove it, or add the other finger",
@@ -286,7 +286,7 @@ impl System {
 
 /// A finger in its own frame: ground joint at the origin, object to its left.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DrivenFinger {
+pub struct HandFinger {
     /// The five-bar linkage: lengths, masses and assembly mode.
     pub linkage: Finger,
     pub motor: Motor,
@@ -347,7 +347,7 @@ pub struct Initial {
     pub qd21_rad_s: f64,
 }
 
-impl DrivenFinger {
+impl HandFinger {
     /// Law of a contact; `None` for the joint limit, which is not a contact of two surfaces.
     #[inline]
     pub fn law(&self, site: FingerContact) -> Option<ContactLaw> {
@@ -473,12 +473,12 @@ impl GripperContact {
         }
     }
 
-    /// Returns the contacts of a system with this number of fingers, in the order of [`GripperContact::ALL`].
+    /// Returns the contacts of a hand with this number of fingers, in the order of [`GripperContact::ALL`].
     pub fn for_fingers(count: usize) -> &'static [Self] {
         &Self::ALL[..[0, FingerContact::ALL.len(), Self::ALL.len()][count]]
     }
 
-    /// Name in reports, keys and topics for a system with this number of fingers: `distal` with one, `right_distal`
+    /// Name in reports, keys and topics for a hand with this number of fingers: `distal` with one, `right_distal`
     /// with two.
     pub fn name_for(self, fingers: usize) -> String {
         match self {
@@ -487,7 +487,7 @@ impl GripperContact {
         }
     }
 
-    /// Name in a system with two fingers.
+    /// Name in a hand with two fingers.
     pub fn name(self) -> String {
         match self {
             GripperContact::Finger(side, finger_contact) => format!("{}_{}", side.name(), finger_contact.name()),
