@@ -166,30 +166,6 @@ pub(crate) fn set_rapier_velocities(
     }
 }
 
-/// Moves rapier's bodies as its step does, straight on with these velocities; those that turn freely turn by ω dt, the
-/// others by atan(ω dt) as in its step.
-pub(super) fn move_bodies(
-    (handles, turns_freely): (&[RigidBodyHandle], &[bool]),
-    velocities: &[Twist],
-    bodies: &mut RigidBodySet,
-    dt: f64,
-) {
-    for ((handle, turns_freely), [vx, vy, rate]) in handles.iter().zip(turns_freely).zip(velocities) {
-        let body = &mut bodies[*handle];
-        body.set_linvel(Vector::new(*vx, *vy), false);
-        body.set_angvel(*rate, false);
-        let turn = rate * dt;
-        let direction = if *turns_freely {
-            let (sin, cos) = sin_cos(turn);
-            [cos, sin]
-        } else {
-            let length = (1.0 + turn * turn).sqrt();
-            [1.0 / length, turn / length]
-        };
-        place(body, body.center_of_mass() + dt * body.linvel(), direction);
-    }
-}
-
 /// Turns bodies about their centres of mass by the part of ω dt by which rapier's step, atan(ω dt), is too small. Bodies with
 /// joints keep rapier's rotation, for which the openings of joints are predicted.
 pub(super) fn turn_free_bodies(handles: &[RigidBodyHandle], bodies: &mut RigidBodySet, dt: f64) {

@@ -301,20 +301,6 @@ impl Linkage {
         self.multipliers.chunks_exact(2).map(move |pair| [scale * pair[0], scale * pair[1]])
     }
 
-    /// Returns the largest opening of a pair (m, rad) after a step of `dt` straight on at these velocities, given the
-    /// openings with the effect of curved paths.
-    pub(crate) fn max_opening_after(&mut self, open: &[[f64; 2]], velocities: &[Twist], dt: f64) -> f64 {
-        self.multipliers.copy_from_slice(open.as_flattened());
-        for side in &self.sides {
-            let [x, y, w] = velocities[side.body];
-            let opening = &mut self.multipliers[2 * side.pair..2 * side.pair + 2];
-            for (opening, row) in opening.iter_mut().zip(&side.rows) {
-                *opening += dt * (row[0] * x + row[1] * y + row[2] * w);
-            }
-        }
-        self.multipliers.iter().fold(0.0, |largest, opening| largest.max(opening.abs()))
-    }
-
     /// Transforms a direction from the world to a body frame; `None` is the ground.
     pub(crate) fn direction_in_body(&self, body: Option<usize>, direction: [f64; 2]) -> [f64; 2] {
         body.map_or(direction, |body| {

@@ -1,12 +1,10 @@
-//! Motion of the engine: one step of rapier's bodies at a time in a centred leapfrog scheme, with contact from the contact
-//! solver.
+//! Motion of the engine: one rapier step at a time in a centred leapfrog scheme, with contact from the contact solver.
 //!
 //! Between nodes n and n + 1 every body moves with one velocity, the mean over the step. It follows from the mean velocity
 //! of the preceding step. The difference between both means is an impulse: the second half of the last step's smooth
 //! forces and its late contact impulses, and the first half of this step's smooth forces and its early contact impulses,
-//! with the reactions of the joints. rapier applies it as a force over the step if its solver is needed. This leapfrog is
-//! of second order, even with a variable step size. The velocity *at* a node is the last mean plus the second halves,
-//! including joint reactions.
+//! with the reactions of the joints. rapier applies it as a force over the step. This leapfrog is of second order, even
+//! with a variable step size. The velocity *at* a node is the last mean plus the second halves, including joint reactions.
 
 use rapier2d_f64::prelude::*;
 
@@ -50,9 +48,6 @@ const MAX_ANCHOR_ITERATIONS: u32 = 4;
 /// Error of the anchor correction, in step tolerances, below which its iteration stops.
 const ANCHOR_TOLERANCE: f64 = 0.1;
 
-/// Opening (m, rad) up to which a joint is closed, far below any tolerance.
-const CLOSED: f64 = 1e-15;
-
 /// Impulses of rapier's own contact in one step, for scenes that select it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RapierContact {
@@ -95,8 +90,6 @@ pub struct Motion {
     pub velocities: Vec<Twist>,
     /// Bodies that move by forces and have no joints.
     free_bodies: Vec<RigidBodyHandle>,
-    /// Whether each body is driven or has no joints, so that no opening of a joint is predicted for its rotation.
-    turns_freely: Vec<bool>,
     /// Accelerations without contact at the node.
     pub accelerations: Vec<Twist>,
     /// Largest change of a body's acceleration over the last step, in m/s².
@@ -119,8 +112,6 @@ pub struct Motion {
     mean_velocities: Vec<Twist>,
     /// Accelerations at the start of the last step, as produced by rapier's joints.
     pub step_accelerations: Vec<Twist>,
-    /// Opening (m, rad) of a joint after a step from which rapier's solver is called.
-    max_opening: f64,
     /// Working array: impulses on the bodies.
     impulse: Vec<Twist>,
     /// Working array: predicted mean velocities of the next step.
@@ -156,10 +147,8 @@ impl Motion {
         let is_driven = |body: usize| plan.drives.iter().any(|drive| drive.body == body);
         let free = (0..bodies).filter(|body| !is_jointed(*body) && !is_driven(*body));
         let free_bodies = free.map(|body| world.bodies[body]).collect();
-        let turns_freely = (0..bodies).map(|body| !is_jointed(body) || is_driven(body)).collect();
         let mut motion = Self {
             free_bodies,
-            turns_freely,
             plan,
             world,
             linkage,
@@ -177,7 +166,6 @@ impl Motion {
             forces: vec![[0.0; 3]; bodies],
             mean_velocities: vec![[0.0; 3]; bodies],
             step_accelerations: vec![[0.0; 3]; bodies],
-            max_opening: CLOSED,
             impulse: vec![[0.0; 3]; bodies],
             predicted_mean_velocities: vec![[0.0; 3]; bodies],
             driven: Vec::new(),
@@ -248,7 +236,7 @@ impl Motion {
         }
         let now = self.clock.now();
         refill(&mut self.previous_torques, self.plan.motors.iter().map(|motor| motor.characteristic(now).0));
-        self.move_bodies(dt);
+        self.step_rapier(dt);
         self.clock.advance(dt);
         self.last_dt_s = dt;
 
@@ -610,11 +598,6 @@ impl Motion {
         }
     }
 
-    /// Calls rapier's solver in every step.
-    pub fn call_solver_always(&mut self) {
-        self.max_opening = -1.0;
-    }
-
     /// Returns the largest joint opening, m, at the predicted mean velocities, and the part not compensated by anchors.
     fn opening_errors(&mut self, dt: f64) -> [f64; 2] {
         let Self { linkage, overshoot, predicted_mean_velocities, .. } = self;
@@ -626,23 +609,11 @@ impl Motion {
         largest.map(f64::sqrt)
     }
 
-    /// Moves the bodies by one step. Sweeps over joints that the mean velocities already close would change nothing, and
-    /// nor would rapier's contact in a world without colliders; the bodies then move straight on.
-    fn move_bodies(&mut self, dt: f64) {
-        let World { construction, response, .. } = self.world;
-        let now = self.clock.now();
-        let Self { plan, linkage, world, open, turns_freely, predicted_mean_velocities: velocities, .. } = self;
-        forces::set_driven_mean_velocities(plan, &linkage.poses, (now, dt), velocities);
-        let needs_solver = construction == Construction::Reduced || response != Response::Laws;
-        if !needs_solver && linkage.max_opening_after(open, velocities, dt) <= self.max_opening {
-            forces::move_bodies((&world.bodies, turns_freely), velocities, &mut world.physics.bodies, dt);
-        } else {
-            self.step_rapier(dt);
-        }
-    }
-
     /// Takes one step of rapier with the impulses applied as forces over the step.
     fn step_rapier(&mut self, dt: f64) {
+        let now = self.clock.now();
+        let Self { plan, linkage, predicted_mean_velocities, .. } = self;
+        forces::set_driven_mean_velocities(plan, &linkage.poses, (now, dt), predicted_mean_velocities);
         self.shift_anchors(dt);
         let physics = &mut self.world.physics;
         for (impulse, handle) in self.impulse.iter().zip(&self.world.bodies) {
@@ -712,33 +683,4 @@ fn read_rapier_impulses(
         out.push(RapierContact { index, normal, tangential, closing_rate: -candidate.normal_row.rate(before) });
     }
     (work, on_driven)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::{build_plan, build_world, next_step};
-    use super::Motion;
-    use crate::scene::parse;
-
-    /// Sweeps of rapier over joints that are closed change nothing.
-    #[test]
-    fn moves_bodies_as_rapier_does() {
-        let scene = parse(include_str!("../../../../scenes/experiment-95.toml"), "experiment-95.toml").unwrap();
-        let plan = build_plan(&scene).unwrap();
-        let world = build_world(&plan, scene.engine.construction, scene.engine.response, scene.engine.iterations);
-        let mut motion = Motion::new(plan, world).unwrap();
-        let mut with_rapier = Motion { max_opening: -1.0, ..motion.clone() };
-        while motion.clock.now() < scene.duration_s {
-            let dt = next_step(&motion, scene.engine.stepping, scene.duration_s);
-            for motion in [&mut motion, &mut with_rapier] {
-                motion.advance(dt, &|| true).unwrap();
-            }
-            for (pose, of_rapier) in motion.linkage.poses.iter().zip(&with_rapier.linkage.poses) {
-                let change = [pose.com[0] - of_rapier.com[0], pose.com[1] - of_rapier.com[1]];
-                let largest =
-                    change.into_iter().chain([pose.angle - of_rapier.angle]).fold(0.0, |a: f64, b| a.max(b.abs()));
-                assert!(largest < 1e-7, "{largest:e} at {} s", motion.clock.now());
-            }
-        }
-    }
 }

@@ -14,10 +14,6 @@ use crate::scene::{Construction, Engine, Scene, Stepping};
 /// of steps alone would not bound the computing time. Ordinary runs need one to four.
 const SUBSTEPS_PER_STEP: u64 = 10;
 
-/// With shorter links rapier's solver is called in every step: without it, touch-downs of a finger of a hundredth of the usual
-/// size were 4e-5 s late.
-const MIN_LINK_WITHOUT_SOLVER_M: f64 = 2.5e-3;
-
 /// Smallest fraction of a step that is tried when longer steps would open the joints too far.
 const MIN_STEP_FRACTION: f64 = 1e-9;
 
@@ -38,9 +34,6 @@ pub(super) fn build_engine(scene: &Scene, recording: RecordingOptions) -> Result
     let world = build_world(&plan, engine.construction, engine.response, engine.iterations);
     let mut motion =
         Motion::new(plan, world).map_err(|error| RunError::rejected(error.to_string(), initial_outcome()))?;
-    if scene.shortest_link_m() < MIN_LINK_WITHOUT_SOLVER_M {
-        motion.call_solver_always();
-    }
     let recorder = EngineRecorderState::new(scene, &mut motion, recording);
     motion.contact.tolerance = Tolerance::from_stepping(engine.stepping);
     if let Stepping::Adaptive { tolerance_m, .. } = engine.stepping {

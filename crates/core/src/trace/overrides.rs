@@ -32,12 +32,10 @@ impl Overrides {
     /// Returns an error if a setting belongs to the other model or to another kind of scene, or requests more samples
     /// than a run may have.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), String> {
-        if self.construction == Some(Construction::Reduced) {
-            if scene.finger_count() != 1 {
-                let reason = "--construction reduced uses joint coordinates, and they are available for one finger only; \
-                              leave the flag out: every body moves freely in the engine";
-                return Err(reason.to_string());
-            }
+        if self.construction == Some(Construction::Reduced) && scene.finger_count() != 1 {
+            let reason = "--construction reduced uses joint coordinates, and they are available for one finger only; leave the \
+                          flag out: every body moves freely in the engine";
+            return Err(reason.to_string());
         }
         self.reject_unused(model)?;
         if let Some(preset) = self.preset {

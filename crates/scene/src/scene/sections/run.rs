@@ -128,7 +128,7 @@ pub struct Engine {
     pub response: Response,
     #[serde(flatten)]
     pub stepping: Stepping,
-    /// Sweeps of rapier's projected Gauss–Seidel solver over the joints, in a step whose joints need them.
+    /// Sweeps of rapier's projected Gauss–Seidel solver over the joints, per step.
     #[serde(default)]
     pub iterations: u32,
     /// Step budget; a run that needs more steps ends with an error, and its log is kept.
@@ -247,7 +247,7 @@ pub struct EngineSettings {
     /// Longest step (stepping = "adaptive").
     #[schemars(extend("x-with" = "stepping = adaptive", "default" = "60 us"))]
     pub max_step: Option<Positive<Time>>,
-    /// Sweeps of rapier's joint solver in a step that needs them. Default: 2, or 50 with law = "rapier".
+    /// Sweeps of rapier's joint solver in every step. Default: 2, or 50 with law = "rapier".
     // Bounded, because the step budget cannot end a run if a single step takes too long.
     #[schemars(extend("minimum" = 1, "maximum" = 10_000))]
     pub iterations: Option<u32>,
