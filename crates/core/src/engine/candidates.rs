@@ -43,7 +43,7 @@ pub struct ContactCandidate {
     /// Prescribed rate and acceleration of the gap of a brake or motor, which model its changing force over a step; of
     /// the target of a servo.
     pub prescribed_gap_motion: [f64; 2],
-    /// Whether the contact laws of the scene apply: not if rapier handles contact.
+    /// Whether the contact laws of the scene apply: not if rapier handles contact, nor if the pair is out of reach.
     pub uses_contact_law: bool,
     /// Whether its work is that of a motor.
     pub is_motor: bool,
@@ -174,9 +174,8 @@ impl ContactCandidate {
     }
 }
 
-/// Returns a candidate by its element index, in which they are sorted.
 pub fn find(candidates: &[ContactCandidate], index: usize) -> Option<&ContactCandidate> {
-    candidates.binary_search_by_key(&index, |candidate| candidate.index).ok().map(|position| &candidates[position])
+    candidates.iter().find(|candidate| candidate.index == index)
 }
 
 /// Collects all stops, contacts, brakes, motors with a no-load speed, and servos.
@@ -192,6 +191,8 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
         });
     }
     for (index, contact) in plan.contacts.iter().enumerate() {
+        let [collider, other] = world.contacts[index];
+        let in_reach = || world.physics.narrow_phase.contact_pair(collider, other).is_some();
         let Some(points) = closest_points(world, plan, index, &linkage.poses) else { continue };
         let ClosestPoints { gap, normal, .. } = points;
         let rows = [normal, perp(normal)].map(|direction| contact_row(plan, index, &linkage.poses, &points, direction));
@@ -206,7 +207,7 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
             rounding: gap_rounding(plan, contact, &linkage.poses),
             normal,
             point: points.at(contact.point_convention)[0],
-            uses_contact_law: world.response == Response::Laws,
+            uses_contact_law: world.response == Response::Laws && in_reach(),
             ..ContactCandidate::new(plan.stops.len() + index, Source::Contact(index), contact.law.normal, rows)
         });
     }

@@ -53,8 +53,8 @@ pub(super) fn closest_points(world: &World, plan: &Plan, index: usize, poses: &[
             from_face((points, &other_pose), (face, &pose)).map(ClosestPoints::flipped)
         }
         _ => {
-            let [shape, other] = &world.shapes[index];
-            let result = query::contact(&other_pose, &**other, &pose, &**shape, Real::MAX).ok()??;
+            let [collider, other] = world.contacts[index].map(|handle| &world.physics.colliders[handle]);
+            let result = query::contact(&other_pose, other.shape(), &pose, collider.shape(), Real::MAX).ok()??;
             let (point, other_point, normal) = (result.point2, result.point1, result.normal1);
             Some(ClosestPoints {
                 gap: result.dist,
@@ -79,7 +79,7 @@ fn from_face((points, pose): (&Shape, &Pose), (face, face_pose): (&Shape, &Pose)
         Shape::Ellipse { semi_axes_m } => Some(segment_to_ellipse(ends, semi_axes_m, center, axis)),
         Shape::Capsule(_) | Shape::HalfPlane | Shape::Polygon { .. } => None,
     };
-    let (vertices, face_radius): (&[[f64; 2]], f64) = match face {
+    let (corners, face_radius): (Vec<[f64; 2]>, f64) = match face {
         Shape::HalfPlane => {
             let normal = perp([face_pose.rotation.re, face_pose.rotation.im]);
             let point = match *points {
@@ -88,25 +88,20 @@ fn from_face((points, pose): (&Shape, &Pose), (face, face_pose): (&Shape, &Pose)
             };
             return Some(surfaces(points, 0.0, point, dot(normal, sub(point, world([0.0; 2]))), normal));
         }
-        Shape::Disc(shape) => (&[[0.0; 2]], max_radius(shape)),
-        Shape::Capsule(capsule) => (&[[0.0; 2], capsule.end_m], capsule.radius_m),
-        Shape::Polygon { vertices_m, radius_m } => (vertices_m, *radius_m),
+        Shape::Disc(shape) => (vec![world([0.0; 2])], max_radius(shape)),
+        Shape::Capsule(capsule) => (vec![world([0.0; 2]), world(capsule.end_m)], capsule.radius_m),
+        Shape::Polygon { vertices_m, radius_m } => {
+            (vertices_m.iter().map(|vertex| world(*vertex)).collect(), *radius_m)
+        }
         Shape::Ellipse { .. } => return None,
     };
-    let mut is_inside = vertices.len() > 2 && matches!(points, Shape::Disc(_));
-    let mut nearest: Option<([f64; 2], f64, [f64; 2])> = None;
-    let mut from = world(*vertices.first()?);
-    for k in 0..vertices.len() {
-        let to = world(vertices[(k + 1) % vertices.len()]);
-        is_inside = is_inside && cross(sub(to, from), sub(center, from)) > 0.0;
-        let to_segment = nearest_to([from, to])?;
-        if nearest.is_none_or(|(_, distance, _)| to_segment.1 < distance) {
-            nearest = Some(to_segment);
-        }
-        from = to;
-    }
+    let segments = || (0..corners.len()).map(|k| [corners[k], corners[(k + 1) % corners.len()]]);
+    let is_inside = corners.len() > 2
+        && matches!(points, Shape::Disc(_))
+        && segments().all(|[from, to]| cross(sub(to, from), sub(center, from)) > 0.0);
+    let nearest = segments().filter_map(nearest_to).min_by(|a, b| a.1.total_cmp(&b.1))?;
     // Inside, the nearest side is that of the nearest point, and the distance is negative.
-    let (point, distance, normal) = nearest?;
+    let (point, distance, normal) = nearest;
     let (distance, normal) = if is_inside { (-distance, scale(normal, -1.0)) } else { (distance, normal) };
     Some(surfaces(points, face_radius, point, distance, normal))
 }

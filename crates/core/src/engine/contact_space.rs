@@ -9,7 +9,7 @@ use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_slip_row_at
 use super::coordinate::{BodyPose, Row, Twist};
 use super::dense;
 use super::dense::{refill, reset};
-use super::linkage::{Linkage, RowKey, RowKind};
+use super::linkage::Linkage;
 use super::plan::Plan;
 use super::support::supports;
 use super::world::World;
@@ -42,7 +42,6 @@ impl ActiveContact {
 pub struct ContactSpace {
     pub active_contacts: Vec<ActiveContact>,
     pub rows: Vec<Row>,
-    keys: Vec<RowKey>,
     /// Contact-space inverse inertia including joints, row by row: rate of row i per unit impulse along row j.
     pub w: Vec<f64>,
     /// Acceleration of every row without contact.
@@ -81,20 +80,21 @@ impl ContactSpace {
     ) {
         self.active_contacts.clear();
         self.rows.clear();
-        self.keys.clear();
         for candidate in candidates.iter().filter(|candidate| candidate.uses_contact_law) {
             let (rate, free) = (candidate.normal_row.rate(velocities), candidate.normal_row.rate(accelerations));
             if candidate.has_gap() && candidate.gap > CLOSING_MARGIN * dt * (rate.abs() + dt * free.abs()) {
                 continue;
             }
-            let mut push = |row: &Row, kind: RowKind| {
-                self.rows.push(row.clone());
-                self.keys.push((candidate.index, kind));
+            let normal = self.rows.len();
+            self.rows.push(candidate.normal_row.clone());
+            let tangent = candidate.has_tangent().then(|| {
+                self.rows.push(candidate.slip_row.clone());
+                normal + 1
+            });
+            let rolling = candidate.rolling.map(|_| {
+                self.rows.push(candidate.roll_row.clone());
                 self.rows.len() - 1
-            };
-            let normal = push(&candidate.normal_row, RowKind::Normal);
-            let tangent = candidate.has_tangent().then(|| push(&candidate.slip_row, RowKind::Slip));
-            let rolling = candidate.rolling.map(|_| push(&candidate.roll_row, RowKind::Roll));
+            });
             let bristle_state = bristle_states.get(candidate.index).copied().unwrap_or(0.0);
             self.active_contacts.push(ActiveContact {
                 candidate: candidate.clone(),
@@ -122,8 +122,7 @@ impl ContactSpace {
         self.add_curvature(world, plan, linkage, velocities, dt);
         let on_supports = &mut self.on_supports;
         on_supports.clear();
-        let rows = self.keys.iter().copied().zip(&self.rows);
-        respond(rows, linkage, velocities.len(), &mut self.response, &mut self.w, |row, linkage| {
+        respond(self.rows.iter(), linkage, velocities.len(), &mut self.response, &mut self.w, |row, linkage| {
             on_supports.extend(supports(plan).map(|support| support.reaction(linkage, |body| row.on_body(body))));
         });
     }
@@ -193,7 +192,7 @@ impl ContactSpace {
 
 /// Computes the velocity response to a unit impulse along each row, body by body, and from it W row by row.
 fn respond<'a>(
-    rows: impl ExactSizeIterator<Item = (RowKey, &'a Row)> + Clone,
+    rows: impl ExactSizeIterator<Item = &'a Row> + Clone,
     linkage: &mut Linkage,
     bodies: usize,
     response: &mut Vec<Twist>,
@@ -201,12 +200,13 @@ fn respond<'a>(
     mut after: impl FnMut(&Row, &Linkage),
 ) {
     let count = rows.len();
-    response.resize(count * bodies, [0.0; 3]);
-    w.resize(count * count, 0.0);
-    for (j, (response, (key, row))) in response.chunks_exact_mut(bodies).zip(rows.clone()).enumerate() {
-        linkage.respond_to(key, row, response);
+    reset(response, count * bodies, [0.0; 3]);
+    reset(w, count * count, 0.0);
+    for (j, (response, row)) in response.chunks_exact_mut(bodies).zip(rows.clone()).enumerate() {
+        row.add_to(response, 1.0);
+        linkage.respond(response);
         after(row, linkage);
-        for (i, (_, row)) in rows.clone().enumerate() {
+        for (i, row) in rows.clone().enumerate() {
             w[i * count + j] = row.rate(response);
         }
     }
@@ -221,7 +221,6 @@ const MIN_CURVATURE_STEP_S: f64 = 1e-7;
 pub(crate) struct CorrectedRow {
     /// Index of the row in the contact space.
     pub index: usize,
-    pub key: RowKey,
     pub row: Row,
     pub target: f64,
     /// Impulse along the row that may be removed.
@@ -256,7 +255,7 @@ impl RateCorrection {
         if count == 0 {
             return;
         }
-        let rows = self.rows.iter().map(|row| (row.key, &row.row));
+        let rows = self.rows.iter().map(|row| &row.row);
         respond(rows, linkage, bodies, &mut self.response, &mut self.w, |_, _| ());
         // (1 + D W) p = D (target − u), with the stiffness D of each row; tangent rows add −μ times the normal impulse.
         refill(&mut self.rates, self.rows.iter().map(|row| row.row.rate(velocities)));
@@ -379,9 +378,6 @@ impl Workspace {
             3 => self.iterate(space, stage, rate, 3),
             4 => self.iterate(space, stage, rate, 4),
             5 => self.iterate(space, stage, rate, 5),
-            6 => self.iterate(space, stage, rate, 6),
-            7 => self.iterate(space, stage, rate, 7),
-            8 => self.iterate(space, stage, rate, 8),
             rows => self.iterate(space, stage, rate, rows),
         }
     }
@@ -433,8 +429,7 @@ impl Workspace {
         dense::solve(&mut self.jacobian, error, space.len());
     }
 
-    /// Evaluates forces and their derivatives; returns the residual relative to the terms of the equation, 0 if it is
-    /// below [`TARGET_RESIDUAL`].
+    /// Evaluates forces and their derivatives; returns the residual relative to the terms of the equation.
     #[inline(always)]
     fn evaluate(&mut self, space: &ContactSpace, stage: &Stage, rate: &[f64], rows: usize) -> f64 {
         let h = stage.h;
@@ -474,21 +469,19 @@ impl Workspace {
         }
         let mut largest: f64 = 0.0;
         for (i, w) in space.w.chunks_exact(rows).enumerate() {
-            let contact_acceleration: f64 = w.iter().zip(&self.force).map(|(w, force)| w * force).sum();
+            let (mut contact_acceleration, mut terms) = (0.0, 0.0);
+            for ((w, force), force_scale) in w.iter().zip(&self.force).zip(&self.force_scale) {
+                contact_acceleration += w * force;
+                terms += w.abs() * force_scale;
+            }
             let (final_rate, initial_rate, free) = (rate[i], stage.rate[i], space.free[i]);
             let scale = (final_rate.abs() + initial_rate.abs() + h * (free.abs() + contact_acceleration.abs()))
                 .max(MIN_RATE_SCALE * space.rate_resolution.get(i).copied().unwrap_or(0.0));
-            let residual = final_rate - initial_rate - h * (free + contact_acceleration);
-            self.residual[i] = residual;
-            let relative = residual.abs() / scale;
-            if relative <= largest.max(TARGET_RESIDUAL) {
-                continue;
-            }
+            self.residual[i] = final_rate - initial_rate - h * (free + contact_acceleration);
             // Opposite forces can cancel, and the friction coefficient has an absolute rounding error: the remainder,
             // or a slip rate of 1e-17 m/s, has no significant digits.
-            let terms: f64 = w.iter().zip(&self.force_scale).map(|(w, force_scale)| w.abs() * force_scale).sum();
-            if residual.abs() > ROUNDING * (final_rate.abs() + initial_rate.abs() + h * (free.abs() + terms)) {
-                largest = relative;
+            if self.residual[i].abs() > ROUNDING * (final_rate.abs() + initial_rate.abs() + h * (free.abs() + terms)) {
+                largest = largest.max(self.residual[i].abs() / scale);
             }
         }
         // A NaN force must not pass as a small residual.

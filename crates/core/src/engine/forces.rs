@@ -4,7 +4,7 @@
 //! Bodies with prescribed motion have no mass in the linkage, so impulses do not move them; their velocities and
 //! accelerations are set here.
 
-use rapier2d_f64::prelude::{Pose as RapierPose, RigidBody, RigidBodyHandle, RigidBodySet, Rotation, Vector};
+use rapier2d_f64::prelude::{Pose as RapierPose, RigidBodyHandle, RigidBodySet, Rotation, Vector};
 
 use super::coordinate::{BodyPose, Twist};
 use super::dense::refill;
@@ -134,35 +134,24 @@ pub(crate) fn mean_driven_accelerations(
     refill(out, plan.drives.iter().map(mean));
 }
 
-/// Sets the velocities with which driven bodies move from their poses at `t` to the prescribed poses at t + dt. Targeting
-/// the position rather than the mean velocity avoids accumulation of rounding errors.
-pub(crate) fn set_driven_mean_velocities(
-    plan: &Plan,
-    poses: &[BodyPose],
-    (t, dt): (f64, f64),
-    velocities: &mut [Twist],
-) {
-    for drive in &plan.drives {
-        let (pose, target) = (&poses[drive.body], prescribed_pose(plan, drive, t + dt).position);
-        let displacement = [target[0] - pose.com[0], target[1] - pose.com[1], target[2] - pose.angle];
-        velocities[drive.body] = displacement.map(|change| change / dt);
-    }
-}
-
-/// Sets rapier's velocities of driven bodies.
+/// Sets rapier's velocities so that the bodies move from their poses at `t` to the prescribed poses at t + dt.
+/// Targeting the position rather than the mean velocity avoids accumulation of rounding errors.
 pub(crate) fn set_rapier_velocities(
     plan: &Plan,
+    poses: &[BodyPose],
     handles: &[RigidBodyHandle],
-    velocities: &[Twist],
     bodies: &mut RigidBodySet,
+    t: f64,
     dt: f64,
 ) {
     for drive in &plan.drives {
-        let [vx, vy, rate] = velocities[drive.body];
+        let (pose, target) = (&poses[drive.body], prescribed_pose(plan, drive, t + dt).position);
+        let [vx, vy]: [f64; 2] = std::array::from_fn(|axis| (target[axis] - pose.com[axis]) / dt);
+        let rotation = target[2] - pose.angle;
         let rigid = &mut bodies[handles[drive.body]];
         rigid.set_linvel(Vector::new(vx, vy), false);
         // rapier rotates by atan(ω dt).
-        rigid.set_angvel(tan((rate * dt).clamp(-MAX_ROTATION, MAX_ROTATION)) / dt, false);
+        rigid.set_angvel(tan(rotation.clamp(-MAX_ROTATION, MAX_ROTATION)) / dt, false);
     }
 }
 
@@ -173,22 +162,14 @@ pub(super) fn turn_free_bodies(handles: &[RigidBodyHandle], bodies: &mut RigidBo
         let body = &mut bodies[*handle];
         let turn = body.angvel() * dt;
         let missing = turn - atan2(turn, 1.0);
-        if missing != 0.0 {
-            let (sin, cos) = sin_cos(missing);
-            place(body, body.center_of_mass(), [cos, sin]);
+        if missing == 0.0 {
+            continue;
         }
+        let (sin, cos) = sin_cos(missing);
+        let rotation = Rotation::from_cos_sin_unchecked(cos, sin) * *body.rotation();
+        let translation = body.center_of_mass() - rotation * body.local_center_of_mass();
+        body.set_position(RapierPose::from_parts(translation, rotation), false);
     }
-}
-
-/// Turns a body by the angle of a direction, and places its centre of mass.
-fn place(body: &mut RigidBody, center_of_mass: Vector, direction: [f64; 2]) {
-    let Rotation { re, im } = *body.rotation();
-    let [re, im] = rotate([re, im], direction);
-    // To first order the inverse of the length, so that rounding does not accumulate.
-    let scale = 1.5 - 0.5 * (re * re + im * im);
-    let rotation = Rotation::from_cos_sin_unchecked(scale * re, scale * im);
-    let translation = center_of_mass - rotation * body.local_center_of_mass();
-    body.set_position(RapierPose::from_parts(translation, rotation), false);
 }
 
 /// Moment on the rotors of a body that keeps their rates relative to the palm.

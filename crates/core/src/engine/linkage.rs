@@ -9,12 +9,12 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::coordinate::{BodyPose, Coordinate, Row, Twist};
+use super::coordinate::{BodyPose, Coordinate, Twist};
 use super::dense;
 use super::plan::{Plan, PlannedBody, PlannedGear, PlannedJoint, relative_angle};
 use super::world::World;
 use crate::mechanism::JointKind;
-use crate::numeric::elementary::{atan2, powi};
+use crate::numeric::elementary::{atan2, hypot, powi};
 use crate::numeric::plane::{perp, rotate};
 
 /// Mass and moment of inertia of a body, and their inverses.
@@ -72,26 +72,6 @@ pub struct Linkage {
     /// First nonzero column of each row of the factor: pairs that share no body do not couple.
     first_columns: Vec<usize>,
     /// Right-hand side and solution.
-    multipliers: Vec<f64>,
-    responses: Responses,
-}
-
-/// Identifies a row at given poses: the index of its candidate, and its place there.
-pub(crate) type RowKey = (usize, RowKind);
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum RowKind {
-    Normal,
-    Slip,
-    Roll,
-}
-
-/// Responses to unit impulses along rows at the present poses, each with its multipliers. Most rows are needed twice: for
-/// the correction of the rates at a node, and for the step from there.
-#[derive(Clone, Default)]
-struct Responses {
-    keys: Vec<RowKey>,
-    velocities: Vec<Twist>,
     multipliers: Vec<f64>,
 }
 
@@ -179,7 +159,6 @@ impl Linkage {
             couplings,
             unused_rows,
             multipliers: vec![0.0; size],
-            responses: Responses::default(),
         };
         linkage.read_poses(world);
         linkage
@@ -215,10 +194,6 @@ impl Linkage {
 
     /// Factorises A at the current poses; fails if the joint constraints are singular.
     pub(crate) fn factorise(&mut self) -> Result<(), SingularConstraints> {
-        let Responses { keys, velocities, multipliers } = &mut self.responses;
-        keys.clear();
-        velocities.clear();
-        multipliers.clear();
         let size = self.first_columns.len();
         if size == 0 {
             return Ok(());
@@ -244,11 +219,10 @@ impl Linkage {
     /// Returns the largest opening of a joint, m.
     pub(crate) fn max_joint_opening(&self) -> f64 {
         let joints = self.openings().zip(&self.pairs).take(self.joints);
-        let squares = joints.map(|([x, y], pair)| match pair {
-            Pair::Pin { .. } => x * x + y * y,
-            Pair::Relation { .. } => x * x,
-        });
-        squares.fold(0.0, f64::max).sqrt()
+        joints.fold(0.0, |largest, ([x, y], pair)| match pair {
+            Pair::Pin { .. } => largest.max(hypot(x, y)),
+            Pair::Relation { .. } => largest.max(x.abs()),
+        })
     }
 
     /// Returns the openings of every pair of constraints.
@@ -312,8 +286,7 @@ impl Linkage {
     /// Returns the largest opening acceleration of a pair whose bodies move straight on, m/s².
     pub(crate) fn max_opening_acceleration(&mut self, velocities: &[Twist]) -> f64 {
         self.centripetal(velocities);
-        let squares = self.multipliers.chunks_exact(2).map(|pair| pair[0] * pair[0] + pair[1] * pair[1]);
-        squares.fold(0.0, f64::max).sqrt()
+        self.multipliers.chunks_exact(2).fold(0.0, |largest, pair| largest.max(hypot(pair[0], pair[1])))
     }
 
     /// Projects velocities onto the joint constraints, with the smallest change in the mass metric.
@@ -381,23 +354,6 @@ impl Linkage {
             *v = [v[0] * inertia.inverse_mass, v[1] * inertia.inverse_mass, v[2] * inertia.inverse_inertia];
         }
         self.project(out);
-    }
-
-    /// Computes the velocity response to a unit impulse along a row, like [`Linkage::respond`]; for each key once until
-    /// the poses change.
-    pub(crate) fn respond_to(&mut self, key: RowKey, row: &Row, out: &mut [Twist]) {
-        let (bodies, size) = (out.len(), self.multipliers.len());
-        if let Some(index) = self.responses.keys.iter().position(|other| *other == key) {
-            out.copy_from_slice(&self.responses.velocities[index * bodies..(index + 1) * bodies]);
-            self.multipliers.copy_from_slice(&self.responses.multipliers[index * size..(index + 1) * size]);
-            return;
-        }
-        out.fill([0.0; 3]);
-        row.add_to(out, 1.0);
-        self.respond(out);
-        self.responses.keys.push(key);
-        self.responses.velocities.extend_from_slice(out);
-        self.responses.multipliers.extend_from_slice(&self.multipliers);
     }
 
     /// v ← v + M⁻¹ Jᵀ A⁻¹ (b − J v), with b passed in `multipliers`.

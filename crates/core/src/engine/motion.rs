@@ -1,10 +1,10 @@
 //! Motion of the engine: one rapier step at a time in a centred leapfrog scheme, with contact from the contact solver.
 //!
-//! Between nodes n and n + 1 every body moves with one velocity, the mean over the step. It follows from the mean velocity
-//! of the preceding step. The difference between both means is an impulse: the second half of the last step's smooth
-//! forces and its late contact impulses, and the first half of this step's smooth forces and its early contact impulses,
-//! with the reactions of the joints. rapier applies it as a force over the step. This leapfrog is of second order, even
-//! with a variable step size. The velocity *at* a node is the last mean plus the second halves, including joint reactions.
+//! Between nodes n and n + 1 rapier moves every body with one velocity, the mean over the step. It starts from the mean
+//! velocity of the preceding step. The difference between both means is applied as a force over the step: the second
+//! half of the last step's smooth forces and its late contact impulses, and the first half of this step's smooth forces
+//! and its early contact impulses. This leapfrog is of second order, even with a variable step size. The velocity *at*
+//! a node is the last mean plus the second halves, including joint reactions.
 
 use rapier2d_f64::prelude::*;
 
@@ -13,17 +13,17 @@ use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrec
 use super::coordinate::{Row, Twist};
 use super::dense::refill;
 use super::forces;
-use super::linkage::{Linkage, RowKind, SingularConstraints};
+use super::linkage::{Linkage, SingularConstraints};
 use super::plan::{Plan, PlannedDrive};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::support;
-use super::world::World;
+use super::world::{LawContactHook, World};
 use crate::drive::Profile;
 use crate::integrator::Clock;
 use crate::law::friction_coefficient;
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{cos, exp, hypot, sin};
-use crate::numeric::plane::{add, dot, sub};
+use crate::numeric::plane::add;
 use crate::scene::{Construction, Response};
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -207,7 +207,7 @@ impl Motion {
         }
         let mut iterations = 0;
         loop {
-            self.close_joints(dt);
+            self.shift_anchors(dt);
             let Self { world, plan, linkage, .. } = self;
             let candidates = (&self.candidates[..], &self.bristle_states[..]);
             self.space.assemble(world, plan, linkage, candidates, &self.velocities, &self.step_accelerations, dt);
@@ -400,10 +400,8 @@ impl Motion {
             let friction = |candidate: &ContactCandidate, tangent: usize| {
                 candidate.friction_at_step_end([contact.rate[tangent], contact.bristle_state[index], force], dt)
             };
-            let element = active.candidate.index;
-            let tangent_row = |(tangent, kind): (usize, RowKind), row: Row, mu: f64, creep: f64| CorrectedRow {
+            let tangent_row = |tangent: usize, row: Row, mu: f64, creep: f64| CorrectedRow {
                 index: tangent,
-                key: (element, kind),
                 row,
                 target: contact.rate[tangent],
                 removable: f64::INFINITY,
@@ -414,7 +412,7 @@ impl Motion {
             if let (Source::Brake(_) | Source::Motor(_), Some(tangent)) = (active.candidate.source, active.tangent) {
                 let creep = dt * friction(&active.candidate, tangent).d_slip;
                 let slip_row = at_end.unwrap_or(&active.candidate).slip_row.clone();
-                rate_correction.rows.push(tangent_row((tangent, RowKind::Slip), slip_row, 0.0, creep));
+                rate_correction.rows.push(tangent_row(tangent, slip_row, 0.0, creep));
                 continue;
             }
             if let (Source::Servo(_), Some(at_end)) = (active.candidate.source, at_end) {
@@ -422,7 +420,6 @@ impl Motion {
                 let [target_rate, target_acceleration] = active.candidate.prescribed_gap_motion;
                 rate_correction.rows.push(CorrectedRow {
                     index: normal,
-                    key: (element, RowKind::Normal),
                     row: at_end.normal_row.clone(),
                     target: contact.rate[normal] + target_rate + dt * target_acceleration,
                     removable: f64::INFINITY,
@@ -438,13 +435,11 @@ impl Motion {
             let Some(candidate) = at_end else { continue };
             if let Some((rolling, law)) = active.rolling.zip(candidate.rolling.as_ref()) {
                 let creep = dt * friction_coefficient(law, contact.rate[rolling]).1 * force;
-                let roll_row = candidate.roll_row.clone();
-                rate_correction.rows.push(tangent_row((rolling, RowKind::Roll), roll_row, 0.0, creep.max(0.0)));
+                rate_correction.rows.push(tangent_row(rolling, candidate.roll_row.clone(), 0.0, creep.max(0.0)));
             }
             let law = candidate.normal_force(contact.gap[index], contact.rate[normal]);
             rate_correction.rows.push(CorrectedRow {
                 index: normal,
-                key: (element, RowKind::Normal),
                 row: candidate.normal_row.clone(),
                 target: contact.rate[normal],
                 removable: contact.late_impulse[normal],
@@ -454,8 +449,7 @@ impl Motion {
             let Some(tangent) = active.tangent else { continue };
             let after = friction(candidate, tangent);
             let creep = (dt * after.d_slip).max(0.0);
-            let slip_row = candidate.slip_row.clone();
-            rate_correction.rows.push(tangent_row((tangent, RowKind::Slip), slip_row, after.d_normal, creep));
+            rate_correction.rows.push(tangent_row(tangent, candidate.slip_row.clone(), after.d_normal, creep));
         }
         rate_correction.solve(&mut self.linkage, &mut self.velocities);
         let is_motor_row = |row: usize| {
@@ -541,23 +535,14 @@ impl Motion {
         }
     }
 
-    /// Computes the accelerations that close the joints at the end of the step. At mean velocities that close them along
-    /// the tangent at its start, joints would be open by ½ dt² |J̇ v| at its end. Closing them further by that amount, for
-    /// the predicted mean velocities, leaves an error of third order.
-    fn close_joints(&mut self, dt: f64) {
+    /// Shifts the joint anchors of rapier. It closes a joint along the tangent at the start of the step, so that the
+    /// joint is open by ½ dt² |J̇ v| at the end. Shifting the anchors by that amount beforehand, for the predicted mean
+    /// velocities, leaves an error of third order.
+    fn shift_anchors(&mut self, dt: f64) {
         let Self { linkage, open, overshoot, predicted_mean_velocities, .. } = self;
         refill(overshoot, linkage.overshoot(predicted_mean_velocities, dt));
         let corrected = linkage.openings().zip(&*overshoot).map(|(open, overshoot)| add(open, *overshoot));
         refill(open, corrected);
-        let (plan, now) = (&self.plan, self.clock.now());
-        forces::mean_driven_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
-        let opening = (&self.open[..], dt);
-        self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
-    }
-
-    /// Shifts the joint anchors of rapier, which closes joints along the tangent, by the overshoot of
-    /// [`Motion::close_joints`].
-    fn shift_anchors(&mut self, dt: f64) {
         for ((planned, joint), overshoot) in self.plan.joints.iter().zip(&self.world.joints).zip(&self.overshoot) {
             let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
                 continue;
@@ -576,6 +561,10 @@ impl Motion {
             let [x, y] = planned.anchors_m[0];
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }
+        let (plan, now) = (&self.plan, self.clock.now());
+        forces::mean_driven_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
+        let opening = (&self.open[..], dt);
+        self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
     }
 
     /// Computes the impulses from rapier's last mean velocity to the next one (node velocity, half a step of
@@ -602,19 +591,16 @@ impl Motion {
     fn opening_errors(&mut self, dt: f64) -> [f64; 2] {
         let Self { linkage, overshoot, predicted_mean_velocities, .. } = self;
         let openings = linkage.overshoot(predicted_mean_velocities, dt).zip(&*overshoot);
-        let largest = openings.fold([0.0_f64; 2], |[largest, error], (opening, corrected)| {
-            let difference = sub(opening, *corrected);
-            [largest.max(dot(opening, opening)), error.max(dot(difference, difference))]
-        });
-        largest.map(f64::sqrt)
+        openings.fold([0.0; 2], |[largest, error], (opening, corrected)| {
+            [
+                largest.max(hypot(opening[0], opening[1])),
+                error.max(hypot(opening[0] - corrected[0], opening[1] - corrected[1])),
+            ]
+        })
     }
 
     /// Takes one step of rapier with the impulses applied as forces over the step.
     fn step_rapier(&mut self, dt: f64) {
-        let now = self.clock.now();
-        let Self { plan, linkage, predicted_mean_velocities, .. } = self;
-        forces::set_driven_mean_velocities(plan, &linkage.poses, (now, dt), predicted_mean_velocities);
-        self.shift_anchors(dt);
         let physics = &mut self.world.physics;
         for (impulse, handle) in self.impulse.iter().zip(&self.world.bodies) {
             let body = &mut physics.bodies[*handle];
@@ -623,10 +609,16 @@ impl Motion {
             body.add_force(Vector::new(impulse[0] / dt, impulse[1] / dt), false);
             body.add_torque(impulse[2] / dt, false);
         }
-        let velocities = &self.predicted_mean_velocities;
-        forces::set_rapier_velocities(&self.plan, &self.world.bodies, velocities, &mut physics.bodies, dt);
+        forces::set_rapier_velocities(
+            &self.plan,
+            &self.linkage.poses,
+            &self.world.bodies,
+            &mut physics.bodies,
+            self.clock.now(),
+            dt,
+        );
         physics.integration_parameters.dt = dt;
-        physics.step();
+        physics.step_with_events(&LawContactHook, &());
         forces::turn_free_bodies(&self.free_bodies, &mut physics.bodies, dt);
     }
 

@@ -1,5 +1,6 @@
 //! The rapier world of a plan, with the settings that make rapier accurate (see the [module](super)).
 
+use rapier2d_f64::na::Unit;
 use rapier2d_f64::prelude::*;
 
 use super::plan::{Capsule, Plan, PlannedContact, PlannedJoint, PlannedSurface, Shape, SurfaceId};
@@ -12,10 +13,7 @@ use crate::shape::max_radius;
 pub struct World {
     pub physics: PhysicsWorld,
     pub bodies: Vec<RigidBodyHandle>,
-    /// Shapes of each contact of the plan: of its body, and of the other surface.
-    pub shapes: Vec<[SharedShape; 2]>,
-    /// Colliders of each contact in the same order; there are none if the contact laws of the scene replace rapier's
-    /// contact.
+    /// Colliders of each contact of the plan: of its body, and of the other surface.
     pub contacts: Vec<[ColliderHandle; 2]>,
     /// Joint constraint of each joint of the plan; `None` if a multibody coordinate replaces it.
     pub joints: Vec<Option<ImpulseJointHandle>>,
@@ -25,7 +23,7 @@ pub struct World {
 
 impl Clone for World {
     fn clone(&self) -> Self {
-        let Self { physics, bodies, shapes, contacts, joints, construction, response } = self;
+        let Self { physics, bodies, contacts, joints, construction, response } = self;
         let physics = PhysicsWorld {
             gravity: physics.gravity,
             integration_parameters: physics.integration_parameters,
@@ -42,15 +40,18 @@ impl Clone for World {
             ..PhysicsWorld::new()
         };
         let (bodies, contacts, joints) = (bodies.clone(), contacts.clone(), joints.clone());
-        Self {
-            physics,
-            bodies,
-            shapes: shapes.clone(),
-            contacts,
-            joints,
-            construction: *construction,
-            response: *response,
-        }
+        Self { physics, bodies, contacts, joints, construction: *construction, response: *response }
+    }
+}
+
+/// Disables solver contacts and response for the pairs that carry this hook; the contact laws replace them, and
+/// rapier's broad phase still finds the pairs. `None` rather than empty solver flags, so that rapier skips the unused
+/// contact geometry.
+pub(crate) struct LawContactHook;
+
+impl PhysicsHooks for LawContactHook {
+    fn filter_contact_pair(&self, _: &PairFilterContext) -> Option<SolverFlags> {
+        None
     }
 }
 
@@ -63,7 +64,7 @@ const PREDICTION_RADII: f64 = 0.5;
 /// Distance up to which rapier tracks a pair if all surfaces are sharp or flat, m.
 const SHARP_PREDICTION_M: f64 = 1e-3;
 
-/// Builds the world. With [`Response::Laws`] rapier has no colliders: the engine finds the contacts from the shapes.
+/// Builds the world. With [`Response::Laws`] every contact pair carries the hook.
 pub fn build_world(plan: &Plan, construction: Construction, response: Response, iterations: u32) -> World {
     let mut physics = PhysicsWorld::new();
     // Gravity is applied as a force on each body, so that it can be halved when the step size changes.
@@ -113,15 +114,8 @@ pub fn build_world(plan: &Plan, construction: Construction, response: Response, 
         }
     }
 
-    let shapes = plan.contacts.iter().map(|contact| {
-        let own = SurfaceId { body: Some(contact.body), index: contact.surface };
-        [own, contact.against].map(|id| shared_shape(&plan.surface(id).shape))
-    });
-    let shapes = shapes.collect();
-    let mut world = World { physics, bodies, shapes, contacts: Vec::new(), joints, construction, response };
-    if let Response::Rapier { friction, restitution } = response {
-        add_colliders(&mut world, plan, (friction, restitution));
-    }
+    let mut world = World { physics, bodies, contacts: Vec::new(), joints, construction, response };
+    add_colliders(&mut world, plan, response);
     refresh(&mut world);
     if construction == Construction::Reduced {
         // The multibody only knows after a step that its root is fixed.
@@ -135,7 +129,7 @@ pub fn build_world(plan: &Plan, construction: Construction, response: Response, 
 /// Takes a step of zero length, which updates world mass properties and contact pairs.
 fn refresh(world: &mut World) {
     world.physics.integration_parameters.dt = 0.0;
-    world.physics.step();
+    world.physics.step_with_events(&LawContactHook, &());
 }
 
 fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationParameters {
@@ -189,21 +183,20 @@ fn joint(plan: &Plan, planned: &PlannedJoint) -> GenericJoint {
     joint.contacts_enabled(plan.contacts.iter().any(touch)).softness(RIGID).build()
 }
 
-/// Adds colliders with rapier's own contact.
-fn add_colliders(world: &mut World, plan: &Plan, (friction, restitution): (f64, f64)) {
+fn add_colliders(world: &mut World, plan: &Plan, response: Response) {
     let count = plan.bodies.len();
     let finish = |builder: ColliderBuilder, surface: usize| {
-        builder
+        let builder = builder
             .density(0.0)
             .collision_groups(groups(plan, surface))
             // By default driven bodies collide only with dynamic ones.
-            .active_collision_types(ActiveCollisionTypes::all())
-            .friction(friction)
-            .restitution(restitution)
+            .active_collision_types(ActiveCollisionTypes::all());
+        match response {
+            Response::Laws => builder.active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS),
+            Response::Rapier { friction, restitution } => builder.friction(friction).restitution(restitution),
+        }
     };
-    let placed = |surface: &PlannedSurface| {
-        ColliderBuilder::new(shared_shape(&surface.shape)).position(surface_pose_in_frame(surface))
-    };
+    let placed = |surface: &PlannedSurface| collider(&surface.shape).position(surface_pose_in_frame(surface));
     let fixed: Vec<_> = plan
         .fixed_surfaces
         .iter()
@@ -253,18 +246,18 @@ fn reach(vertices_m: &[[f64; 2]]) -> f64 {
     vertices_m.iter().map(|[x, y]| hypot(*x, *y)).fold(0.0, f64::max)
 }
 
-/// Returns the shape of a surface: of polygons and ellipses, whose closest points are computed here, a disc that contains
-/// them.
-fn shared_shape(shape: &Shape) -> SharedShape {
+/// Returns the rapier collider of a surface: of polygons and ellipses, whose closest points are computed here, a disc
+/// that contains them.
+pub(crate) fn collider(shape: &Shape) -> ColliderBuilder {
     match shape {
         Shape::Capsule(capsule) => {
             let [x, y] = capsule.end_m;
-            SharedShape::capsule(Vector::ZERO, Vector::new(x, y), capsule.radius_m)
+            ColliderBuilder::capsule_from_endpoints(Vector::ZERO, Vector::new(x, y), capsule.radius_m)
         }
-        Shape::Disc(shape) => SharedShape::ball(max_radius(shape)),
-        Shape::Polygon { vertices_m, radius_m } => SharedShape::ball(reach(vertices_m) + radius_m),
-        Shape::Ellipse { semi_axes_m: [a, b] } => SharedShape::ball(a.max(*b)),
-        Shape::HalfPlane => SharedShape::halfspace(Vector::Y),
+        Shape::Disc(shape) => ColliderBuilder::ball(max_radius(shape)),
+        Shape::Polygon { vertices_m, radius_m } => ColliderBuilder::ball(reach(vertices_m) + radius_m),
+        Shape::Ellipse { semi_axes_m: [a, b] } => ColliderBuilder::ball(a.max(*b)),
+        Shape::HalfPlane => ColliderBuilder::halfspace(Unit::new_unchecked(Vector::Y)),
     }
 }
 

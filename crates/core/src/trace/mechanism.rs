@@ -32,7 +32,7 @@ pub(super) fn build_mechanism<U: KernelUser>(
         size,
         (scene, mechanism, user),
         [3, 2, 5, 1],
-        [7, 2, 8, 2],
+        [8, 2, 8, 2],
         [9, 1, 8, 0],
         [14, 3, 12, 2],
         [9, 3, 32, 2],
