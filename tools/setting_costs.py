@@ -4,8 +4,9 @@
     tools/setting_costs.py [--python PYTHON] [--only WORD] [--json FILE]
 
 Each number is a ratio of instruction counts under callgrind, of all threads. The instructions of the same command with a run of 1 µs
-are subtracted first: those of the start of the program, of the scene and of the report. (Sweeps and Python: the difference of
-several runs.) The count does not depend on the load of the machine, and changes by less than 1 % between repetitions.
+are subtracted first: those of the start of the program, of the scene and of the report. (Sweeps: the difference of several runs.)
+The count does not depend on the load of the machine, and changes by less than 1 % between repetitions. The rows on Python are
+ratios of wall times, medians of three runs that alternate.
 
 PYTHON is an interpreter with the package phalanx, for the rows on Python. --only measures the tables with this word in their title.
 Needs valgrind and a release build of phalanx ($PHALANX names another program).
@@ -33,7 +34,8 @@ ALL = tuple(SCENES)
 START = ["--set", "duration=1 us"]
 # Numbers of runs of sweeps and in Python, whose difference is measured.
 FEW, MANY = 4, 12
-FEW_IN_PYTHON, MANY_IN_PYTHON = 1, 4
+# Times of each statement in Python.
+TIMES = 3
 ENGINE = ["--model", "engine"]
 
 
@@ -109,21 +111,20 @@ TABLES = [
     ]),
 ]
 
-PYTHON_BASE = "phalanx.evaluate(scene, {field: numpy.full(n, value)}, threads=1)"
-# Statements that simulate n times, and whether they exist for every scene.
+PYTHON_BASE = "phalanx.run(scene)"
+# Statements, the number of simulations of each, and their scenes.
 PYTHON = [
-    ("`phalanx.run`", "every sample as an array", "[phalanx.run(scene) for _ in range(n)]", ALL),
-    ('`phalanx.run`, `numeric_rate="1 kHz"`', "fewer samples", "[phalanx.run(scene, numeric_rate='1 kHz') for _ in range(n)]", ALL),
-    ('`phalanx.run`, `numeric_rate="100 kHz"`', "more samples", "[phalanx.run(scene, numeric_rate='100 kHz') for _ in range(n)]", ALL),
-    ("`evaluate`, `check=True`", "a verdict for each design", PYTHON_BASE.replace("threads=1", "threads=1, check=True"), ("finger", "gripper")),
-    ("`phalanx.run`, `gradient` by 1 field", "derivatives of the results", "[phalanx.run(scene, gradient=[field]) for _ in range(n)]", ("finger", "gripper")),
-    ("… by 3 fields", "the same", "[phalanx.run(scene, gradient=[field, *more]) for _ in range(n)]", ("finger", "gripper")),
+    ("`evaluate`, one thread, per design of 20", "one row per design, no samples", "phalanx.evaluate(scene, {field: 20 * value}, threads=1)", 20, ("finger", "gripper")),
+    ('`numeric_rate="1 kHz"`', "fewer samples", "phalanx.run(scene, numeric_rate='1 kHz')", 1, ALL),
+    ('`numeric_rate="100 kHz"`', "more samples", "phalanx.run(scene, numeric_rate='100 kHz')", 1, ALL),
+    ("`gradient` by 1 field", "derivatives of the results", "phalanx.run(scene, gradient=[field])", 1, ("finger",)),
+    ("`gradient` by 3 fields", "the same", "phalanx.run(scene, gradient=[field, *more])", 1, ("finger",)),
 ]
 FIELDS = {
     "finger": ("contact.friction.mu_static", 0.8, ["design.base", "motor.torque"]),
     "gripper": ("contact.friction.mu_static", 0.8, ["design.base", "motor.torque"]),
     "cycle": ("contact.friction.mu_static", 0.8, []),
-    "mechanism": ("laws.pad.friction.mu_static", 0.6, []),
+    "mechanism": (None, None, []),
 }
 
 
@@ -170,12 +171,24 @@ class Counter:
         study = [PHALANX, "sweep", ROOT / "scenes" / "studies" / "sample.toml", "--threads", "1", "--json", "--out", "OUT.csv"]
         return [self.count(*study, "--limit", str(n), *flags) for n in (MANY, FEW)]
 
-    def python(self, python, scene, statement):
-        """Futures of few and many runs in Python."""
-        field, value, more = FIELDS[scene]
-        path = str(ROOT / "scenes" / f"{SCENES[scene]}.toml")
-        setup = f"import numpy, phalanx; scene = phalanx.Scene.load({path!r}); field, value, more = {field!r}, {value!r}, {more!r}"
-        return [self.count(python, "-c", f"{setup}; n = {n}; {statement}") for n in (MANY_IN_PYTHON, FEW_IN_PYTHON)]
+
+def python_ratios(python, scene, statements):
+    """Times of statements relative to the first one: medians, in one process that runs them in turn."""
+    field, value, more = FIELDS[scene]
+    path = str(ROOT / "scenes" / f"{SCENES[scene]}.toml")
+    program = f"""
+import json, statistics, time, phalanx
+scene, field, value, more = phalanx.Scene.load({path!r}), {field!r}, [{value!r}], {more!r}
+statements = [compile(text, "statement", "eval") for text in {statements!r}]
+times = [[] for _ in statements]
+for _ in range({TIMES}):
+    for statement, seconds in zip(statements, times):
+        start = time.perf_counter()
+        eval(statement)
+        seconds.append(time.perf_counter() - start)
+print(json.dumps([statistics.median(seconds) / statistics.median(times[0]) for seconds in times]))
+"""
+    return json.loads(subprocess.run([python, "-c", program], capture_output=True, text=True, check=True).stdout)
 
 
 def difference(futures):
@@ -220,9 +233,6 @@ def main():
     base = {scene: counter.run("run", scene, []) for scene in ALL}
     sweeps = [counter.sweep(flags) for flags in ([], ["--check"])] if options.only.lower() in "studies" else None
     python = options.python and options.only.lower() in "python"
-    in_python = {scene: counter.python(options.python, scene, PYTHON_BASE) for scene in ALL} if python else {}
-    rows_of_python = [(entry, {scene: counter.python(options.python, scene, entry[2]) for scene in entry[3]}) for entry in PYTHON] if python else []
-
     costs = {scene: difference(futures) for scene, futures in base.items()}
     print("| | " + " | ".join(ALL) + " |\n" + "|---" * (len(ALL) + 1) + "|")
     print("| instructions of an everyday run (million) | " + " | ".join(number(costs[scene] and costs[scene] / 1e6) for scene in ALL) + " |")
@@ -239,12 +249,13 @@ def main():
         print(f"\n## Studies\n\nA run of `scenes/studies/sample.toml` takes {plain / (MANY - FEW) / 1e6:.1f} million instructions, with `--check` {ratio(checked, plain):.2f} times as many.")
         result["sweep"] = {"instructions": plain / (MANY - FEW), "check": ratio(checked, plain)}
     if python:
-        before = {scene: difference(futures) for scene, futures in in_python.items()}
-        rows = [
-            (label, {scene: ratio(difference(pair), before[scene]) for scene, pair in futures.items()}, gain)
-            for (label, gain, _, _), futures in rows_of_python
-        ]
-        print_table("Python", "`phalanx.evaluate`, which records nothing", ALL, rows)
+        rows = [(label, {}, gain) for label, gain, *_ in PYTHON]
+        for scene in ALL:
+            indices = [index for index, (*_, scenes) in enumerate(PYTHON) if scene in scenes]
+            ratios = python_ratios(options.python, scene, [PYTHON_BASE, *(PYTHON[index][2] for index in indices)])
+            for index, of_statement in zip(indices, ratios[1:]):
+                rows[index][1][scene] = of_statement / PYTHON[index][3]
+        print_table("Python", "`phalanx.run`, in wall time", ALL, rows)
         result["python"] = {label: ratios for label, ratios, _ in rows}
     version = subprocess.run([PHALANX, "--version"], capture_output=True, text=True, check=True).stdout.strip()
     print(f"\n{version}, {platform.machine()}, {datetime.date.today():%-d %B %Y}, valgrind --tool=callgrind.")
