@@ -8,6 +8,6 @@ macro_rules! pages {
 }
 
 pages! {
-    accuracy, clusters, design, design_work, engine, equations, errata, explorer, glossary, grippers, hard, integration,
-    laws, limits, python, robustness, scene_files, scenes, stability, verdicts,
+    accuracy, clusters, costs, design, design_work, engine, equations, errata, explorer, glossary, grippers, hard,
+    integration, laws, limits, python, robustness, scene_files, scenes, stability, verdicts,
 }

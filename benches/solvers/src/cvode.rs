@@ -1,20 +1,16 @@
 //! BDF of CVODE (SUNDIALS 6, Debian's package libsundials-dev), called through its C interface.
 
 use std::ffi::{c_int, c_long, c_void};
-use std::ptr;
+use std::{ptr, slice};
 
-use crate::external_solver::ExternalSolver;
-use crate::support::absolute_tolerances;
-use crate::support::problem::Problem;
-use crate::support::trajectory::Cost;
-use crate::vector_field::{FIRST_STEP_S, StepRecorder, Vector, VectorField, start};
+use crate::equations::{Equations, GeneralSolver, InitialValueProblem, StepObserver, Steps};
+use crate::vector_field::{FIRST_STEP_S, MAX_STEPS};
 
 const CV_BDF: c_int = 2;
 const CV_ONE_STEP: c_int = 2;
 const CV_TSTOP_RETURN: c_int = 1;
-const MAX_STEPS: c_long = 1_000_000;
-/// The default is 10; the first impact needs more.
-const MAX_ERROR_TEST_FAILURES: c_int = 100;
+/// Failures of the error test and of Newton's method within one step. The default is 10; impacts need more.
+const MAX_FAILURES: c_int = 100;
 
 /// Handles of SUNDIALS: context, vector, matrix, linear solver, integrator.
 type Handle = *mut c_void;
@@ -39,6 +35,7 @@ unsafe extern "C" {
     fn SUNLinSolFree(solver: Handle) -> c_int;
     fn CVodeCreate(method: c_int, context: Handle) -> Handle;
     fn CVodeInit(memory: Handle, rhs: RhsFn, t0: f64, y0: Handle) -> c_int;
+    fn CVodeReInit(memory: Handle, t0: f64, y0: Handle) -> c_int;
     fn CVodeSVtolerances(memory: Handle, rtol: f64, atol: Handle) -> c_int;
     fn CVodeSetUserData(memory: Handle, data: *mut c_void) -> c_int;
     fn CVodeSetLinearSolver(memory: Handle, solver: Handle, matrix: Handle) -> c_int;
@@ -46,6 +43,7 @@ unsafe extern "C" {
     fn CVodeSetInitStep(memory: Handle, step: f64) -> c_int;
     fn CVodeSetStopTime(memory: Handle, time: f64) -> c_int;
     fn CVodeSetMaxErrTestFails(memory: Handle, count: c_int) -> c_int;
+    fn CVodeSetMaxConvFails(memory: Handle, count: c_int) -> c_int;
     fn CVode(memory: Handle, until: f64, y: Handle, t: *mut f64, task: c_int) -> c_int;
     fn CVodeGetDky(memory: Handle, t: f64, derivative: c_int, out: Handle) -> c_int;
     fn CVodeGetNumSteps(memory: Handle, count: *mut c_long) -> c_int;
@@ -59,36 +57,46 @@ pub struct Cvode {
     pub rtol: f64,
 }
 
-extern "C" fn rhs(t: f64, y: Handle, out: Handle, vector_field: *mut c_void) -> c_int {
-    // SAFETY: both vectors have four entries, and `vector_field` is the `VectorField` given to CVodeSetUserData.
-    unsafe {
-        let rates = (*vector_field.cast::<VectorField>()).rates(t, &*N_VGetArrayPointer(y).cast::<Vector>());
-        *N_VGetArrayPointer(out).cast::<Vector>() = rates;
-    }
-    0
+/// The equations and the size of a problem, as the callbacks get them.
+struct Callback<'a, E> {
+    equations: &'a E,
+    size: usize,
 }
 
-extern "C" fn jacobian(
+/// Status of a callback: 0, or 1 for an evaluation that the solver repeats with a smaller step.
+fn status(values: &[f64]) -> c_int {
+    c_int::from(!values.iter().all(|x| x.is_finite()))
+}
+
+extern "C" fn rhs<E: Equations>(t: f64, y: Handle, out: Handle, callback: *mut c_void) -> c_int {
+    // SAFETY: `callback` is the `Callback` given to CVodeSetUserData, and both vectors have its size.
+    unsafe {
+        let Callback { equations, size } = &*callback.cast::<Callback<E>>();
+        let y = slice::from_raw_parts(N_VGetArrayPointer(y), *size);
+        let out = slice::from_raw_parts_mut(N_VGetArrayPointer(out), *size);
+        equations.rates(t, y, out);
+        status(out)
+    }
+}
+
+extern "C" fn jacobian<E: Equations>(
     t: f64,
     y: Handle,
     _: Handle,
     out: Handle,
-    vector_field: *mut c_void,
+    callback: *mut c_void,
     _: Handle,
     _: Handle,
     _: Handle,
 ) -> c_int {
-    // SAFETY: as in `rhs`; the matrix is dense, 4 × 4, by columns.
+    // SAFETY: as in `rhs`; the matrix is dense, square and stored by columns.
     unsafe {
-        let rows = (*vector_field.cast::<VectorField>()).jacobian(t, &*N_VGetArrayPointer(y).cast::<Vector>());
-        let columns = &mut *SUNDenseMatrix_Data(out).cast::<[Vector; 4]>();
-        for (i, row) in rows.iter().enumerate() {
-            for (k, value) in row.iter().enumerate() {
-                columns[k][i] = *value;
-            }
-        }
+        let Callback { equations, size } = &*callback.cast::<Callback<E>>();
+        let y = slice::from_raw_parts(N_VGetArrayPointer(y), *size);
+        let columns = slice::from_raw_parts_mut(SUNDenseMatrix_Data(out), size * size);
+        equations.jacobian(t, y, columns);
+        status(columns)
     }
-    0
 }
 
 /// The objects of one integration, dropped in reverse order of creation.
@@ -104,7 +112,7 @@ struct Integrator {
 
 impl Drop for Integrator {
     fn drop(&mut self) {
-        // SAFETY: every handle was created by `Cvode::integrate` and is freed once.
+        // SAFETY: every handle was created by `Cvode::solve` and is freed once.
         unsafe {
             CVodeFree(&mut self.memory);
             SUNLinSolFree(self.linear);
@@ -121,25 +129,28 @@ fn check(call: &str, status: c_int) -> Result<c_int, String> {
     if status < 0 { Err(format!("{call} returned {status}")) } else { Ok(status) }
 }
 
-impl ExternalSolver for Cvode {
+impl GeneralSolver for Cvode {
     const METHOD: &str = "CVODE BDF";
 
     fn rtol(&self) -> f64 {
         self.rtol
     }
 
-    fn integrate(&self, problem: &Problem, mut recorder: Option<&mut StepRecorder>) -> Result<Cost, String> {
-        let vector_field = VectorField::new(problem);
-        let (angle, rate) = absolute_tolerances(self.rtol);
-        let mut y = start(problem);
-        let mut atol: Vector = [angle, angle, rate, rate];
-        let mut interpolated: Vector = [0.0; 4];
-        // SAFETY: the arrays and `vector_field` outlive `cvode`, which is dropped before them; all vectors have four entries.
+    fn solve<E: Equations>(
+        &self,
+        problem: &InitialValueProblem<E>,
+        mut observer: Option<StepObserver>,
+    ) -> Result<Steps, String> {
+        let InitialValueProblem { equations, start, stops } = problem;
+        let size = start.len();
+        let callback = Callback { equations: *equations, size };
+        let (mut y, mut atol, mut interpolated) = (start.clone(), problem.atol(self.rtol), vec![0.0; size]);
+        // SAFETY: the arrays and `callback` outlive `cvode`, which is dropped before them; all have `size` entries.
         unsafe {
             let mut context = ptr::null_mut();
             check("SUNContext_Create", SUNContext_Create(ptr::null_mut(), &mut context))?;
-            let vector = |data: &mut Vector| N_VMake_Serial(4, data.as_mut_ptr(), context);
-            let (y_vector, matrix) = (vector(&mut y), SUNDenseMatrix(4, 4, context));
+            let vector = |data: &mut Vec<f64>| N_VMake_Serial(size as i64, data.as_mut_ptr(), context);
+            let (y_vector, matrix) = (vector(&mut y), SUNDenseMatrix(size as i64, size as i64, context));
             let cvode = Integrator {
                 context,
                 y: y_vector,
@@ -150,38 +161,48 @@ impl ExternalSolver for Cvode {
                 memory: CVodeCreate(CV_BDF, context),
             };
             let memory = cvode.memory;
-            check("CVodeInit", CVodeInit(memory, rhs, 0.0, cvode.y))?;
+            let state = |vector: Handle| slice::from_raw_parts(N_VGetArrayPointer(vector), size);
+            equations.set_latest_time(stops[0].next_down());
+            check("CVodeInit", CVodeInit(memory, rhs::<E>, 0.0, cvode.y))?;
             check("CVodeSVtolerances", CVodeSVtolerances(memory, self.rtol, cvode.atol))?;
-            check("CVodeSetUserData", CVodeSetUserData(memory, ptr::from_ref(&vector_field).cast_mut().cast()))?;
+            check("CVodeSetUserData", CVodeSetUserData(memory, ptr::from_ref(&callback).cast_mut().cast()))?;
             check("CVodeSetLinearSolver", CVodeSetLinearSolver(memory, cvode.linear, cvode.matrix))?;
-            check("CVodeSetJacFn", CVodeSetJacFn(memory, jacobian))?;
-            check("CVodeSetInitStep", CVodeSetInitStep(memory, FIRST_STEP_S))?;
-            check("CVodeSetMaxErrTestFails", CVodeSetMaxErrTestFails(memory, MAX_ERROR_TEST_FAILURES))?;
-            check("CVodeSetStopTime", CVodeSetStopTime(memory, problem.duration_s()))?;
-            let (mut t, mut steps) = (0.0, 0);
-            loop {
-                let t0 = t;
-                let status = check("CVode", CVode(memory, problem.duration_s(), cvode.y, &mut t, CV_ONE_STEP))?;
-                if let Some(recorder) = &mut recorder {
-                    let end = *N_VGetArrayPointer(cvode.y).cast::<Vector>();
-                    recorder.step(t0, t, &end, |t| {
-                        let status = CVodeGetDky(memory, t, 0, cvode.interpolated);
-                        (status == 0).then(|| *N_VGetArrayPointer(cvode.interpolated).cast::<Vector>())
-                    });
+            check("CVodeSetJacFn", CVodeSetJacFn(memory, jacobian::<E>))?;
+            check("CVodeSetMaxErrTestFails", CVodeSetMaxErrTestFails(memory, MAX_FAILURES))?;
+            check("CVodeSetMaxConvFails", CVodeSetMaxConvFails(memory, MAX_FAILURES))?;
+            let (mut t, mut steps) = (0.0, Steps::default());
+            for stop in stops {
+                equations.set_latest_time(stop.next_down());
+                if t > 0.0 {
+                    check("CVodeReInit", CVodeReInit(memory, t, cvode.y))?;
                 }
-                if status == CV_TSTOP_RETURN {
-                    break;
+                check("CVodeSetInitStep", CVodeSetInitStep(memory, FIRST_STEP_S))?;
+                check("CVodeSetStopTime", CVodeSetStopTime(memory, *stop))?;
+                for taken in steps.accepted.. {
+                    let t0 = t;
+                    let status = check("CVode", CVode(memory, *stop, cvode.y, &mut t, CV_ONE_STEP))
+                        .map_err(|error| format!("at {t0:.6} s: {error}"))?;
+                    if let Some(observe) = &mut observer {
+                        observe(t0, t, state(cvode.y), &mut |t| {
+                            let status = CVodeGetDky(memory, t, 0, cvode.interpolated);
+                            (status == 0).then(|| state(cvode.interpolated).to_vec())
+                        });
+                    }
+                    if status == CV_TSTOP_RETURN {
+                        break;
+                    }
+                    if taken > MAX_STEPS {
+                        return Err(format!("at {t:.6} s: more than {MAX_STEPS} steps"));
+                    }
                 }
-                steps += 1;
-                if steps > MAX_STEPS {
-                    return Err(format!("more than {MAX_STEPS} steps"));
-                }
+                let (mut accepted, mut errors, mut newton) = (0, 0, 0);
+                check("CVodeGetNumSteps", CVodeGetNumSteps(memory, &mut accepted))?;
+                check("CVodeGetNumErrTestFails", CVodeGetNumErrTestFails(memory, &mut errors))?;
+                check("CVodeGetNumNonlinSolvConvFails", CVodeGetNumNonlinSolvConvFails(memory, &mut newton))?;
+                steps.accepted += accepted as usize;
+                steps.rejected += (errors + newton) as usize;
             }
-            let (mut accepted, mut errors, mut newton) = (0, 0, 0);
-            check("CVodeGetNumSteps", CVodeGetNumSteps(memory, &mut accepted))?;
-            check("CVodeGetNumErrTestFails", CVodeGetNumErrTestFails(memory, &mut errors))?;
-            check("CVodeGetNumNonlinSolvConvFails", CVodeGetNumNonlinSolvConvFails(memory, &mut newton))?;
-            Ok(vector_field.cost(accepted as usize, (errors + newton) as usize))
+            Ok(steps)
         }
     }
 }

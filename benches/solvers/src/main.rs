@@ -2,12 +2,18 @@
 //!
 //!     cargo run --release --manifest-path benches/solvers/Cargo.toml -- --json solvers.json
 //!
+//! With --cases it measures a closing finger, a closing gripper and a grasp cycle for the work–precision diagrams of
+//! tools/work_precision.py, with the solvers that take systems of any size.
+//!
 //! The published solvers use the clamped force laws and the exact Jacobian, without event location.
 
 #[cfg(feature = "diffsol")]
 mod bdf;
+mod case;
 #[cfg(feature = "cvode")]
 mod cvode;
+mod diagram;
+mod equations;
 mod external_solver;
 mod radau;
 mod rodas;
@@ -18,8 +24,11 @@ mod vector_field;
 use std::path::PathBuf;
 
 use clap::Parser;
+use phalanx::analytic::{EVENT_FUNCTIONS, QUADRATURES};
 use phalanx::scene::{Method, Preset};
 
+use case::{CYCLE, GRIPPER, GRIPPER_EVENTS, GRIPPER_QUADRATURES};
+use diagram::{Diagram, MEMBERS, measure};
 use support::phalanx_solver::PhalanxSolver;
 use support::table::{compare, print};
 use support::{BenchSolver, rtols, write};
@@ -33,10 +42,49 @@ struct Args {
     /// Number of timed repetitions
     #[arg(long, default_value_t = 45, value_parser = clap::value_parser!(u32).range(1..))]
     repetitions: u32,
+
+    /// Measure these cases for the work–precision diagrams
+    #[arg(long, value_name = "CASE", num_args = 1..)]
+    cases: Vec<CaseName>,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum CaseName {
+    Finger,
+    Gripper,
+    Cycle,
+}
+
+impl CaseName {
+    fn measure(self, rounds: usize) -> Diagram {
+        let members = 0..MEMBERS;
+        match self {
+            Self::Finger => {
+                let members: Vec<_> = members.map(case::finger).collect();
+                measure::<_, 2, QUADRATURES, EVENT_FUNCTIONS>("finger", &members, rounds)
+            }
+            Self::Gripper => {
+                let members: Vec<_> = members.map(case::gripper).collect();
+                measure::<_, GRIPPER, GRIPPER_QUADRATURES, GRIPPER_EVENTS>("gripper", &members, rounds)
+            }
+            Self::Cycle => {
+                let members: Vec<_> = members.map(case::cycle).collect();
+                measure::<_, CYCLE, GRIPPER_QUADRATURES, GRIPPER_EVENTS>("cycle", &members, rounds)
+            }
+        }
+    }
 }
 
 fn main() {
     let args = Args::parse();
+    if !args.cases.is_empty() {
+        let diagrams: Vec<Diagram> = args.cases.iter().map(|case| case.measure(args.repetitions as usize)).collect();
+        match args.json {
+            Some(path) => write(&path, &diagrams),
+            None => println!("{diagrams:#?}"),
+        }
+        return;
+    }
     let comparison = compare(&solvers(), args.repetitions as usize);
     print(&comparison);
     if let Some(path) = args.json {

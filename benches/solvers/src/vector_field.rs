@@ -7,12 +7,16 @@ use phalanx::analytic::{ContactState, FingerMode, Model};
 use phalanx::gripper::FingerContact;
 use phalanx::integrator::System;
 
+use crate::equations::Equations;
 use crate::support::problem::Problem;
 use crate::support::trajectory::{Cost, EndState, GRID_S, Trajectory};
 
 /// First step of all solvers, including those of phalanx. The step guesses of the solvers do not account for the joint limit
 /// at which the finger starts.
 pub const FIRST_STEP_S: f64 = 1e-8;
+
+/// Limit of accepted steps.
+pub const MAX_STEPS: usize = 1_000_000;
 
 /// q11, q21 and their rates.
 pub type Vector = [f64; 4];
@@ -50,6 +54,27 @@ impl<'a> VectorField<'a> {
     pub fn cost(&self, steps: usize, rejected: usize) -> Cost {
         Cost { rhs: self.rhs.get(), jacobians: self.jacobians.get(), steps: steps as u64, rejected: rejected as u64 }
     }
+}
+
+impl Equations for VectorField<'_> {
+    fn coordinate_count(&self) -> usize {
+        2
+    }
+
+    fn rates(&self, t: f64, y: &[f64], out: &mut [f64]) {
+        out.copy_from_slice(&VectorField::rates(self, t, &array(y)));
+    }
+
+    fn jacobian(&self, t: f64, y: &[f64], columns: &mut [f64]) {
+        for (i, row) in VectorField::jacobian(self, t, &array(y)).iter().enumerate() {
+            row.iter().enumerate().for_each(|(k, value)| columns[4 * k + i] = *value);
+        }
+    }
+}
+
+/// Returns a state as an array.
+pub fn array(y: &[f64]) -> Vector {
+    std::array::from_fn(|i| y[i])
 }
 
 /// Returns the initial state of a problem.

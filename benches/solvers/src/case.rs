@@ -1,0 +1,180 @@
+//! The scenes of the work–precision diagrams, with the kernels that phalanx uses for them.
+
+use std::cell::Cell;
+
+use phalanx::analytic::multibody::Multibody;
+use phalanx::analytic::{Mode, Model, QUADRATURES};
+use phalanx::integrator::{Hybrid, State};
+use phalanx::scene::{Integrator, Profile, Scene, parse_any};
+use phalanx::shape::max_radius;
+
+use crate::equations::{Equations, InitialValueProblem};
+use crate::support::problem::TORQUE_STEP;
+
+/// Contacts, quadratures and event functions of a gripper with one object.
+const CONTACTS: usize = 8;
+pub const GRIPPER_QUADRATURES: usize = 10;
+pub const GRIPPER_EVENTS: usize = 24;
+
+/// Coordinates of a gripper with a free object, and with a moving palm and bristles as well.
+pub const GRIPPER: usize = 7;
+pub const CYCLE: usize = 16;
+
+/// A scene whose torques are multiplied by a factor near 1.
+pub struct Case<M, Mode, const N: usize, const Z: usize> {
+    pub kernel: M,
+    pub start: State<N, Z>,
+    /// The laws without events.
+    pub clamped: Mode,
+    pub duration_s: f64,
+    /// Settings of an everyday run.
+    pub everyday: Integrator,
+    /// Number of coordinates on which the equations depend. They are the first ones.
+    pub coordinate_count: usize,
+    /// Indices of the rates: those of the coordinates, then the bristle states.
+    rates: Vec<usize>,
+    /// Index of time among the coordinates.
+    time: Option<usize>,
+    /// Radius of the object, whose position follows the four angles of the fingers.
+    pub object_radius_m: Option<f64>,
+}
+
+/// Reads a scene and multiplies its torques by 1 + i · 1e-9.
+fn scene(text: &str, member: usize) -> Scene {
+    let mut scene = parse_any(text, "scene").unwrap_or_else(|error| panic!("the scene cannot be loaded: {error}"));
+    for finger in &mut scene.system.fingers {
+        let factor = 1.0 + member as f64 * TORQUE_STEP;
+        match &mut finger.motor.actuation {
+            Profile::Constant { value } => *value *= factor,
+            Profile::Table { points, .. } => points.iter_mut().for_each(|(_, value)| *value *= factor),
+            other => panic!("no factor for {other:?}"),
+        }
+    }
+    scene
+}
+
+pub fn finger(member: usize) -> Case<Model, Mode<3>, 2, QUADRATURES> {
+    let scene = scene(include_str!("../../../scenes/experiment-95.toml"), member);
+    Case {
+        kernel: Model::new(&scene.system),
+        start: Model::start(&scene.system),
+        clamped: Mode::CLAMPED,
+        duration_s: scene.duration_s,
+        everyday: scene.integrator,
+        coordinate_count: 2,
+        rates: vec![0, 1],
+        time: None,
+        object_radius_m: None,
+    }
+}
+
+type GripperCase<const N: usize> = Case<Multibody<N, CONTACTS>, Mode<CONTACTS>, N, GRIPPER_QUADRATURES>;
+
+fn gripper_of<const N: usize>(scene: &Scene) -> GripperCase<N> {
+    let kernel = Multibody::<N, CONTACTS>::new(&scene.system);
+    let bristles = (0..kernel.contact_count()).filter_map(|contact| kernel.bristle_index(contact));
+    let brakes = (0..2).filter_map(|drive| kernel.brake_bristle_index(drive));
+    let object = scene.system.object().unwrap_or_else(|| panic!("the scene has no object"));
+    Case {
+        start: kernel.start(&scene.system),
+        clamped: Mode::CLAMPED,
+        duration_s: scene.duration_s,
+        everyday: scene.integrator,
+        coordinate_count: GRIPPER,
+        rates: (0..GRIPPER).chain(bristles).chain(brakes).collect(),
+        time: scene.system.palm_motion.is_some().then_some(GRIPPER),
+        object_radius_m: Some(max_radius(&object.shape)),
+        kernel,
+    }
+}
+
+pub fn gripper(member: usize) -> GripperCase<GRIPPER> {
+    gripper_of(&scene(include_str!("../../../scenes/gripper/design-95.toml"), member))
+}
+
+pub fn cycle(member: usize) -> GripperCase<CYCLE> {
+    gripper_of(&scene(include_str!("../../../scenes/gripper/cycle.toml"), member))
+}
+
+impl<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> CaseEquations<'_, M, N, Z, S> {
+    /// The initial value problem of the published solvers.
+    pub fn problem(&self) -> InitialValueProblem<'_, Self> {
+        let Case { kernel, start, duration_s, coordinate_count, rates, .. } = self.case;
+        let rates = rates.iter().map(|index| start.v[*index]);
+        let start = start.q[..*coordinate_count].iter().copied().chain(rates).collect();
+        let mut stops = vec![kernel.next_discontinuity(0.0)];
+        while stops[stops.len() - 1] < *duration_s {
+            stops.push(kernel.next_discontinuity(stops[stops.len() - 1]));
+        }
+        let last = stops.len() - 1;
+        stops[last] = *duration_s;
+        InitialValueProblem { equations: self, start, stops }
+    }
+}
+
+/// The equations of a case with clamped laws; counts evaluations.
+pub struct CaseEquations<'a, M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> {
+    case: &'a Case<M, M::Mode, N, Z>,
+    latest_time: Cell<f64>,
+    pub rhs: Cell<u64>,
+    pub jacobians: Cell<u64>,
+}
+
+impl<'a, M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> CaseEquations<'a, M, N, Z, S> {
+    pub fn new(case: &'a Case<M, M::Mode, N, Z>) -> Self {
+        Self { case, latest_time: Cell::new(f64::INFINITY), rhs: Cell::new(0), jacobians: Cell::new(0) }
+    }
+
+    /// Time, coordinates and rates of the kernel.
+    fn state(&self, t: f64, y: &[f64]) -> (f64, [f64; N], [f64; N]) {
+        let Case { coordinate_count, rates, time, .. } = self.case;
+        let t = t.min(self.latest_time.get());
+        let (mut q, mut v) = ([0.0; N], [0.0; N]);
+        q[..*coordinate_count].copy_from_slice(&y[..*coordinate_count]);
+        for (index, rate) in rates.iter().zip(&y[*coordinate_count..]) {
+            v[*index] = *rate;
+        }
+        time.iter().for_each(|time| (q[*time], v[*time]) = (t, 1.0));
+        (t, q, v)
+    }
+}
+
+impl<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> Equations for CaseEquations<'_, M, N, Z, S> {
+    fn coordinate_count(&self) -> usize {
+        self.case.coordinate_count
+    }
+
+    fn rates(&self, t: f64, y: &[f64], out: &mut [f64]) {
+        self.rhs.set(self.rhs.get() + 1);
+        let (t, q, v) = self.state(t, y);
+        let a = self.case.kernel.rates(t, &q, &v, &self.case.clamped).a;
+        let (coordinates, rates) = out.split_at_mut(self.case.coordinate_count);
+        coordinates.copy_from_slice(&v[..coordinates.len()]);
+        for (rate, index) in rates.iter_mut().zip(&self.case.rates) {
+            *rate = a[*index];
+        }
+    }
+
+    fn jacobian(&self, t: f64, y: &[f64], columns: &mut [f64]) {
+        self.jacobians.set(self.jacobians.get() + 1);
+        let (t, q, v) = self.state(t, y);
+        let derivatives = self.case.kernel.linearise(t, &q, &v, &self.case.clamped);
+        let (size, count, rates) = (y.len(), self.case.coordinate_count, &self.case.rates);
+        columns.fill(0.0);
+        for (row, i) in rates.iter().enumerate() {
+            for k in 0..count {
+                columns[k * size + count + row] = derivatives.a_q[*i][k];
+            }
+            for (column, k) in rates.iter().enumerate() {
+                columns[(count + column) * size + count + row] = derivatives.a_v[*i][*k];
+            }
+        }
+        for k in 0..count {
+            columns[(count + k) * size + k] = 1.0;
+        }
+    }
+
+    fn set_latest_time(&self, t: f64) {
+        self.latest_time.set(t);
+    }
+}
