@@ -42,7 +42,7 @@ pub struct Case<M, Mode, const N: usize, const Z: usize> {
 /// Reads a scene and multiplies its torques by 1 + i · 1e-9.
 fn scene(text: &str, member: usize) -> Scene {
     let mut scene = parse_any(text, "scene").unwrap_or_else(|error| panic!("the scene cannot be loaded: {error}"));
-    for finger in &mut scene.system.fingers {
+    for finger in &mut scene.hand.fingers {
         let factor = 1.0 + member as f64 * TORQUE_STEP;
         match &mut finger.motor.actuation {
             Profile::Constant { value } => *value *= factor,
@@ -56,8 +56,8 @@ fn scene(text: &str, member: usize) -> Scene {
 pub fn finger(member: usize) -> Case<Model, Mode<3>, 2, QUADRATURES> {
     let scene = scene(include_str!("../../../scenes/experiment-95.toml"), member);
     Case {
-        kernel: Model::new(&scene.system),
-        start: Model::start(&scene.system),
+        kernel: Model::new(&scene.hand),
+        start: Model::start(&scene.hand),
         clamped: Mode::CLAMPED,
         duration_s: scene.duration_s,
         everyday: scene.integrator,
@@ -71,18 +71,18 @@ pub fn finger(member: usize) -> Case<Model, Mode<3>, 2, QUADRATURES> {
 type GripperCase<const N: usize> = Case<Multibody<N, CONTACTS>, Mode<CONTACTS>, N, GRIPPER_QUADRATURES>;
 
 fn gripper_of<const N: usize>(scene: &Scene) -> GripperCase<N> {
-    let kernel = Multibody::<N, CONTACTS>::new(&scene.system);
+    let kernel = Multibody::<N, CONTACTS>::new(&scene.hand);
     let bristles = (0..kernel.contact_count()).filter_map(|contact| kernel.bristle_index(contact));
     let brakes = (0..2).filter_map(|drive| kernel.brake_bristle_index(drive));
-    let object = scene.system.object().unwrap_or_else(|| panic!("the scene has no object"));
+    let object = scene.hand.object().unwrap_or_else(|| panic!("the scene has no object"));
     Case {
-        start: kernel.start(&scene.system),
+        start: kernel.start(&scene.hand),
         clamped: Mode::CLAMPED,
         duration_s: scene.duration_s,
         everyday: scene.integrator,
         coordinate_count: GRIPPER,
         rates: (0..GRIPPER).chain(bristles).chain(brakes).collect(),
-        time: scene.system.palm_motion.is_some().then_some(GRIPPER),
+        time: scene.hand.palm_motion.is_some().then_some(GRIPPER),
         object_radius_m: Some(max_radius(&object.shape)),
         kernel,
     }
