@@ -60,6 +60,10 @@ pub fn bristle_force<T: Real>(law: &FrictionLaw, bristle: &Bristle, slip: T, sta
     }
 }
 
+/// Normal force from which a sticking bristle may leave the cone within a step, N. A smaller one is that of surfaces that
+/// hardly touch, whose rounding errors exceed the cone.
+const MIN_STICKING_N: f64 = 1e-9;
+
 /// Friction on the sliding surface: by the bristle law if there is an internal state, by the regularised law otherwise.
 ///
 /// In a monitored range a bristle has the force of that branch also beyond its end: c (σ + v) while it sticks, and the force
@@ -75,7 +79,7 @@ pub fn friction_with_state<T: Real>(
 ) -> T {
     let Some((bristle, state)) = law.bristle.as_ref().zip(state) else { return friction_force(law, slip, normal) };
     match range {
-        FrictionRange::Sticking if normal.value() > 0.0 => -(state + slip) * bristle.damping_n_s_per_m,
+        FrictionRange::Sticking if normal.value() > MIN_STICKING_N => -(state + slip) * bristle.damping_n_s_per_m,
         FrictionRange::Transition { forward } => {
             let (mu, slope) = friction_cone(law, slip.value());
             let limit = slip.chain(mu, slope) * normal;
