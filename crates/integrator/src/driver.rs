@@ -150,7 +150,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             stall_detector: StallDetector::new(&options.tolerances, t0),
             tolerance_schedule: ToleranceSchedule::new(&options.tolerances),
             counters: Counters::default(),
-            refined: Vec::new(),
+            refined: Vec::with_capacity(MAX_REFINED_STATES),
         };
         let found = AcceptedStep {
             attempt: Attempt { error: 0.0, rhs: 0, end: start, error_q: [0.0; N], error_v: [0.0; N] },

@@ -206,7 +206,7 @@ impl<F: Field, const N: usize> ShiftedSolver<F, N> {
             x_q[i] = r_q[i] * self.inverse_shift;
         }
         for i in 0..n {
-            if N > MAX_DENSE_SIZE {
+            if second_order < N && N > MAX_DENSE_SIZE {
                 load[i] = load[i] + dot(&a_q[i], &x_q, m);
                 continue;
             }
