@@ -17,10 +17,9 @@ use FingerContact::{Distal, Proximal};
 
 /// Largest difference of the default preset from the reference along the whole path, in rad or lengths of 20 mm.
 const MAX_DEFAULT_ERROR: f64 = 1e-5;
-/// Scenes that amplify errors, as undamped rebounds do, with their largest difference. `cycle-heavy` is symmetric, and the
-/// object leaves the axis of symmetry by 0.1 µm to either side: rounding errors and the tolerance select the side.
-const AMPLIFYING_SCENES: [(&str, f64); 4] =
-    [("gripper/cycle-heavy", 1e-3), ("hard/chaos", 1e-2), ("hard/damper-nowhere", 1e-3), ("hard/gripper-light", 1e-2)];
+/// Scenes that amplify errors, as undamped rebounds do, with their largest difference.
+const AMPLIFYING_SCENES: [(&str, f64); 3] =
+    [("hard/chaos", 1e-2), ("hard/damper-nowhere", 1e-3), ("hard/gripper-light", 1e-2)];
 
 pub fn load(name: &str) -> Scene {
     scene::load_any(format!("scenes/{name}.toml")).unwrap_or_else(|error| panic!("{error}"))
