@@ -35,7 +35,7 @@ class Documents(unittest.TestCase):
         self.assert_same(phalanx.statics(design), document("statics", design))
         for scene, options, message in (
             (ANCHOR, {"posture": "run"}, "for a gripper"),
-            (DISCS, {}, "has no contact"),
+            (DISCS, {}, "name the held body"),
             (DISCS, {"posture": "run"}, "for fingers and grippers"),
             (design, {"posture": "closed"}, "no `=`"),
             (design, {"posture": "geometric", "at": 0.1}, "remove one of them"),
