@@ -142,7 +142,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             method,
             clock: Clock::at(t0),
             state: start,
-            events: Box::new(system.eval_events(&start.q, &start.v, &mode)),
+            events: system.eval_events(&start.q, &start.v, &mode),
             mode,
             latest_time: f64::INFINITY,
             h: FIRST_STEP_S,
@@ -154,7 +154,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         };
         let found = AcceptedStep {
             attempt: Attempt { error: 0.0, rhs: 0, end: start, error_q: [0.0; N], error_v: [0.0; N] },
-            events: run.events.clone(),
+            events: run.events,
             size: 0.0,
             resume_size: 0.0,
             event: None,
@@ -286,7 +286,7 @@ struct Run<const N: usize, const Z: usize, const S: usize, M, K> {
     clock: Clock,
     state: State<N, Z>,
     /// Event functions of `mode` at `state`.
-    events: Box<EventSet<N, S>>,
+    events: EventSet<N, S>,
     mode: M,
     /// Latest time before the next discontinuity of the right-hand side.
     latest_time: f64,
@@ -337,7 +337,7 @@ enum Next {
 struct AcceptedStep<const N: usize, const Z: usize, const S: usize> {
     attempt: Attempt<N, Z>,
     /// Event functions at its end.
-    events: Box<EventSet<N, S>>,
+    events: EventSet<N, S>,
     size: f64,
     /// Acceptable size before the step was shortened; the next step starts from it.
     resume_size: f64,
@@ -395,7 +395,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         &mut self,
         system: &Y,
         pending: &Pending,
-        (linearised, accepted): (&Linearised<N, Z>, &mut AcceptedStep<N, Z, S>),
+        (linearised, accepted): (&Linearised<N, Z>, &AcceptedStep<N, Z, S>),
         t_end: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
@@ -463,7 +463,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 h = self.controller.reject(size, attempt.error);
                 continue;
             }
-            *found.events = system.eval_events(&attempt.end.q, &attempt.end.v, &mode);
+            found.events = system.eval_events(&attempt.end.q, &attempt.end.v, &mode);
             let events = &found.events;
             let clearance = |w: &EventSet<N, S>| (w.clearance, w.clearance_rate);
             if events.clearance.is_nan() || may_have_passed(clearance(&self.events), clearance(events), size) {
@@ -515,7 +515,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
 
     /// Half of the time in which a small clearance would vanish at its present rate.
     fn approach_limit(&self) -> f64 {
-        let EventSet { clearance, clearance_rate, .. } = *self.events;
+        let EventSet { clearance, clearance_rate, .. } = self.events;
         if clearance < NEAR_OBSTACLE && clearance_rate < 0.0 {
             (-0.5 * clearance / clearance_rate).max(MIN_APPROACH_STEP_S)
         } else {
@@ -551,7 +551,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 if !attempt.is_acceptable() {
                     return EventLocation::Rejected { size: target, error: attempt.error };
                 }
-                let events = Box::new(system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode));
+                let events = system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode);
                 if error_weight::unloads(
                     &self.events.functions,
                     &events.functions,
@@ -610,7 +610,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         &mut self,
         system: &Y,
         linearised: &Linearised<N, Z>,
-        accepted: &mut AcceptedStep<N, Z, S>,
+        accepted: &AcceptedStep<N, Z, S>,
         stop: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
@@ -622,7 +622,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             self.clock.advance(accepted.size);
         }
         self.state = accepted.attempt.end;
-        std::mem::swap(&mut self.events, &mut accepted.events);
+        self.events = accepted.events;
         self.counters.steps += 1;
         let proposed_size = self.controller.accept(accepted.size, accepted.attempt.error);
         self.h =
@@ -707,7 +707,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     fn update_events<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y) {
-        *self.events = system.eval_events(&self.state.q, &self.state.v, &self.mode);
+        self.events = system.eval_events(&self.state.q, &self.state.v, &self.mode);
     }
 
     fn restart_method(&mut self) {

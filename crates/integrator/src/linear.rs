@@ -206,7 +206,8 @@ impl<F: Field, const N: usize> ShiftedSolver<F, N> {
             x_q[i] = r_q[i] * self.inverse_shift;
         }
         for i in 0..n {
-            if second_order < N && N > MAX_DENSE_SIZE {
+            // Without first-order states the products are added in order, so that closings keep their rounding.
+            if second_order < N {
                 load[i] = load[i] + dot(&a_q[i], &x_q, m);
                 continue;
             }
