@@ -2,7 +2,7 @@
 
 use phalanx::gripper::{Assembly, Design, Finger, ProximalLength, bodies, disc, lengths, start_posture};
 use phalanx::law::FrictionLaw;
-use phalanx::scene::{Disc, HandFinger, Initial, Motor, Placement, Profile, Scene, Spring, SpringKind};
+use phalanx::scene::{HandFinger, Initial, Motor, Object, Placement, Profile, Scene, Spring, SpringKind};
 use phalanx::sizing::{OPENING_RAD, Rule, Sizing, Task, size};
 
 const DENSITY_KG_M3: f64 = 1070.0;
@@ -70,7 +70,7 @@ pub fn random_design(rng: &mut Rng, template: &Scene, drive: Drive) -> Option<Sc
     let mut contact = template.finger().contact;
     (contact.proximal.friction, contact.distal.friction) = (friction, friction);
     let mut scene = template.clone();
-    scene.hand.discs = vec![Disc::fixed_object(object)];
+    scene.hand.object = Some(Object::fixed(object));
     *scene.finger_mut() = HandFinger {
         linkage: finger,
         contact,

@@ -15,7 +15,7 @@ use crate::gripper::{Finger, total_mass};
 use crate::mechanism::Mechanism;
 use crate::mjcf::mujoco_model;
 use crate::plot::linkage;
-use crate::scene::{self, DiscMotion, HandFinger, Scene, Side};
+use crate::scene::{self, HandFinger, ObjectMotion, Scene, Side};
 use crate::shape::{self, Shape};
 use crate::trace::{Model, Simulation};
 
@@ -261,8 +261,8 @@ fn summarize_gripper(scene: &Scene) -> String {
     let fingers = if right == left { format!("two fingers: {right}") } else { format!("right: {right}; left: {left}") };
     let disc = scene.hand.grasped();
     let object = match disc.motion {
-        DiscMotion::Free { mass_kg, .. } => format!("free, {:.2} g", mass_kg * 1e3),
-        DiscMotion::Fixed | DiscMotion::Driven { .. } => "fixed".to_string(),
+        ObjectMotion::Free { mass_kg, .. } => format!("free, {:.2} g", mass_kg * 1e3),
+        ObjectMotion::Fixed => "fixed".to_string(),
     };
     let [x, y] = disc.centre_m.map(|coordinate| coordinate * 1e3);
     let open = if scene.hand.palm.is_some() { "" } else { " and open" };

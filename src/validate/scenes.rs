@@ -5,7 +5,7 @@ use crate::check::{REFERENCE_LENGTH_M, perturbed, reference_length_m};
 use crate::gripper::FingerContact;
 use crate::invariants::{Finding, Invariants};
 use crate::limits::MAX_VALIDATED_SAMPLES;
-use crate::scene::{GripperContact, Preset, Scene, Side};
+use crate::scene::{HandContact, Preset, Scene, Side};
 use crate::trace::{Model, Sink};
 
 /// Number of runs of a scene with a finger or discs; the worst one determines the result.
@@ -126,7 +126,7 @@ pub(super) fn contact_static_friction(scene: &Scene) -> Option<f64> {
     let hand = &scene.hand;
     let (has_contacts, law) = match &scene.mechanism {
         Some(mechanism) => (!mechanism.contacts.is_empty(), mechanism.contacts.first().map(|pair| pair.law)),
-        None => (hand.object().is_some(), hand.law(GripperContact::Finger(Side::Right, FingerContact::Proximal))),
+        None => (hand.object.is_some(), hand.law(HandContact::Finger(Side::Right, FingerContact::Proximal))),
     };
     has_contacts.then(|| law.and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static))
 }

@@ -85,7 +85,7 @@ fn closings() -> Vec<(String, Scene)> {
         scene.finger_mut().contact.both_mut().into_iter().for_each(|law| law.friction = None);
     });
     add("no object", &|scene| {
-        scene.hand.discs.clear();
+        scene.hand.object = None;
         scene.duration_s = 8e-3;
     });
     add("gravity only", &|scene| {
@@ -214,7 +214,7 @@ type SwingState = State<2, QUADRATURES>;
 fn conservative_swings() -> Vec<(Scene, SwingState, f64)> {
     let mut scene = experiment_95();
     scene.finger_mut().limit = None;
-    scene.hand.discs.clear();
+    scene.hand.object = None;
     let state = |q, v| State { q, v, z: [0.0; QUADRATURES] };
     let mut swings = vec![
         (scene.clone(), state([-0.3, 1.1], [0.0, 0.0]), 3e-3),

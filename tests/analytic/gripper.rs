@@ -6,7 +6,7 @@ use phalanx::analytic::{self, ContactReading, ContactState};
 use phalanx::integrator::{
     End, Method, Observer, RadauOrRodas, Rates, Rodas5p, State, Step, StepTools, System as Equations, integrate,
 };
-use phalanx::scene::{Disc, DiscMotion, GripperContact, Integrator, Scene, Side};
+use phalanx::scene::{HandContact, Integrator, Object, ObjectMotion, Scene, Side};
 use phalanx::shape::{PlacedShape, max_radius};
 use phalanx::trace::{Model, Outcome, run};
 
@@ -20,7 +20,7 @@ use crate::support::runs::{
 pub type GripperModel<const N: usize> = Multibody<N, CONTACTS>;
 pub type GripperMode = analytic::Mode<CONTACTS>;
 
-pub const CONTACTS: usize = GripperContact::ALL.len();
+pub const CONTACTS: usize = HandContact::ALL.len();
 pub const QUADRATURES: usize = quadratures(CONTACTS);
 const EVENT_FUNCTIONS: usize = event_function_count(CONTACTS);
 
@@ -191,7 +191,7 @@ fn a_symmetric_gripper_stays_symmetric() {
         assert!(samples.events.iter().any(|(_, contact, _)| *contact == 1), "{letter}: no distal contact");
         let model = GripperModel::<AT_REST>::new(&case.scene.hand);
         let reading = |side, contact| {
-            let index = GripperContact::Finger(side, contact).index();
+            let index = HandContact::Finger(side, contact).index();
             model.contact_reading(&q, &v, index, ContactState::Active).expect("a contact")
         };
         for contact in PHALANGES {
@@ -211,7 +211,7 @@ fn a_symmetric_gripper_stays_symmetric() {
 }
 
 fn with_fixed_object(mut scene: Scene) -> Scene {
-    scene.hand.grasped_mut().motion = DiscMotion::Fixed;
+    scene.hand.grasped_mut().motion = ObjectMotion::Fixed;
     scene
 }
 
@@ -230,9 +230,9 @@ fn each_finger_on_a_fixed_object_matches_its_single_finger_scene() {
             *single.finger_mut() = scene.hand.fingers[side].clone();
             (single.duration_s, single.integrator) = (scene.duration_s, reference_settings());
             single.hand.gravity_m_s2 = scene.hand.gravity_m_s2;
-            let Disc { shape, centre_m: [x, y], .. } = scene.hand.grasped();
+            let Object { shape, centre_m: [x, y], .. } = scene.hand.grasped();
             let centre_m = [sign * x - 0.5 * scene.hand.palm_width_m, *y];
-            single.hand.discs = vec![Disc::fixed_object(PlacedShape::disc(max_radius(shape), centre_m))];
+            single.hand.object = Some(Object::fixed(PlacedShape::disc(max_radius(shape), centre_m)));
         });
         let finger = run_to_end(&single).0.last.finger(0);
         let error = (q[2 * side] - finger.q11_rad).abs().max((q[2 * side + 1] - finger.q21_rad).abs());
@@ -247,9 +247,9 @@ fn a_heavy_object_converges_to_a_fixed_object() {
     let fixed = end_coordinates::<4>(&with_fixed_object(scene.clone()));
     let mut last = f64::INFINITY;
     for factor in [1e3, 1e6] {
-        let (mass_kg, inertia_kg_m2) = (0.0537840662 * factor, Some(1.0756813e-5 * factor));
+        let (mass_kg, inertia_kg_m2) = (0.0537840662 * factor, 1.0756813e-5 * factor);
         scene.hand.grasped_mut().motion =
-            DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 };
+            ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 };
         let heavy = end_coordinates::<AT_REST>(&scene);
         let error = (0..4).map(|i| (heavy[i] - fixed[i]).abs()).fold(0.0, f64::max);
         assert_below(error, 0.02 * last, format!("mass times {factor:e}"));
@@ -285,7 +285,7 @@ fn energy_balances() {
 /// contact forces. The contact readings give the opposite forces.
 fn contact_wrench(model: &GripperModel<AT_REST>, state: &GripperState<AT_REST>, mode: &GripperMode) -> ([f64; 3], f64) {
     let (mut sum, mut force_sum) = ([0.0; 3], 0.0);
-    for index in (0..CONTACTS).filter(|contact| !GripperContact::ALL[*contact].is_stop()) {
+    for index in (0..CONTACTS).filter(|contact| !HandContact::ALL[*contact].is_stop()) {
         let Some(reading) = model.contact_reading(&state.q, &state.v, index, mode[index]) else { continue };
         let ([nx, ny], [px, py]) = (reading.geometry.normal, reading.geometry.point);
         let force = [-reading.normal * nx + reading.tangential * ny, -reading.normal * ny - reading.tangential * nx];
@@ -347,7 +347,7 @@ fn momentum_of_the_object_balances() {
     for case in cases_at_rest() {
         let (scene, name) = (&case.scene, &case.name);
         let model = GripperModel::<AT_REST>::new(&scene.hand);
-        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = scene.hand.grasped().motion else {
+        let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = scene.hand.grasped().motion else {
             panic!("the object is fixed")
         };
         let [gx, gy] = scene.hand.gravity_m_s2;

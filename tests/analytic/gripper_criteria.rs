@@ -2,7 +2,7 @@
 
 use phalanx::criteria::{ContactCriteria, Fate, GraspCriteria, GraspTracker, grasp_configuration, normal_forces};
 use phalanx::gripper::{FingerContact, final_posture};
-use phalanx::scene::{GripperContact, Scene, Side, Thresholds};
+use phalanx::scene::{HandContact, Scene, Side, Thresholds};
 use phalanx::shape::PlacedShape;
 use phalanx::statics::{Blocked, Decision, FormClosure, PerContact, form_closure, gripper_closure, gripper_unilateral};
 use phalanx::trace::{Model, Sample, run};
@@ -17,15 +17,15 @@ fn run_with_tracker(scene: &Scene) -> (GraspCriteria, Sample) {
     (tracker.criteria().expect("samples"), outcome.last)
 }
 
-fn criteria_of(criteria: &GraspCriteria, id: GripperContact) -> ContactCriteria {
+fn criteria_of(criteria: &GraspCriteria, id: HandContact) -> ContactCriteria {
     *criteria.contacts.iter().find(|contact| contact.id == id).expect("criteria of this contact")
 }
 
-const PHALANGES: [GripperContact; 4] = [
-    GripperContact::Finger(Side::Right, FingerContact::Proximal),
-    GripperContact::Finger(Side::Right, FingerContact::Distal),
-    GripperContact::Finger(Side::Left, FingerContact::Proximal),
-    GripperContact::Finger(Side::Left, FingerContact::Distal),
+const PHALANGES: [HandContact; 4] = [
+    HandContact::Finger(Side::Right, FingerContact::Proximal),
+    HandContact::Finger(Side::Right, FingerContact::Distal),
+    HandContact::Finger(Side::Left, FingerContact::Proximal),
+    HandContact::Finger(Side::Left, FingerContact::Distal),
 ];
 
 #[test]
@@ -53,7 +53,7 @@ fn every_case_is_held_and_first_contacts_match_the_independent_program() {
 #[test]
 fn case_a_is_held_by_four_contacts() {
     let (criteria, last) = run_with_tracker(&reference_case("a").scene);
-    for contact in [GripperContact::Palm, GripperContact::Table] {
+    for contact in [HandContact::Palm, HandContact::Table] {
         assert_eq!(criteria_of(&criteria, contact).first_contact_s, None, "{contact:?}");
     }
     let first_contacts =
@@ -80,8 +80,8 @@ fn case_c_centres_its_object() {
     assert!(criteria.end_speed_m_s() > 0.03, "{}", criteria.end_speed_m_s());
     assert!(criteria.slip.expect("a grasp").displacement_m > 1e-3);
     // The table is the last contact to close for good, because the impacts have thrown the object off it.
-    assert_eq!(criteria.tts_s, criteria_of(&criteria, GripperContact::Table).active_since_s);
-    assert!(criteria_of(&criteria, GripperContact::Finger(Side::Left, FingerContact::Proximal)).lost_s > 4e-3);
+    assert_eq!(criteria.tts_s, criteria_of(&criteria, HandContact::Table).active_since_s);
+    assert!(criteria_of(&criteria, HandContact::Finger(Side::Left, FingerContact::Proximal)).lost_s > 4e-3);
 }
 
 /// Before the left finger arrives there is no grasp. Without friction and table the object is grasped and then ejected.

@@ -7,7 +7,7 @@ use crate::support::reference_cases::reference_case;
 use crate::support::synthetic;
 use phalanx::invariants::{Finding, Invariant, Invariants};
 use phalanx::law::ContactLaw;
-use phalanx::scene::{DiscMotion, LogSettings, Response, Scene, Stepping};
+use phalanx::scene::{LogSettings, ObjectMotion, Response, Scene, Stepping};
 use phalanx::trace::{
     self, BodyState, ContactSample, Energy, FingerContact, FingerState, Model, Sample, Sink, SinkError,
 };
@@ -294,8 +294,7 @@ fn momentum_balance_detects_wrong_mass_inertia_and_gravity() {
     let scene = reference_case("c").scene;
     let with_factors = |mass: f64, inertia: f64, gravity: f64| {
         let mut scene = scene.clone();
-        let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = &mut scene.hand.grasped_mut().motion
-        else {
+        let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.hand.grasped_mut().motion else {
             panic!("the object is fixed")
         };
         (*mass_kg, *inertia_kg_m2) = (*mass_kg * mass, *inertia_kg_m2 * inertia);

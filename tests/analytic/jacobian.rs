@@ -1,7 +1,9 @@
 //! Jacobians of the equations of motion against extrapolated central differences of their right-hand sides: of a finger
-//! on every branch of every law, with bristles, of grippers, of discs, and of systems beyond scene files.
+//! on every branch of every law, with bristles, of grippers, and of hands beyond scene files.
 
-use phalanx::analytic::multibody::{MAX_SIZES, Multibody, quadratures};
+use phalanx::analytic::multibody::{
+    MAX_FINGER_CONTACTS, MAX_FINGER_COORDINATES, MAX_GRASP_COORDINATES, Multibody, quadratures,
+};
 use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Mode, Model, QUADRATURES};
 use phalanx::gripper::{self, FingerContact};
 use phalanx::integrator::{Linearised, Rates, State, System};
@@ -9,7 +11,7 @@ use phalanx::law::unclamped_normal_force;
 use phalanx::scene::{Axis, Interpolation, Move, Placement, Profile, Scene, Spring, SpringKind};
 
 use super::gripper::{CONTACTS, GripperModel, QUADRATURES as GRIPPER_QUADRATURES};
-use super::mixed_systems;
+use super::hands_in_code;
 use crate::support::reference_cases::reference_case;
 use crate::support::runs::{
     PHALANGES, experiment_95, experiment_95_with, load_with_stiction, run_to_end, with_reference_settings,
@@ -195,7 +197,7 @@ fn free_swing_with_every_kind_and_placement_of_the_spring() {
             let mut case = free_swing(experiment_95());
             case.scene.finger_mut().spring = Some(Spring { kind, placement });
             check_case(&case);
-            case.scene.hand.discs.clear();
+            case.scene.hand.object = None;
             check_case(&Case { name: "fast, no object", v: [-700.0, 300.0], ..case });
         }
     }
@@ -400,46 +402,52 @@ fn a_gripper_on_a_moving_palm() {
     equations.check("moving palm", 2, h, allowed);
 }
 
-const MIXED_COORDINATES: usize = MAX_SIZES[1].coordinates;
-const MIXED_CONTACTS: usize = MAX_SIZES[1].contacts;
-const MIXED_QUADRATURES: usize = quadratures(MIXED_CONTACTS);
-
-/// Systems of fingers and discs, at the sample with the most active contacts.
+/// Hands beyond scene files, at the sample with the most active contacts.
 #[test]
-fn mixed_systems_with_active_contacts() {
-    for (name, scene) in mixed_systems::cases() {
-        let (_, log) = run_to_end(&with_reference_settings(&scene));
-        let strong_contacts =
-            |sample: &&phalanx::trace::Sample| sample.contacts().filter(|contact| contact.normal_n > 0.1).count();
-        let sample = log.samples.iter().max_by_key(strong_contacts).expect("samples");
-        let model = Multibody::<MIXED_COORDINATES, MIXED_CONTACTS>::new(&scene.hand);
-        let State { mut q, mut v, .. }: State<MIXED_COORDINATES, MIXED_QUADRATURES> = model.start(&scene.hand);
-        for (index, finger) in sample.fingers().enumerate() {
-            q[2 * index..][..2].copy_from_slice(&[finger.q11_rad, finger.q21_rad]);
-            v[2 * index..][..2].copy_from_slice(&[finger.qd11_rad_s, finger.qd21_rad_s]);
+fn hands_with_active_contacts() {
+    const FINGER_QUADRATURES: usize = quadratures(MAX_FINGER_CONTACTS);
+    for (name, scene) in hands_in_code::cases() {
+        match scene.finger_count() {
+            1 => check_hand::<MAX_FINGER_COORDINATES, MAX_FINGER_CONTACTS, FINGER_QUADRATURES>(name, &scene),
+            _ => check_hand::<MAX_GRASP_COORDINATES, CONTACTS, GRIPPER_QUADRATURES>(name, &scene),
         }
-        let mut next = 2 * sample.counts().fingers;
-        for (_, body) in scene.hand.discs.iter().zip(sample.bodies()).filter(|(disc, _)| disc.motion.moves()) {
-            let ([x, y], [vx, vy]) = (body.centre_m, body.velocity_m_s);
-            q[next..][..3].copy_from_slice(&[x, y, body.angle_rad]);
-            v[next..][..3].copy_from_slice(&[vx, vy, body.spin_rad_s]);
-            next += 3;
-        }
-        let t = sample.time_s;
-        if scene.hand.palm_motion.is_some() {
-            q[next] = t;
-        }
-        let mut mode = Mode::<MIXED_CONTACTS>::FREE;
-        let active = (0..model.contact_count()).filter(|index| sample.contact(*index).normal_n > 0.0);
-        let active_contacts = active.map(|index| mode[index] = Active).count();
-        assert!(active_contacts > usize::from(!name.ends_with("no object")), "{name}: {active_contacts} contacts");
-        // The steps of coordinates are a fraction of the penetration.
-        let rate_step = if name.ends_with("bristles") { 2e-8 } else { 2e-5 };
-        let allowed = |entry: &Entry| {
-            let noise = 2e-15 * entry.value.abs().max(entry.row_size) / entry.h;
-            2e-5 * entry.row_size + 30.0 * noise
-        };
-        let equations = Equations::<_, MIXED_COORDINATES, MIXED_QUADRATURES> { hand: &model, mode, t, q, v };
-        equations.check(name, 2, |variable| [0.0, 2e-11, rate_step][variable.kind()], allowed);
     }
+}
+
+fn check_hand<const N: usize, const C: usize, const Z: usize>(name: &str, scene: &Scene) {
+    let (_, log) = run_to_end(&with_reference_settings(scene));
+    let strong_contacts =
+        |sample: &&phalanx::trace::Sample| sample.contacts().filter(|contact| contact.normal_n > 0.1).count();
+    let sample = log.samples.iter().max_by_key(strong_contacts).expect("samples");
+    let model = Multibody::<N, C>::new(&scene.hand);
+    let State { mut q, mut v, .. }: State<N, Z> = model.start(&scene.hand);
+    for (index, finger) in sample.fingers().enumerate() {
+        q[2 * index..][..2].copy_from_slice(&[finger.q11_rad, finger.q21_rad]);
+        v[2 * index..][..2].copy_from_slice(&[finger.qd11_rad_s, finger.qd21_rad_s]);
+    }
+    let next = 2 * sample.counts().fingers;
+    if scene.hand.moving_object().is_some() {
+        let body = sample.body(0);
+        let ([x, y], [vx, vy]) = (body.centre_m, body.velocity_m_s);
+        q[next..][..3].copy_from_slice(&[x, y, body.angle_rad]);
+        v[next..][..3].copy_from_slice(&[vx, vy, body.spin_rad_s]);
+    }
+    let t = sample.time_s;
+    if scene.hand.palm_motion.is_some() {
+        // The index of time is the only rate of 1 at the start.
+        let time = model.start::<Z>(&scene.hand).v.iter().position(|rate| *rate == 1.0).expect("time");
+        q[time] = t;
+    }
+    let mut mode = Mode::<C>::FREE;
+    let active = (0..model.contact_count()).filter(|index| sample.contact(*index).normal_n > 0.0);
+    let active_contacts = active.map(|index| mode[index] = Active).count();
+    assert!(active_contacts > usize::from(!name.ends_with("no object")), "{name}: {active_contacts} contacts");
+    // The steps of coordinates are a fraction of the penetration.
+    let rate_step = if name.ends_with("bristles") { 2e-8 } else { 2e-5 };
+    let allowed = |entry: &Entry| {
+        let noise = 2e-15 * entry.value.abs().max(entry.row_size) / entry.h;
+        2e-5 * entry.row_size + 30.0 * noise
+    };
+    let equations = Equations::<_, N, Z> { hand: &model, mode, t, q, v };
+    equations.check(name, 2, |variable| [0.0, 2e-11, rate_step][variable.kind()], allowed);
 }

@@ -54,7 +54,7 @@ fn failure(scene: &Scene) -> (Failure, CollectSink) {
 fn loop_without_object(assembly: Assembly, q: [f64; 2], v: [f64; 2], torque_n_m: f64) -> Scene {
     experiment_95_with(|scene| {
         scene.name = format!("{assembly:?} from {q:?} with {torque_n_m}");
-        scene.hand.discs.clear();
+        scene.hand.object = None;
         let finger = scene.finger_mut();
         (finger.limit, finger.spring, finger.linkage.assembly) = (None, None, assembly);
         finger.initial = Initial { q11_rad: q[0], q21_rad: q[1], qd11_rad_s: v[0], qd21_rad_s: v[1] };

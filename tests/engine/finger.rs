@@ -188,7 +188,7 @@ fn with_fixed_step(mut scene: Scene, step_s: f64) -> Scene {
 fn free_motion() -> Scene {
     experiment_95_with(|scene| {
         scene.duration_s = 3e-3;
-        scene.hand.discs.clear();
+        scene.hand.object = None;
         scene.finger_mut().limit = None;
     })
 }
@@ -214,7 +214,7 @@ fn motion_in_maximal_coordinates_is_second_order() {
     assert!(errors[3] < 5e-7, "{errors:?}");
     let against_limit = experiment_95_with(|scene| {
         scene.duration_s = 4e-3;
-        scene.hand.discs.clear();
+        scene.hand.object = None;
     });
     let (_, orders) = errors_and_orders(against_limit, Construction::Maximal, 4e-5);
     assert!(orders.iter().all(|order| *order >= 1.8), "{orders:?}");

@@ -1,7 +1,7 @@
 //! Grippers in both models, compared with each other and with an independent program.
 
 use phalanx::criteria::{GraspCriteria, GraspTracker};
-use phalanx::scene::{Axis, DiscMotion, Move, Scene, Stepping};
+use phalanx::scene::{Axis, Move, ObjectMotion, Scene, Stepping};
 use phalanx::shape::max_radius;
 use phalanx::trace::{Energy, Model, Outcome, Sample, run};
 
@@ -143,7 +143,7 @@ fn grasp_criteria_match_the_analytic_model() {
 fn momentum_of_the_object_matches_its_contact_forces() {
     let mut scene = reference_case("c").scene;
     scene.log.numeric_hz = 2e5;
-    let DiscMotion::Free { mass_kg, .. } = scene.hand.grasped().motion else { panic!("the object is fixed") };
+    let ObjectMotion::Free { mass_kg, .. } = scene.hand.grasped().motion else { panic!("the object is fixed") };
     for model in BOTH_MODELS {
         let (outcome, log) = run_model(model, &scene);
         let (mut impulse, mut most) = ([0.0; 2], 0.0f64);
@@ -199,7 +199,7 @@ fn a_symmetric_grasp_remains_symmetric_in_both_models() {
 #[test]
 fn a_fixed_object_does_not_move() {
     let mut scene = reference_case("c").scene;
-    scene.hand.grasped_mut().motion = DiscMotion::Fixed;
+    scene.hand.grasped_mut().motion = ObjectMotion::Fixed;
     let Comparison { scene, difference, outcome, .. } = Comparison::run(scene);
     assert_below(difference, 5e-5, "both models");
     assert_eq!(outcome.last.body(0).centre_m, scene.hand.grasped().centre_m);
@@ -241,10 +241,10 @@ fn consecutive_moves_do_not_create_a_tiny_step() {
     assert_ne!(lift.start_s + lift.length_s, across.start_s);
     scene.hand.palm_motion.as_mut().expect("a palm motion").moves = vec![lift, across];
     let radius_m = max_radius(&scene.hand.grasped().shape);
-    let DiscMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.hand.grasped_mut().motion else {
+    let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = &mut scene.hand.grasped_mut().motion else {
         panic!("the object is fixed")
     };
-    (*mass_kg, *inertia_kg_m2) = (1.51, Some(0.5 * 1.51 * radius_m.powi(2)));
+    (*mass_kg, *inertia_kg_m2) = (1.51, 0.5 * 1.51 * radius_m.powi(2));
     for finger in &mut scene.hand.fingers {
         finger.motor.brake.as_mut().expect("a brake").torque_n_m = 0.3194;
     }

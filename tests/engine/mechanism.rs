@@ -22,7 +22,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 fn scene(mechanism: &Mechanism, duration_s: f64, interval_s: f64) -> Scene {
     let mut scene = experiment_95();
     scene.hand.fingers.clear();
-    scene.hand.discs.clear();
+    scene.hand.object = None;
     scene.mechanism = Some(mechanism.clone());
     scene.duration_s = duration_s;
     scene.engine.stepping = Stepping::Adaptive { tolerance_m: 3e-8, max_step_s: ENGINE_MAX_STEP_S };

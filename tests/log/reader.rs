@@ -86,7 +86,7 @@ fn simultaneous_events_keep_their_order() {
 #[test]
 fn absent_contacts_have_an_infinite_gap() {
     let mut swing = scene();
-    swing.hand.discs.clear();
+    swing.hand.object = None;
     swing.finger_mut().limit = None;
     let (bytes, _) = write_test_log(&swing, 10);
     let (reading, items_read) = read_log(&bytes);

@@ -85,7 +85,7 @@ fn maximum_of_a_column_is_the_peak_of_the_run() {
 #[test]
 fn absent_contacts_are_nan_and_unknown_columns_are_none() {
     let mut scene = load(FINGER_SCENE).expect("a scene");
-    scene.hand.discs.clear();
+    scene.hand.object = None;
     scene.duration_s = 2e-3;
     let (_, recording) = record(Model::Analytic, &scene).expect("a run");
     let forces = recording.column("distal_normal_n").expect("a column");

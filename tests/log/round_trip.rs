@@ -235,7 +235,7 @@ fn log_contains_only_topics_of_the_scene() {
     let drawn = format!("{joints} {drawn}");
     assert_eq!(topics(&scene()), set(&format!("{contacts} {drawn}")));
     let mut swing = scene();
-    swing.hand.discs.clear();
+    swing.hand.object = None;
     swing.finger_mut().limit = None;
     assert_eq!(topics(&swing), set(&drawn));
     swing.log.picture_hz = 0.0;

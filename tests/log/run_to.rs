@@ -62,7 +62,7 @@ fn logs_of_modified_scenes_verify() {
         |scene| scene.finger_mut().motor.actuation = Profile::Ramp { value: 0.7, rise_s: 1.3e-3 },
         |scene| scene.finger_mut().contact.distal.normal.exponent = 1.5,
         |scene| (scene.hand.gravity_m_s2, scene.duration_s) = ([1.0 / 3.0, -9.0], 7.1e-3),
-        |scene| scene.hand.discs.clear(),
+        |scene| scene.hand.object = None,
     ];
     for change in changes {
         let mut scene = finger();

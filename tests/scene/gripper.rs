@@ -2,7 +2,7 @@
 
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
-    self, Bounds, DiscMotion, GripperContact, Integrator, Motor, Placement, Preset, Profile, Scene, Side, SpringKind,
+    self, Bounds, HandContact, Integrator, Motor, ObjectMotion, Placement, Preset, Profile, Scene, Side, SpringKind,
     Thresholds, show,
 };
 use phalanx::shape::PlacedShape;
@@ -29,7 +29,7 @@ fn a_minimal_gripper_has_the_specified_defaults() {
         (0.031, [0.0, 0.02], 0.0)
     );
     let mass_and_inertia = |scene: &Scene| match scene.hand.grasped().motion {
-        DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } => [mass_kg, inertia_kg_m2],
+        ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } => [mass_kg, inertia_kg_m2],
         other => panic!("{other:?}"),
     };
     for (actual, expected) in mass_and_inertia(&scene).into_iter().zip(mass_and_inertia(&expected)) {
@@ -173,7 +173,7 @@ fn each_finger_can_override_common_keys() {
     assert!(matches!(right.spring.expect("it is given").kind, SpringKind::Constant { .. }));
     assert_eq!((right.contact.mu_static(), left.contact.mu_static()), ([0.8; 2], [0.3; 2]));
     assert_eq!(left.contact.distal.normal.damping_max(), 2e5);
-    assert_eq!(scene.hand.law(GripperContact::Palm).and_then(|law| law.friction).map(|law| law.mu_static), Some(0.1));
+    assert_eq!(scene.hand.law(HandContact::Palm).and_then(|law| law.friction).map(|law| law.mu_static), Some(0.1));
     assert_round_trip(&scene);
 }
 
@@ -187,7 +187,7 @@ fn table_differential_and_inertias_are_applied() {
     let table = scene.hand.table.expect("a table");
     assert!((table.level_m - 0.0415).abs() < 1e-17, "the table touches the object: {}", table.level_m);
     assert_eq!(table.contact.expect("a law").normal.stiffness_n_per_m_e, 1e6);
-    assert_eq!(scene.hand.law(GripperContact::Palm).expect("a palm").normal.stiffness_n_per_m_e, 1e8);
+    assert_eq!(scene.hand.law(HandContact::Palm).expect("a palm").normal.stiffness_n_per_m_e, 1e8);
     let differential = scene.hand.differential.as_ref().expect("it is given");
     assert_eq!((differential.motor.inertia_kg_m2, differential.seesaw_inertia_kg_m2), (2e-5, 5e-6));
     assert_round_trip(&scene);

@@ -4,8 +4,7 @@ use std::fmt::Display;
 
 use phalanx::grasp::finger::{GraspOverrides, grasp};
 use phalanx::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
-use phalanx::scene::{Disc, DiscMotion, PalmMotion, Scene, load_any};
-use phalanx::shape::PlacedShape;
+use phalanx::scene::{ObjectMotion, PalmMotion, Scene, load_any};
 use phalanx::study::size::{SizingOptions, size_finger};
 use phalanx::thesis::Monitor;
 use phalanx::thesis::stability::{Grid, stability};
@@ -24,33 +23,22 @@ fn load(path: &str) -> Scene {
     load_any(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn free(inertia_kg_m2: Option<f64>) -> DiscMotion {
-    DiscMotion::Free { mass_kg: 0.05, inertia_kg_m2, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 }
-}
-
 #[test]
 fn unsupported_systems_are_rejected_by_both_models() {
-    let second_disc = || Disc::fixed_object(PlacedShape::disc(0.01, [0.1, 0.1]));
-    let driven = DiscMotion::Driven { velocity_m_s: [0.0; 2], acceleration_m_s2: [0.0; 2], spin_rad_s: 0.0 };
     let moving = |scene: &mut Scene| scene.hand.palm_motion = Some(PalmMotion::default());
-    let two_discs = |scene: &mut Scene| {
-        scene.hand.grasped_mut().motion = free(Some(1e-5));
-        scene.hand.discs.push(second_disc());
-    };
-    let cases: [Case<'_>; 6] = [
+    let cases: [Case<'_>; 5] = [
+        (FINGER, &|scene| scene.hand.fingers.clear(), "no fingers"),
         (GRIPPER, &|scene| scene.hand.fingers.push(scene.finger().clone()), "more than two fingers"),
         (FINGER, &|scene| scene.hand.differential = load(SEESAW).hand.differential, "requires two fingers"),
         (FINGER, &moving, "the palm moves"),
         (
             GRIPPER,
             &|scene| {
-                scene.hand.grasped_mut().motion = driven;
+                scene.hand.grasped_mut().motion = ObjectMotion::Fixed;
                 moving(scene);
             },
             "the palm moves",
         ),
-        (FINGER, &two_discs, "no law"),
-        (GRIPPER, &two_discs, "no law"),
     ];
     for (path, change, message) in cases {
         let mut scene = load(path);

@@ -6,9 +6,8 @@ use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::mechanism::Mechanism;
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
-    Bounds, Disc, DiscMotion, Engine, HalfPlane, Hand, Integrator, LogSettings, Preset, Scene, Stepping, Thresholds,
+    Bounds, Disc, DiscMotion, Discs, Engine, Hand, Integrator, LogSettings, Preset, Scene, Stepping, Thresholds,
 };
-use phalanx::shape::Shape;
 use phalanx::trace::{Model, Outcome};
 
 pub const BOTH_MODELS: [Model; 2] = [Model::Analytic, Model::Engine];
@@ -25,7 +24,7 @@ pub fn spring(stiffness_n_per_m_e: f64, exponent: f64) -> NormalLaw {
 }
 
 pub fn disc(name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion) -> Disc {
-    Disc { name: name.to_string(), shape: Shape::Disc { radius_m }, centre_m, angle_rad: 0.0, motion }
+    Disc { name: name.to_string(), radius_m, centre_m, motion }
 }
 
 /// A free disc at a velocity, without spin; without an inertia it does not rotate.
@@ -76,13 +75,12 @@ pub fn scene(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>,
 
 /// A scene of discs above a half plane at y = 0.
 pub fn scene_on_plane(discs: Vec<Disc>, normal: NormalLaw, friction: Option<FrictionLaw>, duration_s: f64) -> Scene {
-    let law = ContactLaw { normal, friction };
-    disc_scene(discs, law, Some(HalfPlane { level_m: 0.0, contact: Some(law) }), duration_s)
+    disc_scene(discs, ContactLaw { normal, friction }, Some(0.0), duration_s)
 }
 
-fn disc_scene(discs: Vec<Disc>, law: ContactLaw, palm: Option<HalfPlane>, duration_s: f64) -> Scene {
-    let hand = Hand { discs, between_discs: Some(law), palm, ..EMPTY };
-    let mut scene = mechanism_scene(hand.mechanism().expect("no loop"), duration_s);
+fn disc_scene(discs: Vec<Disc>, law: ContactLaw, half_plane_m: Option<f64>, duration_s: f64) -> Scene {
+    let discs = Discs { discs, half_plane_m, law, gravity_m_s2: [0.0; 2] };
+    let mut scene = mechanism_scene(discs.mechanism(), duration_s);
     scene.kind = SceneKind::Bodies;
     scene.bounds = Bounds { position_m: 1e-6, contact_time_s: 1e-6, impulse: 1e-3, ..scene.bounds };
     scene

@@ -8,12 +8,12 @@ use std::collections::BTreeMap;
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths, Placement, Spring, SpringKind};
 use phalanx::law::{Bristle, ContactLaw, FrictionLaw, NormalLaw};
 use phalanx::scene::{
-    Axis, Brake, Differential, Disc, DiscMotion, FingerContactLaws, HalfPlane, Hand, HandFinger, Initial, Integrator,
-    LogSettings, Motor, Move, PalmMotion, Preset, Profile, Ramp, Scene, Thresholds, Vibration,
+    Axis, Brake, Differential, FingerContactLaws, HalfPlane, Hand, HandFinger, Initial, Integrator, LogSettings, Motor,
+    Move, Object, ObjectMotion, PalmMotion, Preset, Profile, Ramp, Scene, Thresholds, Vibration,
 };
 use serde_json::Value;
 
-use super::laws::{EMPTY, scene_of};
+use super::laws::scene_of;
 
 /// A scene and its reference solution.
 pub struct ReferenceCase {
@@ -179,23 +179,21 @@ fn scene(value: &Value) -> Scene {
             motor: motor(&differential["tau"], &differential["J_in"], &Value::Null),
             seesaw_inertia_kg_m2: number(&differential["J_s"]),
         }),
-        discs: vec![Disc {
-            name: Disc::OBJECT.to_string(),
+        object: Some(Object {
             shape: Shape::Disc { radius_m: number(&object["radius"]) },
             centre_m: [x, y],
             angle_rad,
-            motion: DiscMotion::Free {
+            motion: ObjectMotion::Free {
                 mass_kg: number(&object["mass"]),
-                inertia_kg_m2: Some(number(&object["inertia"])),
+                inertia_kg_m2: number(&object["inertia"]),
                 velocity_m_s: [vx, vy],
                 spin_rad_s,
             },
-        }],
+        }),
         palm: Some(HalfPlane { level_m: 0.0, contact: Some(law(&contacts["palm"])) }),
         table: has_table.then(|| HalfPlane { level_m: number(&value["h"]), contact: Some(law(&contacts["support"])) }),
         palm_motion: palm_motion(value),
         gravity_m_s2: numbers(&value["gravity"]),
-        ..EMPTY
     };
     Scene {
         integrator: Integrator::preset(Preset::Engineering),

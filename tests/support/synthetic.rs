@@ -3,7 +3,7 @@
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, Lengths};
 use phalanx::law::{ContactLaw, NormalLaw};
 use phalanx::scene::{
-    Disc, FingerContactLaws, HalfPlane, Hand, HandFinger, Initial, Integrator, Method, Motor, Placement, Preset,
+    FingerContactLaws, HalfPlane, Hand, HandFinger, Initial, Integrator, Method, Motor, Object, Placement, Preset,
     Profile, Scene, Spring, SpringKind, show,
 };
 use phalanx::shape::PlacedShape;
@@ -20,7 +20,7 @@ pub fn scene() -> Scene {
 fn resolved() -> Scene {
     let hand = Hand {
         fingers: vec![finger()],
-        discs: vec![Disc::fixed_object(PlacedShape::disc(20e-3, [-15.5e-3, 20e-3]))],
+        object: Some(Object::fixed(PlacedShape::disc(20e-3, [-15.5e-3, 20e-3]))),
         palm: Some(HalfPlane { level_m: 0.0, contact: None }),
         gravity_m_s2: [0.0, 9.81],
         ..EMPTY

@@ -74,7 +74,7 @@ fn gripper_of<const N: usize>(scene: &Scene) -> GripperCase<N> {
     let kernel = Multibody::<N, CONTACTS>::new(&scene.hand);
     let bristles = (0..kernel.contact_count()).filter_map(|contact| kernel.bristle_index(contact));
     let brakes = (0..2).filter_map(|drive| kernel.brake_bristle_index(drive));
-    let object = scene.hand.object().unwrap_or_else(|| panic!("the scene has no object"));
+    let object = scene.object().unwrap_or_else(|| panic!("the scene has no object"));
     Case {
         start: kernel.start(&scene.hand),
         clamped: Mode::CLAMPED,

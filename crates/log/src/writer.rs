@@ -13,8 +13,8 @@ use super::messages::{encode, encode_event, event_schema, subject_schema};
 use super::metadata::RunInfo;
 use super::pictures::Pictures;
 use phalanx_core::drawing::{self, Drawing};
-use phalanx_core::scene::{self, LogSettings, Scene};
-use phalanx_core::trace::{BodyState, Event, RequiredData, Sample, Schema, Sink, SinkError};
+use phalanx_core::scene::{HandContact, LogSettings, Scene};
+use phalanx_core::trace::{BodyState, Event, FingerContact, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Streams one run to an MCAP file. Memory use is one chunk plus about 400 bytes of index per written chunk. The writer
 /// never seeks, so `W` can be a pipe.
@@ -66,8 +66,9 @@ impl<W: Write> Writer<W> {
         }
         let events = file.register(EVENTS, Some(event_schema()))?;
         let mut start = Sample::new(0.0, schema.counts());
-        for (index, disc) in hand.reported_discs().iter().enumerate() {
-            start.set_body(index, &initial_state(disc));
+        if let Some(object) = hand.reported_object() {
+            let (centre_m, angle_rad) = (object.centre_m, object.angle_rad);
+            start.set_body(0, &BodyState { centre_m, angle_rad, ..BodyState::default() });
         }
         for (index, pose) in scene.mechanism.iter().flat_map(drawing::poses_at_start).enumerate() {
             let [x, y, angle_rad] = pose;
@@ -132,10 +133,9 @@ impl<W: Write> Sink for Writer<W> {
         if contact.exists {
             let (name, kind) = (&contact.name, contact.kind());
             file.write(self.events, event.time_s, |out| encode_event(event, name, kind, out))?;
-            let display_name = match event.contact < self.scene.hand.gripper_contacts().len() {
-                true => display_name(&contact.name),
-                false => contact.name.clone(),
-            };
+            let of_hand = self.scene.hand.contacts().nth(event.contact);
+            let display_name =
+                of_hand.map_or_else(|| contact.name.clone(), |of_hand| display_name(of_hand, &contact.name));
             let text = describe_event(event, &display_name, contact.is_angular);
             file.write_line(self.lines, event.time_s, Level::Info, &contact.name, &text)?;
         }
@@ -146,15 +146,11 @@ impl<W: Write> Sink for Writer<W> {
     }
 }
 
-fn initial_state(disc: &scene::Disc) -> BodyState {
-    BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() }
-}
-
 /// Name of a contact of a finger, the palm or the table in the text of event lines.
-fn display_name(name: &str) -> String {
-    match name.rsplit('_').next() {
-        Some("palm" | "table") => format!("object on the {name}"),
-        Some("limit") => name.replace('_', " ").replace("limit", "joint limit"),
-        _ => format!("{} phalanx", name.replace('_', " ")),
+fn display_name(contact: HandContact, name: &str) -> String {
+    match contact {
+        HandContact::Finger(_, FingerContact::Limit) => name.replace('_', " ").replace("limit", "joint limit"),
+        HandContact::Finger(..) => format!("{} phalanx", name.replace('_', " ")),
+        HandContact::Palm | HandContact::Table => format!("object on the {}", contact.name()),
     }
 }

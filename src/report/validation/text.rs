@@ -5,7 +5,7 @@ use crate::format::format_duration;
 use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution};
 use crate::format::report::{Report, Table, ToReport, table, table_of};
 use crate::invariants::Finding;
-use crate::scene::DiscMotion;
+use crate::scene::ObjectMotion;
 
 use crate::trace::{ContactSummary, Model};
 use crate::units::Dimension;
@@ -197,7 +197,7 @@ fn side_by_side(report: &ValidationReport) -> Report {
         shown.iter().filter_map(state).collect()
     };
     schema.fingers.iter().for_each(|finger| rows.extend(states(finger, &STATES)));
-    let is_fixed = scene.object().is_some_and(|object| object.motion == DiscMotion::Fixed);
+    let is_fixed = scene.object().is_some_and(|object| object.motion == ObjectMotion::Fixed);
     schema.bodies.iter().filter(|_| !is_fixed).for_each(|body| rows.extend(states(body, &STATES)));
     for index in schema.surfaces() {
         let [Some(analytic), Some(engine)] = runs.map(|run| run.contacts.get(index)) else { continue };

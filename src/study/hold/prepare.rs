@@ -5,7 +5,7 @@ use super::plan::{HoldError, Loads, Plan};
 use crate::criteria::{DriveMode, Fate, GraspTracker, sampled_hand_at_rest};
 use crate::grasp::run;
 use crate::numeric::elementary::{hypot, sin_cos};
-use crate::scene::{Axis, Cycle, DiscMotion, Motor, Move, PalmMotion, Profile, Scene};
+use crate::scene::{Axis, Cycle, Motor, Move, ObjectMotion, PalmMotion, Profile, Scene};
 use crate::shape::support;
 use crate::statics::{AccelerationLimit, balanced_acceleration};
 use crate::study::{KeepRunning, bisect};
@@ -61,7 +61,7 @@ fn standard_cycle() -> PalmMotion {
 
 /// Finds the start time of the loads and prepares the scene for them.
 pub(super) fn prepare(scene: &Scene, plan: &Plan, keep_running: KeepRunning<'_>) -> Result<PreparedScene, HoldError> {
-    if scene.require_fingers(2)?.hand.grasped().motion == DiscMotion::Fixed {
+    if scene.require_fingers(2)?.hand.grasped().motion == ObjectMotion::Fixed {
         return Err(HoldError::FixedObject);
     }
     let cycle = scene.cycle();

@@ -16,7 +16,7 @@ use crate::criteria::{
 };
 use crate::gripper::total_mass;
 use crate::scene::keywords::SceneKind;
-use crate::scene::{self, GripperContact, Scene, SceneError, Side};
+use crate::scene::{self, HandContact, Scene, SceneError, Side};
 use crate::statics::{Equilibrium, form_closure, palm_force_with_mu};
 use crate::study::{KeepRunning, constant_spring};
 use crate::thesis::monitor::thread_pool;
@@ -273,16 +273,16 @@ fn set_grasp(cells: &mut Cells, scene: &Scene, criteria: &GraspCriteria, outcome
     cells.set("slip_rad", criteria.slip.map(|slip| slip.rotation_rad));
     cells.set("contacts_lost", criteria.contacts.iter().map(|contact| i64::from(contact.times_lost)).sum::<i64>());
     cells.set("form_closed", is_form_closed(scene, last).filter(|_| criteria.fate == Fate::Held));
-    for ((contact, summary), last) in GripperContact::ALL.into_iter().zip(&outcome.contacts).zip(last.contacts()) {
+    for ((contact, summary), last) in HandContact::ALL.into_iter().zip(&outcome.contacts).zip(last.contacts()) {
         if contact.is_stop() || !last.gap_m.is_finite() {
             continue;
         }
         let name = contact.name();
         cells.set(&format!("{name}_n"), last.normal_n);
-        if contact != GripperContact::Table {
+        if contact != HandContact::Table {
             cells.set(&format!("peak_{name}_n"), summary.peak_normal_n);
         }
-        if let GripperContact::Finger(..) = contact {
+        if let HandContact::Finger(..) = contact {
             cells.set(&format!("{name}_first_s"), summary.first_s);
         }
     }

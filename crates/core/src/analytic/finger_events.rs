@@ -12,9 +12,6 @@ use crate::numeric::array_from;
 use crate::numeric::elementary::{cbrt, pow, powi};
 use crate::numeric::plane::{cross, dot};
 
-/// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
-const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-5, force: 1e-6 };
-
 /// Returns the contact that an event function belongs to. Normal laws come first, then friction laws, then dampers.
 fn contact_of_event(event: usize) -> FingerContact {
     FingerContact::ALL[event % FingerContact::ALL.len()]
@@ -127,7 +124,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
         let (pose, rates) = &kinematics;
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
         let [_, _, rate3, rate4] = absolute_rates(rates, finger_coordinates(v));
-        let functions = mode.event_functions(FingerContact::ALL.len(), &EVENT_TOLERANCES, |index| {
+        let functions = mode.event_functions(FingerContact::ALL.len(), &EventTolerances::GRASP, |index| {
             self.contact_variables(&kinematics, v, FingerContact::ALL[index])
         });
         EventSet {
@@ -141,7 +138,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
     fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, event: usize) -> EventFunction<N> {
         let kinematics = self.finger.kinematics(finger_coordinates(q));
         let contact = self.contact_variables(&kinematics, v, contact_of_event(event));
-        mode.event_function(event, &EVENT_TOLERANCES, contact)
+        mode.event_function(event, &EventTolerances::GRASP, contact)
     }
 
     #[inline(always)]
@@ -162,7 +159,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
             }
             let variables = self.contact_variables(&kinematics, v, contact);
             for event in indices.into_iter().filter(|event| requested[*event]) {
-                values[event] = mode.event_function(event, &EVENT_TOLERANCES, variables).value;
+                values[event] = mode.event_function(event, &EventTolerances::GRASP, variables).value;
             }
         }
         values
@@ -171,7 +168,9 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
     fn event_tolerance(&self, event: usize, mode: &FingerMode) -> f64 {
         let contact = contact_of_event(event);
         let friction = self.finger.friction_law(contact);
-        self.finger.normal_law(contact).map_or(0.0, |law| mode.event_tolerance(event, law, friction, &EVENT_TOLERANCES))
+        self.finger
+            .normal_law(contact)
+            .map_or(0.0, |law| mode.event_tolerance(event, law, friction, &EventTolerances::GRASP))
     }
 
     fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> FingerMode {
@@ -194,7 +193,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> FingerMode {
         let kinematics = self.finger.kinematics(finger_coordinates(q));
         let variables = |index: usize| self.contact_variables(&kinematics, v, FingerContact::ALL[index]);
-        FingerMode::at_state(&EVENT_TOLERANCES, variables, |mode| self.rates(t, q, v, mode).a)
+        FingerMode::at_state(&EventTolerances::GRASP, variables, |mode| self.rates(t, q, v, mode).a)
     }
 
     fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Option<f64> {

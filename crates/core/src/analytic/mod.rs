@@ -1,5 +1,5 @@
 //! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws, and in
-//! [`multibody`] the equations of any list of fingers and discs.
+//! [`multibody`] the equations of one or two fingers with their object.
 //!
 //! One finger that closes on a fixed object has its own kernel, [`FingerMotion`], which studies run by the thousand.
 //!

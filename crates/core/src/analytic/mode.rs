@@ -1,4 +1,4 @@
-//! Active branches of the contact laws, and the event functions that detect their ends, for fingers and discs alike.
+//! Active branches of the contact laws, and the event functions that detect their ends, for all kernels.
 
 use std::ops::{Index, IndexMut};
 
@@ -209,6 +209,12 @@ pub struct EventTolerances {
 }
 
 impl EventTolerances {
+    /// Touch-downs of fingers on an object are located to a part of δ_max, lift-off and reload to a force that has no
+    /// visible effect on the motion.
+    pub const GRASP: Self = Self { depth_fraction: 1e-5, force: 1e-6 };
+    /// Contacts of free bodies are located as precisely as positions allow: measurements have their contact times.
+    pub const COLLISION: Self = Self { depth_fraction: 1e-8, force: 1e-9 };
+
     /// Tolerance of a force, not below the effect of rounding errors of the depth.
     fn force_tolerance(&self, law: &NormalLaw) -> f64 {
         self.force.max(spring_force(law, DEPTH_NOISE))
@@ -502,6 +508,28 @@ impl<const C: usize> Mode<C> {
             _ => next.damper_ranges[event - 2 * C] = DamperRange::Any,
         }
         next
+    }
+}
+
+/// Laws of one contact, the active branch, and the range of the friction law.
+#[derive(Clone, Copy)]
+pub(crate) struct ContactLaws<'a> {
+    pub normal: &'a NormalLaw,
+    pub friction: Option<&'a FrictionLaw>,
+    pub state: ContactState,
+    pub range: FrictionRange,
+}
+
+impl<'a> ContactLaws<'a> {
+    /// Returns the laws of the contact with this index if it has a force in this mode.
+    #[inline(always)]
+    pub fn in_mode<const C: usize>(
+        mode: &Mode<C>,
+        index: usize,
+        (normal, friction): (&'a NormalLaw, Option<&'a FrictionLaw>),
+    ) -> Option<Self> {
+        let (state, range) = (mode[index], mode.friction_ranges[index]);
+        state.has_force().then_some(Self { normal, friction, state, range })
     }
 }
 

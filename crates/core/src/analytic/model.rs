@@ -89,22 +89,22 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     /// # Panics
     ///
     /// Panics if N does not fit the presence of bristles in the scene.
-    pub fn new(system: &scene::Hand) -> Self {
+    pub fn new(hand: &scene::Hand) -> Self {
         assert!(
-            Self::HAS_BRISTLES == system.has_stiction() && W == FINGER_COORDINATES + N,
+            Self::HAS_BRISTLES == hand.has_stiction() && W == FINGER_COORDINATES + N,
             "N and W must match the finger's coordinates and bristles"
         );
-        let finger = system.finger(Side::Right);
+        let finger = hand.finger(Side::Right);
         Self {
-            finger: FingerModel::new(finger, system.gravity_m_s2),
+            finger: FingerModel::new(finger, hand.gravity_m_s2),
             actuation: finger.motor.actuation.clone(),
-            object: system.object().map(|object| object.placed()),
+            object: hand.object.as_ref().map(|object| object.placed()),
         }
     }
 
     /// Returns the coordinates and rates at the start.
-    pub fn start(system: &scene::Hand) -> State<N, QUADRATURES> {
-        let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = system.finger(Side::Right).initial;
+    pub fn start(hand: &scene::Hand) -> State<N, QUADRATURES> {
+        let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = hand.finger(Side::Right).initial;
         State { q: pad([q11_rad, q21_rad]), v: pad([qd11_rad_s, qd21_rad_s]), z: [0.0; QUADRATURES] }
     }
 

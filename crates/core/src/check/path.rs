@@ -223,9 +223,13 @@ pub fn units(scene: &Scene) -> Vec<f64> {
     }
     let hand = &scene.hand;
     let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * hand.fingers.len());
-    let objects = hand.reported_discs();
-    let centres = objects.iter().flat_map(|object| [max_radius(&object.shape); 2]);
-    angles.chain(centres).chain(objects.iter().map(|_| 1.0)).collect()
+    let object = hand.reported_object().into_iter();
+    angles
+        .chain(object.flat_map(|object| {
+            let radius_m = max_radius(&object.shape);
+            [radius_m, radius_m, 1.0]
+        }))
+        .collect()
 }
 
 /// Tolerance of the reference, as a fraction of the run's tolerance.
@@ -260,13 +264,13 @@ pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
         perturb_mechanism(mechanism, 1.0 + relative_change);
         return scene;
     }
-    let Hand { fingers, differential, discs, .. } = &mut scene.hand;
+    let Hand { fingers, differential, object, .. } = &mut scene.hand;
     for (finger, part) in fingers.iter_mut().zip([relative_change, 0.5 * relative_change]) {
         finger.motor.actuation = finger.motor.actuation.scaled(1.0 + part);
     }
     if let Some(differential) = differential {
         differential.motor.actuation = differential.motor.actuation.scaled(1.0 + relative_change);
-        for object in &mut *discs {
+        if let Some(object) = object {
             object.centre_m[0] += relative_change * max_radius(&object.shape);
         }
     }

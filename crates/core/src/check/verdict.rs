@@ -169,7 +169,7 @@ pub(crate) fn error_limits(model: Model, events: u64) -> ErrorLimits {
 
 /// Length that corresponds to a radian in scenes with fingers: the reach of the object, m.
 pub fn reference_length_m(hand: &Hand) -> f64 {
-    hand.object().map_or(1.0, |object| max_radius(&object.shape))
+    hand.object.as_ref().map_or(1.0, |object| max_radius(&object.shape))
 }
 
 /// The path error above which a run is uncertain.
@@ -202,7 +202,7 @@ pub(crate) fn path_error_limit(scene: &Scene, run: &Path, ordinary_limit: f64) -
             largest_displacement: Some(largest_displacement),
         };
     }
-    let basis = match (free_bodies.is_some(), scene.hand.reported_discs().is_empty()) {
+    let basis = match (free_bodies.is_some(), scene.hand.reported_object().is_none()) {
         (true, _) => format!("{:e} of the reach of the smallest body that moves", FREE_BODY_LENGTH * ordinary_limit),
         (false, true) => format!("{ordinary_limit:e} of a radian"),
         (false, false) => format!("{ordinary_limit:e} of a radian and of the object's radius"),

@@ -4,7 +4,7 @@
 use crate::gripper::{FinalPosture, FingerContact, GraspError, final_posture};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::rotate;
-use crate::scene::{Disc, DiscMotion, GripperContact, Motor, Scene, Side};
+use crate::scene::{HandContact, Motor, Object, ObjectMotion, Scene, Side};
 use crate::shape::{PlacedShape, max_radius};
 use crate::statics::{
     Blocked, Drive, Equilibrium, ForceClosure, FrictionContact, GraspConfiguration, HandAtRest, PerContact,
@@ -29,14 +29,14 @@ pub fn grasp_configuration<'a>(scene: &'a Scene, sample: &Sample) -> GraspConfig
 
 /// Returns the normal forces of phalanges and palm in a sample, N.
 pub fn normal_forces(sample: &Sample) -> PerContact<f64> {
-    let force = |required: GripperContact| {
-        let all = GripperContact::ALL.into_iter().zip(sample.contacts());
+    let force = |required: HandContact| {
+        let all = HandContact::ALL.into_iter().zip(sample.contacts());
         all.filter(|(contact_id, _)| *contact_id == required).map(|(_, contact)| contact.normal_n).sum()
     };
     let phalanges = |side| {
-        [FingerContact::Proximal, FingerContact::Distal].map(|contact| force(GripperContact::Finger(side, contact)))
+        [FingerContact::Proximal, FingerContact::Distal].map(|contact| force(HandContact::Finger(side, contact)))
     };
-    PerContact { phalanges: Side::BOTH.map(phalanges), palm: force(GripperContact::Palm) }
+    PerContact { phalanges: Side::BOTH.map(phalanges), palm: force(HandContact::Palm) }
 }
 
 /// Returns whether the active contacts of a sample form-close the object with both motors blocked, or with the input of
@@ -50,7 +50,7 @@ pub fn is_form_closed(scene: &Scene, sample: &Sample) -> Option<bool> {
 /// Returns the static friction coefficients of phalanges and palm.
 pub(crate) fn friction_coefficients(scene: &Scene) -> PerContact<f64> {
     let palm =
-        scene.hand.law(GripperContact::Palm).and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
+        scene.hand.law(HandContact::Palm).and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
     PerContact { phalanges: Side::BOTH.map(|side| scene.hand.finger(side).contact.mu_static()), palm }
 }
 
@@ -68,18 +68,18 @@ pub(super) fn selected_force_closure(
     sample: &Sample,
     is_selected: impl Fn(usize, &ContactSample) -> bool,
 ) -> ForceClosure {
-    let friction_contact = |(index, (contact_id, contact)): (usize, (GripperContact, ContactSample))| {
+    let friction_contact = |(index, (contact_id, contact)): (usize, (HandContact, ContactSample))| {
         let mu = match contact_id {
-            GripperContact::Finger(side, FingerContact::Proximal) => friction.phalanges[side as usize][0],
-            GripperContact::Finger(side, FingerContact::Distal) => friction.phalanges[side as usize][1],
-            GripperContact::Palm => friction.palm,
-            GripperContact::Finger(_, FingerContact::Limit) | GripperContact::Table => return None,
+            HandContact::Finger(side, FingerContact::Proximal) => friction.phalanges[side as usize][0],
+            HandContact::Finger(side, FingerContact::Distal) => friction.phalanges[side as usize][1],
+            HandContact::Palm => friction.palm,
+            HandContact::Finger(_, FingerContact::Limit) | HandContact::Table => return None,
         };
         // Normals of a sample point away from the object.
         let push = contact.normal.map(|component| -component);
         is_selected(index, &contact).then_some(FrictionContact { point_m: contact.point_m, push, mu })
     };
-    let all = GripperContact::ALL.into_iter().zip(sample.contacts()).enumerate();
+    let all = HandContact::ALL.into_iter().zip(sample.contacts()).enumerate();
     let contacts: Vec<FrictionContact> = all.filter_map(friction_contact).collect();
     force_closure(&contacts, sample.body(0).centre_m, object_m)
 }
@@ -111,7 +111,7 @@ pub struct GraspState<'a> {
 }
 
 pub(crate) fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
-    let is_at_limit = |side| sample.contact(GripperContact::Finger(side, FingerContact::Limit).index()).normal_n > 0.0;
+    let is_at_limit = |side| sample.contact(HandContact::Finger(side, FingerContact::Limit).index()).normal_n > 0.0;
     GraspState {
         configuration: grasp_configuration(scene, sample),
         active: normal_forces(sample).map(|normal_n| normal_n > 0.0),
@@ -122,7 +122,7 @@ pub(crate) fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'
 
 /// Returns the gripper at rest with its active contacts; `None` if its object is fixed.
 pub(crate) fn hand_at_rest<'a>(scene: &'a Scene, grasp: &GraspState<'a>, mode: DriveMode) -> Option<HandAtRest<'a>> {
-    let DiscMotion::Free { mass_kg, .. } = scene.hand.grasped().motion else { return None };
+    let ObjectMotion::Free { mass_kg, .. } = scene.hand.grasped().motion else { return None };
     let GraspState { configuration, active, at_limit, time_s } = *grasp;
     let drive = |motor: &Motor, weights: [f64; 2]| Drive {
         weights,
@@ -200,7 +200,7 @@ pub fn scene_static_grasp(scene: &Scene) -> Result<StaticGrasp, String> {
 }
 
 /// Returns the static grasp of the finger of a scene on an object; an error if the finger cannot grasp it.
-pub fn static_grasp(scene: &Scene, object: &Disc) -> Result<StaticGrasp, GraspError> {
+pub fn static_grasp(scene: &Scene, object: &Object) -> Result<StaticGrasp, GraspError> {
     let finger = scene.finger();
     let end = final_posture(&finger.linkage.lengths, finger.linkage.assembly, object.placed())?;
     let mu_static = finger.contact.mu_static();

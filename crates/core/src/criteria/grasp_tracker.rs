@@ -5,7 +5,7 @@ use super::segments::{Hermite, Segment, SegmentObserver, SegmentSplitter};
 use crate::drawing::Pose;
 use crate::gripper::FingerContact;
 use crate::numeric::elementary::hypot;
-use crate::scene::{Cycle, GripperContact, Scene, Thresholds};
+use crate::scene::{Cycle, HandContact, Scene, Thresholds};
 use crate::shape;
 use crate::statics::PerContact;
 use crate::trace::{BodyState, Event, Reach, RequiredData, Sample, Sink, SinkError};
@@ -22,7 +22,7 @@ use serde::Serialize;
 /// and moment by normal forces and friction. It is *held* while either condition is met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraspCriteria {
-    /// Criteria of four phalanges, palm and table (no joint limits), in the order of [`GripperContact::ALL`].
+    /// Criteria of four phalanges, palm and table (no joint limits), in the order of [`HandContact::ALL`].
     pub contacts: Vec<ContactCriteria>,
     /// Time to stability of the whole grasp: start of the interval up to the end of the run in which all contacts that
     /// are active at the end are active, including palm and table. It is the largest of their
@@ -99,7 +99,7 @@ impl GraspCriteria {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ContactCriteria {
     #[serde(skip)]
-    pub id: GripperContact,
+    pub id: HandContact,
     /// Time of the first contact; `None` if there was none.
     #[serde(rename = "first_touch_s")]
     pub first_contact_s: Option<f64>,
@@ -160,7 +160,7 @@ pub struct Travel {
     pub rotation_rad: f64,
 }
 
-const CONTACT_COUNT: usize = GripperContact::ALL.len();
+const CONTACT_COUNT: usize = HandContact::ALL.len();
 
 /// A [`Sink`] that computes the [`GraspCriteria`] of a run of a gripper in constant memory.
 ///
@@ -251,7 +251,7 @@ impl TrackerState {
     /// Returns whether active phalanges are on both sides, by their normals at the end of a segment.
     fn has_contacts_on_both_sides(&self, next: &Sample) -> bool {
         let has_contact_from = |sign: f64| {
-            let mut contacts = GripperContact::ALL.iter().zip(&self.history.contacts).zip(next.contacts());
+            let mut contacts = HandContact::ALL.iter().zip(&self.history.contacts).zip(next.contacts());
             contacts.any(|((id, history), contact)| {
                 is_phalanx(*id) && history.active_since.is_some() && sign * contact.normal[0] > 0.0
             })
@@ -266,10 +266,10 @@ impl TrackerState {
             self.history.closure = Closure { active, since_s: segment.from_s, last_evaluation_s: None, closed: false };
         }
         let Setup { thresholds, friction, object_m, closure_interval_s, .. } = &self.setup;
-        let hand = GripperContact::ALL
+        let hand = HandContact::ALL
             .iter()
             .zip(active)
-            .filter(|(id, active)| *active && (is_phalanx(**id) || **id == GripperContact::Palm));
+            .filter(|(id, active)| *active && (is_phalanx(**id) || **id == HandContact::Palm));
         let closure = &mut self.history.closure;
         if hand.count() < 2 || segment.to_s - closure.since_s < thresholds.held_time_s {
             return None;
@@ -312,9 +312,9 @@ impl TrackerState {
     /// Updates whether the object has left the reach of the fingers after a contact.
     fn update_ejection(&mut self, segment: &Segment<CONTACT_COUNT>) {
         let (Some(reach), true) = (self.setup.reach, segment.to_s == segment.next.time_s) else { return };
-        let is_surface = |contact: &GripperContact| !matches!(contact, GripperContact::Finger(_, FingerContact::Limit));
+        let is_surface = |contact: &HandContact| !matches!(contact, HandContact::Finger(_, FingerContact::Limit));
         let has_touched =
-            GripperContact::ALL.iter().zip(segment.has_touched).any(|(id, has_touched)| has_touched && is_surface(id));
+            HandContact::ALL.iter().zip(segment.has_touched).any(|(id, has_touched)| has_touched && is_surface(id));
         let is_in_reach = !reach.is_outside(&segment.next.body(0));
         if self.history.is_in_reach && !is_in_reach && has_touched {
             self.history.ejected_s.get_or_insert(segment.to_s);
@@ -339,12 +339,12 @@ impl TrackerState {
     }
 }
 
-fn is_phalanx(id: GripperContact) -> bool {
-    matches!(id, GripperContact::Finger(_, FingerContact::Proximal | FingerContact::Distal))
+fn is_phalanx(id: HandContact) -> bool {
+    matches!(id, HandContact::Finger(_, FingerContact::Proximal | FingerContact::Distal))
 }
 
 fn has_active_phalanx(segment: &Segment<CONTACT_COUNT>) -> bool {
-    GripperContact::ALL.iter().zip(segment.is_active).any(|(id, is_active)| is_active && is_phalanx(*id))
+    HandContact::ALL.iter().zip(segment.is_active).any(|(id, is_active)| is_active && is_phalanx(*id))
 }
 
 impl SegmentObserver<CONTACT_COUNT> for TrackerState {
@@ -498,8 +498,8 @@ impl GraspTracker {
         let (state, history) = (&self.state, &self.state.history);
         let (start, since_start) = history.start.as_ref()?;
         let surfaces = || {
-            let all = GripperContact::ALL.into_iter().zip(&history.contacts);
-            all.filter(|(id, _)| !matches!(id, GripperContact::Finger(_, FingerContact::Limit)))
+            let all = HandContact::ALL.into_iter().zip(&history.contacts);
+            all.filter(|(id, _)| !matches!(id, HandContact::Finger(_, FingerContact::Limit)))
         };
         let last =
             surfaces().filter_map(|(_, contact)| contact.active_since).max_by(|a, b| a.time_s.total_cmp(&b.time_s));
@@ -507,7 +507,7 @@ impl GraspTracker {
         let end = self.segments.last()?;
         // A run can end before these times, for example when the object is ejected.
         let reached = |time_s: &f64| *time_s <= end.time_s;
-        let criteria = |(id, contact): (GripperContact, &ContactHistory)| ContactCriteria {
+        let criteria = |(id, contact): (HandContact, &ContactHistory)| ContactCriteria {
             id,
             first_contact_s: contact.first_contact_s,
             active_since_s: contact.active_since.map(|since| since.time_s),
@@ -559,13 +559,13 @@ mod tests {
     use crate::trace::{ContactSample, EventKind};
 
     const RADIUS_M: f64 = 0.02;
-    const RIGHT: GripperContact = GripperContact::Finger(Side::Right, FingerContact::Proximal);
-    const LEFT: GripperContact = GripperContact::Finger(Side::Left, FingerContact::Proximal);
-    const RIGHT_TIP: GripperContact = GripperContact::Finger(Side::Right, FingerContact::Distal);
-    const RIGHT_LIMIT: GripperContact = GripperContact::Finger(Side::Right, FingerContact::Limit);
+    const RIGHT: HandContact = HandContact::Finger(Side::Right, FingerContact::Proximal);
+    const LEFT: HandContact = HandContact::Finger(Side::Left, FingerContact::Proximal);
+    const RIGHT_TIP: HandContact = HandContact::Finger(Side::Right, FingerContact::Distal);
+    const RIGHT_LIMIT: HandContact = HandContact::Finger(Side::Right, FingerContact::Limit);
 
-    fn index(id: GripperContact) -> usize {
-        GripperContact::ALL.iter().position(|other| *other == id).expect("one of all")
+    fn index(id: HandContact) -> usize {
+        HandContact::ALL.iter().position(|other| *other == id).expect("one of all")
     }
 
     fn at_rest(x: f64) -> BodyState {
@@ -574,7 +574,7 @@ mod tests {
 
     /// A run of 1 s with a sample every 0.1 s. Contacts are active in the given intervals, with 5 N.
     struct Run {
-        active: Vec<(GripperContact, f64, f64)>,
+        active: Vec<(HandContact, f64, f64)>,
         object: fn(f64) -> BodyState,
         thresholds: Thresholds,
         mu: f64,
@@ -590,23 +590,23 @@ mod tests {
 
     impl Run {
         fn sample(&self, time_s: f64) -> Sample {
-            let contact = |id: GripperContact| {
+            let contact = |id: HandContact| {
                 let normal = match id {
-                    GripperContact::Finger(Side::Right, _) => [0.8, 0.6],
-                    GripperContact::Finger(Side::Left, _) => [-0.8, 0.6],
-                    GripperContact::Palm => [0.0, -1.0],
-                    GripperContact::Table => [0.0, 1.0],
+                    HandContact::Finger(Side::Right, _) => [0.8, 0.6],
+                    HandContact::Finger(Side::Left, _) => [-0.8, 0.6],
+                    HandContact::Palm => [0.0, -1.0],
+                    HandContact::Table => [0.0, 1.0],
                 };
                 let is_active =
-                    |&(other, from, to): &(GripperContact, f64, f64)| other == id && from < time_s && time_s < to;
-                let force = if id == GripperContact::Palm { (self.palm_n)(time_s) } else { 5.0 };
+                    |&(other, from, to): &(HandContact, f64, f64)| other == id && from < time_s && time_s < to;
+                let force = if id == HandContact::Palm { (self.palm_n)(time_s) } else { 5.0 };
                 let normal_n = if self.active.iter().any(is_active) { force } else { 0.0 };
                 // Contact points on the surface of the object; normals point away from the object.
                 let [cx, cy] = (self.object)(time_s).centre_m;
                 let point_m = [cx + RADIUS_M * normal[0], cy + RADIUS_M * normal[1]];
                 ContactSample { gap_m: 1e-3 * (1.0 - normal_n), normal_n, normal, point_m, ..ContactSample::NONE }
             };
-            let contacts = GripperContact::ALL.map(contact).to_vec();
+            let contacts = HandContact::ALL.map(contact).to_vec();
             Sample::of(time_s, &[], &[(self.object)(time_s)], &contacts)
         }
 
@@ -639,11 +639,11 @@ mod tests {
         }
     }
 
-    fn run(active: &[(GripperContact, f64, f64)], object: fn(f64) -> BodyState) -> GraspCriteria {
+    fn run(active: &[(HandContact, f64, f64)], object: fn(f64) -> BodyState) -> GraspCriteria {
         Run { active: active.to_vec(), object, ..Run::default() }.evaluate()
     }
 
-    fn contact_criteria(criteria: &GraspCriteria, id: GripperContact) -> ContactCriteria {
+    fn contact_criteria(criteria: &GraspCriteria, id: HandContact) -> ContactCriteria {
         *criteria.contacts.iter().find(|contact| contact.id == id).expect("no joint limit")
     }
 
@@ -660,7 +660,7 @@ mod tests {
             |_| at_rest(0.0),
         );
         assert_eq!((found.fate, found.grasped_s, found.tts_s), (Fate::Held, Some(0.33), Some(0.52)));
-        let ids: Vec<GripperContact> = found.contacts.iter().map(|contact| contact.id).collect();
+        let ids: Vec<HandContact> = found.contacts.iter().map(|contact| contact.id).collect();
         assert_eq!(ids.len(), 6, "no joint limits among {ids:?}");
         let left = contact_criteria(&found, LEFT);
         assert_eq!((left.first_contact_s, left.active_since_s, left.times_lost), (Some(0.33), Some(0.52), 1));
@@ -668,25 +668,21 @@ mod tests {
         let tip = contact_criteria(&found, RIGHT_TIP);
         assert_eq!((tip.first_contact_s, tip.active_since_s, tip.times_lost), (Some(0.61), None, 1));
         assert!((tip.lost_s - 0.17).abs() < 1e-12, "lost until the end: {tip:?}");
-        let table = contact_criteria(&found, GripperContact::Table);
+        let table = contact_criteria(&found, HandContact::Table);
         assert_eq!((table.first_contact_s, table.active_since_s, table.times_lost, table.lost_s), (None, None, 0, 0.0));
     }
 
     #[test]
     fn an_active_table_contact_counts_for_time_to_stability() {
-        let found = run(&[(RIGHT, 0.22, 2.0), (LEFT, 0.33, 2.0), (GripperContact::Table, 0.71, 2.0)], |_| at_rest(0.0));
+        let found = run(&[(RIGHT, 0.22, 2.0), (LEFT, 0.33, 2.0), (HandContact::Table, 0.71, 2.0)], |_| at_rest(0.0));
         assert_eq!((found.fate, found.tts_s), (Fate::Held, Some(0.71)));
     }
 
     #[test]
     fn contacts_on_one_side_or_above_and_below_are_no_grasp() {
         for active in [
-            &[
-                (RIGHT, 0.2, 2.0),
-                (RIGHT_TIP, 0.3, 2.0),
-                (GripperContact::Palm, 0.0, 2.0),
-                (GripperContact::Table, 0.0, 2.0),
-            ][..],
+            &[(RIGHT, 0.2, 2.0), (RIGHT_TIP, 0.3, 2.0), (HandContact::Palm, 0.0, 2.0), (HandContact::Table, 0.0, 2.0)]
+                [..],
             &[(RIGHT, 0.2, 0.4), (LEFT, 0.5, 2.0)],
             &[],
         ] {
@@ -721,14 +717,14 @@ mod tests {
         assert_eq!((found.fate, found.grasped_s), (Fate::Ejected { at_s: 0.4 }, Some(0.02)));
         // Without a contact, or with a contact out of reach, it is not ejected.
         assert_eq!(run(&[], thrown_object).fate, Fate::NotGrasped);
-        assert_eq!(run(&[(GripperContact::Table, 0.71, 0.83)], thrown_object).fate, Fate::NotGrasped);
+        assert_eq!(run(&[(HandContact::Table, 0.71, 0.83)], thrown_object).fate, Fate::NotGrasped);
     }
 
     #[test]
     fn an_object_that_starts_out_of_reach_is_not_ejected() {
         let receding_object =
             |t: f64| BodyState { centre_m: [0.0, 0.3 + 0.1 * t], velocity_m_s: [0.0, 0.1], ..at_rest(0.0) };
-        assert_eq!(run(&[(GripperContact::Table, 0.0, 2.0)], receding_object).fate, Fate::NotGrasped);
+        assert_eq!(run(&[(HandContact::Table, 0.0, 2.0)], receding_object).fate, Fate::NotGrasped);
     }
 
     #[test]
@@ -753,22 +749,22 @@ mod tests {
     #[test]
     fn contacts_below_the_force_threshold_are_not_active() {
         let thresholds = Thresholds { loss_force_n: 1.0, ..Thresholds::NONE };
-        let active = vec![(RIGHT, 0.22, 2.0), (LEFT, 0.33, 2.0), (GripperContact::Palm, 0.05, 2.0)];
+        let active = vec![(RIGHT, 0.22, 2.0), (LEFT, 0.33, 2.0), (HandContact::Palm, 0.05, 2.0)];
         // The force of the palm exceeds 1 N from 0.1 s to 0.55 s.
         let palm_n = |t: f64| if t < 0.5 { 10.0 * t } else { 5.5 - 9.0 * (t - 0.05) };
         let found = Run { active: active.clone(), thresholds, palm_n, ..Run::default() }.evaluate();
-        let palm = contact_criteria(&found, GripperContact::Palm);
+        let palm = contact_criteria(&found, HandContact::Palm);
         assert_eq!((palm.times_lost, palm.active_since_s), (1, None), "{palm:?}");
         assert!((palm.lost_s - 0.45).abs() < 0.02, "{palm:?}");
         assert_eq!(found.tts_s, Some(0.33), "inactive contacts do not count");
         let found = Run { active, thresholds: Thresholds::NONE, palm_n: |_| 1e-9, ..Run::default() }.evaluate();
-        assert_eq!(contact_criteria(&found, GripperContact::Palm).active_since_s, Some(0.05));
+        assert_eq!(contact_criteria(&found, HandContact::Palm).active_since_s, Some(0.05));
     }
 
     #[test]
     fn an_object_is_held_only_after_the_required_time() {
         let thresholds = Thresholds { held_time_s: 0.3, ..Thresholds::NONE };
-        let fate = |active: &[(GripperContact, f64, f64)]| {
+        let fate = |active: &[(HandContact, f64, f64)]| {
             Run { active: active.to_vec(), thresholds, ..Run::default() }.evaluate()
         };
         let short = fate(&[(RIGHT, 0.2, 2.0), (LEFT, 0.8, 2.0)]);
@@ -789,11 +785,11 @@ mod tests {
         // The angle between the normals is 127°. Both friction cones contain the line between the contacts from a half
         // angle of 26.6°.
         let thresholds = Thresholds { held_time_s: 0.2, ..Thresholds::NONE };
-        let active = vec![(RIGHT, 0.2, 2.0), (GripperContact::Palm, 0.0, 2.0)];
+        let active = vec![(RIGHT, 0.2, 2.0), (HandContact::Palm, 0.0, 2.0)];
         let fate = |mu: f64| Run { active: active.clone(), thresholds, mu, ..Run::default() }.evaluate().fate;
         assert_eq!(fate(0.55), Fate::Held);
         assert_eq!(fate(0.45), Fate::NotGrasped);
-        let lost = vec![(RIGHT, 0.2, 0.75), (GripperContact::Palm, 0.0, 2.0)];
+        let lost = vec![(RIGHT, 0.2, 0.75), (HandContact::Palm, 0.0, 2.0)];
         let found = Run { active: lost, thresholds, mu: 0.55, ..Run::default() }.evaluate();
         assert_eq!((found.fate, found.grasped_s), (Fate::Dropped { since_s: 0.75 }, Some(0.2)));
     }

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::gripper::{Lengths, Posture, close_loop, final_posture, link_outline, tip_outline};
 use crate::numeric::elementary::{cos, sin, sin_cos};
-use crate::scene::{ContactId, Disc, Hand, HandFinger, PalmMotion, Scene, Side};
+use crate::scene::{Hand, HandFinger, Object, ObjectMotion, PalmMotion, Scene, Side};
 pub use mechanism::poses_at_start;
 
 use crate::shape::{self, circle_radius};
@@ -113,7 +113,7 @@ impl Pose {
 }
 
 impl Drawing {
-    /// Builds the drawing of a scene of any kind: palm, table, discs in their order, and the links of the right finger,
+    /// Builds the drawing of a scene of any kind: palm, table, object, and the links of the right finger,
     /// then of the left one; or the bodies of a mechanism.
     pub fn from_scene(scene: &Scene) -> Self {
         if let Some(mechanism) = &scene.mechanism {
@@ -121,11 +121,11 @@ impl Drawing {
         }
         let hand = &scene.hand;
         let mut bodies = plane_bodies(hand);
-        bodies.extend(hand.discs.iter().map(|disc| Body {
-            name: disc.name.clone(),
+        bodies.extend(hand.object.iter().map(|object| Body {
+            name: Object::NAME.to_string(),
             role: BodyRole::Object,
-            fixed: !disc.motion.moves(),
-            shapes: vec![Shape::from_shape(&disc.shape)],
+            fixed: object.motion == ObjectMotion::Fixed,
+            shapes: vec![Shape::from_shape(&object.shape)],
             marks_m: vec![[0.0; 2]],
         }));
         for (side, finger) in hand.fingers_by_side() {
@@ -139,9 +139,8 @@ impl Drawing {
             }));
         }
         let (arrow_m_per_n, longest_arrow_m) = arrow_scale(hand);
-        let is_surface = |contact: &ContactId| !contact.is_stop() && hand.contact_laws(*contact).is_some();
-        let contacts = hand.contact_ids().into_iter().filter(is_surface);
-        let contacts = contacts.map(|contact| hand.contact_name(contact)).collect();
+        let surfaces = hand.contacts().filter(|contact| !contact.is_stop() && hand.contact_laws(*contact).is_some());
+        let contacts = surfaces.map(|contact| contact.name_for(hand.fingers.len())).collect();
         Drawing { contacts, arrow_m_per_n, longest_arrow_m, extent_m: view_extent(hand, &bodies), bodies }
     }
 
@@ -173,13 +172,13 @@ pub fn poses(scene: &Scene, sample: &Sample) -> Vec<Pose> {
 
 /// Poses of the bodies with the fingers in these postures and everything else at its start.
 pub fn poses_for_postures(scene: &Scene, postures: &[Posture]) -> Vec<Pose> {
-    poses_at(&scene.hand, 0.0, scene.hand.reported_discs().iter().map(pose_at_start), postures)
+    poses_at(&scene.hand, 0.0, scene.hand.reported_object().into_iter().map(pose_at_start), postures)
 }
 
-/// `reported` are the poses of the discs that samples contain.
+/// `reported` is the pose of the object, if samples contain it.
 fn poses_at(hand: &Hand, time_s: f64, reported: impl Iterator<Item = Pose>, postures: &[Posture]) -> Vec<Pose> {
     let mut poses: Vec<Pose> = plane_poses(hand, time_s).map(|(pose, _)| pose).collect();
-    poses.extend(unreported_discs(hand).map(pose_at_start).chain(reported));
+    poses.extend(unreported_object(hand).into_iter().map(pose_at_start).chain(reported));
     for ((side, finger), posture) in hand.fingers_by_side().zip(postures) {
         let half_palm_m = 0.5 * hand.palm_width_m;
         poses.extend(link_poses(&finger.linkage.lengths, posture).map(|pose| {
@@ -198,7 +197,7 @@ pub fn velocities(scene: &Scene, sample: &Sample) -> Vec<Pose> {
     }
     let hand = &scene.hand;
     let mut velocities: Vec<Pose> = plane_poses(hand, sample.time_s).map(|(_, motion)| motion).collect();
-    velocities.extend(unreported_discs(hand).map(|_| Pose::default()));
+    velocities.extend(unreported_object(hand).map(|_| Pose::default()));
     velocities.extend(
         sample
             .bodies()
@@ -213,14 +212,14 @@ pub fn velocities(scene: &Scene, sample: &Sample) -> Vec<Pose> {
     velocities
 }
 
-/// Discs that samples do not contain because they are fixed.
-fn unreported_discs(hand: &Hand) -> impl Iterator<Item = &Disc> {
-    hand.discs[..hand.discs.len() - hand.reported_discs().len()].iter()
+/// The object, if samples do not contain it because it is fixed.
+fn unreported_object(hand: &Hand) -> Option<&Object> {
+    hand.object.as_ref().filter(|_| hand.reported_object().is_none())
 }
 
-/// Pose of a disc at the start.
-fn pose_at_start(disc: &Disc) -> Pose {
-    Pose { position_m: disc.centre_m, angle_rad: disc.angle_rad }
+/// Pose of the object at the start.
+fn pose_at_start(object: &Object) -> Pose {
+    Pose { position_m: object.centre_m, angle_rad: object.angle_rad }
 }
 
 /// Lower left and upper right corner of everything except half planes, with a margin of a tenth, at the start and, if the
@@ -230,7 +229,7 @@ fn view_extent(hand: &Hand, bodies: &[Body]) -> [[f64; 2]; 2] {
     let upright = Posture { q11_rad: 0.0, q21_rad: 0.5 * PI, q12_rad: 0.0, q22_rad: 0.0 };
     let postures = hand.fingers_by_side().map(|(side, HandFinger { linkage, initial, .. })| {
         let start = close_loop(&linkage.lengths, linkage.assembly, initial.q11_rad, initial.q21_rad).unwrap_or(upright);
-        let grasp = hand.object().and_then(|object| {
+        let grasp = hand.object.as_ref().and_then(|object| {
             let object_in_finger_frame = object.placed().in_finger_frame(side.mirror(), 0.5 * hand.palm_width_m);
             final_posture(&linkage.lengths, linkage.assembly, object_in_finger_frame).ok()
         });
@@ -243,7 +242,7 @@ fn view_extent(hand: &Hand, bodies: &[Body]) -> [[f64; 2]; 2] {
         high = [high[0].max(x + radius), high[1].max(y + radius)];
     };
     for postures in [start, end] {
-        let poses = poses_at(hand, 0.0, hand.reported_discs().iter().map(pose_at_start), &postures);
+        let poses = poses_at(hand, 0.0, hand.reported_object().into_iter().map(pose_at_start), &postures);
         for (pose, shape) in
             bodies.iter().zip(poses).flat_map(|(body, pose)| body.shapes.iter().map(move |s| (pose, s)))
         {

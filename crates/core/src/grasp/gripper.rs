@@ -5,7 +5,7 @@
 
 use crate::criteria::{DriveMode, Fate, GraspState, GraspTracker, friction_coefficients, grasp_state, hand_at_rest};
 use crate::gripper::{FingerContact, GraspError, close_loop, final_posture};
-use crate::scene::{DiscMotion, GripperContact, Scene, Side, WrongKind};
+use crate::scene::{HandContact, ObjectMotion, Scene, Side, WrongKind};
 use crate::shape::max_radius;
 use crate::statics::{
     Balance, Blocked, ContactPoint, Drive, ForceClosure, FormClosure, FrictionContact, GraspConfiguration, HandAtRest,
@@ -76,7 +76,7 @@ pub enum PostureSource {
 /// A contact with the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectContact {
-    pub id: GripperContact,
+    pub id: HandContact,
     pub point: ContactPoint,
     pub mu_static: f64,
     /// Normal and tangential force in the run, N.
@@ -131,7 +131,7 @@ pub fn gripper_grasp(
     keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Result<GripperGrasp, GripperGraspError> {
     let name = || scene.name.clone();
-    let DiscMotion::Free { mass_kg, .. } = scene.require_fingers(2)?.hand.grasped().motion else {
+    let ObjectMotion::Free { mass_kg, .. } = scene.require_fingers(2)?.hand.grasped().motion else {
         return Err(GripperGraspError::Fixed { scene: name() });
     };
     let statics_error = |error| GripperGraspError::Statics { scene: name(), error };
@@ -243,7 +243,7 @@ fn rest_sample(scene: &Scene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -> 
         });
     }
     let bodies = vec![BodyState { centre_m, angle_rad: scene.hand.grasped().angle_rad, ..BodyState::default() }];
-    let contacts = vec![trace::ContactSample::NONE; GripperContact::ALL.len()];
+    let contacts = vec![trace::ContactSample::NONE; HandContact::ALL.len()];
     Ok(Sample::of(scene.duration_s, &fingers, &bodies, &contacts))
 }
 
@@ -272,31 +272,31 @@ fn check_depth(scene: &Scene, points: &PerContact<ContactPoint>, within_m: f64) 
     Ok(())
 }
 
-fn contact_label(id: GripperContact) -> String {
+fn contact_label(id: HandContact) -> String {
     match id {
-        GripperContact::Finger(side, FingerContact::Proximal) => format!("the {} proximal phalanx", side.name()),
-        GripperContact::Finger(side, _) => format!("the {} distal phalanx", side.name()),
-        GripperContact::Palm | GripperContact::Table => "the palm".to_string(),
+        HandContact::Finger(side, FingerContact::Proximal) => format!("the {} proximal phalanx", side.name()),
+        HandContact::Finger(side, _) => format!("the {} distal phalanx", side.name()),
+        HandContact::Palm | HandContact::Table => "the palm".to_string(),
     }
 }
 
 /// Returns the contacts of the hand in the scene: phalanges and palm.
-fn hand_contacts(scene: &Scene) -> impl Iterator<Item = GripperContact> {
+fn hand_contacts(scene: &Scene) -> impl Iterator<Item = HandContact> {
     let has_palm = scene.hand.palm.is_some();
-    GripperContact::ALL.into_iter().filter(move |id| match id {
-        GripperContact::Finger(_, contact) => *contact != FingerContact::Limit,
-        GripperContact::Palm => has_palm,
-        GripperContact::Table => false,
+    HandContact::ALL.into_iter().filter(move |id| match id {
+        HandContact::Finger(_, contact) => *contact != FingerContact::Limit,
+        HandContact::Palm => has_palm,
+        HandContact::Table => false,
     })
 }
 
 /// Returns the value of a contact. A joint limit has the value of its distal phalanx, the table that of the palm.
-fn contact_value<T: Copy>(all: &PerContact<T>, id: GripperContact) -> T {
+fn contact_value<T: Copy>(all: &PerContact<T>, id: HandContact) -> T {
     match id {
-        GripperContact::Finger(side, contact) => {
+        HandContact::Finger(side, contact) => {
             all.phalanges[side as usize][usize::from(contact != FingerContact::Proximal)]
         }
-        GripperContact::Palm | GripperContact::Table => all.palm,
+        HandContact::Palm | HandContact::Table => all.palm,
     }
 }
 
@@ -312,7 +312,7 @@ fn object_contacts(
     let contacts = active.map(|id| {
         let contact = sample.contact(id.index());
         // The tangent is mirrored on the left, but not in samples.
-        let sign = if matches!(id, GripperContact::Finger(Side::Left, _)) { -1.0 } else { 1.0 };
+        let sign = if matches!(id, HandContact::Finger(Side::Left, _)) { -1.0 } else { 1.0 };
         let forces_n = has_forces.then_some([contact.normal_n, sign * contact.tangential_n]);
         ObjectContact { id, point: contact_value(points, id), mu_static: contact_value(&mu, id), forces_n }
     });

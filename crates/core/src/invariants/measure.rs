@@ -1,10 +1,11 @@
 //! Measures every invariant while a run progresses.
 
 use super::{Finding, Invariant, Tolerances, update_max};
+use crate::gripper::FingerContact;
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{hypot, pow};
-use crate::scene::{ContactId, DiscMotion, Hand, Scene};
+use crate::scene::{Hand, HandContact, ObjectMotion, Scene};
 use crate::trace::{ContactSample, Energy, Model, Sample, Sink, SinkError};
 
 /// Tolerance for limits that hold in exact arithmetic; relative rounding error of the exchanged momentum.
@@ -290,25 +291,22 @@ fn monitored_contacts(scene: &Scene) -> Vec<MonitoredContact> {
         });
         return points.chain(limits).collect();
     }
-    let contact = |id: ContactId| {
-        let name = hand.contact_name(id);
-        let ContactId::Stop(side) = id else {
-            return hand.contact_laws(id).map(|laws| monitored(name, laws, Invariant::Penetration, 1.0));
-        };
-        let (law, reach_m) = (hand.finger(side).limit?, hand.finger(side).linkage.lengths.l22_m);
-        Some(monitored(name, (law, None), Invariant::JointLimit, reach_m))
+    let contact = |contact: HandContact| {
+        let (name, laws) = (contact.name_for(hand.fingers.len()), hand.contact_laws(contact)?);
+        Some(match contact {
+            HandContact::Finger(side, FingerContact::Limit) => {
+                monitored(name, laws, Invariant::JointLimit, hand.finger(side).linkage.lengths.l22_m)
+            }
+            _ => monitored(name, laws, Invariant::Penetration, 1.0),
+        })
     };
-    hand.contact_ids().into_iter().filter_map(contact).collect()
+    hand.contacts().filter_map(contact).collect()
 }
 
-/// Returns a free object that is the only disc, and the friction law of every contact.
+/// Returns the object, if it is free, and the friction law of every contact.
 fn object(hand: &Hand) -> Option<(FreeBody, Vec<Option<FrictionLaw>>)> {
-    let object = hand.object().filter(|_| hand.discs.len() == 1)?;
-    let DiscMotion::Free { mass_kg, inertia_kg_m2: Some(inertia_kg_m2), .. } = object.motion else {
-        return None;
-    };
-    let friction = |id: ContactId| hand.contact_laws(id).and_then(|(_, friction)| friction);
-    let friction_laws = hand.contact_ids().into_iter().map(friction);
+    let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = hand.object.as_ref()?.motion else { return None };
+    let friction_laws = hand.contacts().map(|contact| hand.contact_laws(contact)?.1);
     Some((FreeBody { mass_kg, inertia_kg_m2, gravity_m_s2: hand.gravity_m_s2 }, friction_laws.collect()))
 }
 

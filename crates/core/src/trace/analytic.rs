@@ -1,19 +1,19 @@
 //! Builds the analytic model of a scene: the kernel for its size.
 
 use super::grid::RecordingOptions;
-#[cfg(feature = "lists")]
+#[cfg(feature = "mechanisms")]
 use super::mechanism::build_mechanism;
 use super::reading::{Kernel, KernelUser, Start};
 use super::stepper::{AnalyticStepper, Stepper};
 use super::{Outcome, Reach, RunError};
-use crate::analytic::multibody::{MAX_GRASP_BRISTLES, MAX_GRASP_COORDINATES, Multibody, Size, count_bristles};
-#[cfg(feature = "lists")]
-use crate::analytic::multibody::{MAX_SIZES, TooLarge};
+#[cfg(feature = "mechanisms")]
+use crate::analytic::multibody::{MAX_FINGER_CONTACTS, MAX_FINGER_COORDINATES};
+use crate::analytic::multibody::{MAX_GRASP_BRISTLES, MAX_GRASP_COORDINATES, Multibody};
 use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
 use crate::integrator::Hybrid;
-#[cfg(not(feature = "lists"))]
+#[cfg(not(feature = "mechanisms"))]
 use crate::mechanism::Mechanism;
-use crate::scene::{Hand, Integrator, Motor, Scene, Side};
+use crate::scene::{Hand, Motor, Scene, Side};
 
 /// Builds the stepper of a scene.
 struct StepperBuilder<'a> {
@@ -43,8 +43,7 @@ pub(super) fn build_analytic(scene: &Scene, recording: RecordingOptions) -> Resu
 /// Builds the kernel of a scene for a use of it.
 ///
 /// # Errors
-/// Returns an error if the scene has more discs or pairs than the model supports or is unsupported
-/// ([`Hand::unsupported`](crate::scene::Hand::unsupported)).
+/// Returns an error if a mechanism exceeds the largest model, or if the hand has too many bristles.
 pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     if let Some(mechanism) = &scene.mechanism {
         return build_mechanism(scene, mechanism, user);
@@ -53,67 +52,50 @@ pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Ou
     match (scene.finger_count(), hand.has_stiction()) {
         (1, true) if fits_finger_kernel(hand) => build_finger::<4, 6, U>(scene, user),
         (1, false) if fits_finger_kernel(hand) => build_finger::<2, 4, U>(scene, user),
-        (2, _) => build_gripper(scene, user),
-        _ => build_general(scene, user),
+        #[cfg(feature = "mechanisms")]
+        (1, _) => build_multibody::<MAX_FINGER_COORDINATES, MAX_FINGER_CONTACTS, 7, 15, U>(scene, user),
+        #[cfg(not(feature = "mechanisms"))]
+        (1, _) => Err(not_in_this_build()),
+        _ => build_gripper(scene, user),
     }
 }
 
-/// Two fingers with at most one object, which has six contacts with phalanges, palm and table: 4, 7 or 8
-/// coordinates, or 16 with bristle states.
+/// Two fingers, which have eight contacts with their object, palm and table: 4, 7 or 8 coordinates, or 16 with bristle
+/// states.
 fn build_gripper<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     let hand = &scene.hand;
-    match (hand.discs.len(), count_bristles(hand), Size::of_hand(hand).coordinates) {
-        (0 | 1, 0, 4) => build_multibody::<4, 8, 10, 24, U>(scene, 1.0, user),
-        (0 | 1, 0, 7) => build_multibody::<7, 8, 10, 24, U>(scene, 1.0, user),
-        (0 | 1, 0, 8) => build_multibody::<8, 8, 10, 24, U>(scene, 1.0, user),
-        (0 | 1, 1..=MAX_GRASP_BRISTLES, _) => build_multibody::<MAX_GRASP_COORDINATES, 8, 10, 24, U>(scene, 1.0, user),
-        _ => build_general(scene, user),
+    match (hand.moving_object().is_some(), hand.palm_motion.is_some(), hand.bristle_count()) {
+        (false, false, 0) => build_multibody::<4, 8, 10, 24, U>(scene, user),
+        (true, false, 0) => build_multibody::<7, 8, 10, 24, U>(scene, user),
+        (true, true, 0) => build_multibody::<8, 8, 10, 24, U>(scene, user),
+        (.., 0..=MAX_GRASP_BRISTLES) => build_multibody::<MAX_GRASP_COORDINATES, 8, 10, 24, U>(scene, user),
+        (.., bristles) => {
+            let reason = format!(
+                "contacts and brakes have {bristles} bristles; the analytic model takes up to {MAX_GRASP_BRISTLES}: remove some, \
+                 or simulate with `--model engine`, which takes any number"
+            );
+            Err(RunError::rejected(reason, Outcome::default()))
+        }
     }
 }
 
-/// Any other system that fits the largest kernel.
-#[cfg(feature = "lists")]
-fn build_general<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
-    let (size, has_stiction) = (Size::of_hand(&scene.hand), scene.hand.has_stiction());
-    let max_size = MAX_SIZES[usize::from(has_stiction)];
-    // Unused coordinates have no errors; scaled tolerances compensate for their share in the mean over all coordinates.
-    let tolerance_scale = (size.coordinates as f64 / max_size.coordinates as f64).sqrt();
-    match (size.fits(&max_size), has_stiction) {
-        (false, _) => Err(too_large(&TooLarge::Components { size, limit: max_size })),
-        (true, false) => build_multibody::<{ MAX_SIZES[0].coordinates }, 24, 26, 72, U>(scene, tolerance_scale, user),
-        (true, true) => build_multibody::<{ MAX_SIZES[1].coordinates }, 24, 26, 72, U>(scene, tolerance_scale, user),
-    }
+#[cfg(not(feature = "mechanisms"))]
+fn build_mechanism<U: KernelUser>(_: &Scene, _: &Mechanism, _: U) -> Result<U::Output, RunError> {
+    Err(not_in_this_build())
 }
 
-/// Error for a system that exceeds the largest kernel.
-#[cfg(feature = "lists")]
-fn too_large(error: &TooLarge) -> RunError {
-    RunError::rejected(
-        format!("{error}, or simulate with `--model engine`, which takes any number"),
-        Outcome::default(),
-    )
+#[cfg(not(feature = "mechanisms"))]
+fn not_in_this_build() -> RunError {
+    let reason = "in this build the analytic model supports only a closing finger and a gripper with one object";
+    RunError::rejected(reason.to_string(), Outcome::default())
 }
 
-#[cfg(not(feature = "lists"))]
-fn build_mechanism<U: KernelUser>(scene: &Scene, _: &Mechanism, user: U) -> Result<U::Output, RunError> {
-    build_general(scene, user)
-}
-
-#[cfg(not(feature = "lists"))]
-fn build_general<U: KernelUser>(_: &Scene, _: U) -> Result<U::Output, RunError> {
-    let reason = "in this build the analytic model supports only a finger and a gripper with one object";
-    Err(RunError::rejected(reason.to_string(), Outcome::default()))
-}
-
-/// Whether the system is one finger that closes on fixed surfaces, driven by a torque alone; the finger kernel supports
+/// Whether the hand is one finger that closes on fixed surfaces, driven by a torque alone; the finger kernel supports
 /// nothing else.
 fn fits_finger_kernel(hand: &Hand) -> bool {
     let motor = &hand.finger(Side::Right).motor;
     let is_torque_driven = *motor == Motor::from_actuation(motor.actuation.clone());
-    hand.discs.iter().all(|disc| !disc.motion.moves())
-        && hand.discs.len() < 2
-        && hand.palm_motion.is_none()
-        && is_torque_driven
+    hand.moving_object().is_none() && hand.palm_motion.is_none() && is_torque_driven
 }
 
 /// A scene with the finger kernel.
@@ -124,21 +106,12 @@ fn build_finger<const N: usize, const W: usize, U: KernelUser>(scene: &Scene, us
     Ok(user.use_kernel::<_, N, QUADRATURES, EVENT_FUNCTIONS>(start))
 }
 
-/// A system of up to N coordinates and C contacts, with Z quadratures and G event functions, and with all tolerances
-/// multiplied by `tolerance_scale`.
+/// A hand of up to N coordinates and C contacts, with Z quadratures and G event functions.
 fn build_multibody<const N: usize, const C: usize, const Z: usize, const G: usize, U: KernelUser>(
     scene: &Scene,
-    tolerance_scale: f64,
     user: U,
 ) -> Result<U::Output, RunError> {
-    let requested = &scene.integrator;
-    let settings = Integrator {
-        atol_angle_rad: tolerance_scale * requested.atol_angle_rad,
-        atol_rate_rad_s: tolerance_scale * requested.atol_rate_rad_s,
-        rtol: tolerance_scale * requested.rtol,
-        ..*requested
-    };
     let kernel = Multibody::<N, C>::new(&scene.hand);
     let (state, reach) = (kernel.start::<Z>(&scene.hand), Reach::from_hand(&scene.hand));
-    Ok(user.use_kernel::<_, N, Z, G>(Start { kernel, state, settings, reach }))
+    Ok(user.use_kernel::<_, N, Z, G>(Start { kernel, state, settings: scene.integrator, reach }))
 }

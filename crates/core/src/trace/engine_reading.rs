@@ -9,7 +9,7 @@ use crate::engine::{
 };
 use crate::law::{elastic_energy, normal_force};
 use crate::numeric::plane::{perp, rotate, scale, sub};
-use crate::scene::{ContactId, Disc, Scene, Side};
+use crate::scene::{HandContact, Object, ObjectMotion, Scene, Side};
 
 /// Links and joints of a finger in the plan, which start with those of the fingers.
 const LINKS: usize = 4;
@@ -30,16 +30,11 @@ fn planned_joint(sample: &Sample, joint: usize) -> usize {
     }
 }
 
-/// Body of the plan of each body of a sample, or the disc that does not move.
-fn reported_bodies<'a>(scene: &'a Scene, sample: &Sample) -> impl Iterator<Item = Result<usize, &'a Disc>> + use<'a> {
-    let (discs, mut next) = (scene.hand.reported_discs(), LINKS * scene.hand.fingers.len());
-    (0..sample.counts().bodies).map(move |index| match discs.get(index) {
-        Some(disc) if !disc.motion.moves() => Err(disc),
-        _ => {
-            next += 1;
-            Ok(next - 1)
-        }
-    })
+/// Body of the plan of each body of a sample, or the object if it does not move.
+fn reported_bodies<'a>(scene: &'a Scene, sample: &Sample) -> impl Iterator<Item = Result<usize, &'a Object>> + use<'a> {
+    let fixed = scene.object().filter(|object| object.motion == ObjectMotion::Fixed);
+    let first = LINKS * scene.hand.fingers.len();
+    (0..sample.counts().bodies).map(move |index| fixed.map_or(Ok(first + index), Err))
 }
 
 /// Reads joints, actuators and bodies of a scene at a node of its motion, relative to a moving palm.
@@ -99,7 +94,7 @@ pub(super) fn read_state(scene: &Scene, motion: &Motion, sample: &mut Sample) {
                 let angle_rad = pose.angle - frame.angular_motion()[0];
                 BodyState { centre_m: frame.point(origin), angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
             }
-            Err(disc) => BodyState { centre_m: disc.centre_m, angle_rad: disc.angle_rad, ..BodyState::default() },
+            Err(object) => BodyState { centre_m: object.centre_m, angle_rad: object.angle_rad, ..BodyState::default() },
         };
         sample.set_body(index, &state);
     }
@@ -137,8 +132,8 @@ pub(super) fn extrapolate(scene: &Scene, sample: &mut Sample, from: &Sample, mot
     }
 }
 
-/// Contacts whose sampled normal is opposite to that of the plan, which points to the first of its bodies: in scenes
-/// with fingers, sampled normals of palm and table point away from the discs. In a mechanism they point away from the
+/// Contacts whose sampled normal is opposite to that of the plan, which points to the first of its bodies: next to
+/// fingers, sampled normals of palm and table point away from the object. In a mechanism they point away from the
 /// face.
 pub(super) fn flipped_normals(scene: &Scene) -> Vec<bool> {
     if let Some(mechanism) = &scene.mechanism {
@@ -149,9 +144,7 @@ pub(super) fn flipped_normals(scene: &Scene) -> Vec<bool> {
             .chain(mechanism.limits().iter().map(|_| false))
             .collect();
     }
-    let hand = &scene.hand;
-    let is_plane = |id: &ContactId| matches!(id, ContactId::Palm(_) | ContactId::Table(_));
-    hand.contact_ids().iter().map(|id| !hand.fingers.is_empty() && is_plane(id)).collect()
+    scene.hand.contacts().map(|contact| matches!(contact, HandContact::Palm | HandContact::Table)).collect()
 }
 
 /// Returns the stored energies of the node.

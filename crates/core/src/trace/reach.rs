@@ -19,7 +19,7 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// Returns the region that the fingers of a system can reach; `None` if the scene is not a gripper or its object is
+    /// Returns the region that the fingers of a hand can reach; `None` if the scene is not a gripper or its object is
     /// fixed.
     pub fn from_hand(hand: &Hand) -> Option<Self> {
         let object = hand.moving_object().filter(|_| hand.fingers.len() == 2)?;

@@ -192,17 +192,16 @@ where
                 motor_torque_n_m: torques[finger],
             }
         };
-        let disc = |disc: usize| {
-            let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.disc_pose(disc, q), model.disc_rates(disc, v));
-            BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s }
-        };
         (0..counts.fingers).for_each(|k| sample.set_finger(k, &finger(k)));
-        (0..counts.bodies).for_each(|k| sample.set_body(k, &disc(k)));
+        if counts.bodies > 0 {
+            let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.object_pose(q), model.object_rates(v));
+            sample.set_body(0, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
+        }
         for k in 0..counts.contacts {
             let reading = model.reading_in_pose(&kinematics, (q, v), k, mode[k]);
             sample.set_contact(k, &contact_sample(reading.as_ref(), z[k]));
         }
-        if required_data.joint_forces && counts.fingers > 0 {
+        if required_data.joint_forces {
             let contact_force = |index: usize| {
                 let contact = sample.contact(index);
                 match sample.is_stop(index) {

@@ -270,10 +270,8 @@ impl Sample {
         (0..self.counts.bodies).map(|index| self.body(index))
     }
 
-    /// Returns a contact. Contacts of every finger come first, in the order of [`FingerContact::ALL`], with the limit in
-    /// rad, rad/s, N·m and N·m·s; then one contact for each pair of discs
-    /// ([`System::pairs`](crate::scene::Hand::pairs)): forces on the first disc of the pair, normal from the other disc
-    /// to it.
+    /// Returns a contact, in the order of [`Schema::contacts`](super::Schema::contacts). The limit of a revolute joint is in
+    /// rad, rad/s, N·m and N·m·s.
     pub fn contact(&self, index: usize) -> ContactSample {
         self.state(self.counts.contact(index))
     }

@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use crate::mechanism::{Joint, JointKind, Mechanism};
-use crate::scene::{Disc, GripperContact, Hand, Scene, Side};
+use crate::scene::{Hand, HandContact, Object, Scene, Side};
 
 /// Rule for values between two samples. `rate` is the index of the rate among the quantities of the subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -472,7 +472,7 @@ impl ContactName {
 const TIME: &str = "time_s";
 
 impl Schema {
-    /// Returns the schema of a scene. Contacts are in the order of [`Hand::contact_ids`]; in a mechanism those of
+    /// Returns the schema of a scene. Contacts are in the order of [`Hand::contacts`]; in a mechanism those of
     /// [`Mechanism::point_contacts`] come first, and [`Mechanism::limits`] follow.
     pub fn from_scene(scene: &Scene) -> Self {
         scene.mechanism.as_ref().map_or_else(|| Self::from_hand(&scene.hand), Self::from_mechanism)
@@ -507,19 +507,15 @@ impl Schema {
     }
 
     fn from_hand(hand: &Hand) -> Self {
-        let gripper_contacts = hand.gripper_contacts();
-        let contact = |(index, id)| ContactName {
-            name: hand.contact_name(id),
-            is_angular: id.is_stop(),
-            exists: match gripper_contacts.get(index) {
-                Some(&id) => hand.has_contact(id),
-                None => hand.contact_laws(id).is_some(),
-            },
+        let count = hand.fingers.len();
+        let contact = |contact: HandContact| ContactName {
+            exists: hand.contact_laws(contact).is_some(),
+            ..Self::contact_name(contact, count)
         };
         Self {
-            bodies: hand.reported_discs().iter().map(|disc| disc.name.clone()).collect(),
-            contacts: hand.contact_ids().into_iter().enumerate().map(contact).collect(),
-            ..Self::from_finger_count(hand.fingers.len())
+            bodies: hand.reported_object().iter().map(|_| Object::NAME.to_string()).collect(),
+            contacts: hand.contacts().map(contact).collect(),
+            ..Self::from_finger_count(count)
         }
     }
 
@@ -530,16 +526,15 @@ impl Schema {
 
     /// Returns the schema implied by the number of fingers alone; names that come from the scene are missing.
     pub fn for_fingers(count: usize) -> Self {
-        let bodies = if count == 2 { vec![Disc::OBJECT.to_string()] } else { Vec::new() };
+        let bodies = if count == 2 { vec![Object::NAME.to_string()] } else { Vec::new() };
         Self { bodies, ..Self::from_finger_count(count) }
     }
 
+    fn contact_name(contact: HandContact, fingers: usize) -> ContactName {
+        ContactName { name: contact.name_for(fingers), is_angular: contact.is_stop(), exists: false }
+    }
+
     fn from_finger_count(count: usize) -> Self {
-        let contact = |contact: &GripperContact| ContactName {
-            name: contact.name_for(count),
-            is_angular: contact.is_stop(),
-            exists: false,
-        };
         let sides = Side::BOTH.iter().take(count);
         let fingers: Vec<String> =
             sides.map(|side| if count == 1 { String::new() } else { side.name().to_string() }).collect();
@@ -553,7 +548,10 @@ impl Schema {
             fingers,
             tendons: Vec::new(),
             bodies: Vec::new(),
-            contacts: GripperContact::for_fingers(count).iter().map(contact).collect(),
+            contacts: HandContact::for_fingers(count)
+                .iter()
+                .map(|contact| Self::contact_name(*contact, count))
+                .collect(),
             limits: 0,
             has_joint_forces: true,
         }
@@ -666,7 +664,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Counts of a system of fingers and discs.
+    /// Counts of a hand.
     pub(super) fn of_fingers(fingers: usize, bodies: usize, contacts: usize) -> Self {
         let joints = FINGER_JOINTS.len() * fingers;
         Self { fingers, joints, actuators: fingers, tendons: 0, bodies, contacts, limits: 0 }

@@ -75,24 +75,12 @@ pub fn support<T: Real>(placed: &PlacedShape<T>, _direction: Vector<T>) -> Suppo
 pub fn normal_towards<T: Real>(placed: &PlacedShape<T>, point: Vector<T>) -> (Vector<T>, T) {
     let offset = sub(point, placed.centre_m);
     match placed.shape {
-        Shape::Disc { .. } => unit_and_length(offset),
+        // The normal passes through the centre.
+        Shape::Disc { .. } => {
+            let distance = dot(offset, offset).sqrt();
+            (scale(offset, distance.recip()), distance)
+        }
     }
-}
-
-/// Normal at the closest points of two surfaces, from second to first, and the distance of the centres along it.
-#[inline(always)]
-pub fn normal_between<T: Real>([first, second]: [&PlacedShape<T>; 2]) -> (Vector<T>, T) {
-    let offset = sub(first.centre_m, second.centre_m);
-    match (first.shape, second.shape) {
-        (Shape::Disc { .. }, Shape::Disc { .. }) => unit_and_length(offset),
-    }
-}
-
-/// Direction and length of a vector. Every normal of a circular shape passes through its centre.
-#[inline(always)]
-fn unit_and_length<T: Real>(offset: Vector<T>) -> (Vector<T>, T) {
-    let distance = dot(offset, offset).sqrt();
-    (scale(offset, distance.recip()), distance)
 }
 
 /// Returns the line through the origin that passes a shape on its left at this distance.

@@ -1,11 +1,11 @@
-//! The mechanism of a hand, and of discs.
+//! The mechanism of a hand.
 //!
-//! Bodies are the links of the fingers, the moving discs in their order, and a moving palm; fixed discs and planes are
-//! outlines of the ground. The joints of a finger have the angles of the thesis as coordinates, q11, q12, q21 and q22;
+//! Bodies are the links of the fingers, a moving object, and a moving palm; a fixed object and planes are outlines of
+//! the ground. The joints of a finger have the angles of the thesis as coordinates, q11, q12, q21 and q22;
 //! q13 closes the loop. A left finger is the mirror image of a right one: its joints connect the same bodies in the
 //! opposite order, so that its coordinates are the angles in the mirrored finger.
 
-use super::hand::{ContactId, Differential, Disc, DiscMotion, Hand, HandFinger, Motor, Side};
+use super::hand::{Differential, Hand, HandContact, HandFinger, Motor, Object, ObjectMotion, Side};
 use crate::gripper::{FingerContact, Lengths, Placement, Posture, Spring, SpringKind, close_loop, straight_posture};
 use crate::law::ContactLaw;
 use crate::mechanism::{
@@ -47,8 +47,9 @@ impl Hand {
     /// Returns an error if the initial angles of a finger do not close its loop.
     pub fn mechanism(&self) -> Result<Mechanism, OpenLoop> {
         let mut mechanism = Mechanism { gravity_m_s2: self.gravity_m_s2, ..Mechanism::default() };
-        let moving = self.discs.iter().filter(|disc| disc.motion.moves());
-        let palm = self.palm_motion.is_some().then_some(LINKS.len() * self.fingers.len() + moving.clone().count());
+        let object_moves = self.moving_object().is_some();
+        let palm = LINKS.len() * self.fingers.len() + usize::from(object_moves);
+        let palm = self.palm_motion.is_some().then_some(palm);
         for (side, finger) in self.fingers_by_side() {
             let name = |part: &str| match self.fingers.len() {
                 1 => part.to_owned(),
@@ -61,7 +62,7 @@ impl Hand {
         if let Some(differential) = &self.differential {
             add_differential(&mut mechanism, differential);
         }
-        let discs: Vec<OutlineId> = self.discs.iter().map(|disc| add_disc(&mut mechanism, disc)).collect();
+        let object = self.object.as_ref().map(|object| add_object(&mut mechanism, object));
         if let Some(motion) = self.palm_motion.clone() {
             mechanism.bodies.push(Body {
                 motion: Some(PrescribedMotion::Palm(motion)),
@@ -72,29 +73,23 @@ impl Hand {
             let shape = OutlineShape::HalfPlane { point_m: [0.0, level_m], normal: [0.0, side] };
             add_outline(&mut mechanism, body, name, shape)
         };
-        let below = if self.fingers.is_empty() { "plane" } else { "palm" };
-        let palm_plane = self.palm.map(|plane| half_plane(below, palm, plane.level_m, 1.0));
+        let palm_plane = self.palm.map(|plane| half_plane("palm", palm, plane.level_m, 1.0));
         let table_plane = self.table.map(|plane| half_plane("table", None, plane.level_m, -1.0));
-        // For a finger on fixed surfaces, and between discs, forces act at each surface's own nearest point, as in the
-        // thesis. Where fingers can push an object away, they act at the point on the surface that is not the disc's.
-        let on_phalanx =
-            if self.fingers.len() == 1 && moving.count() == 0 { ForcePoint::Each } else { ForcePoint::Face };
-        let on_plane = if self.fingers.is_empty() { ForcePoint::Each } else { ForcePoint::Face };
-        for (_, id, law) in self.surface_contacts() {
-            let name = self.fingers.is_empty().then(|| self.contact_name(id));
-            let (disc, face, force_point) = match id {
-                ContactId::Phalanx(side, contact, disc) => {
-                    let link = if contact == FingerContact::Proximal { L21 } else { L22 };
+        // For a finger on a fixed object, forces act at each surface's own nearest point, as in the thesis. Where fingers
+        // can push an object away, they act at the point on the surface that is not the object's.
+        let on_phalanx = if self.fingers.len() == 1 && !object_moves { ForcePoint::Each } else { ForcePoint::Face };
+        for (_, contact, law) in self.surface_contacts() {
+            let (face, force_point) = match contact {
+                HandContact::Finger(side, phalanx) => {
+                    let link = if phalanx == FingerContact::Proximal { L21 } else { L22 };
                     let body = Some(LINKS.len() * side as usize + link);
-                    (disc, Some(OutlineId { body, outline: 0 }), on_phalanx)
+                    (Some(OutlineId { body, outline: 0 }), on_phalanx)
                 }
-                ContactId::Discs(disc, other) => (disc, Some(discs[other]), ForcePoint::Each),
-                ContactId::Palm(disc) => (disc, palm_plane, on_plane),
-                ContactId::Table(disc) => (disc, table_plane, on_plane),
-                ContactId::Stop(_) => continue,
+                HandContact::Palm => (palm_plane, ForcePoint::Face),
+                HandContact::Table => (table_plane, ForcePoint::Face),
             };
-            let Some(face) = face else { continue };
-            mechanism.contacts.push(ContactPair { name, points: discs[disc], face, law, rolling: None, force_point });
+            let Some((points, face)) = object.zip(face) else { continue };
+            mechanism.contacts.push(ContactPair { name: None, points, face, law, rolling: None, force_point });
         }
         Ok(mechanism)
     }
@@ -109,15 +104,15 @@ impl Hand {
         (mass_kg, inertia_kg_m2, com_m): (f64, f64, [f64; 2]),
     ) -> Result<Mechanism, OpenLoop> {
         let mut mechanism = self.mechanism()?;
-        let Some(object) = self.object() else { return Ok(mechanism) };
-        let id = if let Some(index) = mechanism.bodies.iter().position(|body| body.name == object.name) {
+        let Some(object) = &self.object else { return Ok(mechanism) };
+        let id = if let Some(index) = mechanism.bodies.iter().position(|body| body.name == Object::NAME) {
             let body = &mut mechanism.bodies[index];
             (body.mass_kg, body.inertia_kg_m2, body.com_m) = (mass_kg, inertia_kg_m2, com_m);
             body.outlines[0].shape = outline.clone();
             OutlineId { body: Some(index), outline: 0 }
         } else {
             // The ground does not turn.
-            let at = mechanism.ground_outlines.iter().position(|outline| outline.name == object.name).unwrap_or(0);
+            let at = mechanism.ground_outlines.iter().position(|outline| outline.name == Object::NAME).unwrap_or(0);
             mechanism.ground_outlines[at].shape = outline.moved(object.centre_m, object.angle_rad);
             OutlineId { body: None, outline: at }
         };
@@ -136,25 +131,20 @@ impl Hand {
     }
 
     /// Contacts of surfaces that can move against each other, with the index of their channel and their law.
-    fn surface_contacts(&self) -> Vec<(usize, ContactId, ContactLaw)> {
-        let moves = |disc: &Disc| disc.motion.moves();
-        let law = |id: &ContactId| match *id {
-            ContactId::Stop(_) => None,
-            ContactId::Phalanx(side, contact, disc) => self.discs.get(disc).and(self.finger(side).law(contact)),
-            ContactId::Discs(..) => self.between_discs,
-            ContactId::Palm(disc) => self.discs.get(disc).filter(|disc| moves(disc)).and(self.palm?.contact),
-            ContactId::Table(disc) => self.discs.get(disc).filter(|disc| moves(disc)).and(self.table?.contact),
+    fn surface_contacts(&self) -> impl Iterator<Item = (usize, HandContact, ContactLaw)> {
+        let object = |contact: HandContact| match contact {
+            HandContact::Finger(..) => self.object.as_ref(),
+            HandContact::Palm | HandContact::Table => self.moving_object(),
         };
-        let ids = self.contact_ids().into_iter().enumerate();
-        ids.filter_map(|(channel, id)| Some((channel, id, law(&id)?))).collect()
+        let law = move |contact: HandContact| object(contact).and(self.law(contact));
+        self.contacts().enumerate().filter_map(move |(channel, contact)| Some((channel, contact, law(contact)?)))
     }
 
     /// Returns the channels, in samples, of the contacts of [`Hand::mechanism`], then of its limits.
     pub fn contact_channels(&self) -> (Vec<usize>, Vec<usize>) {
-        let has_limit = |id: &ContactId| matches!(id, ContactId::Stop(side) if self.finger(*side).limit.is_some());
-        let ids = self.contact_ids();
-        let limits = ids.iter().enumerate().filter(|(_, id)| has_limit(id)).map(|(channel, _)| channel).collect();
-        (self.surface_contacts().into_iter().map(|(channel, ..)| channel).collect(), limits)
+        let is_limit = |(_, contact): &(usize, HandContact)| contact.is_stop() && self.contact_laws(*contact).is_some();
+        let limits = self.contacts().enumerate().filter(is_limit).map(|(channel, _)| channel).collect();
+        (self.surface_contacts().map(|(channel, ..)| channel).collect(), limits)
     }
 }
 
@@ -348,34 +338,46 @@ fn actuator(name: String, motor: &Motor, on: JointCombination) -> Actuator {
     }
 }
 
-/// Adds a disc: a body if it moves, otherwise an outline of the ground. Returns its outline.
-fn add_disc(mechanism: &mut Mechanism, disc: &Disc) -> OutlineId {
-    let shape = |center_m| OutlineShape::Disc { center_m, radius_m: max_radius(&disc.shape) };
-    let [x, y] = disc.centre_m;
-    let pose = [x, y, disc.angle_rad];
-    let of_disc = |[vx, vy]: [f64; 2], spin| body(disc.name.clone(), [0.0; 2], pose, [vx, vy, spin]);
-    let moving = match disc.motion {
-        DiscMotion::Fixed => return add_outline(mechanism, None, &disc.name, shape(disc.centre_m)),
-        DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => Body {
-            motion: Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 }),
-            ..of_disc(velocity_m_s, spin_rad_s)
-        },
-        DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => {
-            let inertia_kg_m2 = inertia_kg_m2.unwrap_or(f64::INFINITY);
-            Body { mass_kg, inertia_kg_m2, ..of_disc(velocity_m_s, spin_rad_s) }
+/// Adds the object, and returns its outline.
+fn add_object(mechanism: &mut Mechanism, object: &Object) -> OutlineId {
+    let moving = match object.motion {
+        ObjectMotion::Fixed => None,
+        ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s: [vx, vy], spin_rad_s } => {
+            let [x, y] = object.centre_m;
+            let pose = [x, y, object.angle_rad];
+            let rates = [vx, vy, spin_rad_s];
+            Some(Body { mass_kg, inertia_kg_m2, ..body(Object::NAME.to_owned(), [0.0; 2], pose, rates) })
         }
     };
-    mechanism.bodies.push(moving);
+    add_disc(mechanism, Object::NAME, max_radius(&object.shape), object.centre_m, moving)
+}
+
+/// Adds a disc: the body of a moving one, otherwise an outline of the ground. Returns its outline.
+pub(super) fn add_disc(
+    mechanism: &mut Mechanism,
+    name: &str,
+    radius_m: f64,
+    centre_m: [f64; 2],
+    moving: Option<Body>,
+) -> OutlineId {
+    let shape = |center_m| OutlineShape::Disc { center_m, radius_m };
+    let Some(body) = moving else { return add_outline(mechanism, None, name, shape(centre_m)) };
+    mechanism.bodies.push(body);
     add_outline(mechanism, Some(mechanism.bodies.len() - 1), "surface", shape([0.0; 2]))
 }
 
 /// A body without mass and outlines.
-fn body(name: String, com_m: [f64; 2], pose: Pose, rate: Pose) -> Body {
+pub(super) fn body(name: String, com_m: [f64; 2], pose: Pose, rate: Pose) -> Body {
     Body { name, mass_kg: 0.0, inertia_kg_m2: 0.0, com_m, pose, rate, motion: None, outlines: Vec::new() }
 }
 
 /// Adds an outline to a body, or to the ground for `None`.
-fn add_outline(mechanism: &mut Mechanism, body: Option<usize>, name: &str, shape: OutlineShape) -> OutlineId {
+pub(super) fn add_outline(
+    mechanism: &mut Mechanism,
+    body: Option<usize>,
+    name: &str,
+    shape: OutlineShape,
+) -> OutlineId {
     let outlines = match body {
         Some(body) => &mut mechanism.bodies[body].outlines,
         None => &mut mechanism.ground_outlines,

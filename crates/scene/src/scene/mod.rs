@@ -15,11 +15,13 @@
 //! | `show` | a scene → a complete scene file |
 //! | `template` | the common part of all designs of a study |
 //! | `hand` | [`Hand`], a design of five-bar fingers with their object, and its possible contacts |
-//! | `builder` | the mechanism of a hand, and of discs |
+//! | `builder` | the mechanism of a hand |
+//! | `discs` | discs that test contact laws, and their mechanism |
 
 mod builder;
 pub mod check;
 mod compose;
+mod discs;
 pub mod error;
 mod hand;
 pub mod keys;
@@ -40,10 +42,11 @@ pub use crate::drive::{Brake, Interpolation, Profile};
 pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 pub use builder::OpenLoop;
 pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
+pub use discs::{Disc, DiscMotion, Discs};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
 pub use hand::{
-    ContactId, Differential, Disc, DiscMotion, FingerContactLaws, GripperContact, HalfPlane, Hand, HandFinger, Initial,
-    Motor, Side,
+    Differential, FingerContactLaws, HalfPlane, Hand, HandContact, HandFinger, Initial, Motor, Object, ObjectMotion,
+    Side,
 };
 pub use keys::closest_match;
 use keywords::SceneKind;
@@ -130,8 +133,8 @@ impl Scene {
 
     /// Returns the object that fingers grasp.
     #[inline]
-    pub fn object(&self) -> Option<&Disc> {
-        self.hand.object()
+    pub fn object(&self) -> Option<&Object> {
+        self.hand.object.as_ref()
     }
 
     /// Returns a copy with another palm motion and duration.

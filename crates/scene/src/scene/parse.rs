@@ -18,7 +18,7 @@ use super::sections::{
     mechanism, motion, run, start,
 };
 use super::template::{self, Template};
-use super::{Differential, DiscMotion, FingerContactLaws, HalfPlane, Hand, HandFinger, Motor, Scene, Side};
+use super::{Differential, FingerContactLaws, HalfPlane, Hand, HandFinger, Motor, ObjectMotion, Scene, Side};
 use crate::shape;
 
 /// Parses, checks and resolves the scene of a finger; `file_name` appears in messages and gives the default name.
@@ -115,47 +115,43 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
     }
     let duration_s = root.is_valid("duration").then_some(*settings.duration);
     let outline = bodies::object_outline(&root);
-    let (mut hand, mut mechanism) = match input.kind {
-        SceneKind::Mechanism => {
-            let gravity_m_s2 = settings.gravity.map(|component| *component);
-            (Some(Hand::EMPTY), mechanism::mechanism(input, &root, gravity_m_s2).map(Some))
-        }
-        _ => (hand(input, &root, &settings), Some(None)),
-    };
+    let gravity_m_s2 = settings.gravity.map(|component| *component);
+    let (mut hand, mut mechanism, mut discs) = (Some(Hand::EMPTY), Some(None), None);
+    match input.kind {
+        SceneKind::Mechanism => mechanism = mechanism::mechanism(input, &root, gravity_m_s2).map(Some),
+        SceneKind::Bodies => discs = bodies::discs(input, &root, gravity_m_s2),
+        _ => hand = self::hand(input, &root, &settings, gravity_m_s2),
+    }
     // With an object that is no disc, the scene is one of a mechanism.
     let is_outlined = outline.as_ref().is_some_and(Option::is_some);
     let kind = if is_outlined { SceneKind::Mechanism } else { input.kind };
     let of_run = root.with_schema(kind, top_level(kind));
     let integrator = run::integrator(&of_run.subsection("integrator"));
-    let engine = run::engine(&of_run.subsection("engine"), hand.as_ref());
+    let law = discs.as_ref().map(|discs| discs.law);
+    let engine = run::engine(&of_run.subsection("engine"), hand.as_ref(), law);
     let bounds = run::bounds(&of_run.subsection("validate"), duration_s);
     let thresholds = run::thresholds(&of_run.subsection("criteria"), hand.as_ref(), duration_s);
     let log = run::log(&root.subsection("log"), duration_s);
-    match (outline?, hand.as_mut().filter(|_| checker.is_clean())) {
-        (Some((outline, inertia)), Some(of_discs)) => {
-            if of_discs.palm_motion.is_some() {
-                let section = root.subsection("object").subsection("outline");
-                let message = format!("`{}` is for palms at rest, but the palm moves", section.path(""));
-                let help = "remove [moves], [vibrations] and [path], or the outline; a mechanism whose base slides on a joint with a \
-                            servo moves any object (scenes/real/2f85-lift.toml)";
-                return section.refuse("", message, "with a moving palm", help);
-            }
-            match of_discs.mechanism_with_object(&outline, inertia) {
-                Ok(found) => (*of_discs, mechanism) = (Hand::EMPTY, Some(Some(found))),
-                Err(error) => {
-                    let help =
-                        "give other angles in [initial], or remove the section, so that they follow from the object";
-                    return root.subsection("initial").refuse("", error.to_string(), "does not close", help);
-                }
+    if let (Some((outline, inertia)), Some(of_object)) = (outline?, hand.as_mut().filter(|_| checker.is_clean())) {
+        if of_object.palm_motion.is_some() {
+            let section = root.subsection("object").subsection("outline");
+            let message = format!("`{}` is for palms at rest, but the palm moves", section.path(""));
+            let help = "remove [moves], [vibrations] and [path], or the outline; a mechanism whose base slides on a joint with a \
+                        servo moves any object (scenes/real/2f85-lift.toml)";
+            return section.refuse("", message, "with a moving palm", help);
+        }
+        match of_object.mechanism_with_object(&outline, inertia) {
+            Ok(found) => (*of_object, mechanism) = (Hand::EMPTY, Some(Some(found))),
+            Err(error) => {
+                let help = "give other angles in [initial], or remove the section, so that they follow from the object";
+                return root.subsection("initial").refuse("", error.to_string(), "does not close", help);
             }
         }
-        (None, Some(of_discs)) if kind == SceneKind::Bodies => {
-            // Initial positions are checked only if everything else is valid.
-            bodies::check_initial_positions(&root, of_discs);
-            mechanism = Some(of_discs.mechanism().ok());
-            *of_discs = Hand::EMPTY;
-        }
-        _ => {}
+    }
+    // Initial positions are checked only if everything else is valid.
+    if let Some(discs) = discs.filter(|_| checker.is_clean()) {
+        bodies::check_initial_positions(&root, &discs);
+        mechanism = Some(Some(discs.mechanism()));
     }
     Some(Scene {
         name: settings.name.unwrap_or_else(|| stem(file_name)),
@@ -179,22 +175,20 @@ fn stem(file_name: &str) -> String {
     if stem.trim().is_empty() { "scene".into() } else { stem.into_owned() }
 }
 
-/// Resolves the hand, or the discs of a scene without fingers; `None` if any part is invalid.
-fn hand(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings) -> Option<Hand> {
-    let gravity_m_s2 = settings.gravity.map(|component| *component);
+/// Resolves the hand; `None` if any part is invalid.
+fn hand(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings, gravity_m_s2: [f64; 2]) -> Option<Hand> {
     let given = bodies::object(root);
     let object = &given.0;
     let fingers_input: Vec<_> = input.sides().iter().map(|side| input.finger(*side, root.checker)).collect();
     let reach_m = shape::max_radius(&object.shape);
     let finger_lengths: Vec<_> = fingers_input.iter().map(|finger| finger::resolve_lengths(finger, reach_m)).collect();
-    let discs = match &finger_lengths[..] {
-        [] => bodies::discs(input, root, gravity_m_s2),
+    let resolved_object = match &finger_lengths[..] {
         [finger] => bodies::single_object(root, &given, finger),
-        _ => Some(vec![object.clone()]),
+        _ => Some(Some(object.clone())),
     };
     let palm_width_m = bodies::palm_width(root, settings, &finger_lengths, object);
     let levels = bodies::levels(root, settings, object);
-    let positions = (discs.as_deref(), palm_width_m, levels);
+    let positions = (resolved_object.as_ref(), palm_width_m, levels);
     let targets = bodies::targets(root, input, settings, &finger_lengths, object, positions);
 
     let section = root.subsection("differential");
@@ -225,18 +219,17 @@ fn hand(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings) -
         _ => Some(None),
     };
 
-    let is_fixed = discs.iter().flatten().any(|disc| disc.motion == DiscMotion::Fixed);
+    let is_fixed = resolved_object.iter().flatten().any(|object| object.motion == ObjectMotion::Fixed);
     let palm_motion = motion::palm_motion(root, is_fixed);
-    let [between_discs, palm_law, table_law] = match input.sides().len() {
-        0 => [Level::common(root.subsection("contact"), 0.0).law(); 3],
+    let [palm_law, table_law] = match input.sides().len() {
         // The object is fixed, so nothing can reach the palm.
-        1 => [None; 3],
+        1 => [None; 2],
         _ => {
             let common = Level::common(root.subsection("contact"), curvature_m);
-            let mut laws = [None; 3];
+            let mut laws = [None; 2];
             for (index, (plane, level)) in ["palm", "table"].into_iter().zip(levels).enumerate() {
                 match level {
-                    Some(_) => laws[index + 1] = Some(common.law_of(plane)?),
+                    Some(_) => laws[index] = Some(common.law_of(plane)?),
                     None => common.report_unused(plane),
                 }
             }
@@ -249,8 +242,7 @@ fn hand(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings) -
         fingers: fingers.into_iter().collect::<Option<_>>()?,
         palm_width_m: palm_width_m?,
         differential: differential?,
-        discs: discs?,
-        between_discs,
+        object: resolved_object?,
         palm,
         table,
         palm_motion,

@@ -65,7 +65,7 @@ fn resolved(scene: &Scene) -> Table {
     match &hand.fingers[..] {
         [] => {}
         [first, others @ ..] => {
-            file.insert("object".into(), bodies::object_settings(hand.object()).into());
+            file.insert("object".into(), bodies::object_settings(hand.object.as_ref()).into());
             let has_motor = hand.differential.is_none();
             if others.iter().all(|finger| finger == first) {
                 file.extend(finger(first, has_motor));

@@ -72,7 +72,7 @@ pub(super) fn shown_contacts(
         }
     };
     if scene.hand.fingers.len() == 1 {
-        all.retain(|_| scene.hand.object().is_some());
+        all.retain(|_| scene.object().is_some());
         return all;
     }
     let closes = |contact: &ShownContact| {

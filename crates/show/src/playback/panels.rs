@@ -5,7 +5,7 @@ use serde::{Serialize, Serializer};
 use super::contacts::ShownContact;
 use crate::mechanism::Mechanism;
 use crate::numeric::plane::wrap_angle;
-use crate::scene::{GripperContact, Hand, Scene};
+use crate::scene::{Hand, Object, Scene};
 use crate::trace::schema::{JointName, SubjectKind};
 use crate::trace::{Sample, Schema};
 
@@ -126,11 +126,11 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
         scale: Scale::Logarithmic,
         ..panel(title, unit, contact_curves(contacts, key, rate))
     };
-    let object: Vec<Item> = hand.moving_object().iter().map(|object| (object.name.clone(), String::new())).collect();
+    let object: Vec<Item> = hand.moving_object().iter().map(|_| (Object::NAME.to_string(), String::new())).collect();
     let body = |title, unit, quantities: &[Quantity]| {
         panel(title, unit, curves(schema, SubjectKind::Body, &object, quantities))
     };
-    let has_friction = |contact: &GripperContact| hand.law(*contact).is_some_and(|law| law.friction.is_some());
+    let has_friction = |contact| hand.law(contact).is_some_and(|law| law.friction.is_some());
     let [angles, rates, torques] = finger_panels(hand, schema);
     let mut panels = vec![
         contact("Normal force", "N", "normal_n", None),
@@ -144,7 +144,7 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
         energy_panel(schema, true),
         torques,
     ];
-    if !hand.gripper_contacts().iter().any(has_friction) {
+    if !hand.contacts().any(has_friction) {
         panels.remove(1);
     }
     panels.retain(|panel| !panel.curves.is_empty());

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::named::Named;
 use crate::mechanism::Mechanism;
-use crate::scene::{DiscMotion, Scene};
+use crate::scene::{ObjectMotion, Scene};
 use crate::trace::schema::{Quantity, State as _, SubjectKind};
 use crate::trace::{BodyState, FingerState, Outcome, Schema};
 
@@ -84,9 +84,8 @@ impl States {
             })
         };
         let motion = |name: &str| match object.map(|object| &object.motion) {
-            Some(DiscMotion::Fixed) => "fixed",
-            Some(DiscMotion::Driven { .. }) => "driven",
-            Some(DiscMotion::Free { .. }) => "free",
+            Some(ObjectMotion::Fixed) => "fixed",
+            Some(ObjectMotion::Free { .. }) => "free",
             None => mechanism.and_then(|mechanism| motion_in(mechanism, name)).unwrap_or("unknown"),
         };
         let body = |(name, state): (&String, BodyState)| (name.clone(), BodyReport { motion: motion(name), state });

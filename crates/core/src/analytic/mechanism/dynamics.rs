@@ -12,8 +12,8 @@ use super::model::{Contact, MechanismMode, MechanismModel, Span, Surfaces};
 use super::motion::{Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;
+use crate::analytic::mode::ContactLaws;
 use crate::analytic::model::normal_force_on_branch;
-use crate::analytic::multibody::components::ContactLaws;
 use crate::analytic::multibody::contact_kinematics::{
     ContactForces, ContactKinematics, WithDerivatives, contact_forces, contact_forces_with_derivatives,
 };
@@ -589,13 +589,7 @@ impl Contact {
 
     /// Returns the laws if the contact has a force in this mode.
     fn laws<const C: usize>(&self, mode: &MechanismMode<C>, index: usize) -> Option<ContactLaws<'_>> {
-        let (state, range) = (mode[index], mode.contacts.friction_ranges[index]);
-        state.has_force().then_some(ContactLaws {
-            normal: &self.normal,
-            friction: self.friction.as_ref(),
-            state,
-            range,
-        })
+        ContactLaws::in_mode(&mode.contacts, index, (&self.normal, self.friction.as_ref()))
     }
 }
 

@@ -22,8 +22,6 @@ use std::ops::Index;
 
 /// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
 const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-7, force: 1e-8 };
-/// Contacts of free bodies are located as precisely as positions allow: measurements have their contact times.
-const COLLISION_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-8, force: 1e-9 };
 
 /// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint.
 #[derive(Clone, Debug)]
@@ -314,7 +312,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             with_derivatives: Motions::new(&mechanism),
         };
         let coordinate_count = next + usize::from(time_index == Some(next));
-        let event_tolerances = if mechanism.joints.is_empty() { COLLISION_TOLERANCES } else { EVENT_TOLERANCES };
+        let event_tolerances = if mechanism.joints.is_empty() { EventTolerances::COLLISION } else { EVENT_TOLERANCES };
         Ok(Self {
             depends_on_joint: (0..mechanism.joints.len()).map(depends_on_joint).collect(),
             mechanism,

@@ -1,12 +1,11 @@
-//! Constant data of fingers, discs and contacts, and the coordinates that they depend on.
+//! Constant data of fingers, object and contacts, and the coordinates that they depend on.
 
-use crate::analytic::ContactState;
 use crate::analytic::finger::FingerModel;
-use crate::analytic::mode::Mode;
+use crate::analytic::mode::{ContactLaws, Mode};
 use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
-use crate::law::{Bristle, FrictionLaw, FrictionRange, NormalLaw};
-use crate::scene::{Brake, Disc, DiscMotion, Hand, Motor, Profile, Side};
+use crate::law::{Bristle, FrictionLaw, NormalLaw};
+use crate::scene::{Brake, Motor, Object, ObjectMotion, Profile, Side};
 use crate::shape::Shape;
 
 /// Constant data of a finger, and indices of its contacts.
@@ -19,54 +18,38 @@ pub(crate) struct FingerComponent {
     pub contacts: Vec<usize>,
 }
 
-/// A disc. Both inverses are 0 if it is fixed or driven; the inverse inertia is also 0 if it cannot turn.
+/// The object. Masses and their inverses are 0 if it is fixed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct DiscComponent {
-    /// Index of the first of the component's three coordinates; beyond the last coordinate if the component is fixed.
-    pub first_coordinate: usize,
+pub(crate) struct ObjectComponent {
     pub shape: Shape,
-    /// Mass in kinetic and gravity energy; 0 if the disc does not move freely.
     pub mass: f64,
     pub inertia: f64,
     pub inverse_mass: f64,
     pub inverse_inertia: f64,
-    /// Pose (x, y, θ) at the start; a fixed disc keeps it.
+    /// Pose (x, y, θ) at the start; a fixed object keeps it.
     pub pose: [f64; 3],
-    /// Acceleration of a driven disc, m/s².
-    pub prescribed_acceleration: Option<[f64; 2]>,
 }
 
-/// A half plane that only discs can touch. `normal` points towards them; the surface is at −`offset` along it.
+/// A half plane that only the object can touch. `normal` points towards it; the surface is at −`offset` along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     pub normal: [f64; 2],
     pub offset: f64,
 }
 
-/// The two surfaces of a contact; fingers and discs are given by their indices.
+/// The two surfaces of a contact. A finger is given by its index.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum ContactPair {
     Phalanx {
         finger: usize,
         phalanx: FingerContact,
-        disc: usize,
     },
     Stop {
         finger: usize,
     },
-    Discs {
-        disc: usize,
-        other: usize,
-    },
-    Plane {
-        disc: usize,
-        plane: Plane,
-    },
+    Plane(Plane),
     /// A table at rest in the world, seen from a moving frame.
-    MovingPlane {
-        disc: usize,
-        plane: Plane,
-    },
+    MovingPlane(Plane),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -78,41 +61,16 @@ pub(crate) struct ContactModel {
     pub bristle_index: Option<usize>,
 }
 
-/// Laws of one contact, the active branch, and the range of the friction law.
-#[derive(Clone, Copy)]
-pub(crate) struct ContactLaws<'a> {
-    pub normal: &'a NormalLaw,
-    pub friction: Option<&'a FrictionLaw>,
-    pub state: ContactState,
-    pub range: FrictionRange,
-}
-
-impl DiscComponent {
-    pub fn new(disc: &Disc, first_coordinate: usize) -> Self {
-        let ([x, y], angle) = (disc.centre_m, disc.angle_rad);
-        let fixed = Self {
-            first_coordinate,
-            shape: disc.shape,
-            mass: 0.0,
-            inertia: 0.0,
-            inverse_mass: 0.0,
-            inverse_inertia: 0.0,
-            pose: [x, y, angle],
-            prescribed_acceleration: None,
-        };
-        match disc.motion {
-            DiscMotion::Fixed => fixed,
-            DiscMotion::Driven { acceleration_m_s2, .. } => {
-                Self { prescribed_acceleration: Some(acceleration_m_s2), ..fixed }
+impl ObjectComponent {
+    pub fn new(object: &Object) -> Self {
+        let ([x, y], angle) = (object.centre_m, object.angle_rad);
+        let [mass, inertia, inverse_mass, inverse_inertia] = match object.motion {
+            ObjectMotion::Fixed => [0.0; 4],
+            ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } => {
+                [mass_kg, inertia_kg_m2, mass_kg.recip(), inertia_kg_m2.recip()]
             }
-            DiscMotion::Free { mass_kg, inertia_kg_m2, .. } => Self {
-                mass: mass_kg,
-                inertia: inertia_kg_m2.unwrap_or(0.0),
-                inverse_mass: mass_kg.recip(),
-                inverse_inertia: inertia_kg_m2.map_or(0.0, f64::recip),
-                ..fixed
-            },
-        }
+        };
+        Self { shape: object.shape, mass, inertia, inverse_mass, inverse_inertia, pose: [x, y, angle] }
     }
 }
 
@@ -131,13 +89,7 @@ impl ContactModel {
     /// Returns the laws if the contact, with this index, has a force in this mode.
     #[inline(always)]
     pub fn laws<const C: usize>(&self, mode: &Mode<C>, index: usize) -> Option<ContactLaws<'_>> {
-        let (state, range) = (mode[index], mode.friction_ranges[index]);
-        state.has_force().then_some(ContactLaws {
-            normal: &self.normal,
-            friction: self.friction.as_ref(),
-            state,
-            range,
-        })
+        ContactLaws::in_mode(mode, index, (&self.normal, self.friction.as_ref()))
     }
 
     /// Returns the bristle of the friction law.
@@ -146,7 +98,7 @@ impl ContactModel {
     }
 }
 
-/// Index of a coordinate, and the sign of its contribution. An index beyond the last belongs to a fixed disc.
+/// Index of a coordinate, and the sign of its contribution. An index beyond the last belongs to a fixed object.
 pub(crate) type SignedIndex = (usize, f64);
 
 #[inline(always)]
@@ -155,23 +107,17 @@ pub(crate) fn finger_indices(finger: usize) -> [SignedIndex; 2] {
 }
 
 #[inline(always)]
-pub(crate) fn disc_indices(first: usize) -> [SignedIndex; 3] {
+pub(crate) fn object_indices(first: usize) -> [SignedIndex; 3] {
     [(first, 1.0), (first + 1, 1.0), (first + 2, 1.0)]
 }
 
-/// Indices of x and y of a disc, time, and the angle of the disc, in this order.
+/// Indices of x and y of the object, time, and the angle of the object, in this order.
 #[inline(always)]
-pub(crate) fn disc_time_indices(first: usize, time: usize) -> [SignedIndex; 4] {
+pub(crate) fn object_time_indices(first: usize, time: usize) -> [SignedIndex; 4] {
     [(first, 1.0), (first + 1, 1.0), (time, 1.0), (first + 2, 1.0)]
 }
 
-/// Indices of x and y of two discs, then of both angles.
-#[inline(always)]
-pub(crate) fn disc_pair_indices([a, b]: [usize; 2]) -> [SignedIndex; 6] {
-    [(a, 1.0), (a + 1, 1.0), (b, 1.0), (b + 1, 1.0), (a + 2, 1.0), (b + 2, 1.0)]
-}
-
-/// Indices of the coordinates of a phalanx's contact, with the disc's coordinates in the finger's frame.
+/// Indices of the coordinates of a phalanx's contact, with the object's coordinates in the finger's frame.
 #[inline(always)]
 pub(crate) fn phalanx_indices(finger: usize, first: usize, mirror: f64) -> [SignedIndex; 5] {
     let [a, b] = finger_indices(finger);
@@ -278,74 +224,4 @@ impl Drive {
         let brake = self.brake.as_ref().map_or(f64::INFINITY, |brake| brake.next_discontinuity(t));
         self.actuation.next_discontinuity(t).min(brake)
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
-    /// Number of coordinates, including time and the bristle states.
-    pub coordinates: usize,
-    pub contacts: usize,
-}
-
-/// Largest sizes of a system that has fingers and is no grasp of two fingers: without and with bristles.
-pub const MAX_SIZES: [Size; 2] = [Size { coordinates: 14, contacts: 24 }, Size { coordinates: 32, contacts: 24 }];
-
-/// Error for a system too large for the model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum TooLarge {
-    #[error(
-        "{moving} discs move and {pairs} pairs of surfaces may come into contact; the analytic model takes up to {MAX_MOVING_DISCS} moving discs and \
-         {limit} pairs: fix or remove some"
-    )]
-    Discs { moving: usize, pairs: usize, limit: usize },
-    #[error(
-        "fingers, discs and bristles have {} coordinates and {} contacts; the analytic model takes up to {} and {}: fix or remove \
-         some discs",
-        .size.coordinates, .size.contacts, .limit.coordinates, .limit.contacts
-    )]
-    Components { size: Size, limit: Size },
-}
-
-impl Size {
-    pub(crate) fn of_hand(hand: &Hand) -> Self {
-        let time = usize::from(hand.palm_motion.is_some());
-        let positions = 2 * hand.fingers.len() + 3 * count_moving(hand) + time;
-        Self { coordinates: positions + count_bristles(hand), contacts: hand.contact_ids().len() }
-    }
-
-    /// Whether this size is within `capacity`.
-    pub fn fits(&self, capacity: &Self) -> bool {
-        self.coordinates <= capacity.coordinates && self.contacts <= capacity.contacts
-    }
-}
-
-/// Largest number of moving discs in a system without fingers.
-const MAX_MOVING_DISCS: usize = 3;
-
-/// How many discs of a system move.
-fn count_moving(hand: &Hand) -> usize {
-    hand.discs.iter().filter(|disc| disc.motion.moves()).count()
-}
-
-/// How many bristles the contacts and brakes of a system have.
-pub(crate) fn count_bristles(hand: &Hand) -> usize {
-    let contacts = hand.contact_ids();
-    let bristles = contacts.iter().filter_map(|contact| hand.contact_laws(*contact)?.1?.bristle).count();
-    let input = hand.differential.iter().map(|differential| &differential.motor);
-    let motors = hand.fingers.iter().map(|finger| &finger.motor).chain(input);
-    bristles + motors.filter(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some())).count()
-}
-
-/// Largest number of contact pairs in a system without fingers.
-pub(super) const MAX_DISC_PAIRS: usize = 12;
-
-/// Largest number of contact pairs with bristles in a system without fingers, by its number of moving discs.
-const MAX_BRISTLE_PAIRS: [usize; MAX_MOVING_DISCS + 1] = [0, 4, 6, 9];
-
-/// Number of coordinates over which errors are averaged in systems without fingers: all positions, and the largest
-/// number of bristles allowed for this number of discs. If only existing bristles counted, a wheel that starts to roll
-/// would take 333 steps instead of 33 (scenes/laws/bristle-rolls).
-pub(super) fn error_coordinates(hand: &Hand) -> usize {
-    let moving_discs = count_moving(hand);
-    3 * moving_discs + if hand.has_stiction() { MAX_BRISTLE_PAIRS[moving_discs.min(MAX_MOVING_DISCS)] } else { 0 }
 }

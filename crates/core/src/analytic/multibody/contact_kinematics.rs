@@ -1,34 +1,33 @@
-//! Kinematics and forces of one contact between a disc of any shape and a phalanx, a plane or another disc: the gap,
-//! and the rows that give gap rate and slip.
+//! Kinematics and forces of one contact between the object, of any shape, and a phalanx or a plane: the gap, and the rows
+//! that give gap rate and slip.
 //!
-//! The surface of a disc is at h n + h' n⊥ from its centre, with its support function h and the derivative h'
-//! ([`Support`]). In systems with fingers, the contact point is on the surface of the phalanx or plane, so the disc's
-//! lever arm is h − δ. Both bodies then receive opposite forces at the same point, and momentum and angular momentum
-//! are exchanged exactly. Between discs, and between discs and a plane in systems without fingers, each body has the
-//! contact point on its own surface, as in the thesis.
+//! The surface of the object is at h n + h' n⊥ from its centre, with its support function h and the derivative h'
+//! ([`Support`]). The contact point is on the surface of the phalanx or plane, so the object's lever arm is h − δ. Both
+//! bodies then receive opposite forces at the same point, and momentum and angular momentum are exchanged exactly.
 
 use crate::analytic::finger::Geometry;
-use crate::analytic::mode::row_dot;
+use crate::analytic::mode::{ContactLaws, row_dot};
 use crate::law::{friction_with_state, normal_over_gap};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, sub};
 use crate::numeric::{Dual, Real, array_from};
-use crate::shape::{PlacedShape, Support, normal_between, support};
+use crate::shape::{PlacedShape, Support, support};
 
-use super::components::{ContactLaws, Plane};
+use super::components::Plane;
 use super::normal_force_on_branch;
 
-/// Kinematics of one contact on K coordinates: of a finger and a disc in its frame, of discs, or of a finger (limit).
+/// Kinematics of one contact on K coordinates: of a finger and the object in its frame, of the object, or of a finger
+/// (limit).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactKinematics<T, const K: usize> {
     pub gap: T,
     pub normal_row: [T; K],
     pub tangent_row: [T; K],
-    /// Normal from the second surface to the first: from disc to phalanx, or from plane or other disc to disc.
+    /// Normal from the second surface to the first: from object to phalanx, or from plane to object.
     pub normal: Vector<T>,
     pub point: Vector<T>,
 }
 
-/// Returns the contact kinematics of a phalanx against a moving disc, on (q11, q21, x, y, θ) in the finger's frame.
+/// Returns the contact kinematics of a phalanx against a moving object, on (q11, q21, x, y, θ) in the finger's frame.
 #[inline(always)]
 pub fn phalanx<T: Real>(geometry: &Geometry<T>) -> ContactKinematics<T, 5> {
     let Geometry { gap, normal_row, tangent_row, normal, point, support } = *geometry;
@@ -42,37 +41,20 @@ pub fn phalanx<T: Real>(geometry: &Geometry<T>) -> ContactKinematics<T, 5> {
     }
 }
 
-/// Contact kinematics of a disc on a plane, on (x, y, θ). `on_plane`: whether the contact point is on the plane.
+/// Contact kinematics of the object on a plane, on (x, y, θ).
 #[inline(always)]
-pub fn plane<T: Real>(plane: &Plane, placed: &PlacedShape<T>, on_plane: bool) -> ContactKinematics<T, 3> {
+pub fn plane<T: Real>(plane: &Plane, placed: &PlacedShape<T>) -> ContactKinematics<T, 3> {
     let normal: Vector<T> = [T::constant(plane.normal[0]), T::constant(plane.normal[1])];
     let tangent = perp(normal);
     let Support { distance, slope } = support(placed, [-normal[0], -normal[1]]);
     let gap = dot(normal, placed.centre_m) + (-distance + plane.offset);
-    let lever = if on_plane { gap + distance } else { distance };
+    let lever = gap + distance;
     ContactKinematics {
         gap,
         normal_row: [normal[0], normal[1], slope],
         tangent_row: [tangent[0], tangent[1], -lever],
         normal,
         point: sub(add(placed.centre_m, scale(normal, -lever)), scale(tangent, slope)),
-    }
-}
-
-/// Returns the contact kinematics of a disc against another one, on (x, y) of both discs, then their angles.
-#[inline(always)]
-pub fn discs<T: Real>([disc, other]: [&PlacedShape<T>; 2]) -> ContactKinematics<T, 6> {
-    let (normal, distance) = normal_between([disc, other]);
-    let ([nx, ny], tangent) = (normal, perp(normal));
-    let (own_support, other_support) = (support(disc, [-nx, -ny]), support(other, normal));
-    let [tx, ty] = tangent;
-    ContactKinematics {
-        gap: distance - (own_support.distance + other_support.distance),
-        normal_row: [nx, ny, -nx, -ny, own_support.slope, other_support.slope],
-        // Each lever arm is measured to the disc's own surface point.
-        tangent_row: [tx, ty, -tx, -ty, -own_support.distance, -other_support.distance],
-        normal,
-        point: sub(add(disc.centre_m, scale(normal, -own_support.distance)), scale(tangent, own_support.slope)),
     }
 }
 

@@ -1,8 +1,8 @@
 //! Kinematics and forces of the contacts, and the energies, in one state, without derivatives.
 
 use super::components::{
-    BrakeTorque, ContactModel, ContactPair, DiscComponent, FingerComponent, ShaftTorque, SignedIndex, disc_indices,
-    disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices, scatter,
+    BrakeTorque, ContactModel, ContactPair, FingerComponent, ObjectComponent, ShaftTorque, SignedIndex, finger_indices,
+    object_indices, object_time_indices, phalanx_indices, scatter,
 };
 use super::contact_kinematics::{ContactForces, ContactKinematics, WithDerivatives, contact_forces_with_derivatives};
 use super::forces::{ActiveContact, LoadSums};
@@ -21,7 +21,7 @@ use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array, map_same_type};
 use crate::shape::Support;
 
-/// Placeholder for a finger that the system does not have.
+/// Placeholder for a finger that the hand does not have.
 const ABSENT_FINGER: FingerKinematics = {
     let none = [0.0; 2];
     (Directions { e1: none, e2: none, e3: none, e4: none }, PassiveRates { a3: none, a4: none, inverse_sine: 0.0 })
@@ -44,7 +44,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     pub(super) fn all_finger_kinematics(&self, q: &[f64; N]) -> [FingerKinematics; FINGERS] {
         let mut all_finger_kinematics = [ABSENT_FINGER; FINGERS];
-        for (finger, finger_kinematics) in all_finger_kinematics.iter_mut().enumerate().take(self.finger_count()) {
+        for (finger, finger_kinematics) in all_finger_kinematics.iter_mut().enumerate().take(Self::FINGER_COUNT) {
             *finger_kinematics = self.finger_kinematics(finger, q);
         }
         all_finger_kinematics
@@ -103,17 +103,14 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         user: U,
     ) -> U::Output {
         match contact.pair {
-            ContactPair::Phalanx { .. } | ContactPair::Stop { .. } if Self::DISCS => {
-                unreachable!("systems of this size have no fingers")
-            }
-            ContactPair::Phalanx { finger, phalanx, disc } => {
+            ContactPair::Phalanx { finger, phalanx } => {
                 let component = &self.fingers[finger];
                 let ((pose, rates), mirror) = (finger_kinematics(finger), component.side.mirror());
-                let object = self.disc_in_finger_frame(component.side, disc, q);
+                let object = self.object_in_finger_frame(component.side, q);
                 let geometry = component.model.phalanx_geometry(&pose, &rates, phalanx, &object);
                 user.take(
                     &contact_kinematics::phalanx(&geometry),
-                    &phalanx_indices(finger, self.first_coordinate(disc), mirror),
+                    &phalanx_indices(finger, self.object_coordinate(), mirror),
                 )
             }
             ContactPair::Stop { finger } => {
@@ -123,18 +120,13 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                     &finger_indices(finger),
                 )
             }
-            ContactPair::Discs { disc, other } => {
-                let kinematics = contact_kinematics::discs([&self.placed_disc(disc, q), &self.placed_disc(other, q)]);
-                user.take(&kinematics, &disc_pair_indices([self.first_coordinate(disc), self.first_coordinate(other)]))
-            }
-            ContactPair::Plane { disc, plane } => {
-                let kinematics =
-                    contact_kinematics::plane(&plane, &self.placed_disc(disc, q), self.shares_contact_point());
-                user.take(&kinematics, &disc_indices(self.first_coordinate(disc)))
-            }
-            ContactPair::MovingPlane { disc, plane } => {
-                let kinematics = frame::table(&plane, &self.pose(q), 0.0, &self.placed_disc(disc, q));
-                user.take(&kinematics, &disc_time_indices(self.first_coordinate(disc), self.time_index.unwrap_or(N)))
+            ContactPair::Plane(plane) => user.take(
+                &contact_kinematics::plane(&plane, &self.placed_object(q)),
+                &object_indices(self.object_coordinate()),
+            ),
+            ContactPair::MovingPlane(plane) => {
+                let kinematics = frame::table(&plane, &self.pose(q), 0.0, &self.placed_object(q));
+                user.take(&kinematics, &object_time_indices(self.object_coordinate(), self.time_index.unwrap_or(N)))
             }
         }
     }
@@ -142,7 +134,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Position-dependent terms of all fingers, which the readings of one state share.
     pub(crate) fn terms(&self, q: &[f64; N]) -> FingerTerms {
         let mut all = [None; FINGERS];
-        for (finger, terms) in all.iter_mut().enumerate().take(self.finger_count()) {
+        for (finger, terms) in all.iter_mut().enumerate().take(Self::FINGER_COUNT) {
             *terms = Some(self.fingers[finger].model.terms(Self::finger_coordinates(finger, q)));
         }
         all
@@ -159,10 +151,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
     /// Evaluates one contact, with point and normal in the palm's frame; `None` where the scene has no such contact.
     ///
-    /// The normal of a phalanx points from the object to the phalanx; between two discs it points to the first disc.
-    /// The normals of palm and table point out of the disc if there are fingers, and into it otherwise. Slip and
-    /// friction are positive along the normal turned counter-clockwise, also for a left phalanx; the signs of mirrored
-    /// contacts differ.
+    /// Normals point out of the object. Slip and friction are positive along the normal turned counter-clockwise, also
+    /// for a left phalanx; the signs of mirrored contacts differ.
     pub fn contact_reading(
         &self,
         q: &[f64; N],
@@ -199,9 +189,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 sign = self.fingers[finger].side.mirror();
                 (none, [sign * x, y])
             }
-            ContactPair::Discs { .. } => (kinematics.point, kinematics.normal),
-            ContactPair::Plane { .. } if !self.shares_contact_point() => (kinematics.point, kinematics.normal),
-            ContactPair::Plane { .. } | ContactPair::MovingPlane { .. } => {
+            ContactPair::Plane(_) | ContactPair::MovingPlane(_) => {
                 (kinematics.point, map_same_type(kinematics.normal, |component| -component))
             }
         };
@@ -250,9 +238,9 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             energies.gravity += gravity;
             energies.spring += spring;
         }
-        for (index, disc) in self.discs.iter().enumerate().filter(|(_, disc)| disc.first_coordinate < N) {
-            let [x, y, _] = self.disc_pose(index, q);
-            energies.gravity -= disc.mass * dot(self.gravity, [x, y]);
+        if let Some((_, object)) = self.moving_object() {
+            let [x, y, _] = self.object_pose(q);
+            energies.gravity -= object.mass * dot(self.gravity, [x, y]);
         }
         let contacts = self.contacts.iter().enumerate();
         for (index, contact) in contacts.filter_map(|(index, contact)| Some((index, contact.as_ref()?))) {
@@ -460,15 +448,12 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<'_, N, Z>
         }
     }
 
-    fn add_prescribed_work(&mut self, row: usize, rate: f64, is_disc: bool) {
+    fn add_table_work(&mut self, time: usize) {
         let work = Self::DRIVE_WORK;
-        self.0.rates.g[work] -= self.0.rates.a[row] * rate;
+        self.0.rates.g[work] -= self.0.rates.a[time];
         for j in 0..N {
-            self.0.g_q[work][j] -= self.0.a_q[row][j] * rate;
-            self.0.g_v[work][j] -= self.0.a_v[row][j] * rate;
-        }
-        if is_disc {
-            self.0.g_v[work][row] -= self.0.rates.a[row];
+            self.0.g_q[work][j] -= self.0.a_q[time][j];
+            self.0.g_v[work][j] -= self.0.a_v[time][j];
         }
     }
 
@@ -484,23 +469,29 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<'_, N, Z>
     }
 
     /// The forces are linear in position and velocity; the moment depends on neither.
-    fn add_disc_inertia(&mut self, disc: &DiscComponent, pose: [f64; 3], rates: [f64; 3], field: &InertialField) {
-        let force = inertial_force(disc, &field.field, pose, rates);
-        let force_rate = inertial_force(disc, &field.rate, pose, rates);
+    fn add_object_inertia(
+        &mut self,
+        (first, object): (usize, &ObjectComponent),
+        pose: [f64; 3],
+        rates: [f64; 3],
+        field: &InertialField,
+    ) {
+        let force = inertial_force(object, &field.field, pose, rates);
+        let force_rate = inertial_force(object, &field.rate, pose, rates);
         let linear = AccelerationField { uniform: [0.0; 2], euler: field.field.euler, ..field.field };
         let unit = |j: usize| array_from(|k| if k == j { 1.0 } else { 0.0 });
         let (mut by_q, mut by_v) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
         for j in 0..2 {
-            let by_position = inertial_force(disc, &linear, unit(j), [0.0; 3]);
-            let by_velocity = inertial_force(disc, &linear, [0.0; 3], unit(j));
+            let by_position = inertial_force(object, &linear, unit(j), [0.0; 3]);
+            let by_velocity = inertial_force(object, &linear, [0.0; 3], unit(j));
             (0..2).for_each(|i| (by_q[i][j], by_v[i][j]) = (by_position[i], by_velocity[i]));
         }
-        self.add_inertia(disc.first_coordinate, rates, [force, force_rate], [by_q, by_v]);
+        self.add_inertia(first, rates, [force, force_rate], [by_q, by_v]);
     }
 }
 
 /// Position-dependent terms of a finger, and its load with derivatives with respect to its angles and its rates. Not
-/// inlined, so that it is compiled once for all sizes of a system.
+/// inlined, so that it is compiled once for all sizes of a hand.
 #[inline(never)]
 fn finger_terms(model: &FingerModel, (q, v): ([f64; 2], [f64; 2])) -> (Terms<Dual<2>>, [Dual<2>; 2], [[f64; 2]; 2]) {
     let terms = model.terms([Dual::variable(q[0], 0), Dual::variable(q[1], 1)]);
@@ -524,7 +515,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let Linearised { rates, a_q, a_v, a_t, .. } = linearised;
         rates.a = inverse.solve(&rates.a);
         // From M a = load with M(q): M ∂a = ∂load − ∂M a.
-        for (finger, mass) in masses.iter().enumerate().take(self.fingers.len()) {
+        for (finger, mass) in masses.iter().enumerate().take(Self::FINGER_COUNT) {
             let (first, second) = (2 * finger, 2 * finger + 1);
             for (k, j) in [first, second].into_iter().enumerate() {
                 let [m, c, n] = [mass[0].grad[k], mass[1].grad[k], mass[2].grad[k]];
@@ -532,7 +523,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
                 a_q[second][j] -= c * rates.a[first] + n * rates.a[second];
             }
         }
-        self.prescribe_disc_accelerations(&mut rates.a);
         inverse.solve_columns(a_q);
         inverse.solve_columns(a_v);
         *a_t = inverse.solve(a_t);

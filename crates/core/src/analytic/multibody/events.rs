@@ -2,23 +2,19 @@
 
 use std::cell::OnceCell;
 
-use super::components::{ContactModel, ContactPair};
+use super::components::ContactModel;
 use super::contact_kinematics::ContactKinematics;
 use super::evaluation::ContactMotion;
 use super::model::Multibody;
 use super::{FINGERS, event_function_count, first_impact_step};
 use crate::analytic::ContactState;
 use crate::analytic::finger::FingerKinematics;
-use crate::analytic::mode::{ContactVariables, Mode, StateRef, row_dot};
+use crate::analytic::mode::{ContactVariables, EventTolerances, Mode, StateRef, row_dot};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::integrator::{EventFunction, EventSet, Hybrid, System};
 use crate::numeric::map_array;
 use crate::numeric::plane::{cross, dot};
-
-/// Largest change of depth and slip of a contact between driven or fixed surfaces in one step, as a fraction of the
-/// length and speed scales of its law. Such a contact acts on no coordinate, so no error estimate limits the step.
-const DRIVEN_FRACTION: f64 = 0.05;
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
     /// State of a contact, with its laws; `None` where the scene has no such contact.
@@ -103,21 +99,11 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index)
     }
 
-    /// Whether the contact force accelerates neither surface.
-    fn is_driven(&self, contact: &ContactModel) -> bool {
-        let is_immovable = |disc: usize| self.discs[disc].inverse_mass == 0.0;
-        match contact.pair {
-            ContactPair::Phalanx { .. } | ContactPair::Stop { .. } => false,
-            ContactPair::Discs { disc, other } => is_immovable(disc) && is_immovable(other),
-            ContactPair::Plane { disc, .. } | ContactPair::MovingPlane { disc, .. } => is_immovable(disc),
-        }
-    }
-
     /// Distance of the fingers' linkages from their nearest singular configuration, and its rate.
     #[inline(always)]
     fn clearance(&self, all_finger_kinematics: &[FingerKinematics; FINGERS], v: &[f64; N]) -> (f64, f64) {
         let mut smallest = (f64::INFINITY, 0.0);
-        for (finger, (pose, rates)) in all_finger_kinematics.iter().enumerate().take(self.finger_count()) {
+        for (finger, (pose, rates)) in all_finger_kinematics.iter().enumerate().take(Self::FINGER_COUNT) {
             let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
             let [_, _, rate3, rate4] = absolute_rates(rates, Self::finger_coordinates(finger, v));
             let clearance = (sine.abs() - SINGULAR_SINE, sine.signum() * cosine * (rate4 - rate3));
@@ -135,31 +121,11 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         self.next_time_discontinuity(t)
     }
 
-    fn max_step(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> f64 {
-        let mut max_dt = f64::INFINITY;
-        if self.discs.iter().all(|disc| disc.prescribed_acceleration.is_none()) {
-            return max_dt;
-        }
-        for index in &self.disc_contacts {
-            let is_driven = self.contacts[*index].is_some_and(|contact| self.is_driven(&contact));
-            if mode[*index] != ContactState::Active || !is_driven {
-                continue;
-            }
-            let Some(contact) = self.variables_at(q, v, *index) else { continue };
-            max_dt = max_dt.min(DRIVEN_FRACTION * contact.delta.max(contact.law.depth_scale_m()) / contact.rate.abs());
-            if let Some(friction) = contact.friction {
-                let a = <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
-                max_dt = max_dt.min(DRIVEN_FRACTION * friction.v_static_m_s / row_dot(&contact.tangent_row, &a).abs());
-            }
-        }
-        max_dt
-    }
-
     #[inline(always)]
     fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> EventSet<N, G> {
         const { assert!(G == event_function_count(C)) };
         let all_finger_kinematics = self.all_finger_kinematics(q);
-        let functions = mode.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
+        let functions = mode.event_functions(self.contacts.len(), &EventTolerances::GRASP, |index| {
             let finger_kinematics = |finger: usize| all_finger_kinematics[finger];
             match mode[index].has_force() {
                 true => self.contact_variables((q, v), finger_kinematics, index),
@@ -174,7 +140,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, event: usize) -> EventFunction<N> {
         let finger_kinematics = |finger: usize| self.finger_kinematics(finger, q);
         let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % C);
-        mode.event_function(event, &self.event_tolerances, contact)
+        mode.event_function(event, &EventTolerances::GRASP, contact)
     }
 
     #[inline(always)]
@@ -185,7 +151,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         let mut values = [f64::NAN; G];
         for event in (0..G).filter(|event| requested[*event]) {
             let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % C);
-            values[event] = mode.event_function(event, &self.event_tolerances, contact).value;
+            values[event] = mode.event_function(event, &EventTolerances::GRASP, contact).value;
         }
         values
     }
@@ -193,7 +159,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     fn event_tolerance(&self, event: usize, mode: &Mode<C>) -> f64 {
         let contact = self.contacts.get(event % C).and_then(|contact| contact.as_ref());
         contact.map_or(0.0, |contact| {
-            mode.event_tolerance(event, &contact.normal, contact.friction.as_ref(), &self.event_tolerances)
+            mode.event_tolerance(event, &contact.normal, contact.friction.as_ref(), &EventTolerances::GRASP)
         })
     }
 
@@ -215,7 +181,7 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
 
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Mode<C> {
         let accelerations = |mode: &Mode<C>| <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
-        Mode::at_state(&self.event_tolerances, |index| self.variables_at(q, v, index), accelerations)
+        Mode::at_state(&EventTolerances::GRASP, |index| self.variables_at(q, v, index), accelerations)
     }
 
     fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Option<f64> {
@@ -224,22 +190,18 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
         }
         let ContactVariables { law, rate, normal_row, .. } = self.variables_at(q, v, event % C)?;
         let mobility = row_dot(&normal_row, &self.inverse(q).solve(&normal_row));
-        // The mobility is 0 for a fixed disc on a plane.
+        // The mobility is 0 for a fixed object on a plane.
         (mobility > 0.0).then(|| first_impact_step(law, rate.abs(), 1.0 / mobility))
     }
 
     fn describe_obstacle(&self, q: &[f64; N]) -> String {
         let [right, left] = map_array(self.all_finger_kinematics(q), |(pose, _)| cross(pose.e3, pose.e4).abs());
-        let finger = match self.fingers.len() {
-            0 => return "two discs have the same centre".to_string(),
-            FINGERS if right > left || left.is_nan() => 1,
-            _ => 0,
-        };
+        let finger = usize::from(Self::GRIPPER && (right > left || left.is_nan()));
         let component = &self.fingers[finger];
         let singularity = nearest_singularity(&component.model.dynamics.lengths, Self::finger_coordinates(finger, q));
-        match self.fingers.len() {
-            1 => format!("singular configuration: {singularity}"),
-            _ => format!("singular configuration of the {} finger: {singularity}", component.side.name()),
+        match Self::GRIPPER {
+            false => format!("singular configuration: {singularity}"),
+            true => format!("singular configuration of the {} finger: {singularity}", component.side.name()),
         }
     }
 }

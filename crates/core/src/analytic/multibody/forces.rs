@@ -1,20 +1,20 @@
-//! Accelerations of a multibody system. Every finger and contact contributes in the few coordinates it depends on.
+//! Accelerations of a hand. Every finger and contact contributes in the few coordinates it depends on.
 
 use super::components::{
-    BrakeTorque, ContactLaws, ContactModel, ContactPair, DiscComponent, FingerComponent, ShaftTorque, SignedIndex,
-    disc_indices, disc_pair_indices, disc_time_indices, finger_indices, phalanx_indices,
+    BrakeTorque, ContactModel, ContactPair, FingerComponent, ObjectComponent, ShaftTorque, SignedIndex, finger_indices,
+    object_indices, object_time_indices, phalanx_indices,
 };
 use super::contact_kinematics::ContactKinematics;
 use super::frame::{Inertia, InertialField, inertial_force};
 use super::model::{FingerTerms, Multibody};
 use super::{FINGERS, contact_kinematics, frame, quadratures};
 use crate::analytic::finger::FingerModel;
-use crate::analytic::mode::{Mode, StateRef};
+use crate::analytic::mode::{ContactLaws, Mode, StateRef};
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
 use crate::numeric::Real;
-use crate::scene::GripperContact;
+use crate::scene::HandContact;
 use crate::shape::PlacedShape;
 
 /// Sums of all loads and quadrature rates, plain ([`Loads`]) or with derivatives, which [`Assembly`] fills.
@@ -29,7 +29,7 @@ pub(super) trait LoadSums<const N: usize, const Z: usize> {
 
     /// Index of the quadrature for the work of all contacts and brakes.
     const CONTACT_WORK: usize = Z - 2;
-    /// Index of the quadrature for the work of motors, palm and driven discs.
+    /// Index of the quadrature for the work of motors and palm.
     const DRIVE_WORK: usize = Z - 1;
 
     /// Position of a contact with this index; a constant for an index that is not below P.
@@ -65,17 +65,22 @@ pub(super) trait LoadSums<const N: usize, const Z: usize> {
     /// Adds the rate of the bristle state of a brake, and the effect of that state on the brake's torque.
     fn add_brake_bristle(&mut self, brake: &BrakeTorque, driven: ([f64; FINGERS], usize), bristle: usize);
 
-    /// Adds the work of the drive that prescribes a coordinate's motion against all loads on it: a driven disc
-    /// (`is_disc`), or the table that moves with time.
-    fn add_prescribed_work(&mut self, row: usize, rate: f64, is_disc: bool);
+    /// Adds the work of the palm's drive against the loads on the table, which moves with the coordinate `time`.
+    fn add_table_work(&mut self, time: usize);
 
     fn add_decay(&mut self, bristle: usize, decay_rate: f64, state: f64);
 
     /// Loads without derivatives.
     fn loads(&mut self) -> &mut [f64; N];
 
-    /// Adds the inertial forces on a disc in a moving frame.
-    fn add_disc_inertia(&mut self, disc: &DiscComponent, pose: [f64; 3], rates: [f64; 3], field: &InertialField);
+    /// Adds the inertial forces on the object, with its first coordinate, in a moving frame.
+    fn add_object_inertia(
+        &mut self,
+        object: (usize, &ObjectComponent),
+        pose: [f64; 3],
+        rates: [f64; 3],
+        field: &InertialField,
+    );
 }
 
 /// A contact with a force: its index, its data, and its laws.
@@ -161,8 +166,8 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
     }
 
     #[inline(always)]
-    fn add_prescribed_work(&mut self, row: usize, rate: f64, _: bool) {
-        self.g[Self::DRIVE_WORK] -= self.load[row] * rate;
+    fn add_table_work(&mut self, time: usize) {
+        self.g[Self::DRIVE_WORK] -= self.load[time];
     }
 
     #[inline(always)]
@@ -176,22 +181,26 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
     }
 
     #[inline(always)]
-    fn add_disc_inertia(&mut self, disc: &DiscComponent, pose: [f64; 3], rates: [f64; 3], field: &InertialField) {
-        let inertial = inertial_force(disc, &field.field, pose, rates);
-        (0..3).for_each(|i| self.load[disc.first_coordinate + i] += inertial[i]);
+    fn add_object_inertia(
+        &mut self,
+        (first, object): (usize, &ObjectComponent),
+        pose: [f64; 3],
+        rates: [f64; 3],
+        field: &InertialField,
+    ) {
+        let inertial = inertial_force(object, &field.field, pose, rates);
+        (0..3).for_each(|i| self.load[first + i] += inertial[i]);
         self.g[Self::DRIVE_WORK] += (0..3).map(|i| inertial[i] * rates[i]).sum::<f64>();
     }
 }
 
-/// Positions that the geometry of a contact depends on: of a phalanx and a disc (q11, q21, x, y), of two discs, of a
-/// disc and a moving table (x, y, t), and of a disc. Discs are round, so that their angles, which come last, do not
-/// matter.
+/// Positions that the geometry of a contact depends on: of a phalanx and the object (q11, q21, x, y), of the object and a
+/// moving table (x, y, t), and of the object. The object is round, so that its angle, which comes last, does not matter.
 const PHALANX_POSITIONS: usize = 4;
-const DISC_PAIR_POSITIONS: usize = 4;
-const DISC_TIME_POSITIONS: usize = 3;
-const DISC_POSITIONS: usize = 2;
+const OBJECT_TIME_POSITIONS: usize = 3;
+const OBJECT_POSITIONS: usize = 2;
 
-/// Adds the loads of a system in one state to sums.
+/// Adds the loads of a hand in one state to sums.
 struct Assembly<'a, const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> {
     model: &'a Multibody<N, C>,
     q: &'a [f64; N],
@@ -203,7 +212,6 @@ struct Assembly<'a, const N: usize, const C: usize, const Z: usize, S: LoadSums<
 
 impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly<'_, N, C, Z, S> {
     const GRIPPER: bool = Multibody::<N, C>::GRIPPER;
-    const DISCS: bool = Multibody::<N, C>::DISCS;
 
     /// Adds all loads and powers, and returns the mass matrices of the fingers.
     #[inline(always)]
@@ -211,19 +219,17 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         let Self { model, q, v, .. } = *self;
         let mut masses = [[S::Angles::zero(); 3]; FINGERS];
         if S::UNROLLED {
-            if let Some(right) = model.fingers.first().filter(|_| !Self::DISCS) {
-                masses[0] = self.add_finger(0, right);
-            }
-            if let Some(left) = model.fingers.get(1).filter(|_| !Self::DISCS) {
-                masses[1] = self.add_finger(1, left);
+            masses[0] = self.add_finger(0, &model.fingers[0]);
+            if Self::GRIPPER {
+                masses[1] = self.add_finger(1, &model.fingers[1]);
             }
         } else {
-            for (index, finger) in model.fingers.iter().enumerate().filter(|_| !Self::DISCS) {
+            for (index, finger) in model.fingers.iter().enumerate() {
                 masses[index] = self.add_finger(index, finger);
             }
         }
-        let (driven_rates, fingers) = (model.driven_rates(v), model.finger_count());
-        for (index, drive) in model.drives.iter().enumerate().filter(|_| !Self::DISCS) {
+        let (driven_rates, fingers) = (model.driven_rates(v), Multibody::<N, C>::FINGER_COUNT);
+        for (index, drive) in model.drives.iter().enumerate() {
             let (driven, bristle_index) = ((drive.weights, fingers), model.brake_bristle(index));
             self.sums.add_shaft_torque(&drive.motor_torque(t, driven_rates), driven, S::DRIVE_WORK);
             let brake_torque = drive.brake_torque(t, driven_rates, bristle_index.map(|index| v[index]));
@@ -232,27 +238,22 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
             bristle_index.iter().for_each(|bristle| self.sums.add_brake_bristle(&brake, driven, *bristle));
         }
         if Self::GRIPPER && S::UNROLLED {
-            self.add_disc_contact(GripperContact::Palm.index());
-            self.add_disc_contact(GripperContact::Table.index());
+            self.add_plane_contact(HandContact::Palm.index());
+            self.add_plane_contact(HandContact::Table.index());
         } else {
-            model.disc_contacts.iter().for_each(|index| self.add_disc_contact(*index));
+            model.plane_contacts.iter().for_each(|index| self.add_plane_contact(*index));
         }
         if let Some(time) = model.time_index.filter(|_| model.palm_moves()) {
-            self.sums.add_prescribed_work(time, 1.0, false);
+            self.sums.add_table_work(time);
         }
         for &(index, bristle) in &model.bristles {
             self.sums.add_decay(index, bristle.rate(), v[index]);
         }
-        for index in (0..model.disc_count()).filter(|index| model.first_coordinate(*index) < N) {
-            let (disc, first, rates) = (&model.discs[index], model.first_coordinate(index), model.disc_rates(index, v));
-            if disc.prescribed_acceleration.is_some() {
-                (0..3).for_each(|i| self.sums.add_prescribed_work(first + i, rates[i], true));
-                continue;
-            }
-            (0..2).for_each(|i| self.sums.loads()[first + i] += disc.mass * model.gravity[i]);
+        if let Some((first, object)) = model.moving_object() {
+            (0..2).for_each(|i| self.sums.loads()[first + i] += object.mass * model.gravity[i]);
             if model.palm_moves() {
-                let disc = DiscComponent { first_coordinate: first, ..*disc };
-                self.sums.add_disc_inertia(&disc, model.disc_pose(index, q), rates, &self.field);
+                let (pose, rates) = (model.object_pose(q), model.object_rates(v));
+                self.sums.add_object_inertia((first, object), pose, rates, &self.field);
             }
         }
         masses
@@ -285,18 +286,17 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         let Some(contact) = &model.contacts[index] else { return };
         let Some(laws) = contact.laws(mode, index) else { return };
         let ([first, second], mirror) = (Multibody::<N, C>::finger_coordinates(finger, v), component.side.mirror());
-        if let ContactPair::Phalanx { phalanx, disc, .. } = model.contact_pair(finger, index, contact) {
-            let [vx, vy, spin] = model.disc_rates(disc, v);
+        if let ContactPair::Phalanx { phalanx, .. } = model.contact_pair(finger, index, contact) {
+            let [vx, vy, spin] = model.object_rates(v);
             let (pose, passive_rates) = (terms.pose.map(S::widen::<P>), terms.rates.map(S::widen::<P>));
-            let object =
-                placed_positions::<N, Z, S, P>(&model.disc_in_finger_frame(component.side, disc, q), [2, 3, 4]);
+            let object = placed_positions::<N, Z, S, P>(&model.object_in_finger_frame(component.side, q), [2, 3, 4]);
             let geometry = component.model.phalanx_geometry(&pose, &passive_rates, phalanx, &object);
             let rates = [first, second, mirror * vx, vy, mirror * spin];
             self.sums.add_contact::<P, 5>(
                 (index, contact, laws),
                 &contact_kinematics::phalanx(&geometry),
                 (&rates, model.bristle_state(contact, v)),
-                &phalanx_indices(finger, model.first_coordinate(disc), mirror),
+                &phalanx_indices(finger, model.object_coordinate(), mirror),
             );
         } else {
             let (pose, passive_rates) = (terms.pose.map(S::widen::<2>), terms.rates.map(S::widen::<2>));
@@ -306,39 +306,28 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         }
     }
 
-    /// Adds a contact without a finger.
+    /// Adds a contact of the object with palm or table.
     #[inline(always)]
-    fn add_disc_contact(&mut self, index: usize) {
+    fn add_plane_contact(&mut self, index: usize) {
         let Self { model, q, v, mode, .. } = *self;
         let Some(contact) = &model.contacts[index] else { return };
         let Some(laws) = contact.laws(mode, index) else { return };
         let (active_contact, bristle_state) = ((index, contact, laws), model.bristle_state(contact, v));
-        let first_coordinate = |disc| model.first_coordinate(disc);
+        let (first, [vx, vy, spin]) = (model.object_coordinate(), model.object_rates(v));
         match contact.pair {
-            ContactPair::Discs { disc, other } if !Self::GRIPPER => {
-                const P: usize = DISC_PAIR_POSITIONS;
-                let ([vx, vy, spin], [wx, wy, other_spin]) = (model.disc_rates(disc, v), model.disc_rates(other, v));
-                let kinematics = contact_kinematics::discs([
-                    &placed_positions::<N, Z, S, P>(&model.placed_disc(disc, q), [0, 1, 4]),
-                    &placed_positions::<N, Z, S, P>(&model.placed_disc(other, q), [2, 3, 5]),
-                ]);
-                let rates = [vx, vy, wx, wy, spin, other_spin];
-                let indices = disc_pair_indices([disc, other].map(first_coordinate));
-                self.sums.add_contact::<P, 6>(active_contact, &kinematics, (&rates, bristle_state), &indices);
-            }
-            ContactPair::MovingPlane { disc, plane } if model.palm_moves() => {
-                const P: usize = DISC_TIME_POSITIONS;
-                let ([vx, vy, spin], time) = (model.disc_rates(disc, v), model.time_index.unwrap_or(N));
-                let placed = placed_positions::<N, Z, S, P>(&model.placed_disc(disc, q), [0, 1, 3]);
+            ContactPair::MovingPlane(plane) if model.palm_moves() => {
+                const P: usize = OBJECT_TIME_POSITIONS;
+                let time = model.time_index.unwrap_or(N);
+                let placed = placed_positions::<N, Z, S, P>(&model.placed_object(q), [0, 1, 3]);
                 let kinematics = frame::table(&plane, &model.pose(q), S::position::<P>(0.0, 2), &placed);
-                let (rates, indices) = ([vx, vy, v[time], spin], disc_time_indices(first_coordinate(disc), time));
+                let (rates, indices) = ([vx, vy, v[time], spin], object_time_indices(first, time));
                 self.sums.add_contact::<P, 4>(active_contact, &kinematics, (&rates, bristle_state), &indices);
             }
-            ContactPair::Plane { disc, plane } => {
-                const P: usize = DISC_POSITIONS;
-                let placed = placed_positions::<N, Z, S, P>(&model.placed_disc(disc, q), [0, 1, 2]);
-                let kinematics = contact_kinematics::plane(&plane, &placed, model.shares_contact_point());
-                let (rates, indices) = (model.disc_rates(disc, v), disc_indices(first_coordinate(disc)));
+            ContactPair::Plane(plane) => {
+                const P: usize = OBJECT_POSITIONS;
+                let placed = placed_positions::<N, Z, S, P>(&model.placed_object(q), [0, 1, 2]);
+                let (kinematics, rates) = (contact_kinematics::plane(&plane, &placed), [vx, vy, spin]);
+                let indices = object_indices(first);
                 self.sums.add_contact::<P, 3>(active_contact, &kinematics, (&rates, bristle_state), &indices);
             }
             _ => {}
@@ -384,9 +373,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     ) -> Rates<N, Z> {
         let mut sums = Loads { load: [0.0; N], g: [0.0; Z], terms };
         let masses = self.add_loads(t, state, mode, &mut sums);
-        let mut a = Inertia::new(self, masses).inverse().solve(&sums.load);
-        self.prescribe_disc_accelerations(&mut a);
-        Rates { a, g: sums.g }
+        Rates { a: Inertia::new(self, masses).inverse().solve(&sums.load), g: sums.g }
     }
 
     /// Forces in the joints of both fingers, in the order of [`joint_forces`](crate::fivebar::joint_forces::joint_forces)
@@ -419,19 +406,9 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         }
         forces_n
     }
-
-    /// Sets the accelerations of driven discs.
-    #[inline(always)]
-    pub(super) fn prescribe_disc_accelerations(&self, a: &mut [f64; N]) {
-        for (first, acceleration) in
-            self.discs.iter().filter_map(|disc| Some((disc.first_coordinate, disc.prescribed_acceleration?)))
-        {
-            a[first..first + 2].copy_from_slice(&acceleration);
-        }
-    }
 }
 
-/// Makes centre and angle of a disc positions of a contact with these indices.
+/// Makes centre and angle of the object positions of a contact with these indices.
 #[inline(always)]
 fn placed_positions<const N: usize, const Z: usize, S: LoadSums<N, Z>, const P: usize>(
     placed: &PlacedShape,
@@ -449,7 +426,7 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
 
     #[inline(always)]
     fn coordinate_count(&self) -> usize {
-        self.coordinate_count()
+        self.used_coordinates()
     }
 
     #[inline(always)]

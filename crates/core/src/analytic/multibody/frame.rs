@@ -1,7 +1,7 @@
 //! A moving palm: inertial forces in its frame, and the table, which is at rest in the world.
 
 use super::FINGERS;
-use super::components::{DiscComponent, Plane};
+use super::components::{ObjectComponent, Plane};
 use super::contact_kinematics::ContactKinematics;
 use super::model::Multibody;
 use crate::fivebar::dynamics::AccelerationField;
@@ -11,7 +11,7 @@ use crate::numeric::{Real, array_from};
 use crate::scene::{PalmMotion, Pose};
 use crate::shape::{PlacedShape, Support, support};
 
-/// AccelerationField of inertial accelerations beyond gravity in the world's frame, and its time derivative.
+/// Field of inertial accelerations beyond gravity in the world's frame, and its time derivative.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct InertialField {
     pub field: AccelerationField,
@@ -44,7 +44,7 @@ pub(crate) fn inertial_field(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> 
     }
 }
 
-/// Contact of a disc with a table at rest in the world, on (x, y, t, θ).
+/// Contact of the object with a table at rest in the world, on (x, y, t, θ).
 ///
 /// In the world, the table's surface is at height h with normal (0, −1). In the palm's frame, n = R(−Φ) (0, −1). The
 /// table's own motion adds −(Ẏ + Ω n⊥·ρ) at the contact point ρ to the gap rate, and Ẋ − Ω (h − Y) to the slip.
@@ -74,8 +74,8 @@ pub fn table<T: Real>(plane: &Plane, pose: &Pose, time_offset: T, placed: &Place
 }
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
-    #[inline(always)]
     /// Inertial field at time `t`; zero in a frame at rest.
+    #[inline(always)]
     pub(super) fn inertial_field(&self, t: f64) -> InertialField {
         match (&self.palm_motion, self.palm_moves()) {
             (Some(motion), true) => inertial_field(motion, self.gravity, t),
@@ -90,12 +90,17 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 }
 
-/// Inertial force and moment of a field on a disc.
+/// Inertial force and moment of a field on the object.
 #[inline(always)]
-pub(crate) fn inertial_force(disc: &DiscComponent, field: &AccelerationField, pose: [f64; 3], v: [f64; 3]) -> [f64; 3] {
+pub(crate) fn inertial_force(
+    object: &ObjectComponent,
+    field: &AccelerationField,
+    pose: [f64; 3],
+    v: [f64; 3],
+) -> [f64; 3] {
     let ([x, y, _], [vx, vy, _]) = (pose, v);
     let AccelerationField { uniform: [ex, ey], centrifugal, coriolis, euler } = *field;
-    let (mass, inertia) = (disc.mass, disc.inertia);
+    let (mass, inertia) = (object.mass, object.inertia);
     [
         mass * (ex + euler * y + centrifugal * x + 2.0 * coriolis * vy),
         mass * (ey - euler * x + centrifugal * y - 2.0 * coriolis * vx),
@@ -103,9 +108,9 @@ pub(crate) fn inertial_force(disc: &DiscComponent, field: &AccelerationField, po
     ]
 }
 
-/// The mass matrix: a block for each finger and a diagonal block for each disc. A differential adds one entry that
+/// The mass matrix: a block for each finger and a diagonal block for the object. A differential adds one entry that
 /// couples both driven links. `fingers` is (M₁₁, M₁₂, M₂₂) of each finger, including the inertia that rotates with its
-/// driven link. The masses of the discs are in the model.
+/// driven link. The mass of the object is in the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Inertia<'a, const N: usize, const C: usize> {
     model: &'a Multibody<N, C>,
@@ -145,15 +150,15 @@ impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
     /// Kinetic energy ½ vᵀ M v, J.
     pub fn kinetic(&self, v: &[f64; N]) -> f64 {
         let mut energy = 0.0;
-        for ([a, b, d], v) in self.fingers.iter().take(self.model.fingers.len()).zip(v.chunks_exact(2)) {
+        for ([a, b, d], v) in self.fingers.iter().take(Multibody::<N, C>::FINGER_COUNT).zip(v.chunks_exact(2)) {
             energy += 0.5 * (a * v[0] * v[0] + d * v[1] * v[1]) + b * v[0] * v[1];
         }
-        if self.model.fingers.len() == FINGERS {
+        if Multibody::<N, C>::GRIPPER {
             energy += self.model.coupling * v[0] * v[2];
         }
-        for (index, disc) in self.model.discs.iter().enumerate() {
-            let [vx, vy, spin] = self.model.disc_rates(index, v);
-            energy += 0.5 * (disc.mass * (vx * vx + vy * vy) + disc.inertia * spin * spin);
+        if let Some((_, object)) = self.model.moving_object() {
+            let [vx, vy, spin] = self.model.object_rates(v);
+            energy += 0.5 * (object.mass * (vx * vx + vy * vy) + object.inertia * spin * spin);
         }
         energy
     }
@@ -175,7 +180,7 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
     /// states have no mass: their load is their rate.
     #[inline(always)]
     pub(crate) fn solve_columns<const K: usize>(&self, a: &mut [[f64; K]; N]) {
-        for finger in 0..self.model.finger_count() {
+        for finger in 0..Multibody::<N, C>::FINGER_COUNT {
             let ([m, c, n], [first, second]) = (self.fingers[finger], [2 * finger, 2 * finger + 1]);
             let [f, g] = [a[first], a[second]];
             for j in 0..K {
@@ -196,13 +201,9 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
                 }
             }
         }
-        for index in 0..self.model.disc_count() {
-            let first = self.model.first_coordinate(index);
-            if first >= N {
-                continue;
-            }
-            let disc = &self.model.discs[index];
-            for (i, inverse) in [disc.inverse_mass, disc.inverse_mass, disc.inverse_inertia].into_iter().enumerate() {
+        if let Some((first, object)) = self.model.moving_object() {
+            let inverses = [object.inverse_mass, object.inverse_mass, object.inverse_inertia];
+            for (i, inverse) in inverses.into_iter().enumerate() {
                 a[first + i].iter_mut().for_each(|a| *a *= inverse);
             }
         }

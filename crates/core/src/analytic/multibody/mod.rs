@@ -1,10 +1,10 @@
-//! The analytic model of any list of fingers and discs: the equations of motion of each, a block mass matrix, and
+//! The analytic model of one or two fingers with their object: the equations of motion of each, a block mass matrix, and
 //! contacts that add Jᵀf.
 //!
-//! Coordinates are (q11, q21) of every finger, with a left finger seen in its mirror image, then (x, y, θ) of every
-//! moving disc, including driven ones, in the frame of the palm. If the palm moves, time follows as a coordinate of
-//! rate 1. If friction has bristles, the next rates are the bristle states σ; nothing depends on the coordinates at
-//! these indices. The remaining indices are unused. The model is independent of the engine model, which it checks.
+//! Coordinates are (q11, q21) of every finger, with a left finger seen in its mirror image, then (x, y, θ) of a moving
+//! object, in the frame of the palm. If the palm moves, time follows as a coordinate of rate 1. If friction has bristles,
+//! the next rates are the bristle states σ; nothing depends on the coordinates at these indices. The remaining indices
+//! are unused. The model is independent of the engine model, which it checks.
 
 pub(in crate::analytic) mod components;
 pub(in crate::analytic) mod contact_kinematics;
@@ -17,30 +17,35 @@ mod model;
 use crate::analytic::finger_events::first_impact_step;
 use crate::analytic::model::normal_force_on_branch;
 
-pub(crate) use components::count_bristles;
-pub use components::{MAX_SIZES, Size, TooLarge};
 pub(crate) use evaluation::kinematics_of;
 pub use model::Multibody;
 
 /// Largest number of fingers: a right and a left one.
 const FINGERS: usize = 2;
 
-/// Largest number of positions of two fingers with one object: four angles, the pose of the object, and time.
+/// Largest number of positions of two fingers: four angles, the pose of the object, and time.
 const GRASP_POSITIONS: usize = 2 * FINGERS + 4;
 
-/// Largest number of bristles of two fingers with one object, in contacts and brakes.
+/// Largest number of bristles of two fingers, in contacts and brakes.
 pub const MAX_GRASP_BRISTLES: usize = 8;
 
-/// Number of coordinates of two fingers with one object whose contacts or brakes have bristles.
+/// Number of coordinates of two fingers whose contacts or brakes have bristles.
 pub const MAX_GRASP_COORDINATES: usize = GRASP_POSITIONS + MAX_GRASP_BRISTLES;
 
-/// Number of quadratures of a system: the normal impulse of each contact, the work of all contact forces and brakes,
-/// and the work of motors, palm and driven discs.
+/// Largest number of contacts of one finger: both phalanges, the limit, palm and table.
+pub const MAX_FINGER_CONTACTS: usize = 5;
+
+/// Largest number of coordinates of one finger: two angles, the pose of the object, time, and the bristles of four
+/// contacts and a brake.
+pub const MAX_FINGER_COORDINATES: usize = 2 + 4 + 5;
+
+/// Number of quadratures of a hand: the normal impulse of each contact, the work of all contact forces and brakes,
+/// and the work of motors and palm.
 pub const fn quadratures(contacts: usize) -> usize {
     contacts + 2
 }
 
-/// Number of event functions of a system. The normal laws of all contacts come first, then friction laws, then dampers.
+/// Number of event functions of a hand. The normal laws of all contacts come first, then friction laws, then dampers.
 pub const fn event_function_count(contacts: usize) -> usize {
     3 * contacts
 }

@@ -1,31 +1,28 @@
-//! The constant data of a multibody system, and the layout of its coordinates.
+//! The constant data of a hand, and the layout of its coordinates.
 
-use super::components::{
-    ContactModel, ContactPair, DiscComponent, Drive, FingerComponent, MAX_DISC_PAIRS, Plane, error_coordinates,
-};
-use super::{FINGERS, GRASP_POSITIONS, MAX_GRASP_COORDINATES, Size, quadratures};
+use super::components::{ContactModel, ContactPair, Drive, FingerComponent, ObjectComponent, Plane};
+use super::{FINGERS, GRASP_POSITIONS, quadratures};
 use crate::analytic::finger::FingerModel;
-use crate::analytic::mode::EventTolerances;
 use crate::fivebar::dynamics::{InertialForces, Terms};
 use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
 use crate::numeric::array_from;
-use crate::scene::{ContactId, Disc, DiscMotion, GripperContact, Hand, HandFinger, PalmMotion, Profile, Side};
+use crate::scene::{Hand, HandContact, HandFinger, ObjectMotion, PalmMotion, Profile, Side};
 use crate::shape::PlacedShape;
 
 /// Position-dependent terms of both fingers; `None` for a missing finger.
 pub(crate) type FingerTerms = [Option<Terms<f64>>; FINGERS];
 
-/// The model of a system with at most N coordinates and C contacts.
+/// The model of a hand with at most N coordinates and C contacts.
 #[derive(Clone, Debug)]
 pub struct Multibody<const N: usize, const C: usize> {
     pub(super) fingers: Vec<FingerComponent>,
-    pub(super) discs: Vec<DiscComponent>,
-    /// Contacts in the order of [`Hand::contact_ids`]; `None` where the scene has no such surface.
+    object: Option<ObjectComponent>,
+    /// Contacts in the order of [`Hand::contacts`]; `None` where the scene has no such surface.
     pub(super) contacts: Vec<Option<ContactModel>>,
-    /// Indices of the contacts without a finger.
-    pub(super) disc_contacts: Vec<usize>,
+    /// Indices of the contacts with palm and table.
+    pub(super) plane_contacts: Vec<usize>,
     pub(super) drives: Vec<Drive>,
     /// Index of the brake's bristle among the rates, for each drive.
     pub(super) brake_bristles: Vec<Option<usize>>,
@@ -36,54 +33,29 @@ pub struct Multibody<const N: usize, const C: usize> {
     /// Entry of the mass matrix that couples both driven links.
     pub(super) coupling: f64,
     pub(super) palm_motion: Option<PalmMotion>,
-    /// First coordinate of the object of a gripper; beyond the last coordinate if it is fixed.
+    /// First coordinate of the object; beyond the last coordinate if it is fixed.
     object_coordinate: usize,
     /// Index of time among the coordinates of a moving palm.
     pub(super) time_index: Option<usize>,
-    /// Number of coordinates that error norms average over, and size of the matrices.
-    coordinate_count: usize,
+    /// Number of coordinates that the integrator uses.
+    used_coordinates: usize,
     half_palm_width: f64,
     pub(super) gravity: [f64; 2],
-    pub(super) event_tolerances: EventTolerances,
-}
-
-/// Touch-downs of fingers on an object are located to a part of δ_max, lift-off and reload to a force that has no
-/// visible effect on the motion.
-const GRASP_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-5, force: 1e-6 };
-/// Contacts between discs alone are located as precisely as positions allow: measurements have their contact times.
-const COLLISION_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-8, force: 1e-9 };
-
-/// Builds the discs of a system, and returns them with the first coordinate after them. Coordinates of moving discs
-/// start at `first`; fixed discs get the index `end`.
-fn build_discs(hand: &Hand, first: usize, end: usize) -> (Vec<DiscComponent>, usize) {
-    let mut next = first;
-    let disc = |disc: &Disc| {
-        let component = DiscComponent::new(disc, if disc.motion.moves() { next } else { end });
-        next += if disc.motion.moves() { 3 } else { 0 };
-        component
-    };
-    let discs = hand.discs.iter().map(disc).collect();
-    (discs, next)
 }
 
 /// Builds a contact; `None` where the scene has no surface to touch.
-fn build_contact(hand: &Hand, contact_id: ContactId) -> Option<ContactModel> {
+fn build_contact(hand: &Hand, contact: HandContact) -> Option<ContactModel> {
     let plane = |level_m: Option<f64>, up| Plane::at_level(level_m.unwrap_or(f64::NAN), up);
-    let pair = match contact_id {
-        ContactId::Phalanx(side, phalanx, disc) => ContactPair::Phalanx { finger: side as usize, phalanx, disc },
-        ContactId::Stop(side) => ContactPair::Stop { finger: side as usize },
-        ContactId::Discs(disc, other) => ContactPair::Discs { disc, other },
-        ContactId::Palm(disc) => ContactPair::Plane { disc, plane: plane(hand.palm.map(|palm| palm.level_m), 1.0) },
-        ContactId::Table(disc) => {
+    let pair = match contact {
+        HandContact::Finger(side, FingerContact::Limit) => ContactPair::Stop { finger: side as usize },
+        HandContact::Finger(side, phalanx) => ContactPair::Phalanx { finger: side as usize, phalanx },
+        HandContact::Palm => ContactPair::Plane(plane(hand.palm.map(|palm| palm.level_m), 1.0)),
+        HandContact::Table => {
             let plane = plane(hand.table.map(|table| table.level_m), -1.0);
-            if hand.palm_motion.is_some() {
-                ContactPair::MovingPlane { disc, plane }
-            } else {
-                ContactPair::Plane { disc, plane }
-            }
+            if hand.palm_motion.is_some() { ContactPair::MovingPlane(plane) } else { ContactPair::Plane(plane) }
         }
     };
-    hand.contact_laws(contact_id).map(|laws| ContactModel::new(pair, laws))
+    hand.contact_laws(contact).map(|laws| ContactModel::new(pair, laws))
 }
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
@@ -91,22 +63,20 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     ///
     /// # Panics
     ///
-    /// Panics if the system exceeds N coordinates or C contacts.
+    /// Panics if the hand has another number of fingers or of coordinates.
     pub fn new(hand: &Hand) -> Self {
-        let size = Size::of_hand(hand);
-        assert!(size.fits(&Size { coordinates: N, contacts: C }), "{size:?} exceeds {N} coordinates or {C} contacts");
-        let is_grasp = hand.fingers.len() == FINGERS && hand.discs.len() < 2 && size.coordinates == N;
-        assert!(is_grasp || !Self::GRASP, "a grasp has two fingers, at most one disc, and {N} coordinates");
-        assert!(hand.fingers.is_empty() || !Self::DISCS, "this size takes discs only");
+        assert_eq!(hand.fingers.len(), Self::FINGER_COUNT, "fingers of a model with {C} contacts");
         let [x, y] = hand.gravity_m_s2;
         let half_palm_width = 0.5 * hand.palm_width_m;
-        let (discs, time_index) = build_discs(hand, 2 * hand.fingers.len(), N);
+        let fingers_end = 2 * Self::FINGER_COUNT;
+        let object_end = fingers_end + if hand.moving_object().is_some() { 3 } else { 0 };
+        let positions = object_end + usize::from(hand.palm_motion.is_some());
+        assert!(!Self::GRASP || positions == N, "{positions} coordinates instead of {N}");
         let (time_index, first_bristle) = match Self::POSITIONS < N {
             true => (Self::POSITIONS - 1, Self::POSITIONS),
-            false => (time_index, time_index + usize::from(hand.palm_motion.is_some())),
+            false => (object_end, positions),
         };
-        let mut contacts: Vec<_> =
-            hand.contact_ids().into_iter().map(|contact_id| build_contact(hand, contact_id)).collect();
+        let mut contacts: Vec<_> = hand.contacts().map(|contact| build_contact(hand, contact)).collect();
         let mut bristles = Vec::new();
         let mut add_bristle = |bristle: Option<Bristle>| {
             let bristle_index = first_bristle + bristles.len();
@@ -119,9 +89,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let finger_contacts = |finger: usize| {
             let belongs_to_finger = |pair: ContactPair| match pair {
                 ContactPair::Phalanx { finger: owner, .. } | ContactPair::Stop { finger: owner } => owner == finger,
-                ContactPair::Discs { .. } | ContactPair::Plane { .. } | ContactPair::MovingPlane { .. } => {
-                    finger == FINGERS
-                }
+                ContactPair::Plane(_) | ContactPair::MovingPlane(_) => finger == FINGERS,
             };
             let indices = contacts.iter().enumerate();
             let found = indices.filter(|(_, contact)| contact.is_some_and(|contact| belongs_to_finger(contact.pair)));
@@ -133,7 +101,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             inertial_load: InertialForces::new(&finger.linkage, [half_palm_width, 0.0]),
             contacts: finger_contacts(side as usize),
         };
-        let (fingers, disc_contacts) = (hand.fingers_by_side().map(finger).collect(), finger_contacts(FINGERS));
+        let (fingers, plane_contacts) = (hand.fingers_by_side().map(finger).collect(), finger_contacts(FINGERS));
         let mut rotor_inertia = [0.0; FINGERS];
         let mut drives = Vec::new();
         for (side, finger) in hand.fingers_by_side() {
@@ -149,13 +117,14 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             coupling = (input - seesaw) / 4.0;
         }
         let brake_bristles = drives.iter().map(|drive| add_bristle(drive.bristle())).collect();
-        assert!(first_bristle + bristles.len() <= N, "{} bristles exceed {N} coordinates", bristles.len());
+        let used_coordinates = first_bristle + bristles.len();
+        assert!(used_coordinates <= N, "{} bristles exceed {N} coordinates", bristles.len());
         Self {
             fingers,
-            object_coordinate: discs.first().map_or(N, |disc| disc.first_coordinate),
-            discs,
+            object: hand.object.as_ref().map(ObjectComponent::new),
+            object_coordinate: if hand.moving_object().is_some() { fingers_end } else { N },
             contacts,
-            disc_contacts,
+            plane_contacts,
             brake_bristles,
             bristles,
             drives,
@@ -163,10 +132,9 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             coupling,
             palm_motion: hand.palm_motion.clone(),
             time_index: hand.palm_motion.is_some().then_some(time_index),
-            coordinate_count: if Self::DISCS { error_coordinates(hand) } else { N },
+            used_coordinates,
             half_palm_width,
             gravity: hand.gravity_m_s2,
-            event_tolerances: if hand.fingers.is_empty() { COLLISION_TOLERANCES } else { GRASP_TOLERANCES },
         }
     }
 
@@ -179,28 +147,14 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             (state.q[2 * index], state.q[2 * index + 1]) = (initial.q11_rad, initial.q21_rad);
             (state.v[2 * index], state.v[2 * index + 1]) = (initial.qd11_rad_s, initial.qd21_rad_s);
         }
-        for (disc, component) in hand.discs.iter().zip(&self.discs) {
-            let (([vx, vy], spin), first) = match disc.motion {
-                DiscMotion::Fixed => continue,
-                DiscMotion::Driven { velocity_m_s, spin_rad_s, .. } => {
-                    ((velocity_m_s, spin_rad_s), component.first_coordinate)
-                }
-                DiscMotion::Free { velocity_m_s, spin_rad_s, .. } => {
-                    ((velocity_m_s, spin_rad_s), component.first_coordinate)
-                }
-            };
-            state.q[first..first + 3].copy_from_slice(&component.pose);
-            state.v[first..first + 3].copy_from_slice(&[vx, vy, spin]);
+        if let Some((first, object)) = self.moving_object()
+            && let ObjectMotion::Free { velocity_m_s: [vx, vy], spin_rad_s, .. } = hand.grasped().motion
+        {
+            state.q[first..first + 3].copy_from_slice(&object.pose);
+            state.v[first..first + 3].copy_from_slice(&[vx, vy, spin_rad_s]);
         }
         self.time_index.into_iter().for_each(|time_index| state.v[time_index] = 1.0);
         state
-    }
-
-    /// Whether both surfaces of a contact share one contact point, so that angular momentum is conserved exactly. In
-    /// scenes without fingers each disc has its own contact point, as in the thesis.
-    #[inline(always)]
-    pub(super) fn shares_contact_point(&self) -> bool {
-        !self.fingers.is_empty()
     }
 
     pub fn contact_count(&self) -> usize {
@@ -230,7 +184,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Rates of the driven links of both fingers; 0 for a missing finger.
     #[inline(always)]
     pub(super) fn driven_rates(&self, v: &[f64; N]) -> [f64; FINGERS] {
-        array_from(|finger| if finger < self.finger_count() { v[2 * finger] } else { 0.0 })
+        array_from(|finger| if finger < Self::FINGER_COUNT { v[2 * finger] } else { 0.0 })
     }
 
     /// Torques of all motors and brakes on the driven links, N·m.
@@ -257,39 +211,23 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         drives.chain(palm).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the system is two fingers and at most one object. Its contacts are known at compile time.
-    pub(super) const GRIPPER: bool = C == GripperContact::ALL.len() && N <= MAX_GRASP_COORDINATES;
+    /// Whether the hand has two fingers. Its contacts are known at compile time.
+    pub(super) const GRIPPER: bool = C == HandContact::ALL.len();
 
-    /// Whether the system is a gripper without bristles. All indices are compile-time constants then, which reduces the
+    pub(super) const FINGER_COUNT: usize = if Self::GRIPPER { FINGERS } else { 1 };
+
+    /// Whether the hand is a gripper without bristles. All indices are compile-time constants then, which reduces the
     /// instructions of a closing motion to a tenth.
     pub(super) const GRASP: bool = Self::GRIPPER && N <= GRASP_POSITIONS;
 
-    /// Number of coordinates before the bristle states, if it is known at compile time, otherwise N: angles of two fingers,
-    /// pose of an object and time, of which the last may be unused.
+    /// Number of coordinates before the bristle states, if it is known at compile time, otherwise N. Those of two fingers
+    /// are four angles, the pose of the object and time; the last ones may be unused.
     pub(super) const POSITIONS: usize = if Self::GRIPPER && !Self::GRASP { GRASP_POSITIONS } else { N };
-
-    /// Whether the system has discs only; then no code for fingers is compiled.
-    pub(super) const DISCS: bool = C == MAX_DISC_PAIRS;
 
     /// Number of coordinates that error norms average over, and size of the matrices.
     #[inline(always)]
-    pub(super) fn coordinate_count(&self) -> usize {
-        if Self::DISCS { self.coordinate_count } else { N }
-    }
-
-    #[inline(always)]
-    pub(super) fn finger_count(&self) -> usize {
-        match (Self::GRIPPER, Self::DISCS) {
-            (true, _) => FINGERS,
-            (_, true) => 0,
-            _ => self.fingers.len(),
-        }
-    }
-
-    /// Number of discs; a compile-time constant for a gripper.
-    #[inline(always)]
-    pub(super) fn disc_count(&self) -> usize {
-        if Self::GRIPPER { 1 } else { self.discs.len() }
+    pub(super) fn used_coordinates(&self) -> usize {
+        if Self::GRIPPER { N } else { self.used_coordinates }
     }
 
     /// Index of the bristle state of a drive's brake.
@@ -298,20 +236,23 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         if Self::GRASP { None } else { self.brake_bristles[drive] }
     }
 
-    /// First coordinate of a disc; beyond the last coordinate if the disc is fixed.
+    /// First coordinate of the object; beyond the last coordinate if the object is fixed.
     #[inline(always)]
-    pub(super) fn first_coordinate(&self, disc: usize) -> usize {
-        match (Self::GRASP, Self::GRIPPER) {
-            (true, _) => 2 * FINGERS,
-            (_, true) => self.object_coordinate,
-            _ => self.discs[disc].first_coordinate,
-        }
+    pub(super) fn object_coordinate(&self) -> usize {
+        if Self::GRASP { 2 * FINGERS } else { self.object_coordinate }
+    }
+
+    /// The object with its first coordinate, if it moves.
+    #[inline(always)]
+    pub(super) fn moving_object(&self) -> Option<(usize, &ObjectComponent)> {
+        let first = self.object_coordinate();
+        if first < N { Some((first, self.object.as_ref()?)) } else { None }
     }
 
     /// Whether the palm, and with it the frame, moves.
     #[inline(always)]
     pub(super) fn palm_moves(&self) -> bool {
-        if Self::GRASP { N > 2 * FINGERS + 3 } else { !Self::DISCS && self.time_index.is_some() }
+        if Self::GRASP { N > 2 * FINGERS + 3 } else { self.time_index.is_some() }
     }
 
     #[inline(always)]
@@ -323,38 +264,46 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     pub(super) fn contact_pair(&self, finger: usize, index: usize, contact: &ContactModel) -> ContactPair {
         match index.wrapping_sub(FingerContact::ALL.len() * finger) {
-            0 if Self::GRIPPER => ContactPair::Phalanx { finger, phalanx: FingerContact::Proximal, disc: 0 },
-            1 if Self::GRIPPER => ContactPair::Phalanx { finger, phalanx: FingerContact::Distal, disc: 0 },
+            0 if Self::GRIPPER => ContactPair::Phalanx { finger, phalanx: FingerContact::Proximal },
+            1 if Self::GRIPPER => ContactPair::Phalanx { finger, phalanx: FingerContact::Distal },
             2 if Self::GRIPPER => ContactPair::Stop { finger },
             _ => contact.pair,
         }
     }
 
-    /// Pose (x, y, θ) of a disc.
+    /// Pose (x, y, θ) of the object.
     #[inline(always)]
-    pub(crate) fn disc_pose(&self, disc: usize, q: &[f64; N]) -> [f64; 3] {
-        let first = self.first_coordinate(disc);
-        if first < N { [q[first], q[first + 1], q[first + 2]] } else { self.discs[disc].pose }
+    pub(crate) fn object_pose(&self, q: &[f64; N]) -> [f64; 3] {
+        let first = self.object_coordinate();
+        if first < N {
+            [q[first], q[first + 1], q[first + 2]]
+        } else {
+            self.object.as_ref().map_or([0.0; 3], |object| object.pose)
+        }
     }
 
-    /// Rates of a disc's pose.
+    /// Rates of the object's pose.
     #[inline(always)]
-    pub(crate) fn disc_rates(&self, disc: usize, v: &[f64; N]) -> [f64; 3] {
-        let first = self.first_coordinate(disc);
+    pub(crate) fn object_rates(&self, v: &[f64; N]) -> [f64; 3] {
+        let first = self.object_coordinate();
         if first < N { [v[first], v[first + 1], v[first + 2]] } else { [0.0; 3] }
     }
 
-    /// Returns a disc's shape at its pose.
+    /// Returns the object's shape at its pose.
+    ///
+    /// # Panics
+    /// Panics if there is no object.
     #[inline(always)]
-    pub(super) fn placed_disc(&self, disc: usize, q: &[f64; N]) -> PlacedShape {
-        let [x, y, angle_rad] = self.disc_pose(disc, q);
-        PlacedShape { shape: self.discs[disc].shape, centre_m: [x, y], angle_rad }
+    pub(super) fn placed_object(&self, q: &[f64; N]) -> PlacedShape {
+        let [x, y, angle_rad] = self.object_pose(q);
+        let shape = self.object.as_ref().expect("a contact of the object").shape;
+        PlacedShape { shape, centre_m: [x, y], angle_rad }
     }
 
-    /// Returns a disc's shape at its pose in a finger's frame.
+    /// Returns the object's shape at its pose in a finger's frame.
     #[inline(always)]
-    pub(super) fn disc_in_finger_frame(&self, side: Side, disc: usize, q: &[f64; N]) -> PlacedShape {
-        self.placed_disc(disc, q).in_finger_frame(side.mirror(), self.half_palm_width)
+    pub(super) fn object_in_finger_frame(&self, side: Side, q: &[f64; N]) -> PlacedShape {
+        self.placed_object(q).in_finger_frame(side.mirror(), self.half_palm_width)
     }
 
     /// Half the distance between the ground joints, m.

@@ -7,18 +7,19 @@ use serde::Deserialize;
 use toml::Table;
 
 use super::finger::{FingerLengths, example_base_m};
-use super::law::contact_settings;
+use super::law::{Level, contact_settings};
 use super::mechanism::outline::{OutlineSettings, outline};
 use super::{FINGER, FINGERS, GRIPPER, SceneSettings, list, table};
 use crate::limits::MAX_DISCS;
 use crate::mechanism::{Mechanism, OutlineShape, PrescribedMotion};
 use crate::numeric::elementary::{hypot, sin_cos};
+use crate::scene::discs::PLANE;
 use crate::scene::keywords::Motion;
 use crate::scene::quantity::{
     Acceleration, Angle, AngularRate, Inertia, Keyword, Length, Mass, Positive, Quantity, Speed, Word,
 };
 use crate::scene::section_input::{SceneInput, SectionInput};
-use crate::scene::{Disc, DiscMotion, Hand, Problem, Side};
+use crate::scene::{Disc, DiscMotion, Discs, Object, ObjectMotion, Problem, Side};
 use crate::shape::{self, PlacedShape, Shape, tangent};
 use crate::units::{Dimension, format};
 
@@ -71,20 +72,28 @@ pub struct ObjectKeys {
     pub spin: Option<Quantity<AngularRate>>,
 }
 
-/// Settings of a given object; a driven disc becomes fixed, because an object cannot be driven.
-pub fn object_settings(object: Option<&Disc>) -> Table {
+/// Settings of a given object.
+pub fn object_settings(object: Option<&Object>) -> Table {
     let Some(object) = object else { return table([("present", false.into())]) };
-    let mut settings = disc_settings(object);
-    let [offset, height] = object.centre_m;
-    settings.extend(table([
+    let (Shape::Disc { radius_m }, [offset, height]) = (object.shape, object.centre_m);
+    let mut settings = table([
         ("present", true.into()),
+        ("radius", radius_m.into()),
+        ("centre", list(object.centre_m)),
         ("offset", offset.into()),
         ("height", height.into()),
         ("angle", object.angle_rad.into()),
-    ]));
-    if !matches!(object.motion, DiscMotion::Free { inertia_kg_m2: Some(_), .. }) {
-        settings.insert("motion".to_string(), Motion::Fixed.keyword().into());
-    }
+    ]);
+    settings.extend(match object.motion {
+        ObjectMotion::Fixed => table([("motion", Motion::Fixed.keyword().into())]),
+        ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => table([
+            ("motion", Motion::Free.keyword().into()),
+            ("velocity", list(velocity_m_s)),
+            ("mass", mass_kg.into()),
+            ("inertia", inertia_kg_m2.into()),
+            ("spin", spin_rad_s.into()),
+        ]),
+    });
     settings
 }
 
@@ -124,12 +133,11 @@ pub struct DiscSettings {
 /// Settings of discs, of the half plane below them, and of their contact law.
 pub fn discs_settings(mechanism: &Mechanism) -> Table {
     let (mut discs, mut file) = (Table::new(), Table::new());
-    let mut add = |name: &str, radius_m: f64, [x, y, angle_rad]: [f64; 3], motion: DiscMotion| {
-        let disc = Disc { name: name.to_owned(), shape: Shape::Disc { radius_m }, centre_m: [x, y], angle_rad, motion };
-        discs.insert(name.to_owned(), disc_settings(&disc).into());
+    let mut add = |name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion| {
+        discs.insert(name.to_owned(), disc_settings(radius_m, centre_m, &motion).into());
     };
     for body in &mechanism.bodies {
-        let [vx, vy, spin_rad_s] = body.rate;
+        let ([x, y, _], [vx, vy, spin_rad_s]) = (body.pose, body.rate);
         let velocity_m_s = [vx, vy];
         let motion = match body.motion {
             Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 }) => {
@@ -143,13 +151,11 @@ pub fn discs_settings(mechanism: &Mechanism) -> Table {
             },
         };
         let radius_m = body.outlines.first().map_or(f64::NAN, |outline| outline.shape.radius_m());
-        add(&body.name, radius_m, body.pose, motion);
+        add(&body.name, radius_m, [x, y], motion);
     }
     for outline in &mechanism.ground_outlines {
         match outline.shape {
-            OutlineShape::Disc { center_m: [x, y], radius_m } => {
-                add(&outline.name, radius_m, [x, y, 0.0], DiscMotion::Fixed);
-            }
+            OutlineShape::Disc { center_m, radius_m } => add(&outline.name, radius_m, center_m, DiscMotion::Fixed),
             OutlineShape::HalfPlane { point_m: [_, level_m], .. } => {
                 file.insert("half_plane".into(), table([("level", level_m.into())]).into());
             }
@@ -163,10 +169,9 @@ pub fn discs_settings(mechanism: &Mechanism) -> Table {
 }
 
 /// Settings of a given disc.
-pub fn disc_settings(disc: &Disc) -> Table {
-    let Shape::Disc { radius_m } = disc.shape;
-    let mut settings = table([("radius", radius_m.into()), ("centre", list(disc.centre_m))]);
-    settings.extend(match disc.motion {
+fn disc_settings(radius_m: f64, centre_m: [f64; 2], motion: &DiscMotion) -> Table {
+    let mut settings = table([("radius", radius_m.into()), ("centre", list(centre_m))]);
+    settings.extend(match *motion {
         DiscMotion::Fixed => table([("motion", Motion::Fixed.keyword().into())]),
         DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => table([
             ("motion", Motion::Driven.keyword().into()),
@@ -235,7 +240,7 @@ fn shape_of(settings: &ObjectKeys) -> Shape {
 
 /// Resolves the object, with the defaults that depend on its shape, and whether it is present. For one finger, its
 /// position along the palm is NaN if the base determines it.
-pub fn object(input: &SectionInput<'_>) -> (Disc, bool) {
+pub fn object(input: &SectionInput<'_>) -> (Object, bool) {
     let settings: ObjectKeys = input.subsection("object").read();
     let shape = shape_of(&settings);
     let coordinate = |value: Option<_>| value.map_or(f64::NAN, |value: Quantity<_>| *value);
@@ -245,18 +250,18 @@ pub fn object(input: &SectionInput<'_>) -> (Disc, bool) {
     };
     let mut placed = PlacedShape { shape, centre_m, angle_rad: settings.angle.map_or(0.0, |angle| *angle) };
     if centre_m[1].is_nan() {
-        let [lowest, _] = heights_m(input, &Disc::fixed_object(placed.at([0.0; 2])));
+        let [lowest, _] = heights_m(input, &Object::fixed(placed.at([0.0; 2])));
         placed = placed.at([centre_m[0], 0.0 - lowest]);
     }
-    let mut disc = Disc::fixed_object(placed);
+    let mut object = Object::fixed(placed);
     if settings.motion.is_some_and(|motion| motion.0 == Motion::Free) {
         let mass_kg = settings.mass.map_or_else(|| shape::mass(&shape, DENSITY_KG_M3, DEPTH_M), |mass| *mass);
-        let inertia_kg_m2 = Some(settings.inertia.map_or_else(|| shape::inertia(&shape, mass_kg), |inertia| *inertia));
+        let inertia_kg_m2 = settings.inertia.map_or_else(|| shape::inertia(&shape, mass_kg), |inertia| *inertia);
         let velocity_m_s = settings.velocity.map_or([0.0; 2], |velocity| velocity.map(|rate| *rate));
         let spin_rad_s = settings.spin.map_or(0.0, |spin| *spin);
-        disc.motion = DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s };
+        object.motion = ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s };
     }
-    (disc, settings.present.unwrap_or(true))
+    (object, settings.present.unwrap_or(true))
 }
 
 /// Resolves the outline of an object that is no disc, with mass, inertia and centre of mass of a moving one (of a
@@ -285,15 +290,19 @@ pub fn object_outline(input: &SectionInput<'_>) -> Option<Option<(OutlineShape, 
 /// Mass, moment of inertia about the centre of mass, and the centre of mass.
 pub type InertiaAbout = (f64, f64, [f64; 2]);
 
-/// Resolves the object of a single finger: an empty list without object, `None` if it is invalid.
-pub fn single_object(input: &SectionInput<'_>, given: &(Disc, bool), finger: &FingerLengths) -> Option<Vec<Disc>> {
+/// Resolves the object of a single finger: `Some(None)` without object, `None` if it is invalid.
+pub fn single_object(
+    input: &SectionInput<'_>,
+    given: &(Object, bool),
+    finger: &FingerLengths,
+) -> Option<Option<Object>> {
     let (object, is_present) = given;
     let (section, lengths) = (input.subsection("object"), input.subsection("lengths"));
     if !is_present {
         if !input.has("design") {
             section.report_unused("radius", "with present = false and no [design]");
         }
-        return Some(Vec::new());
+        return Some(None);
     }
     // An invalid centre has been reported.
     section.is_valid("centre").then_some(())?;
@@ -301,7 +310,7 @@ pub fn single_object(input: &SectionInput<'_>, given: &(Disc, bool), finger: &Fi
     let [x, y] = placed.centre_m;
     if x.is_finite() {
         lengths.report_unused("base", "with object.centre");
-        return Some(vec![object.clone()]);
+        return Some(Some(object.clone()));
     }
     if finger.base_m.is_none() && lengths.is_present() && !lengths.has("base") {
         let [base, height] = [example_base_m(finger.half_width_m, shape::max_radius(&placed.shape)), y].map(length);
@@ -311,11 +320,11 @@ pub fn single_object(input: &SectionInput<'_>, given: &(Disc, bool), finger: &Fi
         );
         lengths.report_missing("base", &help);
     }
-    Some(vec![Disc::fixed_object(placed.at([-finger.base_m?, y]))])
+    Some(Some(Object::fixed(placed.at([-finger.base_m?, y]))))
 }
 
 /// Lowest and highest coordinate y of the object.
-fn heights_m(input: &SectionInput<'_>, object: &Disc) -> [f64; 2] {
+fn heights_m(input: &SectionInput<'_>, object: &Object) -> [f64; 2] {
     let section = input.subsection("object").subsection("outline");
     // Problems of the outline are reported where it is resolved.
     let count = input.checker.count();
@@ -330,19 +339,16 @@ fn heights_m(input: &SectionInput<'_>, object: &Disc) -> [f64; 2] {
     }
 }
 
-/// Heights of the lower half plane (palm or ground) and of the table, if present.
-pub fn levels(input: &SectionInput<'_>, settings: &SceneSettings, object: &Disc) -> [Option<f64>; 2] {
-    let (ground, table) = (input.subsection("half_plane"), input.subsection("table"));
-    let below = match input.kind.fingers() {
-        0 => ground.is_present().then(|| *ground.read::<HalfPlaneSettings>().level),
-        _ => settings.palm.unwrap_or(true).then_some(0.0),
-    };
+/// Heights of palm and table, if present.
+pub fn levels(input: &SectionInput<'_>, settings: &SceneSettings, object: &Object) -> [Option<f64>; 2] {
+    let table = input.subsection("table");
+    let palm = settings.palm.unwrap_or(true).then_some(0.0);
     let table = table.is_present().then(|| table.read::<TableSettings>()).filter(|table| table.present);
-    [below, table.map(|table| table.level.map_or_else(|| heights_m(input, object)[1], |level| *level))]
+    [palm, table.map(|table| table.level.map_or_else(|| heights_m(input, object)[1], |level| *level))]
 }
 
 /// Checks that the object does not penetrate palm or table at the start.
-fn check_planes(input: &SectionInput<'_>, object: &Disc, [palm, table]: [Option<f64>; 2]) {
+fn check_planes(input: &SectionInput<'_>, object: &Object, [palm, table]: [Option<f64>; 2]) {
     let [lowest, highest] = heights_m(input, object);
     let (object, table_input) = (input.subsection("object"), input.subsection("table"));
     let planes = [
@@ -364,7 +370,7 @@ pub fn palm_width(
     input: &SectionInput<'_>,
     settings: &SceneSettings,
     fingers: &[FingerLengths],
-    object: &Disc,
+    object: &Object,
 ) -> Option<f64> {
     let [right, left] = fingers else { return Some(0.0) };
     if input.has("palm_width") {
@@ -408,13 +414,13 @@ pub fn targets(
     scene: &SceneInput,
     settings: &SceneSettings,
     fingers: &[FingerLengths],
-    object: &Disc,
-    (discs, palm_width_m, levels): (Option<&[Disc]>, Option<f64>, [Option<f64>; 2]),
+    object: &Object,
+    (resolved_object, palm_width_m, levels): (Option<&Option<Object>>, Option<f64>, [Option<f64>; 2]),
 ) -> Vec<Option<Target>> {
     if fingers.len() < 2 {
         // The frame of a single finger is that of the scene.
         let target = |object: Option<PlacedShape>| Target { object, ends: object.into_iter().collect() };
-        return vec![discs.map(|discs| target(discs.first().map(Disc::placed)))];
+        return vec![resolved_object.map(|object| target(object.as_ref().map(Object::placed)))];
     }
     let problem_count = input.checker.count();
     check_planes(input, object, levels);
@@ -477,11 +483,11 @@ fn is_ground_joint_clear(input: &SectionInput<'_>, side: Side, target: &Target, 
     false
 }
 
-/// Name of the half plane in pairs.
-const PLANE: &str = "plane";
-
-/// Resolves all discs in the order of their names; `None` if any is invalid.
-pub fn discs(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Vec<Disc>> {
+/// Resolves all discs, their half plane and their law; `None` if any is invalid.
+pub fn discs(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Discs> {
+    let ground = root.subsection("half_plane");
+    let half_plane_m = ground.is_present().then(|| *ground.read::<HalfPlaneSettings>().level);
+    let law = Level::common(root.subsection("contact"), 0.0).law();
     let section = root.subsection("discs");
     let sections = section.subsections();
     let count = sections.len();
@@ -505,7 +511,7 @@ pub fn discs(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]
     if gravity_m_s2 != [0.0; 2] && !all.iter().any(is_free) {
         root.report_unused("gravity", "without a disc with motion = \"free\"");
     }
-    Some(all)
+    Some(Discs { discs: all, half_plane_m, law: law?, gravity_m_s2 })
 }
 
 /// Resolves one disc; `None` if it is invalid.
@@ -514,7 +520,7 @@ fn disc(name: &str, name_span: Option<Range<usize>>, input: &SectionInput<'_>) -
     let settings: DiscSettings = input.read();
     // If the motion is invalid, the required keys are unknown.
     input.is_valid("motion").then_some(())?;
-    let shape = settings.radius.map(|radius| Shape::Disc { radius_m: *radius });
+    let radius_m = settings.radius.map(|radius| *radius);
     let velocity_m_s = settings.velocity.map(|rate| *rate);
     let spin_rad_s = settings.spin.map_or(0.0, |spin| *spin);
     let motion = match settings.motion.0 {
@@ -524,12 +530,12 @@ fn disc(name: &str, name_span: Option<Range<usize>>, input: &SectionInput<'_>) -
             DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s }
         }
         Motion::Free => {
-            let inertia_kg_m2 = inertia(input, name, &settings, shape)?;
+            let inertia_kg_m2 = inertia(input, name, &settings, radius_m)?;
             DiscMotion::Free { mass_kg: *settings.mass?, inertia_kg_m2, velocity_m_s, spin_rad_s }
         }
     };
     let centre_m = settings.centre?.map(|coordinate| *coordinate);
-    Some(Disc { name: checked_name?, shape: shape?, centre_m, angle_rad: 0.0, motion })
+    Some(Disc { name: checked_name?, radius_m: radius_m?, centre_m, motion })
 }
 
 /// Checks a name: names are used in topics, keys and columns, joined by `-` for pairs.
@@ -549,7 +555,12 @@ fn check_name(input: &SectionInput<'_>, text: &str, name_span: Option<Range<usiz
 }
 
 /// Inertia of a free disc: `Some(None)` if it does not rotate, `None` if invalid.
-fn inertia(input: &SectionInput<'_>, name: &str, settings: &DiscSettings, shape: Option<Shape>) -> Option<Option<f64>> {
+fn inertia(
+    input: &SectionInput<'_>,
+    name: &str,
+    settings: &DiscSettings,
+    radius_m: Option<f64>,
+) -> Option<Option<f64>> {
     if !settings.rotates {
         ["inertia", "spin"].iter().for_each(|key| input.report_unused(key, "with rotates = false"));
         return Some(None);
@@ -557,7 +568,7 @@ fn inertia(input: &SectionInput<'_>, name: &str, settings: &DiscSettings, shape:
     if input.has("inertia") {
         return settings.inertia.map(|inertia| Some(*inertia));
     }
-    let homogeneous = *settings.mass? * shape::inertia(&shape?, 1.0);
+    let homogeneous = *settings.mass? * shape::inertia(&Shape::Disc { radius_m: radius_m? }, 1.0);
     if homogeneous.is_normal() {
         return Some(Some(homogeneous));
     }
@@ -568,13 +579,13 @@ fn inertia(input: &SectionInput<'_>, name: &str, settings: &DiscSettings, shape:
 
 /// Rejects initial positions in which the centre of a disc is inside another disc or the half plane: contact laws do
 /// not cover such deep penetrations.
-pub(crate) fn check_initial_positions(input: &SectionInput<'_>, hand: &Hand) {
+pub(crate) fn check_initial_positions(input: &SectionInput<'_>, Discs { discs, half_plane_m, .. }: &Discs) {
     let section = input.subsection("discs");
-    for (index, b) in hand.discs.iter().enumerate() {
+    for (index, b) in discs.iter().enumerate() {
         let keys = section.subsection(&b.name);
-        for a in &hand.discs[..index] {
+        for a in &discs[..index] {
             let distance_m = hypot(a.centre_m[0] - b.centre_m[0], a.centre_m[1] - b.centre_m[1]);
-            let [radius_a, radius_b] = [a, b].map(|disc| shape::max_radius(&disc.shape));
+            let [radius_a, radius_b] = [a, b].map(|disc| disc.radius_m);
             let moves = a.motion.moves() || b.motion.moves();
             if moves && distance_m <= radius_a.max(radius_b) {
                 let message = format!(
@@ -591,15 +602,15 @@ pub(crate) fn check_initial_positions(input: &SectionInput<'_>, hand: &Hand) {
                 keys.report("centre", message, "too deep", help);
             }
         }
-        if let Some(plane) = hand.palm
+        if let Some(level_m) = *half_plane_m
             && b.motion.moves()
-            && b.centre_m[1] <= plane.level_m
+            && b.centre_m[1] <= level_m
         {
             let message = format!(
                 "the centre of `{}` is inside the half plane at the start: y = {}, but must be above its level of {}",
                 b.name,
                 length(b.centre_m[1]),
-                length(plane.level_m)
+                length(level_m)
             );
             let help = "raise the disc, or lower `half_plane.level`: the disc may overlap the half plane at the start, but not its centre";
             keys.report("centre", message, "too deep", help);

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{FINGERS, NO_FINGERS, NO_OR_TWO_FINGERS};
+use crate::law::ContactLaw;
 use crate::limits::{MAX_PICTURES, MAX_SAMPLES};
 use crate::numeric::elementary::{log10, powi};
 use crate::scene::Hand;
@@ -431,15 +432,16 @@ const DURATION_S: f64 = 0.020;
 const SHORT_LINK_M: f64 = 2.5e-3;
 
 /// Resolves the settings of the engine model. The default friction of rapier's contact is the static friction of the
-/// scene's contact law.
-pub fn engine(input: &SectionInput<'_>, hand: Option<&Hand>) -> Engine {
+/// scene's contact law, for discs `law`.
+pub fn engine(input: &SectionInput<'_>, hand: Option<&Hand>, law: Option<ContactLaw>) -> Engine {
     let mut engine: Engine = input.read();
     if !input.has("iterations") {
         engine.iterations = Engine::default_iterations(engine.response);
     }
     let proximal = hand.and_then(|hand| hand.fingers.first()).map(|finger| finger.contact.proximal);
-    let law = proximal.or(hand.and_then(|hand| hand.between_discs));
-    if let (Response::Rapier { friction, .. }, Some(law), false) = (&mut engine.response, law, input.has("friction")) {
+    if let (Response::Rapier { friction, .. }, Some(law), false) =
+        (&mut engine.response, proximal.or(law), input.has("friction"))
+    {
         *friction = law.friction.map_or(0.0, |friction| friction.mu_static);
     }
     if let (Stepping::Adaptive { tolerance_m, .. }, Some(hand), false) =

@@ -12,7 +12,7 @@ use crate::grasp::finger::Palm;
 use crate::grasp::gripper::{FrictionCase, GripperGrasp, ObjectContact, PostureSource};
 use crate::gripper::FingerContact;
 use crate::report::grasp::force_closure;
-use crate::scene::{GripperContact, Side};
+use crate::scene::{HandContact, Side};
 use crate::statics::{
     AccelerationLimit, Balance, Blocked, ContactLoad, ContactLocation, ContactMotion, Drive, Limit, StaticsError,
 };
@@ -47,7 +47,7 @@ impl<'a> GripperStaticsReport<'a> {
     /// Support by the palm. An active contact may penetrate by some micrometres; the object rests on the palm
     /// nevertheless.
     fn palm(&self) -> Palm {
-        match self.grasp.contacts.iter().any(|contact| contact.id == GripperContact::Palm) {
+        match self.grasp.contacts.iter().any(|contact| contact.id == HandContact::Palm) {
             true => Palm::Resting,
             false => Palm::None,
         }
@@ -179,8 +179,8 @@ fn force_document(load: &ContactLoad) -> Object<'static> {
 
 fn contact_name(location: ContactLocation) -> String {
     match location {
-        ContactLocation::Finger(side, site) => GripperContact::Finger(Side::BOTH[side as usize], site).name(),
-        ContactLocation::Palm => GripperContact::Palm.name(),
+        ContactLocation::Finger(side, site) => HandContact::Finger(Side::BOTH[side as usize], site).name(),
+        ContactLocation::Palm => HandContact::Palm.name(),
     }
 }
 
@@ -297,7 +297,7 @@ fn contacts(all: &[ObjectContact]) -> Report {
     head.extend(has_forces.then(|| row(["normal, N", "friction, N"])).into_iter().flatten());
     let line = |contact: &ObjectContact| {
         let name = match contact.id.name() {
-            palm if contact.id == GripperContact::Palm => palm,
+            palm if contact.id == HandContact::Palm => palm,
             name => format!("{} {}", short_name(&name), name.replace('_', " ")),
         };
         let ([x, y], [nx, ny]) = (contact.point.point_m.map(millimetres), contact.point.normal);
