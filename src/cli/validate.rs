@@ -75,8 +75,8 @@ impl From<ValidationError> for Failure {
 pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let scene = &args.set.load_any(&args.scene)?;
     let OutputArgs { out, json } = &args.output;
-    let files = file_names();
-    let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
+    let directory =
+        reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &FILE_NAMES))?;
     let interrupt = Interrupt::listen()?;
     check_sample_count(scene).map_err(Failure::bad_input)?;
     let task = ["the validation", "parts", args.output.unwritten()];
@@ -107,20 +107,18 @@ pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     Ok(if validation.verdict.passed() { Status::Done } else { Status::CheckFailed })
 }
 
-/// Returns the names of the files in the output directory. The report lists the others.
-fn file_names() -> Vec<&'static str> {
-    vec![
-        "report.txt",
-        "report.json",
-        "page.html",
-        "series.csv",
-        "speed-error.svg",
-        "overlay.svg",
-        "difference.svg",
-        "analytic.mcap",
-        "engine.mcap",
-    ]
-}
+/// Names of the files in the output directory. The report lists the others.
+const FILE_NAMES: [&str; 9] = [
+    "report.txt",
+    "report.json",
+    "page.html",
+    "series.csv",
+    "speed-error.svg",
+    "overlay.svg",
+    "difference.svg",
+    "analytic.mcap",
+    "engine.mcap",
+];
 
 /// Writes all files; the report lists them by their final paths.
 fn write_files(
@@ -154,7 +152,7 @@ fn write_files(
         pictures: vec![Picture { title: "Speed against error".to_string(), svg: speed_error }],
     });
     save(&out.join("page.html"), &page)?;
-    let names = file_names().into_iter().map(String::from).collect();
+    let names = FILE_NAMES.map(String::from).to_vec();
     report.files = args.output.out.as_ref().map(|out| (out.display().to_string(), names));
     save(&out.join("report.txt"), &report.report().to_string())?;
     save(&out.join("report.json"), &report.json())

@@ -7,6 +7,9 @@
 //!
 //! The published solvers use the clamped force laws and the exact Jacobian, without event location.
 
+// Only these solvers take systems of any size.
+#![cfg_attr(not(any(feature = "cvode", feature = "diffsol")), allow(dead_code, unused_mut))]
+
 #[cfg(feature = "diffsol")]
 mod bdf;
 mod case;

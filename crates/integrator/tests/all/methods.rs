@@ -221,7 +221,7 @@ fn refined_states_have_the_force_of_a_stiff_damper() {
     }
 }
 
-/// Two masses with springs, the first of which drags a bristle: σ̇ = v − σ/τ with the force −k σ.
+/// Two masses with springs; the first one drags a bristle: σ̇ = v − σ/τ with the force −k σ.
 struct Bristle<const SECOND_ORDER: usize>;
 
 impl<const SECOND_ORDER: usize> System<3, 1> for Bristle<SECOND_ORDER> {
