@@ -58,15 +58,17 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
         let is_negative_at_end = end[index].value < 0.0;
         let bracket = match searches[index] {
             RootSearch::EndOnly => is_negative_at_end.then_some((0.0, 1.0)),
-            RootSearch::Smooth | RootSearch::FadingForce
-                if !is_negative_at_end && !may_dip_inside(start[index].value, end[index].value, at_thirds(index)) =>
-            {
-                None
-            }
             RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce => {
-                let separation = (end[index].is_separated && !start[index].is_separated)
-                    .then(|| find_separation(&|theta| function_at(theta, index).is_separated));
-                first_dip(start[index].value, end[index].value, separation, &value)
+                let separates = end[index].is_separated && !start[index].is_separated;
+                // The force of a separating contact has a kink, which thirds do not reveal.
+                let is_sampled = is_negative_at_end || separates && searches[index] == RootSearch::Interior;
+                if is_sampled || may_dip_inside(start[index].value, end[index].value, at_thirds(index)) {
+                    let separation =
+                        separates.then(|| find_separation(&|theta| function_at(theta, index).is_separated));
+                    first_dip(start[index].value, end[index].value, separation, &value)
+                } else {
+                    None
+                }
             }
             RootSearch::Gap if at_half(index) < 0.0 => Some((0.0, 0.5)),
             RootSearch::Gap if is_negative_at_end => Some((0.5, 1.0)),
@@ -176,8 +178,9 @@ fn first_dip(start: f64, end: f64, separation: Option<f64>, value: &dyn Fn(f64) 
 
 /// Fraction of the step at which the surfaces separate, if they overlap at its start and are separated at its end.
 fn find_separation(is_separated: &dyn Fn(f64) -> bool) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    while high - low > 4.0 * f64::EPSILON * high {
+    let (mut low, mut high): (f64, f64) = (0.0, 1.0);
+    // At the very start of the step, the bracket would shrink for ever.
+    while high - low > 4.0 * f64::EPSILON * high.max(SAME_CROSSING) {
         let middle = 0.5 * (low + high);
         if is_separated(middle) { high = middle } else { low = middle }
     }
@@ -237,45 +240,53 @@ fn find_minimum(rate: &dyn Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// Largest number of evaluations in the search of a root.
+const MAX_ROOT_EVALUATIONS: usize = 80;
+/// Reduction of a negative value in one iteration after which the root is found.
+const CONVERGED_REDUCTION: f64 = 1e-9;
+
 /// Returns the far end of a tight bracket of the root of `value`, which is non-negative at `low` and negative at
 /// `high`, or the root itself if an iterate hits it exactly.
 ///
-/// Illinois variant of regula falsi, with bisection when convergence is slow: the event function of a clamped law may
-/// jump.
-fn find_root(value: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let (mut at_low, mut at_high) = (value(low).max(0.0), value(high));
-    let mut retained_side = 0;
-    for iteration in 0..80 {
-        if high - low <= 4.0 * f64::EPSILON * high || at_high > -1e-300 {
+/// Chandrupatla's method (Adv. Eng. Softw. 28:145, 1997): inverse quadratic interpolation where the last three points
+/// allow it, otherwise bisection, because the event function of a clamped law may jump. The first point is that of the
+/// secant.
+fn find_root(value: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    // The latest point, and the other end of the bracket.
+    let (mut a, mut at_a) = (low, value(low).max(0.0));
+    let (mut b, mut at_b) = (high, value(high));
+    let mut fraction = at_a / (at_a - at_b);
+    for _ in 0..MAX_ROOT_EVALUATIONS {
+        let at_far = if at_a < 0.0 { at_a } else { at_b };
+        let tolerance = 2.0 * f64::EPSILON * a.max(b) / (b - a).abs();
+        if tolerance >= 0.5 || at_far > -1e-300 {
             break;
         }
-        let guess =
-            if iteration % 4 == 3 { 0.5 * (low + high) } else { low + (high - low) * at_low / (at_low - at_high) };
-        let guess = if guess > low && guess < high { guess } else { 0.5 * (low + high) };
-        let value_at_guess = value(guess);
-        if value_at_guess < 0.0 {
-            let progress = value_at_guess / at_high;
-            (high, at_high) = (guess, value_at_guess);
-            if retained_side == 1 {
-                at_low *= 0.5;
-            }
-            retained_side = 1;
-            if progress < 1e-9 {
-                break;
-            }
-        } else {
-            (low, at_low) = (guess, value_at_guess);
-            if retained_side == -1 {
-                at_high *= 0.5;
-            }
-            retained_side = -1;
-            if value_at_guess == 0.0 {
-                // An exact root: the far end of the bracket may still be far away.
-                return guess;
-            }
+        // A fraction that is not a number becomes a bisection.
+        let fraction_inside = if fraction.is_finite() { fraction.clamp(tolerance, 1.0 - tolerance) } else { 0.5 };
+        let x = a + fraction_inside * (b - a);
+        let at_x = value(x);
+        if at_x == 0.0 {
+            // An exact root: the far end of the bracket may still be far away.
+            return x;
         }
+        let (c, at_c) = if (at_x < 0.0) == (at_a < 0.0) { (a, at_a) } else { (b, at_b) };
+        if (at_x < 0.0) != (at_a < 0.0) {
+            (b, at_b) = (a, at_a);
+        }
+        (a, at_a) = (x, at_x);
+        if at_x < 0.0 && at_x / at_far < CONVERGED_REDUCTION {
+            return x;
+        }
+        let (xi, phi) = ((a - b) / (c - b), (at_a - at_b) / (at_c - at_b));
+        fraction = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
+            at_a / (at_b - at_a) * (at_c / (at_b - at_c))
+                + (c - a) / (b - a) * (at_a / (at_c - at_a)) * (at_b / (at_c - at_b))
+        } else {
+            0.5
+        };
     }
-    high
+    if at_a < 0.0 { a } else { b }
 }
 
 #[cfg(test)]
@@ -386,6 +397,31 @@ mod tests {
         assert!((separation - separates_at).abs() < 1e-12);
         let (low, high) = first_dip(value(0.0), value(1.0), Some(separation), &value).expect("a return");
         assert!(value(low) >= 0.0 && value(high) < 0.0 && high > separates_at - 1e-5);
+    }
+
+    #[test]
+    fn surfaces_may_separate_at_the_very_start() {
+        assert!(find_separation(&|x| x > 0.0) < 1e-20);
+    }
+
+    #[test]
+    fn find_root_brackets_smooth_roots_and_jumps() {
+        for (root, value) in [
+            (0.5_f64.sqrt(), (|x| 0.5 - x * x) as fn(f64) -> f64),
+            (1e-9, |x| (1e-9 - x) * (2.0 + x)),
+            (0.1, |x| if x < 0.1 { 1.0 } else { -1e6 }),
+            (0.9, |x| (0.9 - x) * (0.9 - x) * (0.9 - x)),
+        ] {
+            let evaluations = std::cell::Cell::new(0);
+            let counted = |x: f64| {
+                evaluations.set(evaluations.get() + 1);
+                value(x)
+            };
+            let found = find_root(&counted, 0.0, 1.0);
+            assert!((found - root).abs() <= 1e-4 * root && value(found) <= 0.0, "{root}: {found:e}");
+            assert!(evaluations.get() <= 60, "{root}: {} evaluations", evaluations.get());
+        }
+        assert!((find_root(&|x| 0.5 - x * x, 0.0, 1.0) - 0.5_f64.sqrt()).abs() < 1e-15);
     }
 
     #[test]

@@ -85,13 +85,13 @@ pub enum RootSearch {
     /// Checked only at the end. The force of a stiff damper cannot be evaluated from the dense output: inside a step
     /// the interpolated rate is off the slow manifold, and the force is a large multiple of it.
     EndOnly,
-    /// A smooth value without a known rate that may be negative only inside the step: sampled inside, and at the
+    /// A value that a step resolves well, such as a rate: if its curvature allows a dip, sampled inside, and at the
     /// minimum between samples.
-    Interior,
-    /// The force of a slowly separating contact: as `Interior`, in steps that lose most of its depth.
-    FadingForce,
-    /// A value that a step resolves well, such as a rate: as `Interior`, but only if its curvature allows a dip.
     Smooth,
+    /// The force of a slowly separating contact: as `Smooth`, in steps that lose most of its depth.
+    FadingForce,
+    /// As `Smooth`, and always sampled in a step in which the surfaces separate.
+    Interior,
 }
 
 /// Error weight of a contact: a quantity to which its force law is more sensitive than the tolerances of coordinates

@@ -315,6 +315,14 @@ impl<const C: usize> Mode<C> {
             let Some(contact) = contact_variables(index) else { continue };
             let force = contact.force();
             functions[index] = self.normal_event(index, event_tolerances, &contact, &force);
+            // Most contacts are not active; their other functions stay inactive.
+            if !self.contacts[index].has_force() {
+                continue;
+            }
+            // The other functions of a contact without a force stay inactive.
+            if !self.contacts[index].has_force() {
+                continue;
+            }
             functions[index + 2 * C] = self.damper_event(index, &contact);
             if let Some(friction) = contact.friction {
                 functions[index + C] = self.slip_event(index, friction, &contact, &force);
