@@ -203,8 +203,7 @@ fn respond<'a>(
     reset(response, count * bodies, [0.0; 3]);
     reset(w, count * count, 0.0);
     for (j, (response, row)) in response.chunks_exact_mut(bodies).zip(rows.clone()).enumerate() {
-        row.add_to(response, 1.0);
-        linkage.respond(response);
+        linkage.respond_to_unit(row, response);
         after(row, linkage);
         for (i, row) in rows.clone().enumerate() {
             w[i * count + j] = row.rate(response);
@@ -469,10 +468,9 @@ impl Workspace {
         }
         let mut largest: f64 = 0.0;
         for (i, w) in space.w.chunks_exact(rows).enumerate() {
-            let (mut contact_acceleration, mut terms) = (0.0, 0.0);
-            for ((w, force), force_scale) in w.iter().zip(&self.force).zip(&self.force_scale) {
+            let mut contact_acceleration = 0.0;
+            for (w, force) in w.iter().zip(&self.force) {
                 contact_acceleration += w * force;
-                terms += w.abs() * force_scale;
             }
             let (final_rate, initial_rate, free) = (rate[i], stage.rate[i], space.free[i]);
             let scale = (final_rate.abs() + initial_rate.abs() + h * (free.abs() + contact_acceleration.abs()))
@@ -480,8 +478,10 @@ impl Workspace {
             self.residual[i] = final_rate - initial_rate - h * (free + contact_acceleration);
             // Opposite forces can cancel, and the friction coefficient has an absolute rounding error: the remainder,
             // or a slip rate of 1e-17 m/s, has no significant digits.
-            if self.residual[i].abs() > ROUNDING * (final_rate.abs() + initial_rate.abs() + h * (free.abs() + terms)) {
-                largest = largest.max(self.residual[i].abs() / scale);
+            let (size, terms) = (self.residual[i].abs(), w.iter().zip(&self.force_scale));
+            let rounding = |terms: f64| ROUNDING * (final_rate.abs() + initial_rate.abs() + h * (free.abs() + terms));
+            if size > largest * scale && size > rounding(terms.map(|(w, force_scale)| w.abs() * force_scale).sum()) {
+                largest = size / scale;
             }
         }
         // A NaN force must not pass as a small residual.

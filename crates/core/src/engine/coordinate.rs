@@ -16,7 +16,7 @@ pub struct BodyPose {
 }
 
 /// A generalised direction: the impulse on each body per unit impulse along the row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Body and its components of the row.
     pub on: (usize, Twist),

@@ -52,6 +52,10 @@ pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
         let (above, below) = a.split_at_mut((k + 1) * size);
         let (pivot_row, b_pivot, b_below) = (&above[k * size + k + 1..], b[k], &mut b[k + 1..]);
         for (row, b) in below.chunks_exact_mut(size).zip(b_below) {
+            // Parts of the mechanism that do not touch are not coupled.
+            if row[k] == 0.0 {
+                continue;
+            }
             let factor = row[k] * inverse;
             for (x, pivot) in row[k + 1..].iter_mut().zip(pivot_row) {
                 *x -= factor * pivot;

@@ -9,7 +9,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::coordinate::{BodyPose, Coordinate, Twist};
+use super::coordinate::{BodyPose, Coordinate, Row, Twist};
 use super::dense;
 use super::plan::{Plan, PlannedBody, PlannedGear, PlannedJoint, relative_angle};
 use super::world::World;
@@ -72,6 +72,18 @@ pub struct Linkage {
     /// First nonzero column of each row of the factor: pairs that share no body do not couple.
     first_columns: Vec<usize>,
     /// Right-hand side and solution.
+    multipliers: Vec<f64>,
+    responses: Responses,
+}
+
+/// Responses to unit impulses along rows at the poses of the last factorisation. At the end of a step, in the forces of
+/// joints and at the start of the next step the same rows are needed.
+#[derive(Clone, Default)]
+struct Responses {
+    rows: Vec<Row>,
+    /// Velocities of all bodies, row by row.
+    velocities: Vec<Twist>,
+    /// Multipliers of all constraints, row by row.
     multipliers: Vec<f64>,
 }
 
@@ -159,6 +171,7 @@ impl Linkage {
             couplings,
             unused_rows,
             multipliers: vec![0.0; size],
+            responses: Responses::default(),
         };
         linkage.read_poses(world);
         linkage
@@ -194,6 +207,9 @@ impl Linkage {
 
     /// Factorises A at the current poses; fails if the joint constraints are singular.
     pub(crate) fn factorise(&mut self) -> Result<(), SingularConstraints> {
+        self.responses.rows.clear();
+        self.responses.velocities.clear();
+        self.responses.multipliers.clear();
         let size = self.first_columns.len();
         if size == 0 {
             return Ok(());
@@ -356,10 +372,30 @@ impl Linkage {
         self.project(out);
     }
 
+    /// Computes the velocity response to a unit impulse along a row, at most once for the same poses.
+    pub(crate) fn respond_to_unit(&mut self, row: &Row, out: &mut [Twist]) {
+        let (bodies, size) = (out.len(), self.multipliers.len());
+        if let Some(index) = self.responses.rows.iter().position(|known| known == row) {
+            out.copy_from_slice(&self.responses.velocities[index * bodies..(index + 1) * bodies]);
+            self.multipliers.copy_from_slice(&self.responses.multipliers[index * size..(index + 1) * size]);
+            return;
+        }
+        out.fill([0.0; 3]);
+        row.add_to(out, 1.0);
+        self.respond(out);
+        self.responses.rows.push(row.clone());
+        self.responses.velocities.extend_from_slice(out);
+        self.responses.multipliers.extend_from_slice(&self.multipliers);
+    }
+
     /// v ← v + M⁻¹ Jᵀ A⁻¹ (b − J v), with b passed in `multipliers`.
     fn correct(&mut self, velocities: &mut [Twist]) {
         for side in &self.sides {
             let [x, y, w] = velocities[side.body];
+            // An impulse acts on few bodies, and its reactions on those that are connected.
+            if x == 0.0 && y == 0.0 && w == 0.0 {
+                continue;
+            }
             let b = &mut self.multipliers[2 * side.pair..2 * side.pair + 2];
             for (b, row) in b.iter_mut().zip(&side.rows) {
                 *b -= row[0] * x + row[1] * y + w * row[2];
@@ -369,6 +405,9 @@ impl Linkage {
         for side in &self.sides {
             let inertia = &self.inertias[side.body];
             let b = &self.multipliers[2 * side.pair..2 * side.pair + 2];
+            if b[0] == 0.0 && b[1] == 0.0 {
+                continue;
+            }
             let v = &mut velocities[side.body];
             let [row, other] = &side.rows;
             v[0] += inertia.inverse_mass * (row[0] * b[0] + other[0] * b[1]);

@@ -23,7 +23,7 @@ use crate::integrator::Clock;
 use crate::law::friction_coefficient;
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{cos, exp, hypot, sin};
-use crate::numeric::plane::add;
+use crate::numeric::plane::{add, dot, sub};
 use crate::scene::{Construction, Response};
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -527,9 +527,7 @@ impl Motion {
             let Some(channel) = plan.contact_channel(candidate.index) else { continue };
             out.channels.push(channel);
             for row in [&candidate.normal_row, &candidate.slip_row] {
-                impulse.fill([0.0; 3]);
-                row.add_to(impulse, 1.0);
-                linkage.respond(impulse);
+                linkage.respond_to_unit(row, impulse);
                 out.responses.extend(linkage.joint_forces());
             }
         }
@@ -591,12 +589,11 @@ impl Motion {
     fn opening_errors(&mut self, dt: f64) -> [f64; 2] {
         let Self { linkage, overshoot, predicted_mean_velocities, .. } = self;
         let openings = linkage.overshoot(predicted_mean_velocities, dt).zip(&*overshoot);
-        openings.fold([0.0; 2], |[largest, error], (opening, corrected)| {
-            [
-                largest.max(hypot(opening[0], opening[1])),
-                error.max(hypot(opening[0] - corrected[0], opening[1] - corrected[1])),
-            ]
-        })
+        let squares = openings.fold([0.0_f64; 2], |[largest, error], (opening, corrected)| {
+            let rest = sub(opening, *corrected);
+            [largest.max(dot(opening, opening)), error.max(dot(rest, rest))]
+        });
+        squares.map(f64::sqrt)
     }
 
     /// Takes one step of rapier with the impulses applied as forces over the step.
