@@ -242,8 +242,6 @@ fn find_minimum(rate: &dyn Fn(f64) -> f64) -> f64 {
 
 /// Largest number of evaluations in the search of a root.
 const MAX_ROOT_EVALUATIONS: usize = 80;
-/// Reduction of a negative value in one iteration after which the root is found.
-const CONVERGED_REDUCTION: f64 = 1e-9;
 
 /// Returns the far end of a tight bracket of the root of `value`, which is non-negative at `low` and negative at
 /// `high`, or the root itself if an iterate hits it exactly.
@@ -275,9 +273,6 @@ fn find_root(value: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
             (b, at_b) = (a, at_a);
         }
         (a, at_a) = (x, at_x);
-        if at_x < 0.0 && at_x / at_far < CONVERGED_REDUCTION {
-            return x;
-        }
         let (xi, phi) = ((a - b) / (c - b), (at_a - at_b) / (at_c - at_b));
         fraction = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
             at_a / (at_b - at_a) * (at_c / (at_b - at_c))

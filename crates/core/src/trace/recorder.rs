@@ -225,7 +225,9 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
             }
         }
         self.emit_peaks(&mut interior, 1.0)?;
-        if self.state.grid.includes_end(end, step.h) || end >= self.state.end_s {
+        // A step between two events may be too short to change the time.
+        let is_later = end > self.state.emitted_s;
+        if is_later && (self.state.grid.includes_end(end, step.h) || end >= self.state.end_s) {
             self.state.emitted_s = end;
             self.sink.sample(&self.state.last)
         } else if self.state.peaks.at_end {
