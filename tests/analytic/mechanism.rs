@@ -197,7 +197,7 @@ fn jacobians_match_differences_along_the_reference_cases() {
             let next = <Model as Hybrid<N, Z, G>>::next_discontinuity(&model, t - 2e-5);
             let time_step = if next < t + 2e-5 { 0.0 } else { 1e-5 };
             // The friction law changes over 1e-2 m/s.
-            let rate_step = if depth < 1e-2 { 1e-4 } else { 1e-3 * (1.0 + largest(&state.v)) };
+            let rate_step = if depth < 1e-2 { 2e-5 } else { 1e-3 * (1.0 + largest(&state.v)) };
             let steps = [time_step, 0.02 * depth, rate_step];
             let equations = Equations::<_, N, Z> { hand: &model, mode, t, q: state.q, v: state.v };
             let allowed = |entry: &Entry| {
