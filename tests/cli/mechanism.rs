@@ -231,6 +231,16 @@ fn real_grippers_end_as_documented() {
     }
 }
 
+/// The friction of the worm drives of a hand comes to rest at the same angle in both models.
+#[test]
+fn joint_friction_sticks_alike_in_both_models() {
+    let [analytic, engine] = ["analytic", "engine"].map(|model| {
+        let run = succeed_json(&["run", "--no-check", "--model", model, "scenes/real/barrett-grasp.toml"]);
+        run.pointer("/bodies/left_distal/angle_rad").and_then(Value::as_f64).expect("an angle")
+    });
+    assert!((analytic - engine).abs() < 1e-6, "{analytic} and {engine}");
+}
+
 /// The gripper in scenes/real holds a cube of 100 g at 5 g in both models, and its table of many columns is replaced.
 #[test]
 fn a_real_gripper_holds_a_cube_without_creep() {

@@ -165,7 +165,8 @@ impl<const N: usize> ContactVariables<'_, N> {
                 forward.min(backward)
             }
             FrictionRange::Transition { forward } => {
-                (-self.cone_margin(law, bristle, force, forward)).min(law.v_dynamic_m_s - self.slip.abs())
+                let to_sliding = law.v_dynamic_m_s - self.slip.abs() + RANGE_MARGIN * law.min_slip_scale_m_s();
+                (-self.cone_margin(law, bristle, force, forward)).min(to_sliding)
             }
             FrictionRange::Sliding { .. } | FrictionRange::Any => range.margin(law, self.slip),
         }
@@ -315,10 +316,6 @@ impl<const C: usize> Mode<C> {
             let Some(contact) = contact_variables(index) else { continue };
             let force = contact.force();
             functions[index] = self.normal_event(index, event_tolerances, &contact, &force);
-            // Most contacts are not active; their other functions stay inactive.
-            if !self.contacts[index].has_force() {
-                continue;
-            }
             // The other functions of a contact without a force stay inactive.
             if !self.contacts[index].has_force() {
                 continue;
@@ -417,8 +414,9 @@ impl<const C: usize> Mode<C> {
             return EventFunction::INACTIVE;
         }
         let (is_sticking, has_bristle) = (range == FrictionRange::Sticking, law.bristle.is_some());
-        // A bristle leaves the cone at its surface, beyond which the sticking branch is another force.
-        let width = if is_sticking && has_bristle { 0.0 } else { RANGE_MARGIN };
+        // A bristle leaves the cone, and returns to it, at its surface, beyond which the branch is another force.
+        let is_transition = matches!(range, FrictionRange::Transition { .. });
+        let width = if has_bristle && (is_sticking || is_transition) { 0.0 } else { RANGE_MARGIN };
         let value = contact.range_margin(range, law, force.total()) + width * law.min_slip_scale_m_s();
         // A regularised step may leave sticking and return; but a sliding step must not miss that it would have stuck.
         let root_search = if is_sticking && !has_bristle { RootSearch::EndOnly } else { RootSearch::Smooth };
