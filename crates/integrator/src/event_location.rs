@@ -268,9 +268,11 @@ fn find_root(value: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
             // An exact root: the far end of the bracket may still be far away.
             return x;
         }
-        let (c, at_c) = if (at_x < 0.0) == (at_a < 0.0) { (a, at_a) } else { (b, at_b) };
+        // The point that is no longer an end of the bracket.
+        let (mut c, mut at_c) = (a, at_a);
         if (at_x < 0.0) != (at_a < 0.0) {
-            (b, at_b) = (a, at_a);
+            std::mem::swap(&mut c, &mut b);
+            std::mem::swap(&mut at_c, &mut at_b);
         }
         (a, at_a) = (x, at_x);
         let (xi, phi) = ((a - b) / (c - b), (at_a - at_b) / (at_c - at_b));

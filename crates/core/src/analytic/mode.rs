@@ -156,19 +156,20 @@ impl<const N: usize> ContactVariables<'_, N> {
         }
     }
 
-    /// Margin between the contact and the end of a friction range, as a slip in m/s.
+    /// Margin between the contact and the end of a friction range, as a slip in m/s. Ranges overlap by [`RANGE_MARGIN`],
+    /// except that a bristle leaves the cone, and returns to it, at its surface, beyond which the branch is another force.
     fn range_margin(&self, range: FrictionRange, law: &FrictionLaw, force: f64) -> f64 {
-        let Some(bristle) = &law.bristle else { return range.margin(law, self.slip) };
-        match range {
-            FrictionRange::Sticking => {
+        let overlap = RANGE_MARGIN * law.min_slip_scale_m_s();
+        match (range, &law.bristle) {
+            (FrictionRange::Sticking, Some(bristle)) => {
                 let [forward, backward] = [true, false].map(|forward| self.cone_margin(law, bristle, force, forward));
                 forward.min(backward)
             }
-            FrictionRange::Transition { forward } => {
-                let to_sliding = law.v_dynamic_m_s - self.slip.abs() + RANGE_MARGIN * law.min_slip_scale_m_s();
+            (FrictionRange::Transition { forward }, Some(bristle)) => {
+                let to_sliding = law.v_dynamic_m_s - self.slip.abs() + overlap;
                 (-self.cone_margin(law, bristle, force, forward)).min(to_sliding)
             }
-            FrictionRange::Sliding { .. } | FrictionRange::Any => range.margin(law, self.slip),
+            _ => range.margin(law, self.slip) + overlap,
         }
     }
 
@@ -414,10 +415,7 @@ impl<const C: usize> Mode<C> {
             return EventFunction::INACTIVE;
         }
         let (is_sticking, has_bristle) = (range == FrictionRange::Sticking, law.bristle.is_some());
-        // A bristle leaves the cone, and returns to it, at its surface, beyond which the branch is another force.
-        let is_transition = matches!(range, FrictionRange::Transition { .. });
-        let width = if has_bristle && (is_sticking || is_transition) { 0.0 } else { RANGE_MARGIN };
-        let value = contact.range_margin(range, law, force.total()) + width * law.min_slip_scale_m_s();
+        let value = contact.range_margin(range, law, force.total());
         // A regularised step may leave sticking and return; but a sliding step must not miss that it would have stuck.
         let root_search = if is_sticking && !has_bristle { RootSearch::EndOnly } else { RootSearch::Smooth };
         let error_weight = match range {
