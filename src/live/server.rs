@@ -239,7 +239,7 @@ fn random_loopback_address() -> Ipv4Addr {
     }
 }
 
-/// Longest sleep; limits the delay of an interrupt and the interval of time announcements.
+/// Longest sleep, which limits the delay of an interrupt, and the interval of time announcements.
 const MAX_SLEEP: Duration = Duration::from_millis(25);
 
 /// Delays a simulation so that it advances at a given multiple of real time.
@@ -249,16 +249,18 @@ pub struct RealTimePacer {
     speed: f64,
     /// Wall clock at simulated time 0.
     start: Option<Instant>,
+    /// Wall clock at the last announcement.
+    announced: Option<Instant>,
 }
 
 impl RealTimePacer {
     /// Creates a pacer; its clock starts at the first [`wait`](Self::wait) for a simulated time above 0.
     pub fn new(speed: f64) -> Self {
-        RealTimePacer { speed, start: None }
+        RealTimePacer { speed, start: None, announced: None }
     }
 
-    /// Waits until the simulated time is due. Meanwhile passes the current simulated time, ns, to `announce`; returns
-    /// early if `stop` returns true.
+    /// Waits until the simulated time is due. Passes the current simulated time, ns, to `announce` every 25 ms of
+    /// wall-clock time, also if the simulation is late; returns early if `stop` returns true.
     pub fn wait(&mut self, time_ns: u64, mut announce: impl FnMut(u64), stop: impl Fn() -> bool) {
         if time_ns == 0 {
             return;
@@ -267,10 +269,13 @@ impl RealTimePacer {
         let due_s = time_ns as f64 * 1e-9 / self.speed;
         loop {
             let elapsed_s = start.elapsed().as_secs_f64();
+            if self.announced.is_none_or(|announced| announced.elapsed() >= MAX_SLEEP) {
+                announce(time_ns.min((elapsed_s * self.speed * 1e9) as u64));
+                self.announced = Some(Instant::now());
+            }
             if elapsed_s >= due_s || stop() {
                 return;
             }
-            announce((elapsed_s * self.speed * 1e9) as u64);
             thread::sleep(MAX_SLEEP.min(Duration::from_secs_f64(due_s - elapsed_s)));
         }
     }
@@ -331,8 +336,13 @@ mod tests {
                 && reported_times.iter().all(|now_ns| *now_ns < 10_000_000),
             "{reported_times:?}"
         );
-        // A time in the past causes no wait.
-        pacer.wait(1, |_| panic!("nothing to wait for"), || false);
+        // A time in the past causes no wait, but is announced if the last announcement is old.
+        let mut late_times = Vec::new();
+        pacer.wait(1_000_000, |now_ns| late_times.push(now_ns), || false);
+        thread::sleep(MAX_SLEEP);
+        pacer.wait(2_000_000, |now_ns| late_times.push(now_ns), || false);
+        assert!(late_times.ends_with(&[2_000_000]), "{late_times:?}");
+        assert!(late_times.len() <= 2, "{late_times:?}");
     }
 
     #[test]
