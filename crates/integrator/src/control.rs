@@ -1,7 +1,7 @@
 //! Error norm and step-size control.
 
 use super::{Counters, State};
-use crate::numeric::elementary::pow;
+use crate::numeric::elementary::{ln, pow};
 
 /// Angles have only an absolute tolerance: penetrations of 1e-8 rad occur together with angles of 1 rad, and a relative
 /// tolerance would hide them.
@@ -127,23 +127,31 @@ pub(crate) struct Controller {
     exponent: f64,
     last_error: Option<f64>,
     last_h: f64,
-    rejected: bool,
+    /// Attempts that were rejected since the last accepted step, and size and error of the last one.
+    rejections: u32,
+    last_rejection: (f64, f64),
 }
 
 const SAFETY: f64 = 0.9;
 const MAX_GROWTH: f64 = 8.0;
 const MAX_REDUCTION: f64 = 0.15;
+/// Number of rejected attempts after which their errors give the order. In a stiff transient the error hardly depends on
+/// the step size, so that the order of the method would suggest dozens of attempts.
+const REJECTIONS_WITH_NOMINAL_ORDER: u32 = 2;
+/// Smallest order that is assumed, and largest reduction by this order.
+const MIN_ORDER: f64 = 0.5;
+const MAX_REPEATED_REDUCTION: f64 = 0.1;
 
 impl Controller {
     /// `order` is the order of the error estimate's leading term in h.
     pub fn new(order: f64) -> Self {
-        Self { exponent: 1.0 / order, last_error: None, last_h: 0.0, rejected: false }
+        Self { exponent: 1.0 / order, last_error: None, last_h: 0.0, rejections: 0, last_rejection: (0.0, 0.0) }
     }
 
     /// Discards the error history, after an event.
     pub fn restart(&mut self) {
         self.last_error = None;
-        self.rejected = false;
+        self.rejections = 0;
     }
 
     /// Returns the next step size after an accepted step.
@@ -155,17 +163,35 @@ impl Controller {
             let predicted = SAFETY * (h / self.last_h) * pow(last / (error * error), self.exponent);
             factor = factor.min(predicted);
         }
-        let ceiling = if self.rejected { 1.0 } else { MAX_GROWTH };
+        let ceiling = if self.rejections > 0 { 1.0 } else { MAX_GROWTH };
         self.last_error = Some(error.max(1e-2));
         self.last_h = h;
-        self.rejected = false;
+        self.rejections = 0;
         h * factor.clamp(MAX_REDUCTION, ceiling)
     }
 
     /// Returns the next step size to attempt after a rejected step.
     pub fn reject(&mut self, h: f64, error: f64) -> f64 {
-        self.rejected = true;
-        let factor = if error.is_finite() { SAFETY * pow(error, -self.exponent) } else { MAX_REDUCTION };
-        h * factor.clamp(MAX_REDUCTION, 0.9)
+        let (longer, at_longer) = std::mem::replace(&mut self.last_rejection, (h, error));
+        self.rejections += 1;
+        if !error.is_finite() {
+            return MAX_REDUCTION * h;
+        }
+        let nominal = 1.0 / self.exponent;
+        let is_measured = self.rejections > REJECTIONS_WITH_NOMINAL_ORDER && longer > h && at_longer.is_finite();
+        let (order, max_reduction) = match is_measured {
+            true => (ln(at_longer / error) / ln(longer / h), MAX_REPEATED_REDUCTION),
+            false => (nominal, MAX_REDUCTION),
+        };
+        let factor = SAFETY * pow(error, -1.0 / order.clamp(MIN_ORDER, nominal));
+        h * factor.clamp(max_reduction, 0.9)
+    }
+
+    /// Returns `factor` times the size of a step that was rejected for another reason than its error. The step after
+    /// the next accepted one does not grow.
+    pub fn cut(&mut self, h: f64, factor: f64) -> f64 {
+        self.rejections += 1;
+        self.last_rejection = (h, f64::INFINITY);
+        factor * h
     }
 }

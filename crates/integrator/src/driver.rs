@@ -9,6 +9,7 @@ use super::method::{Attempt, Method, StepStart};
 use super::stall::{Chatter, StallDetector};
 use super::state::{Observer, Step, StepTools};
 use super::{Counters, EventSet, Hybrid, Linearised, State, Tolerances, error_weight};
+use crate::numeric::array_from;
 
 /// Options of an integration.
 #[derive(Clone, Copy, Debug)]
@@ -56,8 +57,10 @@ pub struct End<const N: usize, const Z: usize> {
     pub result: Result<(), Failure>,
 }
 
-/// First step of a run and after a discontinuity of the right-hand side.
+/// First step of a run, and smallest first step after a discontinuity of the right-hand side.
 const FIRST_STEP_S: f64 = 1e-8;
+/// First step after a discontinuity of the right-hand side, as a fraction of the step before it.
+const RESTART_FRACTION: f64 = 0.01;
 /// Below this size, a step counts as collapsed.
 const MIN_STEP_S: f64 = 1e-22;
 /// Clearance below which each step covers at most half of the remaining clearance.
@@ -72,6 +75,10 @@ const UNLOADING_CUT: f64 = 0.4;
 const MAX_RESOLVED_ERROR: f64 = 10.0;
 /// Number of states inside a step that are kept for further readings.
 const MAX_REFINED_STATES: usize = 16;
+/// Last part of a step, over which the rate of an event function is measured.
+const LAST_PART: f64 = 0.05;
+/// Ratio of a step that is extrapolated to an event to the distance of the event, so that it ends just past the event.
+const OVERSHOOT: f64 = 1.01;
 /// Maximum number of attempts to locate one event.
 const MAX_LOCATION_ATTEMPTS: usize = 12;
 
@@ -403,6 +410,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             self.apply_event(system, event_index, observer);
             return Ok(());
         }
+        let simultaneous = accepted.event.map(|event| self.simultaneous_events(system, event, &accepted.events));
         self.take_step(system, linearised, accepted, pending.stop, observer)?;
         if self.stall_detector.is_stalled(self.counters.steps, self.clock.now(), t_end) && accepted.event.is_none() {
             self.method.on_stall();
@@ -412,8 +420,14 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         }
         if let Some(event_index) = accepted.event {
             self.apply_event(system, event_index, observer);
+            for index in (0..S).filter(|index| simultaneous.is_some_and(|simultaneous| simultaneous[*index])) {
+                // The first event may have changed the other event functions.
+                if self.events.functions[index].value.abs() <= system.event_tolerance(index, &self.mode) {
+                    self.apply_event(system, index, observer);
+                }
+            }
         } else if accepted.reaches_stop && pending.stops_at_discontinuity {
-            self.h = FIRST_STEP_S;
+            self.h = (RESTART_FRACTION * self.h).max(FIRST_STEP_S);
             self.restart_method();
         }
         Ok(())
@@ -476,7 +490,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             }
             if error_weight::unloads(&self.events.functions, &events.functions, attempt, &state, &tolerances) {
                 self.counters.rejected += 1;
-                h = UNLOADING_CUT * size;
+                h = self.controller.cut(size, UNLOADING_CUT);
                 continue;
             }
             let (at_start, at_end) = (&self.events.functions, &events.functions);
@@ -587,9 +601,18 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 if is_within_tolerance || high - low <= 4.0 * f64::EPSILON * high {
                     break;
                 }
-                // If the step ends before the event, bisect between its end and the end of a longer step that contains
-                // the event.
-                target = recheck.map_or(0.5 * (low + high), |c| c.theta * target);
+                // If the step ends before the event, extrapolate, at most to the middle between its end and the end of a
+                // longer step that contains the event.
+                let middle = 0.5 * (low + high);
+                target = match recheck {
+                    Some(crossing) => crossing.theta * target,
+                    None => {
+                        let (q, v) = dense().motion(1.0 - LAST_PART);
+                        let before = system.eval_event(&q, &v, origin.mode, event_index).value;
+                        let next = target * (1.0 + OVERSHOOT * LAST_PART * value / (before - value));
+                        if before > value && next < middle { next } else { middle }
+                    }
+                };
             }
             // If rounding prevents a closer step, one that ends past the event is better: after one that ends before
             // it, the next step would repeat the search.
@@ -653,6 +676,21 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             self.update_events(system);
         }
         Ok(())
+    }
+
+    /// Other event functions that reach zero at the end of a step, within their tolerances, as those of both fingers of
+    /// a symmetric gripper.
+    fn simultaneous_events<Y: Hybrid<N, Z, S, Mode = M>>(
+        &self,
+        system: &Y,
+        event_index: usize,
+        at_end: &EventSet<N, S>,
+    ) -> [bool; S] {
+        array_from(|index| {
+            let tolerance = system.event_tolerance(index, &self.mode);
+            let values = [&self.events, at_end].map(|events| events.functions[index].value);
+            index != event_index && values[0] > tolerance && values[1].abs() <= tolerance
+        })
     }
 
     /// Applies the mode change of an event at the current state and restarts the method.

@@ -157,7 +157,7 @@ impl<const N: usize> ContactVariables<'_, N> {
     }
 
     /// Margin between the contact and the end of a friction range, as a slip in m/s. Ranges overlap by [`RANGE_MARGIN`],
-    /// except that a bristle leaves the cone, and returns to it, at its surface, beyond which the branch is another force.
+    /// those of a bristle at the surface of its cone by [`CONE_OVERLAP`], because the branch beyond is another force.
     fn range_margin(&self, range: FrictionRange, law: &FrictionLaw, force: f64) -> f64 {
         let overlap = RANGE_MARGIN * law.min_slip_scale_m_s();
         match (range, &law.bristle) {
@@ -167,7 +167,9 @@ impl<const N: usize> ContactVariables<'_, N> {
             }
             (FrictionRange::Transition { forward }, Some(bristle)) => {
                 let to_sliding = law.v_dynamic_m_s - self.slip.abs() + overlap;
-                (-self.cone_margin(law, bristle, force, forward)).min(to_sliding)
+                let to_sticking =
+                    CONE_OVERLAP * law.min_slip_scale_m_s() - self.cone_margin(law, bristle, force, forward);
+                to_sticking.min(to_sliding)
             }
             _ => range.margin(law, self.slip) + overlap,
         }
@@ -242,7 +244,10 @@ const WEAK_FORCE_RATIO: f64 = 0.5;
 
 /// A range ends this part of its width beyond its nominal end, so that neighbouring ranges do not alternate.
 const RANGE_MARGIN: f64 = 0.01;
-/// Tolerance of locating that end, as a fraction of the margin.
+/// Overlap of sticking and transition of a bristle, in the same units: 1e-7 of the limit of the cone. Without it the
+/// ranges alternated for thousands of steps of 1e-13 s where the force stays at the cone.
+const CONE_OVERLAP: f64 = 1e-6;
+/// Tolerance of locating that end, as a fraction of the margin or overlap.
 const RANGE_TOLERANCE: f64 = 0.3;
 
 impl<const C: usize> Mode<C> {
@@ -456,7 +461,12 @@ impl<const C: usize> Mode<C> {
             return RANGE_TOLERANCE * RANGE_MARGIN * law.depth_scale_m();
         }
         if event >= C {
-            return friction.map_or(0.0, |law| RANGE_TOLERANCE * RANGE_MARGIN * law.min_slip_scale_m_s());
+            let Some(law) = friction else { return 0.0 };
+            let overlap = match self.friction_ranges[event - C] {
+                FrictionRange::Sticking | FrictionRange::Transition { .. } if law.bristle.is_some() => CONE_OVERLAP,
+                _ => RANGE_MARGIN,
+            };
+            return RANGE_TOLERANCE * overlap * law.min_slip_scale_m_s();
         }
         match self.contacts[event] {
             ContactState::Active if is_damped(law) => event_tolerances.force_tolerance(law),
