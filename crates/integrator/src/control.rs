@@ -1,6 +1,6 @@
 //! Error norm and step-size control.
 
-use super::{Counters, State};
+use super::State;
 use crate::numeric::elementary::{ln, pow};
 
 /// Angles have only an absolute tolerance: penetrations of 1e-8 rad occur together with angles of 1 rad, and a relative
@@ -108,11 +108,11 @@ impl ToleranceSchedule {
         Self { typical_steps: TYPICAL_STEPS * pow(1e-5 / tolerances.rtol_v, 0.2) }
     }
 
-    /// Tolerances of the next step, given the progress of the run.
+    /// Tolerances of the next step after these numbers of steps and events.
     #[inline(always)]
-    pub fn tolerances(&self, requested: &Tolerances, counters: &Counters) -> Tolerances {
-        let event_steps = counters.events.saturating_sub(TYPICAL_EVENTS) * STEPS_PER_EVENT;
-        let length_ratio = (counters.steps + event_steps) as f64 / self.typical_steps;
+    pub fn tolerances(&self, requested: &Tolerances, [steps, events]: [u64; 2]) -> Tolerances {
+        let event_steps = events.saturating_sub(TYPICAL_EVENTS) * STEPS_PER_EVENT;
+        let length_ratio = (steps + event_steps) as f64 / self.typical_steps;
         if length_ratio <= 1.0 {
             *requested
         } else {

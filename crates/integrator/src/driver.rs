@@ -412,7 +412,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         }
         let simultaneous = accepted.event.map(|event| self.simultaneous_events(system, event, &accepted.events));
         self.take_step(system, linearised, accepted, pending.stop, observer)?;
-        if self.stall_detector.is_stalled(self.counters.steps, self.clock.now(), t_end) && accepted.event.is_none() {
+        if self.stall_detector.is_stalled(&self.counters, self.clock.now(), t_end) && accepted.event.is_none() {
             self.method.on_stall();
             if self.stall_detector.may_project() {
                 self.project_quasi_static(system, t_end);
@@ -442,7 +442,8 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         found: &mut AcceptedStep<N, Z, S>,
     ) -> Result<Next, Reason> {
         let (state, mode) = (self.state, self.mode);
-        let mut tolerances = self.tolerance_schedule.tolerances(&self.options.tolerances, &self.counters);
+        let mut tolerances =
+            self.tolerance_schedule.tolerances(&self.options.tolerances, self.stall_detector.progress(&self.counters));
         error_weight::raise_above_noise(
             &mut tolerances,
             &self.events.functions,

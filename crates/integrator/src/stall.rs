@@ -1,6 +1,6 @@
 //! Detection of stalled runs, whose steps have become too short to reach the end, and of chattering events.
 
-use super::Tolerances;
+use super::{Counters, Tolerances};
 use crate::numeric::elementary::{pow, powi};
 
 /// Number of remaining steps above which a run counts as stalled, at a relative tolerance of 1e-5: about 50 ms of wall
@@ -37,8 +37,13 @@ const MIN_DECAY: f64 = 3.0;
 pub struct StallDetector {
     max_remaining_steps: f64,
     steps: u64,
+    events: u64,
     time: f64,
     stalls: u32,
+    /// Whether steps and events of stalls are left out of the progress.
+    omits_stalls: bool,
+    /// Steps and events of windows in which the run was stalled.
+    stalled: [u64; 2],
     max_stalls: u32,
     max_stalls_undamped: u32,
 }
@@ -48,11 +53,21 @@ impl StallDetector {
         Self {
             max_remaining_steps: MAX_REMAINING_STEPS * pow(1e-5 / tolerances.rtol_v, MAX_STEPS_EXPONENT),
             steps: 0,
+            events: 0,
             time,
             stalls: 0,
+            omits_stalls: tolerances.rtol_v >= FINE_TOLERANCES.end,
+            stalled: [0; 2],
             max_stalls: if FINE_TOLERANCES.contains(&tolerances.rtol_v) { MAX_STALLS_FINE } else { 0 },
             max_stalls_undamped: if tolerances.rtol_v < FINE_TOLERANCES.end { MAX_STALLS_UNDAMPED } else { 0 },
         }
+    }
+
+    /// Steps and events that tighten the tolerances of the run. At default tolerances those of stalls do not: a stalled run
+    /// leaves its oscillation by chance, which finer tolerances would prevent.
+    #[inline(always)]
+    pub(crate) fn progress(&self, counters: &Counters) -> [u64; 2] {
+        [counters.steps - self.stalled[0], counters.events - self.stalled[1]]
     }
 
     /// Whether oscillating contacts may be projected onto their equilibrium.
@@ -74,15 +89,19 @@ impl StallDetector {
 
     /// Whether the run would need too many steps at the rate of its last window. Evaluated once per window.
     #[inline(always)]
-    pub(crate) fn is_stalled(&mut self, steps: u64, time: f64, end: f64) -> bool {
-        let steps_taken = (steps - self.steps) as f64;
+    pub(crate) fn is_stalled(&mut self, counters: &Counters, time: f64, end: f64) -> bool {
+        let passed = [counters.steps - self.steps, counters.events - self.events];
+        let steps_taken = passed[0] as f64;
         if steps_taken * WINDOWS_PER_LIMIT < self.max_remaining_steps {
             return false;
         }
         let remaining_steps = steps_taken * (end - time) / (time - self.time);
-        (self.steps, self.time) = (steps, time);
+        (self.steps, self.events, self.time) = (counters.steps, counters.events, time);
         let stalled = remaining_steps > self.max_remaining_steps;
         self.stalls += u32::from(stalled);
+        if stalled && self.omits_stalls {
+            self.stalled = [self.stalled[0] + passed[0], self.stalled[1] + passed[1]];
+        }
         stalled
     }
 }
@@ -128,14 +147,19 @@ impl<const S: usize> Chatter<S> {
 mod tests {
     use super::*;
 
+    fn after_steps(steps: u64) -> Counters {
+        Counters { steps, ..Counters::default() }
+    }
+
     #[test]
     fn a_run_stalls_if_it_would_need_too_many_steps() {
         let tolerances = Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 };
         let mut detector = StallDetector::new(&tolerances, 0.0);
-        assert!(!detector.is_stalled(299, 1e-9, 0.02), "the first window is incomplete");
-        assert!(detector.is_stalled(300, 1e-9, 0.02));
-        assert!(!detector.is_stalled(500, 2e-9, 0.02), "the second window is incomplete");
-        assert!(!detector.is_stalled(600, 0.01, 0.02), "half of the time in 300 steps");
+        assert!(!detector.is_stalled(&after_steps(299), 1e-9, 0.02), "the first window is incomplete");
+        assert!(detector.is_stalled(&after_steps(300), 1e-9, 0.02));
+        assert!(!detector.is_stalled(&after_steps(500), 2e-9, 0.02), "the second window is incomplete");
+        assert!(!detector.is_stalled(&after_steps(600), 0.01, 0.02), "half of the time in 300 steps");
+        assert_eq!(detector.progress(&after_steps(700)), [400, 0], "without the first window");
     }
 
     #[test]
@@ -143,7 +167,7 @@ mod tests {
         let mut detector = StallDetector::new(&Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, 0.0);
         let mut noise_scales = Vec::new();
         for window in 1..=40u64 {
-            assert!(detector.is_stalled(300 * window, 1e-9 * window as f64, 0.02));
+            assert!(detector.is_stalled(&after_steps(300 * window), 1e-9 * window as f64, 0.02));
             noise_scales.push(detector.noise_scale());
         }
         assert!(noise_scales[..30].iter().all(|noise_scale| *noise_scale == 1.0), "{noise_scales:?}");
@@ -155,7 +179,7 @@ mod tests {
         for (rtol, after) in [(1e-5, 1), (1e-7, 16), (1e-9, 16), (1e-11, 1)] {
             let mut detector = StallDetector::new(&Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: rtol }, 0.0);
             let first_projection = (1..=20u64).find(|window| {
-                assert!(detector.is_stalled(1000 * window, 1e-9 * *window as f64, 0.02));
+                assert!(detector.is_stalled(&after_steps(1000 * window), 1e-9 * *window as f64, 0.02));
                 detector.may_project()
             });
             assert_eq!(first_projection, Some(after), "rtol {rtol}");
@@ -167,7 +191,7 @@ mod tests {
         for (rtol, max_stalls_undamped) in [(1e-5, 0), (1e-7, 300), (1e-12, 300)] {
             let mut detector = StallDetector::new(&Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: rtol }, 0.0);
             for window in 1..=301u64 {
-                assert!(detector.is_stalled(5000 * window, 1e-9 * window as f64, 0.02));
+                assert!(detector.is_stalled(&after_steps(5000 * window), 1e-9 * window as f64, 0.02));
                 assert!(detector.should_project(400.0, 0.01), "decays by e^4");
                 assert_eq!(
                     detector.should_project(200.0, 0.01),
