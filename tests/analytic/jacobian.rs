@@ -1,9 +1,7 @@
 //! Jacobians of the equations of motion against extrapolated central differences of their right-hand sides: of a finger
 //! on every branch of every law, with bristles, of grippers, and of hands beyond scene files.
 
-use phalanx::analytic::multibody::{
-    MAX_FINGER_CONTACTS, MAX_FINGER_COORDINATES, MAX_GRASP_COORDINATES, Multibody, quadratures,
-};
+use phalanx::analytic::multibody::{MAX_GRASP_COORDINATES, Multibody, quadratures};
 use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Mode, Model, QUADRATURES};
 use phalanx::gripper::{self, FingerContact};
 use phalanx::integrator::{Linearised, Rates, State, System};
@@ -405,12 +403,8 @@ fn a_gripper_on_a_moving_palm() {
 /// Hands beyond scene files, at the sample with the most active contacts.
 #[test]
 fn hands_with_active_contacts() {
-    const FINGER_QUADRATURES: usize = quadratures(MAX_FINGER_CONTACTS);
     for (name, scene) in hands_in_code::cases() {
-        match scene.finger_count() {
-            1 => check_hand::<MAX_FINGER_COORDINATES, MAX_FINGER_CONTACTS, FINGER_QUADRATURES>(name, &scene),
-            _ => check_hand::<MAX_GRASP_COORDINATES, CONTACTS, GRIPPER_QUADRATURES>(name, &scene),
-        }
+        check_hand::<MAX_GRASP_COORDINATES, CONTACTS, GRIPPER_QUADRATURES>(name, &scene);
     }
 }
 

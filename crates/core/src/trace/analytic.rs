@@ -6,8 +6,6 @@ use super::mechanism::build_mechanism;
 use super::reading::{Kernel, KernelUser, Start};
 use super::stepper::{AnalyticStepper, Stepper};
 use super::{Outcome, Reach, RunError};
-#[cfg(feature = "mechanisms")]
-use crate::analytic::multibody::{MAX_FINGER_CONTACTS, MAX_FINGER_COORDINATES};
 use crate::analytic::multibody::{MAX_GRASP_BRISTLES, MAX_GRASP_COORDINATES, Multibody};
 use crate::analytic::{EVENT_FUNCTIONS, FingerMotion, QUADRATURES};
 use crate::integrator::Hybrid;
@@ -52,10 +50,7 @@ pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Ou
     match (scene.finger_count(), hand.has_stiction()) {
         (1, true) if fits_finger_kernel(hand) => build_finger::<4, 6, U>(scene, user),
         (1, false) if fits_finger_kernel(hand) => build_finger::<2, 4, U>(scene, user),
-        #[cfg(feature = "mechanisms")]
-        (1, _) => build_multibody::<MAX_FINGER_COORDINATES, MAX_FINGER_CONTACTS, 7, 15, U>(scene, user),
-        #[cfg(not(feature = "mechanisms"))]
-        (1, _) => Err(not_in_this_build()),
+        (1, _) => Err(RunError::rejected(UNSUPPORTED_FINGER.to_string(), Outcome::default())),
         _ => build_gripper(scene, user),
     }
 }
@@ -81,14 +76,13 @@ fn build_gripper<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, Run
 
 #[cfg(not(feature = "mechanisms"))]
 fn build_mechanism<U: KernelUser>(_: &Scene, _: &Mechanism, _: U) -> Result<U::Output, RunError> {
-    Err(not_in_this_build())
+    let reason = "in this build the analytic model supports only a closing finger and a gripper with one object";
+    Err(RunError::rejected(reason.to_string(), Outcome::default()))
 }
 
-#[cfg(not(feature = "mechanisms"))]
-fn not_in_this_build() -> RunError {
-    let reason = "in this build the analytic model supports only a closing finger and a gripper with one object";
-    RunError::rejected(reason.to_string(), Outcome::default())
-}
+/// Reason for the rejection of a single finger that no scene file describes.
+const UNSUPPORTED_FINGER: &str = "the analytic model simulates a single finger only on fixed surfaces and driven by a torque; \
+     describe others as a mechanism (`kind = \"mechanism\"`), or use `--model engine`";
 
 /// Whether the hand is one finger that closes on fixed surfaces, driven by a torque alone; the finger kernel supports
 /// nothing else.

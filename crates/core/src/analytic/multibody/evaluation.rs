@@ -14,23 +14,16 @@ use crate::analytic::finger::{FingerKinematics, FingerModel, Geometry, PassiveJo
 use crate::analytic::mode::{Mode, StateRef, row_dot};
 use crate::analytic::model::{ContactReading, Energies};
 use crate::fivebar::dynamics::{AccelerationField, Terms, absolute_rates};
-use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::integrator::Linearised;
 use crate::law::{FrictionRange, elastic_energy, friction_with_state};
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array, map_same_type};
 use crate::shape::Support;
 
-/// Placeholder for a finger that the hand does not have.
-const ABSENT_FINGER: FingerKinematics = {
-    let none = [0.0; 2];
-    (Directions { e1: none, e2: none, e3: none, e4: none }, PassiveRates { a3: none, a4: none, inverse_sine: 0.0 })
-};
-
 /// Pose of a finger with its passive rates, from its terms.
 #[inline(always)]
-pub(crate) fn kinematics_of(terms: &Option<Terms<f64>>) -> FingerKinematics {
-    terms.as_ref().map_or(ABSENT_FINGER, |terms| (terms.pose, terms.rates))
+pub(crate) fn kinematics_of(terms: &Terms<f64>) -> FingerKinematics {
+    (terms.pose, terms.rates)
 }
 
 impl<const N: usize, const C: usize> Multibody<N, C> {
@@ -40,14 +33,10 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         self.fingers[finger].model.kinematics(Self::finger_coordinates(finger, q))
     }
 
-    /// Kinematics of all fingers; a placeholder for missing ones.
+    /// Kinematics of all fingers.
     #[inline(always)]
     pub(super) fn all_finger_kinematics(&self, q: &[f64; N]) -> [FingerKinematics; FINGERS] {
-        let mut all_finger_kinematics = [ABSENT_FINGER; FINGERS];
-        for (finger, finger_kinematics) in all_finger_kinematics.iter_mut().enumerate().take(Self::FINGER_COUNT) {
-            *finger_kinematics = self.finger_kinematics(finger, q);
-        }
-        all_finger_kinematics
+        [0, 1].map(|finger| self.finger_kinematics(finger, q))
     }
 
     /// Like [`Multibody::contact_kinematics`], but compiled only once, for callers that need it rarely.
@@ -133,15 +122,11 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
     /// Position-dependent terms of all fingers, which the readings of one state share.
     pub(crate) fn terms(&self, q: &[f64; N]) -> FingerTerms {
-        let mut all = [None; FINGERS];
-        for (finger, terms) in all.iter_mut().enumerate().take(Self::FINGER_COUNT) {
-            *terms = Some(self.fingers[finger].model.terms(Self::finger_coordinates(finger, q)));
-        }
-        all
+        [0, 1].map(|finger| self.fingers[finger].model.terms(Self::finger_coordinates(finger, q)))
     }
 
     fn inertia(&self, terms: &FingerTerms) -> Inertia<'_, N, C> {
-        Inertia::new(self, map_array(*terms, |terms| terms.map_or([0.0; 3], |terms| terms.mass)))
+        Inertia::new(self, map_array(*terms, |terms| terms.mass))
     }
 
     /// Inverse of the mass matrix at these coordinates.
@@ -233,7 +218,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     ) -> Energies {
         let kinetic = self.inertia(terms).kinetic(v);
         let mut energies = Energies { elastic: self.bristle_energy(v), kinetic, ..Energies::default() };
-        for (component, terms) in self.fingers.iter().zip(terms.iter().flatten()) {
+        for (component, terms) in self.fingers.iter().zip(terms) {
             let [gravity, spring] = component.model.potential_energies(&terms.pose);
             energies.gravity += gravity;
             energies.spring += spring;
@@ -426,23 +411,23 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<'_, N, Z>
     }
 
     #[inline(always)]
-    fn add_shaft_torque(&mut self, shaft: &ShaftTorque, (weights, fingers): ([f64; FINGERS], usize), work: usize) {
+    fn add_shaft_torque(&mut self, shaft: &ShaftTorque, weights: [f64; FINGERS], work: usize) {
         self.0.rates.g[work] += shaft.torque * shaft.rate;
         self.0.g_t[work] += shaft.by_time * shaft.rate;
-        for (i, weight) in weights.into_iter().enumerate().take(fingers) {
+        for (i, weight) in weights.into_iter().enumerate() {
             self.0.rates.a[2 * i] += weight * shaft.torque;
             self.0.a_t[2 * i] += weight * shaft.by_time;
             self.0.g_v[work][2 * i] += weight * (shaft.torque + shaft.by_rate * shaft.rate);
-            (0..fingers).for_each(|j| self.0.a_v[2 * i][2 * j] += weight * weights[j] * shaft.by_rate);
+            (0..FINGERS).for_each(|j| self.0.a_v[2 * i][2 * j] += weight * weights[j] * shaft.by_rate);
         }
     }
 
-    fn add_brake_bristle(&mut self, brake: &BrakeTorque, (weights, fingers): ([f64; FINGERS], usize), bristle: usize) {
+    fn add_brake_bristle(&mut self, brake: &BrakeTorque, weights: [f64; FINGERS], bristle: usize) {
         self.0.rates.a[bristle] += brake.bristle_rate;
         self.0.a_t[bristle] += brake.gain * brake.shaft.by_time;
         self.0.a_v[bristle][bristle] += brake.gain * brake.by_bristle;
         self.0.g_v[Self::CONTACT_WORK][bristle] += brake.by_bristle * brake.shaft.rate;
-        for (i, weight) in weights.into_iter().enumerate().take(fingers) {
+        for (i, weight) in weights.into_iter().enumerate() {
             self.0.a_v[2 * i][bristle] += weight * brake.by_bristle;
             self.0.a_v[bristle][2 * i] += weight * brake.gain * brake.shaft.by_rate;
         }
@@ -515,7 +500,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let Linearised { rates, a_q, a_v, a_t, .. } = linearised;
         rates.a = inverse.solve(&rates.a);
         // From M a = load with M(q): M ∂a = ∂load − ∂M a.
-        for (finger, mass) in masses.iter().enumerate().take(Self::FINGER_COUNT) {
+        for (finger, mass) in masses.iter().enumerate() {
             let (first, second) = (2 * finger, 2 * finger + 1);
             for (k, j) in [first, second].into_iter().enumerate() {
                 let [m, c, n] = [mass[0].grad[k], mass[1].grad[k], mass[2].grad[k]];

@@ -103,7 +103,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     fn clearance(&self, all_finger_kinematics: &[FingerKinematics; FINGERS], v: &[f64; N]) -> (f64, f64) {
         let mut smallest = (f64::INFINITY, 0.0);
-        for (finger, (pose, rates)) in all_finger_kinematics.iter().enumerate().take(Self::FINGER_COUNT) {
+        for (finger, (pose, rates)) in all_finger_kinematics.iter().enumerate() {
             let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
             let [_, _, rate3, rate4] = absolute_rates(rates, Self::finger_coordinates(finger, v));
             let clearance = (sine.abs() - SINGULAR_SINE, sine.signum() * cosine * (rate4 - rate3));
@@ -196,12 +196,9 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
 
     fn describe_obstacle(&self, q: &[f64; N]) -> String {
         let [right, left] = map_array(self.all_finger_kinematics(q), |(pose, _)| cross(pose.e3, pose.e4).abs());
-        let finger = usize::from(Self::GRIPPER && (right > left || left.is_nan()));
+        let finger = usize::from(right > left || left.is_nan());
         let component = &self.fingers[finger];
         let singularity = nearest_singularity(&component.model.dynamics.lengths, Self::finger_coordinates(finger, q));
-        match Self::GRIPPER {
-            false => format!("singular configuration: {singularity}"),
-            true => format!("singular configuration of the {} finger: {singularity}", component.side.name()),
-        }
+        format!("singular configuration of the {} finger: {singularity}", component.side.name())
     }
 }

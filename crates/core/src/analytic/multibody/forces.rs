@@ -59,11 +59,11 @@ pub(super) trait LoadSums<const N: usize, const Z: usize> {
         indices: &[SignedIndex; K],
     );
 
-    /// Adds a torque on the driven links of the first fingers with these weights; `work` indexes its quadrature.
-    fn add_shaft_torque(&mut self, shaft: &ShaftTorque, driven: ([f64; FINGERS], usize), work: usize);
+    /// Adds a torque on the driven links with these weights; `work` indexes its quadrature.
+    fn add_shaft_torque(&mut self, shaft: &ShaftTorque, weights: [f64; FINGERS], work: usize);
 
     /// Adds the rate of the bristle state of a brake, and the effect of that state on the brake's torque.
-    fn add_brake_bristle(&mut self, brake: &BrakeTorque, driven: ([f64; FINGERS], usize), bristle: usize);
+    fn add_brake_bristle(&mut self, brake: &BrakeTorque, weights: [f64; FINGERS], bristle: usize);
 
     /// Adds the work of the palm's drive against the loads on the table, which moves with the coordinate `time`.
     fn add_table_work(&mut self, time: usize);
@@ -112,7 +112,7 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
 
     #[inline(always)]
     fn add_finger(&mut self, finger: usize, model: &FingerModel, (q, v): ([f64; 2], [f64; 2])) -> Terms<f64> {
-        let terms = self.terms.and_then(|terms| terms[finger]).unwrap_or_else(|| model.terms(q));
+        let terms = self.terms.map_or_else(|| model.terms(q), |terms| terms[finger]);
         let load = model.load(0.0, &terms, v);
         (0..2).for_each(|i| self.load[2 * finger + i] += load[i]);
         terms
@@ -155,13 +155,13 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
     }
 
     #[inline(always)]
-    fn add_shaft_torque(&mut self, shaft: &ShaftTorque, (weights, fingers): ([f64; FINGERS], usize), work: usize) {
-        (0..fingers).for_each(|finger| self.load[2 * finger] += weights[finger] * shaft.torque);
+    fn add_shaft_torque(&mut self, shaft: &ShaftTorque, weights: [f64; FINGERS], work: usize) {
+        (0..FINGERS).for_each(|finger| self.load[2 * finger] += weights[finger] * shaft.torque);
         self.g[work] += shaft.torque * shaft.rate;
     }
 
     #[inline(always)]
-    fn add_brake_bristle(&mut self, brake: &BrakeTorque, _: ([f64; FINGERS], usize), bristle: usize) {
+    fn add_brake_bristle(&mut self, brake: &BrakeTorque, _: [f64; FINGERS], bristle: usize) {
         self.load[bristle] += brake.bristle_rate;
     }
 
@@ -211,8 +211,6 @@ struct Assembly<'a, const N: usize, const C: usize, const Z: usize, S: LoadSums<
 }
 
 impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly<'_, N, C, Z, S> {
-    const GRIPPER: bool = Multibody::<N, C>::GRIPPER;
-
     /// Adds all loads and powers, and returns the mass matrices of the fingers.
     #[inline(always)]
     fn add_all(&mut self, t: f64) -> [[S::Angles; 3]; FINGERS] {
@@ -220,24 +218,22 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         let mut masses = [[S::Angles::zero(); 3]; FINGERS];
         if S::UNROLLED {
             masses[0] = self.add_finger(0, &model.fingers[0]);
-            if Self::GRIPPER {
-                masses[1] = self.add_finger(1, &model.fingers[1]);
-            }
+            masses[1] = self.add_finger(1, &model.fingers[1]);
         } else {
             for (index, finger) in model.fingers.iter().enumerate() {
                 masses[index] = self.add_finger(index, finger);
             }
         }
-        let (driven_rates, fingers) = (model.driven_rates(v), Multibody::<N, C>::FINGER_COUNT);
+        let driven_rates = model.driven_rates(v);
         for (index, drive) in model.drives.iter().enumerate() {
-            let (driven, bristle_index) = ((drive.weights, fingers), model.brake_bristle(index));
+            let (driven, bristle_index) = (drive.weights, model.brake_bristle(index));
             self.sums.add_shaft_torque(&drive.motor_torque(t, driven_rates), driven, S::DRIVE_WORK);
             let brake_torque = drive.brake_torque(t, driven_rates, bristle_index.map(|index| v[index]));
             let Some(brake) = brake_torque else { continue };
             self.sums.add_shaft_torque(&brake.shaft, driven, S::CONTACT_WORK);
             bristle_index.iter().for_each(|bristle| self.sums.add_brake_bristle(&brake, driven, *bristle));
         }
-        if Self::GRIPPER && S::UNROLLED {
+        if S::UNROLLED {
             self.add_plane_contact(HandContact::Palm.index());
             self.add_plane_contact(HandContact::Table.index());
         } else {
@@ -267,7 +263,7 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         if self.model.palm_moves() {
             self.sums.add_finger_inertia((finger, component), rates, &terms, &self.field);
         }
-        if Self::GRIPPER && S::UNROLLED {
+        if S::UNROLLED {
             let first = FingerContact::ALL.len() * finger;
             self.add_finger_contact(first, (finger, component, &terms));
             self.add_finger_contact(first + 1, (finger, component, &terms));
@@ -400,7 +396,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             });
             let motion = [&state.v, &a].map(|all| Multibody::<N, C>::finger_coordinates(index, all));
             let frame = ([half_palm_width, 0.0], field.mirrored(mirror));
-            let Some(Terms { pose, rates, .. }) = &terms[index] else { continue };
+            let Terms { pose, rates, .. } = &terms[index];
             let forces = component.model.joint_forces((pose, rates), motion, frame, of_finger);
             forces_n[index] = forces.map(|[x, y]| [mirror * x, y]);
         }
@@ -423,11 +419,6 @@ impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<
     type Mode = Mode<C>;
 
     const SECOND_ORDER: usize = Self::POSITIONS;
-
-    #[inline(always)]
-    fn coordinate_count(&self) -> usize {
-        self.used_coordinates()
-    }
 
     #[inline(always)]
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Rates<N, Z> {

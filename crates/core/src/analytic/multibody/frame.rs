@@ -150,12 +150,10 @@ impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
     /// Kinetic energy ½ vᵀ M v, J.
     pub fn kinetic(&self, v: &[f64; N]) -> f64 {
         let mut energy = 0.0;
-        for ([a, b, d], v) in self.fingers.iter().take(Multibody::<N, C>::FINGER_COUNT).zip(v.chunks_exact(2)) {
+        for ([a, b, d], v) in self.fingers.iter().zip(v.chunks_exact(2)) {
             energy += 0.5 * (a * v[0] * v[0] + d * v[1] * v[1]) + b * v[0] * v[1];
         }
-        if Multibody::<N, C>::GRIPPER {
-            energy += self.model.coupling * v[0] * v[2];
-        }
+        energy += self.model.coupling * v[0] * v[2];
         if let Some((_, object)) = self.model.moving_object() {
             let [vx, vy, spin] = self.model.object_rates(v);
             energy += 0.5 * (object.mass * (vx * vx + vy * vy) + object.inertia * spin * spin);
@@ -180,7 +178,7 @@ impl<const N: usize, const C: usize> Inverse<'_, N, C> {
     /// states have no mass: their load is their rate.
     #[inline(always)]
     pub(crate) fn solve_columns<const K: usize>(&self, a: &mut [[f64; K]; N]) {
-        for finger in 0..Multibody::<N, C>::FINGER_COUNT {
+        for finger in 0..FINGERS {
             let ([m, c, n], [first, second]) = (self.fingers[finger], [2 * finger, 2 * finger + 1]);
             let [f, g] = [a[first], a[second]];
             for j in 0..K {

@@ -20,7 +20,7 @@ use crate::analytic::model::normal_force_on_branch;
 pub(crate) use evaluation::kinematics_of;
 pub use model::Multibody;
 
-/// Largest number of fingers: a right and a left one.
+/// A right and a left finger.
 const FINGERS: usize = 2;
 
 /// Largest number of positions of two fingers: four angles, the pose of the object, and time.
@@ -31,13 +31,6 @@ pub const MAX_GRASP_BRISTLES: usize = 8;
 
 /// Number of coordinates of two fingers whose contacts or brakes have bristles.
 pub const MAX_GRASP_COORDINATES: usize = GRASP_POSITIONS + MAX_GRASP_BRISTLES;
-
-/// Largest number of contacts of one finger: both phalanges, the limit, palm and table.
-pub const MAX_FINGER_CONTACTS: usize = 5;
-
-/// Largest number of coordinates of one finger: two angles, the pose of the object, time, and the bristles of four
-/// contacts and a brake.
-pub const MAX_FINGER_COORDINATES: usize = 2 + 4 + 5;
 
 /// Number of quadratures of a hand: the normal impulse of each contact, the work of all contact forces and brakes,
 /// and the work of motors and palm.

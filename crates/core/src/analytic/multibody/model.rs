@@ -11,10 +11,10 @@ use crate::numeric::array_from;
 use crate::scene::{Hand, HandContact, HandFinger, ObjectMotion, PalmMotion, Profile, Side};
 use crate::shape::PlacedShape;
 
-/// Position-dependent terms of both fingers; `None` for a missing finger.
-pub(crate) type FingerTerms = [Option<Terms<f64>>; FINGERS];
+/// Position-dependent terms of both fingers.
+pub(crate) type FingerTerms = [Terms<f64>; FINGERS];
 
-/// The model of a hand with at most N coordinates and C contacts.
+/// The model of a gripper with at most N coordinates and C contacts.
 #[derive(Clone, Debug)]
 pub struct Multibody<const N: usize, const C: usize> {
     pub(super) fingers: Vec<FingerComponent>,
@@ -37,8 +37,6 @@ pub struct Multibody<const N: usize, const C: usize> {
     object_coordinate: usize,
     /// Index of time among the coordinates of a moving palm.
     pub(super) time_index: Option<usize>,
-    /// Number of coordinates that the integrator uses.
-    used_coordinates: usize,
     half_palm_width: f64,
     pub(super) gravity: [f64; 2],
 }
@@ -63,12 +61,13 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     ///
     /// # Panics
     ///
-    /// Panics if the hand has another number of fingers or of coordinates.
+    /// Panics if the hand does not have two fingers, or has another number of coordinates.
     pub fn new(hand: &Hand) -> Self {
-        assert_eq!(hand.fingers.len(), Self::FINGER_COUNT, "fingers of a model with {C} contacts");
+        const { assert!(C == HandContact::ALL.len()) };
+        assert_eq!(hand.fingers.len(), FINGERS, "fingers of a gripper");
         let [x, y] = hand.gravity_m_s2;
         let half_palm_width = 0.5 * hand.palm_width_m;
-        let fingers_end = 2 * Self::FINGER_COUNT;
+        let fingers_end = 2 * FINGERS;
         let object_end = fingers_end + if hand.moving_object().is_some() { 3 } else { 0 };
         let positions = object_end + usize::from(hand.palm_motion.is_some());
         assert!(!Self::GRASP || positions == N, "{positions} coordinates instead of {N}");
@@ -117,8 +116,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             coupling = (input - seesaw) / 4.0;
         }
         let brake_bristles = drives.iter().map(|drive| add_bristle(drive.bristle())).collect();
-        let used_coordinates = first_bristle + bristles.len();
-        assert!(used_coordinates <= N, "{} bristles exceed {N} coordinates", bristles.len());
+        assert!(first_bristle + bristles.len() <= N, "{} bristles exceed {N} coordinates", bristles.len());
         Self {
             fingers,
             object: hand.object.as_ref().map(ObjectComponent::new),
@@ -132,7 +130,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             coupling,
             palm_motion: hand.palm_motion.clone(),
             time_index: hand.palm_motion.is_some().then_some(time_index),
-            used_coordinates,
             half_palm_width,
             gravity: hand.gravity_m_s2,
         }
@@ -181,10 +178,10 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         self.bristles.iter().map(|(bristle_index, bristle)| bristle.energy(v[*bristle_index])).sum()
     }
 
-    /// Rates of the driven links of both fingers; 0 for a missing finger.
+    /// Rates of the driven links of both fingers.
     #[inline(always)]
     pub(super) fn driven_rates(&self, v: &[f64; N]) -> [f64; FINGERS] {
-        array_from(|finger| if finger < Self::FINGER_COUNT { v[2 * finger] } else { 0.0 })
+        array_from(|finger| v[2 * finger])
     }
 
     /// Torques of all motors and brakes on the driven links, N·m.
@@ -211,24 +208,13 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         drives.chain(palm).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether the hand has two fingers. Its contacts are known at compile time.
-    pub(super) const GRIPPER: bool = C == HandContact::ALL.len();
-
-    pub(super) const FINGER_COUNT: usize = if Self::GRIPPER { FINGERS } else { 1 };
-
-    /// Whether the hand is a gripper without bristles. All indices are compile-time constants then, which reduces the
+    /// Whether the gripper has no bristles. All indices are compile-time constants then, which reduces the
     /// instructions of a closing motion to a tenth.
-    pub(super) const GRASP: bool = Self::GRIPPER && N <= GRASP_POSITIONS;
+    pub(super) const GRASP: bool = N <= GRASP_POSITIONS;
 
-    /// Number of coordinates before the bristle states, if it is known at compile time, otherwise N. Those of two fingers
-    /// are four angles, the pose of the object and time; the last ones may be unused.
-    pub(super) const POSITIONS: usize = if Self::GRIPPER && !Self::GRASP { GRASP_POSITIONS } else { N };
-
-    /// Number of coordinates that error norms average over, and size of the matrices.
-    #[inline(always)]
-    pub(super) fn used_coordinates(&self) -> usize {
-        if Self::GRIPPER { N } else { self.used_coordinates }
-    }
+    /// Number of coordinates before the bristle states: four angles, the pose of the object and time; the last ones may
+    /// be unused.
+    pub(super) const POSITIONS: usize = if Self::GRASP { N } else { GRASP_POSITIONS };
 
     /// Index of the bristle state of a drive's brake.
     #[inline(always)]
@@ -264,9 +250,9 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     #[inline(always)]
     pub(super) fn contact_pair(&self, finger: usize, index: usize, contact: &ContactModel) -> ContactPair {
         match index.wrapping_sub(FingerContact::ALL.len() * finger) {
-            0 if Self::GRIPPER => ContactPair::Phalanx { finger, phalanx: FingerContact::Proximal },
-            1 if Self::GRIPPER => ContactPair::Phalanx { finger, phalanx: FingerContact::Distal },
-            2 if Self::GRIPPER => ContactPair::Stop { finger },
+            0 => ContactPair::Phalanx { finger, phalanx: FingerContact::Proximal },
+            1 => ContactPair::Phalanx { finger, phalanx: FingerContact::Distal },
+            2 => ContactPair::Stop { finger },
             _ => contact.pair,
         }
     }
