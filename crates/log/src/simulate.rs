@@ -68,7 +68,7 @@ pub fn simulate<W: Write + Send + 'static>(
 ) -> FinishedRun<W> {
     let audit = EnergyAudit::new(model, scene);
     let sinks =
-        RunSinks { log, criteria_tracker: RunCriteriaTracker::for_scene(scene), audit, last_s: 0.0, extra_sink };
+        RunSinks { log, criteria_tracker: RunCriteriaTracker::for_scene(scene), audit, model, last_s: 0.0, extra_sink };
     let mut decimated = Decimated::new(scene.log.numeric_hz, sinks);
     let start = Instant::now();
     let result = run(model, scene, &mut decimated);
@@ -122,6 +122,7 @@ struct RunSinks<'a, W: Write + Send + 'static, A> {
     log: Option<ThreadedWriter<W>>,
     criteria_tracker: RunCriteriaTracker,
     audit: EnergyAudit,
+    model: Model,
     /// Time of the latest sample.
     last_s: f64,
     extra_sink: &'a mut A,
@@ -130,7 +131,8 @@ struct RunSinks<'a, W: Write + Send + 'static, A> {
 impl<W: Write + Send + 'static, A: Sink> Sink for RunSinks<'_, W, A> {
     fn required_data(&self) -> RequiredData {
         let evaluation = self.criteria_tracker.required_data().or(self.audit.required_data());
-        evaluation.or(self.extra_sink.required_data()).or(self.log.required_data())
+        let all = evaluation.or(self.extra_sink.required_data()).or(self.log.required_data());
+        RequiredData { grid: all.grid || self.model == Model::Engine, ..all }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

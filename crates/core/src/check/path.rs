@@ -103,7 +103,7 @@ impl Sink for PathRecorder<'_> {
 
     /// Requires passive angles because grid points contain them.
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: self.path.audit.is_some(), joint_forces: false, passive: true, peaks: false }
+        RequiredData { energies: self.path.audit.is_some(), passive: true, grid: true, ..RequiredData::NONE }
     }
 
     fn should_continue(&self) -> bool {

@@ -184,10 +184,15 @@ struct Setup {
     object_m: f64,
     /// Minimum time between two evaluations of force closure, s.
     closure_interval_s: f64,
+    /// Time between two evaluations of the travel, s.
+    travel_interval_s: f64,
 }
 
 /// Minimum time between two evaluations of force closure, per run time: a hundred evaluations cost less than the run.
 const CLOSURE_INTERVAL_FRACTION: f64 = 0.01;
+/// Approximate number of evaluations of the travel per run, and maximum number between two samples.
+const TRAVELS_PER_RUN: f64 = 256.0;
+const MAX_TRAVELS_PER_SEGMENT: f64 = 7.0;
 
 /// Force closure of an unchanged set of active contacts.
 #[derive(Clone, Copy, Debug, Default)]
@@ -231,6 +236,15 @@ struct History {
     opened_s: Option<f64>,
     /// q11 of each finger when its brake engaged, and the largest rotation since, rad.
     brake_slip: [Option<(f64, f64)>; 2],
+}
+
+impl History {
+    /// Extends all travels to a later pose.
+    fn update_travel(&mut self, pose: &Pose) {
+        let start = self.start.iter_mut().map(|(_, since_start)| since_start);
+        let contacts = self.contacts.iter_mut().filter_map(|contact| contact.active_since.as_mut());
+        start.chain(&mut self.motion_travel).chain(contacts).for_each(|since| since.update_travel(pose));
+    }
 }
 
 impl TrackerState {
@@ -398,6 +412,12 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
             }
         }
         self.update_held(segment, lost_s);
+        // Steps of a smooth motion are long.
+        let length_s = segment.to_s - segment.from_s;
+        let inner = (length_s / self.setup.travel_interval_s).min(MAX_TRAVELS_PER_SEGMENT) as u32;
+        for k in 1..=inner {
+            self.history.update_travel(&pose(segment.from_s + length_s * f64::from(k) / f64::from(inner + 1)));
+        }
     }
 }
 
@@ -478,6 +498,7 @@ impl GraspTracker {
             friction: friction_coefficients(scene),
             object_m: shape::max_radius(&scene.hand.grasped().shape),
             closure_interval_s: thresholds.held_time_s.max(CLOSURE_INTERVAL_FRACTION * scene.duration_s),
+            travel_interval_s: scene.duration_s / TRAVELS_PER_RUN,
         })
     }
 
@@ -627,6 +648,7 @@ mod tests {
                 friction: PerContact { phalanges: [[self.mu; 2]; 2], palm: self.mu },
                 object_m: RADIUS_M,
                 closure_interval_s: 0.1,
+                travel_interval_s: 0.1,
             });
             assert_eq!(tracker.criteria(), None, "no samples yet");
             for time_s in (0..=10).map(|i| 0.1 * f64::from(i)) {

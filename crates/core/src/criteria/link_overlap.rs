@@ -1,9 +1,10 @@
 //! Overlaps of gripper links with the palm, the table or links of the other finger. The models have no contacts for
 //! these pairs, so the links pass through each other.
 
+use super::segments::Hermite;
 use crate::gripper::Lengths;
 use crate::numeric::elementary::{cos, sin, sin_cos};
-use crate::numeric::plane::rotate;
+use crate::numeric::plane::{nearest_equivalent_angle, rotate};
 use crate::scene::{PalmMotion, Scene, Side};
 use crate::trace::{FingerState, RequiredData, Sample, Sink, SinkError};
 
@@ -65,7 +66,8 @@ pub struct LinkOverlaps {
     palm_motion: Option<PalmMotion>,
     interval_s: f64,
     next_check_s: f64,
-    unchecked_sample: Option<Sample>,
+    /// Time and fingers of the last sample.
+    last: Option<(f64, [FingerState; 2])>,
     overlaps: Vec<LinkOverlap>,
 }
 
@@ -88,7 +90,7 @@ impl LinkOverlaps {
             palm_motion: hand.palm_motion.clone(),
             interval_s: scene.duration_s / CHECKS_PER_RUN,
             next_check_s: 0.0,
-            unchecked_sample: None,
+            last: None,
             overlaps: Vec::new(),
         })
     }
@@ -96,16 +98,15 @@ impl LinkOverlaps {
     /// Returns the overlaps up to the last sample.
     pub fn overlaps(&self) -> Vec<LinkOverlap> {
         let mut all = self.clone();
-        if let Some(last) = &self.unchecked_sample {
-            all.check_sample(last);
+        if let Some((time_s, fingers)) = &self.last {
+            all.check(*time_s, fingers);
         }
         all.overlaps
     }
 
-    fn check_sample(&mut self, sample: &Sample) {
-        let [Some(right), Some(left)] = [0, 1].map(|side| sample.fingers().nth(side)) else { return };
-        let axes = [self.axes(Side::Right, &right), self.axes(Side::Left, &left)];
-        let pose = self.palm_motion.as_ref().map(|motion| motion.pose(sample.time_s).position).unwrap_or_default();
+    fn check(&mut self, time_s: f64, [right, left]: &[FingerState; 2]) {
+        let axes = [self.axes(Side::Right, right), self.axes(Side::Left, left)];
+        let pose = self.palm_motion.as_ref().map(|motion| motion.pose(time_s).position).unwrap_or_default();
         for (side, axes) in Side::BOTH.into_iter().zip(&axes) {
             let half_width_m = self.lengths[side as usize].half_width_m;
             for axis in axes {
@@ -114,8 +115,8 @@ impl LinkOverlaps {
                 let [x, height_m] = axis.to;
                 let is_above_palm = self.has_palm && x.abs() < 0.5 * self.palm_width_m;
                 let palm = is_above_palm.then_some(half_width_m - height_m);
-                self.record_overlap(sample.time_s, (side, axis.name), Obstacle::Table, table);
-                self.record_overlap(sample.time_s, (side, axis.name), Obstacle::Palm, palm);
+                self.record_overlap(time_s, (side, axis.name), Obstacle::Table, table);
+                self.record_overlap(time_s, (side, axis.name), Obstacle::Palm, palm);
             }
         }
         let [right, left] = &axes;
@@ -129,7 +130,7 @@ impl LinkOverlaps {
             for b in left {
                 let depth_m = both_m - distance(a, b);
                 let obstacle = Obstacle::Link((Side::Left, b.name));
-                self.record_overlap(sample.time_s, (Side::Right, a.name), obstacle, Some(depth_m));
+                self.record_overlap(time_s, (Side::Right, a.name), obstacle, Some(depth_m));
             }
         }
     }
@@ -198,22 +199,39 @@ fn distance(a: &Axis, b: &Axis) -> f64 {
     ends.into_iter().fold(f64::INFINITY, f64::min).sqrt()
 }
 
+/// Angles of a finger at a time between two samples.
+fn interpolate([a, b]: [&FingerState; 2], [from_s, to_s]: [f64; 2], time_s: f64) -> FingerState {
+    let angle = |of: fn(&FingerState) -> (f64, f64)| {
+        let ((q0, v0), (q1, v1)) = (of(a), of(b));
+        match to_s > from_s {
+            true => Hermite::new((from_s, q0, v0), (to_s, nearest_equivalent_angle(q1, q0), v1)).value(time_s),
+            false => q1,
+        }
+    };
+    FingerState {
+        q11_rad: angle(|finger| (finger.q11_rad, finger.qd11_rad_s)),
+        q21_rad: angle(|finger| (finger.q21_rad, finger.qd21_rad_s)),
+        q12_rad: angle(|finger| (finger.q12_rad, finger.qd12_rad_s)),
+        q13_rad: angle(|finger| (finger.q13_rad, finger.qd21_rad_s + finger.qd22_rad_s)),
+        ..*b
+    }
+}
+
 impl Sink for LinkOverlaps {
     fn required_data(&self) -> RequiredData {
         RequiredData { passive: true, ..RequiredData::NONE }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        if sample.time_s >= self.next_check_s {
-            self.check_sample(sample);
-            self.next_check_s = sample.time_s + self.interval_s;
-            self.unchecked_sample = None;
-        } else {
-            match &mut self.unchecked_sample {
-                Some(unchecked_sample) => unchecked_sample.clone_from(sample),
-                None => self.unchecked_sample = Some(sample.clone()),
-            }
+        let (time_s, fingers) = (sample.time_s, [0, 1].map(|side| sample.finger(side)));
+        let (from_s, before) = self.last.unwrap_or((time_s, fingers));
+        while self.next_check_s <= time_s {
+            let fingers =
+                [0, 1].map(|side| interpolate([&before[side], &fingers[side]], [from_s, time_s], self.next_check_s));
+            self.check(self.next_check_s, &fingers);
+            self.next_check_s += self.interval_s;
         }
+        self.last = Some((time_s, fingers));
         Ok(())
     }
 }

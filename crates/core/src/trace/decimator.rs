@@ -1,8 +1,8 @@
 //! Decimation of a run: keeps the samples on a uniform grid, and every integrator step within an impact.
 //!
 //! Models emit every step that is shorter than the grid interval; free flight and settled contacts do not need that
-//! resolution. `phalanx run` evaluates its criteria on the decimated samples, so that a log yields the same results as
-//! the run itself.
+//! resolution. A run with a log evaluates its criteria on the decimated samples, so that the log yields the same results.
+//! A run without one has no samples on the grid, and its criteria may differ in the last digits.
 
 use super::grid::is_point;
 use super::{Event, RequiredData, Sample, Sink, SinkError};
@@ -14,8 +14,8 @@ const IMPACT_EXTENSION: f64 = 0.25;
 
 /// A sink that forwards selected samples of a run, at most two per sample, and all events.
 ///
-/// It keeps the first and the last sample, samples on the grid, all samples within an impact and the one before it, the
-/// sample after an event, and each sample at which a force or a penetration has a maximum larger than any kept before.
+/// If the sink does not need samples on the grid, all are forwarded. Otherwise it keeps the first and the last sample, samples on the grid, all samples within an impact and the one before it, the
+/// sample after an event, each crossing of a threshold, and each sample at which a force or a penetration has a maximum larger than any kept before.
 #[derive(Clone, Debug)]
 pub struct Decimated<S> {
     interval_s: f64,
@@ -24,28 +24,29 @@ pub struct Decimated<S> {
     latest: Option<Sample>,
     /// Whether `latest` has been emitted.
     is_emitted: bool,
+    /// Whether every sample is forwarded, because no sink needs the grid.
+    keeps_all: bool,
     after_event: bool,
     /// Largest emitted force and penetration of each contact.
     emitted_peaks: Vec<(f64, f64)>,
     pub sink: S,
 }
 
-impl<S> Decimated<S> {
-    /// Decimates a run to `numeric_hz` samples per second for `sink`.
+impl<S: Sink> Decimated<S> {
+    /// Decimates a run to `numeric_hz` samples per second for `sink`, unless the sink does not need samples on the grid.
     pub fn new(numeric_hz: f64, sink: S) -> Self {
         Decimated {
             interval_s: 1.0 / numeric_hz,
             impact_end_s: f64::NEG_INFINITY,
             latest: None,
             is_emitted: true,
+            keeps_all: !sink.required_data().grid,
             after_event: true,
             emitted_peaks: Vec::new(),
             sink,
         }
     }
-}
 
-impl<S: Sink> Decimated<S> {
     /// Forwards the last sample at the end of the run.
     pub fn end(&mut self) -> Result<(), SinkError> {
         let Some(latest) = self.latest.as_ref().filter(|_| !self.is_emitted) else {
@@ -100,11 +101,20 @@ impl<S: Sink> Sink for Decimated<S> {
             None => self.latest = Some(sample.clone()),
         }
         self.is_emitted = false;
-        if is_first || is_on_grid || self.after_event || now_s <= self.impact_end_s { self.end() } else { Ok(()) }
+        if is_first || is_on_grid || self.keeps_all || self.after_event || now_s <= self.impact_end_s {
+            self.end()
+        } else {
+            Ok(())
+        }
     }
 
     fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.sample(sample)
+    }
+
+    fn crossing(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.sample(sample)?;
+        self.end()
     }
 
     /// Keeps the sample before an event, and the next one, because rates can jump at the event; not at the onset of

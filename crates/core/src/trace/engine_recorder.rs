@@ -50,7 +50,7 @@ pub(super) struct EngineRecorderState {
 impl EngineRecorderState {
     /// Creates a recorder for a motion of a scene at its start.
     pub fn new(scene: &Scene, motion: &mut Motion, recording: RecordingOptions) -> Self {
-        let RecordingOptions { counts, span, ends_at_exit, required_data } = recording;
+        let RecordingOptions { counts, span, ends_at_exit, required_data, .. } = recording;
         let start_energy = stored_energy(motion);
         let flipped = reading::flipped_normals(scene);
         let trackers = vec![ContactTracker::default(); flipped.len()];

@@ -22,6 +22,28 @@ pub(super) fn bisect(rate: &mut dyn FnMut(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
+/// Part of a step to which crossings are located; beyond them forces are interpolated.
+const CROSSING_TOLERANCE: f64 = 1e-4;
+
+/// Returns the zero in [0, 1] of a value with these values of opposite sign at the ends (Illinois method).
+pub(super) fn find_crossing([at_start, at_end]: [f64; 2], value: &mut dyn FnMut(f64) -> f64) -> f64 {
+    let ((mut a, mut at_a), (mut b, mut at_b)) = ((0.0_f64, at_start), (1.0, at_end));
+    while (b - a).abs() > CROSSING_TOLERANCE {
+        let next = (a * at_b - b * at_a) / (at_b - at_a);
+        let (last, at_next) = (b, value(next));
+        if (at_next > 0.0) == (at_b > 0.0) {
+            at_a *= 0.5;
+        } else {
+            (a, at_a) = (b, at_b);
+        }
+        (b, at_b) = (next, at_next);
+        if (next - last).abs() < CROSSING_TOLERANCE {
+            break;
+        }
+    }
+    b
+}
+
 /// Returns position and value of the largest value of a smooth function on [0, 1], found by successive parabolic
 /// interpolation; the end values are given.
 pub(super) fn parabola_peak(at_start: f64, at_end: f64, value: &mut dyn FnMut(f64) -> f64) -> (f64, f64) {
@@ -82,13 +104,23 @@ impl<T> StepExtrema<T> {
     }
 }
 
-impl StepExtrema<()> {
+/// Why an instant within a step gets a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Reason {
+    #[default]
+    /// A force or a penetration exceeds all earlier ones.
+    Peak,
+    /// A force crosses the threshold of the criteria.
+    Crossing,
+}
+
+impl StepExtrema<Reason> {
     /// Adds a fraction of the step; the start of the step is ignored.
-    pub fn push(&mut self, theta: f64) {
+    pub fn push(&mut self, theta: f64, reason: Reason) {
         if theta >= 1.0 {
             self.at_end = true;
         } else if theta > 0.0 {
-            self.inside.push((theta, ()));
+            self.inside.push((theta, reason));
         }
     }
 }

@@ -36,6 +36,8 @@ pub(super) struct RecordingOptions {
     pub span: Span,
     /// Whether the run ends where the object leaves the reach of the fingers.
     pub ends_at_exit: bool,
+    /// Normal force below which the criteria of a gripper count a contact as lost, N.
+    pub threshold_n: Option<f64>,
     pub required_data: RequiredData,
 }
 
@@ -46,6 +48,7 @@ impl RecordingOptions {
             counts: Schema::from_scene(scene).counts(),
             span: Span::from_scene(scene),
             ends_at_exit: true,
+            threshold_n: (scene.finger_count() == 2).then_some(scene.thresholds.loss_force_n),
             required_data: sink.required_data(),
         }
     }

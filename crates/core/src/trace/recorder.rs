@@ -3,8 +3,10 @@
 use std::ops::Index;
 
 use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
-use super::extrema::{BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, StepExtrema, bisect, parabola_peak};
-use super::grid::{Grid, RecordingOptions};
+use super::extrema::{
+    BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, Reason, StepExtrema, bisect, find_crossing, parabola_peak,
+};
+use super::grid::{Grid, RecordingOptions, Span};
 use super::reading::Kernel;
 use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
@@ -98,7 +100,9 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     within: Sample,
     /// Time up to which samples have been emitted.
     emitted_s: f64,
-    peaks: StepExtrema<()>,
+    /// Normal force at whose crossings samples are emitted, N.
+    threshold_n: Option<f64>,
+    peaks: StepExtrema<Reason>,
     history: R::History,
 }
 
@@ -107,7 +111,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         kernel: &R,
         (start, mode): (&State<N, Z>, R::Mode),
         reach: Option<Reach>,
-        RecordingOptions { counts, span, required_data, .. }: RecordingOptions,
+        RecordingOptions { counts, span, required_data, threshold_n, .. }: RecordingOptions,
     ) -> Self {
         let [mut last, end, within] = [0; 3].map(|_| Sample::new(0.0, counts));
         let mut history = R::History::default();
@@ -117,7 +121,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         Self {
             required_data,
             is_refined: span.is_refined,
-            grid: Grid::new(span),
+            grid: Grid::new(if required_data.grid { span } else { Span::UNSAMPLED }),
             end_s: span.end_s,
             reach,
             ejected_s: None,
@@ -130,6 +134,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
             end,
             within,
             emitted_s: 0.0,
+            threshold_n,
             peaks: StepExtrema::default(),
             history,
         }
@@ -239,13 +244,19 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
 
     /// Emits samples at the extrema of the step before `theta`.
     fn emit_peaks(&mut self, interior: &mut Interior<'_, R::Mode, N, Z>, theta: f64) -> Result<(), SinkError> {
-        while let Some((theta_peak, ())) = self.state.peaks.next_before(theta) {
-            while self.state.peaks.next_at(theta_peak).is_some() {}
+        while let Some((theta_peak, reason)) = self.state.peaks.next_before(theta) {
+            let mut is_crossing = reason == Reason::Crossing;
+            while let Some(reason) = self.state.peaks.next_at(theta_peak) {
+                is_crossing |= reason == Reason::Crossing;
+            }
             let t = interior.time_s(theta_peak);
             if t > self.state.emitted_s && t < interior.step.t1 {
                 self.read_within(t, &interior.resolve(theta_peak), interior.mode);
                 update_summaries(&mut self.state.trackers, &self.state.within);
-                self.sink.extreme(&self.state.within)?;
+                match is_crossing {
+                    true => self.sink.crossing(&self.state.within)?,
+                    false => self.sink.extreme(&self.state.within)?,
+                }
             }
         }
         Ok(())
@@ -309,12 +320,12 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
             let summary = &mut tracker.summary;
             summary.update_max_penetration(-start.gap_m);
             if summary.update_max_penetration(-end.gap_m) {
-                self.state.peaks.push(1.0);
+                self.state.peaks.push(1.0, Reason::Peak);
             }
             if start.gap_rate_m_s < 0.0 && end.gap_rate_m_s > 0.0 {
                 let deepest = bisect(&mut |theta| -read(&tools.interpolate(theta)).gap_rate_m_s);
                 if summary.update_max_penetration(-read(&tools.resolve(deepest)).gap_m) {
-                    self.state.peaks.push(deepest);
+                    self.state.peaks.push(deepest, Reason::Peak);
                 }
             }
             // A damper makes the force jump at a touch-down, to its value just after the start of the step.
@@ -334,8 +345,16 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
                     peak = read(&tools.resolve(theta)).normal_n;
                 }
                 if summary.update_peak_force(peak) {
-                    self.state.peaks.push(theta.max(STEP_START));
+                    self.state.peaks.push(theta.max(STEP_START), Reason::Peak);
                 }
+            }
+            // A force that rises from zero counts from its start.
+            let is_above = |force_n: f64| self.state.threshold_n.is_some_and(|threshold_n| force_n > threshold_n);
+            if start.normal_n > 0.0 && is_above(start.normal_n) != is_above(end.normal_n) {
+                let threshold_n = self.state.threshold_n.unwrap_or_default();
+                let mut excess = |theta: f64| read(&tools.refine(theta)).normal_n - threshold_n;
+                let ends = [start.normal_n - threshold_n, end.normal_n - threshold_n];
+                self.state.peaks.push(find_crossing(ends, &mut excess), Reason::Crossing);
             }
         }
         self.state.peaks.sort();

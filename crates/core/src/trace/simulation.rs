@@ -121,6 +121,7 @@ impl Simulation {
             counts: schema.counts(),
             span: Span::UNSAMPLED,
             ends_at_exit: false,
+            threshold_n: None,
             // The analytic model computes the forces in joints when they are read.
             required_data: RequiredData { joint_forces: model == Model::Engine, ..RequiredData::NONE },
         };

@@ -26,12 +26,15 @@ pub struct RequiredData {
     /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps;
     /// otherwise only the ends of steps are used.
     pub peaks: bool,
+    /// Whether samples are needed on the grid. Otherwise the analytic model emits the ends of its steps; those of the
+    /// engine are too many.
+    pub grid: bool,
 }
 
 impl RequiredData {
-    pub const NONE: Self = Self { energies: false, joint_forces: false, passive: false, peaks: false };
-    pub const ALL: Self = Self { energies: true, joint_forces: true, passive: true, peaks: true };
-    /// Everything that evaluations of a run use: all but the forces in joints.
+    pub const NONE: Self = Self { energies: false, joint_forces: false, passive: false, peaks: false, grid: false };
+    pub const ALL: Self = Self { energies: true, joint_forces: true, passive: true, peaks: true, grid: true };
+    /// All but the forces in joints.
     pub const EVALUATION: Self = Self { joint_forces: false, ..Self::ALL };
 
     /// Returns the data that one of two sinks uses.
@@ -42,6 +45,7 @@ impl RequiredData {
             joint_forces: self.joint_forces || other.joint_forces,
             passive: self.passive || other.passive,
             peaks: self.peaks || other.peaks,
+            grid: self.grid || other.grid,
         }
     }
 }
@@ -63,6 +67,11 @@ pub trait Sink {
         Ok(())
     }
 
+    /// Receives a sample at which a normal force crosses the threshold of the criteria; by default like any sample.
+    fn crossing(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.sample(sample)
+    }
+
     /// Returns the data that the sink uses, by default everything; called once before a run. A sink that passes samples
     /// on must also pass on this request.
     fn required_data(&self) -> RequiredData {
@@ -79,7 +88,7 @@ pub trait Sink {
 /// A sink that discards everything, for runs whose outcome alone is used.
 impl Sink for () {
     fn required_data(&self) -> RequiredData {
-        RequiredData::EVALUATION
+        RequiredData { grid: false, ..RequiredData::EVALUATION }
     }
 
     fn sample(&mut self, _: &Sample) -> Result<(), SinkError> {

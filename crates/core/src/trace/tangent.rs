@@ -113,10 +113,8 @@ impl KernelUser for TangentRunner<'_> {
         let schema = Schema::from_scene(self.scene);
         let counts = schema.counts();
         let recording = RecordingOptions {
-            counts,
             span: Span { end_s: self.scene.duration_s, ..Span::UNSAMPLED },
-            ends_at_exit: true,
-            required_data: self.sink.required_data(),
+            ..RecordingOptions::of_run(self.scene, self.sink)
         };
         let times: Vec<f64> = self.times.iter().copied().chain([self.scene.duration_s]).collect();
         let mut tangent = Tangent::<M, N, Z, G>::new(&start, &schema, self.parameters, &times);
