@@ -97,7 +97,8 @@ fn single_fingers_that_no_scene_file_describes_run_in_the_engine() {
     assert!(slow_s > plain_s + 1e-5, "the no-load speed has no effect: {slow_s} {plain_s}");
     let pushing = finger_pushing_object();
     let (pushed, _) = run_engine(&pushing);
-    assert!(pushed.last.body(0).centre_m[0] - pushing.hand.grasped().centre_m[0] > 1e-4, "{:?}", pushed.last.body(0));
+    let travelled_m = (pushed.last.body(0).centre_m[0] - pushing.hand.grasped().centre_m[0]).abs();
+    assert!(travelled_m > 1e-3, "{:?}", pushed.last.body(0));
     for scene in [driven, pushing] {
         let error = run_analytic(&scene, &mut ()).expect_err("is rejected");
         assert!(error.to_string().contains("a single finger only on fixed surfaces"), "{error}");
