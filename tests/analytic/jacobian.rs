@@ -1,7 +1,7 @@
 //! Jacobians of the equations of motion against extrapolated central differences of their right-hand sides: of a finger
 //! on every branch of every law, with bristles, of grippers, and of hands beyond scene files.
 
-use phalanx::analytic::multibody::{MAX_GRASP_COORDINATES, Multibody, quadratures};
+use phalanx::analytic::multibody::{MAX_GRASP_COORDINATES, Multibody};
 use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Mode, Model, QUADRATURES};
 use phalanx::gripper::{self, FingerContact};
 use phalanx::integrator::{Linearised, Rates, State, System};
