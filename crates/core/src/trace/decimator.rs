@@ -14,8 +14,10 @@ const IMPACT_EXTENSION: f64 = 0.25;
 
 /// A sink that forwards selected samples of a run, at most two per sample, and all events.
 ///
-/// If the sink does not need samples on the grid, all are forwarded. Otherwise it keeps the first and the last sample, samples on the grid, all samples within an impact and the one before it, the
-/// sample after an event, each crossing of a threshold, and each sample at which a force or a penetration has a maximum larger than any kept before.
+/// If the sink does not need samples on the grid, all are forwarded. Otherwise it keeps the first and the last
+/// sample, samples on the grid, all samples within an impact and the one before it, the sample after an event, each
+/// crossing of a threshold, and each sample at which a force or a penetration has a maximum larger than any kept
+/// before.
 #[derive(Clone, Debug)]
 pub struct Decimated<S> {
     interval_s: f64,

@@ -349,12 +349,12 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
                 }
             }
             // A force that rises from zero counts from its start.
-            let is_above = |force_n: f64| self.state.threshold_n.is_some_and(|threshold_n| force_n > threshold_n);
-            if start.normal_n > 0.0 && is_above(start.normal_n) != is_above(end.normal_n) {
-                let threshold_n = self.state.threshold_n.unwrap_or_default();
-                let mut excess = |theta: f64| read(&tools.refine(theta)).normal_n - threshold_n;
+            if let Some(threshold_n) = self.state.threshold_n.filter(|_| start.normal_n > 0.0) {
                 let ends = [start.normal_n - threshold_n, end.normal_n - threshold_n];
-                self.state.peaks.push(find_crossing(ends, &mut excess), Reason::Crossing);
+                if (ends[0] > 0.0) != (ends[1] > 0.0) {
+                    let mut excess = |theta: f64| read(&tools.refine(theta)).normal_n - threshold_n;
+                    self.state.peaks.push(find_crossing(ends, &mut excess), Reason::Crossing);
+                }
             }
         }
         self.state.peaks.sort();
