@@ -1,8 +1,8 @@
 //! The analytic model of a gripper against an independent program (with stiction and a moving palm too), against the
 //! model of one finger, and against conservation laws.
 
-use phalanx::analytic::multibody::{Multibody, event_function_count, quadratures};
-use phalanx::analytic::{self, ContactReading, ContactState};
+use phalanx::analytic::multibody::{CONTACTS, EVENT_FUNCTIONS, GraspMode, Multibody, QUADRATURES};
+use phalanx::analytic::{ContactReading, ContactState};
 use phalanx::integrator::{
     End, Method, Observer, RadauOrRodas, Rates, Rodas5p, State, Step, StepTools, System as Equations, integrate,
 };
@@ -15,14 +15,6 @@ use crate::support::runs::{
     CollectSink, PHALANGES, assert_below, engineering_settings, experiment_95_with, options, reference_settings,
     run_to_end,
 };
-
-/// The model of a gripper: two fingers and an object.
-pub type GripperModel<const N: usize> = Multibody<N, CONTACTS>;
-pub type GripperMode = analytic::Mode<CONTACTS>;
-
-pub const CONTACTS: usize = HandContact::ALL.len();
-pub const QUADRATURES: usize = quadratures(CONTACTS);
-const EVENT_FUNCTIONS: usize = event_function_count(CONTACTS);
 
 /// Capacity of the model for coordinates: with a palm at rest, with a moving palm, and with internal states of bristles.
 const AT_REST: usize = 7;
@@ -42,13 +34,8 @@ struct StateRecorder<const N: usize> {
     events: Vec<(f64, usize, bool)>,
 }
 
-impl<const N: usize> Observer<N, QUADRATURES, GripperMode> for StateRecorder<N> {
-    fn step(
-        &mut self,
-        step: &Step<N, QUADRATURES>,
-        _: &GripperMode,
-        tools: &mut dyn StepTools<N, QUADRATURES>,
-    ) -> bool {
+impl<const N: usize> Observer<N, QUADRATURES, GraspMode> for StateRecorder<N> {
+    fn step(&mut self, step: &Step<N, QUADRATURES>, _: &GraspMode, tools: &mut dyn StepTools<N, QUADRATURES>) -> bool {
         while let Some(time) = self.times_s.get(self.states.len()).filter(|time| **time <= step.t1 + 1e-15) {
             let is_inside = *time < step.t1;
             self.states.push(if is_inside { tools.resolve((time - step.t0) / step.h) } else { *step.end });
@@ -56,7 +43,7 @@ impl<const N: usize> Observer<N, QUADRATURES, GripperMode> for StateRecorder<N> 
         true
     }
 
-    fn event(&mut self, t: f64, _: &GripperState<N>, contact: usize, mode: &GripperMode) {
+    fn event(&mut self, t: f64, _: &GripperState<N>, contact: usize, mode: &GraspMode) {
         self.events.push((t, contact, mode[contact].has_force()));
     }
 }
@@ -65,9 +52,9 @@ impl<const N: usize> Observer<N, QUADRATURES, GripperMode> for StateRecorder<N> 
 fn integrate_scene<const N: usize, K: Method<N, QUADRATURES>>(
     scene: &Scene,
     settings: &Integrator,
-    observer: &mut impl Observer<N, QUADRATURES, GripperMode>,
+    observer: &mut impl Observer<N, QUADRATURES, GraspMode>,
 ) -> End<N, QUADRATURES> {
-    let model = GripperModel::<N>::new(&scene.hand);
+    let model = Multibody::<N>::new(&scene.hand);
     let (start, duration_s) = (model.start(&scene.hand), scene.duration_s);
     let end = integrate::<N, QUADRATURES, EVENT_FUNCTIONS, _, K, _>(
         &model,
@@ -146,7 +133,7 @@ fn presets_agree_with_an_independent_program() {
     for letter in ["g", "h"] {
         let case = reference_case(letter);
         let (_, end) = assert_agrees_with_program::<STICTION>(&case, 5e-7);
-        let (model, hand) = (GripperModel::<STICTION>::new(&case.scene.hand), &case.scene.hand);
+        let (model, hand) = (Multibody::<STICTION>::new(&case.scene.hand), &case.scene.hand);
         // The reference cases list the two brakes after the contacts; the second brake has an entry even if one motor
         // drives both fingers.
         let brakes = if hand.differential.is_some() { [0, 2] } else { [0, 1] };
@@ -189,7 +176,7 @@ fn a_symmetric_gripper_stays_symmetric() {
         assert_below((q[0] - q[2]).abs().max((q[1] - q[3]).abs()).max(q[6].abs()), 1e-10, letter);
         assert_below(q[4].abs(), 1e-12, letter);
         assert!(samples.events.iter().any(|(_, contact, _)| *contact == 1), "{letter}: no distal contact");
-        let model = GripperModel::<AT_REST>::new(&case.scene.hand);
+        let model = Multibody::<AT_REST>::new(&case.scene.hand);
         let reading = |side, contact| {
             let index = HandContact::Finger(side, contact).index();
             model.contact_reading(&q, &v, index, ContactState::Active).expect("a contact")
@@ -263,7 +250,7 @@ fn a_heavy_object_converges_to_a_fixed_object() {
 #[test]
 fn energy_balances() {
     fn check<const N: usize>(case: &ReferenceCase, tolerance: f64) {
-        let model = GripperModel::<N>::new(&case.scene.hand);
+        let model = Multibody::<N>::new(&case.scene.hand);
         let stored = |state: &GripperState<N>| {
             let energies = model.energies(&state.q, &state.v);
             energies.kinetic + energies.gravity + energies.spring
@@ -283,7 +270,7 @@ fn energy_balances() {
 
 /// Force on the object and moment about its centre, summed over all contacts, and the sum of the magnitudes of all
 /// contact forces. The contact readings give the opposite forces.
-fn contact_wrench(model: &GripperModel<AT_REST>, state: &GripperState<AT_REST>, mode: &GripperMode) -> ([f64; 3], f64) {
+fn contact_wrench(model: &Multibody<AT_REST>, state: &GripperState<AT_REST>, mode: &GraspMode) -> ([f64; 3], f64) {
     let (mut sum, mut force_sum) = ([0.0; 3], 0.0);
     for index in (0..CONTACTS).filter(|contact| !HandContact::ALL[*contact].is_stop()) {
         let Some(reading) = model.contact_reading(&state.q, &state.v, index, mode[index]) else { continue };
@@ -304,7 +291,7 @@ const WRENCH_SCALE: [f64; 3] = [1.0, 1.0, 0.02];
 /// Integrates the contact forces on the object by Simpson's rule over every step, and compares them with its
 /// acceleration.
 struct MomentumBalance<'a> {
-    model: &'a GripperModel<AT_REST>,
+    model: &'a Multibody<AT_REST>,
     inertia: [f64; 3],
     weight: [f64; 3],
     transferred: [f64; 3],
@@ -315,11 +302,11 @@ struct MomentumBalance<'a> {
     largest_force: f64,
 }
 
-impl Observer<AT_REST, QUADRATURES, GripperMode> for MomentumBalance<'_> {
+impl Observer<AT_REST, QUADRATURES, GraspMode> for MomentumBalance<'_> {
     fn step(
         &mut self,
         step: &Step<AT_REST, QUADRATURES>,
-        mode: &GripperMode,
+        mode: &GraspMode,
         tools: &mut dyn StepTools<AT_REST, QUADRATURES>,
     ) -> bool {
         let middle = tools.resolve(0.5);
@@ -338,7 +325,7 @@ impl Observer<AT_REST, QUADRATURES, GripperMode> for MomentumBalance<'_> {
         true
     }
 
-    fn event(&mut self, _: f64, _: &GripperState<AT_REST>, _: usize, _: &GripperMode) {}
+    fn event(&mut self, _: f64, _: &GripperState<AT_REST>, _: usize, _: &GraspMode) {}
 }
 
 /// The impulse of contacts and gravity equals the change of the momentum and angular momentum of the object.
@@ -346,7 +333,7 @@ impl Observer<AT_REST, QUADRATURES, GripperMode> for MomentumBalance<'_> {
 fn momentum_of_the_object_balances() {
     for case in cases_at_rest() {
         let (scene, name) = (&case.scene, &case.name);
-        let model = GripperModel::<AT_REST>::new(&scene.hand);
+        let model = Multibody::<AT_REST>::new(&scene.hand);
         let ObjectMotion::Free { mass_kg, inertia_kg_m2, .. } = scene.hand.grasped().motion else {
             panic!("the object is fixed")
         };

@@ -1,14 +1,15 @@
 //! Jacobians of the equations of motion against extrapolated central differences of their right-hand sides: of a finger
 //! on every branch of every law, with bristles, of grippers, and of hands beyond scene files.
 
-use phalanx::analytic::multibody::{MAX_GRASP_COORDINATES, Multibody};
-use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Mode, Model, QUADRATURES};
+use phalanx::analytic::multibody::{
+    CONTACTS, GraspMode, MAX_GRASP_COORDINATES, Multibody, QUADRATURES as GRIPPER_QUADRATURES,
+};
+use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Model, QUADRATURES};
 use phalanx::gripper::{self, FingerContact};
 use phalanx::integrator::{Linearised, Rates, State, System};
 use phalanx::law::unclamped_normal_force;
 use phalanx::scene::{Axis, Interpolation, Move, Placement, Profile, Scene, Spring, SpringKind};
 
-use super::gripper::{CONTACTS, GripperModel, QUADRATURES as GRIPPER_QUADRATURES};
 use super::hands_in_code;
 use crate::support::reference_cases::reference_case;
 use crate::support::runs::{
@@ -353,7 +354,7 @@ fn grippers_at_rest() {
             SpringKind::Torsional { stiffness_n_m_per_rad: 0.08, preload_rad: 1.0 };
         hand.table.iter_mut().for_each(|table| table.level_m = 0.0399);
         hand.differential.iter_mut().for_each(|input| input.motor.no_load_speed_rad_s = Some(300.0));
-        let model = GripperModel::<7>::new(&hand);
+        let model = Multibody::<7>::new(&hand);
         let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02];
         let v = [12.0, -7.0, 9.0, 5.0, 0.3, -0.2, 4.0];
         let has_force = |index: &usize| model.contact_reading(&q, &v, *index, Active).is_some();
@@ -382,7 +383,7 @@ fn a_gripper_on_a_moving_palm() {
     hand.table.as_mut().expect("a table").level_m = y + angle.sin() * q[4] + angle.cos() * q[5] + 0.01998;
     assert!(x != 0.0);
     let v = [4e-3, -7.0, -6e-3, 5.0, 0.3, 0.2, 4.0, 1.0];
-    let model = GripperModel::<8>::new(&hand);
+    let model = Multibody::<8>::new(&hand);
     let equations = Equations::<_, 8, GRIPPER_QUADRATURES> { hand: &model, mode: [Active; CONTACTS].into(), t, q, v };
     assert!(equations.outputs(Variable::Time, 0.0)[8 + 7] > 0.0, "the table is in contact");
     let h = |variable| match variable {
@@ -404,17 +405,17 @@ fn a_gripper_on_a_moving_palm() {
 #[test]
 fn hands_with_active_contacts() {
     for (name, scene) in hands_in_code::cases() {
-        check_hand::<MAX_GRASP_COORDINATES, CONTACTS, GRIPPER_QUADRATURES>(name, &scene);
+        check_hand(name, &scene);
     }
 }
 
-fn check_hand<const N: usize, const C: usize, const Z: usize>(name: &str, scene: &Scene) {
+fn check_hand(name: &str, scene: &Scene) {
     let (_, log) = run_to_end(&with_reference_settings(scene));
     let strong_contacts =
         |sample: &&phalanx::trace::Sample| sample.contacts().filter(|contact| contact.normal_n > 0.1).count();
     let sample = log.samples.iter().max_by_key(strong_contacts).expect("samples");
-    let model = Multibody::<N, C>::new(&scene.hand);
-    let State { mut q, mut v, .. }: State<N, Z> = model.start(&scene.hand);
+    let model = Multibody::<MAX_GRASP_COORDINATES>::new(&scene.hand);
+    let State { mut q, mut v, .. } = model.start(&scene.hand);
     for (index, finger) in sample.fingers().enumerate() {
         q[2 * index..][..2].copy_from_slice(&[finger.q11_rad, finger.q21_rad]);
         v[2 * index..][..2].copy_from_slice(&[finger.qd11_rad_s, finger.qd21_rad_s]);
@@ -429,11 +430,11 @@ fn check_hand<const N: usize, const C: usize, const Z: usize>(name: &str, scene:
     let t = sample.time_s;
     if scene.hand.palm_motion.is_some() {
         // The index of time is the only rate of 1 at the start.
-        let time = model.start::<Z>(&scene.hand).v.iter().position(|rate| *rate == 1.0).expect("time");
+        let time = model.start(&scene.hand).v.iter().position(|rate| *rate == 1.0).expect("time");
         q[time] = t;
     }
-    let mut mode = Mode::<C>::FREE;
-    let active = (0..model.contact_count()).filter(|index| sample.contact(*index).normal_n > 0.0);
+    let mut mode = GraspMode::FREE;
+    let active = (0..CONTACTS).filter(|index| sample.contact(*index).normal_n > 0.0);
     let active_contacts = active.map(|index| mode[index] = Active).count();
     assert!(active_contacts > usize::from(!name.ends_with("no object")), "{name}: {active_contacts} contacts");
     // The steps of coordinates are a fraction of the penetration.
@@ -442,6 +443,6 @@ fn check_hand<const N: usize, const C: usize, const Z: usize>(name: &str, scene:
         let noise = 2e-15 * entry.value.abs().max(entry.row_size) / entry.h;
         2e-5 * entry.row_size + 30.0 * noise
     };
-    let equations = Equations::<_, N, Z> { hand: &model, mode, t, q, v };
+    let equations = Equations::<_, MAX_GRASP_COORDINATES, GRIPPER_QUADRATURES> { hand: &model, mode, t, q, v };
     equations.check(name, 2, |variable| [0.0, 2e-11, rate_step][variable.kind()], allowed);
 }

@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use phalanx::analytic::multibody::Multibody;
+use phalanx::analytic::multibody::{CONTACTS, GraspMode, Multibody};
 use phalanx::analytic::{Mode, Model, QUADRATURES};
 use phalanx::integrator::{Hybrid, State};
 use phalanx::scene::{Integrator, Profile, Scene, parse_any};
@@ -11,10 +11,7 @@ use phalanx::shape::max_radius;
 use crate::equations::{Equations, InitialValueProblem};
 use crate::support::problem::TORQUE_STEP;
 
-/// Contacts, quadratures and event functions of a gripper with one object.
-const CONTACTS: usize = 8;
-pub const GRIPPER_QUADRATURES: usize = 10;
-pub const GRIPPER_EVENTS: usize = 24;
+pub use phalanx::analytic::multibody::{EVENT_FUNCTIONS as GRIPPER_EVENTS, QUADRATURES as GRIPPER_QUADRATURES};
 
 /// Coordinates of a gripper with a free object, and with a moving palm and bristles as well.
 pub const GRIPPER: usize = 7;
@@ -68,11 +65,11 @@ pub fn finger(member: usize) -> Case<Model, Mode<3>, 2, QUADRATURES> {
     }
 }
 
-type GripperCase<const N: usize> = Case<Multibody<N, CONTACTS>, Mode<CONTACTS>, N, GRIPPER_QUADRATURES>;
+type GripperCase<const N: usize> = Case<Multibody<N>, GraspMode, N, GRIPPER_QUADRATURES>;
 
 fn gripper_of<const N: usize>(scene: &Scene) -> GripperCase<N> {
-    let kernel = Multibody::<N, CONTACTS>::new(&scene.hand);
-    let bristles = (0..kernel.contact_count()).filter_map(|contact| kernel.bristle_index(contact));
+    let kernel = Multibody::<N>::new(&scene.hand);
+    let bristles = (0..CONTACTS).filter_map(|contact| kernel.bristle_index(contact));
     let brakes = (0..2).filter_map(|drive| kernel.brake_bristle_index(drive));
     let object = scene.object().unwrap_or_else(|| panic!("the scene has no object"));
     Case {

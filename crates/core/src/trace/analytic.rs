@@ -55,15 +55,14 @@ pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Ou
     }
 }
 
-/// Two fingers, which have eight contacts with their object, palm and table: 4, 7 or 8 coordinates, or 16 with bristle
-/// states.
+/// Two fingers with their object, palm and table: 4, 7 or 8 coordinates, or 16 with bristle states.
 fn build_gripper<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     let hand = &scene.hand;
     match (hand.moving_object().is_some(), hand.palm_motion.is_some(), hand.bristle_count()) {
-        (false, false, 0) => build_multibody::<4, 8, 10, 24, U>(scene, user),
-        (true, false, 0) => build_multibody::<7, 8, 10, 24, U>(scene, user),
-        (true, true, 0) => build_multibody::<8, 8, 10, 24, U>(scene, user),
-        (.., 0..=MAX_GRASP_BRISTLES) => build_multibody::<MAX_GRASP_COORDINATES, 8, 10, 24, U>(scene, user),
+        (false, false, 0) => build_multibody::<4, U>(scene, user),
+        (true, false, 0) => build_multibody::<7, U>(scene, user),
+        (true, true, 0) => build_multibody::<8, U>(scene, user),
+        (.., 0..=MAX_GRASP_BRISTLES) => build_multibody::<MAX_GRASP_COORDINATES, U>(scene, user),
         (.., bristles) => {
             let reason = format!(
                 "contacts and brakes have {bristles} bristles; the analytic model takes up to {MAX_GRASP_BRISTLES}: remove some, \
@@ -100,12 +99,9 @@ fn build_finger<const N: usize, const W: usize, U: KernelUser>(scene: &Scene, us
     Ok(user.use_kernel::<_, N, QUADRATURES, EVENT_FUNCTIONS>(start))
 }
 
-/// A hand of up to N coordinates and C contacts, with Z quadratures and G event functions.
-fn build_multibody<const N: usize, const C: usize, const Z: usize, const G: usize, U: KernelUser>(
-    scene: &Scene,
-    user: U,
-) -> Result<U::Output, RunError> {
-    let kernel = Multibody::<N, C>::new(&scene.hand);
-    let (state, reach) = (kernel.start::<Z>(&scene.hand), Reach::from_hand(&scene.hand));
-    Ok(user.use_kernel::<_, N, Z, G>(Start { kernel, state, settings: scene.integrator, reach }))
+/// A hand of up to N coordinates.
+fn build_multibody<const N: usize, U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
+    let kernel = Multibody::<N>::new(&scene.hand);
+    let (state, reach) = (kernel.start(&scene.hand), Reach::from_hand(&scene.hand));
+    Ok(user.use_kernel(Start { kernel, state, settings: scene.integrator, reach }))
 }

@@ -4,10 +4,8 @@
 use std::ops::Index;
 
 use super::{BodyState, ContactSample, Energy, FingerContact, FingerState, Reach, RequiredData, Sample};
-use crate::analytic::multibody::{Multibody, kinematics_of};
-use crate::analytic::{
-    ContactReading, ContactState, Energies, FingerMode, FingerMotion, Mode, PassiveJoints, QUADRATURES,
-};
+use crate::analytic::multibody::{CONTACTS, GraspMode, Multibody, QUADRATURES as GRASP_QUADRATURES, kinematics_of};
+use crate::analytic::{ContactReading, ContactState, Energies, FingerMode, FingerMotion, PassiveJoints, QUADRATURES};
 use crate::drive::Profile;
 use crate::integrator::{Hybrid, State, System};
 use crate::scene::Integrator;
@@ -155,15 +153,12 @@ where
     }
 }
 
-impl<const N: usize, const C: usize, const Z: usize> Kernel<N, Z> for Multibody<N, C>
-where
-    Self: System<N, Z, Mode = Mode<C>>,
-{
+impl<const N: usize> Kernel<N, GRASP_QUADRATURES> for Multibody<N> {
     type History = ();
 
     fn read(
         &self,
-        (state, mode): (&State<N, Z>, &Mode<C>),
+        (state, mode): (&State<N, GRASP_QUADRATURES>, &GraspMode),
         start: &Energy,
         required_data: RequiredData,
         (): &mut (),
@@ -221,26 +216,32 @@ where
         sample.set_energy(&match required_data.energies {
             true => {
                 let energies = model.energies_in_pose(&terms, (q, v), |contact| sample.contact(contact).gap_m);
-                stored_energy(&energies).relative_to(start, z[C], z[C + 1])
+                stored_energy(&energies).relative_to(start, z[CONTACTS], z[CONTACTS + 1])
             }
             false => Energy::default(),
         });
     }
 
-    fn is_slipping(&self, index: usize, mode: &Mode<C>) -> Option<bool> {
+    fn is_slipping(&self, index: usize, mode: &GraspMode) -> Option<bool> {
         mode.is_slipping(index).filter(|_| self.has_stiction(index))
     }
 
     fn contact_count(&self) -> usize {
-        C
+        CONTACTS
     }
 
-    fn contact(&self, state: &State<N, Z>, index: usize, mode: &Mode<C>) -> ContactSample {
+    fn contact(&self, state: &State<N, GRASP_QUADRATURES>, index: usize, mode: &GraspMode) -> ContactSample {
         let reading = self.contact_reading(&state.q, &state.v, index, mode[index]);
         contact_sample(reading.as_ref(), state.z[index])
     }
 
-    fn set_input(&mut self, index: usize, input: Profile, _: f64, _: (&mut State<N, Z>, &mut Mode<C>)) {
+    fn set_input(
+        &mut self,
+        index: usize,
+        input: Profile,
+        _: f64,
+        _: (&mut State<N, GRASP_QUADRATURES>, &mut GraspMode),
+    ) {
         self.set_actuation(index, input);
     }
 }

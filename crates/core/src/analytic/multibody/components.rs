@@ -1,21 +1,20 @@
 //! Constant data of fingers, object and contacts, and the coordinates that they depend on.
 
+use super::GraspMode;
 use crate::analytic::finger::FingerModel;
-use crate::analytic::mode::{ContactLaws, Mode};
+use crate::analytic::mode::ContactLaws;
 use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::scene::{Brake, Motor, Object, ObjectMotion, Profile, Side};
 use crate::shape::Shape;
 
-/// Constant data of a finger, and indices of its contacts.
+/// Constant data of a finger.
 #[derive(Clone, Debug)]
 pub(crate) struct FingerComponent {
     pub side: Side,
     pub model: FingerModel,
     pub inertial_load: InertialForces,
-    /// Indices of the finger's contacts among all contacts.
-    pub contacts: Vec<usize>,
 }
 
 /// The object. Masses and their inverses are 0 if it is fixed.
@@ -88,7 +87,7 @@ impl ContactModel {
 
     /// Returns the laws if the contact, with this index, has a force in this mode.
     #[inline(always)]
-    pub fn laws<const C: usize>(&self, mode: &Mode<C>, index: usize) -> Option<ContactLaws<'_>> {
+    pub fn laws(&self, mode: &GraspMode, index: usize) -> Option<ContactLaws<'_>> {
         ContactLaws::in_mode(mode, index, (&self.normal, self.friction.as_ref()))
     }
 

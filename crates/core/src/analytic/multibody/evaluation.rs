@@ -5,13 +5,13 @@ use super::components::{
     object_indices, object_time_indices, phalanx_indices, scatter,
 };
 use super::contact_kinematics::{ContactForces, ContactKinematics, WithDerivatives, contact_forces_with_derivatives};
-use super::forces::{ActiveContact, LoadSums};
+use super::forces::{ActiveContact, CONTACT_WORK, DRIVE_WORK, LoadSums};
 use super::frame::{Inertia, InertialField, Inverse, inertial_force};
 use super::model::{FingerTerms, Multibody};
-use super::{FINGERS, contact_kinematics, frame, normal_force_on_branch};
+use super::{FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame, normal_force_on_branch};
 use crate::analytic::ContactState;
 use crate::analytic::finger::{FingerKinematics, FingerModel, Geometry, PassiveJoints};
-use crate::analytic::mode::{Mode, StateRef, row_dot};
+use crate::analytic::mode::{StateRef, row_dot};
 use crate::analytic::model::{ContactReading, Energies};
 use crate::fivebar::dynamics::{AccelerationField, Terms, absolute_rates};
 use crate::integrator::Linearised;
@@ -26,7 +26,7 @@ pub(crate) fn kinematics_of(terms: &Terms<f64>) -> FingerKinematics {
     (terms.pose, terms.rates)
 }
 
-impl<const N: usize, const C: usize> Multibody<N, C> {
+impl<const N: usize> Multibody<N> {
     /// Pose of a finger with its passive rates.
     #[inline(always)]
     pub(super) fn finger_kinematics(&self, finger: usize, q: &[f64; N]) -> FingerKinematics {
@@ -125,12 +125,12 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         [0, 1].map(|finger| self.fingers[finger].model.terms(Self::finger_coordinates(finger, q)))
     }
 
-    fn inertia(&self, terms: &FingerTerms) -> Inertia<'_, N, C> {
+    fn inertia(&self, terms: &FingerTerms) -> Inertia<'_, N> {
         Inertia::new(self, map_array(*terms, |terms| terms.mass))
     }
 
     /// Inverse of the mass matrix at these coordinates.
-    pub(super) fn inverse(&self, q: &[f64; N]) -> Inverse<'_, N, C> {
+    pub(super) fn inverse(&self, q: &[f64; N]) -> Inverse<'_, N> {
         self.inertia(&self.terms(q)).inverse()
     }
 
@@ -292,9 +292,9 @@ impl<const N: usize> KinematicsUser<N> for MotionAt<'_, N> {
 }
 
 /// Loads on all coordinates, in place of accelerations, and rates of all quadratures, with their derivatives.
-struct DerivativeSums<'a, const N: usize, const Z: usize>(&'a mut Linearised<N, Z>);
+struct DerivativeSums<'a, const N: usize>(&'a mut Linearised<N, QUADRATURES>);
 
-impl<const N: usize, const Z: usize> DerivativeSums<'_, N, Z> {
+impl<const N: usize> DerivativeSums<'_, N> {
     /// Adds inertial forces on coordinates from `first` on, and their work, with their time derivatives and those by
     /// the same coordinates and their rates: `by_q[i][j]` is the derivative of force i by coordinate j.
     #[inline(always)]
@@ -305,7 +305,7 @@ impl<const N: usize, const Z: usize> DerivativeSums<'_, N, Z> {
         [force, by_time]: [[f64; K]; 2],
         [by_q, by_v]: [[[f64; K]; K]; 2],
     ) {
-        let work = Self::DRIVE_WORK;
+        let work = DRIVE_WORK;
         for i in 0..K {
             let row = first + i;
             self.0.rates.a[row] += force[i];
@@ -323,7 +323,7 @@ impl<const N: usize, const Z: usize> DerivativeSums<'_, N, Z> {
     }
 }
 
-impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<'_, N, Z> {
+impl<const N: usize> LoadSums<N> for DerivativeSums<'_, N> {
     type Angles = Dual<2>;
     type Positions<const P: usize> = Dual<P>;
 
@@ -387,7 +387,7 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<'_, N, Z>
     ) {
         let forces: ContactForces<WithDerivatives<P, K>, K> =
             contact_forces_with_derivatives(kinematics, rates, bristle_state, laws);
-        let (bristle_index, contact_work) = (contact.bristle_index, Self::CONTACT_WORK);
+        let (bristle_index, contact_work) = (contact.bristle_index, CONTACT_WORK);
         for (load, (row, sign)) in forces.load.iter().zip(indices) {
             if *row < N {
                 self.0.rates.a[*row] += sign * load.value;
@@ -426,7 +426,7 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<'_, N, Z>
         self.0.rates.a[bristle] += brake.bristle_rate;
         self.0.a_t[bristle] += brake.gain * brake.shaft.by_time;
         self.0.a_v[bristle][bristle] += brake.gain * brake.by_bristle;
-        self.0.g_v[Self::CONTACT_WORK][bristle] += brake.by_bristle * brake.shaft.rate;
+        self.0.g_v[CONTACT_WORK][bristle] += brake.by_bristle * brake.shaft.rate;
         for (i, weight) in weights.into_iter().enumerate() {
             self.0.a_v[2 * i][bristle] += weight * brake.by_bristle;
             self.0.a_v[bristle][2 * i] += weight * brake.gain * brake.shaft.by_rate;
@@ -434,7 +434,7 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for DerivativeSums<'_, N, Z>
     }
 
     fn add_table_work(&mut self, time: usize) {
-        let work = Self::DRIVE_WORK;
+        let work = DRIVE_WORK;
         self.0.rates.g[work] -= self.0.rates.a[time];
         for j in 0..N {
             self.0.g_q[work][j] -= self.0.a_q[time][j];
@@ -484,14 +484,14 @@ fn finger_terms(model: &FingerModel, (q, v): ([f64; 2], [f64; 2])) -> (Terms<Dua
     (terms, load, by_rates)
 }
 
-impl<const N: usize, const C: usize> Multibody<N, C> {
+impl<const N: usize> Multibody<N> {
     /// Accelerations, and their derivatives with respect to coordinates, rates and time.
-    pub(super) fn jacobian<const Z: usize>(
+    pub(super) fn jacobian(
         &self,
         t: f64,
         state: StateRef<'_, N>,
-        mode: &Mode<C>,
-        linearised: &mut Linearised<N, Z>,
+        mode: &GraspMode,
+        linearised: &mut Linearised<N, QUADRATURES>,
     ) {
         linearised.clear(Self::POSITIONS);
         let mut sums = DerivativeSums(linearised);

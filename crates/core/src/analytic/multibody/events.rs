@@ -6,7 +6,7 @@ use super::components::ContactModel;
 use super::contact_kinematics::ContactKinematics;
 use super::evaluation::ContactMotion;
 use super::model::Multibody;
-use super::{FINGERS, event_function_count, first_impact_step};
+use super::{CONTACTS, EVENT_FUNCTIONS, FINGERS, GraspMode, QUADRATURES, first_impact_step};
 use crate::analytic::ContactState;
 use crate::analytic::finger::FingerKinematics;
 use crate::analytic::mode::{ContactVariables, EventTolerances, Mode, StateRef, row_dot};
@@ -16,7 +16,7 @@ use crate::integrator::{EventFunction, EventSet, Hybrid, System};
 use crate::numeric::map_array;
 use crate::numeric::plane::{cross, dot};
 
-impl<const N: usize, const C: usize> Multibody<N, C> {
+impl<const N: usize> Multibody<N> {
     /// State of a contact, with its laws; `None` where the scene has no such contact.
     #[inline(always)]
     fn contact_variables(
@@ -116,16 +116,15 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 }
 
-impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z, G> for Multibody<N, C> {
+impl<const N: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for Multibody<N> {
     fn next_discontinuity(&self, t: f64) -> f64 {
         self.next_time_discontinuity(t)
     }
 
     #[inline(always)]
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> EventSet<N, G> {
-        const { assert!(G == event_function_count(C)) };
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> EventSet<N, EVENT_FUNCTIONS> {
         let all_finger_kinematics = self.all_finger_kinematics(q);
-        let functions = mode.event_functions(self.contacts.len(), &EventTolerances::GRASP, |index| {
+        let functions = mode.event_functions(CONTACTS, &EventTolerances::GRASP, |index| {
             let finger_kinematics = |finger: usize| all_finger_kinematics[finger];
             match mode[index].has_force() {
                 true => self.contact_variables((q, v), finger_kinematics, index),
@@ -137,58 +136,64 @@ impl<const N: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z
     }
 
     #[inline(always)]
-    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, event: usize) -> EventFunction<N> {
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode, event: usize) -> EventFunction<N> {
         let finger_kinematics = |finger: usize| self.finger_kinematics(finger, q);
-        let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % C);
+        let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % CONTACTS);
         mode.event_function(event, &EventTolerances::GRASP, contact)
     }
 
     #[inline(always)]
-    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, requested: &[bool; G]) -> [f64; G] {
+    fn event_values(
+        &self,
+        q: &[f64; N],
+        v: &[f64; N],
+        mode: &GraspMode,
+        requested: &[bool; EVENT_FUNCTIONS],
+    ) -> [f64; EVENT_FUNCTIONS] {
         let all_finger_kinematics = [const { OnceCell::new() }; FINGERS];
         let finger_kinematics =
             |finger: usize| *all_finger_kinematics[finger].get_or_init(|| self.finger_kinematics(finger, q));
-        let mut values = [f64::NAN; G];
-        for event in (0..G).filter(|event| requested[*event]) {
-            let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % C);
+        let mut values = [f64::NAN; EVENT_FUNCTIONS];
+        for event in (0..EVENT_FUNCTIONS).filter(|event| requested[*event]) {
+            let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % CONTACTS);
             values[event] = mode.event_function(event, &EventTolerances::GRASP, contact).value;
         }
         values
     }
 
-    fn event_tolerance(&self, event: usize, mode: &Mode<C>) -> f64 {
-        let contact = self.contacts.get(event % C).and_then(|contact| contact.as_ref());
+    fn event_tolerance(&self, event: usize, mode: &GraspMode) -> f64 {
+        let contact = self.contacts[event % CONTACTS].as_ref();
         contact.map_or(0.0, |contact| {
             mode.event_tolerance(event, &contact.normal, contact.friction.as_ref(), &EventTolerances::GRASP)
         })
     }
 
-    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Mode<C> {
-        mode.after_event(event, self.variables_at(q, v, event % C))
+    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> GraspMode {
+        mode.after_event(event, self.variables_at(q, v, event % CONTACTS))
     }
 
     fn is_reported(&self, event: usize) -> bool {
-        event < C
+        event < CONTACTS
     }
 
-    fn mode_after_step(&self, functions: &[EventFunction<N>; G], mode: &Mode<C>) -> Option<Mode<C>> {
+    fn mode_after_step(&self, functions: &[EventFunction<N>; EVENT_FUNCTIONS], mode: &GraspMode) -> Option<GraspMode> {
         mode.with_separated_contacts(functions)
     }
 
-    fn with_clamped_law(&self, event: usize, mode: &Mode<C>) -> Mode<C> {
+    fn with_clamped_law(&self, event: usize, mode: &GraspMode) -> GraspMode {
         mode.with_clamped_law(event)
     }
 
-    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Mode<C> {
-        let accelerations = |mode: &Mode<C>| <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
+    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> GraspMode {
+        let accelerations = |mode: &GraspMode| self.rates(t, q, v, mode).a;
         Mode::at_state(&EventTolerances::GRASP, |index| self.variables_at(q, v, index), accelerations)
     }
 
-    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Option<f64> {
-        if mode[event % C] != ContactState::Active {
+    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> Option<f64> {
+        if mode[event % CONTACTS] != ContactState::Active {
             return None;
         }
-        let ContactVariables { law, rate, normal_row, .. } = self.variables_at(q, v, event % C)?;
+        let ContactVariables { law, rate, normal_row, .. } = self.variables_at(q, v, event % CONTACTS)?;
         let mobility = row_dot(&normal_row, &self.inverse(q).solve(&normal_row));
         // The mobility is 0 for a fixed object on a plane.
         (mobility > 0.0).then(|| first_impact_step(law, rate.abs(), 1.0 / mobility))

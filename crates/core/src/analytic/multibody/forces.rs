@@ -7,9 +7,9 @@ use super::components::{
 use super::contact_kinematics::ContactKinematics;
 use super::frame::{Inertia, InertialField, inertial_force};
 use super::model::{FingerTerms, Multibody};
-use super::{FINGERS, contact_kinematics, frame, quadratures};
+use super::{CONTACTS, FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame};
 use crate::analytic::finger::FingerModel;
-use crate::analytic::mode::{ContactLaws, Mode, StateRef};
+use crate::analytic::mode::{ContactLaws, StateRef};
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
@@ -17,8 +17,13 @@ use crate::numeric::Real;
 use crate::scene::HandContact;
 use crate::shape::PlacedShape;
 
+/// Index of the quadrature for the work of all contacts and brakes.
+pub(super) const CONTACT_WORK: usize = CONTACTS;
+/// Index of the quadrature for the work of motors and palm.
+pub(super) const DRIVE_WORK: usize = CONTACTS + 1;
+
 /// Sums of all loads and quadrature rates, plain ([`Loads`]) or with derivatives, which [`Assembly`] fills.
-pub(super) trait LoadSums<const N: usize, const Z: usize> {
+pub(super) trait LoadSums<const N: usize> {
     /// Number that depends on the two angles of a finger.
     type Angles: Real;
     /// Number that depends on the P positions of a contact.
@@ -26,11 +31,6 @@ pub(super) trait LoadSums<const N: usize, const Z: usize> {
 
     /// Whether the contacts of a grasp are written out, so that every index is a constant.
     const UNROLLED: bool;
-
-    /// Index of the quadrature for the work of all contacts and brakes.
-    const CONTACT_WORK: usize = Z - 2;
-    /// Index of the quadrature for the work of motors and palm.
-    const DRIVE_WORK: usize = Z - 1;
 
     /// Position of a contact with this index; a constant for an index that is not below P.
     fn position<const P: usize>(value: f64, index: usize) -> Self::Positions<P>;
@@ -87,14 +87,14 @@ pub(super) trait LoadSums<const N: usize, const Z: usize> {
 pub(super) type ActiveContact<'a> = (usize, &'a ContactModel, ContactLaws<'a>);
 
 /// Loads on all coordinates and rates of all quadratures.
-struct Loads<'a, const N: usize, const Z: usize> {
+struct Loads<'a, const N: usize> {
     load: [f64; N],
-    g: [f64; Z],
+    g: [f64; QUADRATURES],
     /// Terms of the fingers, if they are already evaluated.
     terms: Option<&'a FingerTerms>,
 }
 
-impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
+impl<const N: usize> LoadSums<N> for Loads<'_, N> {
     type Angles = f64;
     type Positions<const P: usize> = f64;
 
@@ -130,7 +130,7 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
         let link_rates = absolute_rates(&terms.rates, rates);
         let inertial = component.inertial_load.forces(&terms.pose, &terms.rates, link_rates, &field);
         (0..2).for_each(|i| self.load[2 * finger + i] += inertial[i]);
-        self.g[Self::DRIVE_WORK] += inertial[0] * rates[0] + inertial[1] * rates[1];
+        self.g[DRIVE_WORK] += inertial[0] * rates[0] + inertial[1] * rates[1];
     }
 
     #[inline(always)]
@@ -148,7 +148,7 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
             }
         }
         self.g[index] += forces.normal;
-        self.g[Self::CONTACT_WORK] += forces.power;
+        self.g[CONTACT_WORK] += forces.power;
         if let Some(bristle_index) = contact.bristle_index {
             self.load[bristle_index] += forces.bristle_rate;
         }
@@ -167,7 +167,7 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
 
     #[inline(always)]
     fn add_table_work(&mut self, time: usize) {
-        self.g[Self::DRIVE_WORK] -= self.load[time];
+        self.g[DRIVE_WORK] -= self.load[time];
     }
 
     #[inline(always)]
@@ -190,7 +190,7 @@ impl<const N: usize, const Z: usize> LoadSums<N, Z> for Loads<'_, N, Z> {
     ) {
         let inertial = inertial_force(object, &field.field, pose, rates);
         (0..3).for_each(|i| self.load[first + i] += inertial[i]);
-        self.g[Self::DRIVE_WORK] += (0..3).map(|i| inertial[i] * rates[i]).sum::<f64>();
+        self.g[DRIVE_WORK] += (0..3).map(|i| inertial[i] * rates[i]).sum::<f64>();
     }
 }
 
@@ -201,16 +201,16 @@ const OBJECT_TIME_POSITIONS: usize = 3;
 const OBJECT_POSITIONS: usize = 2;
 
 /// Adds the loads of a hand in one state to sums.
-struct Assembly<'a, const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> {
-    model: &'a Multibody<N, C>,
+struct Assembly<'a, const N: usize, S: LoadSums<N>> {
+    model: &'a Multibody<N>,
     q: &'a [f64; N],
     v: &'a [f64; N],
-    mode: &'a Mode<C>,
+    mode: &'a GraspMode,
     field: InertialField,
     sums: &'a mut S,
 }
 
-impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly<'_, N, C, Z, S> {
+impl<const N: usize, S: LoadSums<N>> Assembly<'_, N, S> {
     /// Adds all loads and powers, and returns the mass matrices of the fingers.
     #[inline(always)]
     fn add_all(&mut self, t: f64) -> [[S::Angles; 3]; FINGERS] {
@@ -227,17 +227,17 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         let driven_rates = model.driven_rates(v);
         for (index, drive) in model.drives.iter().enumerate() {
             let (driven, bristle_index) = (drive.weights, model.brake_bristle(index));
-            self.sums.add_shaft_torque(&drive.motor_torque(t, driven_rates), driven, S::DRIVE_WORK);
+            self.sums.add_shaft_torque(&drive.motor_torque(t, driven_rates), driven, DRIVE_WORK);
             let brake_torque = drive.brake_torque(t, driven_rates, bristle_index.map(|index| v[index]));
             let Some(brake) = brake_torque else { continue };
-            self.sums.add_shaft_torque(&brake.shaft, driven, S::CONTACT_WORK);
+            self.sums.add_shaft_torque(&brake.shaft, driven, CONTACT_WORK);
             bristle_index.iter().for_each(|bristle| self.sums.add_brake_bristle(&brake, driven, *bristle));
         }
         if S::UNROLLED {
             self.add_plane_contact(HandContact::Palm.index());
             self.add_plane_contact(HandContact::Table.index());
         } else {
-            model.plane_contacts.iter().for_each(|index| self.add_plane_contact(*index));
+            [HandContact::Palm, HandContact::Table].iter().for_each(|contact| self.add_plane_contact(contact.index()));
         }
         if let Some(time) = model.time_index.filter(|_| model.palm_moves()) {
             self.sums.add_table_work(time);
@@ -258,18 +258,18 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
     /// Adds the loads on a finger and its contacts, and returns its mass matrix.
     #[inline(always)]
     fn add_finger(&mut self, finger: usize, component: &FingerComponent) -> [S::Angles; 3] {
-        let [angles, rates] = [self.q, self.v].map(|all| Multibody::<N, C>::finger_coordinates(finger, all));
+        let [angles, rates] = [self.q, self.v].map(|all| Multibody::<N>::finger_coordinates(finger, all));
         let terms = self.sums.add_finger(finger, &component.model, (angles, rates));
         if self.model.palm_moves() {
             self.sums.add_finger_inertia((finger, component), rates, &terms, &self.field);
         }
+        let first = FingerContact::ALL.len() * finger;
         if S::UNROLLED {
-            let first = FingerContact::ALL.len() * finger;
             self.add_finger_contact(first, (finger, component, &terms));
             self.add_finger_contact(first + 1, (finger, component, &terms));
             self.add_finger_contact(first + 2, (finger, component, &terms));
         } else {
-            component.contacts.iter().for_each(|index| self.add_finger_contact(*index, (finger, component, &terms)));
+            (first..first + 3).for_each(|index| self.add_finger_contact(index, (finger, component, &terms)));
         }
         terms.mass
     }
@@ -281,11 +281,11 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
         let Self { model, q, v, mode, .. } = *self;
         let Some(contact) = &model.contacts[index] else { return };
         let Some(laws) = contact.laws(mode, index) else { return };
-        let ([first, second], mirror) = (Multibody::<N, C>::finger_coordinates(finger, v), component.side.mirror());
+        let ([first, second], mirror) = (Multibody::<N>::finger_coordinates(finger, v), component.side.mirror());
         if let ContactPair::Phalanx { phalanx, .. } = model.contact_pair(finger, index, contact) {
             let [vx, vy, spin] = model.object_rates(v);
             let (pose, passive_rates) = (terms.pose.map(S::widen::<P>), terms.rates.map(S::widen::<P>));
-            let object = placed_positions::<N, Z, S, P>(&model.object_in_finger_frame(component.side, q), [2, 3, 4]);
+            let object = placed_positions::<N, S, P>(&model.object_in_finger_frame(component.side, q), [2, 3, 4]);
             let geometry = component.model.phalanx_geometry(&pose, &passive_rates, phalanx, &object);
             let rates = [first, second, mirror * vx, vy, mirror * spin];
             self.sums.add_contact::<P, 5>(
@@ -314,14 +314,14 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
             ContactPair::MovingPlane(plane) if model.palm_moves() => {
                 const P: usize = OBJECT_TIME_POSITIONS;
                 let time = model.time_index.unwrap_or(N);
-                let placed = placed_positions::<N, Z, S, P>(&model.placed_object(q), [0, 1, 3]);
+                let placed = placed_positions::<N, S, P>(&model.placed_object(q), [0, 1, 3]);
                 let kinematics = frame::table(&plane, &model.pose(q), S::position::<P>(0.0, 2), &placed);
                 let (rates, indices) = ([vx, vy, v[time], spin], object_time_indices(first, time));
                 self.sums.add_contact::<P, 4>(active_contact, &kinematics, (&rates, bristle_state), &indices);
             }
             ContactPair::Plane(plane) => {
                 const P: usize = OBJECT_POSITIONS;
-                let placed = placed_positions::<N, Z, S, P>(&model.placed_object(q), [0, 1, 2]);
+                let placed = placed_positions::<N, S, P>(&model.placed_object(q), [0, 1, 2]);
                 let (kinematics, rates) = (contact_kinematics::plane(&plane, &placed), [vx, vy, spin]);
                 let indices = object_indices(first);
                 self.sums.add_contact::<P, 3>(active_contact, &kinematics, (&rates, bristle_state), &indices);
@@ -331,43 +331,42 @@ impl<const N: usize, const C: usize, const Z: usize, S: LoadSums<N, Z>> Assembly
     }
 }
 
-impl<const N: usize, const C: usize> Multibody<N, C> {
+impl<const N: usize> Multibody<N> {
     /// Adds all loads and powers, and returns the mass matrices of the fingers. Both assemblies share it, so that the
     /// accelerations are the same with and without derivatives.
     #[inline(always)]
-    pub(super) fn add_loads<const Z: usize, S: LoadSums<N, Z>>(
+    pub(super) fn add_loads<S: LoadSums<N>>(
         &self,
         t: f64,
         (q, v): StateRef<'_, N>,
-        mode: &Mode<C>,
+        mode: &GraspMode,
         sums: &mut S,
     ) -> [[S::Angles; 3]; FINGERS] {
-        const { assert!(Z == quadratures(C)) };
         Assembly { model: self, q, v, mode, field: self.inertial_field(t), sums }.add_all(t)
     }
 
     /// Accelerations as one function, which is not inlined into every integrator. Only grasps, which studies simulate
     /// by the thousand, are worth the compile time of inlining.
     #[inline(never)]
-    fn rates_noinline<const Z: usize>(
+    fn rates_noinline(
         &self,
         t: f64,
         state: StateRef<'_, N>,
-        mode: &Mode<C>,
+        mode: &GraspMode,
         terms: Option<&FingerTerms>,
-    ) -> Rates<N, Z> {
+    ) -> Rates<N, QUADRATURES> {
         self.rates_inline(t, state, mode, terms)
     }
 
     #[inline(always)]
-    fn rates_inline<const Z: usize>(
+    fn rates_inline(
         &self,
         t: f64,
         state: StateRef<'_, N>,
-        mode: &Mode<C>,
+        mode: &GraspMode,
         terms: Option<&FingerTerms>,
-    ) -> Rates<N, Z> {
-        let mut sums = Loads { load: [0.0; N], g: [0.0; Z], terms };
+    ) -> Rates<N, QUADRATURES> {
+        let mut sums = Loads { load: [0.0; N], g: [0.0; QUADRATURES], terms };
         let masses = self.add_loads(t, state, mode, &mut sums);
         Rates { a: Inertia::new(self, masses).inverse().solve(&sums.load), g: sums.g }
     }
@@ -375,26 +374,27 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     /// Forces in the joints of both fingers, in the order of [`joint_forces`](crate::fivebar::joint_forces::joint_forces)
     /// and in the frame of the palm. `terms` are those of this state, and `contact_force` returns force and point of a
     /// contact in it; for a joint limit, the first number is its torque.
-    pub(crate) fn joint_forces<const Z: usize>(
+    pub(crate) fn joint_forces(
         &self,
         t: f64,
-        state: &State<N, Z>,
-        mode: &Mode<C>,
+        state: &State<N, QUADRATURES>,
+        mode: &GraspMode,
         terms: &FingerTerms,
         contact_force: impl Fn(usize) -> [[f64; 2]; 2],
     ) -> [[[f64; 2]; 5]; FINGERS] {
-        let Rates::<N, Z> { a, .. } = self.rates_noinline(t, (&state.q, &state.v), mode, Some(terms));
+        let Rates { a, .. } = self.rates_noinline(t, (&state.q, &state.v), mode, Some(terms));
         let field = self.inertial_field(t).field;
         let mut forces_n = [[[0.0; 2]; 5]; FINGERS];
         for (index, component) in self.fingers.iter().enumerate() {
             let (mirror, half_palm_width) = (component.side.mirror(), self.half_palm_width());
             let mirrored = |[[fx, fy], [x, y]]: [[f64; 2]; 2]| [[mirror * fx, fy], [mirror * x, y]];
-            let of_finger = component.contacts.iter().filter_map(|&contact| match self.contacts[contact]?.pair {
+            let first = FingerContact::ALL.len() * index;
+            let of_finger = (first..first + 3).filter_map(|contact| match self.contacts[contact]?.pair {
                 ContactPair::Phalanx { phalanx, .. } => Some((phalanx, mirrored(contact_force(contact)))),
                 ContactPair::Stop { .. } => Some((FingerContact::Limit, contact_force(contact))),
                 _ => None,
             });
-            let motion = [&state.v, &a].map(|all| Multibody::<N, C>::finger_coordinates(index, all));
+            let motion = [&state.v, &a].map(|all| Multibody::<N>::finger_coordinates(index, all));
             let frame = ([half_palm_width, 0.0], field.mirrored(mirror));
             let Terms { pose, rates, .. } = &terms[index];
             let forces = component.model.joint_forces((pose, rates), motion, frame, of_finger);
@@ -406,7 +406,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
 
 /// Makes centre and angle of the object positions of a contact with these indices.
 #[inline(always)]
-fn placed_positions<const N: usize, const Z: usize, S: LoadSums<N, Z>, const P: usize>(
+fn placed_positions<const N: usize, S: LoadSums<N>, const P: usize>(
     placed: &PlacedShape,
     [x, y, angle]: [usize; 3],
 ) -> PlacedShape<S::Positions<P>> {
@@ -415,23 +415,30 @@ fn placed_positions<const N: usize, const Z: usize, S: LoadSums<N, Z>, const P: 
     PlacedShape { shape, centre_m, angle_rad: S::position(angle_rad, angle) }
 }
 
-impl<const N: usize, const C: usize, const Z: usize> System<N, Z> for Multibody<N, C> {
-    type Mode = Mode<C>;
+impl<const N: usize> System<N, QUADRATURES> for Multibody<N> {
+    type Mode = GraspMode;
 
     const SECOND_ORDER: usize = Self::POSITIONS;
 
     #[inline(always)]
-    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Rates<N, Z> {
+    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> Rates<N, QUADRATURES> {
         if Self::GRASP { self.rates_inline(t, (q, v), mode, None) } else { self.rates_noinline(t, (q, v), mode, None) }
     }
 
-    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>) -> Linearised<N, Z> {
+    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> Linearised<N, QUADRATURES> {
         let mut linearised = Linearised::ZERO;
         self.jacobian(t, (q, v), mode, &mut linearised);
         linearised
     }
 
-    fn linearise_into(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Mode<C>, linearised: &mut Linearised<N, Z>) {
+    fn linearise_into(
+        &self,
+        t: f64,
+        q: &[f64; N],
+        v: &[f64; N],
+        mode: &GraspMode,
+        linearised: &mut Linearised<N, QUADRATURES>,
+    ) {
         self.jacobian(t, (q, v), mode, linearised);
     }
 }

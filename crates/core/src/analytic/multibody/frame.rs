@@ -73,7 +73,7 @@ pub fn table<T: Real>(plane: &Plane, pose: &Pose, time_offset: T, placed: &Place
     }
 }
 
-impl<const N: usize, const C: usize> Multibody<N, C> {
+impl<const N: usize> Multibody<N> {
     /// Inertial field at time `t`; zero in a frame at rest.
     #[inline(always)]
     pub(super) fn inertial_field(&self, t: f64) -> InertialField {
@@ -112,30 +112,30 @@ pub(crate) fn inertial_force(
 /// couples both driven links. `fingers` is (M₁₁, M₁₂, M₂₂) of each finger, including the inertia that rotates with its
 /// driven link. The mass of the object is in the model.
 #[derive(Clone, Copy, Debug)]
-pub struct Inertia<'a, const N: usize, const C: usize> {
-    model: &'a Multibody<N, C>,
+pub struct Inertia<'a, const N: usize> {
+    model: &'a Multibody<N>,
     fingers: [[f64; 3]; FINGERS],
 }
 
 /// The inverse of the mass matrix.
 #[derive(Clone, Copy, Debug)]
-pub struct Inverse<'a, const N: usize, const C: usize> {
-    model: &'a Multibody<N, C>,
+pub struct Inverse<'a, const N: usize> {
+    model: &'a Multibody<N>,
     fingers: [[f64; 3]; FINGERS],
     /// 1 − c² (A⁻¹)₁₁ (B⁻¹)₁₁, with the coupling M₁₂ = c between the driven links.
     remainder: f64,
 }
 
-impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
+impl<'a, const N: usize> Inertia<'a, N> {
     /// Takes the fingers' own mass matrices; entries of missing fingers are ignored.
     #[inline(always)]
-    pub fn new(model: &'a Multibody<N, C>, mut fingers: [[f64; 3]; FINGERS]) -> Self {
+    pub fn new(model: &'a Multibody<N>, mut fingers: [[f64; 3]; FINGERS]) -> Self {
         (0..FINGERS).for_each(|finger| fingers[finger][0] += model.rotor_inertia[finger]);
         Self { model, fingers }
     }
 
     #[inline(always)]
-    pub fn inverse(&self) -> Inverse<'a, N, C> {
+    pub fn inverse(&self) -> Inverse<'a, N> {
         let mut fingers = self.fingers;
         for block in &mut fingers {
             let [a, b, d] = *block;
@@ -162,7 +162,7 @@ impl<'a, const N: usize, const C: usize> Inertia<'a, N, C> {
     }
 }
 
-impl<const N: usize, const C: usize> Inverse<'_, N, C> {
+impl<const N: usize> Inverse<'_, N> {
     /// Solves M x = `load`.
     #[inline(always)]
     pub fn solve(&self, load: &[f64; N]) -> [f64; N] {

@@ -15,7 +15,9 @@ mod frame;
 mod model;
 
 use crate::analytic::finger_events::first_impact_step;
+use crate::analytic::mode::Mode;
 use crate::analytic::model::normal_force_on_branch;
+use crate::scene::HandContact;
 
 pub(crate) use evaluation::kinematics_of;
 pub use model::Multibody;
@@ -32,13 +34,15 @@ pub const MAX_GRASP_BRISTLES: usize = 8;
 /// Number of coordinates of two fingers whose contacts or brakes have bristles.
 pub const MAX_GRASP_COORDINATES: usize = GRASP_POSITIONS + MAX_GRASP_BRISTLES;
 
-/// Number of quadratures of a hand: the normal impulse of each contact, the work of all contact forces and brakes,
-/// and the work of motors and palm.
-pub const fn quadratures(contacts: usize) -> usize {
-    contacts + 2
-}
+/// Number of contacts of two fingers, in the order of [`HandContact::ALL`].
+pub const CONTACTS: usize = HandContact::ALL.len();
 
-/// Number of event functions of a hand. The normal laws of all contacts come first, then friction laws, then dampers.
-pub const fn event_function_count(contacts: usize) -> usize {
-    3 * contacts
-}
+/// Number of quadratures: the normal impulse of each contact, the work of all contact forces and brakes, and the work of
+/// motors and palm.
+pub const QUADRATURES: usize = CONTACTS + 2;
+
+/// Number of event functions. The normal laws of all contacts come first, then friction laws, then dampers.
+pub const EVENT_FUNCTIONS: usize = 3 * CONTACTS;
+
+/// Branches of the laws of all contacts.
+pub type GraspMode = Mode<CONTACTS>;

@@ -1,7 +1,7 @@
 //! The constant data of a hand, and the layout of its coordinates.
 
 use super::components::{ContactModel, ContactPair, Drive, FingerComponent, ObjectComponent, Plane};
-use super::{FINGERS, GRASP_POSITIONS, quadratures};
+use super::{CONTACTS, FINGERS, GRASP_POSITIONS, QUADRATURES};
 use crate::analytic::finger::FingerModel;
 use crate::fivebar::dynamics::{InertialForces, Terms};
 use crate::gripper::FingerContact;
@@ -14,15 +14,13 @@ use crate::shape::PlacedShape;
 /// Position-dependent terms of both fingers.
 pub(crate) type FingerTerms = [Terms<f64>; FINGERS];
 
-/// The model of a gripper with at most N coordinates and C contacts.
+/// The model of a gripper with at most N coordinates.
 #[derive(Clone, Debug)]
-pub struct Multibody<const N: usize, const C: usize> {
+pub struct Multibody<const N: usize> {
     pub(super) fingers: Vec<FingerComponent>,
     object: Option<ObjectComponent>,
-    /// Contacts in the order of [`Hand::contacts`]; `None` where the scene has no such surface.
-    pub(super) contacts: Vec<Option<ContactModel>>,
-    /// Indices of the contacts with palm and table.
-    pub(super) plane_contacts: Vec<usize>,
+    /// Contacts in the order of [`HandContact::ALL`]; `None` where the scene has no such surface.
+    pub(super) contacts: [Option<ContactModel>; CONTACTS],
     pub(super) drives: Vec<Drive>,
     /// Index of the brake's bristle among the rates, for each drive.
     pub(super) brake_bristles: Vec<Option<usize>>,
@@ -56,14 +54,13 @@ fn build_contact(hand: &Hand, contact: HandContact) -> Option<ContactModel> {
     hand.contact_laws(contact).map(|laws| ContactModel::new(pair, laws))
 }
 
-impl<const N: usize, const C: usize> Multibody<N, C> {
+impl<const N: usize> Multibody<N> {
     /// Builds the model.
     ///
     /// # Panics
     ///
     /// Panics if the hand does not have two fingers, or has another number of coordinates.
     pub fn new(hand: &Hand) -> Self {
-        const { assert!(C == HandContact::ALL.len()) };
         assert_eq!(hand.fingers.len(), FINGERS, "fingers of a gripper");
         let [x, y] = hand.gravity_m_s2;
         let half_palm_width = 0.5 * hand.palm_width_m;
@@ -75,7 +72,7 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
             true => (Self::POSITIONS - 1, Self::POSITIONS),
             false => (object_end, positions),
         };
-        let mut contacts: Vec<_> = hand.contacts().map(|contact| build_contact(hand, contact)).collect();
+        let mut contacts = HandContact::ALL.map(|contact| build_contact(hand, contact));
         let mut bristles = Vec::new();
         let mut add_bristle = |bristle: Option<Bristle>| {
             let bristle_index = first_bristle + bristles.len();
@@ -85,22 +82,11 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         for contact in contacts.iter_mut().flatten() {
             contact.bristle_index = add_bristle(contact.bristle());
         }
-        let finger_contacts = |finger: usize| {
-            let belongs_to_finger = |pair: ContactPair| match pair {
-                ContactPair::Phalanx { finger: owner, .. } | ContactPair::Stop { finger: owner } => owner == finger,
-                ContactPair::Plane(_) | ContactPair::MovingPlane(_) => finger == FINGERS,
-            };
-            let indices = contacts.iter().enumerate();
-            let found = indices.filter(|(_, contact)| contact.is_some_and(|contact| belongs_to_finger(contact.pair)));
-            found.map(|(index, _)| index).collect::<Vec<_>>()
-        };
         let finger = |(side, finger): (Side, &HandFinger)| FingerComponent {
             side,
             model: FingerModel::new(finger, [side.mirror() * x, y]),
             inertial_load: InertialForces::new(&finger.linkage, [half_palm_width, 0.0]),
-            contacts: finger_contacts(side as usize),
         };
-        let (fingers, plane_contacts) = (hand.fingers_by_side().map(finger).collect(), finger_contacts(FINGERS));
         let mut rotor_inertia = [0.0; FINGERS];
         let mut drives = Vec::new();
         for (side, finger) in hand.fingers_by_side() {
@@ -118,11 +104,10 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         let brake_bristles = drives.iter().map(|drive| add_bristle(drive.bristle())).collect();
         assert!(first_bristle + bristles.len() <= N, "{} bristles exceed {N} coordinates", bristles.len());
         Self {
-            fingers,
+            fingers: hand.fingers_by_side().map(finger).collect(),
             object: hand.object.as_ref().map(ObjectComponent::new),
             object_coordinate: if hand.moving_object().is_some() { fingers_end } else { N },
             contacts,
-            plane_contacts,
             brake_bristles,
             bristles,
             drives,
@@ -136,9 +121,8 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
     }
 
     /// Returns the coordinates and rates at the start.
-    pub fn start<const Z: usize>(&self, hand: &Hand) -> State<N, Z> {
-        const { assert!(Z == quadratures(C)) };
-        let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
+    pub fn start(&self, hand: &Hand) -> State<N, QUADRATURES> {
+        let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; QUADRATURES] };
         for (index, finger) in hand.fingers.iter().enumerate() {
             let initial = &finger.initial;
             (state.q[2 * index], state.q[2 * index + 1]) = (initial.q11_rad, initial.q21_rad);
@@ -152,10 +136,6 @@ impl<const N: usize, const C: usize> Multibody<N, C> {
         }
         self.time_index.into_iter().for_each(|time_index| state.v[time_index] = 1.0);
         state
-    }
-
-    pub fn contact_count(&self) -> usize {
-        self.contacts.len()
     }
 
     /// Index of a contact's bristle state among the rates, if it has a bristle.
