@@ -94,6 +94,7 @@ const INTEGRATOR: CrateLayers = CrateLayers {
         "radau5",
         "rodas5p",
         "error_weight",
+        "step_attempts",
         "radau_or_rodas",
         "driver",
     ],

@@ -4,12 +4,12 @@ use std::fmt::Debug;
 
 use super::clock::Clock;
 use super::control::{Controller, ToleranceSchedule};
-use super::event_location::{Crossing, first_crossing, may_have_passed};
+use super::event_location::{first_crossing, may_have_passed};
 use super::method::{Attempt, Method, StepStart};
 use super::stall::{Chatter, StallDetector};
 use super::state::{Observer, Step, StepTools};
+use super::step_attempts::{AcceptedStep, EventLocation, MIN_STEP_S, StepAttempts, simultaneous_events};
 use super::{Counters, EventSet, Hybrid, Linearised, State, Tolerances, error_weight};
-use crate::numeric::array_from;
 
 /// Options of an integration.
 #[derive(Clone, Copy, Debug)]
@@ -61,8 +61,6 @@ pub struct End<const N: usize, const Z: usize> {
 const FIRST_STEP_S: f64 = 1e-8;
 /// First step after a discontinuity of the right-hand side, as a fraction of the step before it.
 const RESTART_FRACTION: f64 = 0.01;
-/// Below this size, a step counts as collapsed.
-const MIN_STEP_S: f64 = 1e-22;
 /// Clearance below which each step covers at most half of the remaining clearance.
 const NEAR_OBSTACLE: f64 = 0.1;
 /// Reduction of a step that may have passed a singularity.
@@ -75,13 +73,6 @@ const UNLOADING_CUT: f64 = 0.4;
 const MAX_RESOLVED_ERROR: f64 = 10.0;
 /// Number of states inside a step that are kept for further readings.
 const MAX_REFINED_STATES: usize = 16;
-/// Last part of a step, over which the rate of an event function is measured.
-const LAST_PART: f64 = 0.05;
-/// Ratio of a step that is extrapolated to an event to the distance of the event, so that it ends just past the event.
-const OVERSHOOT: f64 = 1.01;
-/// Maximum number of attempts to locate one event.
-const MAX_LOCATION_ATTEMPTS: usize = 12;
-
 /// Integrates from `t0` to `t_end` and locates every event; the method is chosen at compile time.
 pub fn integrate<const N: usize, const Z: usize, const S: usize, Y, K, O>(
     system: &Y,
@@ -339,20 +330,6 @@ enum Next {
     Event(usize),
 }
 
-/// A step that satisfies the tolerances.
-#[derive(Clone)]
-struct AcceptedStep<const N: usize, const Z: usize, const S: usize> {
-    attempt: Attempt<N, Z>,
-    /// Event functions at its end.
-    events: EventSet<N, S>,
-    size: f64,
-    /// Acceptable size before the step was shortened; the next step starts from it.
-    resume_size: f64,
-    event: Option<usize>,
-    /// Whether the step ends exactly at the stop time.
-    reaches_stop: bool,
-}
-
 impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z, S, M, K> {
     fn failure(&self, reason: Reason) -> Failure {
         Failure { time_s: self.clock.now(), reason }
@@ -410,7 +387,9 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             self.apply_event(system, event_index, observer);
             return Ok(());
         }
-        let simultaneous = accepted.event.map(|event| self.simultaneous_events(system, event, &accepted.events));
+        let simultaneous = accepted
+            .event
+            .map(|event| simultaneous_events(system, &self.mode, event, [&self.events, &accepted.events]));
         self.take_step(system, linearised, accepted, pending.stop, observer)?;
         if self.stall_detector.is_stalled(&self.counters, self.clock.now(), t_end) && accepted.event.is_none() {
             self.method.on_stall();
@@ -471,7 +450,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             if size < MIN_STEP_S && !reaches_stop {
                 return Err(Reason::StepUnderflow { h_s: size });
             }
-            found.attempt = self.attempt(&origin, size);
+            found.attempt = self.attempts().attempt(&origin, size);
             let attempt = &found.attempt;
             if !attempt.is_acceptable() {
                 self.counters.rejected += 1;
@@ -501,7 +480,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 (found.size, found.event, found.reaches_stop) = (size, None, reaches_stop);
                 return Ok(Next::Step);
             };
-            match self.locate_event(&origin, crossing, size) {
+            match self.attempts().locate_event(&origin, crossing, size) {
                 EventLocation::Located(accepted) => {
                     *found = accepted;
                     return Ok(Next::Step);
@@ -512,20 +491,9 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         }
     }
 
-    /// Attempts a step; its error includes the error weights of active contacts.
     #[inline(always)]
-    fn attempt<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, origin: &StepStart<Y, N, Z>, size: f64) -> Attempt<N, Z> {
-        let mut attempt = self.method.attempt(origin, size);
-        self.counters.rhs += attempt.rhs;
-        if attempt.is_acceptable() {
-            attempt.error = attempt.error.max(error_weight::error(
-                &self.events.functions,
-                &attempt,
-                origin.state,
-                origin.tolerances,
-            ));
-        }
-        attempt
+    fn attempts(&mut self) -> StepAttempts<'_, K, N, S> {
+        StepAttempts { method: &mut self.method, counters: &mut self.counters, events: &self.events }
     }
 
     /// Half of the time in which a small clearance would vanish at its present rate.
@@ -535,97 +503,6 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             (-0.5 * clearance / clearance_rate).max(MIN_APPROACH_STEP_S)
         } else {
             f64::INFINITY
-        }
-    }
-
-    /// Repeats a step of `size` until it ends on the event. If an earlier event is found on the way, locates that one
-    /// instead.
-    fn locate_event<Y: Hybrid<N, Z, S, Mode = M>>(
-        &mut self,
-        origin: &StepStart<Y, N, Z>,
-        mut crossing: Crossing,
-        size: f64,
-    ) -> EventLocation<N, Z, S> {
-        let system = origin.system;
-        let mut full_size = size;
-        'crossing: loop {
-            let event_index = crossing.event_index;
-            let tolerance = system.event_tolerance(event_index, origin.mode);
-            let (mut low, mut high) = (0.0, crossing.negative_at * full_size);
-            let mut target = crossing.theta * full_size;
-            // The earliest step found that ends past the event, and the last one that ends before it.
-            let (mut after_event, mut before_event) = (None, None);
-            let mut last_size = 0.0;
-            for _ in 0..MAX_LOCATION_ATTEMPTS {
-                if target < MIN_STEP_S {
-                    break;
-                }
-                let attempt = self.attempt(origin, target);
-                last_size = target;
-                self.counters.rejected += 1;
-                if !attempt.is_acceptable() {
-                    return EventLocation::Rejected { size: target, error: attempt.error };
-                }
-                let events = system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode);
-                if error_weight::unloads(
-                    &self.events.functions,
-                    &events.functions,
-                    &attempt,
-                    origin.state,
-                    origin.tolerances,
-                ) {
-                    return EventLocation::Rejected { size: target, error: f64::INFINITY };
-                }
-                let value = events.functions[event_index].value;
-                let is_within_tolerance = value.abs() <= tolerance;
-                let event = (is_within_tolerance || value < 0.0).then_some(event_index);
-                let (resume_size, reaches_stop) = (size, false);
-                // The shortened step may contain the crossing, or an earlier crossing of another event function.
-                let (at_start, at_end) = (&self.events.functions, &events.functions);
-                let dense = || self.method.dense(None);
-                let recheck = first_crossing(system, origin.mode, at_start, at_end, target, &dense);
-                if let Some(earlier) = recheck.filter(|c| c.event_index != event_index && c.theta < 1.0) {
-                    let value = events.functions[earlier.event_index].value;
-                    if value.abs() > system.event_tolerance(earlier.event_index, origin.mode) {
-                        (crossing, full_size) = (earlier, target);
-                        continue 'crossing;
-                    }
-                }
-                let candidate = Some(AcceptedStep { attempt, events, size: target, resume_size, event, reaches_stop });
-                match recheck.filter(|c| c.event_index == event_index && event.is_none()) {
-                    // The step ends after a dip.
-                    Some(dip) => (low, high) = (0.0, dip.negative_at * target),
-                    None if value < 0.0 => (after_event, high) = (candidate, target),
-                    None if is_within_tolerance => (after_event, low) = (candidate, target),
-                    None => (before_event, low) = (candidate, target),
-                }
-                if is_within_tolerance || high - low <= 4.0 * f64::EPSILON * high {
-                    break;
-                }
-                // If the step ends before the event, extrapolate, at most to the middle between its end and the end of a
-                // longer step that contains the event.
-                let middle = 0.5 * (low + high);
-                target = match recheck {
-                    Some(crossing) => crossing.theta * target,
-                    None => {
-                        let (q, v) = dense().motion(1.0 - LAST_PART);
-                        let before = system.eval_event(&q, &v, origin.mode, event_index).value;
-                        let next = target * (1.0 + OVERSHOOT * LAST_PART * value / (before - value));
-                        if before > value && next < middle { next } else { middle }
-                    }
-                };
-            }
-            // If rounding prevents a closer step, one that ends past the event is better: after one that ends before
-            // it, the next step would repeat the search.
-            let Some(accepted) = after_event.or(before_event) else {
-                return EventLocation::AtStart(event_index);
-            };
-            if accepted.size != last_size {
-                // The method stores its last attempt; repeat the accepted one.
-                self.method.attempt(origin, accepted.size);
-                self.counters.rhs += accepted.attempt.rhs;
-            }
-            return EventLocation::Located(accepted);
         }
     }
 
@@ -677,21 +554,6 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             self.update_events(system);
         }
         Ok(())
-    }
-
-    /// Other event functions that reach zero at the end of a step, within their tolerances, as those of both fingers of
-    /// a symmetric gripper.
-    fn simultaneous_events<Y: Hybrid<N, Z, S, Mode = M>>(
-        &self,
-        system: &Y,
-        event_index: usize,
-        at_end: &EventSet<N, S>,
-    ) -> [bool; S] {
-        array_from(|index| {
-            let tolerance = system.event_tolerance(index, &self.mode);
-            let values = [&self.events, at_end].map(|events| events.functions[index].value);
-            index != event_index && values[0] > tolerance && values[1].abs() <= tolerance
-        })
     }
 
     /// Applies the mode change of an event at the current state and restarts the method.
@@ -753,18 +615,6 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         self.method.restart();
         self.controller.restart();
     }
-}
-
-/// Result of an event location.
-enum EventLocation<const N: usize, const Z: usize, const S: usize> {
-    Located(AcceptedStep<N, Z, S>),
-    /// An attempted step was not accurate enough.
-    Rejected {
-        size: f64,
-        error: f64,
-    },
-    /// The event with this index occurs at the start of the step.
-    AtStart(usize),
 }
 
 /// Evaluates states inside the step just taken, for an observer.

@@ -20,6 +20,7 @@ mod radau_or_rodas;
 mod rodas5p;
 mod stall;
 mod state;
+mod step_attempts;
 mod system;
 
 use phalanx_mechanics::numeric;
