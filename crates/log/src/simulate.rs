@@ -132,6 +132,7 @@ impl<W: Write + Send + 'static, A: Sink> Sink for RunSinks<'_, W, A> {
     fn required_data(&self) -> RequiredData {
         let evaluation = self.criteria_tracker.required_data().or(self.audit.required_data());
         let all = evaluation.or(self.extra_sink.required_data()).or(self.log.required_data());
+        // The engine takes too many steps to log them all.
         RequiredData { grid: all.grid || self.model == Model::Engine, ..all }
     }
 

@@ -98,7 +98,7 @@ struct RestDetector {
 
 impl Sink for RestDetector {
     fn required_data(&self) -> RequiredData {
-        RequiredData::EVALUATION
+        RequiredData { grid: false, ..RequiredData::EVALUATION }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -74,11 +74,10 @@ fn run_one(study: &Study, run: u64, keep_running: KeepRunning<'_>) -> Option<Row
     let values = study.field_values(run);
     let text = study.template.fill(&values);
     let cells = Cells::new(study, run, values.into_iter().map(|value| value.value));
-    let mut scene = match scene::parse_any(&text, "run.toml") {
+    let scene = match scene::parse_any(&text, "run.toml") {
         Ok(scene) => scene,
         Err(error) => return Some(cells.row(Status::Refused, &problem_messages(&error))),
     };
-    scene.log = scene.log.without_sample_grid(scene.duration_s);
     match study.kind {
         // The kind was checked when the study was read, unless an axis changes it.
         kind if kind != scene.kind => Some(cells.row(Status::Refused, "the scene is of another kind")),

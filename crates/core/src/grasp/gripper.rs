@@ -379,15 +379,14 @@ pub fn geometric_posture(scene: &Scene) -> Result<[[f64; 2]; 2], (Side, GraspErr
     Ok(angles_rad)
 }
 
-/// Runs a scene with a sink that receives all steps. Returns outcome or failure; `None` if interrupted.
+/// Runs a scene. Returns outcome or failure; `None` if interrupted.
 pub fn run(
     model: Model,
     scene: &Scene,
     sink: &mut impl Sink,
     keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Option<Result<Outcome, String>> {
-    let scene = Scene { log: scene.log.without_sample_grid(scene.duration_s), ..scene.clone() };
-    match trace::run(model, &scene, &mut Cancellable { sink, keep_running }) {
+    match trace::run(model, scene, &mut Cancellable { sink, keep_running }) {
         Ok(outcome) => Some(Ok(outcome)),
         Err(error) if error.is_stop() => None,
         Err(RunError::Simulation { failure, .. }) => Some(Err(failure.to_string())),

@@ -8,6 +8,7 @@ use crate::scene::Scene;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
     pub end_s: f64,
+    /// Samples per second on the grid; 0 without a grid.
     pub numeric_hz: f64,
     /// Whether long steps of a long run are sampled less densely.
     pub is_thinned: bool,
@@ -21,11 +22,12 @@ impl Span {
     pub const UNSAMPLED: Self = Span { end_s: f64::INFINITY, numeric_hz: 0.0, is_thinned: false, is_refined: false };
 
     /// Returns duration and sampling rate of a scene.
-    pub fn from_scene(scene: &Scene) -> Self {
+    pub fn from_scene(scene: &Scene, has_grid: bool) -> Self {
         // The object of a gripper is at rest in the grasp for most of a run.
         let is_thinned = scene.hand.fingers.len() > 1;
         let is_refined = !scene.hand.fingers.is_empty();
-        Span { end_s: scene.duration_s, numeric_hz: scene.log.numeric_hz, is_thinned, is_refined }
+        let numeric_hz = if has_grid { scene.log.numeric_hz } else { 0.0 };
+        Span { end_s: scene.duration_s, numeric_hz, is_thinned, is_refined }
     }
 }
 
@@ -44,12 +46,13 @@ pub(super) struct RecordingOptions {
 impl RecordingOptions {
     /// Options of a run of a scene into a sink.
     pub fn of_run(scene: &Scene, sink: &dyn Sink) -> Self {
+        let required_data = sink.required_data();
         Self {
             counts: Schema::from_scene(scene).counts(),
-            span: Span::from_scene(scene),
+            span: Span::from_scene(scene, required_data.grid),
             ends_at_exit: true,
             threshold_n: (scene.finger_count() == 2).then_some(scene.thresholds.loss_force_n),
-            required_data: sink.required_data(),
+            required_data,
         }
     }
 }

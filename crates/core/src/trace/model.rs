@@ -34,7 +34,7 @@ impl Keyword for Model {
 ///
 /// The sink receives a sample at every point of the grid `scene.log.numeric_hz`, at every step shorter than the
 /// grid interval, and at both ends; and every event, in order of time. If it does not need the grid
-/// ([`RequiredData::grid`](super::RequiredData::grid)), the analytic model emits the ends of all steps instead. In
+/// ([`RequiredData::grid`](super::RequiredData::grid)), the models emit the ends of all steps instead. In
 /// gripper runs of the analytic model with more than 1000 grid points, longer steps get 4 to 7 of their grid
 /// points. Samples of the engine model on the grid are interpolated between its steps, so logging does not change
 /// the run.

@@ -6,7 +6,7 @@ use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched,
 use super::extrema::{
     BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, Reason, StepExtrema, bisect, find_crossing, parabola_peak,
 };
-use super::grid::{Grid, RecordingOptions, Span};
+use super::grid::{Grid, RecordingOptions};
 use super::reading::Kernel;
 use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
@@ -121,7 +121,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         Self {
             required_data,
             is_refined: span.is_refined,
-            grid: Grid::new(if required_data.grid { span } else { Span::UNSAMPLED }),
+            grid: Grid::new(span),
             end_s: span.end_s,
             reach,
             ejected_s: None,

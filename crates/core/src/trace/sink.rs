@@ -26,8 +26,7 @@ pub struct RequiredData {
     /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps;
     /// otherwise only the ends of steps are used.
     pub peaks: bool,
-    /// Whether samples are needed on the grid. Otherwise the analytic model emits the ends of its steps; those of the
-    /// engine are too many.
+    /// Whether samples are needed on the grid. Otherwise the models emit the ends of all steps.
     pub grid: bool,
 }
 

@@ -173,9 +173,8 @@ fn run_end(tracker: &Tracker, rest: &StaticGrasp) -> RunEnd {
 
 /// Runs the scene of the study with a perturbed torque. A failed run is unstable.
 fn run_perturbed(scene: &Scene, rest: &StaticGrasp) -> Result<RunEnd, StudyError> {
-    let scene = Scene { log: scene.log.without_sample_grid(scene.duration_s), ..perturbed(scene, STUDY_PERTURBATION) };
     let mut tracker = Tracker::new(rest.final_angles());
-    match trace::run_analytic(&scene, &mut tracker) {
+    match trace::run_analytic(&perturbed(scene, STUDY_PERTURBATION), &mut tracker) {
         Ok(_) => Ok(run_end(&tracker, rest)),
         Err(RunError::Simulation { .. }) => Ok((Class::Unstable, None)),
         Err(RunError::Sink(reason)) => Err(step_error("a variation")(reason)),

@@ -271,8 +271,9 @@ fn column(
 }
 
 /// Compares the joint angles of a run with its reference and checks the invariants. Without a reference, the samples are
-/// stored.
+/// stored. The engine is observed at the ends of its steps, the analytic model on the grid.
 struct Observer<'a> {
+    model: Model,
     reference: Option<&'a [Sample]>,
     until_s: f64,
     /// Largest difference of a joint angle.
@@ -285,7 +286,7 @@ impl<'a> Observer<'a> {
     fn new(model: Model, scene: &Scene, reference: Option<&'a [Sample]>) -> Self {
         let invariants = Invariants::new(model, scene).with_energy_tolerance(ENERGY_TOLERANCE);
         let until_s = scene.bounds.until_s;
-        Observer { reference, until_s, error_rad: 0.0, samples: Vec::new(), invariants }
+        Observer { model, reference, until_s, error_rad: 0.0, samples: Vec::new(), invariants }
     }
 
     fn compare(&mut self, sample: &Sample, reference: &[Sample]) {
@@ -309,7 +310,7 @@ impl<'a> Observer<'a> {
 
 impl Sink for Observer<'_> {
     fn required_data(&self) -> RequiredData {
-        RequiredData::EVALUATION
+        RequiredData { grid: self.model == Model::Analytic, ..RequiredData::EVALUATION }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
@@ -372,7 +373,6 @@ fn cell(
     };
     let Some(samples) = samples else { return Ok(unjudged("the reference could not be completed")) };
     let mut scene = scene.clone();
-    scene.log = scene.log.without_sample_grid(scene.duration_s);
     scene.engine.stepping = Stepping::Fixed { step_s };
     let mut observer = Observer::new(Model::Engine, &scene, Some(samples));
     let start = Instant::now();

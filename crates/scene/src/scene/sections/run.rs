@@ -396,12 +396,6 @@ impl LogExcess {
 }
 
 impl LogSettings {
-    /// Disables the sample grid of a run of this duration, for criteria that are evaluated at every step.
-    #[must_use]
-    pub fn without_sample_grid(self, duration_s: f64) -> Self {
-        Self { numeric_hz: 1.0 / duration_s, ..self }
-    }
-
     /// Checks the limits of samples and pictures for a run of this duration.
     pub fn excess(&self, duration_s: f64) -> Option<LogExcess> {
         let excess = |pictures, rate_hz, max| LogExcess { pictures, rate_hz, duration_s, max };
