@@ -30,7 +30,7 @@ pub use control::Tolerances;
 pub use driver::{End, Failure, Integration, Options, Reason, integrate, integrate_by};
 pub use method::{Attempt, Method, StepStart};
 pub use radau_or_rodas::RadauOrRodas;
-pub use radau5::Radau5;
+pub use radau5::{Radau5, radau5_tableau};
 pub use rodas5p::Rodas5p;
 pub use state::{Counters, Dense, Observer, State, Step, StepTools};
 pub use system::{

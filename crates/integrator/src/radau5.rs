@@ -11,6 +11,18 @@ use crate::numeric::elementary::{cbrt, powi};
 
 const MAX_NEWTON: usize = 12;
 
+/// Abscissae and Runge–Kutta matrix of Radau IIA of order 5; the last row of the matrix contains the weights.
+pub fn radau5_tableau() -> ([f64; 3], [[f64; 3]; 3]) {
+    let s6 = 6f64.sqrt();
+    let c = [(4.0 - s6) / 10.0, (4.0 + s6) / 10.0, 1.0];
+    let a = [
+        [(88.0 - 7.0 * s6) / 360.0, (296.0 - 169.0 * s6) / 1800.0, (-2.0 + 3.0 * s6) / 225.0],
+        [(296.0 + 169.0 * s6) / 1800.0, (88.0 + 7.0 * s6) / 360.0, (-2.0 - 3.0 * s6) / 225.0],
+        [(16.0 - s6) / 36.0, (16.0 + s6) / 36.0, 1.0 / 9.0],
+    ];
+    (c, a)
+}
+
 /// Coefficients of the method, all from closed forms.
 #[derive(Clone, Copy, Debug)]
 struct Coefficients {
@@ -34,13 +46,7 @@ struct Coefficients {
 
 impl Coefficients {
     fn new() -> Self {
-        let s6 = 6f64.sqrt();
-        let c = [(4.0 - s6) / 10.0, (4.0 + s6) / 10.0, 1.0];
-        let a = [
-            [(88.0 - 7.0 * s6) / 360.0, (296.0 - 169.0 * s6) / 1800.0, (-2.0 + 3.0 * s6) / 225.0],
-            [(296.0 + 169.0 * s6) / 1800.0, (88.0 + 7.0 * s6) / 360.0, (-2.0 - 3.0 * s6) / 225.0],
-            [(16.0 - s6) / 36.0, (16.0 + s6) / 36.0, 1.0 / 9.0],
-        ];
+        let (s6, (c, a)) = (6f64.sqrt(), radau5_tableau());
         // Eigenvalues of A: the roots of 60 μ³ − 36 μ² + 9 μ − 1. A⁻¹ has their reciprocals.
         let (cube9, cube81) = (cbrt(9.0), cbrt(81.0));
         let real_root = (6.0 + cube81 - cube9) / 30.0;

@@ -23,7 +23,7 @@ use super::schema::{ContactSample, Counts, Schema};
 use super::stepper::{AnalyticStepper, Interruption};
 use super::{Energy, Event, EventKind, Outcome, RequiredData, RunError, Sample, Sink};
 use crate::analytic::ContactState;
-use crate::integrator::{ErrorWeight, Hybrid, Linearised, Observer, Rates, State, Step, StepTools};
+use crate::integrator::{ErrorWeight, Hybrid, Linearised, Observer, Rates, State, Step, StepTools, radau5_tableau};
 use crate::numeric::array_from;
 use crate::scene::Scene;
 
@@ -238,18 +238,6 @@ const SHORT_STEP: f64 = 1e-4;
 const MIN_JUMP: f64 = 1e-6;
 /// Two touch-downs with jumps of the accelerations count as simultaneous within this time, s.
 const SIMULTANEOUS_S: f64 = 1e-9;
-
-/// Radau IIA of order 5: abscissae and matrix; the last row contains the weights.
-fn radau() -> ([f64; 3], [[f64; 3]; 3]) {
-    let s6 = 6f64.sqrt();
-    let c = [(4.0 - s6) / 10.0, (4.0 + s6) / 10.0, 1.0];
-    let a = [
-        [(88.0 - 7.0 * s6) / 360.0, (296.0 - 169.0 * s6) / 1800.0, (-2.0 + 3.0 * s6) / 225.0],
-        [(296.0 + 169.0 * s6) / 1800.0, (88.0 + 7.0 * s6) / 360.0, (-2.0 - 3.0 * s6) / 225.0],
-        [(16.0 - s6) / 36.0, (16.0 + s6) / 36.0, 1.0 / 9.0],
-    ];
-    (c, a)
-}
 
 /// y + h d.
 fn along<const N: usize, const Z: usize>(y: &State<N, Z>, h: f64, d: &State<N, Z>) -> State<N, Z> {
@@ -564,7 +552,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         tools: &mut dyn StepTools<N, Z>,
     ) -> (Vec<Column<N, Z>>, State<N, Z>) {
         let (n, h) = (self.kernel.coordinate_count(), (to - from) * step.h);
-        let (c, a) = radau();
+        let (c, a) = radau5_tableau();
         let mut node = |c: f64| {
             let theta = from + c * (to - from);
             let state = if theta < 1.0 { tools.resolve(theta) } else { *step.end };
