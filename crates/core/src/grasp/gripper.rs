@@ -3,6 +3,8 @@
 //! The posture is taken from a run, is the geometric one around the object of the scene, or is given. The results are
 //! force closure with friction, form closure, and the accelerations of the palm that the contacts can balance.
 
+use std::f64::consts::TAU;
+
 use crate::criteria::{DriveMode, Fate, GraspState, GraspTracker, friction_coefficients, grasp_state, hand_at_rest};
 use crate::gripper::{FingerContact, GraspError, close_loop, final_posture};
 use crate::scene::{HandContact, ObjectMotion, Scene, Side, WrongKind};
@@ -63,7 +65,7 @@ pub struct GripperGrasp {
     /// Form closure with both driven links blocked and, with a differential, also with its input blocked.
     pub closures: Vec<(Blocked, Result<FormClosure, StaticsError>)>,
     /// One case for each requested friction coefficient.
-    pub friction_cases: Vec<FrictionCase>,
+    pub friction_cases: Vec<FrictionCase<Balance>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,11 +87,21 @@ pub struct ObjectContact {
 
 /// Closure and balanced accelerations with one friction coefficient; `None`: with the coefficients of the scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FrictionCase {
+pub struct FrictionCase<B> {
     pub mu_static: Option<f64>,
     pub force_closure: ForceClosure,
-    /// Balanced accelerations in the order of [`DriveMode::BOTH`]: motors blocked, and motors at their torque.
-    pub polar: [Vec<Balance>; 2],
+    /// Balanced accelerations in evenly spaced directions, with the drives blocked, and with them at their effort.
+    pub polar: [Vec<B>; 2],
+}
+
+impl<B> FrictionCase<B> {
+    /// Angle of every `stride`-th direction from x towards y, with both balances.
+    pub fn directions(&self, stride: usize) -> impl Iterator<Item = (f64, [&B; 2])> {
+        let [blocked, at_effort] = &self.polar;
+        let count = blocked.len() as f64;
+        let both = move |(index, (blocked, at_effort))| (TAU * index as f64 / count, [blocked, at_effort]);
+        blocked.iter().zip(at_effort).enumerate().step_by(stride).map(both)
+    }
 }
 
 /// Error returned by [`gripper_grasp`].
@@ -343,7 +355,7 @@ fn friction_case(
     contacts: &[ObjectContact],
     mu_static: Option<f64>,
     directions: usize,
-) -> Result<FrictionCase, StaticsError> {
+) -> Result<FrictionCase<Balance>, StaticsError> {
     let polar = |hand: &HandAtRest<'_>| {
         let friction = hand.friction.map(|mu| mu.map(|mu| mu_static.unwrap_or(mu)));
         balance_polar(&HandAtRest { friction, ..hand.clone() }, directions)

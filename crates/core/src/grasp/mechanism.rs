@@ -8,12 +8,12 @@ use crate::numeric::elementary::hypot;
 use crate::numeric::plane::sub;
 use crate::scene::{Scene, WrongKind};
 use crate::statics::{
-    ContactAtRest, DriveState, ForceClosure, FrictionContact, MechanismAtRest, MechanismBalance, MechanismClosure,
-    StaticsError, force_closure, mechanism_balance, mechanism_closure,
+    ContactAtRest, DriveState, FrictionContact, MechanismAtRest, MechanismBalance, MechanismClosure, StaticsError,
+    force_closure, mechanism_balance, mechanism_closure,
 };
 use crate::trace::{Model, Sample};
 
-use super::gripper::run;
+use super::gripper::{FrictionCase, run};
 
 /// Request for the static grasp of a mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,7 +49,7 @@ pub struct MechanismGrasp {
     pub closure: Result<MechanismClosure, StaticsError>,
     /// Names of the brakes and of the joints with friction, in the order of the limits; brakes only at effort.
     pub brakes: [Vec<String>; 2],
-    pub friction_cases: Vec<MechanismFrictionCase>,
+    pub friction_cases: Vec<FrictionCase<MechanismBalance>>,
 }
 
 /// An active contact.
@@ -62,15 +62,6 @@ pub struct HeldContact {
     pub gap_m: f64,
     /// Normal and tangential force of the run, N.
     pub forces_n: [f64; 2],
-}
-
-/// Closure and balanced accelerations with one friction coefficient; `None`: with the coefficients of the scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MechanismFrictionCase {
-    pub mu_static: Option<f64>,
-    pub force_closure: ForceClosure,
-    /// With the actuators blocked, and with them at their effort.
-    pub polar: [Vec<MechanismBalance>; 2],
 }
 
 /// Error returned by [`mechanism_grasp`].
@@ -144,7 +135,7 @@ pub fn mechanism_grasp(
                 Some(FrictionContact { point_m: at_rest.point_m, push: contact.push?, mu: at_rest.mu })
             })
             .collect();
-        Ok(MechanismFrictionCase {
+        Ok(FrictionCase {
             mu_static,
             force_closure: force_closure(&of_object, centre_m, radius_m),
             polar: [polar(DriveState::Blocked)?, polar(DriveState::AtEffort)?],

@@ -1,7 +1,5 @@
 //! The statics of a gripper: JSON document with units in the keys, and short tables with units.
 
-use std::f64::consts::TAU;
-
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
@@ -52,15 +50,6 @@ impl<'a> GripperStaticsReport<'a> {
             false => Palm::None,
         }
     }
-
-    /// Angle of each reported direction from x towards y of the palm's frame, and the balances with blocked motors and
-    /// with motors at their torque.
-    fn directions(&self, case: &'a FrictionCase) -> impl Iterator<Item = (f64, [&'a Balance; 2])> {
-        let [blocked, at_torque] = &case.polar;
-        let count = blocked.len() as f64;
-        let direction = move |(index, (blocked, at_torque))| (TAU * index as f64 / count, [blocked, at_torque]);
-        blocked.iter().zip(at_torque).enumerate().step_by(self.stride).map(direction)
-    }
 }
 
 impl<'a> Serialize for GripperStaticsReport<'a> {
@@ -104,7 +93,7 @@ impl<'a> Serialize for GripperStaticsReport<'a> {
                 .with("closure", found.as_ref().ok().map(|found| closure_document(found, &self.palm())))
                 .with_some("reason", found.as_ref().err().map(StaticsError::to_string))
         };
-        let friction_case = |case: &'a FrictionCase| {
+        let friction_case = |case: &'a FrictionCase<Balance>| {
             let direction = |(angle_rad, [blocked, at_torque]): (f64, [&'a Balance; 2])| {
                 Object::default()
                     .with("angle_rad", angle_rad)
@@ -115,7 +104,7 @@ impl<'a> Serialize for GripperStaticsReport<'a> {
             Object::default()
                 .with("mu_static", case.mu_static)
                 .with("force_closure", force_closure(&case.force_closure))
-                .with("accelerations", self.directions(case).map(direction).collect::<Vec<_>>())
+                .with("accelerations", case.directions(self.stride).map(direction).collect::<Vec<_>>())
         };
         Object::default()
             .with("scene", &grasp.scene)
@@ -220,9 +209,9 @@ impl ToReport for GripperStaticsReport<'_> {
 }
 
 impl GripperStaticsReport<'_> {
-    fn friction_case(&self, case: &FrictionCase) -> Report {
+    fn friction_case(&self, case: &FrictionCase<Balance>) -> Report {
         let mut rows = vec![row(["towards", "", "blocked, g", "limited by", "at torque, g", "limited by"])];
-        for (angle_rad, balances) in self.directions(case) {
+        for (angle_rad, balances) in case.directions(self.stride) {
             let angle = format!("{:.2}", angle_rad.to_degrees());
             let mut cells = vec![format!("{}°", angle.trim_end_matches('0').trim_end_matches('.'))];
             cells.push(direction_name(balances[0].direction).to_string());

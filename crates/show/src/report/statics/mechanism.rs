@@ -1,14 +1,13 @@
 //! The statics of a mechanism: JSON document with units in the keys, and short tables with units.
 
-use std::f64::consts::TAU;
-
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
 use super::{force_closure_text, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
-use crate::grasp::mechanism::{HeldContact, MechanismFrictionCase, MechanismGrasp};
+use crate::grasp::gripper::FrictionCase;
+use crate::grasp::mechanism::{HeldContact, MechanismGrasp};
 use crate::report::grasp::force_closure;
 use crate::statics::{BodyMotion, ContactMotion, MechanismBalance, MechanismLimit, StaticsError};
 use crate::units::Dimension;
@@ -30,14 +29,6 @@ impl<'a> MechanismStaticsReport<'a> {
     /// Creates the report with every `stride`-th of the requested directions.
     pub fn new(grasp: &'a MechanismGrasp, stride: usize) -> Self {
         MechanismStaticsReport { grasp, stride: stride.max(1), svg: None }
-    }
-
-    /// Angle of each reported direction from x towards y, with both balances.
-    fn directions(&self, case: &'a MechanismFrictionCase) -> impl Iterator<Item = (f64, [&'a MechanismBalance; 2])> {
-        let [blocked, at_effort] = &case.polar;
-        let count = blocked.len() as f64;
-        let both = move |(index, (blocked, at_effort))| (TAU * index as f64 / count, [blocked, at_effort]);
-        blocked.iter().zip(at_effort).enumerate().step_by(self.stride).map(both)
     }
 
     /// Names of the contacts with this motion at the limit.
@@ -98,9 +89,9 @@ impl<'a> MechanismStaticsReport<'a> {
         [format_number(acceleration_m_s2 / G_M_S2, 4), causes]
     }
 
-    fn friction_case(&self, case: &'a MechanismFrictionCase) -> Report {
+    fn friction_case(&self, case: &'a FrictionCase<MechanismBalance>) -> Report {
         let mut rows = vec![row(["towards", "blocked, g", "limited by", "at effort, g", "limited by"])];
-        for (angle_rad, balances) in self.directions(case) {
+        for (angle_rad, balances) in case.directions(self.stride) {
             let angle = format!("{:.2}", angle_rad.to_degrees());
             let mut cells = vec![format!("{}°", angle.trim_end_matches('0').trim_end_matches('.'))];
             let limits = balances.into_iter().zip(&self.grasp.brakes);
@@ -148,8 +139,8 @@ impl<'a> Serialize for MechanismStaticsReport<'a> {
             }
             Err(reason) => Object::default().with("reason", reason.to_string()),
         };
-        let case = |case: &'a MechanismFrictionCase| {
-            let MechanismFrictionCase { mu_static, force_closure: closure, .. } = case;
+        let case = |case: &'a FrictionCase<MechanismBalance>| {
+            let FrictionCase { mu_static, force_closure: closure, .. } = case;
             let direction = |(angle_rad, balances): (f64, [&'a MechanismBalance; 2])| {
                 let document = Object::default().with("angle_rad", angle_rad).with("direction", balances[0].direction);
                 let both = DRIVES.into_iter().zip(balances).zip(&grasp.brakes);
@@ -160,7 +151,7 @@ impl<'a> Serialize for MechanismStaticsReport<'a> {
             Object::default()
                 .with("mu_static", *mu_static)
                 .with("force_closure", force_closure(closure))
-                .with("accelerations", self.directions(case).map(direction).collect::<Vec<_>>())
+                .with("accelerations", case.directions(self.stride).map(direction).collect::<Vec<_>>())
         };
         Object::default()
             .with("scene", grasp.scene.as_str())
