@@ -94,10 +94,6 @@ pub enum DriveMode {
     AtTorque,
 }
 
-impl DriveMode {
-    pub const BOTH: [Self; 2] = [DriveMode::Blocked, DriveMode::AtTorque];
-}
-
 /// Configuration of a gripper and its active contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GraspState<'a> {

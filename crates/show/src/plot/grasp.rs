@@ -11,11 +11,10 @@ use super::chart::round_step;
 use super::outline::{Point, View, arrow, filled_outline, mirrored, outlines, palm};
 use super::svg::{Paint, Path, Pixel, Svg, TextStyle};
 use super::theme::{BLUE, Colour, GREEN, INK, LINE, OBJECT, ORANGE, PURPLE, SOFT};
-use crate::criteria::DriveMode;
 use crate::drawing::{Body, Drawing, poses, poses_for_postures};
 use crate::format::numbers::G_M_S2;
 use crate::grasp::finger::{Forces, Grasp, Palm};
-use crate::grasp::gripper::GripperGrasp;
+use crate::grasp::gripper::{FrictionCase, GripperGrasp};
 use crate::grasp::mechanism::MechanismGrasp;
 use crate::gripper::{Posture, posture_at};
 use crate::numeric::plane::add;
@@ -205,23 +204,14 @@ const LABEL_DIRECTION_RAD: f64 = 0.125 * TAU;
 /// Draws the accelerations for the last of the friction coefficients.
 pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureFormat) -> String {
     let last = found.friction_cases.last();
-    let curve = |(driven, balances): (DriveMode, &Vec<Balance>)| Curve {
-        name: match driven {
-            DriveMode::Blocked => "motors blocked",
-            DriveMode::AtTorque => "motors at their torque",
-        },
-        points: (balances.iter())
-            .map(|balance| match &balance.largest {
-                AccelerationLimit::Infeasible => (balance.direction, None),
-                AccelerationLimit::Limited(limit) => (balance.direction, Some(limit.acceleration_m_s2 / G_M_S2)),
-                AccelerationLimit::Unlimited => (balance.direction, Some(f64::INFINITY)),
-            })
-            .collect(),
+    let point = |balance: &Balance| match &balance.largest {
+        AccelerationLimit::Infeasible => (balance.direction, None),
+        AccelerationLimit::Limited(limit) => (balance.direction, Some(limit.acceleration_m_s2 / G_M_S2)),
+        AccelerationLimit::Unlimited => (balance.direction, Some(f64::INFINITY)),
     };
-    let curves = last.into_iter().flat_map(|case| DriveMode::BOTH.into_iter().zip(&case.polar)).map(curve).collect();
     let plot = PolarPicture {
         title: polar_title(&found.scene, last.and_then(|case| case.mu_static)),
-        curves,
+        curves: curves(last, ["motors blocked", "motors at their torque"], point),
         directions: ["right", "down, out of the palm", "left", "up"],
         drawn: "the gripper, in the same directions",
         palm: scene.hand.palm.is_some().then(|| max_radius(&scene.hand.grasped().shape)),
@@ -233,28 +223,29 @@ pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureForma
 /// coefficients, and the mechanism.
 pub fn mechanism_balance(scene: &Scene, found: &MechanismGrasp, picture_format: PictureFormat) -> String {
     let last = found.friction_cases.last();
-    let names = ["actuators blocked", "actuators at their effort"];
-    let curve = |(name, balances): (&'static str, &Vec<MechanismBalance>)| Curve {
-        name,
-        points: (balances.iter())
-            .map(|balance| match balance.largest {
-                MechanismLimit::Infeasible => (balance.direction, None),
-                MechanismLimit::Limited { acceleration_m_s2, .. } => {
-                    (balance.direction, Some(acceleration_m_s2 / G_M_S2))
-                }
-                MechanismLimit::Unlimited => (balance.direction, Some(f64::INFINITY)),
-            })
-            .collect(),
+    let point = |balance: &MechanismBalance| match balance.largest {
+        MechanismLimit::Infeasible => (balance.direction, None),
+        MechanismLimit::Limited { acceleration_m_s2, .. } => (balance.direction, Some(acceleration_m_s2 / G_M_S2)),
+        MechanismLimit::Unlimited => (balance.direction, Some(f64::INFINITY)),
     };
-    let curves = last.into_iter().flat_map(|case| names.into_iter().zip(&case.polar)).map(curve).collect();
     let plot = PolarPicture {
         title: polar_title(&found.scene, last.and_then(|case| case.mu_static)),
-        curves,
+        curves: curves(last, ["actuators blocked", "actuators at their effort"], point),
         directions: ["x", "y", "−x", "−y"],
         drawn: "the mechanism, in the same directions",
         palm: None,
     };
     plot.draw(scene, &found.sample, picture_format)
+}
+
+/// Curves of a friction case, with the drives blocked and at their effort; `point` returns direction and acceleration.
+fn curves<B>(
+    case: Option<&FrictionCase<B>>,
+    names: [&'static str; 2],
+    point: impl Fn(&B) -> ([f64; 2], Option<f64>),
+) -> Vec<Curve> {
+    let balances = case.into_iter().flat_map(|case| names.into_iter().zip(&case.polar));
+    balances.map(|(name, balances)| Curve { name, points: balances.iter().map(&point).collect() }).collect()
 }
 
 fn polar_title(scene: &str, mu_static: Option<f64>) -> String {
