@@ -4,7 +4,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::{Body, BodyRole, Drawing, Pose, Shape};
+use super::{Body, BodyRole, Drawing, Pose, Shape, bounds};
 use crate::law::NormalLaw;
 use crate::mechanism::tendon::{Segment, center_in, segment};
 use crate::mechanism::{
@@ -445,33 +445,20 @@ fn bar(from_m: [f64; 2], to_m: [f64; 2], half_width_m: f64) -> Shape {
 fn extent(mechanism: &Mechanism, parts: &[Part]) -> [[f64; 2]; 2] {
     let bodies: Vec<Pose> =
         poses_at_start(mechanism).into_iter().map(|[x, y, angle_rad]| pose([x, y], angle_rad)).collect();
-    let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    let mut include = |[x, y]: [f64; 2], radius: f64| {
-        low = [low[0].min(x - radius), low[1].min(y - radius)];
-        high = [high[0].max(x + radius), high[1].max(y + radius)];
-    };
+    let mut discs = Vec::new();
     for Part { body, pose: local, drawn } in parts {
         let pose = in_world(body.map_or(Pose::default(), |body| bodies[body]), *local);
         let pivot = body.and_then(|body| {
             let is_ground_pin = |joint: &&Joint| joint.bodies == [None, Some(body)];
             mechanism.joints.iter().find(is_ground_pin).map(|joint| joint.points_m[0])
         });
-        for shape in &drawn.shapes {
-            let points: Vec<([f64; 2], f64)> = match shape {
-                Shape::Polygon { corners_m } => corners_m.iter().map(|corner| (*corner, 0.0)).collect(),
-                Shape::Capsule { from_m, to_m, radius_m } => vec![(*from_m, *radius_m), (*to_m, *radius_m)],
-                Shape::Disc { radius_m } => vec![([0.0; 2], *radius_m)],
-                Shape::HalfPlane { .. } => Vec::new(),
-            };
-            for (point, radius_m) in points {
-                let at = pose.apply(point);
-                include(at, radius_m);
-                if let Some([x, y]) = pivot {
-                    include([x, y], hypot(at[0] - x, at[1] - y) + radius_m);
-                }
-            }
+        for (point, radius_m) in drawn.shapes.iter().flat_map(Shape::discs) {
+            let at = pose.apply(point);
+            discs.push((at, radius_m));
+            discs.extend(pivot.map(|[x, y]| ([x, y], hypot(at[0] - x, at[1] - y) + radius_m)));
         }
     }
+    let [low, high] = bounds(&discs);
     if low[0].is_finite() { [low, high] } else { [[-0.05; 2], [0.05; 2]] }
 }
 

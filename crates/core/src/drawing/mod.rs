@@ -76,6 +76,16 @@ pub enum Shape {
 }
 
 impl Shape {
+    /// Centres and radii of discs whose convex hull contains the shape; none for a half plane.
+    fn discs(&self) -> Vec<([f64; 2], f64)> {
+        match self {
+            Shape::Polygon { corners_m } => corners_m.iter().map(|corner| (*corner, 0.0)).collect(),
+            Shape::Capsule { from_m, to_m, radius_m } => vec![(*from_m, *radius_m), (*to_m, *radius_m)],
+            Shape::Disc { radius_m } => vec![([0.0; 2], *radius_m)],
+            Shape::HalfPlane { .. } => Vec::new(),
+        }
+    }
+
     /// Converts a shape: a disc if it is round, otherwise a polygon.
     fn from_shape(shape: &shape::Shape) -> Self {
         let polygon = || Shape::Polygon { corners_m: shape.at([0.0; 2]).outline_m() };
@@ -222,6 +232,13 @@ fn pose_at_start(object: &Object) -> Pose {
     Pose { position_m: object.centre_m, angle_rad: object.angle_rad }
 }
 
+/// Lower left and upper right corner of discs with centres and radii.
+fn bounds(discs: &[([f64; 2], f64)]) -> [[f64; 2]; 2] {
+    discs.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], ([x, y], radius)| {
+        [[low[0].min(x - radius), low[1].min(y - radius)], [high[0].max(x + radius), high[1].max(y + radius)]]
+    })
+}
+
 /// Lower left and upper right corner of everything except half planes, with a margin of a tenth, at the start and, if the
 /// fingers can close on the object, in their grasp.
 fn view_extent(hand: &Hand, bodies: &[Body]) -> [[f64; 2]; 2] {
@@ -236,26 +253,16 @@ fn view_extent(hand: &Hand, bodies: &[Body]) -> [[f64; 2]; 2] {
         (start, grasp.map_or(start, |end| end.posture))
     });
     let (start, end): (Vec<Posture>, Vec<Posture>) = postures.unzip();
-    let [mut low, mut high] = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
-    let mut include = |[x, y]: [f64; 2], radius: f64| {
-        low = [low[0].min(x - radius), low[1].min(y - radius)];
-        high = [high[0].max(x + radius), high[1].max(y + radius)];
-    };
+    let mut discs = Vec::new();
     for postures in [start, end] {
         let poses = poses_at(hand, 0.0, hand.reported_object().into_iter().map(pose_at_start), &postures);
-        for (pose, shape) in
-            bodies.iter().zip(poses).flat_map(|(body, pose)| body.shapes.iter().map(move |s| (pose, s)))
-        {
-            match shape {
-                Shape::Polygon { corners_m } => corners_m.iter().for_each(|corner| include(pose.apply(*corner), 0.0)),
-                Shape::Capsule { from_m, to_m, radius_m } => {
-                    [from_m, to_m].into_iter().for_each(|end| include(pose.apply(*end), *radius_m));
-                }
-                Shape::Disc { radius_m } => include(pose.position_m, *radius_m),
-                Shape::HalfPlane { .. } => {}
-            }
+        for (body, pose) in bodies.iter().zip(poses) {
+            discs.extend(
+                body.shapes.iter().flat_map(Shape::discs).map(|(point, radius_m)| (pose.apply(point), radius_m)),
+            );
         }
     }
+    let [low, high] = bounds(&discs);
     let margin = 0.1 * (high[0] - low[0]).max(high[1] - low[1]);
     [low.map(|low| low - margin), high.map(|high| high + margin)]
 }
