@@ -1,7 +1,10 @@
 //! Decimation of samples: time grid, every step of an impact, extremes.
 
+use phalanx::criteria::RunCriteriaTracker;
 use phalanx::scene;
-use phalanx::trace::{ContactSample, Decimated, Event, EventKind, Model, Sample, Sink, SinkError, run};
+use phalanx::trace::{
+    ContactSample, Decimated, Event, EventKind, Model, OffGrid, RequiredData, Sample, Sink, SinkError, run,
+};
 use phalanx::validate::Recording;
 
 pub fn decimated_run(scene: &scene::Scene, model: Model) -> (phalanx::trace::Outcome, Recording) {
@@ -35,10 +38,64 @@ fn retained_times(samples: &[Sample], numeric_hz: f64) -> Vec<f64> {
 }
 
 #[test]
-fn without_forces_only_the_grid_is_retained() {
+fn without_forces_the_grid_and_one_other_sample_per_interval_are_retained() {
     let samples: Vec<Sample> = (0..=100).map(|k| sample_with_force(f64::from(k) * 0.125, 0.0)).collect();
     let retained = retained_times(&samples, 1.0);
-    assert_eq!(retained, (0..=12).map(f64::from).chain([12.5]).collect::<Vec<_>>());
+    let expected = (1..=12).map(f64::from).flat_map(|t| [t, t + 0.125]);
+    assert_eq!(retained, [0.0].into_iter().chain(expected).chain([12.5]).collect::<Vec<_>>());
+}
+
+/// The other samples are the same whether there are samples on the grid or not.
+#[test]
+fn the_grid_has_no_effect_on_other_samples() {
+    let times = || (1..=300).map(|k| f64::from(k) * 0.037);
+    let force = |t: f64| 20.0 * (1.0 - (t - 5.0).powi(2)).max(0.0) + (t - 8.0).max(0.0);
+    let retained = |has_grid: bool| {
+        let mut all: Vec<f64> = times().chain((1..=11).map(f64::from).filter(|_| has_grid)).collect();
+        all.sort_by(f64::total_cmp);
+        let mut decimated = Decimated::new(1.0, OffGrid::new(1.0, Times(Vec::new())));
+        for t in [0.0].into_iter().chain(all) {
+            decimated.sample(&sample_with_force(t, force(t))).expect("decimated");
+        }
+        decimated.end().expect("decimated");
+        decimated.sink.sink.0
+    };
+    assert_eq!(retained(true), retained(false));
+    assert!(retained(true).len() > 60 && !retained(true).contains(&3.0));
+}
+
+/// Criteria of a run do not depend on whether it is logged.
+#[test]
+fn the_grid_has_no_effect_on_criteria() {
+    struct Evaluated(OffGrid<RunCriteriaTracker>, bool);
+    impl Sink for Evaluated {
+        fn required_data(&self) -> RequiredData {
+            RequiredData { grid: self.1, ..self.0.required_data() }
+        }
+
+        fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+            self.0.sample(sample)
+        }
+
+        fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+            self.0.event(event)
+        }
+    }
+    for name in ["experiment-95", "soft-start", "gripper/cycle-fast", "laws/two-free"] {
+        let scene = scene::load_any(format!("scenes/{name}.toml")).expect("a scene");
+        let models = if name.contains("cycle") { &[Model::Analytic][..] } else { &[Model::Analytic, Model::Engine] };
+        for model in models {
+            let [without, with] = [false, true].map(|has_grid| {
+                let numeric_hz = scene.log.numeric_hz;
+                let tracker = OffGrid::new(numeric_hz, RunCriteriaTracker::for_scene(&scene));
+                let mut sink = Decimated::new(numeric_hz, Evaluated(tracker, has_grid));
+                run(*model, &scene, &mut sink).expect("a run");
+                sink.end().and_then(|()| sink.sink.0.end()).expect("decimated");
+                sink.sink.0.sink.finish(true)
+            });
+            assert_eq!(without, with, "{name} {}", model.name());
+        }
+    }
 }
 
 #[test]
@@ -58,7 +115,7 @@ fn a_slow_maximum_between_grid_points_is_retained() {
     let samples: Vec<Sample> =
         (0..=200).map(|k| f64::from(k) / 64.0).map(|t| sample_with_force(t, 100.0 - (t - 1.265_625).powi(2))).collect();
     let retained = retained_times(&samples, 1.0);
-    assert_eq!(retained, [0.0, 1.0, 1.265_625, 2.0, 3.0, 3.125]);
+    assert_eq!(retained, [0.0, 1.0, 1.015_625, 1.265_625, 2.0, 2.265_625, 3.0, 3.125]);
 }
 
 #[test]

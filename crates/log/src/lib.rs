@@ -18,8 +18,9 @@
 //! | `/forces` | `foxglove.SceneUpdate` | contact points and force arrows; only with contacts |
 //!
 //! **Sampling.** Numeric samples are written on a uniform time grid (`numeric_rate`), within an impact at every
-//! integrator step (defined by [`Decimated`](phalanx_core::trace::Decimated)), and at the maximum penetration and
-//! maximum force of every contact, so that a log has the same extremes as its run. Long runs of grippers in the
+//! integrator step (defined by [`Decimated`](phalanx_core::trace::Decimated)), otherwise at the end of one step per
+//! grid interval, and at the maximum penetration and maximum force of every contact, so that a log has the same extremes
+//! as its run. Criteria use only the samples off the grid. Long runs of grippers in the
 //! analytic model have fewer samples while nothing happens. Pictures have a separate grid (`picture_rate`); within an
 //! impact they are also written whenever an arrow has changed by a twentieth of the longest one. If nothing has moved,
 //! none is written.

@@ -17,7 +17,9 @@ use phalanx_core::criteria::{
 use phalanx_core::integrator::Reason;
 use phalanx_core::invariants::EnergyAudit;
 use phalanx_core::scene::Scene;
-use phalanx_core::trace::{Decimated, Event, Model, Outcome, RequiredData, RunError, Sample, Sink, SinkError, run};
+use phalanx_core::trace::{
+    Decimated, Event, Model, OffGrid, Outcome, RequiredData, RunError, Sample, Sink, SinkError, run,
+};
 
 /// Whether a completed run is checked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,16 +68,17 @@ pub fn simulate<W: Write + Send + 'static>(
     options: &SimulationOptions<'_>,
     extra_sink: &mut impl Sink,
 ) -> FinishedRun<W> {
-    let audit = EnergyAudit::new(model, scene);
-    let sinks =
-        RunSinks { log, criteria_tracker: RunCriteriaTracker::for_scene(scene), audit, model, last_s: 0.0, extra_sink };
-    let mut decimated = Decimated::new(scene.log.numeric_hz, sinks);
+    let numeric_hz = scene.log.numeric_hz;
+    let criteria_tracker = OffGrid::new(numeric_hz, RunCriteriaTracker::for_scene(scene));
+    let audit = OffGrid::new(numeric_hz, EnergyAudit::new(model, scene));
+    let sinks = RunSinks { log, criteria_tracker, audit, last_s: 0.0, extra_sink };
+    let mut decimated = Decimated::new(numeric_hz, sinks);
     let start = Instant::now();
     let result = run(model, scene, &mut decimated);
     let wall_s = start.elapsed().as_secs_f64();
-    let last_sample = decimated.end();
+    let last_sample = decimated.end().and_then(|()| decimated.sink.end());
     let RunSinks { log, criteria_tracker, audit, last_s, .. } = decimated.sink;
-    let RunCriteria { criteria, grasp, rebounds, overlaps } = criteria_tracker.finish(result.is_ok());
+    let RunCriteria { criteria, grasp, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
     let fate_sentence = |criteria: &GraspCriteria| {
         format!("{}: {}", criteria.fate.name(), fate_reason(criteria, scene.thresholds.held_time_s))
     };
@@ -83,7 +86,7 @@ pub fn simulate<W: Write + Send + 'static>(
         .as_ref()
         .map(Criteria::verdict)
         .or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate_sentence));
-    let energy_warning = audit.violation().map(|breach| breach.to_string());
+    let energy_warning = audit.sink.violation().map(|breach| breach.to_string());
     let warnings: Vec<String> = energy_warning.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
     let stopped = result.as_ref().err().map(|error| match error {
         RunError::Simulation { failure, .. } => (failure.time_s, (options.describe_reason)(&failure.reason)),
@@ -120,20 +123,25 @@ pub fn simulate<W: Write + Send + 'static>(
 /// All sinks of a run.
 struct RunSinks<'a, W: Write + Send + 'static, A> {
     log: Option<ThreadedWriter<W>>,
-    criteria_tracker: RunCriteriaTracker,
-    audit: EnergyAudit,
-    model: Model,
+    criteria_tracker: OffGrid<RunCriteriaTracker>,
+    audit: OffGrid<EnergyAudit>,
     /// Time of the latest sample.
     last_s: f64,
     extra_sink: &'a mut A,
 }
 
+impl<W: Write + Send + 'static, A> RunSinks<'_, W, A> {
+    /// Passes on the last sample at the end of the run.
+    fn end(&mut self) -> Result<(), SinkError> {
+        self.criteria_tracker.end()?;
+        self.audit.end()
+    }
+}
+
 impl<W: Write + Send + 'static, A: Sink> Sink for RunSinks<'_, W, A> {
     fn required_data(&self) -> RequiredData {
         let evaluation = self.criteria_tracker.required_data().or(self.audit.required_data());
-        let all = evaluation.or(self.extra_sink.required_data()).or(self.log.required_data());
-        // The engine takes too many steps to log them all.
-        RequiredData { grid: all.grid || self.model == Model::Engine, ..all }
+        evaluation.or(self.extra_sink.required_data()).or(self.log.required_data())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
@@ -146,6 +154,7 @@ impl<W: Write + Send + 'static, A: Sink> Sink for RunSinks<'_, W, A> {
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.criteria_tracker.event(event)?;
+        self.audit.event(event)?;
         self.extra_sink.event(event)?;
         self.log.event(event)
     }

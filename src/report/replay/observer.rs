@@ -4,9 +4,9 @@ use super::ReplayReport;
 use crate::criteria::{LinkOverlap, Rebound, Rebounds, RunCriteriaTracker, static_grasp};
 use crate::invariants::EnergyAudit;
 use crate::limits::MAX_SCENE_BYTES;
-use crate::log::{LogSink, LogSummary, settings};
+use crate::log::{LogSink, LogSummary, Settings, settings};
 use crate::scene::{self, Scene, SceneError};
-use crate::trace::{ContactSummary, Event, EventKind, Outcome, Sample, Schema, Sink, SinkError};
+use crate::trace::{ContactSummary, Event, EventKind, OffGrid, Outcome, Sample, Schema, Sink, SinkError};
 
 /// A sink for the contents of a log that collects the data of its report.
 #[derive(Debug, Default)]
@@ -17,11 +17,11 @@ pub struct LogObserver {
     rebounds: Option<Rebounds>,
     has_sample: bool,
     /// Criteria of a finger or a gripper.
-    tracker: Option<RunCriteriaTracker>,
+    tracker: Option<OffGrid<RunCriteriaTracker>>,
     /// The scene of the log, if this version can read it; it defines prescribed motions.
     scene: Option<Scene>,
     /// Check of the energy balance.
-    audit: Option<EnergyAudit>,
+    audit: Option<OffGrid<EnergyAudit>>,
 }
 
 impl LogObserver {
@@ -36,8 +36,11 @@ impl LogObserver {
                 let ungraspable = object.and_then(|object| static_grasp(&scene, object).err());
                 let warning = ungraspable
                     .map(|error| format!("no dynamic criteria, because the finger cannot grasp this object: {error}"));
-                let tracker = Some(RunCriteriaTracker::for_scene(&scene));
-                let audit = audit(head, &scene);
+                let settings = settings(&head.metadata).ok();
+                // Logs of other versions have few samples off the grid, so that all are evaluated.
+                let numeric_hz = settings.as_ref().map_or(f64::INFINITY, |settings| settings.log.numeric_hz);
+                let tracker = Some(OffGrid::new(numeric_hz, RunCriteriaTracker::for_scene(&scene)));
+                let audit = settings.map(|settings| OffGrid::new(numeric_hz, audit(&settings, &scene)));
                 (LogObserver { tracker, scene: Some(scene), audit, ..LogObserver::default() }, warning)
             }
             Some(Err(error)) => {
@@ -70,9 +73,12 @@ impl LogObserver {
 
     /// Creates the report of the log, after it was read.
     pub fn report(&mut self, name: String, reading: &LogSummary) -> ReplayReport {
-        let found = self.tracker.take().map(|tracker| tracker.finish(is_complete_run(reading)));
+        // Criteria and audit return no errors.
+        let _ = (self.tracker.as_mut().map(OffGrid::end), self.audit.as_mut().map(OffGrid::end));
+        let found = self.tracker.take().map(|tracker| tracker.sink.finish(is_complete_run(reading)));
         let overlaps = found.iter().flat_map(|found| &found.overlaps).map(LinkOverlap::sentence);
-        let energy_violation = self.audit.and_then(|audit| audit.violation()).map(|violation| violation.to_string());
+        let violation = self.audit.as_ref().and_then(|audit| audit.sink.violation());
+        let energy_violation = violation.map(|violation| violation.to_string());
         let warnings = energy_violation.into_iter().chain(overlaps).collect();
         ReplayReport::new(name, reading, self, found, warnings)
     }
@@ -85,10 +91,10 @@ fn is_complete_run(reading: &LogSummary) -> bool {
 }
 
 /// Creates a check of the energy balance with the settings of the run.
-fn audit(head: &LogSummary, scene: &Scene) -> Option<EnergyAudit> {
-    let (settings, mut scene) = (settings(&head.metadata).ok()?, scene.clone());
+fn audit(settings: &Settings, scene: &Scene) -> EnergyAudit {
+    let mut scene = scene.clone();
     settings.apply_to(&mut scene);
-    Some(EnergyAudit::new(settings.model(), &scene))
+    EnergyAudit::new(settings.model(), &scene)
 }
 
 /// Returns the scene that is stored in a log; `None` if there is none or it exceeds the size limit of scenes.
@@ -122,7 +128,7 @@ impl LogSink for LogObserver {
         }
         self.rebounds.sample(sample)?;
         // Samples have no energies if the energy topic is missing.
-        self.audit = self.audit.filter(|_| !sample.energy().kinetic_j.is_nan());
+        self.audit = self.audit.take().filter(|_| !sample.energy().kinetic_j.is_nan());
         self.audit.sample(sample)?;
         self.tracker.sample(sample)
     }
@@ -135,6 +141,7 @@ impl LogSink for LogObserver {
         }
         contact.slips = contact.slips.saturating_add(u32::from(event.kind == EventKind::Slips));
         self.rebounds.event(event)?;
+        self.audit.event(event)?;
         self.tracker.event(event)
     }
 }

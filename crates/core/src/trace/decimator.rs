@@ -1,8 +1,7 @@
-//! Decimation of a run: keeps the samples on a uniform grid, and every integrator step within an impact.
+//! Selection of the samples of a run: [`Decimated`] for logs and tables, [`OffGrid`] for criteria.
 //!
-//! Models emit every step that is shorter than the grid interval; free flight and settled contacts do not need that
-//! resolution. A run with a log evaluates its criteria on the decimated samples, so that the log yields the same results.
-//! A run without one has no samples on the grid, and its criteria may differ in the last digits.
+//! Models emit the ends of all steps, and samples on the grid if a sink needs them. Criteria ignore the grid, so that
+//! they are the same with and without a log, and when they are evaluated on the samples of a log.
 
 use super::grid::is_point;
 use super::{Event, RequiredData, Sample, Sink, SinkError};
@@ -12,45 +11,57 @@ const MIN_FORCE_CHANGE: f64 = 0.1;
 /// An impact is extended by this fraction of a grid interval, so that it does not end at the maximum of the force.
 const IMPACT_EXTENSION: f64 = 0.25;
 
-/// A sink that forwards selected samples of a run, at most two per sample, and all events.
+/// A sink that forwards selected samples of a run, and all events.
 ///
-/// If the sink does not need samples on the grid, all are forwarded. Otherwise it keeps the first and the last
-/// sample, samples on the grid, all samples within an impact and the one before it, the sample after an event, each
-/// crossing of a threshold, and each sample at which a force or a penetration has a maximum larger than any kept
-/// before.
+/// It keeps the first and the last sample, and all samples on the grid. Of the other samples it keeps all within an
+/// impact and the one before it, those before and after an event, each crossing of a threshold, each sample at which a
+/// force or a penetration has a maximum larger than any kept before, and one per grid interval. This selection does not
+/// depend on whether there are samples on the grid.
 #[derive(Clone, Debug)]
 pub struct Decimated<S> {
     interval_s: f64,
     /// End of the current impact.
     impact_end_s: f64,
+    /// The latest sample off the grid.
     latest: Option<Sample>,
     /// Whether `latest` has been emitted.
     is_emitted: bool,
-    /// Whether every sample is forwarded, because no sink needs the grid.
-    keeps_all: bool,
+    /// Time of the last emitted sample off the grid.
+    emitted_s: f64,
     after_event: bool,
     /// Largest emitted force and penetration of each contact.
     emitted_peaks: Vec<(f64, f64)>,
+    /// Samples on the grid after `latest`; the buffers after the first `pending` are unused.
+    on_grid: Vec<Sample>,
+    pending: usize,
     pub sink: S,
 }
 
 impl<S: Sink> Decimated<S> {
-    /// Decimates a run to `numeric_hz` samples per second for `sink`, unless the sink does not need samples on the grid.
+    /// Decimates a run to `numeric_hz` samples per second for `sink`.
     pub fn new(numeric_hz: f64, sink: S) -> Self {
         Decimated {
             interval_s: 1.0 / numeric_hz,
             impact_end_s: f64::NEG_INFINITY,
             latest: None,
             is_emitted: true,
-            keeps_all: !sink.required_data().grid,
+            emitted_s: f64::NEG_INFINITY,
             after_event: true,
             emitted_peaks: Vec::new(),
+            on_grid: Vec::new(),
+            pending: 0,
             sink,
         }
     }
 
     /// Forwards the last sample at the end of the run.
     pub fn end(&mut self) -> Result<(), SinkError> {
+        self.emit_latest()?;
+        self.emit_grid()
+    }
+
+    /// Emits the latest sample off the grid, unless that has been done.
+    fn emit_latest(&mut self) -> Result<(), SinkError> {
         let Some(latest) = self.latest.as_ref().filter(|_| !self.is_emitted) else {
             return Ok(());
         };
@@ -58,8 +69,23 @@ impl<S: Sink> Decimated<S> {
             let (force, depth) = contact.force_and_penetration();
             *emitted = (emitted.0.max(force), emitted.1.max(depth));
         }
-        (self.is_emitted, self.after_event) = (true, false);
+        (self.is_emitted, self.after_event, self.emitted_s) = (true, false, latest.time_s);
         self.sink.sample(latest)
+    }
+
+    /// Emits the pending samples on the grid.
+    fn emit_grid(&mut self) -> Result<(), SinkError> {
+        let pending = std::mem::take(&mut self.pending);
+        self.on_grid[..pending].iter().try_for_each(|sample| self.sink.sample(sample))
+    }
+
+    /// Buffers a sample on the grid until it is known whether the latest sample before it is kept.
+    fn push_grid(&mut self, sample: &Sample) {
+        match self.on_grid.get_mut(self.pending) {
+            Some(buffer) => buffer.clone_from(sample),
+            None => self.on_grid.push(sample.clone()),
+        }
+        self.pending += 1;
     }
 }
 
@@ -76,7 +102,12 @@ impl<S: Sink> Sink for Decimated<S> {
         }
         let now_s = sample.time_s;
         // An extremum at the end of a step is repeated before an event at the same time.
-        if self.latest.as_ref().is_some_and(|latest| latest.time_s == now_s && latest == sample) {
+        let previous = self.on_grid[..self.pending].last().or(self.latest.as_ref());
+        if previous.is_some_and(|previous| previous.time_s == now_s && previous == sample) {
+            return Ok(());
+        }
+        if !is_first && is_point(now_s, self.interval_s) {
+            self.push_grid(sample);
             return Ok(());
         }
         let (mut in_impact, mut past_peak) = (false, false);
@@ -95,16 +126,16 @@ impl<S: Sink> Sink for Decimated<S> {
             self.impact_end_s = now_s + IMPACT_EXTENSION * self.interval_s;
         }
         if in_impact || past_peak {
-            self.end()?;
+            self.emit_latest()?;
         }
-        let is_on_grid = is_point(now_s, self.interval_s);
+        self.emit_grid()?;
         match &mut self.latest {
             Some(latest) => latest.clone_from(sample),
             None => self.latest = Some(sample.clone()),
         }
         self.is_emitted = false;
-        if is_first || is_on_grid || self.keeps_all || self.after_event || now_s <= self.impact_end_s {
-            self.end()
+        if self.after_event || now_s <= self.impact_end_s || now_s - self.emitted_s >= self.interval_s {
+            self.emit_latest()
         } else {
             Ok(())
         }
@@ -124,6 +155,58 @@ impl<S: Sink> Sink for Decimated<S> {
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.end()?;
         self.after_event |= !event.kind.is_friction_event();
+        self.sink.event(event)
+    }
+
+    fn should_continue(&self) -> bool {
+        self.sink.should_continue()
+    }
+}
+
+/// A sink that forwards all samples of a decimated run or of its log except those on the grid; the first and the last
+/// sample, and one at the time of an event, are always forwarded.
+#[derive(Clone, Debug)]
+pub struct OffGrid<S> {
+    interval_s: f64,
+    has_started: bool,
+    /// The latest sample, if it is on the grid; otherwise an unused buffer.
+    latest: Sample,
+    is_pending: bool,
+    pub sink: S,
+}
+
+impl<S: Sink> OffGrid<S> {
+    /// Forwards samples off the grid of `numeric_hz` samples per second to `sink`.
+    pub fn new(numeric_hz: f64, sink: S) -> Self {
+        let (interval_s, latest) = (1.0 / numeric_hz, Sample::default());
+        OffGrid { interval_s, has_started: false, latest, is_pending: false, sink }
+    }
+
+    /// Forwards the last sample at the end of the run.
+    pub fn end(&mut self) -> Result<(), SinkError> {
+        if std::mem::take(&mut self.is_pending) { self.sink.sample(&self.latest) } else { Ok(()) }
+    }
+}
+
+impl<S: Sink> Sink for OffGrid<S> {
+    fn required_data(&self) -> RequiredData {
+        self.sink.required_data()
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.is_pending = self.has_started && is_point(sample.time_s, self.interval_s);
+        self.has_started = true;
+        if self.is_pending {
+            self.latest.clone_from(sample);
+            return Ok(());
+        }
+        self.sink.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        if self.is_pending && self.latest.time_s == event.time_s {
+            self.end()?;
+        }
         self.sink.event(event)
     }
 

@@ -132,7 +132,7 @@ impl Stepper for EngineStepper {
         Ok(())
     }
 
-    fn finish(&mut self, sink: &mut dyn Sink) -> Result<Outcome, SinkError> {
+    fn finish(&mut self, sink: &mut dyn Sink) -> Outcome {
         let (mut recorder, motion) = self.recorder(sink);
         recorder.complete_last(motion);
         recorder.finish()

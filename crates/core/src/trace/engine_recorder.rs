@@ -21,7 +21,6 @@ pub(super) struct EngineRecorder<'a> {
 #[derive(Clone)]
 pub(super) struct EngineRecorderState {
     grid: Grid,
-    end_s: f64,
     /// Region whose boundary ends the run.
     reach: Option<Reach>,
     /// Time at which the object left the region.
@@ -62,7 +61,6 @@ impl EngineRecorderState {
         Self {
             joint_forces,
             grid: Grid::new(span),
-            end_s: span.end_s,
             reach: Reach::from_hand(&scene.hand).filter(|_| ends_at_exit),
             ejected_s: None,
             last,
@@ -277,7 +275,7 @@ impl EngineRecorder<'_> {
         event.map_or(Ok(()), |event| self.emit_event(channel, time_s, event))
     }
 
-    /// Emits an event, after the last sample if that has not been emitted.
+    /// Counts and emits an event.
     fn emit_event(&mut self, contact: usize, time_s: f64, event: ReportedEvent) -> Result<(), SinkError> {
         let is_friction_event = event.kind.is_friction_event();
         let event = event.at(time_s, contact);
@@ -285,33 +283,19 @@ impl EngineRecorder<'_> {
             return self.sink.event(&event);
         }
         self.state.work.events += 1;
-        // Rates jump after an event: interpolation needs the sample just before it.
-        if self.state.emitted_s < self.state.last.time_s {
-            self.state.emitted_s = self.state.last.time_s;
-            update_summaries(&mut self.state.trackers, &self.state.last);
-            self.sink.sample(&self.state.last)?;
-        }
         self.sink.event(&event)
     }
 
-    /// Emits the samples of one step, or of the rest of it: the grid points inside it, and its end if the step is
-    /// short, an extremum lies there, or the run is over.
+    /// Emits the samples of one step, or of the rest of it: the grid points inside it, and its end.
     fn emit_step(&mut self, motion: &Motion) -> Result<(), SinkError> {
-        let dt = motion.last_dt_s;
         let now = std::mem::take(&mut self.state.node);
         let time_s = now.time_s;
         self.emit_grid(motion, &now, time_s)?;
         self.state.node = std::mem::replace(&mut self.state.last, now);
-        if self.state.grid.includes_end(time_s, dt) || time_s >= self.state.end_s {
-            self.state.emitted_s = time_s;
-            update_summaries(&mut self.state.trackers, &self.state.last);
-            self.sink.sample(&self.state.last)
-        } else if self.state.step_extrema.at_end {
-            update_summaries(&mut self.state.trackers, &self.state.last);
-            self.sink.extreme(&self.state.last)
-        } else {
-            Ok(())
-        }
+        self.state.grid.pass_end(time_s);
+        self.state.emitted_s = time_s;
+        update_summaries(&mut self.state.trackers, &self.state.last);
+        self.sink.sample(&self.state.last)
     }
 
     /// Emits the grid points before `until_s`, between the last sample and `end`.
@@ -357,20 +341,16 @@ impl EngineRecorder<'_> {
         }
     }
 
-    /// Emits the last sample if the run ended between grid points, and returns the summary.
-    pub fn finish(&mut self) -> Result<Outcome, SinkError> {
-        if self.state.emitted_s < self.state.last.time_s {
-            update_summaries(&mut self.state.trackers, &self.state.last);
-            self.sink.sample(&self.state.last)?;
-        }
+    /// Returns the summary.
+    pub fn finish(&self) -> Outcome {
         let contacts = self.state.trackers.iter().map(|tracker| tracker.summary).collect();
-        Ok(Outcome {
+        Outcome {
             last: self.state.last.clone(),
             contacts,
             work: self.state.work,
             loop_gap_m: self.state.loop_gap_m,
             ejected_s: self.state.ejected_s,
-        })
+        }
     }
 }
 

@@ -79,7 +79,7 @@ pub(super) fn parabola_peak(at_start: f64, at_end: f64, value: &mut dyn FnMut(f6
 pub(super) struct StepExtrema<T> {
     /// Positions inside the step, in order of time after `sort`.
     inside: Vec<(f64, T)>,
-    /// Whether there is such an extremum at the end of the step.
+    /// Whether there is such an extremum at the end of a step of the analytic model.
     pub at_end: bool,
 }
 
@@ -152,7 +152,7 @@ impl StepExtrema<(usize, ContactExtremum)> {
                 self.inside.push((deepest.after_s, (contact, deepest)));
             }
         }
-        self.at_end |= summary.update_peak_force(force) | summary.update_max_penetration(depth);
+        summary.update((force, depth));
     }
 }
 

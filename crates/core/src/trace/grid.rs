@@ -108,14 +108,9 @@ impl Grid {
         None
     }
 
-    /// Whether the end of a step of length `h` gets a sample of its own: it lies on the grid, which then advances, or
-    /// the step is shorter than the grid interval.
-    pub(crate) fn includes_end(&mut self, end_s: f64, h: f64) -> bool {
-        let on_grid = self.next as f64 * self.interval_s == end_s;
-        if on_grid {
-            self.next += 1;
-        }
-        on_grid || h < self.interval_s
+    /// Skips the next point if it is the end of a step, which has a sample anyway.
+    pub(crate) fn pass_end(&mut self, end_s: f64) {
+        self.next += u64::from(self.next as f64 * self.interval_s == end_s);
     }
 }
 
@@ -129,30 +124,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_point_is_returned_once_and_step_ends_on_the_grid_are_sampled() {
+    fn each_point_is_returned_once_and_ends_of_steps_are_passed() {
         let mut grid = Grid::new(Span { end_s: 2.0, numeric_hz: 4.0, is_thinned: true, is_refined: false });
         assert_eq!(grid.next_before(0.25), None);
-        assert!(grid.includes_end(0.25, 0.25));
+        grid.pass_end(0.25);
         assert_eq!(
             (grid.next_before(0.8), grid.next_before(0.8), grid.next_before(0.8)),
             (Some(0.5), Some(0.75), None)
         );
-        assert!(!grid.includes_end(0.8, 0.55));
-        assert!(grid.includes_end(0.9, 0.1));
+        grid.pass_end(0.8);
         assert_eq!((grid.next_before(1.1), grid.next_before(1.1)), (Some(1.0), None));
     }
 
-    /// Grid points of a run whose steps end at `ends`, in units of the interval.
+    /// Samples on the grid in a run whose steps end at `ends`, in units of the interval.
     fn points(end: f64, ends: &[f64]) -> Vec<f64> {
         let mut grid = Grid::new(Span { end_s: end, numeric_hz: 1.0, is_thinned: true, is_refined: false });
-        let (mut points, mut start) = (Vec::new(), 0.0);
+        let mut points = Vec::new();
         for &end in ends {
             grid.begin_step(end);
             points.extend(std::iter::from_fn(|| grid.next_before(end)));
-            if grid.includes_end(end, end - start) {
-                points.push(end);
-            }
-            start = end;
+            grid.pass_end(end);
+            points.extend(is_point(end, 1.0).then_some(end));
         }
         points
     }

@@ -30,7 +30,7 @@ mod sink;
 mod stepper;
 pub(crate) mod tangent;
 
-pub use decimator::Decimated;
+pub use decimator::{Decimated, OffGrid};
 pub use model::{Model, run, run_analytic};
 use model::{build, check_supported};
 pub use outcome::{ContactSummary, Outcome, RunError, Work};

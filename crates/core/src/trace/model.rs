@@ -32,12 +32,10 @@ impl Keyword for Model {
 
 /// Simulates a scene of any kind with the given model.
 ///
-/// The sink receives a sample at every point of the grid `scene.log.numeric_hz`, at every step shorter than the
-/// grid interval, and at both ends; and every event, in order of time. If it does not need the grid
-/// ([`RequiredData::grid`](super::RequiredData::grid)), the models emit the ends of all steps instead. In
-/// gripper runs of the analytic model with more than 1000 grid points, longer steps get 4 to 7 of their grid
-/// points. Samples of the engine model on the grid are interpolated between its steps, so logging does not change
-/// the run.
+/// The sink receives, in order of time, all events, a sample at the start and at the end of every step, and if it needs
+/// the grid ([`RequiredData::grid`](super::RequiredData::grid)) a sample at every point of the grid
+/// `scene.log.numeric_hz`. In gripper runs of the analytic model with more than 1000 grid points, longer steps get 4
+/// to 7 of their grid points. Samples on the grid are interpolated within steps, so they do not change the run.
 ///
 /// Without the `engine` feature, runs of the engine model are rejected.
 ///
@@ -51,7 +49,7 @@ pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, 
     if let Err(Interruption::Sink(error)) = result {
         return Err(error.into());
     }
-    let outcome = stepper.finish(sink)?;
+    let outcome = stepper.finish(sink);
     match result {
         Err(Interruption::Failure(failure)) if outcome.ejected_s.is_none() => {
             Err(RunError::Simulation { failure, partial_outcome: Box::new(outcome) })

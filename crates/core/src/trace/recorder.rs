@@ -180,11 +180,8 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         if self.state.last.energy().kinetic_j.is_nan() { Ok(()) } else { self.sink.sample(&self.state.last) }
     }
 
-    /// Emits the last sample if the run ended between grid points, and returns the summary.
-    pub fn finish(&mut self, end: &State<N, Z>, work: Work) -> Result<Outcome, SinkError> {
-        if self.state.emitted_s < self.state.last.time_s {
-            self.sink.sample(&self.state.last)?;
-        }
+    /// Returns the summary.
+    pub fn finish(&mut self, end: &State<N, Z>, work: Work) -> Outcome {
         if self.state.required_data != RequiredData::ALL {
             let RecorderState { last_state, last_mode, start_energy, history, last, .. } = &mut *self.state;
             self.kernel.read((last_state, last_mode), start_energy, RequiredData::ALL, history, last);
@@ -196,11 +193,10 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
             ..tracker.summary
         };
         let contacts = self.state.trackers.iter().enumerate().map(summary).collect();
-        Ok(Outcome { last: self.state.last.clone(), contacts, work, loop_gap_m: 0.0, ejected_s: self.state.ejected_s })
+        Outcome { last: self.state.last.clone(), contacts, work, loop_gap_m: 0.0, ejected_s: self.state.ejected_s }
     }
 
-    /// Emits the samples of one step: grid points and extrema inside it, and its end if the step is short, an extremum
-    /// lies there, or the run is over.
+    /// Emits the samples of one step: grid points and extrema inside it, and its end.
     fn emit_step(&mut self, mut interior: Interior<'_, R::Mode, N, Z>) -> Result<(), SinkError> {
         let (end, step, mode) = (self.state.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
@@ -231,8 +227,8 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         }
         self.emit_peaks(&mut interior, 1.0)?;
         // A step between two events may be too short to change the time.
-        let is_later = end > self.state.emitted_s;
-        if is_later && (self.state.grid.includes_end(end, step.h) || end >= self.state.end_s) {
+        if end > self.state.emitted_s {
+            self.state.grid.pass_end(end);
             self.state.emitted_s = end;
             self.sink.sample(&self.state.last)
         } else if self.state.peaks.at_end {
@@ -422,11 +418,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
             EventKind::Reload | EventKind::Slips | EventKind::Sticks => ReportedEvent::of_kind(kind),
         };
         self.state.mode = *mode;
-        // Rates jump after an event: interpolation needs the sample just before it.
-        let emitted =
-            if self.state.emitted_s < self.state.last.time_s { self.sink.sample(&self.state.last) } else { Ok(()) };
-        self.state.emitted_s = self.state.last.time_s;
-        if let Err(error) = emitted.and_then(|()| self.sink.event(&event.at(t, index))) {
+        if let Err(error) = self.sink.event(&event.at(t, index)) {
             self.error.get_or_insert(error);
         }
     }

@@ -132,7 +132,7 @@ impl Stepper for SampledStepper {
         }
     }
 
-    fn finish(&mut self, sink: &mut dyn Sink) -> Result<Outcome, SinkError> {
+    fn finish(&mut self, sink: &mut dyn Sink) -> Outcome {
         self.stepper.finish(sink)
     }
 

@@ -26,7 +26,7 @@ pub struct RequiredData {
     /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps;
     /// otherwise only the ends of steps are used.
     pub peaks: bool,
-    /// Whether samples are needed on the grid. Otherwise the models emit the ends of all steps.
+    /// Whether samples are needed on the grid, in addition to the ends of all steps.
     pub grid: bool,
 }
 
@@ -58,8 +58,7 @@ pub trait Sink {
         Ok(())
     }
 
-    /// Receives a sample within a step, or at the end of a long step, at which a force or a penetration exceeds all
-    /// earlier values.
+    /// Receives a sample within a step at which a force or a penetration exceeds all earlier values.
     ///
     /// A sink that stores these samples has the same extrema as the run; other sinks can ignore them.
     fn extreme(&mut self, _sample: &Sample) -> Result<(), SinkError> {

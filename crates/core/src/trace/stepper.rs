@@ -37,8 +37,8 @@ pub(super) trait Stepper: Send {
     /// Ends a step at time `t`, to which the stepper has advanced, and replaces the input of an actuator from then on.
     fn set_input(&mut self, t: f64, index: usize, input: Profile, sink: &mut dyn Sink) -> Result<(), Interruption>;
 
-    /// Emits the last sample, and summarises the run.
-    fn finish(&mut self, sink: &mut dyn Sink) -> Result<Outcome, SinkError>;
+    /// Summarises the run.
+    fn finish(&mut self, sink: &mut dyn Sink) -> Outcome;
 
     fn clone_boxed(&self) -> Box<dyn Stepper>;
 }
@@ -133,7 +133,7 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G:
         Ok(())
     }
 
-    fn finish(&mut self, sink: &mut dyn Sink) -> Result<Outcome, SinkError> {
+    fn finish(&mut self, sink: &mut dyn Sink) -> Outcome {
         let work = work(self.integration.counters());
         let mut recorder =
             Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, observer: None, error: None };

@@ -126,7 +126,7 @@ impl KernelUser for TangentRunner<'_> {
         if let Err(Interruption::Sink(error)) = result {
             return Err(error.into());
         }
-        let outcome = super::stepper::Stepper::finish(&mut stepper, &mut sink)?;
+        let outcome = super::stepper::Stepper::finish(&mut stepper, &mut sink);
         if let Err(Interruption::Failure(failure)) = result
             && outcome.ejected_s.is_none()
         {

@@ -30,7 +30,7 @@ use crate::report::samples::{csv_head, csv_sample};
 use crate::report::statics::{GripperStaticsReport, StaticsReport};
 use crate::scene::{Layer, Scene, SceneError, parse_any, parse_layers, setting_from_parts};
 use crate::trace::{
-    Channel, Decimated, Event, Model, RequiredData, RunError, Sample, Schema, Sink, SinkError, run_analytic,
+    Channel, Decimated, Event, Model, OffGrid, RequiredData, RunError, Sample, Schema, Sink, SinkError, run_analytic,
 };
 use figures::{figures, leaves, verdict};
 
@@ -186,20 +186,22 @@ fn statics(scene: &Scene) -> Result<Value, Value> {
     }))
 }
 
-/// Runs a scene; `sink` also receives the samples. As on the command line, criteria are evaluated on the samples that a
-/// log would contain.
+/// Runs a scene; `sink` also receives the samples. Criteria are evaluated as on the command line.
 fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
+    let numeric_hz = scene.log.numeric_hz;
     let listeners = Listeners {
-        criteria_tracker: RunCriteriaTracker::for_scene(scene),
-        audit: EnergyAudit::new(Model::Analytic, scene),
+        criteria_tracker: OffGrid::new(numeric_hz, RunCriteriaTracker::for_scene(scene)),
+        audit: OffGrid::new(numeric_hz, EnergyAudit::new(Model::Analytic, scene)),
         sink,
     };
-    let mut decimated = Decimated::new(scene.log.numeric_hz, listeners);
+    let mut decimated = Decimated::new(numeric_hz, listeners);
     let result = run_analytic(scene, &mut decimated);
     // No sink here returns an error.
     let _ = decimated.end();
-    let energy = decimated.sink.audit.violation().map(|breach| breach.to_string());
-    let RunCriteria { criteria, grasp, rebounds, overlaps } = decimated.sink.criteria_tracker.finish(result.is_ok());
+    let Listeners { mut criteria_tracker, mut audit, .. } = decimated.sink;
+    let _ = criteria_tracker.end().and_then(|()| audit.end());
+    let energy = audit.sink.violation().map(|breach| breach.to_string());
+    let RunCriteria { criteria, grasp, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
     let (outcome, error) = match result {
         Ok(outcome) => (Some(outcome), None),
         Err(RunError::Simulation { failure, partial_outcome }) => {
@@ -215,8 +217,8 @@ fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
 
 /// Passes samples and events to the judge, the energy audit and one more sink.
 struct Listeners<'a, A> {
-    criteria_tracker: RunCriteriaTracker,
-    audit: EnergyAudit,
+    criteria_tracker: OffGrid<RunCriteriaTracker>,
+    audit: OffGrid<EnergyAudit>,
     sink: &'a mut A,
 }
 
@@ -234,6 +236,7 @@ impl<A: Sink> Sink for Listeners<'_, A> {
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.criteria_tracker.event(event)?;
+        self.audit.event(event)?;
         self.sink.event(event)
     }
 }
