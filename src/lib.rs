@@ -1,8 +1,6 @@
 //! phalanx: a planar simulator of high-speed underactuated grippers.
 //!
-//! Modules depend on each other in one direction only: `units ← gripper, law ← fivebar ← sizing, statics ← scene ←
-//! analytic, engine ← trace, drawing ← log, criteria, invariants, check ← grasp, live, validate, study ← report, plot,
-//! page ← cli`; `numeric` and `integrator` do not depend on grippers.
+//! ARCHITECTURE.md lists the modules and their dependencies.
 //!
 //! Simulation of a closing finger from a scene file:
 //!

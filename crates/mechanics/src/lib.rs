@@ -1,5 +1,5 @@
-//! The mechanics shared by both models of phalanx, without time integration: kinematics and dynamics of the five-bar,
-//! contact laws, sizing, statics.
+//! The mechanics shared by both models of phalanx, without time integration: mechanisms, kinematics and dynamics of the
+//! five-bar, contact laws, sizing, statics.
 //!
 //! Modules depend on each other in one direction only: `numeric ← law, shape ← drive, palm_motion ← mechanism, gripper ← fivebar ← sizing, statics`.
 

@@ -1,5 +1,5 @@
 //! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws, and in
-//! [`multibody`] the equations of one or two fingers with their object.
+//! [`multibody`] the equations of two fingers with their object. [`mechanism`] has any planar mechanism.
 //!
 //! One finger that closes on a fixed object has its own kernel, [`FingerMotion`], which studies run by the thousand.
 //!

@@ -2,10 +2,6 @@
 //!
 //! A shape is convex and symmetric about the x axis of its body: in the mirrored frame of a left finger it is the same
 //! shape with the opposite angle.
-//!
-//! | file | job |
-//! |---|---|
-//! | `placed` | a shape at a position and angle, its support function, and tangent lines |
 
 use crate::numeric::Real;
 use crate::numeric::elementary::{asin, atan2, hypot, sin_cos};

@@ -1,4 +1,4 @@
-//! The analytic model of one or two fingers with their object: the equations of motion of each, a block mass matrix, and
+//! The analytic model of two fingers with their object: the equations of motion of each, a block mass matrix, and
 //! contacts that add Jᵀf.
 //!
 //! Coordinates are (q11, q21) of every finger, with a left finger seen in its mirror image, then (x, y, θ) of a moving
