@@ -58,7 +58,7 @@ class Column:
 
 @final
 class Scene:
-    """A validated scene of a finger, a gripper or a mechanism. It is immutable: `with_` returns a changed copy."""
+    """A validated scene of a finger, gripper, mechanism or discs. It is immutable: `with_` returns a changed copy."""
 
     @staticmethod
     def load(path: _Path) -> Scene:

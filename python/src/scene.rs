@@ -15,7 +15,7 @@ type NamedTexts = Vec<(String, String)>;
 /// File name in error messages about a field that `with_` sets.
 const SETTING_FILE: &str = "with_";
 
-/// A validated scene of a finger, a gripper or discs. It is immutable: `with_` returns a changed copy.
+/// A validated scene of a finger, gripper, mechanism or discs. It is immutable: `with_` returns a changed copy.
 #[pyclass(frozen, module = "phalanx")]
 #[derive(Clone)]
 pub struct Scene {

@@ -1,4 +1,4 @@
-//! Scenes included in the explorer's page: the shipped scenes of fingers and grippers.
+//! Scenes included in the explorer's page: shipped scenes of fingers and grippers.
 
 use std::path::Path;
 

@@ -5,11 +5,12 @@
 //!
 //! | topic | schema | content |
 //! |---|---|---|
-//! | `/joint/NAME` | `phalanx.Joint` | angle and rate of a joint, and its force if the scene requests it (`[log] joint_forces`): `q11`, for grippers `right_q11` |
+//! | `/joint/NAME` | `phalanx.Joint` | angle and rate of a joint, and its force if the scene requests it (`[log] joint_forces`): `q11`, for grippers `right_q11`; in mechanisms the name of the joint |
 //! | `/actuator/NAME` | `phalanx.Actuator` | torque: `motor`, `right_motor` |
-//! | `/body/NAME` | `phalanx.Body` | position, angle and rates of the object or of a disc |
+//! | `/tendon/NAME` | `phalanx.Tendon` | length, rate and tension of a tendon |
+//! | `/body/NAME` | `phalanx.Body` | position, angle and rates of the object, a disc, or a body of a mechanism |
 //! | `/contact/NAME` | `phalanx.Contact` | gap, slip, forces, contact point; `hammer-anvil` for discs |
-//! | `/contact/limit`, `/contact/right_limit` | `phalanx.Limit` | the joint limit; only when the scene has one |
+//! | `/contact/limit`, `/contact/right_limit` | `phalanx.Limit` | the joint limit; only when the scene has one; in mechanisms `/contact/JOINT_lower`, `/contact/JOINT_upper` |
 //! | `/energy` | `phalanx.Energy` | energies, works and their balance; motor work includes the work on driven discs |
 //! | `/event` | `phalanx.Event` | touch-downs, lift-offs, reloads; friction that slips or sticks, at most 1000 per contact |
 //! | `/events` | `foxglove.Log` | the same events as text, when both phalanges hold the object, and how the run ended |
