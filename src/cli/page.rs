@@ -177,9 +177,9 @@ const BUILD_HINT: &str = "in the source directory of phalanx, run: tools/explore
 /// Open the explorer: a page that simulates the scene again whenever a slider moves.
 ///
 /// The page is one file and needs no network. The analytic model runs in the browser and gives the same digits as
-/// `phalanx run`. The page shows every field of the scene, the shipped scenes, the results, the grasp at rest, a map
-/// over any two variables, and two designs side by side. It exports the scene as TOML, the samples as CSV, images and
-/// animations.
+/// `phalanx run`. The page shows every field of the scene, 28 shipped scenes of fingers and grippers, the results, the
+/// grasp at rest, a map over any two variables, and two designs side by side. It exports the scene as TOML, the samples
+/// as CSV, images and animations.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx explore\n  phalanx explore my-finger.toml\n  phalanx explore scenes/gripper/design-95.toml --set \

@@ -63,7 +63,11 @@ pub(crate) fn choice<T: Clone + Send + Sync + 'static, const N: usize>(
 /// Returns the parser of simulation models.
 pub(crate) fn model() -> impl TypedValueParser<Value = Model> {
     choice([
-        ("analytic", "Closed-form Lagrange model with its own stiff integrator", Model::Analytic),
+        (
+            "analytic",
+            "Lagrange equations with loops closed in closed form, and a stiff integrator of its own",
+            Model::Analytic,
+        ),
         ("engine", "Rigid-body engine with the same contact laws", Model::Engine),
     ])
 }

@@ -41,8 +41,8 @@ pub(crate) struct NewArgs {
     #[arg(value_name = "FILE.toml")]
     file: PathBuf,
 
-    /// Kind of scene: a gripper like that of the thesis, a finger with a loop as a mechanism of bodies and joints, a gripper
-    /// whose fingers have two pivots on the palm, a finger that a tendon closes, or two parallel jaws
+    /// Kind of scene: one finger of a gripper like that of the thesis, a finger with a loop as a mechanism of bodies and
+    /// joints, a gripper whose fingers have two pivots on the palm, a finger that a tendon closes, or two parallel jaws
     #[arg(long, value_enum, default_value_t = NewKind::Gripper)]
     kind: NewKind,
 }
@@ -71,7 +71,7 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
             },
         )?;
     let (text, content) = match args.kind {
-        NewKind::Gripper => (SCENE, "a gripper with two phalanges per finger"),
+        NewKind::Gripper => (SCENE, "one finger of a gripper; the other finger is its mirror image"),
         NewKind::Mechanism => (MECHANISM, "a mechanism, a finger with a loop"),
         NewKind::TwoPivot => (TWO_PIVOT, "a mechanism, a gripper whose fingers have two pivots each"),
         NewKind::Tendon => (TENDON, "a mechanism, a finger that a tendon closes"),
@@ -95,7 +95,7 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
 /// Show, check and describe scene files.
 #[derive(Debug, Subcommand)]
 pub(crate) enum SceneCommand {
-    /// Print a scene with all defaults filled in, as a scene file, or draw its linkage
+    /// Print a scene with all defaults filled in, as a scene file, or draw the linkage of a finger
     #[command(
         after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene show my-gripper.toml --resolved\n  \
                       phalanx scene show my-gripper.toml --figure letters.svg"

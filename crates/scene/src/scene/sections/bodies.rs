@@ -23,9 +23,9 @@ use crate::scene::{Disc, DiscMotion, Discs, Object, ObjectMotion, Problem, Side}
 use crate::shape::{self, PlacedShape, Shape, tangent};
 use crate::units::{Dimension, format};
 
-/// The object to be grasped, a fixed disc.
+/// The object to be grasped, fixed; a disc unless [object.outline] is given.
 #[derive(JsonSchema)]
-#[schemars(extend("x-gripper" = { "description": "The object to be grasped, a disc." }))]
+#[schemars(extend("x-gripper" = { "description": "The object to be grasped, a disc unless [object.outline] is given." }))]
 pub struct ObjectSettings {
     #[serde(flatten)]
     pub keys: ObjectKeys,

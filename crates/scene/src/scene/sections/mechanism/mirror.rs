@@ -10,10 +10,10 @@ use crate::scene::section_input::SectionInput;
 /// bodies. Joints have the same coordinates as their images.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct MirrorSettings {
-    /// Beginning of the names of what is written: from = "right".
+    /// Prefix of the names of the original: from = "right".
     #[schemars(extend("minLength" = 1, "x-required" = "add the beginning of the written names: from = \"right\""))]
     pub from: Option<String>,
-    /// Beginning of the names of the mirror images: to = "left".
+    /// Prefix of the names of the mirror images: to = "left".
     #[schemars(extend("minLength" = 1, "x-required" = "add the beginning of the names of the images: to = \"left\""))]
     pub to: Option<String>,
 }
