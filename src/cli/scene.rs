@@ -15,6 +15,7 @@ use crate::gripper::{Finger, total_mass};
 use crate::mechanism::Mechanism;
 use crate::mjcf::mujoco_model;
 use crate::plot::linkage;
+use crate::scene::keywords::SceneKind;
 use crate::scene::{self, HandFinger, ObjectMotion, Scene, Side};
 use crate::shape::{self, Shape};
 use crate::trace::{Model, Simulation};
@@ -199,8 +200,8 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
     };
     match scene.finger_count() {
         0 => {
-            let advice = "the symbols are those of a finger; view the mechanism with";
-            return bad_input(&format!("a mechanism, but {advice}"));
+            let content = if scene.kind == SceneKind::Bodies { "a scene of discs" } else { "a mechanism" };
+            return bad_input(&format!("{content}, but the symbols are those of a finger; view it with"));
         }
         1 => {}
         _ => {

@@ -80,9 +80,19 @@ fn run_one(study: &Study, run: u64, keep_running: KeepRunning<'_>) -> Option<Row
     };
     match study.kind {
         // The kind was checked when the study was read, unless an axis changes it.
-        kind if kind != scene.kind => Some(cells.row(Status::Refused, "the scene is of another kind")),
+        kind if kind != scene.kind => Some(cells.row(Status::Refused, other_kind(scene.kind))),
         SceneKind::Gripper => run_gripper(study, &scene, cells, keep_running),
         _ => run_finger(study, &scene, cells, keep_running),
+    }
+}
+
+/// Reason why a scene of this kind is not the one of its study.
+fn other_kind(kind: SceneKind) -> &'static str {
+    match kind {
+        SceneKind::Mechanism => {
+            "the object has an `[object.outline]`, so the scene is simulated as a mechanism; remove the outline"
+        }
+        _ => "the scene is of another kind",
     }
 }
 
