@@ -17,7 +17,6 @@ use crate::files::read_at_most;
 use crate::format::Report;
 use crate::limits::MAX_MODULE_BYTES;
 use crate::page::{InitialScene, Page, Playback, explorer_page, is_gzip, render_page, standalone_text};
-use crate::scene::keywords::SceneKind;
 
 /// Time in which a program must report that it cannot open a page. A program that still runs afterwards counts as
 /// successful.
@@ -240,15 +239,10 @@ fn load_initial_scene(args: &ExploreArgs) -> Result<InitialScene, Failure> {
     args.set.load_any(path)?;
     let scene = SetArgs::default().load_any(path)?;
     if scene.finger_count() == 0 {
-        let content = match scene.kind {
-            SceneKind::Mechanism => {
-                "a scene of a mechanism (kind = \"mechanism\", or an object with an `[object.outline]`)"
-            }
-            _ => "a scene of discs",
-        };
         return Err(Failure::bad_input(format!(
-            "{} is {content}, which the explorer does not support; give a scene of a finger or a gripper, such as \
-             scenes/experiment-95.toml, or show it with: phalanx run {} --open",
+            "{} has no five-bar finger (its kind is \"bodies\" or \"mechanism\", or its object has an `[object.outline]`), as the \
+             explorer requires; give a scene of a finger or a gripper, such as scenes/experiment-95.toml, or show it with: \
+             phalanx run {} --open",
             path.display(),
             path.display()
         )));

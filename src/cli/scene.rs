@@ -15,7 +15,6 @@ use crate::gripper::{Finger, total_mass};
 use crate::mechanism::Mechanism;
 use crate::mjcf::mujoco_model;
 use crate::plot::linkage;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{self, HandFinger, ObjectMotion, Scene, Side};
 use crate::shape::{self, Shape};
 use crate::trace::{Model, Simulation};
@@ -199,10 +198,7 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
         Err(Failure::bad_input(format!("--figure: {path} is {advice} phalanx run {path} --html FILE.html")))
     };
     match scene.finger_count() {
-        0 => {
-            let content = if scene.kind == SceneKind::Bodies { "a scene of discs" } else { "a mechanism" };
-            return bad_input(&format!("{content}, but the symbols are those of a finger; view it with"));
-        }
+        0 => return bad_input("a scene without five-bar finger, but the symbols are those of one; view it with"),
         1 => {}
         _ => {
             let advice = "only the scene of one finger can be drawn; give such a scene, or view the gripper with";

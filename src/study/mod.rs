@@ -26,17 +26,16 @@ pub mod select;
 pub mod size;
 pub mod sweep;
 
-use crate::scene::keywords::SceneKind;
 use crate::scene::{HandFinger, Scene, SpringKind};
 use crate::thesis::monitor::KeepRunning;
 
 /// Returns the scene if it is of a gripper; the error calls it `name` and suggests `example`.
 pub fn require_gripper(scene: Scene, name: &str, example: &str) -> Result<Scene, String> {
-    match (scene.finger_count(), scene.kind) {
-        (2, _) => Ok(scene),
-        (_, SceneKind::Mechanism) => Err(format!(
-            "{name} is simulated as a mechanism (kind = \"mechanism\", or an object with an `[object.outline]`); this study requires a \
-             scene of kind = \"gripper\" without an outline, such as {example}"
+    match scene.finger_count() {
+        2 => Ok(scene),
+        0 => Err(format!(
+            "{name} has no five-bar fingers (its kind is \"bodies\" or \"mechanism\", or its object has an `[object.outline]`); this \
+             study requires a scene of kind = \"gripper\" without an outline, such as {example}"
         )),
         _ => Err(format!(
             "{name} is not a gripper; this study requires a scene of kind = \"gripper\", such as {example}"

@@ -236,7 +236,7 @@ fn figure_errors_leave_files_unchanged() {
     for (scene, figure, part) in [
         (scene.as_str(), scene.as_str(), "the scene itself"),
         (scene.as_str(), missing_directory.as_str(), "does not exist; create it first (mkdir -p"),
-        ("scenes/laws/impact.toml", "figure.svg", "a scene of discs, but the symbols are those of a finger"),
+        ("scenes/laws/impact.toml", "figure.svg", "a scene without five-bar finger, but the symbols are those of one"),
     ] {
         assert_rejected(&["scene", "show", scene, "--figure", figure], &[part]);
     }

@@ -91,8 +91,11 @@ fn commands_for_fingers_refuse_mechanisms() {
     for command in ["explore", "capture", "hold"] {
         assert_rejected(&[command, "scenes/mechanisms/gripper-box.toml"], &["[object.outline]", "mechanism"]);
     }
-    assert_rejected(&["explore", "scenes/laws/impact.toml"], &["a scene of discs"]);
-    assert_rejected(&["scene", "show", FINGER, "--figure", "finger.svg"], &["is a mechanism", "run"]);
+    assert_rejected(&["explore", "scenes/laws/impact.toml"], &["has no five-bar finger", "bodies"]);
+    assert_rejected(
+        &["scene", "show", FINGER, "--figure", "finger.svg"],
+        &["is a scene without five-bar finger", "run"],
+    );
     let check = succeed(&["scene", "check", FINGER]);
     assert_contains(&check, &["4 bodies, 5 joints, 2 degrees of freedom, 1 actuator, 2 contacts"]);
 }
