@@ -18,7 +18,7 @@ use crate::plot::chart::{Axis, Series, series_chart};
 use crate::plot::theme::{AMBER, Colour, GREEN, ORANGE, SOFT};
 use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping};
 use crate::text::csv;
-use crate::trace::{Event, EventKind, Model, Outcome, RequiredData, Sample, Schema, Sink, SinkError};
+use crate::trace::{Event, EventKind, Model, Outcome, RequiredData, Sample, Schema, Sink, SinkError, is_grid_point};
 
 /// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
 const STEP_FRACTIONS: [f64; 7] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
@@ -107,6 +107,9 @@ pub struct StepSize {
 #[derive(Clone, Debug, Default)]
 struct Impact {
     pair: usize,
+    /// Interval of the grid whose points form the curve; `None` for all samples. Curves on one grid are compared without an
+    /// error of interpolation.
+    interval_s: Option<f64>,
     points: Vec<(f64, f64)>,
     approach_m_s: f64,
     touchdown_s: Option<f64>,
@@ -123,7 +126,9 @@ impl Sink for Impact {
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let contact = sample.contact(self.pair);
-        self.points.push((sample.time_s, contact.normal_n));
+        if self.interval_s.is_none_or(|interval_s| is_grid_point(sample.time_s, interval_s)) {
+            self.points.push((sample.time_s, contact.normal_n));
+        }
         self.rate_after_m_s = contact.gap_rate_m_s;
         Ok(())
     }
@@ -235,7 +240,10 @@ fn evaluate(
 }
 
 fn simulate(model: Model, scene: &Scene, pair: usize, monitor: &Monitor) -> Result<Impact, StudyError> {
-    let mut impact = Impact { pair, ..Impact::default() };
+    // The lowest rate has no grid points within the run.
+    let has_grid = scene.log.numeric_hz * scene.duration_s > 1.0;
+    let interval_s = has_grid.then_some(1.0 / scene.log.numeric_hz);
+    let mut impact = Impact { pair, interval_s, ..Impact::default() };
     let outcome = run(model, scene, &mut impact, monitor)?;
     Ok(Impact { peak_n: outcome.contacts[pair].peak_normal_n, steps: outcome.work.steps, ..impact })
 }

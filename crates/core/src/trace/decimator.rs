@@ -3,7 +3,7 @@
 //! Models emit the ends of all steps, and samples on the grid if a sink needs them. Criteria ignore the grid, so that
 //! they are the same with and without a log, and when they are evaluated on the samples of a log.
 
-use super::grid::is_point;
+use super::grid::is_grid_point;
 use super::{Event, RequiredData, Sample, Sink, SinkError};
 
 /// Smallest change of a contact force during an impact, per grid interval, as a fraction of the force.
@@ -106,7 +106,7 @@ impl<S: Sink> Sink for Decimated<S> {
         if previous.is_some_and(|previous| previous.time_s == now_s && previous == sample) {
             return Ok(());
         }
-        if !is_first && is_point(now_s, self.interval_s) {
+        if !is_first && is_grid_point(now_s, self.interval_s) {
             self.push_grid(sample);
             return Ok(());
         }
@@ -194,7 +194,7 @@ impl<S: Sink> Sink for OffGrid<S> {
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.is_pending = self.has_started && is_point(sample.time_s, self.interval_s);
+        self.is_pending = self.has_started && is_grid_point(sample.time_s, self.interval_s);
         self.has_started = true;
         if self.is_pending {
             self.latest.clone_from(sample);

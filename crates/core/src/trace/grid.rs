@@ -115,7 +115,7 @@ impl Grid {
 }
 
 /// Whether a time is a grid point, that is exactly the product of an integer and the interval.
-pub(super) fn is_point(t: f64, interval_s: f64) -> bool {
+pub fn is_grid_point(t: f64, interval_s: f64) -> bool {
     (t / interval_s).round() * interval_s == t
 }
 
@@ -144,7 +144,7 @@ mod tests {
             grid.begin_step(end);
             points.extend(std::iter::from_fn(|| grid.next_before(end)));
             grid.pass_end(end);
-            points.extend(is_point(end, 1.0).then_some(end));
+            points.extend(is_grid_point(end, 1.0).then_some(end));
         }
         points
     }

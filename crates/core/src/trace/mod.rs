@@ -31,6 +31,7 @@ mod stepper;
 pub(crate) mod tangent;
 
 pub use decimator::{Decimated, OffGrid};
+pub use grid::is_grid_point;
 pub use model::{Model, run, run_analytic};
 use model::{build, check_supported};
 pub use outcome::{ContactSummary, Outcome, RunError, Work};
