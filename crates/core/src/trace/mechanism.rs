@@ -40,12 +40,31 @@ pub(super) fn build_mechanism<U: KernelUser>(
         [24, 4, 24, 2],
         [48, 12, 64, 8]
     );
-    Err(rejected(format!(
-        "the mechanism has {} coordinates with those of bristles ({} in its largest group of connected bodies), {} contacts \
-         and {} actuators; the analytic model takes up to 48 (12), 64 and 8: give some contacts a law of friction without \
-         bristles, list fewer pairs of outlines, or simulate with `--model engine`, which takes any number",
-        size.coordinates, size.group, size.contacts, size.actuators,
-    )))
+    Err(rejected(too_large(mechanism, &size)))
+}
+
+/// Largest model; also the last size of [`build_mechanism`].
+const LARGEST: MechanismSize = MechanismSize { coordinates: 48, group: 12, contacts: 64, actuators: 8 };
+
+/// Reason for the rejection of a mechanism that exceeds the largest model, with the remedies that help.
+fn too_large(mechanism: &Mechanism, size: &MechanismSize) -> String {
+    let MechanismSize { coordinates, group, contacts, actuators } = *size;
+    let has_bristles = mechanism.contacts.iter().any(|pair| pair.law.bristle().is_some());
+    let remedies = [
+        (coordinates > LARGEST.coordinates && has_bristles, "give some contacts a law of friction without bristles"),
+        (contacts > LARGEST.contacts, "list fewer pairs of outlines"),
+        (true, "simulate with `--model engine`, which takes any number"),
+    ];
+    let remedies: Vec<&str> = remedies.into_iter().filter(|(helps, _)| *helps).map(|(_, remedy)| remedy).collect();
+    format!(
+        "the mechanism has {coordinates} coordinates with those of time and bristles ({group} in its largest group of connected \
+         bodies), {contacts} contacts and {actuators} actuators; the analytic model takes up to {} ({}), {} and {}: {}",
+        LARGEST.coordinates,
+        LARGEST.group,
+        LARGEST.contacts,
+        LARGEST.actuators,
+        remedies.join(", or ")
+    )
 }
 
 /// Builds the model of one size.
