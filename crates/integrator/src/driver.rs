@@ -73,6 +73,7 @@ const UNLOADING_CUT: f64 = 0.4;
 const MAX_RESOLVED_ERROR: f64 = 10.0;
 /// Number of states inside a step that are kept for further readings.
 const MAX_REFINED_STATES: usize = 16;
+
 /// Integrates from `t0` to `t_end` and locates every event; the method is chosen at compile time.
 pub fn integrate<const N: usize, const Z: usize, const S: usize, Y, K, O>(
     system: &Y,
