@@ -1,7 +1,6 @@
 //! Schema of scene files, derived from the [sections](super::sections): JSON Schema for editors and studies, the settings in
 //! a log, the tables of the documentation.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::OnceLock;
 
@@ -46,21 +45,10 @@ pub fn schema() -> String {
 /// Returns the schema of one kind of scene. Built once, because a sweep reads thousands of scenes, and on first use,
 /// because most programs read one kind.
 pub fn schema_for(kind: SceneKind) -> &'static Value {
-    static SECTIONS: [OnceLock<Value>; 2] = [const { OnceLock::new() }; 2];
     static SCHEMAS: [OnceLock<Value>; SceneKind::ALL.len()] = [const { OnceLock::new() }; SceneKind::ALL.len()];
     SCHEMAS[kind as usize].get_or_init(|| {
-        // The sections are references: inlined, a finger and its contacts would be generated many times.
-        let all = SECTIONS[usize::from(kind == Mechanism)].get_or_init(|| {
-            let settings = SchemaSettings::draft07().for_serialize().with(|settings| settings.transforms.clear());
-            let generator = settings.into_generator();
-            let root = match kind {
-                Mechanism => generator.into_root_schema_for::<MechanismFile>(),
-                Finger | Bodies | Gripper => generator.into_root_schema_for::<SceneFile>(),
-            };
-            root.to_value()
-        });
-        let mut adapter = Adapter { kind, sections: &all["definitions"], adapted: BTreeMap::new() };
-        adapter.adapt(all, false).into()
+        let adapter = Adapter::new(kind);
+        adapter.adapt(adapter.root, false).into()
     })
 }
 
@@ -79,17 +67,30 @@ pub fn other_schemas(kind: SceneKind) -> Vec<(&'static str, &'static Value)> {
 /// The schema of one kind of scene in the making.
 struct Adapter {
     kind: SceneKind,
-    /// Sections of all kinds, to which parts of the schema refer.
-    sections: &'static Value,
-    /// Adapted sections, by name and whether they override another one. Many are needed several times.
-    adapted: BTreeMap<(&'static str, bool), Map<String, Value>>,
+    /// Schema of this kind and others, with all sections as definitions.
+    root: &'static Value,
 }
 
 impl Adapter {
+    fn new(kind: SceneKind) -> Self {
+        static ROOTS: [OnceLock<Value>; 2] = [const { OnceLock::new() }; 2];
+        // The sections are references: inlined, a finger and its contacts would be generated many times.
+        let root = ROOTS[usize::from(kind == Mechanism)].get_or_init(|| {
+            let settings = SchemaSettings::draft07().for_serialize().with(|settings| settings.transforms.clear());
+            let generator = settings.into_generator();
+            let root = match kind {
+                Mechanism => generator.into_root_schema_for::<MechanismFile>(),
+                Finger | Bodies | Gripper => generator.into_root_schema_for::<SceneFile>(),
+            };
+            root.to_value()
+        });
+        Adapter { kind, root }
+    }
+
     /// Adapts a part of the schema: keys that the kind does not have are left out, keys lose the unit of the name of
     /// their field, defaults are also given in SI units, and references are replaced by their sections. In a part that
     /// `overrides` another one, keys have no defaults, and the contacts common to both fingers are left out.
-    fn adapt(&mut self, part: &'static Value, overrides: bool) -> Map<String, Value> {
+    fn adapt(&self, part: &'static Value, overrides: bool) -> Map<String, Value> {
         let overrides = overrides || part.get("x-overrides").is_some();
         let fields = part.get("properties");
         let is_contact = fields.is_some_and(|fields| fields.get("proximal").is_some());
@@ -99,7 +100,7 @@ impl Adapter {
         // The description of the contacts of a gripper names palm and table.
         let of_kind = of_kind.filter(|(key, _)| !overrides_contacts || *key != "description");
         let section = part.get("$ref").and_then(|path| path.as_str()?.rsplit('/').next());
-        let mut map = section.map(|name| self.section(name, overrides)).unwrap_or_default();
+        let mut map = section.map(|name| self.adapt(&self.root["definitions"][name], overrides)).unwrap_or_default();
         for (key, value) in part.as_object().into_iter().flatten().chain(of_kind) {
             let adapted = match (key.as_str(), value) {
                 ("$ref" | "definitions" | "properties" | "required" | "format", _) => continue,
@@ -119,12 +120,13 @@ impl Adapter {
         let mut properties = Map::new();
         let order = part.get("required").and_then(Value::as_array).into_iter().flatten();
         for (index, field) in order.filter_map(Value::as_str).enumerate() {
-            let text = |key: &str| fields[field].get(key).and_then(Value::as_str);
+            let field_schema = &fields[field];
+            let text = |key: &str| field_schema.get(key).and_then(Value::as_str);
             let is_of_kind = |kinds: &str| kinds.split(' ').any(|name| name == self.kind.keyword());
             if !text("x-kinds").is_none_or(is_of_kind) || overrides_contacts && ["palm", "table"].contains(&field) {
                 continue;
             }
-            let mut property = Value::from(self.adapt(&fields[field], overrides));
+            let mut property = Value::from(self.adapt(field_schema, overrides));
             let value_type = ValueType::from_schema(&property);
             if let Some(si) = property.get("default").and_then(|default| value_type.json_to_si(default)) {
                 property["x-si"] = json!(si);
@@ -136,14 +138,6 @@ impl Adapter {
         map.insert("properties".into(), properties.into());
         map.entry("additionalProperties").or_insert(false.into());
         map
-    }
-
-    fn section(&mut self, name: &'static str, overrides: bool) -> Map<String, Value> {
-        if !self.adapted.contains_key(&(name, overrides)) {
-            let adapted = self.adapt(&self.sections[name], overrides);
-            self.adapted.insert((name, overrides), adapted);
-        }
-        self.adapted[&(name, overrides)].clone()
     }
 }
 
@@ -173,7 +167,7 @@ pub trait SettingsSection: Serialize + DeserializeOwned {
 
     /// Its part of the schema.
     fn section() -> &'static Section {
-        top_level(Finger).subsection(Self::PATH).unwrap_or(&NO_SECTION)
+        settings().subsection(Self::PATH).unwrap_or(&NO_SECTION)
     }
 }
 
@@ -187,6 +181,23 @@ impl SettingsSection for Engine {
 
 impl SettingsSection for LogSettings {
     const PATH: &'static str = "log";
+}
+
+/// Returns a section with the settings sections only, which is built faster than the schema of a kind.
+fn settings() -> &'static Section {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    static SETTINGS: OnceLock<Section> = OnceLock::new();
+    SETTINGS.get_or_init(|| {
+        Section::new(SCHEMA.get_or_init(|| {
+            let adapter = Adapter::new(Finger);
+            let section = |path: &str| adapter.adapt(&adapter.root["properties"][path], false);
+            json!({ "properties": {
+                Integrator::PATH: section(Integrator::PATH),
+                Engine::PATH: section(Engine::PATH),
+                LogSettings::PATH: section(LogSettings::PATH),
+            } })
+        }))
+    })
 }
 
 /// Returns every key of a section with its unit in its name, and its value in SI units; `None` for a key without effect.
