@@ -176,6 +176,11 @@ impl ContactSpace {
         rate < -ZERO_RATE || (rate <= ZERO_RATE && self.free[contact.normal] < 0.0)
     }
 
+    /// Returns the velocity response of a body to a unit impulse along a row.
+    pub(crate) fn response(&self, row: usize, body: usize) -> &Twist {
+        &self.response[row * self.response.len() / self.rows.len() + body]
+    }
+
     /// Adds the generalised impulses on every body due to impulses along all rows, including joint reactions.
     pub(crate) fn add_impulses(&self, linkage: &Linkage, impulses: &[f64], out: &mut [Twist]) {
         let bodies = out.len();

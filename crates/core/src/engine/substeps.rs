@@ -114,6 +114,8 @@ pub struct ContactSolver {
     /// Work of motors and their servos on the bodies.
     pub motor_work: f64,
     pub changes: Vec<Change>,
+    /// ∫F ds and ∬F ds² along each row up to each change, change by change.
+    integrals_at_changes: Vec<[f64; 2]>,
     pub substeps: u32,
     pub iterations: u32,
     /// Number of repeated sub-steps; residuals are below the limit by construction.
@@ -139,6 +141,8 @@ struct Buffers {
     is_touching: Vec<bool>,
     is_loaded: Vec<bool>,
     is_slipping: Vec<bool>,
+    /// Length of the step.
+    dt: f64,
 }
 
 /// Error tolerances of the rates in one sub-step.
@@ -196,6 +200,7 @@ impl ContactSolver {
         keep_running: &dyn Fn() -> bool,
     ) -> Result<(), ContactSolveError> {
         self.begin(space);
+        self.buffers.dt = dt;
         let (mut now, mut h) = (0.0, dt);
         let tolerance = self.tolerance.for_step(dt);
         while now < dt {
@@ -258,6 +263,12 @@ impl ContactSolver {
         Ok(())
     }
 
+    /// Returns ∫F ds and ∬F ds² along each row, from the start of the step to a change.
+    pub(crate) fn integrals_at(&self, change: usize) -> impl Iterator<Item = [f64; 2]> {
+        let rows = self.integrals_at_changes.len() / self.changes.len();
+        self.integrals_at_changes[change * rows..(change + 1) * rows].iter().copied()
+    }
+
     /// Whether the bristle of a contact slips at the end of the step; `None` if it has no bristle or is not loaded.
     pub(crate) fn is_slipping(&self, index: usize, space: &ContactSpace) -> Option<bool> {
         let contact = &space.active_contacts[index];
@@ -283,6 +294,7 @@ impl ContactSolver {
         reset(&mut self.peak, contacts, ContactExtremum::default());
         reset(&mut self.deepest, contacts, ContactExtremum::default());
         self.changes.clear();
+        self.integrals_at_changes.clear();
         (self.work, self.motor_work) = (0.0, 0.0);
         (self.substeps, self.iterations, self.repeated) = (0, 0, 0);
         let is_touching = |contact: &ActiveContact| contact.candidate.gap <= 0.0 || contact.candidate.is_servo();
@@ -516,6 +528,11 @@ impl ContactSolver {
         let normal = space.active_contacts[contact].normal;
         let (closing, impulse) = (-self.rate[normal], self.buffers.impulse[normal]);
         self.changes.push(Change { after_s, contact, kind, closing, impulse });
+        // ∬F ds² up to here, from the one that continues to the end of the step.
+        let Buffers { impulse, double_integral, dt, .. } = &self.buffers;
+        let integrals = impulse.iter().zip(double_integral);
+        let up_to_here = integrals.map(|(impulse, double)| [*impulse, double - (dt - after_s) * impulse]);
+        self.integrals_at_changes.extend(up_to_here);
     }
 }
 

@@ -107,28 +107,40 @@ fn set_orientation_of_l22(sample: &mut Sample, finger: usize) {
     sample.set_joint(FINGER_PINS * finger + Q13, &JointState { angle_rad, rate_rad_s, ..q13 });
 }
 
-/// Sets coordinates and rates of `sample` by extrapolating freely from `from` with the accelerations of all bodies in
-/// the last step of `motion`.
-pub(super) fn extrapolate(scene: &Scene, sample: &mut Sample, from: &Sample, motion: &Motion) {
+/// Sets coordinates and rates of `sample` by extrapolating from `from` to a change in the last step of `motion`. Forces of
+/// contacts count if `from` is the start of that step.
+pub(super) fn extrapolate(scene: &Scene, sample: &mut Sample, from: &Sample, motion: &Motion, change: usize) {
     let (plan, poses, velocities) = (&motion.plan, &motion.linkage.poses, &motion.velocities);
     let time_s = sample.time_s - from.time_s;
     let frame = PalmFrame::at(plan, motion.clock.now());
+    let is_whole = from.time_s <= motion.clock.now() - motion.last_dt_s;
+    let accelerations = |body: usize| match is_whole {
+        true => motion.mean_accelerations(body, change),
+        false => [*motion.free_acceleration(body); 2],
+    };
+    let [displacing, accelerating] =
+        [0, 1].map(|k| (0..poses.len()).map(|body| accelerations(body)[k]).collect::<Vec<_>>());
     for index in 0..sample.counts().joints {
         let coordinate = plan.joint_coordinate(&plan.joints[planned_joint(sample, index)]);
         let state = from.joint_state(index);
-        let a = coordinate.row(poses).rate(&motion.step_accelerations) + coordinate.second_rate(poses, velocities);
+        let (row, at_rates) = (coordinate.row(poses), coordinate.second_rate(poses, velocities));
+        let [a, a_of_rate] = [&displacing, &accelerating].map(|accelerations| row.rate(accelerations) + at_rates);
         let angle_rad = state.angle_rad + time_s * (state.rate_rad_s + 0.5 * time_s * a);
-        sample.set_joint(index, &JointState { angle_rad, rate_rad_s: state.rate_rad_s + time_s * a, ..state });
+        sample.set_joint(index, &JointState { angle_rad, rate_rad_s: state.rate_rad_s + time_s * a_of_rate, ..state });
     }
     (0..sample.counts().fingers).for_each(|finger| set_orientation_of_l22(sample, finger));
     for (index, body) in reported_bodies(scene, sample).enumerate() {
         let Ok(body) = body else { continue };
-        let ([ax, ay, angular], v) = (motion.step_accelerations[body], velocities[body]);
-        let arm = rotate(plan.bodies[body].body.com_m, poses[body].direction);
-        let [x, y] = sub([ax, ay], sub(scale(perp(arm), angular), scale(arm, v[2] * v[2])));
-        let [vx, vy] = sub([v[0], v[1]], scale(perp(arm), v[2]));
-        let acceleration = frame.acceleration(sub(poses[body].com, arm), &[vx, vy, v[2]], &[x, y, angular]);
-        sample.set_body(index, &from.body(index).extrapolate(time_s, &acceleration));
+        let (v, arm) = (velocities[body], rotate(plan.bodies[body].body.com_m, poses[body].direction));
+        let [displaced, accelerated] = [&displacing, &accelerating].map(|accelerations| {
+            let [ax, ay, angular] = accelerations[body];
+            let [x, y] = sub([ax, ay], sub(scale(perp(arm), angular), scale(arm, v[2] * v[2])));
+            let [vx, vy] = sub([v[0], v[1]], scale(perp(arm), v[2]));
+            let acceleration = frame.acceleration(sub(poses[body].com, arm), &[vx, vy, v[2]], &[x, y, angular]);
+            from.body(index).extrapolate(time_s, &acceleration)
+        });
+        let BodyState { velocity_m_s, spin_rad_s, .. } = accelerated;
+        sample.set_body(index, &BodyState { velocity_m_s, spin_rad_s, ..displaced });
     }
 }
 

@@ -133,7 +133,7 @@ impl EngineRecorder<'_> {
             let time_s = end_s - dt + after_s;
             self.emit_extrema_before(motion, &node, after_s)?;
             if kind == ChangeKind::Closes && !self.state.trackers[channel].engine.is_touching {
-                self.emit_touch_down(motion, &node, channel, time_s, closing)?;
+                self.emit_touch_down(motion, &node, (channel, index), time_s, closing)?;
             }
             self.process_change(channel, kind, time_s, closing, impulse)?;
         }
@@ -205,13 +205,12 @@ impl EngineRecorder<'_> {
         Ok(())
     }
 
-    /// Emits a sample at a touch-down within the step: up to here the contact has had no impulse and the bodies have
-    /// moved freely.
+    /// Emits a sample at a touch-down within the step: up to here the contact has had no impulse.
     fn emit_touch_down(
         &mut self,
         motion: &Motion,
         now: &Sample,
-        channel: usize,
+        (channel, change): (usize, usize),
         time_s: f64,
         closing: f64,
     ) -> Result<(), SinkError> {
@@ -220,7 +219,7 @@ impl EngineRecorder<'_> {
         }
         let mut sample = std::mem::take(&mut self.state.within);
         sample.interpolate_from(&self.state.last, now, time_s);
-        reading::extrapolate(self.scene, &mut sample, &self.state.last, motion);
+        reading::extrapolate(self.scene, &mut sample, &self.state.last, motion, change);
         for index in 0..sample.counts().contacts {
             let (mut contact, before) = (sample.contact(index), self.state.last.contact(index));
             contact.set_before_touch_down_elsewhere(&before);
