@@ -1,9 +1,9 @@
 //! Grippers in both models, compared with each other and with an independent program.
 
 use phalanx::criteria::{GraspCriteria, GraspTracker};
-use phalanx::scene::{Axis, Move, ObjectMotion, Scene, Stepping};
+use phalanx::scene::{self, Axis, Move, ObjectMotion, Scene, Stepping};
 use phalanx::shape::max_radius;
-use phalanx::trace::{Energy, Model, Outcome, Sample, run};
+use phalanx::trace::{Energy, Model, Outcome, Sample, Simulation, run};
 
 use crate::support::laws::BOTH_MODELS;
 use crate::support::reference_cases::{cases_at_rest, reference_case};
@@ -192,6 +192,22 @@ fn a_symmetric_grasp_remains_symmetric_in_both_models() {
             assert!((a.tangential_n + b.tangential_n).abs() < 1e-3 * a.normal_n, "{model:?}: friction");
         }
         assert!(last.contact(7).gap_m.is_infinite(), "case a has no table");
+    }
+}
+
+/// A sample at a touch-down within a step contains the forces of the contacts that are loaded already. Without them, its
+/// angles are 7e-5 rad off.
+#[test]
+fn samples_at_touch_downs_contain_the_forces_of_other_contacts() {
+    let scene = Scene { duration_s: 9e-3, ..scene::load_any("scenes/gripper/cycle.toml").expect("a scene") };
+    let (_, engine) = run_engine(&scene);
+    let mut reference = Simulation::new(&with_reference_settings(&scene), Model::Analytic).expect("a simulation");
+    for sample in &engine.samples {
+        reference.advance_to(sample.time_s).expect("an advance");
+        for (a, b) in reference.sample().fingers().zip(sample.fingers()) {
+            let differences = [a.q11_rad - b.q11_rad, a.q21_rad - b.q21_rad, a.q22_rad - b.q22_rad].map(f64::abs);
+            assert!(differences.iter().all(|rad| *rad < 2e-5), "{differences:?} at {} s", sample.time_s);
+        }
     }
 }
 

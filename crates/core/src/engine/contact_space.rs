@@ -176,9 +176,10 @@ impl ContactSpace {
         rate < -ZERO_RATE || (rate <= ZERO_RATE && self.free[contact.normal] < 0.0)
     }
 
-    /// Returns the velocity response of a body to a unit impulse along a row.
-    pub(crate) fn response(&self, row: usize, body: usize) -> &Twist {
-        &self.response[row * self.response.len() / self.rows.len() + body]
+    /// Adds the velocities of all bodies due to an impulse along a row.
+    pub(crate) fn add_response(&self, row: usize, impulse: f64, velocities: &mut [Twist]) {
+        let bodies = velocities.len();
+        add_scaled(&self.response[row * bodies..(row + 1) * bodies], impulse, velocities);
     }
 
     /// Adds the generalised impulses on every body due to impulses along all rows, including joint reactions.
@@ -191,6 +192,15 @@ impl ContactSpace {
                 impulse[1] += size * inertia.mass * v[1];
                 impulse[2] += size * inertia.inertia * v[2];
             }
+        }
+    }
+}
+
+/// Adds a multiple of the velocity response of all bodies.
+fn add_scaled(response: &[Twist], impulse: f64, velocities: &mut [Twist]) {
+    for (v, change) in velocities.iter_mut().zip(response) {
+        for axis in 0..3 {
+            v[axis] += impulse * change[axis];
         }
     }
 }
@@ -284,12 +294,7 @@ impl RateCorrection {
             if let Some(row) = self.rows.get(j + 1).filter(|row| row.friction_coupling != 0.0) {
                 self.impulses[j + 1] -= row.friction_coupling * clamped;
             }
-            let response = &self.response[j * bodies..(j + 1) * bodies];
-            for (v, change) in velocities.iter_mut().zip(response) {
-                for axis in 0..3 {
-                    v[axis] += impulse * change[axis];
-                }
-            }
+            add_scaled(&self.response[j * bodies..(j + 1) * bodies], impulse, velocities);
         }
     }
 

@@ -111,7 +111,7 @@ pub struct Motion {
     /// Mean velocities of the last step.
     mean_velocities: Vec<Twist>,
     /// Accelerations at the start of the last step, as produced by rapier's joints.
-    step_accelerations: Vec<Twist>,
+    pub step_accelerations: Vec<Twist>,
     /// Working array: impulses on the bodies.
     impulse: Vec<Twist>,
     /// Working array: predicted mean velocities of the next step.
@@ -352,25 +352,15 @@ impl Motion {
         Some([*self.contact.peak.get(position)?, *self.contact.deepest.get(position)?])
     }
 
-    /// Returns two mean accelerations of a body from the start of the last step to a change in it: one that gives its
-    /// displacement, and one that gives its change of velocity.
-    pub(crate) fn mean_accelerations(&self, body: usize, change: usize) -> [Twist; 2] {
-        let after_s = self.contact.changes[change].after_s;
-        let [mut displacing, mut accelerating] = [self.step_accelerations[body]; 2];
-        let integrals = self.contact.integrals_at(change).enumerate().filter(|_| after_s > 0.0);
-        for (row, [impulse, double_integral]) in integrals {
-            let response = self.space.response(row, body);
-            for axis in 0..3 {
-                displacing[axis] += 2.0 * double_integral * response[axis] / (after_s * after_s);
-                accelerating[axis] += impulse * response[axis] / after_s;
-            }
+    /// Returns mean accelerations of all bodies from the start of the last step to a change in it, `after_s` later: those
+    /// that give the displacements, and those that give the changes of velocity.
+    pub(crate) fn mean_accelerations(&self, change: usize, after_s: f64) -> [Vec<Twist>; 2] {
+        let [mut displacing, mut accelerating] = [(); 2].map(|()| self.step_accelerations.clone());
+        for (row, [impulse, double_integral]) in self.contact.integrals_at(change).enumerate() {
+            self.space.add_response(row, 2.0 * double_integral / (after_s * after_s), &mut displacing);
+            self.space.add_response(row, impulse / after_s, &mut accelerating);
         }
         [displacing, accelerating]
-    }
-
-    /// Returns the accelerations of a body in the last step without contact.
-    pub(crate) fn free_acceleration(&self, body: usize) -> &Twist {
-        &self.step_accelerations[body]
     }
 
     /// Returns the normal impulse of a stop or contact in the last step, from the contact laws or from rapier.

@@ -107,19 +107,22 @@ fn set_orientation_of_l22(sample: &mut Sample, finger: usize) {
     sample.set_joint(FINGER_PINS * finger + Q13, &JointState { angle_rad, rate_rad_s, ..q13 });
 }
 
-/// Sets coordinates and rates of `sample` by extrapolating from `from` to a change in the last step of `motion`. Forces of
-/// contacts count if `from` is the start of that step.
-pub(super) fn extrapolate(scene: &Scene, sample: &mut Sample, from: &Sample, motion: &Motion, change: usize) {
+/// Sets coordinates and rates of `sample` by extrapolating from `from`, within the last step of `motion`: to a change, with
+/// the forces of contacts, if `from` is the start of the step; otherwise freely.
+pub(super) fn extrapolate(
+    scene: &Scene,
+    sample: &mut Sample,
+    from: &Sample,
+    motion: &Motion,
+    change_from_start: Option<usize>,
+) {
     let (plan, poses, velocities) = (&motion.plan, &motion.linkage.poses, &motion.velocities);
     let time_s = sample.time_s - from.time_s;
     let frame = PalmFrame::at(plan, motion.clock.now());
-    let is_whole = from.time_s <= motion.clock.now() - motion.last_dt_s;
-    let accelerations = |body: usize| match is_whole {
-        true => motion.mean_accelerations(body, change),
-        false => [*motion.free_acceleration(body); 2],
+    let [displacing, accelerating] = match change_from_start {
+        Some(change) => motion.mean_accelerations(change, time_s),
+        None => [(); 2].map(|()| motion.step_accelerations.clone()),
     };
-    let [displacing, accelerating] =
-        [0, 1].map(|k| (0..poses.len()).map(|body| accelerations(body)[k]).collect::<Vec<_>>());
     for index in 0..sample.counts().joints {
         let coordinate = plan.joint_coordinate(&plan.joints[planned_joint(sample, index)]);
         let state = from.joint_state(index);

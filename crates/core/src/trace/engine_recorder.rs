@@ -124,6 +124,7 @@ impl EngineRecorder<'_> {
         self.state.joint_forces.set(motion, &mut node);
         self.record_touch_downs_between_steps(motion, end_s - dt)?;
         self.find_extrema(motion);
+        let start_s = self.state.last.time_s;
         for index in 0..motion.contact.changes.len() {
             let Change { after_s, contact, kind, closing, impulse } = motion.contact.changes[index];
             let Some(channel) = motion.plan.contact_channel(motion.space.active_contacts[contact].candidate.index)
@@ -133,7 +134,8 @@ impl EngineRecorder<'_> {
             let time_s = end_s - dt + after_s;
             self.emit_extrema_before(motion, &node, after_s)?;
             if kind == ChangeKind::Closes && !self.state.trackers[channel].engine.is_touching {
-                self.emit_touch_down(motion, &node, (channel, index), time_s, closing)?;
+                let change_from_start = (self.state.last.time_s == start_s).then_some(index);
+                self.emit_touch_down(motion, &node, (channel, change_from_start), time_s, closing)?;
             }
             self.process_change(channel, kind, time_s, closing, impulse)?;
         }
@@ -210,7 +212,7 @@ impl EngineRecorder<'_> {
         &mut self,
         motion: &Motion,
         now: &Sample,
-        (channel, change): (usize, usize),
+        (channel, change_from_start): (usize, Option<usize>),
         time_s: f64,
         closing: f64,
     ) -> Result<(), SinkError> {
@@ -219,7 +221,7 @@ impl EngineRecorder<'_> {
         }
         let mut sample = std::mem::take(&mut self.state.within);
         sample.interpolate_from(&self.state.last, now, time_s);
-        reading::extrapolate(self.scene, &mut sample, &self.state.last, motion, change);
+        reading::extrapolate(self.scene, &mut sample, &self.state.last, motion, change_from_start);
         for index in 0..sample.counts().contacts {
             let (mut contact, before) = (sample.contact(index), self.state.last.contact(index));
             contact.set_before_touch_down_elsewhere(&before);
