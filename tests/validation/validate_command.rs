@@ -142,7 +142,7 @@ fn bounds_decide_the_exit_status() {
 
 #[test]
 fn a_failed_validation_names_the_model_to_trust_and_a_setting_that_passes() {
-    let coarse = ["--set", "engine.tolerance=1e-4 m"];
+    let coarse = ["--set", "engine.tolerance=1e-2 m", "--set", "engine.max_step=0.5 ms"];
     let failed = validate(EXPERIMENT_95, &coarse, 1);
     assert_contains(stdout(&failed), &["Trust the analytic model: its two integration methods agree to "]);
     let report = json(&validate(EXPERIMENT_95, &[&coarse[..], &["--json"]].concat(), 1));
@@ -152,7 +152,9 @@ fn a_failed_validation_names_the_model_to_trust_and_a_setting_that_passes() {
     let setting = finer["setting"].as_str().expect("text");
     assert_eq!(finer["passed"], true);
     assert_contains(stdout(&failed), &[&format!("The engine passes with [engine] {setting}.")]);
-    validate(EXPERIMENT_95, &["--set", &format!("engine.{}", setting.replace(" = ", "=").replace('"', ""))], 0);
+    let settings = setting.split(", ").map(|each| format!("engine.{}", each.replace(" = ", "=").replace('"', "")));
+    let finer: Vec<String> = settings.flat_map(|each| ["--set".to_string(), each]).collect();
+    validate(EXPERIMENT_95, &finer.iter().map(String::as_str).collect::<Vec<_>>(), 0);
 }
 
 #[test]

@@ -310,8 +310,6 @@ impl RateCorrection {
 
 /// Largest relative residual of a solution.
 const MAX_RESIDUAL: f64 = 1e-9;
-/// Relative residual at which the iteration stops.
-const TARGET_RESIDUAL: f64 = 1e-10;
 /// Fraction of its terms below which a residual is rounding error.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Smallest force scale of bristle friction, N. Without it, the residual of a contact with a vanishing normal force
@@ -387,6 +385,9 @@ impl Workspace {
             3 => self.iterate(space, stage, rate, 3),
             4 => self.iterate(space, stage, rate, 4),
             5 => self.iterate(space, stage, rate, 5),
+            6 => self.iterate(space, stage, rate, 6),
+            8 => self.iterate(space, stage, rate, 8),
+            10 => self.iterate(space, stage, rate, 10),
             rows => self.iterate(space, stage, rate, rows),
         }
     }
@@ -396,7 +397,7 @@ impl Workspace {
     fn iterate(&mut self, space: &ContactSpace, stage: &Stage, rate: &mut [f64], rows: usize) -> Result<u32, Diverged> {
         let mut residual = self.evaluate(space, stage, rate, rows);
         for iteration in 0..MAX_ITERATIONS {
-            if residual <= TARGET_RESIDUAL {
+            if residual <= MAX_RESIDUAL {
                 return Ok(iteration);
             }
             self.assemble_jacobian(space, stage.h, rows);

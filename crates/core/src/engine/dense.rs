@@ -23,6 +23,9 @@ pub fn solve(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
         3 => eliminate(a, b, 3),
         4 => eliminate(a, b, 4),
         5 => eliminate(a, b, 5),
+        6 => eliminate(a, b, 6),
+        8 => eliminate(a, b, 8),
+        10 => eliminate(a, b, 10),
         _ => eliminate(a, b, size),
     }
 }

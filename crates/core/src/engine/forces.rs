@@ -155,9 +155,9 @@ pub(crate) fn set_rapier_velocities(
     }
 }
 
-/// Turns bodies about their centres of mass by the part of ω dt by which rapier's step, atan(ω dt), is too small. Bodies with
-/// joints keep rapier's rotation, for which the openings of joints are predicted.
-pub(super) fn turn_free_bodies(handles: &[RigidBodyHandle], bodies: &mut RigidBodySet, dt: f64) {
+/// Turns bodies about their centres of mass by the part of ω dt by which rapier's step, atan(ω dt), is too small. This
+/// part, (ω dt)³/3, would be the largest error of fingers, whose phalanges turn by 0.003 rad per step.
+pub(super) fn complete_rotations(handles: &[RigidBodyHandle], bodies: &mut RigidBodySet, dt: f64) {
     for handle in handles {
         let body = &mut bodies[*handle];
         let turn = body.angvel() * dt;

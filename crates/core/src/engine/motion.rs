@@ -88,8 +88,9 @@ pub struct Motion {
     pub linkage: Linkage,
     pub clock: Clock,
     pub velocities: Vec<Twist>,
-    /// Bodies that move by forces and have no joints.
-    free_bodies: Vec<RigidBodyHandle>,
+    /// Bodies that move by forces and whose rotation is completed after rapier's step; empty for a multibody, whose links
+    /// rapier turns exactly.
+    dynamic_bodies: Vec<RigidBodyHandle>,
     /// Accelerations without contact at the node.
     pub accelerations: Vec<Twist>,
     /// Largest change of a body's acceleration over the last step, in m/s².
@@ -143,12 +144,12 @@ impl Motion {
     pub fn new(plan: Plan, world: World) -> Result<Self, StepError> {
         let linkage = Linkage::new(&world, &plan);
         let (bodies, elements) = (plan.bodies.len(), plan.first_servo() + plan.servos.len());
-        let is_jointed = |body: usize| plan.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
+        let is_reduced = world.construction == Construction::Reduced;
         let is_driven = |body: usize| plan.drives.iter().any(|drive| drive.body == body);
-        let free = (0..bodies).filter(|body| !is_jointed(*body) && !is_driven(*body));
-        let free_bodies = free.map(|body| world.bodies[body]).collect();
+        let dynamic = (0..bodies).filter(|body| !is_reduced && !is_driven(*body));
+        let dynamic_bodies = dynamic.map(|body| world.bodies[body]).collect();
         let mut motion = Self {
-            free_bodies,
+            dynamic_bodies,
             plan,
             world,
             linkage,
@@ -627,7 +628,7 @@ impl Motion {
         );
         physics.integration_parameters.dt = dt;
         physics.step_with_events(&LawContactHook, &());
-        forces::turn_free_bodies(&self.free_bodies, &mut physics.bodies, dt);
+        forces::complete_rotations(&self.dynamic_bodies, &mut physics.bodies, dt);
     }
 
     /// Reads the mean velocities of the last step from rapier.

@@ -1,7 +1,7 @@
 //! Step size control, from the state at the start of the step.
 //!
 //! * Free motion: rapier moves bodies straight on, by up to ½ dt² |J̇ v| off the arcs of their joints; this error is
-//!   limited to the tolerance. The leapfrog error under a changing acceleration is limited to 100 tolerances per
+//!   limited to the tolerance. The leapfrog error under a changing acceleration is limited to 98 tolerances per
 //!   second.
 //! * Touch-down: a step ends where a gap is predicted to close, and the last steps before it are halved successively.
 //! * Impact: a step moves a surface by at most a fraction of the depth at which its law stops it.
@@ -27,7 +27,7 @@ const FIRST_CROSSING_FRACTION: f64 = 0.05;
 /// Number of sub-steps above which steps do not grow.
 const MAX_GROWTH_SUBSTEPS: u32 = 60;
 /// Drift of the scheme in free motion, in tolerances per second: two tolerances in a closing motion of 20 ms.
-const DRIFT_PER_S: f64 = 100.0;
+const DRIFT_PER_S: f64 = 98.0;
 /// Length of the first step, s.
 const FIRST_STEP_S: f64 = 1e-6;
 /// Shortest step that touch-downs and drift can request, s.

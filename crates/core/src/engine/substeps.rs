@@ -383,7 +383,9 @@ impl ContactSolver {
             base_bristle_state[index] =
                 self.bristle_state[index] + ratio * (self.work_space.bristle_state[index] - self.bristle_state[index]);
         }
-        second.copy_from_slice(first);
+        for i in 0..space.len() {
+            second[i] = base_rate[i] + first[i] - self.rate[i];
+        }
         let stage = Stage { rate: base_rate, gap: base_gap, bristle_state: base_bristle_state, h: implicit };
         self.iterations += self.work_space.solve(space, &stage, second)?;
 
