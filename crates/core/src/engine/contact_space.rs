@@ -123,7 +123,7 @@ impl ContactSpace {
         let on_supports = &mut self.on_supports;
         on_supports.clear();
         respond(self.rows.iter(), linkage, velocities.len(), &mut self.response, &mut self.w, |row, linkage| {
-            on_supports.extend(supports(plan).map(|support| support.reaction(linkage, |body| row.on_body(body))));
+            on_supports.extend(supports(plan).map(|support| support.reaction(linkage, row.sides().copied())));
         });
     }
 

@@ -78,18 +78,27 @@ pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
 /// with 1/Lᵢᵢ on the diagonal. Row i is zero before column `first[i]` in the matrix and in the factor; those entries
 /// are not accessed. Returns false if the matrix is not positive definite.
 pub(crate) fn factorise(a: &mut [f64], first: &[usize]) -> bool {
-    let size = first.len();
+    match first.len() {
+        // Five pins are the usual case: unrolled, and processing zeros is cheaper than skipping them.
+        10 => cholesky(a, 10, |_| 0),
+        size => cholesky(a, size, |row| first[row]),
+    }
+}
+
+#[inline(always)]
+fn cholesky(a: &mut [f64], size: usize, first: impl Fn(usize) -> usize) -> bool {
+    assert!(a.len() == size * size);
     for i in 0..size {
         let (above, rest) = a.split_at_mut(i * size);
         let row = &mut rest[..=i];
-        for j in first[i]..i {
-            let start = first[i].max(first[j]);
+        for j in first(i)..i {
+            let start = first(i).max(first(j));
             let other = &above[j * size..j * size + j + 1];
             let sum: f64 =
                 if start < j { row[start..j].iter().zip(&other[start..j]).map(|(x, y)| x * y).sum() } else { 0.0 };
             row[j] = (row[j] - sum) * other[j];
         }
-        let square = row[i] - row[first[i]..i].iter().map(|x| x * x).sum::<f64>();
+        let square = row[i] - row[first(i)..i].iter().map(|x| x * x).sum::<f64>();
         if square.is_nan() || square <= 0.0 {
             return false;
         }
@@ -101,7 +110,6 @@ pub(crate) fn factorise(a: &mut [f64], first: &[usize]) -> bool {
 /// Solves L Lᵀ x = b with the factor of [`factorise`]; `b` becomes x.
 pub(crate) fn solve_factorised(factor: &[f64], first: &[usize], b: &mut [f64]) {
     match first.len() {
-        // Five pins are the usual case: unrolled, and processing zeros is cheaper than skipping them.
         10 => substitute(factor, b, 10),
         size => substitute_sparse(factor, first, b, size),
     }

@@ -8,6 +8,7 @@
 //! The system is general in bodies and joints; it uses only rapier's masses and anchors.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
+use std::ops::Range;
 
 use super::coordinate::{BodyPose, Coordinate, Row, Twist};
 use super::dense;
@@ -49,6 +50,20 @@ enum Pair {
     Relation { terms: Vec<(Coordinate, [f64; 2])>, closed: [f64; 2] },
 }
 
+/// Consecutive pairs that share no body with other pairs, such as those of one finger, and their factorised part of A.
+#[derive(Clone, Debug)]
+struct Block {
+    rows: Range<usize>,
+    sides: Range<usize>,
+    /// Sides on the same body, which couple their pairs.
+    couplings: Vec<(usize, usize)>,
+    /// Rows of pairs with one constraint only.
+    unused_rows: Vec<usize>,
+    factor: Vec<f64>,
+    /// First nonzero column of each row of the factor.
+    first_columns: Vec<usize>,
+}
+
 /// Error for joints or masses whose equations of motion have no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the joint constraints are singular: the mechanism is in or near a singular configuration")]
@@ -64,13 +79,7 @@ pub struct Linkage {
     joints: usize,
     /// Sides of all pairs, pair by pair.
     sides: Vec<Side>,
-    /// Sides on the same body, which couple their pairs.
-    couplings: Vec<(usize, usize)>,
-    /// Rows of pairs with one constraint only.
-    unused_rows: Vec<usize>,
-    factor: Vec<f64>,
-    /// First nonzero column of each row of the factor: pairs that share no body do not couple.
-    first_columns: Vec<usize>,
+    blocks: Vec<Block>,
     /// Right-hand side and solution.
     multipliers: Vec<f64>,
     responses: Responses,
@@ -92,7 +101,7 @@ impl Linkage {
     pub fn new(world: &World, plan: &Plan) -> Self {
         let bodies = &world.physics.bodies;
         let rigid = |i: usize| &bodies[world.bodies[i]];
-        let inertias = (0..world.bodies.len())
+        let inertias: Vec<Inertia> = (0..world.bodies.len())
             .map(|i| {
                 let properties = rigid(i).mass_properties().local_mprops;
                 Inertia {
@@ -149,28 +158,15 @@ impl Linkage {
                 }
             }
         }
-        let share_body = |&(a, b): &(usize, usize)| {
-            let (a, b): (&Side, &Side) = (&sides[a], &sides[b]);
-            a.body == b.body && b.pair <= a.pair
-        };
-        let couplings: Vec<_> =
-            (0..sides.len()).flat_map(|a| (0..sides.len()).map(move |b| (a, b))).filter(share_body).collect();
-        let first_column = |pair: usize| {
-            let coupled = couplings.iter().filter(|(a, _)| sides[*a].pair == pair);
-            2 * coupled.map(|(_, b)| sides[*b].pair).min().unwrap_or(pair)
-        };
-        let size = 2 * pairs.len();
+        let blocks = find_blocks(pairs.len(), &sides, &unused_rows, &inertias);
         let mut linkage = Self {
             inertias,
             poses,
             joints: plan.joints.len(),
-            factor: vec![0.0; size * size],
-            first_columns: (0..size).map(|row| first_column(row / 2)).collect(),
+            multipliers: vec![0.0; 2 * pairs.len()],
             pairs,
             sides,
-            couplings,
-            unused_rows,
-            multipliers: vec![0.0; size],
+            blocks,
             responses: Responses::default(),
         };
         linkage.read_poses(world);
@@ -210,26 +206,28 @@ impl Linkage {
         self.responses.rows.clear();
         self.responses.velocities.clear();
         self.responses.multipliers.clear();
-        let size = self.first_columns.len();
-        if size == 0 {
-            return Ok(());
-        }
-        for (row, &first) in self.factor.chunks_exact_mut(size).zip(&self.first_columns) {
-            row[first..].fill(0.0);
-        }
-        for &(a, b) in &self.couplings {
-            let (a, b) = (&self.sides[a], &self.sides[b]);
-            let Inertia { inverse_mass, inverse_inertia, .. } = self.inertias[a.body];
-            let offset = 2 * a.pair * size + 2 * b.pair;
-            for (i, u) in a.rows.iter().enumerate() {
-                for (j, v) in b.rows.iter().enumerate() {
-                    let translation = (u[0] * v[0] + u[1] * v[1]) * inverse_mass;
-                    self.factor[offset + i * size + j] += translation + inverse_inertia * u[2] * v[2];
+        for Block { rows, couplings, unused_rows, factor, first_columns, .. } in &mut self.blocks {
+            let size = rows.len();
+            for (row, &first) in factor.chunks_exact_mut(size).zip(&*first_columns) {
+                row[first..].fill(0.0);
+            }
+            for &(a, b) in &*couplings {
+                let (a, b) = (&self.sides[a], &self.sides[b]);
+                let Inertia { inverse_mass, inverse_inertia, .. } = self.inertias[a.body];
+                let offset = (2 * a.pair - rows.start) * size + 2 * b.pair - rows.start;
+                for (i, u) in a.rows.iter().enumerate() {
+                    for (j, v) in b.rows.iter().enumerate() {
+                        let translation = (u[0] * v[0] + u[1] * v[1]) * inverse_mass;
+                        factor[offset + i * size + j] += translation + inverse_inertia * u[2] * v[2];
+                    }
                 }
             }
+            unused_rows.iter().for_each(|row| factor[row * size + row] = 1.0);
+            if !dense::factorise(factor, first_columns) {
+                return Err(SingularConstraints);
+            }
         }
-        self.unused_rows.iter().for_each(|row| self.factor[row * size + row] = 1.0);
-        if dense::factorise(&mut self.factor, &self.first_columns) { Ok(()) } else { Err(SingularConstraints) }
+        Ok(())
     }
 
     /// Returns the largest opening of a joint, m.
@@ -330,11 +328,12 @@ impl Linkage {
         })
     }
 
-    /// Returns the force and moment of all joints and gears on a body, after a call as for [`Linkage::joint_forces`].
-    pub(crate) fn reaction(&self, body: usize) -> Twist {
-        self.sides.iter().filter(|side| side.body == body).fold([0.0; 3], |sum, side| {
-            let multipliers = &self.multipliers[2 * side.pair..2 * side.pair + 2];
-            std::array::from_fn(|k| sum[k] + multipliers[0] * side.rows[0][k] + multipliers[1] * side.rows[1][k])
+    /// Returns the forces and moments of joints and gears on bodies, after a call as for [`Linkage::joint_forces`].
+    pub(crate) fn reactions(&self) -> impl Iterator<Item = (usize, Twist)> {
+        self.sides.iter().filter_map(|side| {
+            let [a, b] = [self.multipliers[2 * side.pair], self.multipliers[2 * side.pair + 1]];
+            let acts = a != 0.0 || b != 0.0;
+            acts.then(|| (side.body, std::array::from_fn(|k| a * side.rows[0][k] + b * side.rows[1][k])))
         })
     }
 
@@ -390,29 +389,68 @@ impl Linkage {
 
     /// v ← v + M⁻¹ Jᵀ A⁻¹ (b − J v), with b passed in `multipliers`.
     fn correct(&mut self, velocities: &mut [Twist]) {
-        for side in &self.sides {
-            let [x, y, w] = velocities[side.body];
-            // An impulse acts on few bodies, and its reactions on those that are connected.
-            if x == 0.0 && y == 0.0 && w == 0.0 {
+        for block in &self.blocks {
+            let sides = &self.sides[block.sides.clone()];
+            for side in sides {
+                let [x, y, w] = velocities[side.body];
+                // An impulse acts on few bodies, and its reactions on those that are connected.
+                if x == 0.0 && y == 0.0 && w == 0.0 {
+                    continue;
+                }
+                let b = &mut self.multipliers[2 * side.pair..2 * side.pair + 2];
+                for (b, row) in b.iter_mut().zip(&side.rows) {
+                    *b -= row[0] * x + row[1] * y + w * row[2];
+                }
+            }
+            let multipliers = &mut self.multipliers[block.rows.clone()];
+            if multipliers.iter().all(|b| *b == 0.0) {
                 continue;
             }
-            let b = &mut self.multipliers[2 * side.pair..2 * side.pair + 2];
-            for (b, row) in b.iter_mut().zip(&side.rows) {
-                *b -= row[0] * x + row[1] * y + w * row[2];
+            dense::solve_factorised(&block.factor, &block.first_columns, multipliers);
+            for side in sides {
+                let inertia = &self.inertias[side.body];
+                let b = &self.multipliers[2 * side.pair..2 * side.pair + 2];
+                let v = &mut velocities[side.body];
+                let [row, other] = &side.rows;
+                v[0] += inertia.inverse_mass * (row[0] * b[0] + other[0] * b[1]);
+                v[1] += inertia.inverse_mass * (row[1] * b[0] + other[1] * b[1]);
+                v[2] += inertia.inverse_inertia * (other[2] * b[1] + row[2] * b[0]);
             }
-        }
-        dense::solve_factorised(&self.factor, &self.first_columns, &mut self.multipliers);
-        for side in &self.sides {
-            let inertia = &self.inertias[side.body];
-            let b = &self.multipliers[2 * side.pair..2 * side.pair + 2];
-            if b[0] == 0.0 && b[1] == 0.0 {
-                continue;
-            }
-            let v = &mut velocities[side.body];
-            let [row, other] = &side.rows;
-            v[0] += inertia.inverse_mass * (row[0] * b[0] + other[0] * b[1]);
-            v[1] += inertia.inverse_mass * (row[1] * b[0] + other[1] * b[1]);
-            v[2] += inertia.inverse_inertia * (other[2] * b[1] + row[2] * b[0]);
         }
     }
+}
+
+/// Divides the pairs into blocks.
+fn find_blocks(pairs: usize, sides: &[Side], unused_rows: &[usize], inertias: &[Inertia]) -> Vec<Block> {
+    let moves = |side: &Side| inertias[side.body].inverse_mass > 0.0 || inertias[side.body].inverse_inertia > 0.0;
+    let share_body = |&(a, b): &(usize, usize)| {
+        let (a, b) = (&sides[a], &sides[b]);
+        a.body == b.body && b.pair <= a.pair && moves(a)
+    };
+    let couplings: Vec<(usize, usize)> =
+        (0..sides.len()).flat_map(|a| (0..sides.len()).map(move |b| (a, b))).filter(share_body).collect();
+    let first_pair = |pair: usize| {
+        let coupled = couplings.iter().filter(|(a, _)| sides[*a].pair == pair);
+        coupled.map(|(_, b)| sides[*b].pair).min().unwrap_or(pair)
+    };
+    let mut blocks = Vec::new();
+    let mut end = pairs;
+    for start in (0..pairs).rev() {
+        if (start..end).any(|pair| first_pair(pair) < start) {
+            continue;
+        }
+        let (rows, contained) = (2 * start..2 * end, start..end);
+        let first_side = sides.partition_point(|side| side.pair < start);
+        blocks.push(Block {
+            sides: first_side..sides.partition_point(|side| side.pair < end),
+            couplings: couplings.iter().copied().filter(|(a, _)| contained.contains(&sides[*a].pair)).collect(),
+            unused_rows: unused_rows.iter().filter(|row| rows.contains(row)).map(|row| row - rows.start).collect(),
+            factor: vec![0.0; rows.len() * rows.len()],
+            first_columns: rows.clone().map(|row| 2 * (first_pair(row / 2) - start)).collect(),
+            rows,
+        });
+        end = start;
+    }
+    blocks.reverse();
+    blocks
 }

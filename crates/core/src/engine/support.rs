@@ -27,22 +27,25 @@ pub(super) fn supports(plan: &Plan) -> impl Iterator<Item = Support> + Clone {
 }
 
 impl Support {
-    /// Force and moment on the support of these loads and of the joints, after a call as for [`Linkage::reaction`]; about
-    /// the origin on the ground.
-    pub fn reaction(self, linkage: &Linkage, load: impl Fn(usize) -> Twist) -> Twist {
-        let on = |body: usize| {
-            let (load, joints) = (load(body), linkage.reaction(body));
-            [load[0] + joints[0], load[1] + joints[1], load[2] + joints[2]]
-        };
-        match self {
-            Support::Driven(body) => on(body),
-            // All forces are internal, with the ground, which prevents the rotation of bodies that do not rotate.
-            Support::Ground => linkage.poses.iter().enumerate().fold([0.0; 3], |sum, (body, pose)| {
-                let ([x, y, moment], of) = (on(body), &linkage.inertias[body]);
-                let own = if of.inverse_mass > 0.0 && of.inverse_inertia == 0.0 { 0.0 } else { moment };
-                [sum[0] - x, sum[1] - y, sum[2] - own - cross(pose.com, [x, y])]
-            }),
+    /// Force and moment on the support of loads on bodies and of the joints, after a call as for [`Linkage::reactions`];
+    /// about the origin on the ground.
+    pub fn reaction(self, linkage: &Linkage, loads: impl Iterator<Item = (usize, Twist)>) -> Twist {
+        let mut sum = [0.0; 3];
+        for (body, [x, y, moment]) in loads.chain(linkage.reactions()) {
+            let (pose, inertia) = (&linkage.poses[body], &linkage.inertias[body]);
+            let part = match self {
+                Support::Driven(support) if support == body => [x, y, moment],
+                Support::Driven(_) => continue,
+                // All forces are internal, with the ground, which prevents the rotation of bodies that do not rotate.
+                Support::Ground => {
+                    let is_prevented = inertia.inverse_mass > 0.0 && inertia.inverse_inertia == 0.0;
+                    let moment = if is_prevented { 0.0 } else { moment };
+                    [-x, -y, -moment - cross(pose.com, [x, y])]
+                }
+            };
+            (0..3).for_each(|axis| sum[axis] += part[axis]);
         }
+        sum
     }
 
     /// Velocity of the support at a time in the last or next step, in the frame of a palm.
@@ -97,8 +100,9 @@ pub(super) fn power_of_supports(
     // The moments on rotors are inertial.
     let internal = |body: usize| {
         let ([x, y, moment], mass) = (forces[body], linkage.inertias[body].mass);
-        [x - mass * gx, y - mass * gy, moment - rotor_moment(plan, body, t)]
+        (body, [x - mass * gx, y - mass * gy, moment - rotor_moment(plan, body, t)])
     };
-    let on = |support: Support| power(&support.reaction(linkage, internal), &support.velocity(plan, t));
+    let loads = || (0..forces.len()).map(internal);
+    let on = |support: Support| power(&support.reaction(linkage, loads()), &support.velocity(plan, t));
     -supports(plan).filter(carries).map(on).sum::<f64>()
 }
