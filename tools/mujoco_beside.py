@@ -121,6 +121,7 @@ def main():
     parser.add_argument("scene", nargs="?", default=ROOT / "scenes" / "experiment-95.toml")
     parser.add_argument("--json", type=Path, help="also write the rows to this file")
     parser.add_argument("--repetitions", type=int, default=9, help="runs that are timed")
+    parser.add_argument("--only", nargs="+", metavar="COLUMN", help="compare only these columns; default: those of all joints")
     parser.add_argument("--published", action="store_true", help="keep the default softness of MuJoCo's constraints")
     options = parser.parse_args()
     try:
@@ -142,7 +143,7 @@ def main():
                 model, data = load(path, step_s, integrator, options.published)
                 addresses = {model.joint(k).name: model.joint(k).qposadr[0] for k in range(model.njnt)}
                 columns = {address: column_of(name, reference) for name, address in addresses.items()}
-                joints = {address: column for address, column in columns.items() if column}
+                joints = {address: column for address, column in columns.items() if column in (options.only or reference)}
                 times, rows = [], []
                 simulate(model, data, duration_s, lambda: (times.append(data.time), rows.append(data.qpos.copy())))  # noqa: B023
                 seconds = []

@@ -307,7 +307,9 @@ def summary(scratch):
     solvers = ["cargo", "run", "--locked", "--release", "--features", "cvode", "--manifest-path", "benches/solvers/Cargo.toml"]
     call(*solvers, "--", "--repetitions", "15", "--json", scratch / "solvers.json", stdout=sys.stderr)
     environment = {**os.environ, "PHALANX": str(PHALANX)}
-    call(sys.executable, "tools/mujoco_beside.py", "--json", scratch / "mujoco.json", stdout=sys.stderr, env=environment)
+    # The angles that are compared in the other rows.
+    angles = ["--only", "q11_rad", "q21_rad"]
+    call(sys.executable, "tools/mujoco_beside.py", "--json", scratch / "mujoco.json", *angles, stdout=sys.stderr, env=environment)
     solvers = json.loads((scratch / "solvers.json").read_text())["rows"]
     mujoco = json.loads((scratch / "mujoco.json").read_text())
     engine_own = next(row for row in validation(ROOT / "scenes" / "experiment-95.toml", "--ladder")["settings"] if row["own"])
