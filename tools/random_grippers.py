@@ -31,8 +31,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PHALANX = os.environ.get("PHALANX", str(ROOT / "target" / "release" / "phalanx"))
 TIME_LIMIT_S = 60.0
-# A check measures lengths of mechanisms in this unit, in m.
+# A check measures lengths of mechanisms with joints in this unit, in m.
 UNIT_M = 0.02
+# Bar of the check of bodies without joints, relative to the reach of the smallest one; the bar itself is in m.
+FREE_BODIES_BAR = 2e-3
 # Smallest differences that count, whatever the bar is.
 ANGLE_RAD, POSITION_M = 1e-5, 1e-6
 # Differences of the models that count, if the check of the engine is not sure.
@@ -682,9 +684,11 @@ def is_deep(scene, contacts):
     return any(depth > sum(corner_m(scene, outline) for outline in outlines) for outlines, depth in depths)
 
 
-def is_beyond(angle_rad, position_m, bar):
+def is_beyond(angle_rad, position_m, check):
     """Whether a difference exceeds the bar of a check."""
-    return angle_rad > max(bar, ANGLE_RAD) or position_m > max(bar * UNIT_M, POSITION_M)
+    bar = check["bar"]
+    angle_bar, position_bar = (FREE_BODIES_BAR, bar) if check.get("error_m") is not None else (bar, bar * UNIT_M)
+    return angle_rad > max(angle_bar, ANGLE_RAD) or position_m > max(position_bar, POSITION_M)
 
 
 def failure(result):
@@ -740,7 +744,7 @@ def judge(scene, path):
         suspicions.append(f"the reference fails: {failure(reference)}")
         return record
     angle, position = record["reference"] = difference(document, reference["document"])
-    if is_beyond(angle, position, check["bar"]):
+    if is_beyond(angle, position, check):
         suspicions.append(f"silently wrong: {angle:.1e} rad, {position:.1e} m from the reference")
     record["peak"] = peak_difference(document, reference["document"])
     if record["peak"] > PEAK:
@@ -749,7 +753,7 @@ def judge(scene, path):
         return record
     angle, position = record["engine"] = difference(engine["document"], reference["document"])
     if record["engine_outcome"] == "sure":
-        if is_beyond(angle, position, engine["document"]["check"]["bar"]):
+        if is_beyond(angle, position, engine["document"]["check"]):
             suspicions.append(f"silently wrong engine: {angle:.1e} rad, {position:.1e} m from the reference")
     elif angle > MODELS_RAD or position > MODELS_M:
         fine = record["runs"]["fine"] = run(path, "--model", "engine", "--no-check", *FINE)
