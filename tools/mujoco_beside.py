@@ -129,6 +129,8 @@ def main():
     except ImportError:
         sys.exit("this comparison needs MuJoCo: pip install mujoco")
     reference = trajectory(options.scene, "reference")
+    if unknown := set(options.only or []) - set(reference):
+        parser.error(f"--only names no columns of the run: {', '.join(sorted(unknown))}; they are {', '.join(reference)}")
     run = json.loads(phalanx("run", options.scene, "--preset", "reference", "--json", "--no-check"))
     duration_s = reference["time_s"][-1]
     # The first contact of two surfaces: limits of joints are often touched at the start.

@@ -75,8 +75,8 @@ pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
 }
 
 /// Computes the Cholesky factor L of a symmetric positive definite matrix and stores it in the matrix's lower triangle,
-/// with 1/Lᵢᵢ on the diagonal. Row i is zero before column `first[i]` in the matrix and in the factor; those entries
-/// are not accessed. Returns false if the matrix is not positive definite.
+/// with 1/Lᵢᵢ on the diagonal. Row i is zero before column `first[i]` in the matrix and in the factor; the array must
+/// contain these zeros. Returns false if the matrix is not positive definite.
 pub(crate) fn factorise(a: &mut [f64], first: &[usize]) -> bool {
     match first.len() {
         // Five pins are the usual case: unrolled, and processing zeros is cheaper than skipping them.

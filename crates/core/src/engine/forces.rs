@@ -156,7 +156,7 @@ pub(crate) fn set_rapier_velocities(
 }
 
 /// Turns bodies about their centres of mass by the part of ω dt by which rapier's step, atan(ω dt), is too small. This
-/// part, (ω dt)³/3, would be the largest error of fingers, whose phalanges turn by 0.003 rad per step.
+/// part, (ω dt)³/3 a step, would be the largest error in the closing of a finger.
 pub(super) fn complete_rotations(handles: &[RigidBodyHandle], bodies: &mut RigidBodySet, dt: f64) {
     for handle in handles {
         let body = &mut bodies[*handle];

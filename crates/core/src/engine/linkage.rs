@@ -50,7 +50,8 @@ enum Pair {
     Relation { terms: Vec<(Coordinate, [f64; 2])>, closed: [f64; 2] },
 }
 
-/// Consecutive pairs that share no body with other pairs, such as those of one finger, and their factorised part of A.
+/// Consecutive pairs that share no body with other pairs, except for driven bodies, and their factorised part of A. The
+/// pins of one finger are a block.
 #[derive(Clone, Debug)]
 struct Block {
     rows: Range<usize>,

@@ -26,7 +26,7 @@ const MIN_CROSSING_FACTOR: f64 = 0.25;
 const FIRST_CROSSING_FRACTION: f64 = 0.05;
 /// Number of sub-steps above which steps do not grow.
 const MAX_GROWTH_SUBSTEPS: u32 = 60;
-/// Drift of the scheme in free motion, in tolerances per second: two tolerances in a closing motion of 20 ms.
+/// Drift of the scheme in free motion, in tolerances per second: almost two tolerances in a closing motion of 20 ms.
 const DRIFT_PER_S: f64 = 98.0;
 /// Length of the first step, s.
 const FIRST_STEP_S: f64 = 1e-6;

@@ -383,6 +383,7 @@ impl ContactSolver {
             base_bristle_state[index] =
                 self.bristle_state[index] + ratio * (self.work_space.bristle_state[index] - self.bristle_state[index]);
         }
+        // A better start than the solution of the first stage: its change, from the initial rates of the second.
         for i in 0..space.len() {
             second[i] = base_rate[i] + first[i] - self.rate[i];
         }
