@@ -96,6 +96,7 @@ fn single_contact_space(law: ContactLaw, mass: f64, gap: f64, rate: f64, slip: f
         rolling: None,
         bristle_state: 0.0,
     });
+    space.coupled = rows;
     space.w = vec![0.0; rows * rows];
     (0..rows).for_each(|i| space.w[i * rows + i] = 1.0 / mass);
     space.free = vec![0.0; rows];

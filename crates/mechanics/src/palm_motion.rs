@@ -166,19 +166,22 @@ impl Move {
 
     #[inline]
     fn derivatives(&self, t: f64) -> [f64; 4] {
-        let u = (t - self.start_s) / self.length_s;
-        if u <= 0.0 {
+        let since = t - self.start_s;
+        if since <= 0.0 {
             return [0.0; 4];
         }
-        if u >= 1.0 {
+        if since >= self.length_s {
             return [self.distance, 0.0, 0.0, 0.0];
         }
+        let u = since / self.length_s;
         let (w, rate) = (1.0 - u, self.distance / self.length_s);
         let second = rate / self.length_s;
+        let (u_square, product) = (u * u, u * w);
+        let product_square = product * product;
         [
-            self.distance * powi(u, 4) * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u))),
-            rate * 140.0 * powi(u * w, 3),
-            second * 420.0 * powi(u * w, 2) * (w - u),
+            self.distance * (u_square * u_square) * (35.0 + u * (-84.0 + u * (70.0 - 20.0 * u))),
+            rate * 140.0 * (product * product_square),
+            second * 420.0 * product_square * (w - u),
             second / self.length_s * 840.0 * u * w * (1.0 - 5.0 * u * w),
         ]
     }

@@ -158,6 +158,11 @@ impl ContactCandidate {
         matches!(self.source, Source::Stop(_) | Source::Contact(_))
     }
 
+    /// Whether the normal force is prescribed, as of brakes and motors.
+    pub(crate) fn has_prescribed_normal(&self) -> bool {
+        matches!(self.source, Source::Brake(_) | Source::Motor(_))
+    }
+
     /// Whether the force acts along the normal row in both directions and at any gap.
     pub(crate) fn is_servo(&self) -> bool {
         matches!(self.source, Source::Servo(_))

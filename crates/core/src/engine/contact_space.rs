@@ -22,7 +22,7 @@ pub struct ActiveContact {
     pub candidate: ContactCandidate,
     /// Index of the normal row.
     pub normal: usize,
-    /// Index of the tangent row, which follows the normal row.
+    /// Index of the tangent row.
     pub tangent: Option<usize>,
     /// Index of the row of rolling resistance.
     pub rolling: Option<usize>,
@@ -42,7 +42,10 @@ impl ActiveContact {
 pub struct ContactSpace {
     pub active_contacts: Vec<ActiveContact>,
     pub rows: Vec<Row>,
-    /// Contact-space inverse inertia including joints, row by row: rate of row i per unit impulse along row j.
+    /// Number of rows before those of prescribed normal forces, which no impulse changes.
+    pub coupled: usize,
+    /// Contact-space inverse inertia including joints, row by row for the coupled rows: rate of row i per unit impulse
+    /// along row j.
     pub w: Vec<f64>,
     /// Acceleration of every row without contact.
     pub free: Vec<f64>,
@@ -50,9 +53,9 @@ pub struct ContactSpace {
     pub rate: Vec<f64>,
     /// Rates that change a gap by its rounding error within the step; smaller rates are rounding.
     pub rate_resolution: Vec<f64>,
-    /// Velocity response M⁻¹ (c + Jᵀ λ) to a unit impulse along each row, body by body.
+    /// Velocity response M⁻¹ (c + Jᵀ λ) to a unit impulse along each coupled row, body by body.
     response: Vec<Twist>,
-    /// Impulse on each support per unit impulse along each row, directly and through joints, row by row.
+    /// Impulse on each support per unit impulse along each coupled row, directly and through joints, row by row.
     pub on_supports: Vec<Twist>,
     poses: Vec<BodyPose>,
 }
@@ -85,16 +88,13 @@ impl ContactSpace {
             if candidate.has_gap() && candidate.gap > CLOSING_MARGIN * dt * (rate.abs() + dt * free.abs()) {
                 continue;
             }
-            let normal = self.rows.len();
-            self.rows.push(candidate.normal_row.clone());
-            let tangent = candidate.has_tangent().then(|| {
-                self.rows.push(candidate.slip_row.clone());
-                normal + 1
-            });
-            let rolling = candidate.rolling.map(|_| {
-                self.rows.push(candidate.roll_row.clone());
+            let mut push = |row: &Row| {
+                self.rows.push(row.clone());
                 self.rows.len() - 1
-            });
+            };
+            let normal = if candidate.has_prescribed_normal() { PENDING } else { push(&candidate.normal_row) };
+            let tangent = candidate.has_tangent().then(|| push(&candidate.slip_row));
+            let rolling = candidate.rolling.map(|_| push(&candidate.roll_row));
             let bristle_state = bristle_states.get(candidate.index).copied().unwrap_or(0.0);
             self.active_contacts.push(ActiveContact {
                 candidate: candidate.clone(),
@@ -104,12 +104,18 @@ impl ContactSpace {
                 bristle_state,
             });
         }
+        self.coupled = self.rows.len();
+        for contact in self.active_contacts.iter_mut().filter(|contact| contact.normal == PENDING) {
+            contact.normal = self.rows.len();
+            self.rows.push(contact.candidate.normal_row.clone());
+        }
         if self.rows.is_empty() {
             return;
         }
-        let rows_with_rounding =
-            self.active_contacts.iter().flat_map(|contact| contact.rows().map(|_| contact.candidate.rounding / dt));
-        refill(&mut self.rate_resolution, rows_with_rounding);
+        reset(&mut self.rate_resolution, self.rows.len(), 0.0);
+        for contact in &self.active_contacts {
+            contact.rows().for_each(|row| self.rate_resolution[row] = contact.candidate.rounding / dt);
+        }
         refill(&mut self.rate, self.rows.iter().map(|row| row.rate(velocities)));
         refill(&mut self.free, self.rows.iter().map(|row| row.rate(accelerations)));
         for contact in self.active_contacts.iter().filter(|contact| !contact.candidate.has_gap()) {
@@ -122,9 +128,16 @@ impl ContactSpace {
         self.add_curvature(world, plan, linkage, velocities, dt);
         let on_supports = &mut self.on_supports;
         on_supports.clear();
-        respond(self.rows.iter(), linkage, velocities.len(), &mut self.response, &mut self.w, |row, linkage| {
-            on_supports.extend(supports(plan).map(|support| support.reaction(linkage, row.sides().copied())));
-        });
+        respond(
+            self.rows[..self.coupled].iter(),
+            linkage,
+            velocities.len(),
+            &mut self.response,
+            &mut self.w,
+            |row, linkage| {
+                on_supports.extend(supports(plan).map(|support| support.reaction(linkage, row.sides().copied())));
+            },
+        );
     }
 
     /// Adds the effect of curved surfaces and rotating normals, which the row accelerations do not contain, to the
@@ -176,17 +189,27 @@ impl ContactSpace {
         rate < -ZERO_RATE || (rate <= ZERO_RATE && self.free[contact.normal] < 0.0)
     }
 
-    /// Adds the velocities of all bodies due to an impulse along a row.
-    pub(crate) fn add_response(&self, row: usize, impulse: f64, velocities: &mut [Twist]) {
-        let bodies = velocities.len();
-        add_scaled(&self.response[row * bodies..(row + 1) * bodies], impulse, velocities);
+    /// Inverse of the effective mass of a coupled row.
+    pub fn inverse_mass(&self, row: usize) -> f64 {
+        self.w[row * (self.coupled + 1)]
+    }
+
+    /// Acceleration of a coupled row due to the forces along all rows.
+    pub(crate) fn contact_acceleration(&self, row: usize, force: &[f64]) -> f64 {
+        self.w[row * self.coupled..(row + 1) * self.coupled].iter().zip(force).map(|(w, force)| w * force).sum()
+    }
+
+    /// Adds the velocities of all bodies due to impulses along the rows.
+    pub(crate) fn add_responses(&self, impulses: impl Iterator<Item = f64>, velocities: &mut [Twist]) {
+        for (response, impulse) in self.response.chunks_exact(velocities.len()).zip(impulses) {
+            add_scaled(response, impulse, velocities);
+        }
     }
 
     /// Adds the generalised impulses on every body due to impulses along all rows, including joint reactions.
     pub(crate) fn add_impulses(&self, linkage: &Linkage, impulses: &[f64], out: &mut [Twist]) {
-        let bodies = out.len();
-        for (j, size) in impulses.iter().enumerate().filter(|(_, size)| **size != 0.0) {
-            let response = &self.response[j * bodies..(j + 1) * bodies];
+        let responses = self.response.chunks_exact(out.len()).zip(impulses);
+        for (response, size) in responses.filter(|(_, size)| **size != 0.0) {
             for ((impulse, v), inertia) in out.iter_mut().zip(response).zip(&linkage.inertias) {
                 impulse[0] += size * inertia.mass * v[0];
                 impulse[1] += size * inertia.mass * v[1];
@@ -226,6 +249,8 @@ fn respond<'a>(
     }
 }
 
+/// Index of a normal row before it is known how many rows are coupled.
+const PENDING: usize = usize::MAX;
 /// A candidate is included if its gap is below this many times its free closing distance in a step.
 const CLOSING_MARGIN: f64 = 1.5;
 /// Shortest interval for the evaluation of curvature, s.
@@ -378,8 +403,13 @@ impl Workspace {
     /// Solves a stage and returns the number of iterations. `rate` is the initial guess on entry and the solution on
     /// return; `self.force` contains the forces there. Fails if the iteration does not converge.
     pub fn solve(&mut self, space: &ContactSpace, stage: &Stage, rate: &mut [f64]) -> Result<u32, Diverged> {
+        // Prescribed normal forces follow from the time alone.
+        let starts = stage.rate.iter().zip(&space.free);
+        for (rate, (start, free)) in rate.iter_mut().zip(starts).skip(space.coupled) {
+            *rate = start + stage.h * free;
+        }
         // Compile-time sizes are faster; contact spaces are small.
-        match space.len() {
+        match space.coupled {
             1 => self.iterate(space, stage, rate, 1),
             2 => self.iterate(space, stage, rate, 2),
             3 => self.iterate(space, stage, rate, 3),
@@ -388,11 +418,13 @@ impl Workspace {
             6 => self.iterate(space, stage, rate, 6),
             8 => self.iterate(space, stage, rate, 8),
             10 => self.iterate(space, stage, rate, 10),
+            12 => self.iterate(space, stage, rate, 12),
+            14 => self.iterate(space, stage, rate, 14),
             rows => self.iterate(space, stage, rate, rows),
         }
     }
 
-    /// Newton's method with step halving.
+    /// Newton's method with step halving, for the coupled rows.
     #[inline(always)]
     fn iterate(&mut self, space: &ContactSpace, stage: &Stage, rate: &mut [f64], rows: usize) -> Result<u32, Diverged> {
         let mut residual = self.evaluate(space, stage, rate, rows);
@@ -435,8 +467,8 @@ impl Workspace {
 
     /// Filters an error: e ← (1 − h W ∂F/∂u)⁻¹ e at the last solution.
     pub fn filter(&mut self, space: &ContactSpace, h: f64, error: &mut [f64]) {
-        self.assemble_jacobian(space, h, space.len());
-        dense::solve(&mut self.jacobian, error, space.len());
+        self.assemble_jacobian(space, h, space.coupled);
+        dense::solve(&mut self.jacobian, error, space.coupled);
     }
 
     /// Evaluates forces and their derivatives; returns the residual relative to the terms of the equation.
@@ -502,18 +534,22 @@ impl Workspace {
     /// Assembles the Jacobian 1 − h W ∂F/∂u.
     #[inline(always)]
     fn assemble_jacobian(&mut self, space: &ContactSpace, h: f64, rows: usize) {
-        for i in 0..rows {
-            let w = &space.w[i * rows..(i + 1) * rows];
-            let jacobian_row = &mut self.jacobian[i * rows..(i + 1) * rows];
-            for contact in &space.active_contacts {
-                let n = contact.normal;
-                jacobian_row[n] = -h * w[n] * self.diagonal_derivative[n];
-                for t in contact.tangent.into_iter().chain(contact.rolling) {
-                    jacobian_row[n] -= h * w[t] * self.cross_derivative[t];
-                    jacobian_row[t] = -h * w[t] * self.diagonal_derivative[t];
-                }
+        let (w, jacobian) = (&space.w[..rows * rows], &mut self.jacobian[..rows * rows]);
+        let columns = |column: usize, other: usize| (0..rows).map(move |row| (row * rows + column, row * rows + other));
+        for contact in &space.active_contacts {
+            let n = contact.normal;
+            if n < rows {
+                let derivative = self.diagonal_derivative[n];
+                columns(n, n).for_each(|(at, _)| jacobian[at] = -h * w[at] * derivative);
             }
-            jacobian_row[i] += 1.0;
+            for t in contact.tangent.into_iter().chain(contact.rolling) {
+                let (cross, derivative) = (self.cross_derivative[t], self.diagonal_derivative[t]);
+                if n < rows {
+                    columns(n, t).for_each(|(at, from)| jacobian[at] -= h * w[from] * cross);
+                }
+                columns(t, t).for_each(|(at, _)| jacobian[at] = -h * w[at] * derivative);
+            }
         }
+        jacobian.iter_mut().step_by(rows + 1).for_each(|diagonal| *diagonal += 1.0);
     }
 }

@@ -39,6 +39,8 @@ struct Side {
     sign: f64,
     local: [f64; 2],
     arm: [f64; 2],
+    /// Whether the reactions of the pair on bodies are not in equilibrium with one another.
+    acts_on_ground: bool,
 }
 
 /// A pair of constraints: the openings, to be kept at zero.
@@ -138,15 +140,26 @@ impl Linkage {
         let pairs: Vec<Pair> = plan.joints.iter().map(joint_pair).chain(plan.gears.iter().map(gear_pair)).collect();
         let (mut sides, mut unused_rows) = (Vec::new(), Vec::new());
         for (pair, of) in pairs.iter().enumerate() {
-            let side =
-                |body: usize| Side { pair, body, rows: [[0.0; 3]; 2], sign: 0.0, local: [0.0; 2], arm: [0.0; 2] };
+            let side = |body: usize| Side {
+                pair,
+                body,
+                rows: [[0.0; 3]; 2],
+                sign: 0.0,
+                local: [0.0; 2],
+                arm: [0.0; 2],
+                acts_on_ground: true,
+            };
             match of {
                 Pair::Pin { .. } => {
                     let joint = &plan.joints[pair];
+                    // The ground prevents the rotation of bodies that do not rotate.
+                    let is_internal =
+                        |body: Option<usize>| body.is_some_and(|body| inertias[body].inverse_inertia > 0.0);
+                    let acts_on_ground = !joint.bodies.into_iter().all(is_internal);
                     for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
                         let Some(body) = joint.bodies[k] else { continue };
                         let (com, [x, y]) = (rigid(body).local_center_of_mass(), joint.anchors_m[k]);
-                        sides.push(Side { sign, local: [x - com.x, y - com.y], ..side(body) });
+                        sides.push(Side { sign, local: [x - com.x, y - com.y], acts_on_ground, ..side(body) });
                     }
                 }
                 Pair::Relation { terms, .. } => {
@@ -329,9 +342,11 @@ impl Linkage {
         })
     }
 
-    /// Returns the forces and moments of joints and gears on bodies, after a call as for [`Linkage::joint_forces`].
-    pub(crate) fn reactions(&self) -> impl Iterator<Item = (usize, Twist)> {
-        self.sides.iter().filter_map(|side| {
+    /// Returns the forces and moments of joints and gears on a body, or on all bodies without those that are in equilibrium
+    /// with one another, after a call as for [`Linkage::joint_forces`].
+    pub(crate) fn reactions(&self, body: Option<usize>) -> impl Iterator<Item = (usize, Twist)> {
+        let is_needed = move |side: &&Side| body.map_or(side.acts_on_ground, |body| side.body == body);
+        self.sides.iter().filter(is_needed).filter_map(|side| {
             let [a, b] = [self.multipliers[2 * side.pair], self.multipliers[2 * side.pair + 1]];
             let acts = a != 0.0 || b != 0.0;
             acts.then(|| (side.body, std::array::from_fn(|k| a * side.rows[0][k] + b * side.rows[1][k])))

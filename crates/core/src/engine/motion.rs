@@ -357,10 +357,10 @@ impl Motion {
     /// that give the displacements, and those that give the changes of velocity.
     pub(crate) fn mean_accelerations(&self, change: usize, after_s: f64) -> [Vec<Twist>; 2] {
         let [mut displacing, mut accelerating] = [(); 2].map(|()| self.step_accelerations.clone());
-        for (row, [impulse, double_integral]) in self.contact.integrals_at(change).enumerate() {
-            self.space.add_response(row, 2.0 * double_integral / (after_s * after_s), &mut displacing);
-            self.space.add_response(row, impulse / after_s, &mut accelerating);
-        }
+        let integrals = || self.contact.integrals_at(change);
+        let displacement = |[_, double_integral]: [f64; 2]| 2.0 * double_integral / (after_s * after_s);
+        self.space.add_responses(integrals().map(displacement), &mut displacing);
+        self.space.add_responses(integrals().map(|[impulse, _]| impulse / after_s), &mut accelerating);
         [displacing, accelerating]
     }
 
@@ -441,7 +441,7 @@ impl Motion {
                 continue;
             }
             // Contacts between fixed or driven bodies need no correction.
-            if force <= 0.0 || space.w[normal * space.len() + normal] == 0.0 {
+            if force <= 0.0 || space.inverse_mass(normal) == 0.0 {
                 continue;
             }
             let Some(candidate) = at_end else { continue };

@@ -89,7 +89,7 @@ fn adaptive_step(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
         };
         let (crossing, force) = match motion.space.find(candidate.index) {
             Some((_, active)) => {
-                let inverse_mass = motion.space.w[active.normal * (motion.space.len() + 1)];
+                let inverse_mass = motion.space.inverse_mass(active.normal);
                 let depth = stopping_depth(&candidate.law, rate.abs(), inverse_mass).max(-candidate.gap);
                 let fraction = CROSSING_FRACTION * (SHALLOW_DEPTH / depth).sqrt().clamp(MIN_CROSSING_FACTOR, 1.0);
                 let crossing = (fraction * depth / rate.abs()).min(rotation_limit(0.5 * rate * rate / depth));
@@ -124,10 +124,12 @@ fn adaptive_step(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
 
 /// Returns the rate at which contact accelerations rotate with their normals, m/s³.
 fn contact_acceleration_rotation(motion: &Motion) -> f64 {
-    let rows = motion.space.len();
     let rotation = |active: &super::contact_space::ActiveContact| {
         let candidate = motion.candidate(active.candidate.index);
-        let acceleration = motion.space.w[active.normal * (rows + 1)] * motion.contact.force[active.normal];
+        if active.candidate.has_prescribed_normal() {
+            return 0.0;
+        }
+        let acceleration = motion.space.inverse_mass(active.normal) * motion.contact.force[active.normal];
         acceleration * candidate.map_or(0.0, |candidate| candidate.normal_rotation_rate)
     };
     motion.space.active_contacts.iter().map(rotation).fold(0.0, f64::max)

@@ -311,16 +311,14 @@ impl ContactSolver {
 
     /// Returns the time until the first open gap closes at its current rate and acceleration; `remaining` if none does.
     fn time_to_touch_down(&self, space: &ContactSpace, remaining: f64) -> f64 {
-        let rows = space.len();
         let mut time_to_event = remaining;
         for (index, contact) in space.active_contacts.iter().enumerate() {
             if self.buffers.is_touching[index] {
                 continue;
             }
             let n = contact.normal;
-            let contact_acceleration: f64 = (0..rows).map(|j| space.w[n * rows + j] * self.force[j]).sum();
-            time_to_event =
-                time_to_event.min(time_to_zero(self.gap[index], self.rate[n], space.free[n] + contact_acceleration));
+            let acceleration = space.free[n] + space.contact_acceleration(n, &self.force);
+            time_to_event = time_to_event.min(time_to_zero(self.gap[index], self.rate[n], acceleration));
         }
         time_to_event
     }

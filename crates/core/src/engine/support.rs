@@ -31,7 +31,11 @@ impl Support {
     /// about the origin on the ground.
     pub fn reaction(self, linkage: &Linkage, loads: impl Iterator<Item = (usize, Twist)>) -> Twist {
         let mut sum = [0.0; 3];
-        for (body, [x, y, moment]) in loads.chain(linkage.reactions()) {
+        let support = match self {
+            Support::Driven(body) => Some(body),
+            Support::Ground => None,
+        };
+        for (body, [x, y, moment]) in loads.chain(linkage.reactions(support)) {
             let (pose, inertia) = (&linkage.poses[body], &linkage.inertias[body]);
             let part = match self {
                 Support::Driven(support) if support == body => [x, y, moment],
