@@ -57,6 +57,18 @@ fn the_error_of_a_run_is_estimated_within_a_factor_of_two() {
     }
 }
 
+/// A run with a log records more samples than one without.
+#[test]
+fn the_check_of_a_run_does_not_depend_on_its_log() {
+    for name in ["experiment-95", "gripper/design-95", "hard/gripper-thrown", "laws/two-free", "mechanisms/jaws"] {
+        for model in [Model::Analytic, Model::Engine] {
+            let scene = load(name);
+            let (run, _) = run_into(&scene, model, Vec::new()).unwrap_or_else(|error| panic!("{name}: {error}"));
+            assert_eq!(run.check, Some(run_check(model, &scene)), "{name}, {model:?}");
+        }
+    }
+}
+
 /// Undamped rebounds with a stronger drive.
 #[test]
 fn a_run_sensitive_to_a_tiny_perturbation_is_chaotic() {

@@ -74,7 +74,13 @@ pub fn simulate<W: Write + Send + 'static>(
     let sinks = RunSinks { log, criteria_tracker, audit, last_s: 0.0, extra_sink };
     let mut decimated = Decimated::new(numeric_hz, sinks);
     let start = Instant::now();
-    let result = run(model, scene, &mut decimated);
+    let (result, path) = match options.check_policy {
+        CheckPolicy::Never => (run(model, scene, &mut decimated), None),
+        CheckPolicy::IfCheap | CheckPolicy::Always => {
+            let (result, path) = check::run_and_record(model, scene, &mut decimated);
+            (result, Some(path))
+        }
+    };
     let wall_s = start.elapsed().as_secs_f64();
     let last_sample = decimated.end().and_then(|()| decimated.sink.end());
     let RunSinks { log, criteria_tracker, audit, last_s, .. } = decimated.sink;
@@ -92,11 +98,14 @@ pub fn simulate<W: Write + Send + 'static>(
         RunError::Simulation { failure, .. } => (failure.time_s, (options.describe_reason)(&failure.reason)),
         RunError::Sink(error) => (last_s, error.to_string()),
     });
-    let check = match (&result, &stopped, options.check_policy) {
-        (.., CheckPolicy::Never) => None,
-        (_, Some((time_s, reason)), _) => Some(Check::not_completed(model, *time_s, reason)),
-        (Ok(outcome), _, CheckPolicy::IfCheap) if outcome.work.steps > check::MAX_CHECKED_STEPS => None,
-        _ => (options.keep_running)().then(|| check::check(model, scene, options.keep_running)),
+    let check = match (path, &stopped) {
+        (None, _) => None,
+        (Some(_), Some((time_s, reason))) => Some(Check::not_completed(model, *time_s, reason)),
+        (Some(path), None) if options.check_policy == CheckPolicy::IfCheap && path.steps > check::MAX_CHECKED_STEPS => {
+            None
+        }
+        (Some(path), None) => (options.keep_running)()
+            .then(|| check::check_run(model, scene, path, [&mut (), &mut ()], options.keep_running)),
     };
     let close = |mut log: ThreadedWriter<W>| {
         last_sample?;

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::results::{Cells, Row, Status};
 use super::{Filter, Study};
-use crate::check::check;
+use crate::check::{check_run, run_and_record};
 use crate::criteria::{
     Fate, GraspCriteria, GraspTracker, LinkOverlaps, StaticGrasp, Tracker, is_form_closed, scene_static_grasp,
 };
@@ -113,7 +113,14 @@ fn simulate_row<S: Sink>(
     keep_running: KeepRunning<'_>,
     set_results: impl FnOnce(&mut Cells, &S, &Outcome) -> Option<String>,
 ) -> Option<Row> {
-    let outcome = match trace::run(study.model, scene, &mut Cancellable { sink: &mut sink, keep_running }) {
+    let mut cancellable = Cancellable { sink: &mut sink, keep_running };
+    let (result, path) = if study.checked {
+        let (result, path) = run_and_record(study.model, scene, &mut cancellable);
+        (result, Some(path))
+    } else {
+        (trace::run(study.model, scene, &mut cancellable), None)
+    };
+    let outcome = match result {
         Ok(outcome) => outcome,
         Err(error) if error.is_stop() => return None,
         Err(RunError::Simulation { failure, partial_outcome }) => {
@@ -126,8 +133,8 @@ fn simulate_row<S: Sink>(
     let reason = set_results(&mut cells, &sink, &outcome);
     let reason = reason.unwrap_or_else(|| "the run has no duration, so it has no verdict".to_string());
     cells.set("steps", outcome.work.steps as i64);
-    if study.checked {
-        let check = check(study.model, scene, keep_running);
+    if let Some(path) = path {
+        let check = check_run(study.model, scene, path, [&mut (), &mut ()], keep_running);
         cells.set("check", check.verdict.name());
         cells.set("check_error_rad", check.errors.path);
     }

@@ -14,11 +14,11 @@ mod path;
 mod verdict;
 
 use crate::scene::Scene;
-use crate::trace::{Model, Sink};
-use path::{Path, RunOptions, is_comparable, reference_name, run};
+use crate::trace::{Cancellable, KeepRunning, Model, Sink};
+use path::{RunOptions, is_comparable, reference_name, run};
 use verdict::{Comparison, error_limits, verdict};
 
-pub use path::{Errors, REFERENCE_LENGTH_M, perturbed, units};
+pub use path::{Errors, Path, REFERENCE_LENGTH_M, perturbed, run_and_record, units};
 pub use verdict::{
     ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, Verdict, reference_length_m,
 };
@@ -78,19 +78,21 @@ impl Check {
     }
 }
 
-/// Checks a run of a model with the settings of the scene, while `keep_running` returns true.
-pub fn check(model: Model, scene: &Scene, keep_running: &dyn Fn() -> bool) -> Check {
-    check_with_sinks(model, scene, [&mut (), &mut ()], keep_running)
+/// Runs a model with the settings of the scene and checks the run, while `keep_running` returns true.
+pub fn check(model: Model, scene: &Scene, keep_running: KeepRunning<'_>) -> Check {
+    let (_, path) = run_and_record(model, scene, &mut Cancellable { sink: &mut (), keep_running });
+    check_run(model, scene, path, [&mut (), &mut ()], keep_running)
 }
 
-/// Like [`check`], with sinks for the finer runs: the reference and the perturbed run. Their samples have no energies
-/// or peaks. If the analytic model is the reference and fails, the reference sink receives its samples before those of
-/// the engine.
-pub fn check_with_sinks(
+/// Checks a run of a model with the settings of the scene, given its path, while `keep_running` returns true. The sinks
+/// receive the samples and events of the finer runs, the reference and the perturbed run, without energies and peaks. If
+/// the analytic model is the reference and fails, the reference sink receives its samples before those of the engine.
+pub fn check_run(
     model: Model,
     scene: &Scene,
+    checked_run: Path,
     [reference_sink, perturbed_sink]: [&mut dyn Sink; 2],
-    keep_running: &dyn Fn() -> bool,
+    keep_running: KeepRunning<'_>,
 ) -> Check {
     let options = RunOptions {
         finer: false,
@@ -100,7 +102,6 @@ pub fn check_with_sinks(
         max_steps: u64::MAX,
         keep_running,
     };
-    let checked_run = run(scene, model, &options, &mut ());
     if let Some(reason) = &checked_run.failure {
         return Check::not_completed(model, checked_run.end_s, &reason.to_string());
     }

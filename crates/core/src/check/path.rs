@@ -1,4 +1,4 @@
-//! The runs that a check compares, each sampled on an even grid, and the differences of two runs.
+//! The runs that a check compares, each recorded at even intervals, and the differences of two runs.
 
 use crate::criteria::{Rebound, Rebounds};
 use crate::integrator::Reason;
@@ -10,14 +10,15 @@ use crate::scene::{Hand, Integrator, Keyword, Method, Scene, Stepping};
 use crate::shape::max_radius;
 use crate::trace::schema::State;
 use crate::trace::{
-    self, BodyState, Energy, Event, Model, Outcome, RequiredData, RunError, Sample, Schema, Sink, SinkError,
+    self, BodyState, Cancellable, Energy, Event, KeepRunning, Model, OffGrid, Outcome, RequiredData, RunError, Sample,
+    Schema, Sink, SinkError,
 };
 
 /// Radius of the usual object. Comparisons of both models use it to relate distances to angles.
 pub const REFERENCE_LENGTH_M: f64 = 0.02;
 
-/// Number of grid intervals. Errors can appear and vanish within a hundredth of a run.
-const GRID_INTERVALS: f64 = 256.0;
+/// Number of intervals between points. Errors can appear and vanish within a hundredth of a run.
+const INTERVALS: f64 = 256.0;
 /// Relative tolerance for equal end times of runs that end early.
 const END_TIME_TOLERANCE: f64 = 1e-4;
 
@@ -27,9 +28,9 @@ const FINGER_ANGLES: usize = 3;
 /// The compared quantities of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Path {
-    /// Coordinates at the grid points.
+    /// Coordinates at the points.
     pub points: Vec<Vec<f64>>,
-    /// Energies at the grid points; empty if not recorded.
+    /// Energies at the points; empty if not recorded.
     pub energies: Vec<Energy>,
     /// Coordinates at the end.
     pub last: Vec<f64>,
@@ -57,14 +58,46 @@ pub struct Path {
     pub events: u64,
 }
 
-/// Records the grid points of a run and passes samples and events on, while `keep_running` returns true.
+/// Records the path of a run and passes samples and events on.
 struct PathRecorder<'a> {
     interval_s: f64,
-    /// Path with an audit if energies are recorded.
-    path: Path,
-    rebounds: Option<Rebounds>,
+    points: Vec<Vec<f64>>,
+    energies: Vec<Energy>,
+    /// Does not depend on whether the run has samples on a grid.
+    measured: OffGrid<Measured>,
     sink: &'a mut dyn Sink,
-    keep_running: &'a dyn Fn() -> bool,
+    /// Whether the other sink receives all the data that it uses.
+    is_complete: bool,
+}
+
+/// What a path contains of all samples and events of a run.
+struct Measured {
+    /// Audit if energies are recorded.
+    audit: Option<EnergyAudit>,
+    rebounds: Option<Rebounds>,
+    speed_m_s: f64,
+}
+
+impl Sink for Measured {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        let speeds = sample.bodies().map(|BodyState { velocity_m_s: [x, y], .. }| hypot(x, y));
+        self.speed_m_s = speeds.fold(self.speed_m_s, f64::max);
+        self.audit.iter_mut().for_each(|audit| audit.record(sample.time_s, &sample.energy()));
+        self.rebounds.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.rebounds.event(event)
+    }
+}
+
+impl PathRecorder<'_> {
+    fn push(&mut self, sample: &Sample) {
+        if self.points.len() <= INTERVALS as usize {
+            self.points.push(coordinates(sample, self.points.last()));
+            self.energies.extend(self.measured.sink.audit.map(|_| sample.energy()));
+        }
+    }
 }
 
 /// Returns the compared coordinates: angles of fingers or joints of a mechanism, centres of bodies, and angles of the bodies
@@ -82,32 +115,45 @@ fn coordinates(sample: &Sample, previous: Option<&Vec<f64>>) -> Vec<f64> {
 
 impl Sink for PathRecorder<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let Path { points, energies, speed_m_s, audit, .. } = &mut self.path;
-        let next = points.len() as f64 * self.interval_s;
-        let is_on_grid = (sample.time_s - next).abs() <= 1e-9 * self.interval_s;
-        if is_on_grid && points.len() <= GRID_INTERVALS as usize {
-            points.push(coordinates(sample, points.last()));
-            energies.extend(audit.map(|_| sample.energy()));
+        if self.points.is_empty() {
+            self.push(sample);
         }
-        let speeds = sample.bodies().map(|BodyState { velocity_m_s: [x, y], .. }| hypot(x, y));
-        *speed_m_s = speeds.fold(*speed_m_s, f64::max);
-        audit.iter_mut().for_each(|audit| audit.record(sample.time_s, &sample.energy()));
-        self.rebounds.sample(sample)?;
+        self.measured.sample(sample)?;
         self.sink.sample(sample)
     }
 
+    fn point(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.push(sample);
+        Ok(())
+    }
+
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.rebounds.event(event)?;
+        self.measured.event(event)?;
         self.sink.event(event)
     }
 
-    /// Requires passive angles because grid points contain them.
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.sink.extreme(sample)
+    }
+
+    fn crossing(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.measured.sample(sample)?;
+        self.sink.crossing(sample)
+    }
+
+    /// Requires passive angles because points contain them.
     fn required_data(&self) -> RequiredData {
-        RequiredData { energies: self.path.audit.is_some(), passive: true, grid: true, ..RequiredData::NONE }
+        RequiredData {
+            energies: self.measured.sink.audit.is_some(),
+            passive: true,
+            point_interval_s: self.interval_s,
+            ..RequiredData::NONE
+        }
+        .or(if self.is_complete { self.sink.required_data() } else { RequiredData::NONE })
     }
 
     fn should_continue(&self) -> bool {
-        (self.keep_running)() && self.sink.should_continue()
+        self.sink.should_continue()
     }
 }
 
@@ -168,8 +214,8 @@ fn rebound_error(a: &Rebound, b: &Rebound, speed_m_s: f64) -> f64 {
 }
 
 /// Largest difference of an energy or a work, as a fraction of the energy exchanged: at the end, and along the path if
-/// the difference persists from one grid point to the next. Impacts are shorter than a grid interval, and a small shift
-/// of an impact in time makes a large difference of kinetic energy within it.
+/// the difference persists from one point to the next. Impacts are shorter than an interval, and a small shift of an
+/// impact in time makes a large difference of kinetic energy within it.
 fn energy_error(run: &Path, reference: &Path) -> f64 {
     let scale_j =
         [run, reference].into_iter().filter_map(|path| path.audit).map(|audit| audit.scale_j()).fold(0.0, f64::max);
@@ -251,7 +297,7 @@ pub(crate) struct RunOptions<'a> {
     pub energies: bool,
     /// Largest number of steps.
     pub max_steps: u64,
-    pub keep_running: &'a dyn Fn() -> bool,
+    pub keep_running: KeepRunning<'a>,
 }
 
 /// Increases the actuation of a scene by the relative amount `relative_change`. In a gripper the left motor torque
@@ -333,39 +379,69 @@ fn configured_scene(scene: &Scene, options: &RunOptions<'_>) -> Scene {
     for max_steps in [&mut configured.integrator.max_steps, &mut configured.engine.max_steps] {
         *max_steps = options.max_steps.min(*max_steps);
     }
-    configured.log.numeric_hz = GRID_INTERVALS / options.span_s;
     configured.duration_s = scene.duration_s.min(DURATION_FACTOR * options.span_s);
     configured
 }
 
-/// Runs the scene and returns its path; `sink` receives the samples and events as well.
+/// Simulates a scene as [`trace::run`] does, and records the path that a check compares with those of other runs.
+pub fn run_and_record(model: Model, scene: &Scene, sink: &mut dyn Sink) -> (Result<Outcome, RunError>, Path) {
+    let mut recorder = recorder(scene, model, (scene.duration_s, true), sink);
+    recorder.is_complete = true;
+    let result = trace::run(model, scene, &mut recorder);
+    let path = path(scene, &result, recorder);
+    (result, path)
+}
+
+/// Runs a scene with the settings of a check and returns its path; `sink` receives the samples and events as well.
 pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn Sink) -> Path {
-    let mut recorder = PathRecorder {
-        interval_s: options.span_s / GRID_INTERVALS,
-        path: Path {
-            audit: options.energies.then(|| EnergyAudit::new(model, scene)),
-            units: units(scene),
-            ..Path::default()
-        },
+    let mut recorder = recorder(scene, model, (options.span_s, options.energies), sink);
+    let mut cancellable = Cancellable { sink: &mut recorder, keep_running: options.keep_running };
+    let result = trace::run(model, &configured_scene(scene, options), &mut cancellable);
+    path(scene, &result, recorder)
+}
+
+fn recorder<'a>(
+    scene: &Scene,
+    model: Model,
+    (span_s, energies): (f64, bool),
+    sink: &'a mut dyn Sink,
+) -> PathRecorder<'a> {
+    let measured = Measured {
+        audit: energies.then(|| EnergyAudit::new(model, scene)),
         rebounds: scene.mechanism.as_ref().and_then(Rebounds::for_mechanism),
+        speed_m_s: 0.0,
+    };
+    PathRecorder {
+        interval_s: span_s / INTERVALS,
+        points: Vec::new(),
+        energies: Vec::new(),
+        measured: OffGrid::new(scene.log.numeric_hz, measured),
         sink,
-        keep_running: options.keep_running,
-    };
-    let (outcome, failure) = match trace::run(model, &configured_scene(scene, options), &mut recorder) {
+        is_complete: false,
+    }
+}
+
+fn path(scene: &Scene, result: &Result<Outcome, RunError>, mut recorder: PathRecorder<'_>) -> Path {
+    let (outcome, failure) = match result {
         Ok(outcome) => (outcome, None),
-        Err(RunError::Simulation { failure, partial_outcome }) => (*partial_outcome, Some(failure.reason)),
+        Err(RunError::Simulation { failure, partial_outcome }) => (&**partial_outcome, Some(failure.reason.clone())),
         // The recorder never fails. If the other sink fails, its caller handles the error.
-        Err(RunError::Sink(_)) => (Outcome::default(), None),
+        Err(RunError::Sink(_)) => (&Outcome::default(), None),
     };
+    // The recorder never fails.
+    let _ = recorder.measured.end();
+    let Measured { audit, rebounds, speed_m_s } = recorder.measured.sink;
     let surfaces: Vec<usize> = Schema::from_scene(scene).surfaces().collect();
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
     let forces = surfaces.iter().filter_map(|index| outcome.last.contacts().nth(*index));
     Path {
-        last: coordinates(&outcome.last, recorder.path.points.last()),
+        last: coordinates(&outcome.last, recorder.points.last()),
+        points: recorder.points,
+        energies: recorder.energies,
         energy: outcome.last.energy(),
-        rebounds: recorder.rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
+        rebounds: rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
         loop_gap_m: outcome.loop_gap_m,
-        deep_contact: scene.mechanism.as_ref().and_then(|mechanism| deep_contact(mechanism, &outcome)),
+        deep_contact: scene.mechanism.as_ref().and_then(|mechanism| deep_contact(mechanism, outcome)),
         ejected: outcome.ejected_s.is_some(),
         first_s: contacts.map(|contact| contact.first_s).collect(),
         normal_n: forces.map(|contact| contact.normal_n).collect(),
@@ -373,7 +449,9 @@ pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn
         failure,
         steps: outcome.work.steps,
         events: outcome.work.events,
-        ..recorder.path
+        speed_m_s,
+        audit,
+        units: units(scene),
     }
 }
 

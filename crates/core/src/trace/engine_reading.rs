@@ -178,9 +178,13 @@ pub(super) fn stored_energy(motion: &Motion) -> Energy {
 }
 
 /// Returns a contact at the node; `index` is its element index in the plan.
-pub(super) fn sample_contact(motion: &Motion, index: Option<usize>, impulse_n_s: f64) -> ContactSample {
+pub(super) fn sample_contact(
+    motion: &Motion,
+    frame: &PalmFrame,
+    index: Option<usize>,
+    impulse_n_s: f64,
+) -> ContactSample {
     let candidate = index.and_then(|index| motion.candidate(index));
-    let frame = PalmFrame::at(&motion.plan, motion.clock.now());
     candidate.map_or(ContactSample::NONE, |candidate| {
         let (normal_n, tangential_n) = contact_forces(motion, candidate);
         ContactSample {

@@ -4,10 +4,10 @@ use super::consistency::ConsistencyCheck;
 use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
 use super::engine_reading::{self as reading, JointForces, sample_contact, stored_energy};
 use super::extrema::StepExtrema;
-use super::grid::{Grid, RecordingOptions};
+use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::sample::OVERLAP_ROUNDING;
 use super::{ContactSample, Counts, Energy, Outcome, Reach, Sample, Sink, SinkError, Work};
-use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, ZERO_RATE};
+use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, PalmFrame, ZERO_RATE};
 use crate::scene::Scene;
 
 /// Observer that records an engine run.
@@ -20,7 +20,7 @@ pub(super) struct EngineRecorder<'a> {
 /// State of a recorder between two steps.
 #[derive(Clone)]
 pub(super) struct EngineRecorderState {
-    grid: Grid,
+    times: RecordingTimes,
     /// Region whose boundary ends the run.
     reach: Option<Reach>,
     /// Time at which the object left the region.
@@ -35,7 +35,7 @@ pub(super) struct EngineRecorderState {
     node: Sample,
     /// Buffer for a sample at a change or extremum within the step.
     within: Sample,
-    /// Buffer for a sample on the grid.
+    /// Buffer for a sample on the grid or a point.
     point: Sample,
     emitted_s: f64,
     step_extrema: StepExtrema<(usize, ContactExtremum)>,
@@ -60,7 +60,7 @@ impl EngineRecorderState {
         joint_forces.set(motion, &mut last);
         Self {
             joint_forces,
-            grid: Grid::new(span),
+            times: RecordingTimes::new(span, required_data.point_interval_s),
             reach: Reach::from_hand(&scene.hand).filter(|_| ends_at_exit),
             ejected_s: None,
             last,
@@ -293,22 +293,30 @@ impl EngineRecorder<'_> {
         let time_s = now.time_s;
         self.emit_grid(motion, &now, time_s)?;
         self.state.node = std::mem::replace(&mut self.state.last, now);
-        self.state.grid.pass_end(time_s);
+        if self.state.times.pass_end(time_s) {
+            self.sink.point(&self.state.last)?;
+        }
         self.state.emitted_s = time_s;
         update_summaries(&mut self.state.trackers, &self.state.last);
         self.sink.sample(&self.state.last)
     }
 
-    /// Emits the grid points before `until_s`, between the last sample and `end`.
+    /// Emits the samples on the grid and the points before `until_s`, between the last sample and `end`.
     fn emit_grid(&mut self, motion: &Motion, end: &Sample, until_s: f64) -> Result<(), SinkError> {
-        while let Some(t) = self.state.grid.next_before(until_s) {
+        while let Some(RecordingTime { time_s: t, is_sample, is_point }) = self.state.times.next_before(until_s) {
             // A fine grid can have millions of points within one step.
             if !self.sink.should_continue() {
                 break;
             }
             if t > self.state.last.time_s {
-                self.state.emitted_s = t;
                 self.state.point.interpolate_from(&self.state.last, end, t);
+                if is_point {
+                    self.sink.point(&self.state.point)?;
+                }
+                if !is_sample {
+                    continue;
+                }
+                self.state.emitted_s = t;
                 self.state.joint_forces.set(motion, &mut self.state.point);
                 update_summaries(&mut self.state.trackers, &self.state.point);
                 self.sink.sample(&self.state.point)?;
@@ -365,12 +373,13 @@ fn read_node(
 ) {
     sample.prepare(motion.clock.now(), counts);
     reading::read_state(scene, motion, sample);
+    let frame = PalmFrame::at(&motion.plan, motion.clock.now());
     for (channel, (tracker, flipped)) in trackers.iter().zip(flipped).enumerate() {
         let index = motion.plan.element_index(channel);
         // There is no step impulse before the first step.
         let stepped_index = index.filter(|_| motion.last_dt_s > 0.0);
         let impulse = tracker.engine.impulse + stepped_index.map_or(0.0, |index| motion.normal_impulse(index));
-        let contact = sample_contact(motion, index, impulse);
+        let contact = sample_contact(motion, &frame, index, impulse);
         let normal = if *flipped { contact.normal.map(|component| -component) } else { contact.normal };
         sample.set_contact(channel, &ContactSample { normal, ..contact });
     }

@@ -1,4 +1,5 @@
-//! What a run records, and the uniform grid of its sampling times, independent of the integrator steps.
+//! What a run records, and the times inside its steps at which it records: the uniform grid of the samples, and the points
+//! of a check.
 
 use super::schema::{Counts, Schema};
 use super::{RequiredData, Sink};
@@ -82,6 +83,17 @@ impl Grid {
         Self { interval_s: 1.0 / span.numeric_hz, next: 1, stride: 1, is_long }
     }
 
+    /// Grid without thinning; an interval of 0 has no points.
+    fn with_interval(interval_s: f64) -> Self {
+        let interval_s = if interval_s > 0.0 { interval_s } else { f64::INFINITY };
+        Self { interval_s, next: 1, stride: 1, is_long: false }
+    }
+
+    /// Time of the next grid point.
+    fn peek(&self) -> f64 {
+        self.next.next_multiple_of(self.stride) as f64 * self.interval_s
+    }
+
     /// Starts a step that ends at `end_s`.
     pub(crate) fn begin_step(&mut self, end_s: f64) {
         let points = ((end_s / self.interval_s) as u64).saturating_sub(self.next - 1);
@@ -94,10 +106,9 @@ impl Grid {
 
     /// Returns the next grid point and advances, if the point lies before `end_s`.
     pub(crate) fn next_before(&mut self, end_s: f64) -> Option<f64> {
-        let next = self.next.next_multiple_of(self.stride);
-        let t = next as f64 * self.interval_s;
+        let t = self.peek();
         if t < end_s {
-            self.next = next + 1;
+            self.next = self.next.next_multiple_of(self.stride) + 1;
             return Some(t);
         }
         if self.stride > 1 {
@@ -111,6 +122,57 @@ impl Grid {
     /// Skips the next point if it is the end of a step, which has a sample anyway.
     pub(crate) fn pass_end(&mut self, end_s: f64) {
         self.next += u64::from(self.next as f64 * self.interval_s == end_s);
+    }
+}
+
+/// Rounding error of a time, in intervals of its grid.
+const ROUNDING: f64 = 1e-9;
+
+/// A time inside a step at which the run records.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RecordingTime {
+    pub time_s: f64,
+    pub is_sample: bool,
+    pub is_point: bool,
+}
+
+/// The remaining times at which a run records, in addition to the ends of its steps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RecordingTimes {
+    samples: Grid,
+    points: Grid,
+}
+
+impl RecordingTimes {
+    /// Creates the times of the samples of a span, and of points at multiples of an interval (0 for none).
+    pub fn new(span: Span, point_interval_s: f64) -> Self {
+        Self { samples: Grid::new(span), points: Grid::with_interval(point_interval_s) }
+    }
+
+    /// Starts a step that ends at `end_s`.
+    pub fn begin_step(&mut self, end_s: f64) {
+        self.samples.begin_step(end_s);
+    }
+
+    /// Returns the next time and advances, if it lies before `end_s`.
+    pub fn next_before(&mut self, end_s: f64) -> Option<RecordingTime> {
+        let time_s = self.samples.peek().min(self.points.peek());
+        if time_s >= end_s {
+            // Skips the samples that the step omits.
+            self.samples.next_before(end_s);
+            return None;
+        }
+        let [is_sample, is_point] = [&mut self.samples, &mut self.points]
+            .map(|grid| grid.peek() == time_s && grid.next_before(end_s).is_some());
+        Some(RecordingTime { time_s, is_sample, is_point })
+    }
+
+    /// Skips the times at the end of a step, which has a sample anyway; returns whether it is a point.
+    pub fn pass_end(&mut self, end_s: f64) -> bool {
+        self.samples.pass_end(end_s);
+        let is_point = (self.points.peek() - end_s).abs() < ROUNDING * self.points.interval_s;
+        self.points.next += u64::from(is_point);
+        is_point
     }
 }
 
@@ -134,6 +196,22 @@ mod tests {
         );
         grid.pass_end(0.8);
         assert_eq!((grid.next_before(1.1), grid.next_before(1.1)), (Some(1.0), None));
+    }
+
+    #[test]
+    fn points_are_returned_in_order_with_the_samples() {
+        let span = Span { end_s: 2.0, numeric_hz: 4.0, is_thinned: false, is_refined: false };
+        let mut times = RecordingTimes::new(span, 0.375);
+        let mut before = |end_s: f64| {
+            let times = std::iter::from_fn(|| times.next_before(end_s));
+            times.map(|time| (time.time_s, time.is_sample, time.is_point)).collect::<Vec<_>>()
+        };
+        assert_eq!(before(0.5), [(0.25, true, false), (0.375, false, true)]);
+        assert_eq!(before(0.8), [(0.5, true, false), (0.75, true, true)]);
+        assert!(times.pass_end(1.125 + 1e-12), "the end of a step is a point within rounding");
+        assert!(!times.pass_end(1.2));
+        let mut without_points = RecordingTimes::new(Span { numeric_hz: 0.0, ..span }, 0.0);
+        assert_eq!((without_points.next_before(1e9), without_points.pass_end(1e9)), (None, false));
     }
 
     /// Samples on the grid in a run whose steps end at `ends`, in units of the interval.

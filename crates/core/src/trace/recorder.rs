@@ -6,7 +6,7 @@ use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched,
 use super::extrema::{
     BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, Reason, StepExtrema, bisect, find_crossing, parabola_peak,
 };
-use super::grid::{Grid, RecordingOptions};
+use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::reading::Kernel;
 use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
@@ -79,7 +79,7 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     required_data: RequiredData,
     /// Whether samples inside steps are refined dense output.
     is_refined: bool,
-    grid: Grid,
+    times: RecordingTimes,
     end_s: f64,
     /// Region whose boundary ends the run.
     reach: Option<Reach>,
@@ -98,6 +98,8 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     end: Sample,
     /// Buffer for a sample within the step.
     within: Sample,
+    /// Buffer for a point.
+    point: Sample,
     /// Time up to which samples have been emitted.
     emitted_s: f64,
     /// Normal force at whose crossings samples are emitted, N.
@@ -113,7 +115,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         reach: Option<Reach>,
         RecordingOptions { counts, span, required_data, threshold_n, .. }: RecordingOptions,
     ) -> Self {
-        let [mut last, end, within] = [0; 3].map(|_| Sample::new(0.0, counts));
+        let [mut last, end, within, point] = [0; 4].map(|_| Sample::new(0.0, counts));
         let mut history = R::History::default();
         kernel.read((start, &mode), &Energy::default(), RequiredData::ALL, &mut history, &mut last);
         let start_energy = last.energy();
@@ -121,7 +123,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         Self {
             required_data,
             is_refined: span.is_refined,
-            grid: Grid::new(span),
+            times: RecordingTimes::new(span, required_data.point_interval_s),
             end_s: span.end_s,
             reach,
             ejected_s: None,
@@ -133,6 +135,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
             last_mode: mode,
             end,
             within,
+            point,
             emitted_s: 0.0,
             threshold_n,
             peaks: StepExtrema::default(),
@@ -201,13 +204,20 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         let (end, step, mode) = (self.state.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
         let has_active_contact = (0..self.state.trackers.len()).any(|index| mode[index].has_force());
-        self.state.grid.begin_step(end.min(self.state.end_s));
-        while let Some(t) = self.state.grid.next_before(end.min(self.state.end_s)) {
+        self.state.times.begin_step(end.min(self.state.end_s));
+        while let Some(time) = self.state.times.next_before(end.min(self.state.end_s)) {
+            let RecordingTime { time_s: t, is_sample, is_point } = time;
             // A fine grid can have millions of points within one step.
             if !self.sink.should_continue() {
                 break;
             }
             let theta = (t - step.t0) / step.h;
+            if is_point {
+                self.emit_point(&mut interior, t, has_active_contact)?;
+            }
+            if !is_sample {
+                continue;
+            }
             self.emit_peaks(&mut interior, theta)?;
             if theta > 0.0 {
                 if has_active_contact {
@@ -226,9 +236,11 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
             }
         }
         self.emit_peaks(&mut interior, 1.0)?;
+        if self.state.times.pass_end(end) {
+            self.sink.point(&self.state.last)?;
+        }
         // A step between two events may be too short to change the time.
         if end > self.state.emitted_s {
-            self.state.grid.pass_end(end);
             self.state.emitted_s = end;
             self.sink.sample(&self.state.last)
         } else if self.state.peaks.at_end {
@@ -236,6 +248,26 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         } else {
             Ok(())
         }
+    }
+
+    /// Emits a point, without an effect on later samples.
+    fn emit_point(
+        &mut self,
+        interior: &mut Interior<'_, R::Mode, N, Z>,
+        time_s: f64,
+        has_active_contact: bool,
+    ) -> Result<(), SinkError> {
+        let (impulses, theta) = (interior.impulses, (time_s - interior.step.t0) / interior.step.h);
+        let state = match has_active_contact {
+            true if self.state.is_refined => interior.refine(theta),
+            true => interior.resolve(theta),
+            false => interior.tools.interpolate(theta),
+        };
+        interior.impulses = impulses;
+        let RecorderState { start_energy, required_data, history, point, .. } = &mut *self.state;
+        point.time_s = time_s;
+        self.kernel.read((&state, interior.mode), start_energy, *required_data, &mut history.clone(), point);
+        self.sink.point(&self.state.point)
     }
 
     /// Emits samples at the extrema of the step before `theta`.

@@ -15,7 +15,7 @@ pub struct SinkError {
 /// Data that a sink uses. The analytic model skips unused data: in a sweep of 384 simulations this saves a tenth of the
 /// time. The last sample of its outcomes is always complete. The engine skips only the forces in joints, which are then
 /// 0 in its outcomes too.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RequiredData {
     /// Whether samples need energies, which are 0 otherwise.
     pub energies: bool,
@@ -28,15 +28,20 @@ pub struct RequiredData {
     pub peaks: bool,
     /// Whether samples are needed on the grid, in addition to the ends of all steps.
     pub grid: bool,
+    /// Interval at whose multiples, except 0, [`Sink::point`] receives samples, s; 0 for none.
+    pub point_interval_s: f64,
 }
 
 impl RequiredData {
-    pub const NONE: Self = Self { energies: false, joint_forces: false, passive: false, peaks: false, grid: false };
-    pub const ALL: Self = Self { energies: true, joint_forces: true, passive: true, peaks: true, grid: true };
+    pub const NONE: Self =
+        Self { energies: false, joint_forces: false, passive: false, peaks: false, grid: false, point_interval_s: 0.0 };
+    /// All except points.
+    pub const ALL: Self =
+        Self { energies: true, joint_forces: true, passive: true, peaks: true, grid: true, point_interval_s: 0.0 };
     /// All but the forces in joints.
     pub const EVALUATION: Self = Self { joint_forces: false, ..Self::ALL };
 
-    /// Returns the data that one of two sinks uses.
+    /// Returns the data that one of two sinks uses. Only one of them may need points.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -45,6 +50,7 @@ impl RequiredData {
             passive: self.passive || other.passive,
             peaks: self.peaks || other.peaks,
             grid: self.grid || other.grid,
+            point_interval_s: self.point_interval_s.max(other.point_interval_s),
         }
     }
 }
@@ -68,6 +74,11 @@ pub trait Sink {
     /// Receives a sample at which a normal force crosses the threshold of the criteria; by default like any sample.
     fn crossing(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.sample(sample)
+    }
+
+    /// Receives a sample at a multiple of [`RequiredData::point_interval_s`]. Points change no other figure of a run.
+    fn point(&mut self, _sample: &Sample) -> Result<(), SinkError> {
+        Ok(())
     }
 
     /// Returns the data that the sink uses, by default everything; called once before a run. A sink that passes samples
@@ -135,6 +146,14 @@ impl<S: Sink> Sink for Cancellable<'_, S> {
         self.sink.extreme(sample)
     }
 
+    fn crossing(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.sink.crossing(sample)
+    }
+
+    fn point(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.sink.point(sample)
+    }
+
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.sink.event(event)
     }
@@ -144,6 +163,6 @@ impl<S: Sink> Sink for Cancellable<'_, S> {
     }
 
     fn should_continue(&self) -> bool {
-        (self.keep_running)()
+        (self.keep_running)() && self.sink.should_continue()
     }
 }
