@@ -91,15 +91,15 @@ fn reference_solutions_are_met_at_default_settings() {
 
 /// Forces of all joints, N, and moments of guides, N·m, against the analytic model, which computes them from the
 /// balance of each body. Contact forces change within microseconds: in c_f85_step, 16 µs after the pad begins to stick,
-/// they differ by 2 %.
+/// they differ by 0.6 %, and at five times the tolerance by 1 to 3 %, depending on where the instant lies in its step.
 #[test]
 fn joint_forces_agree_in_both_models() {
     for case in all_cases() {
         let mut scene = scene(&case.mechanism, case.duration_s, case.samples[1].time_s);
         // Forces are second derivatives: in an impact they need smaller steps than positions.
-        scene.engine.stepping = Stepping::Adaptive { tolerance_m: 1e-8, max_step_s: ENGINE_MAX_STEP_S };
+        scene.engine.stepping = Stepping::Adaptive { tolerance_m: 2e-9, max_step_s: ENGINE_MAX_STEP_S };
         let [analytic, engine] = [Model::Analytic, Model::Engine].map(|model| run(model, &scene));
-        let tolerance = if case.mechanism.contacts.is_empty() { 5e-3 } else { 3e-2 };
+        let tolerance = if case.mechanism.contacts.is_empty() { 5e-3 } else { 1e-2 };
         for joint in 0..case.mechanism.joints.len() {
             let forces = |run: &CollectSink| {
                 let at = |time_s: f64| run.samples.iter().rfind(|sample| (sample.time_s - time_s).abs() < 1e-9);

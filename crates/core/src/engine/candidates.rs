@@ -364,6 +364,28 @@ pub(crate) fn gap_and_slip_row_at(
     }
 }
 
+/// Returns the normal and slip rows of a candidate at other body poses, with the same surfaces in contact; `None` if they
+/// do not exist there.
+pub(crate) fn rows_at(
+    candidate: &ContactCandidate,
+    world: &World,
+    plan: &Plan,
+    poses: &[BodyPose],
+) -> Option<[Row; 2]> {
+    let along = |row: Row| [row, Row::none()];
+    let across = |row: Row| [Row::none(), row];
+    Some(match candidate.source {
+        Source::Stop(index) => along(plan.stops[index].gap.row(poses)),
+        Source::Servo(index) => along(plan.servos[index].coordinate.row(poses)),
+        Source::Brake(index) => across(plan.brakes[index].shaft.row(poses)),
+        Source::Motor(index) => across(plan.motors[index].shaft.row(poses)),
+        Source::Contact(index) => {
+            let points = closest_points(world, plan, index, poses)?;
+            [points.normal, perp(points.normal)].map(|direction| contact_row(plan, index, poses, &points, direction))
+        }
+    })
+}
+
 /// Returns the row of a contact along a direction. The point on each surface follows the contact's point convention.
 fn contact_row(plan: &Plan, index: usize, poses: &[BodyPose], points: &ClosestPoints, direction: [f64; 2]) -> Row {
     let side = |body: usize, point: [f64; 2], direction: [f64; 2]| {

@@ -14,7 +14,6 @@ use super::plan::Plan;
 use super::support::supports;
 use super::world::World;
 use crate::law::friction_coefficient;
-use crate::numeric::elementary::sin_cos;
 
 /// A contact that can become active within the step.
 #[derive(Clone, Debug)]
@@ -147,13 +146,7 @@ impl ContactSpace {
     fn add_curvature(&mut self, world: &World, plan: &Plan, linkage: &Linkage, velocities: &[Twist], dt: f64) {
         // The interval is long enough to avoid rounding errors and short enough to be local.
         let interval_s = dt.max(MIN_CURVATURE_STEP_S);
-        let pose_after_interval = |(pose, v): (&BodyPose, &Twist)| {
-            let angle = pose.angle + interval_s * v[2];
-            let (sin, cos) = sin_cos(angle);
-            let com = [pose.com[0] + interval_s * v[0], pose.com[1] + interval_s * v[1]];
-            BodyPose { com, direction: [cos, sin], angle }
-        };
-        refill(&mut self.poses, linkage.poses.iter().zip(velocities).map(pose_after_interval));
+        refill(&mut self.poses, linkage.poses.iter().zip(velocities).map(|(pose, v)| pose.after(interval_s, v)));
         for contact in &self.active_contacts {
             let (row, coordinate) = match (contact.candidate.source, contact.tangent) {
                 (Source::Stop(index), _) => (contact.normal, &plan.stops[index].gap),

@@ -15,6 +15,16 @@ pub struct BodyPose {
     pub angle: f64,
 }
 
+impl BodyPose {
+    /// Returns the pose after a body has moved with a velocity.
+    pub(crate) fn after(&self, interval_s: f64, velocity: &Twist) -> Self {
+        let angle = self.angle + interval_s * velocity[2];
+        let (sin, cos) = sin_cos(angle);
+        let com = [self.com[0] + interval_s * velocity[0], self.com[1] + interval_s * velocity[1]];
+        Self { com, direction: [cos, sin], angle }
+    }
+}
+
 /// A generalised direction: the impulse on each body per unit impulse along the row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {

@@ -16,7 +16,7 @@ use super::plan::{Plan, PlannedBody, PlannedGear, PlannedJoint, relative_angle};
 use super::world::World;
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{atan2, hypot, powi};
-use crate::numeric::plane::{perp, rotate};
+use crate::numeric::plane::{dot, perp, rotate};
 
 /// Mass and moment of inertia of a body, and their inverses.
 #[derive(Clone, Copy, Debug)]
@@ -86,6 +86,8 @@ pub struct Linkage {
     /// Right-hand side and solution.
     multipliers: Vec<f64>,
     responses: Responses,
+    /// Rows of all sides and multipliers at the last node, with contacts.
+    at_node: (Vec<[Twist; 2]>, Vec<f64>),
 }
 
 /// Responses to unit impulses along rows at the poses of the last factorisation. At the end of a step, in the forces of
@@ -182,6 +184,7 @@ impl Linkage {
             sides,
             blocks,
             responses: Responses::default(),
+            at_node: (Vec::new(), Vec::new()),
         };
         linkage.read_poses(world);
         linkage
@@ -351,6 +354,60 @@ impl Linkage {
             let acts = a != 0.0 || b != 0.0;
             acts.then(|| (side.body, std::array::from_fn(|k| a * side.rows[0][k] + b * side.rows[1][k])))
         })
+    }
+
+    /// Keeps the rows of all sides and the multipliers at a node, after a call of [`Linkage::accelerations`].
+    pub(crate) fn save_reactions(&mut self) {
+        let (rows, multipliers) = &mut self.at_node;
+        dense::refill(rows, self.sides.iter().map(|side| side.rows));
+        multipliers.clone_from(&self.multipliers);
+    }
+
+    /// Adds the multipliers of a force along a row to those of the node; `buffer` is a working array.
+    pub(crate) fn add_reactions(&mut self, row: &Row, force: f64, buffer: &mut [Twist]) {
+        let index = self.responses.rows.iter().position(|known| known == row).unwrap_or_else(|| {
+            self.respond_to_unit(row, buffer);
+            self.responses.rows.len() - 1
+        });
+        let size = self.multipliers.len();
+        for (multiplier, unit) in self.at_node.1.iter_mut().zip(&self.responses.multipliers[index * size..]) {
+            *multiplier += force * unit;
+        }
+    }
+
+    /// Adds the rates J̇ᵀ λ of the reactions at the node, given the poses after an interval.
+    pub(crate) fn add_reaction_rates(
+        &self,
+        velocities: &[Twist],
+        (poses_after, interval_s): (&[BodyPose], f64),
+        rates: &mut [Twist],
+    ) {
+        let (_, multipliers) = &self.at_node;
+        for side in self.sides.iter().filter(|side| side.sign != 0.0) {
+            let force = [multipliers[2 * side.pair], multipliers[2 * side.pair + 1]];
+            rates[side.body][2] -= side.sign * velocities[side.body][2] * dot(side.arm, force);
+        }
+        for (pair, multipliers) in self.pairs.iter().zip(multipliers.chunks_exact(2)) {
+            let Pair::Relation { terms, .. } = pair else { continue };
+            for (coordinate, ratios) in terms {
+                let rate = (ratios[0] * multipliers[0] + ratios[1] * multipliers[1]) / interval_s;
+                coordinate.row(poses_after).add_to(rates, rate);
+                coordinate.row(&self.poses).add_to(rates, -rate);
+            }
+        }
+    }
+
+    /// Adds the mean rates J̇ᵀ λ over the step of `dt` after the node, with the multipliers of the node.
+    pub(crate) fn add_mean_reaction_rates(&self, dt: f64, rates: &mut [Twist]) {
+        let (rows, multipliers) = &self.at_node;
+        for (side, before) in self.sides.iter().zip(rows) {
+            for ((row, before), multiplier) in side.rows.iter().zip(before).zip(&multipliers[2 * side.pair..]) {
+                let factor = multiplier / dt;
+                for (rate, (now, before)) in rates[side.body].iter_mut().zip(row.iter().zip(before)) {
+                    *rate += factor * (now - before);
+                }
+            }
+        }
     }
 
     /// Computes the accelerations that rapier produces from the same forces in a step of `dt` from rest, given the openings

@@ -8,6 +8,7 @@ mod closest;
 mod contact_space;
 mod coordinate;
 mod dense;
+mod force_rates;
 mod forces;
 mod linkage;
 mod mechanism;

@@ -3,8 +3,9 @@
 //! Between nodes n and n + 1 rapier moves every body with one velocity, the mean over the step. It starts from the mean
 //! velocity of the preceding step. The difference between both means is applied as a force over the step: the second
 //! half of the last step's smooth forces and its late contact impulses, and the first half of this step's smooth forces
-//! and its early contact impulses. This leapfrog is of second order, even with a variable step size. The velocity *at*
-//! a node is the last mean plus the second halves, including joint reactions.
+//! and its early contact impulses. This leapfrog is of second order, even with a variable step size, and with the rates of
+//! the forces (see `force_rates`) of third order where they are smooth. The velocity *at* a node is the last mean plus the
+//! second halves, including joint reactions.
 
 use rapier2d_f64::prelude::*;
 
@@ -12,6 +13,7 @@ use super::candidates::{self, ContactCandidate, Source};
 use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrection};
 use super::coordinate::{Row, Twist};
 use super::dense::refill;
+use super::force_rates::ForceRates;
 use super::forces;
 use super::linkage::{Linkage, SingularConstraints};
 use super::plan::{Plan, PlannedDrive};
@@ -126,6 +128,7 @@ pub struct Motion {
     overshoot: Vec<[f64; 2]>,
     /// Largest opening acceleration of a joint at the node, see `Linkage::max_opening_acceleration`.
     pub opening_acceleration: f64,
+    force_rates: ForceRates,
     /// Power of supports against joints and smooth forces at the node, W.
     support_power: f64,
     /// Largest opening that a step may leave because its mean velocities differ from the predicted ones, m.
@@ -165,6 +168,7 @@ impl Motion {
             motor_work_j: 0.0,
             contact_work_j: 0.0,
             forces: vec![[0.0; 3]; bodies],
+            force_rates: ForceRates::new(bodies),
             mean_velocities: vec![[0.0; 3]; bodies],
             step_accelerations: vec![[0.0; 3]; bodies],
             impulse: vec![[0.0; 3]; bodies],
@@ -265,6 +269,7 @@ impl Motion {
         // A torque discontinuity at the node belongs to the next step.
         let before_node = self.clock.now() - 1e-9 * dt;
         forces::smooth_forces(&self.plan, &self.linkage, before_node, &mut self.forces);
+        self.force_rates.update_in_step(&self.linkage, &self.forces, &self.candidates, dt);
         self.kick(0.5 * dt);
         self.correct_contact_rates();
 
@@ -326,6 +331,16 @@ impl Motion {
         }
     }
 
+    /// Whether the next step is of third order: no body is driven or a link of a multibody, and no contact or stop exerts
+    /// a force at the end of the last step.
+    pub(crate) fn is_smooth(&self) -> bool {
+        let is_loaded = |active: &ActiveContact| active.candidate.has_gap() && self.contact.force[active.normal] > 0.0;
+        self.world.construction == Construction::Maximal
+            && self.plan.drives.is_empty()
+            && !self.space.active_contacts.iter().any(is_loaded)
+            && self.rapier_contacts.iter().all(|contact| contact.normal == 0.0)
+    }
+
     /// Returns the impulses of rapier's own contact in the last step.
     pub(crate) fn rapier_contact(&self, index: usize) -> Option<&RapierContact> {
         self.rapier_contacts.iter().find(|contact| contact.index == index)
@@ -372,11 +387,13 @@ impl Motion {
         }
     }
 
-    /// Advances mean velocities to those at the end of the step: second half of smooth forces, and late impulses.
+    /// Advances mean velocities to those at the end of the step: second half of smooth forces, less their rates, and late
+    /// impulses.
     fn kick(&mut self, half: f64) {
         self.velocities.copy_from_slice(&self.mean_velocities);
-        self.impulse.copy_from_slice(&self.forces);
-        self.impulse.iter_mut().flatten().for_each(|force| *force *= half);
+        for (impulse, (force, rate)) in self.impulse.iter_mut().zip(self.forces.iter().zip(&self.force_rates.rates)) {
+            *impulse = std::array::from_fn(|axis| half * (force[axis] - 2.0 / 3.0 * half * rate[axis]));
+        }
         for active in &self.space.active_contacts {
             let candidate = candidates::find(&self.candidates, active.candidate.index).unwrap_or(&active.candidate);
             candidate.normal_row.add_to(&mut self.impulse, self.contact.late_impulse[active.normal]);
@@ -499,6 +516,9 @@ impl Motion {
         self.impulse.copy_from_slice(&self.forces);
         forces::add_speed_dependent_forces(&self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
         self.linkage.accelerations(&self.impulse, &self.velocities, &self.driven, &mut self.accelerations);
+        let bodies = (&self.world, &self.plan, &mut self.linkage);
+        let contacts = (&self.space, &self.contact.force[..], &self.candidates[..]);
+        self.force_rates.update_at_node(bodies, (&self.forces, &self.velocities, now), contacts);
         let changes = self.accelerations.iter().zip(&self.predicted_mean_velocities).zip(&self.plan.bodies).map(
             |((now, before), body)| {
                 let angular = body.gyration_m * (now[2] - before[2]).abs();
@@ -574,7 +594,10 @@ impl Motion {
         let (plan, now) = (&self.plan, self.clock.now());
         forces::mean_driven_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
         let opening = (&self.open[..], dt);
-        self.linkage.accelerations_closing(&self.forces, opening, &self.driven, &mut self.step_accelerations);
+        for (sum, (force, rate)) in self.impulse.iter_mut().zip(self.forces.iter().zip(&self.force_rates.rates)) {
+            *sum = std::array::from_fn(|axis| force[axis] + dt / 3.0 * rate[axis]);
+        }
+        self.linkage.accelerations_closing(&self.impulse, opening, &self.driven, &mut self.step_accelerations);
     }
 
     /// Computes the impulses from rapier's last mean velocity to the next one (node velocity, half a step of

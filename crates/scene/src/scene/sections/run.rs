@@ -140,7 +140,7 @@ pub struct Engine {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Construction {
-    /// Three coordinates per body; every joint is a constraint between two bodies. Second-order accurate.
+    /// Three coordinates per body; every joint is a constraint between two bodies. Of third order in free motion.
     Maximal,
     /// Joint coordinates of a tree of bodies; one constraint closes the loop. First-order accurate.
     Reduced,
