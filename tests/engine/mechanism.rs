@@ -55,11 +55,13 @@ fn difference(case: &MechanismCase, run: &CollectSink) -> [f64; 2] {
     [angle, position]
 }
 
+/// Prints the rows of the table in `src/docs/engine.md`.
 #[test]
 fn reference_solutions_are_met_at_default_settings() {
     for case in all_cases() {
         let found = run(Model::Engine, &scene(&case.mechanism, case.duration_s, case.samples[1].time_s));
         let ([angle_rad, position_m], name) = (difference(&case, &found), &case.name);
+        println!("| {name} | {angle_rad:.1e} | {position_m:.1e} |");
         assert!(angle_rad < 1e-4 && position_m < 1e-5, "{name}: {angle_rad:e} rad, {position_m:e} m");
         let created_j = found.samples.iter().map(|sample| sample.energy().balance_j.abs()).fold(0.0, f64::max);
         assert!(created_j < 2e-5, "{name}: {created_j:e} J of energy are created");
@@ -181,15 +183,16 @@ fn variants_of_the_reference_cases_agree_in_both_models() {
 
 /// Halving fixed steps divides the difference by four.
 #[test]
-fn mechanisms_are_simulated_with_second_order() {
-    for case in ["b_slider_crank", "c_f85_link_pad"].map(mechanism_case) {
+fn mechanisms_are_simulated_with_third_order_and_contact_with_second() {
+    for (name, least_ratio) in [("b_slider_crank", 7.5), ("c_f85_link_pad", 3.5)] {
+        let case = mechanism_case(name);
         let angle = |step_s: f64| {
             let mut scene = scene(&case.mechanism, case.duration_s, case.samples[1].time_s);
             scene.engine.stepping = Stepping::Fixed { step_s };
             difference(&case, &run(Model::Engine, &scene))[0]
         };
         let [coarse, fine] = [2e-5, 1e-5].map(angle);
-        assert!(coarse > 3.5 * fine, "{}: {coarse:e} rad, {fine:e} rad", case.name);
+        assert!(coarse > least_ratio * fine, "{name}: {coarse:e} rad, {fine:e} rad");
     }
 }
 
