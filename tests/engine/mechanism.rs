@@ -181,7 +181,7 @@ fn variants_of_the_reference_cases_agree_in_both_models() {
     }
 }
 
-/// Halving fixed steps divides the difference by four.
+/// Halving fixed steps divides the difference by eight, with contact by four.
 #[test]
 fn mechanisms_are_simulated_with_third_order_and_contact_with_second() {
     for (name, least_ratio) in [("b_slider_crank", 7.5), ("c_f85_link_pad", 3.5)] {

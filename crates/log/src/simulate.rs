@@ -104,8 +104,9 @@ pub fn simulate<W: Write + Send + 'static>(
         (Some(path), None) if options.check_policy == CheckPolicy::IfCheap && path.steps > check::MAX_CHECKED_STEPS => {
             None
         }
-        (Some(path), None) => (options.keep_running)()
-            .then(|| check::check_run(model, scene, path, [&mut (), &mut ()], options.keep_running)),
+        (Some(path), None) => {
+            (options.keep_running)().then(|| check::check_run(model, scene, path, options.keep_running))
+        }
     };
     let close = |mut log: ThreadedWriter<W>| {
         last_sample?;

@@ -134,7 +134,7 @@ fn simulate_row<S: Sink>(
     let reason = reason.unwrap_or_else(|| "the run has no duration, so it has no verdict".to_string());
     cells.set("steps", outcome.work.steps as i64);
     if let Some(path) = path {
-        let check = check_run(study.model, scene, path, [&mut (), &mut ()], keep_running);
+        let check = check_run(study.model, scene, path, keep_running);
         cells.set("check", check.verdict.name());
         cells.set("check_error_rad", check.errors.path);
     }

@@ -80,14 +80,28 @@ impl Check {
 
 /// Runs a model with the settings of the scene and checks the run, while `keep_running` returns true.
 pub fn check(model: Model, scene: &Scene, keep_running: KeepRunning<'_>) -> Check {
-    let (_, path) = run_and_record(model, scene, &mut Cancellable { sink: &mut (), keep_running });
-    check_run(model, scene, path, [&mut (), &mut ()], keep_running)
+    check_with_sinks(model, scene, [&mut (), &mut ()], keep_running)
 }
 
-/// Checks a run of a model with the settings of the scene, given its path, while `keep_running` returns true. The sinks
-/// receive the samples and events of the finer runs, the reference and the perturbed run, without energies and peaks. If
-/// the analytic model is the reference and fails, the reference sink receives its samples before those of the engine.
-pub fn check_run(
+/// Like [`check`], with sinks for the finer runs: the reference and the perturbed run. Their samples have no energies
+/// or peaks. If the analytic model is the reference and fails, the reference sink receives its samples before those of
+/// the engine.
+pub fn check_with_sinks(
+    model: Model,
+    scene: &Scene,
+    sinks: [&mut dyn Sink; 2],
+    keep_running: KeepRunning<'_>,
+) -> Check {
+    let (_, path) = run_and_record(model, scene, &mut Cancellable { sink: &mut (), keep_running });
+    check_path(model, scene, path, sinks, keep_running)
+}
+
+/// Checks a run of a model with the settings of the scene, given its path, while `keep_running` returns true.
+pub fn check_run(model: Model, scene: &Scene, path: Path, keep_running: KeepRunning<'_>) -> Check {
+    check_path(model, scene, path, [&mut (), &mut ()], keep_running)
+}
+
+fn check_path(
     model: Model,
     scene: &Scene,
     checked_run: Path,

@@ -200,7 +200,7 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
         let in_reach = || world.physics.narrow_phase.contact_pair(collider, other).is_some();
         let Some(points) = closest_points(world, plan, index, &linkage.poses) else { continue };
         let ClosestPoints { gap, normal, .. } = points;
-        let rows = [normal, perp(normal)].map(|direction| contact_row(plan, index, &linkage.poses, &points, direction));
+        let rows = surface_rows(plan, index, &linkage.poses, &points);
         candidates.push(ContactCandidate {
             friction: contact.law.friction,
             rolling: contact.rolling,
@@ -343,37 +343,16 @@ pub(crate) fn set_normal_rotation_rates(
     }
 }
 
-/// Returns the gap and the slip row of a candidate at other body poses.
-pub(crate) fn gap_and_slip_row_at(
+/// Returns the gap, and the normal and slip rows, of a candidate at other body poses; `None` if its surfaces have no closest
+/// points there. The gap of a component without surfaces is that of the candidate.
+pub(crate) fn gap_and_rows_at(
     candidate: &ContactCandidate,
     world: &World,
     plan: &Plan,
     poses: &[BodyPose],
-) -> (f64, Row) {
-    match candidate.source {
-        Source::Stop(_) | Source::Brake(_) | Source::Motor(_) | Source::Servo(_) => {
-            (candidate.gap, candidate.slip_row.clone())
-        }
-        Source::Contact(index) => {
-            let points = closest_points(world, plan, index, poses);
-            points.map_or_else(
-                || (candidate.gap, candidate.slip_row.clone()),
-                |points| (points.gap, contact_row(plan, index, poses, &points, perp(points.normal))),
-            )
-        }
-    }
-}
-
-/// Returns the normal and slip rows of a candidate at other body poses, with the same surfaces in contact; `None` if they
-/// do not exist there.
-pub(crate) fn rows_at(
-    candidate: &ContactCandidate,
-    world: &World,
-    plan: &Plan,
-    poses: &[BodyPose],
-) -> Option<[Row; 2]> {
-    let along = |row: Row| [row, Row::none()];
-    let across = |row: Row| [Row::none(), row];
+) -> Option<(f64, [Row; 2])> {
+    let along = |row: Row| (candidate.gap, [row, Row::none()]);
+    let across = |row: Row| (candidate.gap, [Row::none(), row]);
     Some(match candidate.source {
         Source::Stop(index) => along(plan.stops[index].gap.row(poses)),
         Source::Servo(index) => along(plan.servos[index].coordinate.row(poses)),
@@ -381,9 +360,14 @@ pub(crate) fn rows_at(
         Source::Motor(index) => across(plan.motors[index].shaft.row(poses)),
         Source::Contact(index) => {
             let points = closest_points(world, plan, index, poses)?;
-            [points.normal, perp(points.normal)].map(|direction| contact_row(plan, index, poses, &points, direction))
+            (points.gap, surface_rows(plan, index, poses, &points))
         }
     })
+}
+
+/// Returns the normal and slip rows of a contact between surfaces.
+fn surface_rows(plan: &Plan, index: usize, poses: &[BodyPose], points: &ClosestPoints) -> [Row; 2] {
+    [points.normal, perp(points.normal)].map(|direction| contact_row(plan, index, poses, points, direction))
 }
 
 /// Returns the row of a contact along a direction. The point on each surface follows the contact's point convention.

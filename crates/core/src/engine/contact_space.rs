@@ -5,7 +5,7 @@
 //! λ = W (∂F/∂δ̇ + h ∂F/∂δ), of any rate error. The correction removes that fraction from all rows at once; soft
 //! contacts keep their rates, and the scheme its order.
 
-use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_slip_row_at};
+use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_rows_at};
 use super::coordinate::{BodyPose, Row, Twist};
 use super::dense;
 use super::dense::{refill, reset};
@@ -158,11 +158,13 @@ impl ContactSpace {
             self.free[row] += coordinate.second_rate(&linkage.poses, velocities);
         }
         for contact in self.active_contacts.iter().filter(|contact| contact.candidate.is_between_surfaces()) {
-            let (gap, slip_row) = gap_and_slip_row_at(&contact.candidate, world, plan, &self.poses);
-            let linear_gap = contact.candidate.gap + interval_s * self.rate[contact.normal];
+            let candidate = &contact.candidate;
+            let (gap, [_, slip_row]) = gap_and_rows_at(candidate, world, plan, &self.poses)
+                .unwrap_or_else(|| (candidate.gap, [candidate.normal_row.clone(), candidate.slip_row.clone()]));
+            let linear_gap = candidate.gap + interval_s * self.rate[contact.normal];
             let curvature = gap - linear_gap;
             // For surfaces in persistent contact at zero gap, the predicted gap is rounding error.
-            if contact.candidate.gap != 0.0 || curvature.abs() > contact.candidate.rounding {
+            if candidate.gap != 0.0 || curvature.abs() > candidate.rounding {
                 self.free[contact.normal] += 2.0 * curvature / (interval_s * interval_s);
             }
             if let Some(tangent) = contact.tangent {

@@ -30,13 +30,12 @@ const MAX_NORMAL_CHANGE: f64 = 0.05;
 #[derive(Clone)]
 pub(super) struct ForceRates {
     /// Rates of the forces and moments on each body, without Jᵀ λ̇ and Cᵀ ṗ.
-    pub rates: Vec<Twist>,
+    rates: Vec<Twist>,
     /// Smooth forces at the node.
     forces: Vec<Twist>,
     loaded: Vec<LoadedContact>,
-    /// Working arrays: poses after the interval, and the response to an impulse.
+    /// Working array: poses after the interval.
     poses: Vec<BodyPose>,
-    response: Vec<Twist>,
 }
 
 /// A contact with a force at a node.
@@ -52,7 +51,14 @@ struct LoadedContact {
 impl ForceRates {
     pub fn new(bodies: usize) -> Self {
         let zero = vec![[0.0; 3]; bodies];
-        Self { rates: zero.clone(), forces: zero.clone(), loaded: Vec::new(), poses: Vec::new(), response: zero }
+        Self { rates: zero.clone(), forces: zero, loaded: Vec::new(), poses: Vec::new() }
+    }
+
+    /// Computes the forces after an interval, from `forces` and their rates.
+    pub fn extrapolate(&self, forces: &[Twist], interval_s: f64, out: &mut [Twist]) {
+        for (after, (force, rate)) in out.iter_mut().zip(forces.iter().zip(&self.rates)) {
+            *after = std::array::from_fn(|axis| force[axis] + interval_s * rate[axis]);
+        }
     }
 
     /// Updates the rates at a node, after a call of [`Linkage::accelerations`] with the smooth `forces` there. Contacts have
@@ -63,7 +69,7 @@ impl ForceRates {
         (forces, velocities, t): (&[Twist], &[Twist], f64),
         (space, contact_forces, candidates): (&ContactSpace, &[f64], &[ContactCandidate]),
     ) {
-        let Self { rates, forces: at_node, loaded, poses, response } = self;
+        let Self { rates, forces: at_node, loaded, poses } = self;
         at_node.copy_from_slice(forces);
         linkage.save_reactions();
         refill(poses, linkage.poses.iter().zip(velocities).map(|(pose, v)| pose.after(INTERVAL_S, v)));
@@ -81,14 +87,14 @@ impl ForceRates {
             let rows = [&candidate.normal_row, &candidate.slip_row];
             let rolling = (&candidate.roll_row, force_along(active.rolling));
             for (row, force) in rows.into_iter().zip(forces).chain([rolling]).filter(|(_, force)| *force != 0.0) {
-                linkage.add_reactions(row, force, response);
+                linkage.add_reactions(row, force);
             }
             if forces == [0.0; 2] {
                 continue;
             }
             let contact = LoadedContact { index: candidate.index, rows: rows.map(Row::clone), forces };
-            let after = candidates::rows_at(candidate, world, plan, poses).filter(|after| contact.is_near(after));
-            if let Some([normal, slip]) = after {
+            let after = candidates::gap_and_rows_at(candidate, world, plan, poses);
+            if let Some((_, [normal, slip])) = after.filter(|(_, rows)| contact.is_near(rows)) {
                 contact.add_rates([&normal, &slip], INTERVAL_S, rates);
                 loaded.push(contact);
             }

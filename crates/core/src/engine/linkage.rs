@@ -363,13 +363,9 @@ impl Linkage {
         multipliers.clone_from(&self.multipliers);
     }
 
-    /// Adds the multipliers of a force along a row to those of the node; `buffer` is a working array.
-    pub(crate) fn add_reactions(&mut self, row: &Row, force: f64, buffer: &mut [Twist]) {
-        let index = self.responses.rows.iter().position(|known| known == row).unwrap_or_else(|| {
-            self.respond_to_unit(row, buffer);
-            self.responses.rows.len() - 1
-        });
-        let size = self.multipliers.len();
+    /// Adds the multipliers of a force along a row to those of the node.
+    pub(crate) fn add_reactions(&mut self, row: &Row, force: f64) {
+        let (index, size) = (self.response_index(row), self.multipliers.len());
         for (multiplier, unit) in self.at_node.1.iter_mut().zip(&self.responses.multipliers[index * size..]) {
             *multiplier += force * unit;
         }
@@ -444,20 +440,27 @@ impl Linkage {
         self.project(out);
     }
 
-    /// Computes the velocity response to a unit impulse along a row, at most once for the same poses.
+    /// Computes the velocity response to a unit impulse along a row.
     pub(crate) fn respond_to_unit(&mut self, row: &Row, out: &mut [Twist]) {
-        let (bodies, size) = (out.len(), self.multipliers.len());
-        if let Some(index) = self.responses.rows.iter().position(|known| known == row) {
-            out.copy_from_slice(&self.responses.velocities[index * bodies..(index + 1) * bodies]);
-            self.multipliers.copy_from_slice(&self.responses.multipliers[index * size..(index + 1) * size]);
-            return;
-        }
-        out.fill([0.0; 3]);
-        row.add_to(out, 1.0);
-        self.respond(out);
-        self.responses.rows.push(row.clone());
-        self.responses.velocities.extend_from_slice(out);
-        self.responses.multipliers.extend_from_slice(&self.multipliers);
+        let (index, bodies, size) = (self.response_index(row), out.len(), self.multipliers.len());
+        out.copy_from_slice(&self.responses.velocities[index * bodies..(index + 1) * bodies]);
+        self.multipliers.copy_from_slice(&self.responses.multipliers[index * size..(index + 1) * size]);
+    }
+
+    /// Returns the index of the response to a unit impulse along a row, computed at most once for the same poses.
+    fn response_index(&mut self, row: &Row) -> usize {
+        let index = self.responses.rows.iter().position(|known| known == row);
+        index.unwrap_or_else(|| {
+            let mut velocities = std::mem::take(&mut self.responses.velocities);
+            let first = velocities.len();
+            velocities.resize(first + self.inertias.len(), [0.0; 3]);
+            row.add_to(&mut velocities[first..], 1.0);
+            self.respond(&mut velocities[first..]);
+            self.responses.velocities = velocities;
+            self.responses.multipliers.extend_from_slice(&self.multipliers);
+            self.responses.rows.push(row.clone());
+            self.responses.rows.len() - 1
+        })
     }
 
     /// v ← v + M⁻¹ Jᵀ A⁻¹ (b − J v), with b passed in `multipliers`.

@@ -14,6 +14,7 @@ mod linkage;
 mod mechanism;
 mod motion;
 mod plan;
+mod rapier_contact;
 mod stepper;
 mod substeps;
 mod support;
@@ -26,12 +27,13 @@ pub use coordinate::{BodyPoint, BodyPose, Coordinate, Measure, Row, Twist};
 pub use forces::{PalmFrame, kinetic_energy, potential_energies};
 pub use linkage::{Inertia, Linkage, SingularConstraints};
 pub use mechanism::{build_mechanism_plan, build_plan};
-pub use motion::{JointReactions, Motion, RapierContact, StepError};
+pub use motion::{JointReactions, Motion, StepError};
 pub use plan::{
     BrakeKind, Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact,
     PlannedDrive, PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop,
     PlannedSurface, PlannedTendon, ServoLaw, Shape, SurfaceId,
 };
+pub use rapier_contact::RapierContact;
 pub use stepper::next_step;
 pub use substeps::{Change, ChangeKind, ContactExtremum, ContactSolveError, ContactSolver, Tolerance};
 pub use world::{World, build_world};

@@ -16,7 +16,8 @@ use super::dense::refill;
 use super::force_rates::ForceRates;
 use super::forces;
 use super::linkage::{Linkage, SingularConstraints};
-use super::plan::{Plan, PlannedDrive};
+use super::plan::Plan;
+use super::rapier_contact::{RapierContact, read_rapier_impulses};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::support;
 use super::world::{LawContactHook, World};
@@ -26,7 +27,7 @@ use crate::law::friction_coefficient;
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{cos, exp, hypot, sin};
 use crate::numeric::plane::{add, dot, sub};
-use crate::scene::{Construction, Response};
+use crate::scene::Construction;
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
@@ -49,18 +50,6 @@ const MAX_OPENING_PER_TOLERANCE: f64 = 100.0;
 const MAX_ANCHOR_ITERATIONS: u32 = 4;
 /// Error of the anchor correction, in step tolerances, below which its iteration stops.
 const ANCHOR_TOLERANCE: f64 = 0.1;
-
-/// Impulses of rapier's own contact in one step, for scenes that select it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RapierContact {
-    /// Element index among the stops and contacts of the plan.
-    pub index: usize,
-    pub normal: f64,
-    /// Along the tangent, on the body of the contact; it opposes the slip.
-    pub tangential: f64,
-    /// Closing rate before the step.
-    pub closing_rate: f64,
-}
 
 /// Forces (x, y) and moments of the joints on their second bodies at a node, in the world frame. They are linear in the
 /// contact forces.
@@ -391,9 +380,8 @@ impl Motion {
     /// impulses.
     fn kick(&mut self, half: f64) {
         self.velocities.copy_from_slice(&self.mean_velocities);
-        for (impulse, (force, rate)) in self.impulse.iter_mut().zip(self.forces.iter().zip(&self.force_rates.rates)) {
-            *impulse = std::array::from_fn(|axis| half * (force[axis] - 2.0 / 3.0 * half * rate[axis]));
-        }
+        self.force_rates.extrapolate(&self.forces, -2.0 / 3.0 * half, &mut self.impulse);
+        self.impulse.iter_mut().flatten().for_each(|force| *force *= half);
         for active in &self.space.active_contacts {
             let candidate = candidates::find(&self.candidates, active.candidate.index).unwrap_or(&active.candidate);
             candidate.normal_row.add_to(&mut self.impulse, self.contact.late_impulse[active.normal]);
@@ -594,9 +582,7 @@ impl Motion {
         let (plan, now) = (&self.plan, self.clock.now());
         forces::mean_driven_accelerations(plan, &self.linkage.poses, &self.velocities, now, dt, &mut self.driven);
         let opening = (&self.open[..], dt);
-        for (sum, (force, rate)) in self.impulse.iter_mut().zip(self.forces.iter().zip(&self.force_rates.rates)) {
-            *sum = std::array::from_fn(|axis| force[axis] + dt / 3.0 * rate[axis]);
-        }
+        self.force_rates.extrapolate(&self.forces, dt / 3.0, &mut self.impulse);
         self.linkage.accelerations_closing(&self.impulse, opening, &self.driven, &mut self.step_accelerations);
     }
 
@@ -670,41 +656,4 @@ impl Motion {
             };
         }
     }
-}
-
-/// Reads the impulses of rapier's own contact in the last step from its manifolds; returns their work on all bodies and
-/// on the driven bodies. `candidates` are those at the start of the step.
-fn read_rapier_impulses(
-    world: &World,
-    plan: &Plan,
-    candidates: &[ContactCandidate],
-    before: &[Twist],
-    after: &[Twist],
-    out: &mut Vec<RapierContact>,
-) -> (f64, f64) {
-    out.clear();
-    let Response::Rapier { .. } = world.response else { return (0.0, 0.0) };
-    let (mut work, mut on_driven) = (0.0, 0.0);
-    for (contact, [collider, other]) in world.contacts.iter().enumerate() {
-        let Some(pair) = world.physics.narrow_phase.contact_pair(*collider, *other) else { continue };
-        let index = plan.stops.len() + contact;
-        let Some(candidate) = candidates::find(candidates, index) else { continue };
-        let points = pair.manifolds().iter().flat_map(|manifold| &manifold.points);
-        let (mut normal, mut tangential) = (0.0, 0.0);
-        for point in points {
-            normal += point.data.impulse;
-            tangential += point.data.tangent_impulse[0].abs();
-        }
-        let slip = candidate.slip_row.rate(after);
-        let tangential = -tangential.copysign(slip);
-        // The work of a rigid impulse uses the mean of the rates before and after it.
-        let mean = |row: &Row| 0.5 * (row.rate(before) + row.rate(after));
-        work += normal * mean(&candidate.normal_row) + tangential * mean(&candidate.slip_row);
-        for PlannedDrive { body, .. } in &plan.drives {
-            let mean = |row: &Row| 0.5 * (row.rate_of(*body, &before[*body]) + row.rate_of(*body, &after[*body]));
-            on_driven += normal * mean(&candidate.normal_row) + tangential * mean(&candidate.slip_row);
-        }
-        out.push(RapierContact { index, normal, tangential, closing_rate: -candidate.normal_row.rate(before) });
-    }
-    (work, on_driven)
 }

@@ -133,11 +133,9 @@ fn adaptive_step(motion: &Motion, tolerance_m: f64, max_step_s: f64) -> f64 {
 fn contact_acceleration_rotation(motion: &Motion) -> f64 {
     let rotation = |active: &super::contact_space::ActiveContact| {
         let candidate = motion.candidate(active.candidate.index);
-        if active.candidate.has_prescribed_normal() {
-            return 0.0;
-        }
         let acceleration = motion.space.inverse_mass(active.normal) * motion.contact.force[active.normal];
         acceleration * candidate.map_or(0.0, |candidate| candidate.normal_rotation_rate)
     };
-    motion.space.active_contacts.iter().map(rotation).fold(0.0, f64::max)
+    let contacts = motion.space.active_contacts.iter().filter(|active| !active.candidate.has_prescribed_normal());
+    contacts.map(rotation).fold(0.0, f64::max)
 }

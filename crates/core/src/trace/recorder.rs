@@ -96,10 +96,8 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     last_mode: R::Mode,
     /// Buffer for the sample at the end of the current step.
     end: Sample,
-    /// Buffer for a sample within the step.
+    /// Buffer for a sample or a point within the step.
     within: Sample,
-    /// Buffer for a point.
-    point: Sample,
     /// Time up to which samples have been emitted.
     emitted_s: f64,
     /// Normal force at whose crossings samples are emitted, N.
@@ -115,7 +113,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         reach: Option<Reach>,
         RecordingOptions { counts, span, required_data, threshold_n, .. }: RecordingOptions,
     ) -> Self {
-        let [mut last, end, within, point] = [0; 4].map(|_| Sample::new(0.0, counts));
+        let [mut last, end, within] = [0; 3].map(|_| Sample::new(0.0, counts));
         let mut history = R::History::default();
         kernel.read((start, &mode), &Energy::default(), RequiredData::ALL, &mut history, &mut last);
         let start_energy = last.energy();
@@ -135,7 +133,6 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
             last_mode: mode,
             end,
             within,
-            point,
             emitted_s: 0.0,
             threshold_n,
             peaks: StepExtrema::default(),
@@ -204,9 +201,9 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         let (end, step, mode) = (self.state.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
         let has_active_contact = (0..self.state.trackers.len()).any(|index| mode[index].has_force());
-        self.state.times.begin_step(end.min(self.state.end_s));
-        while let Some(time) = self.state.times.next_before(end.min(self.state.end_s)) {
-            let RecordingTime { time_s: t, is_sample, is_point } = time;
+        let until_s = end.min(self.state.end_s);
+        self.state.times.begin_step(until_s);
+        while let Some(RecordingTime { time_s: t, is_sample, is_point }) = self.state.times.next_before(until_s) {
             // A fine grid can have millions of points within one step.
             if !self.sink.should_continue() {
                 break;
@@ -264,10 +261,10 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
             false => interior.tools.interpolate(theta),
         };
         interior.impulses = impulses;
-        let RecorderState { start_energy, required_data, history, point, .. } = &mut *self.state;
-        point.time_s = time_s;
-        self.kernel.read((&state, interior.mode), start_energy, *required_data, &mut history.clone(), point);
-        self.sink.point(&self.state.point)
+        let RecorderState { start_energy, required_data, history, within, .. } = &mut *self.state;
+        within.time_s = time_s;
+        self.kernel.read((&state, interior.mode), start_energy, *required_data, &mut history.clone(), within);
+        self.sink.point(&self.state.within)
     }
 
     /// Emits samples at the extrema of the step before `theta`.

@@ -8,11 +8,11 @@
 use serde::Serialize;
 
 use super::{Run, Simulations, is_stable, step_error};
-use crate::check::{Check, PERTURBATION, Verdict, check_run, perturbed, run_and_record};
+use crate::check::{Check, PERTURBATION, Verdict, check_with_sinks, perturbed};
 use crate::criteria::{Class, StaticGrasp, Tracker, scene_static_grasp};
 use crate::monitor::{self, Monitor, StudyError};
 use crate::scene::Scene;
-use crate::trace::{self, Cancellable, Model, RunError, Sink};
+use crate::trace::{self, Model, RunError, Sink};
 
 /// Relative perturbation of the torque in the last variation.
 const STUDY_PERTURBATION: f64 = 1e-9;
@@ -155,9 +155,7 @@ fn repeat_run(run: &Run, monitor: &Monitor) -> Result<(Check, Option<[RunEnd; VA
     let with_variations = run.is_statically_stable();
     let [reference, perturbed] = &mut trackers;
     let sinks: [&mut dyn Sink; 2] = if with_variations { [reference, perturbed] } else { [&mut (), &mut ()] };
-    let keep_running = monitor.keep_running();
-    let (_, path) = run_and_record(Model::Analytic, scene, &mut Cancellable { sink: &mut (), keep_running });
-    let check = check_run(Model::Analytic, scene, path, sinks, keep_running);
+    let check = check_with_sinks(Model::Analytic, scene, sinks, monitor.keep_running());
     let [reference, perturbed] = trackers.map(|tracker| run_end(&tracker, &rest));
     let ends = match with_variations {
         true => Some([reference, perturbed, run_perturbed(scene, &rest)?]),
