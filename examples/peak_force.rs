@@ -27,7 +27,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     for event in recording.events().iter().take(4) {
-        println!("{:.4} ms: {:?} of {}", event.time_s * 1e3, event.kind, event.finger_contact().name());
+        let contact = &recording.contacts()[event.contact].name;
+        println!("{:.4} ms: {:?} of {contact}", event.time_s * 1e3, event.kind);
     }
     Ok(())
 }

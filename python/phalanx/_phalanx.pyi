@@ -239,7 +239,7 @@ class Simulation:
         """Present time, s."""
 
     def __getitem__(self, column: str, /) -> float:
-        """Returns the present value of a column, such as `simulation["q11_rad"]`; NaN for a contact that does not exist.
+        """Returns the present value of a column, such as `simulation["q11_rad"]`.
 
         `columns` lists the names. Units: angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
         """

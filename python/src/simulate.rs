@@ -154,7 +154,7 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
         let scene = scene_in_log(&head).and_then(std::result::Result::ok);
         let scene = scene.filter(|scene| scene.finger_count() == head.finger_count());
         let (observer, _) = LogObserver::new(&head);
-        let schema = Schema::for_fingers(head.finger_count());
+        let schema = Schema::default();
         let mut reader = Reader { recording: Recording::new(&schema), schema, observer, keep_running };
         let reading = log::read_file(&path, &mut reader)?;
         let Reader { schema, recording, mut observer, .. } = reader;

@@ -110,7 +110,7 @@ impl Simulation {
         Ok(lock(&self.simulation)?.time_s())
     }
 
-    /// Returns the present value of a column, such as `simulation["q11_rad"]`; NaN for a contact that does not exist.
+    /// Returns the present value of a column, such as `simulation["q11_rad"]`.
     ///
     /// `columns` lists the names. Units: angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
     fn __getitem__(&self, column: &str) -> PyResult<f64> {
@@ -130,7 +130,7 @@ impl Simulation {
         let (simulation, contacts) = (lock(&self.simulation)?, PyDict::new(py));
         let sample = simulation.sample();
         let subjects = simulation.schema().subjects();
-        for subject in subjects.iter().filter(|subject| is_contact(subject) && subject.exists) {
+        for subject in subjects.iter().filter(|subject| is_contact(subject)) {
             let values = PyDict::new(py);
             for (quantity, channel) in subject.channels() {
                 values.set_item(quantity.key, channel.value(sample))?;

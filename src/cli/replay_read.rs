@@ -95,7 +95,7 @@ impl<'a> LogReader<'a> {
         warning.iter().for_each(|warning| print_diagnostic(warning));
         Ok(LogReader {
             path,
-            schema: Schema::for_fingers(summary.finger_count()),
+            schema: Schema::default(),
             summary,
             recording: None,
             observer,

@@ -7,7 +7,7 @@ use super::canvas::{centred_style, fitted_text, text_left_of, text_right_of, tex
 use super::outline::{MARGIN, Point, View, arrow_head, filled_outline, mirrored, outlines};
 use super::svg::{Paint, Pixel, Svg, TextStyle, document};
 use super::theme::{ANGLE, Colour, FORCE, INK, OBJECT, PALM, PAPER, SOFT};
-use crate::drawing::{Drawing, poses_for_postures};
+use crate::drawing::Drawing;
 use crate::format::ColumnFormat;
 use crate::gripper::{FinalPosture, Joints, Lengths, Posture, close_loop, final_posture, joint_positions};
 use crate::numeric::plane::{add, dot, scale, sub};
@@ -57,7 +57,8 @@ pub fn linkage(scene: &Scene) -> Linkage {
             (start.unwrap_or(upright), "at its start")
         }
     };
-    let outlines = outlines(&Drawing::from_scene(scene).bodies, &poses_for_postures(scene, &[posture]));
+    let drawing = Drawing::from_scene(scene);
+    let outlines = outlines(&drawing.bodies, &drawing.poses_for_postures(scene, &[posture]));
     let mirror_x = object.map(|object| object.centre_m[0]);
     let view = view(&outlines, mirror_x);
     let size @ [width, drawing] = [WIDTH, view.height()];

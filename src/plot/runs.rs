@@ -172,7 +172,7 @@ fn panels(schema: &Schema, runs: [&Recording; 2]) -> Vec<Panel> {
             ("qd22", |finger| finger.qd22_rad_s),
         ];
         add("joint rate, rad/s", false, joints(schema, rates));
-    } else if !discs {
+    } else if !schema.bodies.is_empty() && !discs {
         let centre = |axis: usize| move |sample: &Sample| sample.body(0).centre_m[axis] * 1e3;
         add("object, mm", false, vec![quantity("x", centre(0)), quantity("y", centre(1))]);
     }
@@ -208,9 +208,8 @@ fn panels(schema: &Schema, runs: [&Recording; 2]) -> Vec<Panel> {
 /// object.
 fn shown_contacts(schema: &Schema, runs: [&Recording; 2]) -> Vec<usize> {
     let any = |of: &dyn Fn(&Recording) -> Option<bool>| runs.into_iter().any(|run| of(run) == Some(true));
-    let exists = |index: &usize| any(&|run| Some(run.outcome.last.contacts().nth(*index)?.gap_m.is_finite()));
     let has_contact = |index: &usize| any(&|run| Some(run.outcome.contacts.get(*index)?.first_s.is_some()));
-    let all: Vec<usize> = schema.surfaces().filter(exists).collect();
+    let all: Vec<usize> = schema.surfaces().collect();
     let in_contact: Vec<usize> = all.iter().copied().filter(has_contact).collect();
     if in_contact.is_empty() || schema.fingers.len() == 1 { all } else { in_contact }
 }

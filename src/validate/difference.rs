@@ -267,10 +267,8 @@ impl<'a> Comparison<'a> {
     /// Relative difference of a normal force at the end of the run; `None` if that is beyond the compared time.
     fn final_force(&self, index: usize, last: &Sample) -> Option<f64> {
         let (contact, expected) = (last.contacts().nth(index)?, self.reference.outcome.last.contacts().nth(index)?);
-        // The gap is infinite without an object.
-        let has_object = expected.gap_m.is_finite() || contact.gap_m.is_finite();
         let scale = if expected.normal_n > ZERO_FORCE_N { expected.normal_n } else { 1.0 };
-        (has_object && last.time_s <= self.until_s).then(|| distance(contact.normal_n, expected.normal_n) / scale)
+        (last.time_s <= self.until_s).then(|| distance(contact.normal_n, expected.normal_n) / scale)
     }
 
     /// Returns the differences after the end of the run.

@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use crate::check::perturbed;
-use crate::scene::{LogSettings, Scene};
+use crate::scene::{HandContact, LogSettings, Scene, Side};
 use crate::trace::{Cancellable, KeepRunning};
 use crate::trace::{Event, EventKind, FingerContact, Model, RequiredData, RunError, Sample, Sink, SinkError, run};
 
@@ -128,12 +128,15 @@ fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
 
 /// Returns the statistics of one run from `bounds.until_s` on.
 fn statistics_of_run(model: Model, scene: &Scene, keep_running: KeepRunning) -> Result<[f64; 6], RunError> {
-    let mut sums = StatisticSums { from_s: scene.bounds.until_s, ..StatisticSums::default() };
+    let phalanges = [FingerContact::Proximal, FingerContact::Distal];
+    let contact = |phalanx| scene.hand.contact_index(HandContact::Finger(Side::Right, phalanx));
+    let (from_s, contacts) = (scene.bounds.until_s, phalanges.map(contact));
+    let mut sums = StatisticSums { from_s, contacts, ..StatisticSums::default() };
     let sampled = Scene { log: LogSettings { numeric_hz: INTEGRATION_HZ, ..scene.log }, ..scene.clone() };
     let outcome = run(model, &sampled, &mut Cancellable { sink: &mut sums, keep_running })?;
     let first = sums.first.unwrap_or_else(Sample::with_one_finger);
     let length_s = outcome.last.time_s - first.time_s;
-    let [proximal_n_s, distal_n_s] = [FingerContact::Proximal, FingerContact::Distal]
+    let [proximal_n_s, distal_n_s] = phalanges
         .map(|contact| outcome.last.finger_contact(contact).impulse_n_s - first.finger_contact(contact).impulse_n_s);
     let [proximal, distal] = sums.touchdowns;
     Ok([proximal, distal, proximal_n_s, distal_n_s, sums.q21_rad_s / length_s, sums.kinetic_j_s / length_s])
@@ -143,6 +146,8 @@ fn statistics_of_run(model: Model, scene: &Scene, keep_running: KeepRunning) -> 
 #[derive(Default)]
 struct StatisticSums {
     from_s: f64,
+    /// Contacts of the proximal and the distal phalanx.
+    contacts: [Option<usize>; 2],
     /// The first sample from `from_s` on.
     first: Option<Sample>,
     /// Time, q21 and kinetic energy of the latest sample.
@@ -173,11 +178,9 @@ impl Sink for StatisticSums {
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        if event.kind == EventKind::TouchDown
-            && event.time_s >= self.from_s
-            && event.finger_contact() != FingerContact::Limit
-        {
-            self.touchdowns[event.finger_contact() as usize] += 1.0;
+        let phalanx = self.contacts.iter().position(|contact| *contact == Some(event.contact));
+        if let Some(phalanx) = phalanx.filter(|_| event.kind == EventKind::TouchDown && event.time_s >= self.from_s) {
+            self.touchdowns[phalanx] += 1.0;
         }
         Ok(())
     }

@@ -113,9 +113,9 @@ fn names(scene: &Scene) -> Vec<String> {
 #[test]
 fn contacts_of_palm_and_table_follow_those_of_the_finger() {
     let mut scene = finger_pushing_object();
-    assert_eq!(names(&scene).join(" "), "proximal distal limit object-palm");
+    assert_eq!(names(&scene).join(" "), "proximal distal object-palm limit");
     scene.hand.table = Some(HalfPlane { level_m: 0.1, contact: Some(LAW) });
-    assert_eq!(names(&scene).join(" "), "proximal distal limit object-palm object-table");
+    assert_eq!(names(&scene).join(" "), "proximal distal object-palm object-table limit");
     scene.hand.grasped_mut().motion = ObjectMotion::Fixed;
     assert_eq!(names(&scene).join(" "), "proximal distal limit");
 }

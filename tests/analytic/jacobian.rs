@@ -434,8 +434,8 @@ fn check_hand(name: &str, scene: &Scene) {
         q[time] = t;
     }
     let mut mode = GraspMode::FREE;
-    let active = (0..CONTACTS).filter(|index| sample.contact(*index).normal_n > 0.0);
-    let active_contacts = active.map(|index| mode[index] = Active).count();
+    let active = scene.hand.contacts().zip(sample.contacts()).filter(|(_, contact)| contact.normal_n > 0.0);
+    let active_contacts = active.map(|(contact, _)| mode[contact.index()] = Active).count();
     assert!(active_contacts > usize::from(!name.ends_with("no object")), "{name}: {active_contacts} contacts");
     // The steps of coordinates are a fraction of the penetration.
     let rate_step = if name.ends_with("bristles") { 2e-8 } else { 2e-5 };

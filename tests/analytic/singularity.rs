@@ -22,7 +22,7 @@ fn all_settings() -> [Integrator; 4] {
 /// All numbers of a sample; contacts that the scene does not have are omitted.
 fn logged_numbers(sample: &Sample) -> Vec<f64> {
     // Joint forces overflow at the largest torques.
-    let joints = (0..5).map(|joint| sample.joint(0, joint)).flat_map(|joint| [joint.angle_rad, joint.rate_rad_s]);
+    let joints = (0..5).map(|joint| sample.joint_state(joint)).flat_map(|joint| [joint.angle_rad, joint.rate_rad_s]);
     let others = &sample.values()[25..];
     joints.chain(others.iter().copied()).filter(|value| *value != f64::INFINITY).collect()
 }

@@ -1,7 +1,7 @@
 //! Contents of the page with the moving bodies, read back from its bytes.
 
 use base64::prelude::{BASE64_STANDARD, Engine};
-use phalanx::drawing::{Pose, poses};
+use phalanx::drawing::{Drawing, Pose};
 use phalanx::page::{MAX_SAMPLES, Note, Page, Picture, Playback, PlaybackRecorder, build_playback, render_page};
 use phalanx::scene::{self, Scene};
 use phalanx::trace::{ContactSample, FingerContact, Model, Sink};
@@ -77,7 +77,7 @@ fn page_contains_every_sample_bit_for_bit() {
         assert_eq!(run["samples"], samples.len());
         assert_eq!(run["recorded"], samples.len());
         assert_eq!(bits(column(run, &run["time_s"])), bits(samples.iter().map(|s| s.time_s)));
-        let poses: Vec<_> = samples.iter().map(|sample| poses(&scene, sample)).collect();
+        let poses: Vec<_> = samples.iter().map(|sample| Drawing::from_scene(&scene).poses(sample)).collect();
         assert_poses(run, &poses);
         let names: Vec<&str> = list(&run["bodies"]).iter().map(|body| body["name"].as_str().expect("a name")).collect();
         for name in ["object", "l11", "l12", "l21", "l22"] {
@@ -109,7 +109,7 @@ fn page_contains_every_sample_bit_for_bit() {
         };
         let distal_n = samples.iter().map(|s| s.finger_contact(FingerContact::Distal).normal_n);
         assert_eq!(series("Normal force", "distal"), bits(distal_n));
-        assert_eq!(series("Joint rate", "qd22"), bits(samples.iter().map(|s| s.finger(0).qd22_rad_s)));
+        assert_eq!(series("Joint rate", "q22"), bits(samples.iter().map(|s| s.finger(0).qd22_rad_s)));
         assert_eq!(series("Energy", "balance"), bits(samples.iter().map(|s| s.energy().balance_j)));
         assert_eq!(
             series("Torque", "limit"),
@@ -233,7 +233,7 @@ fn page_contains_discs_bit_for_bit() {
     let playback = build_playback("analytic", &scene, &samples, &recording.events, "");
     let document = data(&render_page(&page_with_runs("rolling", vec![playback])));
     let run = &document["runs"][0];
-    let poses: Vec<_> = samples.iter().map(|sample| poses(&scene, sample)).collect();
+    let poses: Vec<_> = samples.iter().map(|sample| Drawing::from_scene(&scene).poses(sample)).collect();
     assert_poses(run, &poses);
     let wheel = list(&run["contacts"]).iter().find(|contact| contact["name"] == "wheel-plane").expect("a pair");
     assert_eq!(bits(column(run, &wheel["normal_n"])), bits(samples.iter().map(|s| s.contact(0).normal_n)));

@@ -136,7 +136,7 @@ fn every_sample_is_a_line_of_the_table() {
     let directory = directory("cli_replay_csv");
     for (scene, columns, ends) in [
         (EXPERIMENT_95, 55, [("q11_rad", "/final/q11_rad"), ("distal_normal_n", "/contacts/distal/final_normal_n")]),
-        ("scenes/free-swing.toml", 55, [("q21_rad", "/final/q21_rad"), ("kinetic_j", "/energy/kinetic_j")]),
+        ("scenes/free-swing.toml", 33, [("q21_rad", "/final/q21_rad"), ("kinetic_j", "/energy/kinetic_j")]),
         (
             "scenes/laws/impact.toml",
             25,
@@ -164,7 +164,7 @@ fn every_sample_is_a_line_of_the_table() {
         let default_log = default_log.to_str().expect("UTF-8 path");
         succeed(&["run", scene, "--log", default_log]);
         let (kept, _) = table(&succeed(&["replay", default_log, "--csv", "-"]));
-        let is_kept = |name: &&String| !(name.contains('q') && name.contains("_force_"));
+        let is_kept = |name: &&String| !name.contains("_force_");
         assert!(kept.iter().eq(headers.iter().filter(is_kept)), "{kept:?}");
         assert_eq!((headers.len(), rows.len() as u64), (columns, report["samples"].as_u64().expect("a count")));
         assert!(rows.is_sorted_by(|a, b| a[0] <= b[0]));
@@ -174,8 +174,7 @@ fn every_sample_is_a_line_of_the_table() {
             assert_eq!(last, report.pointer(pointer).and_then(Value::as_f64), "{column}");
         }
         if scene.contains("free-swing") {
-            let column = headers.iter().position(|header| header == "proximal_gap_m").expect("a column");
-            assert!(rows.iter().all(|row| row[column..column + 10] == [None; 10]), "contacts without an object");
+            assert!(headers.iter().all(|header| !header.starts_with("proximal")), "contacts without an object");
         }
         assert_eq!(succeed(&["replay", names[0], "--csv", "-"]), text);
         assert_rejected(&["replay", names[0], "--csv", "-", "--json"], &["--csv the name of a file"]);

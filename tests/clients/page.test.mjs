@@ -138,7 +138,7 @@ describe("the page of a closing in both models", () => {
         }
         for (const [panel, series, value] of [
           ["Joint angle", "q22", q.q22_rad],
-          ["Joint rate", "qd11", q.qd11_rad_s],
+          ["Joint rate", "q11", q.qd11_rad_s],
           ["Energy", "balance", at(log["/energy"], time).balance_j],
           ["Torque", "limit", at(log["/contact/limit"], time).torque_n_m],
         ]) assert.equal(drawn.readings[panel][series], value, `${panel}, ${series}`);

@@ -141,7 +141,7 @@ class Shapes(unittest.TestCase):
     def test_contact_surfaces_have_the_size_of_the_scene(self):
         run = logs.run("experiment-95.toml")
         lengths, outlines = finger.finger(run.scene), self.outlines(run)
-        self.assertEqual(set(outlines), {"palm", "object", "l11", "l12", "l21", "l22"})
+        self.assertEqual(set(outlines), {"ground", "palm", "object", "l11", "l12", "l21", "l22"})
         (disc,) = outlines["object"]
         for x, y in disc:
             self.assertAlmostEqual(math.hypot(x, y), lengths.radius, delta=CLOSE_M)

@@ -156,7 +156,7 @@ class RerunScript(unittest.TestCase):
             if message.topic in ("/tf", "/tf_static"):
                 for frame in message.body.transforms:
                     moving.setdefault(frame.child_frame_id, []).append((message.log_ns, frame))
-        self.assertEqual(set(moving), {"palm", "object", "l11", "l12", "l21", "l22"})
+        self.assertEqual(set(moving), {"ground", "palm", "object", "l11", "l12", "l21", "l22"})
         for name, frames in moving.items():
             found = [row for row in rows[f"/world/{name}"] if row[0] is not None]
             self.assertEqual([time for time, _ in found], [time for time, _ in frames])

@@ -56,6 +56,8 @@ fn bar(name: &str, pose: Pose) -> Body {
         rate: [0.0; 3],
         motion: None,
         outlines: Vec::new(),
+        drawn_m: Vec::new(),
+        is_reported: true,
     }
 }
 
@@ -74,6 +76,7 @@ fn pin(name: &str, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2]) -> Joint
         lower: None,
         upper: None,
         limit: None,
+        limit_name: None,
     }
 }
 

@@ -36,8 +36,11 @@ fn every_shipped_scene_is_an_assembled_mechanism_that_runs() {
                 assert!(error <= 1e-11 * (1.0 + closed.abs()), "{}: {} {error:e}", scene.name, body.name);
             }
         }
-        let (surfaces, limits) = scene.hand.contact_channels();
-        assert_eq!((surfaces.len(), limits.len()), (mechanism.point_contacts().len(), mechanism.limits().len()));
+        let contacts = mechanism.point_contacts().into_iter().map(|point| point.name);
+        let contacts: Vec<String> =
+            contacts.chain(mechanism.limits().iter().map(|limit| mechanism.limit_name(limit))).collect();
+        let of_hand = scene.hand.contacts().map(|contact| contact.name_for(scene.finger_count()));
+        assert_eq!(of_hand.collect::<Vec<_>>(), contacts, "{}", scene.name);
         drop(mechanism);
         scene.duration_s = 2e-4;
         let outcome = run(Model::Engine, &scene, &mut ()).unwrap_or_else(|error| panic!("{}: {error}", scene.name));
@@ -56,7 +59,7 @@ fn coordinates_of_a_left_finger_are_those_of_its_mirror_image() {
         let joint = mechanism.joints.iter().find(|joint| joint.name == name).expect(name);
         angle(joint.bodies[1]) - angle(joint.bodies[0]) - joint.offset_rad
     };
-    for joint in ["q11", "q12", "q21", "q22", "q13"] {
+    for joint in ["q11", "q12", "q21", "q22", "loop"] {
         let [right, left] = ["right", "left"].map(|side| coordinate(&format!("{side}_{joint}")));
         assert!((right - left).abs() < 1e-14, "{joint}: {right} {left}");
     }

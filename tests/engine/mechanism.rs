@@ -223,6 +223,8 @@ fn body() -> Body {
         rate: [0.0; 3],
         motion: None,
         outlines: Vec::new(),
+        drawn_m: Vec::new(),
+        is_reported: true,
     }
 }
 
@@ -242,6 +244,7 @@ fn joint(kind: JointKind, body: usize, start: f64, start_rate: f64) -> Joint {
         lower: None,
         upper: None,
         limit: None,
+        limit_name: None,
     }
 }
 

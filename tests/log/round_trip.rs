@@ -113,7 +113,7 @@ fn every_value_is_read_back_unchanged() {
     for (messages, topic, prefix, count) in [
         (&without_forces, "/joint/q11", "q11_", 3),
         (&with_forces, "/joint/q11", "q11_", 5),
-        (&with_forces, "/joint/q13", "q13_", 5),
+        (&with_forces, "/joint/q12", "q12_", 5),
         (&without_forces, "/actuator/motor", "motor_", 2),
         (&without_forces, "/contact/proximal", "proximal_", 11),
         (&with_forces, "/contact/distal", "distal_", 11),
@@ -221,7 +221,9 @@ fn log_contains_the_scene_and_the_settings() {
 #[test]
 fn log_contains_only_topics_of_the_scene() {
     let topics = |scene: &Scene| -> BTreeSet<String> {
-        let bytes = write(scene, &test_records());
+        // The test records have the contacts of a closing finger.
+        let records = if scene.object().is_some() { test_records() } else { Vec::new() };
+        let bytes = write(scene, &records);
         let summary = Summary::read(&bytes).expect("readable").expect("indexed");
         let declared: BTreeSet<String> = summary.channels.values().map(|c| c.topic.clone()).collect();
         let used: BTreeSet<String> = read(&bytes).into_iter().map(|m| m.topic).collect();
@@ -230,7 +232,7 @@ fn log_contains_only_topics_of_the_scene() {
     };
     let set = |names: &str| names.split(' ').map(String::from).collect::<BTreeSet<_>>();
     let contacts = "/contact/distal /contact/proximal /contact/limit /forces";
-    let joints = "/actuator/motor /joint/q11 /joint/q12 /joint/q13 /joint/q21 /joint/q22";
+    let joints = "/actuator/motor /joint/q11 /joint/q12 /joint/loop /joint/q21 /joint/q22";
     let drawn = "/energy /event /events /scene /tf /tf_static";
     let drawn = format!("{joints} {drawn}");
     assert_eq!(topics(&scene()), set(&format!("{contacts} {drawn}")));

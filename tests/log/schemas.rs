@@ -20,7 +20,7 @@ fn schema_names_have_the_expected_package() {
     let actual = schemas(&log(FINGER_SCENE, Model::Analytic, 1e3));
     for (topic, name) in [
         ("/joint/q11", "phalanx.Joint"),
-        ("/joint/q13", "phalanx.Joint"),
+        ("/joint/loop", "phalanx.Joint"),
         ("/actuator/motor", "phalanx.Actuator"),
         ("/contact/distal", "phalanx.Contact"),
         ("/contact/limit", "phalanx.Limit"),

@@ -145,6 +145,8 @@ fn body(value: &Value) -> Body {
         rate: numbers_or_zero(&value["rate"]),
         motion: None,
         outlines: list(&value["outline"]).map(outline).collect(),
+        drawn_m: Vec::new(),
+        is_reported: true,
     }
 }
 
@@ -191,6 +193,7 @@ fn joint(value: &Value, mechanism: &Mechanism) -> Joint {
         lower: value["lower"].as_f64(),
         upper: value["upper"].as_f64(),
         limit: value["limit"].is_object().then(|| normal_law(&value["limit"])),
+        limit_name: None,
     }
 }
 
@@ -283,6 +286,7 @@ fn contact(value: &Value, mechanism: &Mechanism) -> ContactPair {
         law: ContactLaw { normal: normal_law(value), friction },
         rolling: None,
         force_point,
+        is_reported_on_face: false,
     }
 }
 

@@ -223,6 +223,8 @@ fn add_body(mechanism: &mut Mechanism, random: &mut Random, is_free: bool) {
         rate: [(); 3].map(|()| velocity * random.within(-1.0, 1.0)),
         motion: None,
         outlines: Vec::new(),
+        drawn_m: Vec::new(),
+        is_reported: true,
     });
 }
 
@@ -266,6 +268,7 @@ fn add_joint(
         lower: None,
         upper: None,
         limit: None,
+        limit_name: None,
     });
 }
 
@@ -461,6 +464,7 @@ fn add_contacts(mechanism: &mut Mechanism, random: &mut Random) {
             law: ContactLaw { normal, friction: random.chance(0.7).then_some(friction) },
             rolling: random.chance(0.5).then_some(rolling),
             force_point: random.choose(&[ForcePoint::Face, ForcePoint::Points, ForcePoint::Middle]),
+            is_reported_on_face: false,
         });
     }
 }

@@ -90,7 +90,6 @@ pub fn sample(time_s: f64) -> Sample {
         qd21_rad_s: f(6),
         qd12_rad_s: f(7),
         qd22_rad_s: f(8),
-        motor_torque_n_m: 0.48,
     };
     let limit = ContactSample {
         gap_m: f(30),
@@ -100,6 +99,7 @@ pub fn sample(time_s: f64) -> Sample {
         ..ContactSample::default()
     };
     let mut sample = Sample::of(time_s, &[finger], &[], &[contact(10), contact(20), limit]);
+    sample.set_actuator(0, 0.48);
     sample.set_energy(&Energy {
         kinetic_j: f(40),
         gravity_j: f(41),

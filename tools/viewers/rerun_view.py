@@ -132,7 +132,7 @@ def plots(topics):
     """Returns the plots with content: (name, entities)."""
     contacts = [topic for topic in topics if topic.startswith("/contact/") and not topic.endswith("limit")]
     bodies = [topic for topic in topics if topic.startswith("/body/")]
-    joints = [topic for topic in topics if topic.startswith("/joint/") and not topic.endswith(("q12", "q13"))]
+    joints = [topic for topic in topics if topic.startswith("/joint/") and not topic.endswith(("q12", "loop"))]
     all_plots = [
         ("angles (rad)", [f"{joint}/angle_rad" for joint in joints]),
         ("positions (m)", [f"{body}/{axis}_m" for body in bodies for axis in "xy"]),

@@ -47,8 +47,6 @@ impl ChannelContent {
 pub(crate) struct Topic {
     pub name: String,
     pub content: ChannelContent,
-    /// Whether logs of the run have it.
-    pub is_expected: bool,
     /// Its channels in a log that is read.
     pub channels: Vec<u16>,
 }
@@ -61,7 +59,7 @@ pub(crate) const LINES: &str = "/events";
 pub(crate) fn topics(schema: &Schema) -> Vec<Topic> {
     let subjects = schema.subjects();
     let first_contact = subjects.len() - 1 - schema.contacts.len();
-    let topic = |name, content, is_expected| Topic { name, content, is_expected, channels: Vec::new() };
+    let topic = |name, content| Topic { name, content, channels: Vec::new() };
     let of_subjects = subjects.into_iter().enumerate().map(|(index, subject)| {
         let (kind, name) = (subject.kind, &subject.name);
         let is_contact = matches!(kind, SubjectKind::Contact | SubjectKind::Limit);
@@ -71,8 +69,8 @@ pub(crate) fn topics(schema: &Schema) -> Vec<Topic> {
             _ => format!("/{}/{name}", kind.name()),
         };
         let contact = is_contact.then(|| index - first_contact);
-        topic(topic_name, ChannelContent::Subject { index, kind, contact }, subject.exists)
+        topic(topic_name, ChannelContent::Subject { index, kind, contact })
     });
     let others = [(EVENTS, ChannelContent::Events), (LINES, ChannelContent::Lines)];
-    of_subjects.chain(others.map(|(name, content)| topic(name.to_string(), content, true))).collect()
+    of_subjects.chain(others.map(|(name, content)| topic(name.to_string(), content))).collect()
 }

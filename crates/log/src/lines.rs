@@ -2,26 +2,29 @@
 //!
 //! Changing their text makes `replay --verify` reject older logs.
 
-use phalanx_core::trace::{Event, EventKind, FingerContact};
+use phalanx_core::trace::{Event, EventKind};
 
 /// Which phalanges are in contact.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct GraspState {
+    /// Contacts of the proximal and the distal phalanx.
+    phalanges: [Option<usize>; 2],
     in_contact: [bool; 2],
 }
 
 impl GraspState {
+    pub fn new(phalanges: [Option<usize>; 2]) -> Self {
+        Self { phalanges, in_contact: [false; 2] }
+    }
+
     /// Takes an event into account and returns a sentence if the grasp begins or ends with it.
     pub fn update(&mut self, event: &Event) -> Option<String> {
         if event.kind.is_friction_event() {
             return None;
         }
         let was_grasped = self.in_contact == [true; 2];
-        match event.finger_contact() {
-            FingerContact::Proximal => self.in_contact[0] = event.kind != EventKind::LiftOff,
-            FingerContact::Distal => self.in_contact[1] = event.kind != EventKind::LiftOff,
-            FingerContact::Limit => return None,
-        }
+        let phalanx = self.phalanges.iter().position(|contact| *contact == Some(event.contact))?;
+        self.in_contact[phalanx] = event.kind != EventKind::LiftOff;
         let time_ms = event.time_s * 1e3;
         match (was_grasped, self.in_contact == [true; 2]) {
             (false, true) => Some(format!("both phalanges hold the object from {time_ms:.6} ms")),

@@ -11,7 +11,7 @@ use phalanx_core::scene::{Keyword, Scene, parse_any, show};
 pub(crate) const METADATA_NAME: &str = "phalanx";
 
 /// Version of topics and messages. Logs of phalanx 0.1 do not have it.
-pub(crate) const LOG_VERSION: (&str, &str) = ("log_version", "2");
+pub(crate) const LOG_VERSION: (&str, &str) = ("log_version", "3");
 
 /// Media type of the scene attachment.
 pub(crate) const ATTACHMENT_MEDIA_TYPE: &str = "application/toml";

@@ -12,9 +12,9 @@ use super::mcap_file::{ChannelId, McapFile, MessageFeed};
 use super::messages::{encode, encode_event, event_schema, subject_schema};
 use super::metadata::RunInfo;
 use super::pictures::Pictures;
-use phalanx_core::drawing::{self, Drawing};
-use phalanx_core::scene::{HandContact, LogSettings, Scene};
-use phalanx_core::trace::{BodyState, Event, FingerContact, RequiredData, Sample, Schema, Sink, SinkError};
+use phalanx_core::drawing::Drawing;
+use phalanx_core::scene::{HandContact, LogSettings, Scene, Side};
+use phalanx_core::trace::{Event, FingerContact, RequiredData, Sample, Schema, Sink, SinkError};
 
 /// Streams one run to an MCAP file. Memory use is one chunk plus about 400 bytes of index per written chunk. The writer
 /// never seeks, so `W` can be a pipe.
@@ -29,14 +29,12 @@ pub struct Writer<W: Write> {
     channels: Vec<(ChannelId, Vec<usize>)>,
     events: ChannelId,
     schema: Schema,
-    /// Contacts drawn in pictures.
-    drawn_contacts: Vec<usize>,
     pictures: Option<Pictures>,
-    /// Grasp state; `None` unless the scene is a single finger.
+    /// Grasp state; `None` unless the scene is a single finger with an object.
     grasp: Option<GraspState>,
     /// Channel of the event lines.
     lines: ChannelId,
-    /// Scene whose bodies are drawn.
+    drawing: Drawing,
     scene: Scene,
 }
 
@@ -55,31 +53,25 @@ impl<W: Write> Writer<W> {
     ) -> Result<Self, SinkError> {
         let mut file = McapFile::start(out, name, run, feed)?;
         let scene = run.scene.clone();
-        let hand = &scene.hand;
         let schema = Schema { has_joint_forces: scene.log.joint_forces, ..Schema::from_scene(&scene) };
         let (subjects, mut channels) = (schema.subjects(), Vec::new());
-        for topic in topics(&schema).iter().filter(|topic| topic.is_expected) {
+        for topic in &topics(&schema) {
             if let Some(subject) = topic.content.subject().map(|index| &subjects[index]) {
                 let indices = subject.independent().map(|(index, _)| index).collect();
                 channels.push((file.register(&topic.name, Some(subject_schema(subject)))?, indices));
             }
         }
         let events = file.register(EVENTS, Some(event_schema()))?;
-        let mut start = Sample::new(0.0, schema.counts());
-        if let Some(object) = hand.reported_object() {
-            let (centre_m, angle_rad) = (object.centre_m, object.angle_rad);
-            start.set_body(0, &BodyState { centre_m, angle_rad, ..BodyState::default() });
-        }
-        for (index, pose) in scene.mechanism.iter().flat_map(drawing::poses_at_start).enumerate() {
-            let [x, y, angle_rad] = pose;
-            start.set_body(index, &BodyState { centre_m: [x, y], angle_rad, ..BodyState::default() });
-        }
-        let (drawing, poses) = (Drawing::from_scene(&scene), drawing::poses(&scene, &start));
-        let pictures = Pictures::register(&mut file, &drawing, &poses, scene.log.picture_hz)?;
+        let drawing = Drawing::from_scene(&scene);
+        let pictures = Pictures::register(&mut file, &drawing, &drawing.poses_at_start(), scene.log.picture_hz)?;
         let lines = file.register(LINES, Log::get_schema())?;
-        let drawn_contacts = schema.surfaces().filter(|&contact| schema.contacts[contact].exists).collect();
-        let grasp = (hand.fingers.len() == 1).then(GraspState::default);
-        Ok(Writer { file, channels, events, schema, drawn_contacts, pictures, grasp, lines, scene })
+        let has_grasp = scene.finger_count() == 1 && scene.object().is_some();
+        let phalanges = [FingerContact::Proximal, FingerContact::Distal];
+        let grasp = has_grasp.then(|| {
+            let contact = |phalanx| scene.hand.contact_index(HandContact::Finger(Side::Right, phalanx));
+            GraspState::new(phalanges.map(contact))
+        });
+        Ok(Writer { file, channels, events, schema, pictures, grasp, lines, drawing, scene })
     }
 
     /// Writes a line to `/events`, for example how the run ended; `source` names its subject.
@@ -115,8 +107,8 @@ impl<W: Write> Sink for Writer<W> {
             self.file.write(*channel, time_s, |out| encode(time_s, numbers, out))?;
         }
         if let Some(pictures) = &mut self.pictures {
-            let poses = || drawing::poses(&self.scene, sample);
-            let drawn = self.drawn_contacts.iter().map(|&contact| sample.contact(contact));
+            let poses = || self.drawing.poses(sample);
+            let drawn = self.schema.surfaces().map(|contact| sample.contact(contact));
             pictures.sample(&mut self.file, time_s, poses, drawn)?;
         }
         self.file.close_full_chunk()
@@ -130,15 +122,12 @@ impl<W: Write> Sink for Writer<W> {
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         let file = &mut self.file;
         let contact = &self.schema.contacts[event.contact];
-        if contact.exists {
-            let (name, kind) = (&contact.name, contact.kind());
-            file.write(self.events, event.time_s, |out| encode_event(event, name, kind, out))?;
-            let of_hand = self.scene.hand.contacts().nth(event.contact);
-            let display_name =
-                of_hand.map_or_else(|| contact.name.clone(), |of_hand| display_name(of_hand, &contact.name));
-            let text = describe_event(event, &display_name, contact.is_angular);
-            file.write_line(self.lines, event.time_s, Level::Info, &contact.name, &text)?;
-        }
+        let (name, kind) = (&contact.name, contact.kind());
+        file.write(self.events, event.time_s, |out| encode_event(event, name, kind, out))?;
+        let of_hand = self.scene.hand.contacts().nth(event.contact);
+        let display_name = of_hand.map_or_else(|| name.clone(), |of_hand| display_name(of_hand, name));
+        let text = describe_event(event, &display_name, contact.is_angular);
+        file.write_line(self.lines, event.time_s, Level::Info, name, &text)?;
         if let Some(text) = self.grasp.as_mut().and_then(|grasp| grasp.update(event)) {
             file.write_line(self.lines, event.time_s, Level::Info, "grasp", &text)?;
         }

@@ -289,8 +289,8 @@ fn set_grasp(cells: &mut Cells, scene: &Scene, criteria: &GraspCriteria, outcome
     cells.set("slip_rad", criteria.slip.map(|slip| slip.rotation_rad));
     cells.set("contacts_lost", criteria.contacts.iter().map(|contact| i64::from(contact.times_lost)).sum::<i64>());
     cells.set("form_closed", is_form_closed(scene, last).filter(|_| criteria.fate == Fate::Held));
-    for ((contact, summary), last) in HandContact::ALL.into_iter().zip(&outcome.contacts).zip(last.contacts()) {
-        if contact.is_stop() || !last.gap_m.is_finite() {
+    for ((contact, summary), last) in scene.hand.contacts().zip(&outcome.contacts).zip(last.contacts()) {
+        if contact.is_stop() {
             continue;
         }
         let name = contact.name();

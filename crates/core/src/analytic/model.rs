@@ -16,7 +16,7 @@ use crate::law::{
 use crate::numeric::plane::{dot, perp};
 use crate::numeric::{Dual, Real, array_from, map_array};
 use crate::scene;
-use crate::scene::{Initial, Profile, Side};
+use crate::scene::{ContactOrder, Initial, Profile, Side};
 use crate::shape::{PlacedShape, Support};
 
 /// Number of quadratures: normal impulses of the three contacts, work of all contact forces, work of the motor.
@@ -41,6 +41,7 @@ pub struct FingerMotion<const N: usize, const W: usize> {
     pub(super) finger: FingerModel,
     pub(super) actuation: Profile,
     pub(super) object: Option<PlacedShape>,
+    contact_order: ContactOrder,
 }
 
 /// The model of a scene whose friction has no bristles.
@@ -99,7 +100,13 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
             finger: FingerModel::new(finger, hand.gravity_m_s2),
             actuation: finger.motor.actuation.clone(),
             object: hand.object.as_ref().map(|object| object.placed()),
+            contact_order: ContactOrder::new(hand),
         }
+    }
+
+    /// Order of the contacts in samples.
+    pub fn contact_order(&self) -> &ContactOrder {
+        &self.contact_order
     }
 
     /// Returns the coordinates and rates at the start.

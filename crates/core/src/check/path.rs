@@ -269,7 +269,7 @@ pub fn units(scene: &Scene) -> Vec<f64> {
     }
     let hand = &scene.hand;
     let angles = std::iter::repeat_n(1.0, FINGER_ANGLES * hand.fingers.len());
-    let object = hand.reported_object().into_iter();
+    let object = hand.moving_object().into_iter();
     angles
         .chain(object.flat_map(|object| {
             let radius_m = max_radius(&object.shape);

@@ -202,7 +202,7 @@ pub(crate) fn path_error_limit(scene: &Scene, run: &Path, ordinary_limit: f64) -
             largest_displacement: Some(largest_displacement),
         };
     }
-    let basis = match (free_bodies.is_some(), scene.hand.reported_object().is_none()) {
+    let basis = match (free_bodies.is_some(), scene.hand.moving_object().is_none()) {
         (true, _) => format!("{:e} of the reach of the smallest body that moves", FREE_BODY_LENGTH * ordinary_limit),
         (false, true) => format!("{ordinary_limit:e} of a radian"),
         (false, false) => format!("{ordinary_limit:e} of a radian and of the object's radius"),

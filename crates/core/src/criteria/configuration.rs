@@ -10,29 +10,23 @@ use crate::statics::{
     Blocked, Drive, Equilibrium, ForceClosure, FrictionContact, GraspConfiguration, HandAtRest, PerContact,
     StaticsError, drive_loads, equilibrium_with_mu, force_closure, gripper_closure,
 };
-use crate::trace::{ContactSample, FingerState, Sample};
+use crate::trace::{BodyState, ContactSample, FingerState, Sample};
 
 /// Returns the configuration of fingers and object in a sample.
 pub fn grasp_configuration<'a>(scene: &'a Scene, sample: &Sample) -> GraspConfiguration<'a> {
     let angles = |FingerState { q11_rad, q21_rad, .. }: FingerState| [q11_rad, q21_rad];
+    let BodyState { centre_m, angle_rad, .. } = sample.object(&scene.hand);
     GraspConfiguration {
         fingers: Side::BOTH.map(|side| &scene.hand.finger(side).linkage),
         angles_rad: Side::BOTH.map(|side| angles(sample.finger(side as usize))),
         palm_width_m: scene.hand.palm_width_m,
-        object: PlacedShape {
-            shape: scene.hand.grasped().shape,
-            centre_m: sample.body(0).centre_m,
-            angle_rad: sample.body(0).angle_rad,
-        },
+        object: PlacedShape { shape: scene.hand.grasped().shape, centre_m, angle_rad },
     }
 }
 
 /// Returns the normal forces of phalanges and palm in a sample, N.
-pub fn normal_forces(sample: &Sample) -> PerContact<f64> {
-    let force = |required: HandContact| {
-        let all = HandContact::ALL.into_iter().zip(sample.contacts());
-        all.filter(|(contact_id, _)| *contact_id == required).map(|(_, contact)| contact.normal_n).sum()
-    };
+pub fn normal_forces(scene: &Scene, sample: &Sample) -> PerContact<f64> {
+    let force = |contact| sample.hand_contact(&scene.hand, contact).normal_n;
     let phalanges = |side| {
         [FingerContact::Proximal, FingerContact::Distal].map(|contact| force(HandContact::Finger(side, contact)))
     };
@@ -43,7 +37,7 @@ pub fn normal_forces(sample: &Sample) -> PerContact<f64> {
 /// the differential blocked; `None` if form closure cannot be decided.
 pub fn is_form_closed(scene: &Scene, sample: &Sample) -> Option<bool> {
     let blocked = if scene.hand.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
-    let active = normal_forces(sample).map(|normal_n| normal_n > 0.0);
+    let active = normal_forces(scene, sample).map(|normal_n| normal_n > 0.0);
     gripper_closure(&grasp_configuration(scene, sample), &active, blocked).ok().map(|closure| closure.closed)
 }
 
@@ -56,19 +50,19 @@ pub(crate) fn friction_coefficients(scene: &Scene) -> PerContact<f64> {
 
 /// Returns the force closure by the active contacts of phalanges and palm in a sample, independent of their forces.
 pub fn sample_force_closure(scene: &Scene, sample: &Sample) -> ForceClosure {
-    let is_active = |_, contact: &ContactSample| contact.normal_n > 0.0;
-    selected_force_closure(&friction_coefficients(scene), max_radius(&scene.hand.grasped().shape), sample, is_active)
+    let contacts = scene.hand.contacts().zip(sample.contacts()).filter(|(_, contact)| contact.normal_n > 0.0);
+    let object_m = max_radius(&scene.hand.grasped().shape);
+    selected_force_closure(&friction_coefficients(scene), (sample.object(&scene.hand).centre_m, object_m), contacts)
 }
 
-/// Returns the force closure by the contacts of phalanges and palm that a predicate selects. `object_m` is the distance
-/// of the object's outermost point from its centre.
+/// Returns the force closure by these contacts of phalanges and palm. The object has its centre and the distance of its
+/// outermost point from there.
 pub(super) fn selected_force_closure(
     friction: &PerContact<f64>,
-    object_m: f64,
-    sample: &Sample,
-    is_selected: impl Fn(usize, &ContactSample) -> bool,
+    (centre_m, object_m): ([f64; 2], f64),
+    contacts: impl Iterator<Item = (HandContact, ContactSample)>,
 ) -> ForceClosure {
-    let friction_contact = |(index, (contact_id, contact)): (usize, (HandContact, ContactSample))| {
+    let friction_contact = |(contact_id, contact): (HandContact, ContactSample)| {
         let mu = match contact_id {
             HandContact::Finger(side, FingerContact::Proximal) => friction.phalanges[side as usize][0],
             HandContact::Finger(side, FingerContact::Distal) => friction.phalanges[side as usize][1],
@@ -77,11 +71,10 @@ pub(super) fn selected_force_closure(
         };
         // Normals of a sample point away from the object.
         let push = contact.normal.map(|component| -component);
-        is_selected(index, &contact).then_some(FrictionContact { point_m: contact.point_m, push, mu })
+        Some(FrictionContact { point_m: contact.point_m, push, mu })
     };
-    let all = HandContact::ALL.into_iter().zip(sample.contacts()).enumerate();
-    let contacts: Vec<FrictionContact> = all.filter_map(friction_contact).collect();
-    force_closure(&contacts, sample.body(0).centre_m, object_m)
+    let contacts: Vec<FrictionContact> = contacts.filter_map(friction_contact).collect();
+    force_closure(&contacts, centre_m, object_m)
 }
 
 /// Whether drives resist being driven back while the palm is accelerated.
@@ -107,10 +100,11 @@ pub struct GraspState<'a> {
 }
 
 pub(crate) fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
-    let is_at_limit = |side| sample.contact(HandContact::Finger(side, FingerContact::Limit).index()).normal_n > 0.0;
+    let limit = |side| HandContact::Finger(side, FingerContact::Limit);
+    let is_at_limit = |side| sample.hand_contact(&scene.hand, limit(side)).normal_n > 0.0;
     GraspState {
         configuration: grasp_configuration(scene, sample),
-        active: normal_forces(sample).map(|normal_n| normal_n > 0.0),
+        active: normal_forces(scene, sample).map(|normal_n| normal_n > 0.0),
         at_limit: Side::BOTH.map(is_at_limit),
         time_s: sample.time_s,
     }

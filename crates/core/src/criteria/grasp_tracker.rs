@@ -22,7 +22,7 @@ use serde::Serialize;
 /// and moment by normal forces and friction. It is *held* while either condition is met.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraspCriteria {
-    /// Criteria of four phalanges, palm and table (no joint limits), in the order of [`HandContact::ALL`].
+    /// Criteria of the phalanges, palm and table (no joint limits), in the order of samples.
     pub contacts: Vec<ContactCriteria>,
     /// Time to stability of the whole grasp: start of the interval up to the end of the run in which all contacts that
     /// are active at the end are active, including palm and table. It is the largest of their
@@ -175,6 +175,10 @@ pub struct GraspTracker {
 /// Settings of the scene that the criteria depend on.
 #[derive(Clone, Debug)]
 struct Setup {
+    /// Contacts of the samples.
+    contacts: Vec<HandContact>,
+    /// The object, if it is fixed.
+    fixed_object: Option<BodyState>,
     thresholds: Thresholds,
     cycle: Cycle,
     /// Region that the fingers can reach; `None` if the object cannot be ejected.
@@ -238,6 +242,12 @@ struct History {
     brake_slip: [Option<(f64, f64)>; 2],
 }
 
+impl Setup {
+    fn object(&self, sample: &Sample) -> BodyState {
+        self.fixed_object.unwrap_or_else(|| sample.body(0))
+    }
+}
+
 impl History {
     /// Extends all travels to a later pose.
     fn update_travel(&mut self, pose: &Pose) {
@@ -265,7 +275,7 @@ impl TrackerState {
     /// Returns whether active phalanges are on both sides, by their normals at the end of a segment.
     fn has_contacts_on_both_sides(&self, next: &Sample) -> bool {
         let has_contact_from = |sign: f64| {
-            let mut contacts = HandContact::ALL.iter().zip(&self.history.contacts).zip(next.contacts());
+            let mut contacts = self.setup.contacts.iter().zip(&self.history.contacts).zip(next.contacts());
             contacts.any(|((id, history), contact)| {
                 is_phalanx(*id) && history.active_since.is_some() && sign * contact.normal[0] > 0.0
             })
@@ -279,17 +289,18 @@ impl TrackerState {
         if active != self.history.closure.active {
             self.history.closure = Closure { active, since_s: segment.from_s, last_evaluation_s: None, closed: false };
         }
-        let Setup { thresholds, friction, object_m, closure_interval_s, .. } = &self.setup;
-        let hand = HandContact::ALL
-            .iter()
-            .zip(active)
-            .filter(|(id, active)| *active && (is_phalanx(**id) || **id == HandContact::Palm));
+        let Setup { contacts, thresholds, friction, object_m, closure_interval_s, .. } = &self.setup;
+        let of_hand = contacts.iter().zip(active);
+        let of_hand = of_hand.filter(|(id, active)| *active && (is_phalanx(**id) || **id == HandContact::Palm));
         let closure = &mut self.history.closure;
-        if hand.count() < 2 || segment.to_s - closure.since_s < thresholds.held_time_s {
+        if of_hand.count() < 2 || segment.to_s - closure.since_s < thresholds.held_time_s {
             return None;
         }
         if closure.last_evaluation_s.is_none_or(|last_s| segment.to_s - last_s >= *closure_interval_s) {
-            closure.closed = selected_force_closure(friction, *object_m, segment.next, |index, _| active[index]).closed;
+            let object = (self.setup.object(segment.next).centre_m, *object_m);
+            let sampled = contacts.iter().copied().zip(segment.next.contacts()).zip(active);
+            let sampled = sampled.filter(|(_, active)| *active).map(|(contact, _)| contact);
+            closure.closed = selected_force_closure(friction, object, sampled).closed;
             closure.last_evaluation_s = Some(segment.to_s);
         }
         closure.closed.then_some(closure.since_s)
@@ -327,9 +338,9 @@ impl TrackerState {
     fn update_ejection(&mut self, segment: &Segment<CONTACT_COUNT>) {
         let (Some(reach), true) = (self.setup.reach, segment.to_s == segment.next.time_s) else { return };
         let is_surface = |contact: &HandContact| !matches!(contact, HandContact::Finger(_, FingerContact::Limit));
-        let has_touched =
-            HandContact::ALL.iter().zip(segment.has_touched).any(|(id, has_touched)| has_touched && is_surface(id));
-        let is_in_reach = !reach.is_outside(&segment.next.body(0));
+        let contacts = self.setup.contacts.iter();
+        let has_touched = contacts.zip(segment.has_touched).any(|(id, has_touched)| has_touched && is_surface(id));
+        let is_in_reach = !reach.is_outside(&self.setup.object(segment.next));
         if self.history.is_in_reach && !is_in_reach && has_touched {
             self.history.ejected_s.get_or_insert(segment.to_s);
         }
@@ -357,8 +368,8 @@ fn is_phalanx(id: HandContact) -> bool {
     matches!(id, HandContact::Finger(_, FingerContact::Proximal | FingerContact::Distal))
 }
 
-fn has_active_phalanx(segment: &Segment<CONTACT_COUNT>) -> bool {
-    HandContact::ALL.iter().zip(segment.is_active).any(|(id, is_active)| is_active && is_phalanx(*id))
+fn has_active_phalanx(contacts: &[HandContact], segment: &Segment<CONTACT_COUNT>) -> bool {
+    contacts.iter().zip(segment.is_active).any(|(id, is_active)| is_active && is_phalanx(*id))
 }
 
 impl SegmentObserver<CONTACT_COUNT> for TrackerState {
@@ -366,14 +377,14 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
     type Interpolant = [Hermite; 3];
 
     fn begin(&mut self, first: &Sample) {
-        let object = first.body(0);
+        let object = self.setup.object(first);
         let pose = Pose { position_m: object.centre_m, angle_rad: object.angle_rad };
         self.history.start = Some((object, TravelSince::new(first.time_s, pose)));
         self.history.is_in_reach = self.setup.reach.is_some_and(|reach| !reach.is_outside(&object));
     }
 
     fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 3] {
-        let ([from, to], [t0, t1]) = ([last.body(0), next.body(0)], [last.time_s, next.time_s]);
+        let ([from, to], [t0, t1]) = ([last, next].map(|sample| self.setup.object(sample)), [last.time_s, next.time_s]);
         let within = |time: &f64| *time > t0 && *time < t1;
         cuts_s
             .extend([self.setup.cycle.motion_start_s, self.setup.cycle.release_s].into_iter().flatten().filter(within));
@@ -394,7 +405,7 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
         self.history.start.iter_mut().for_each(|(_, since_start)| since_start.update_travel(&poses[1]));
         self.update_ejection(segment);
         if self.setup.cycle.release_s.is_some_and(|end| segment.from_s >= end) {
-            match has_active_phalanx(segment) {
+            match has_active_phalanx(&self.setup.contacts, segment) {
                 true => self.history.opened_s = None,
                 false => _ = self.history.opened_s.get_or_insert(segment.from_s),
             }
@@ -491,12 +502,16 @@ impl GraspTracker {
     /// Creates a tracker for runs of a gripper's scene.
     pub fn for_scene(scene: &Scene) -> Self {
         let thresholds = scene.thresholds;
+        let (hand, object) = (&scene.hand, scene.hand.grasped());
+        let fixed = BodyState { centre_m: object.centre_m, angle_rad: object.angle_rad, ..BodyState::default() };
         Self::new(Setup {
+            contacts: hand.contacts().collect(),
+            fixed_object: hand.moving_object().is_none().then_some(fixed),
             thresholds,
             cycle: scene.cycle(),
-            reach: Reach::from_hand(&scene.hand),
+            reach: Reach::from_hand(hand),
             friction: friction_coefficients(scene),
-            object_m: shape::max_radius(&scene.hand.grasped().shape),
+            object_m: shape::max_radius(&object.shape),
             closure_interval_s: thresholds.held_time_s.max(CLOSURE_INTERVAL_FRACTION * scene.duration_s),
             travel_interval_s: scene.duration_s / TRAVELS_PER_RUN,
         })
@@ -519,7 +534,7 @@ impl GraspTracker {
         let (state, history) = (&self.state, &self.state.history);
         let (start, since_start) = history.start.as_ref()?;
         let surfaces = || {
-            let all = HandContact::ALL.into_iter().zip(&history.contacts);
+            let all = state.setup.contacts.iter().copied().zip(&history.contacts);
             all.filter(|(id, _)| !matches!(id, HandContact::Finger(_, FingerContact::Limit)))
         };
         let last =
@@ -542,7 +557,7 @@ impl GraspTracker {
             held_since_s: history.held_since_s,
             fate: state.fate(),
             start: *start,
-            end: end.body(0),
+            end: state.setup.object(end),
             travel: since_start.travel,
             slip: stable.map(|since| since.travel),
             cycle: CycleCriteria {
@@ -642,6 +657,8 @@ mod tests {
             let mut events = events.iter().peekable();
             let reach = Reach { joints_m: [[0.0155, 0.0], [-0.0155, 0.0]], radii_m: [0.04; 2], object_m: RADIUS_M };
             let mut tracker = GraspTracker::new(Setup {
+                contacts: HandContact::ALL.to_vec(),
+                fixed_object: None,
                 thresholds: self.thresholds,
                 cycle: Cycle::default(),
                 reach: Some(reach),

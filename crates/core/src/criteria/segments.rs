@@ -2,7 +2,7 @@
 
 use crate::trace::{ContactSample, Event, EventKind, Sample};
 
-/// A time segment, with the first `K` contacts of a sample.
+/// A time segment, with the first `K` contacts of a sample; further ones than it has are not active.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<'a, const K: usize> {
     pub from_s: f64,
@@ -137,8 +137,10 @@ impl<const K: usize> SegmentSplitter<K> {
                 let lifts_off =
                     |contact| pending.clone().any(|event| event.contact == contact && event.kind == EventKind::LiftOff);
                 let middle_s = 0.5 * (from_s + to_s);
-                let is_active =
-                    std::array::from_fn(|contact| self.is_active(contact, last, next, middle_s, lifts_off(contact)));
+                let is_active = std::array::from_fn(|contact| {
+                    contact < next.counts().contacts
+                        && self.is_active(contact, last, next, middle_s, lifts_off(contact))
+                });
                 let has_touched = self.contacts.map(|contact| contact.has_touched);
                 observer.observe(&interpolant, &Segment { from_s, to_s, next, has_touched, is_active });
                 from_s = to_s;

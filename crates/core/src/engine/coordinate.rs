@@ -157,12 +157,6 @@ impl Coordinate {
         Self { measure: Measure::Angle { on: (on, 1.0), against: None }, offset: 0.0 }
     }
 
-    /// Ratio of the angle of a body in an angle; 0 for other bodies and measures.
-    pub(crate) fn angle_ratio(&self, body: usize) -> f64 {
-        let Measure::Angle { on, against } = self.measure else { return 0.0 };
-        std::iter::once(on).chain(against).find(|(other, _)| *other == body).map_or(0.0, |(_, ratio)| ratio)
-    }
-
     /// Returns the coordinate less `offset`.
     pub(crate) fn less(self, offset: f64) -> Self {
         Self { offset: self.offset + offset, ..self }

@@ -24,13 +24,7 @@ use crate::shape;
 pub fn build_plan(scene: &Scene) -> Result<Plan, String> {
     let mechanism = scene.mechanism().map_err(|error| error.to_string())?;
     let start = assemble(&mechanism).map_err(|error| error.to_string())?;
-    let mut plan = build_mechanism_plan(&mechanism, &start)?;
-    if scene.mechanism.is_none() {
-        let (surfaces, limits) = scene.hand.contact_channels();
-        plan.contact_channels.iter_mut().for_each(|channel| *channel = surfaces[*channel]);
-        plan.stop_channels = limits;
-    }
-    Ok(plan)
+    build_mechanism_plan(&mechanism, &start)
 }
 
 /// Builds the plan of a mechanism from its assembled start.
@@ -86,6 +80,7 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         bodies: bodies.collect(),
         joints: joints.collect(),
         drives: drives.collect(),
+        reported_bodies: mechanism.reported_bodies().collect(),
         ground_carries: ground_carries(mechanism),
         ..Plan::default()
     };
@@ -352,7 +347,8 @@ fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, c
     let point = id(contact.body, point);
     let face = id(pair.face.body, face_surface(&mechanism.outline(pair.face).shape));
     let [of_own, of_other] = [ContactPointConvention::BodySurface, ContactPointConvention::PartnerSurface];
-    let (own, against, [of_point, of_face]) = match mechanism.points_are_first(pair) {
+    let points_are_first = mechanism.points_are_first(pair);
+    let (own, against, [of_point, of_face]) = match points_are_first {
         true => (point, face, [of_own, of_other]),
         false => (face, point, [of_other, of_own]),
     };
@@ -363,8 +359,15 @@ fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, c
         ForcePoint::Each => ContactPointConvention::EachSurface,
     };
     if let SurfaceId { body: Some(body), index: surface } = own {
-        let (law, rolling) = (pair.law, pair.rolling);
-        plan.contacts.push(PlannedContact { body, surface, against, point_convention, law, rolling });
+        plan.contacts.push(PlannedContact {
+            body,
+            surface,
+            against,
+            point_convention,
+            law: pair.law,
+            rolling: pair.rolling,
+            is_reported_on_partner: points_are_first == pair.is_reported_on_face,
+        });
         plan.contact_channels.push(channel);
     }
 }

@@ -274,6 +274,8 @@ pub struct PlannedContact {
     pub law: ContactLaw,
     /// Rolling resistance, of mechanisms only.
     pub rolling: Option<FrictionLaw>,
+    /// Whether samples report the force on the other body, with the opposite normal.
+    pub is_reported_on_partner: bool,
 }
 
 /// Choice of the material points of two surfaces at which contact forces act.
@@ -310,6 +312,8 @@ pub struct Plan {
     pub contacts: Vec<PlannedContact>,
     /// Tendons of a mechanism, in its order.
     pub tendons: Vec<PlannedTendon>,
+    /// Bodies that samples report.
+    pub reported_bodies: Vec<usize>,
     /// Contact channel in samples of each stop; the springs of tendons follow, which have none.
     pub stop_channels: Vec<usize>,
     /// Contact channel in samples of each contact.
@@ -370,6 +374,12 @@ impl Plan {
             Some(contact) => self.contact_channels.get(contact).copied(),
             None => self.stop_channels.get(index).copied(),
         }
+    }
+
+    /// Whether samples report the force of an element on the other body of a contact.
+    pub(crate) fn is_reported_on_partner(&self, index: usize) -> bool {
+        let contact = index.checked_sub(self.stops.len()).and_then(|contact| self.contacts.get(contact));
+        contact.is_some_and(|contact| contact.is_reported_on_partner)
     }
 
     /// Returns the element index of a contact channel; `None` if the contact does not exist.

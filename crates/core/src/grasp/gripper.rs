@@ -6,14 +6,16 @@
 use std::f64::consts::TAU;
 
 use crate::criteria::{DriveMode, Fate, GraspState, GraspTracker, friction_coefficients, grasp_state, hand_at_rest};
-use crate::gripper::{FingerContact, GraspError, close_loop, final_posture};
+use crate::gripper::{FingerContact, GraspError, Posture, close_loop, final_posture};
 use crate::scene::{HandContact, ObjectMotion, Scene, Side, WrongKind};
 use crate::shape::max_radius;
 use crate::statics::{
     Balance, Blocked, ContactPoint, Drive, ForceClosure, FormClosure, FrictionContact, GraspConfiguration, HandAtRest,
     PerContact, StaticsError, balance_polar, force_closure, gripper_closure,
 };
-use crate::trace::{self, BodyState, Cancellable, FingerState, Model, Outcome, RunError, Sample, Sink};
+use crate::trace::{
+    self, BodyState, Cancellable, ContactSample, FingerState, Model, Outcome, RunError, Sample, Schema, Sink,
+};
 
 /// Request for the static grasp of a gripper.
 #[derive(Clone, Debug, PartialEq)]
@@ -240,23 +242,18 @@ fn run_posture(
 
 /// Returns a sample of fingers and object at rest, at the end of the scene.
 fn rest_sample(scene: &Scene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -> Result<Sample, GripperGraspError> {
-    let mut fingers = Vec::with_capacity(2);
+    let mut sample = Sample::new(scene.duration_s, Schema::from_scene(scene).counts());
     for side in Side::BOTH {
-        let (finger, [q11, q21]) = (&scene.hand.finger(side).linkage, angles_rad[side as usize]);
-        let posture = close_loop(&finger.lengths, finger.assembly, q11, q21)
+        let (finger, [q11_rad, q21_rad]) = (&scene.hand.finger(side).linkage, angles_rad[side as usize]);
+        let posture = close_loop(&finger.lengths, finger.assembly, q11_rad, q21_rad)
             .map_err(|error| GripperGraspError::Statics { scene: scene.name.clone(), error: error.into() })?;
-        fingers.push(FingerState {
-            q11_rad: q11,
-            q21_rad: q21,
-            q12_rad: posture.q12_rad,
-            q22_rad: posture.q22_rad,
-            q13_rad: q21 + posture.q22_rad,
-            ..FingerState::default()
-        });
+        let Posture { q12_rad, q22_rad, .. } = posture;
+        sample.set_finger(side as usize, &FingerState { q11_rad, q21_rad, q12_rad, q22_rad, ..FingerState::default() });
     }
-    let bodies = vec![BodyState { centre_m, angle_rad: scene.hand.grasped().angle_rad, ..BodyState::default() }];
-    let contacts = vec![trace::ContactSample::NONE; HandContact::ALL.len()];
-    Ok(Sample::of(scene.duration_s, &fingers, &bodies, &contacts))
+    let object = BodyState { centre_m, angle_rad: scene.hand.grasped().angle_rad, ..BodyState::default() };
+    (0..sample.counts().bodies).for_each(|body| sample.set_body(body, &object));
+    (0..sample.counts().contacts).for_each(|contact| sample.set_contact(contact, &ContactSample::NONE));
+    Ok(sample)
 }
 
 /// Returns which phalanges, and whether the palm, have a gap of at most `within_m` to the object.
@@ -322,7 +319,7 @@ fn object_contacts(
     let mu = friction_coefficients(scene);
     let active = hand_contacts(scene).filter(|id| contact_value(&state.active, *id));
     let contacts = active.map(|id| {
-        let contact = sample.contact(id.index());
+        let contact = sample.hand_contact(&scene.hand, id);
         // The tangent is mirrored on the left, but not in samples.
         let sign = if matches!(id, HandContact::Finger(Side::Left, _)) { -1.0 } else { 1.0 };
         let forces_n = has_forces.then_some([contact.normal_n, sign * contact.tangential_n]);

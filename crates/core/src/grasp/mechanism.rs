@@ -3,6 +3,7 @@
 //! The posture is that of a run at a time. The results are force closure of one body by its contacts, form closure of all
 //! bodies with the actuators blocked, and the accelerations of the base that the contacts can balance.
 
+use crate::drawing::states::in_sample;
 use crate::mechanism::{Body, Mechanism, OutlineShape, Pose, point_in};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::sub;
@@ -108,7 +109,8 @@ pub fn mechanism_grasp(
     let name = || scene.name.clone();
     let object = object_of(scene, mechanism, request.object.as_deref())?;
     let sample = posture(scene, request.at_s, keep_running)?;
-    let poses: Vec<Pose> = sample.bodies().map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
+    let states = in_sample(mechanism, &sample).bodies.into_iter();
+    let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
     let contacts = active_contacts(mechanism, &sample, object, request.within_m);
     if contacts.iter().all(|contact| contact.push.is_none()) {
         let object = mechanism.bodies[object].name.clone();
@@ -215,7 +217,9 @@ fn active_contacts(mechanism: &Mechanism, sample: &Sample, object: usize, within
         let is_active = found.normal_n > 0.0 || within_m.is_some_and(|within_m| found.gap_m <= within_m);
         let bodies = [pair.points.body, pair.face.body];
         let mu = pair.law.friction.map_or(0.0, |friction| friction.mu_static);
-        let [x, y] = found.normal;
+        // From the face to the points.
+        let sign = if pair.is_reported_on_face { -1.0 } else { 1.0 };
+        let normal @ [x, y] = found.normal.map(|component| sign * component);
         let push = match bodies.map(|body| body == Some(object)) {
             [true, _] => Some([x, y]),
             [_, true] => Some([-x, -y]),
@@ -223,7 +227,7 @@ fn active_contacts(mechanism: &Mechanism, sample: &Sample, object: usize, within
         };
         is_active.then_some(HeldContact {
             name: point.name,
-            at_rest: ContactAtRest { bodies, point_m: found.point_m, normal: found.normal, mu },
+            at_rest: ContactAtRest { bodies, point_m: found.point_m, normal, mu },
             push,
             gap_m: found.gap_m,
             forces_n: [found.normal_n, found.tangential_n],

@@ -1,11 +1,10 @@
 //! Measures every invariant while a run progresses.
 
 use super::{Finding, Invariant, Tolerances, update_max};
-use crate::gripper::FingerContact;
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{hypot, pow};
-use crate::scene::{Hand, HandContact, ObjectMotion, Scene};
+use crate::scene::{FINGER_JOINTS, Hand, ObjectMotion, Scene};
 use crate::trace::{ContactSample, Energy, Model, Sample, Sink, SinkError};
 
 /// Tolerance for limits that hold in exact arithmetic; relative rounding error of the exchanged momentum.
@@ -251,9 +250,8 @@ impl Sink for Invariants {
         let released_j = (start.gravity_j - energy.gravity_j) + (start.spring_j - energy.spring_j);
         let available_j =
             (1.0 + ENERGY_SUM_TOLERANCE) * (supplied_j + released_j) + self.tolerances.energy * self.throughput_j;
-        // An infinite gap belongs to a contact that the scene does not have.
-        let existing = sample.contacts().filter(|contact| contact.gap_m != f64::INFINITY);
-        for (index, values) in existing.enumerate() {
+        // The gap of two outlines of the ground, which cannot move, is infinite.
+        for (index, values) in sample.contacts().enumerate().filter(|(_, contact)| contact.gap_m != f64::INFINITY) {
             self.contact(index, &values, time_s, available_j);
             self.friction(index, &values, time_s);
         }
@@ -262,7 +260,7 @@ impl Sink for Invariants {
     }
 }
 
-/// Arm of the limit of a revolute joint of a mechanism, m: the length by which comparisons of both models convert angles.
+/// Arm of the limit of a revolute joint without a five-bar finger, m: the length by which comparisons of both models convert angles.
 const LIMIT_ARM_M: f64 = 0.1;
 
 /// Returns the contacts of a scene, in the order of its samples.
@@ -279,28 +277,18 @@ fn monitored_contacts(scene: &Scene) -> Vec<MonitoredContact> {
             slip_m_s: f64::NAN,
             gap_rate_m_s: 0.0,
         };
-    if let Some(mechanism) = &scene.mechanism {
-        let points = mechanism.point_contacts().into_iter().map(|point| {
-            let law = &mechanism.contacts[point.pair].law;
-            monitored(point.name, (law.normal, law.friction), Invariant::Penetration, 1.0)
-        });
-        let limits = mechanism.limits().into_iter().map(|limit| {
-            let is_revolute = mechanism.joints[limit.joint].kind == JointKind::Revolute;
-            let reach_m = if is_revolute { LIMIT_ARM_M } else { 1.0 };
-            monitored(mechanism.limit_name(&limit), (limit.law, None), Invariant::JointLimit, reach_m)
-        });
-        return points.chain(limits).collect();
-    }
-    let contact = |contact: HandContact| {
-        let (name, laws) = (contact.name_for(hand.fingers.len()), hand.contact_laws(contact)?);
-        Some(match contact {
-            HandContact::Finger(side, FingerContact::Limit) => {
-                monitored(name, laws, Invariant::JointLimit, hand.finger(side).linkage.lengths.l22_m)
-            }
-            _ => monitored(name, laws, Invariant::Penetration, 1.0),
-        })
-    };
-    hand.contacts().filter_map(contact).collect()
+    let mechanism = scene.drawn_mechanism();
+    let points = mechanism.point_contacts().into_iter().map(|point| {
+        let law = &mechanism.contacts[point.pair].law;
+        monitored(point.name, (law.normal, law.friction), Invariant::Penetration, 1.0)
+    });
+    let arm_m = |finger: usize| hand.fingers.get(finger).map_or(LIMIT_ARM_M, |finger| finger.linkage.lengths.l22_m);
+    let limits = mechanism.limits().into_iter().map(|limit| {
+        let is_revolute = mechanism.joints[limit.joint].kind == JointKind::Revolute;
+        let reach_m = if is_revolute { arm_m(limit.joint / FINGER_JOINTS.len()) } else { 1.0 };
+        monitored(mechanism.limit_name(&limit), (limit.law, None), Invariant::JointLimit, reach_m)
+    });
+    points.chain(limits).collect()
 }
 
 /// Returns the object, if it is free, and the friction law of every contact.
@@ -310,11 +298,11 @@ fn object(hand: &Hand) -> Option<(FreeBody, Vec<Option<FrictionLaw>>)> {
     Some((FreeBody { mass_kg, inertia_kg_m2, gravity_m_s2: hand.gravity_m_s2 }, friction_laws.collect()))
 }
 
-/// Number of values that are not finite. An infinite gap belongs to a missing contact and does not count.
+/// Number of values that are not finite. An infinite gap does not count: that of two outlines of the ground.
 fn non_finite(sample: &Sample) -> usize {
-    let missing_gaps = sample.contacts().filter(|contact| contact.gap_m == f64::INFINITY).count();
+    let fixed_gaps = sample.contacts().filter(|contact| contact.gap_m == f64::INFINITY).count();
     let all = sample.values().iter().chain([&sample.time_s]);
-    all.filter(|number| !number.is_finite()).count() - missing_gaps
+    all.filter(|number| !number.is_finite()).count() - fixed_gaps
 }
 
 /// A body that only contacts and gravity accelerate.

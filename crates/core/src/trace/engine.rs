@@ -124,7 +124,7 @@ impl Stepper for EngineStepper {
     fn read(&self, t: f64, sample: &mut Sample) {
         sample.clone_from(self.recorder.last());
         sample.time_s = t;
-        read_state(&self.scene, &self.motion, sample);
+        read_state(&self.motion, sample);
     }
 
     fn set_input(&mut self, _: f64, index: usize, input: Profile, _: &mut dyn Sink) -> Result<(), Interruption> {

@@ -6,7 +6,7 @@ use super::engine_reading::{self as reading, JointForces, sample_contact, stored
 use super::extrema::StepExtrema;
 use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::sample::OVERLAP_ROUNDING;
-use super::{ContactSample, Counts, Energy, Outcome, Reach, Sample, Sink, SinkError, Work};
+use super::{Counts, Energy, Outcome, Reach, Sample, Sink, SinkError, Work};
 use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, PalmFrame, ZERO_RATE};
 use crate::scene::Scene;
 
@@ -28,8 +28,6 @@ pub(super) struct EngineRecorderState {
     pub joint_forces: JointForces,
     start_energy: Energy,
     trackers: Vec<ContactTracker>,
-    /// Contacts whose sampled normal is opposite to that of the plan.
-    flipped: Vec<bool>,
     last: Sample,
     /// Buffer for the sample at the end of the current step.
     node: Sample,
@@ -51,11 +49,10 @@ impl EngineRecorderState {
     pub fn new(scene: &Scene, motion: &mut Motion, recording: RecordingOptions) -> Self {
         let RecordingOptions { counts, span, ends_at_exit, required_data, .. } = recording;
         let start_energy = stored_energy(motion);
-        let flipped = reading::flipped_normals(scene);
-        let trackers = vec![ContactTracker::default(); flipped.len()];
+        let trackers = vec![ContactTracker::default(); counts.contacts];
         let mut last = Sample::default();
         let energy = start_energy.relative_to(&start_energy, 0.0, 0.0);
-        read_node(scene, motion, (counts, energy), (&trackers, &flipped), &mut last);
+        read_node(motion, (counts, energy), &trackers, &mut last);
         let joint_forces = JointForces::new(required_data.joint_forces, motion);
         joint_forces.set(motion, &mut last);
         Self {
@@ -69,7 +66,6 @@ impl EngineRecorderState {
             point: Sample::default(),
             start_energy,
             trackers,
-            flipped,
             emitted_s: 0.0,
             step_extrema: StepExtrema::default(),
             work: Work::default(),
@@ -114,13 +110,7 @@ impl EngineRecorder<'_> {
         let energy =
             stored_energy(motion).relative_to(&self.state.start_energy, motion.contact_work_j, motion.motor_work_j);
         self.state.failure = self.state.consistency.check(&energy, gap_m, dt);
-        read_node(
-            self.scene,
-            motion,
-            (self.state.last.counts(), energy),
-            (&self.state.trackers, &self.state.flipped),
-            &mut node,
-        );
+        read_node(motion, (self.state.last.counts(), energy), &self.state.trackers, &mut node);
         self.state.joint_forces.set(motion, &mut node);
         self.record_touch_downs_between_steps(motion, end_s - dt)?;
         self.find_extrema(motion);
@@ -221,7 +211,7 @@ impl EngineRecorder<'_> {
         }
         let mut sample = std::mem::take(&mut self.state.within);
         sample.interpolate_from(&self.state.last, now, time_s);
-        reading::extrapolate(self.scene, &mut sample, &self.state.last, motion, change_from_start);
+        reading::extrapolate(&mut sample, &self.state.last, motion, change_from_start);
         for index in 0..sample.counts().contacts {
             let (mut contact, before) = (sample.contact(index), self.state.last.contact(index));
             contact.set_before_touch_down_elsewhere(&before);
@@ -364,24 +354,16 @@ impl EngineRecorder<'_> {
 }
 
 /// Reads the node into a sample, given its energies and the contact states up to the start of the step.
-fn read_node(
-    scene: &Scene,
-    motion: &Motion,
-    (counts, energy): (Counts, Energy),
-    (trackers, flipped): (&[ContactTracker], &[bool]),
-    sample: &mut Sample,
-) {
+fn read_node(motion: &Motion, (counts, energy): (Counts, Energy), trackers: &[ContactTracker], sample: &mut Sample) {
     sample.prepare(motion.clock.now(), counts);
-    reading::read_state(scene, motion, sample);
+    reading::read_state(motion, sample);
     let frame = PalmFrame::at(&motion.plan, motion.clock.now());
-    for (channel, (tracker, flipped)) in trackers.iter().zip(flipped).enumerate() {
+    for (channel, tracker) in trackers.iter().enumerate() {
         let index = motion.plan.element_index(channel);
         // There is no step impulse before the first step.
         let stepped_index = index.filter(|_| motion.last_dt_s > 0.0);
         let impulse = tracker.engine.impulse + stepped_index.map_or(0.0, |index| motion.normal_impulse(index));
-        let contact = sample_contact(motion, &frame, index, impulse);
-        let normal = if *flipped { contact.normal.map(|component| -component) } else { contact.normal };
-        sample.set_contact(channel, &ContactSample { normal, ..contact });
+        sample.set_contact(channel, &sample_contact(motion, &frame, index, impulse));
     }
     sample.set_energy(&energy);
 }

@@ -141,10 +141,10 @@ where
             let [length_m, rate_m_s, tension_n] = model.tendon(t, qv, mode, index);
             sample.set_tendon(index, &TendonState { length_m, rate_m_s, tension_n });
         }
-        for body in 0..counts.bodies {
+        for (index, body) in model.reported_bodies().enumerate() {
             let ([x, y, angle], [vx, vy, spin_rad_s]) = model.body(qv, body);
-            let angle_rad = angles.continued(counts.joints + body, t, angle, spin_rad_s);
-            sample.set_body(body, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
+            let angle_rad = angles.continued(counts.joints + index, t, angle, spin_rad_s);
+            sample.set_body(index, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
         }
         angles.time_s = t;
         (0..counts.contacts).for_each(|index| sample.set_contact(index, &self.contact(state, index, mode)));

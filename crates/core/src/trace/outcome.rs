@@ -101,12 +101,12 @@ impl Outcome {
         Outcome { last: Sample::with_one_finger(), contacts, ..Outcome::default() }
     }
 
-    /// Returns a contact of the first finger.
+    /// Returns a contact of a single finger, without a touch if its scene has no such contact.
     ///
     /// # Panics
-    /// Panics if there is no finger.
-    pub fn finger_contact(&self, site: FingerContact) -> &ContactSummary {
-        &self.contacts[site as usize]
+    /// Panics if there is another number of fingers.
+    pub fn finger_contact(&self, contact: FingerContact) -> ContactSummary {
+        self.last.counts().finger_contact(contact).map_or_else(ContactSummary::default, |index| self.contacts[index])
     }
 }
 

@@ -28,11 +28,16 @@ pub(super) trait Kernel<const N: usize, const Z: usize>:
         sample: &mut Sample,
     );
 
+    /// Index of a contact of a sample among the contacts of the mode and the quadratures.
+    fn contact_index(&self, contact: usize) -> usize {
+        contact
+    }
+
     /// Whether bristle friction slips at a contact; `None` if the contact is inactive, has no bristle, or the mode does
     /// not record it.
     fn is_slipping(&self, index: usize, mode: &Self::Mode) -> Option<bool>;
 
-    /// Number of contacts of the mode; those of a sample come first.
+    /// Number of contacts of the mode.
     fn contact_count(&self) -> usize;
 
     /// Reads one contact of a state.
@@ -119,11 +124,14 @@ where
             qd21_rad_s: v[1],
             qd12_rad_s: passive.qd12,
             qd22_rad_s: passive.qd22,
-            motor_torque_n_m: if required_data.passive { self.motor_torque(t) } else { 0.0 },
         };
         sample.set_finger(0, &finger);
-        for (index, reading) in contacts.iter().enumerate() {
-            sample.set_contact(index, &contact_sample(reading.as_ref(), z[index]));
+        if sample.counts().actuators > 0 {
+            sample.set_actuator(0, if required_data.passive { self.motor_torque(t) } else { 0.0 });
+        }
+        for contact in 0..sample.counts().contacts {
+            let index = self.contact_index(contact);
+            sample.set_contact(contact, &contact_sample(contacts[index].as_ref(), z[index]));
         }
         let joint_forces = terms.as_ref().filter(|_| required_data.joint_forces);
         let joint_forces = joint_forces.map(|terms| self.joint_forces(t, v, mode, terms, &contacts));
@@ -133,6 +141,10 @@ where
         let energies = energies.map(|terms| stored_energy(&self.energies(v, terms, &contacts)));
         let relative = |energy: Energy| energy.relative_to(start, contact_work, motor_work);
         sample.set_energy(&energies.map_or_else(Energy::default, relative));
+    }
+
+    fn contact_index(&self, contact: usize) -> usize {
+        self.contact_order().index(contact)
     }
 
     fn is_slipping(&self, index: usize, mode: &FingerMode) -> Option<bool> {
@@ -167,7 +179,6 @@ impl<const N: usize> Kernel<N, GRASP_QUADRATURES> for Multibody<N> {
         let (model, t, counts, State { q, v, z }) = (self, sample.time_s, sample.counts(), state);
         let terms = model.terms(q);
         let kinematics = |finger: usize| kinematics_of(&terms[finger]);
-        let torques = if required_data.passive { model.motor_torques(t, v) } else { [0.0; 2] };
         let finger = |finger: usize| {
             let passive = match required_data.passive {
                 true => model.passive_joints(finger, &kinematics(finger), (q, v)),
@@ -184,42 +195,51 @@ impl<const N: usize> Kernel<N, GRASP_QUADRATURES> for Multibody<N> {
                 qd21_rad_s: v[first + 1],
                 qd12_rad_s: passive.qd12,
                 qd22_rad_s: passive.qd22,
-                motor_torque_n_m: torques[finger],
             }
         };
         (0..counts.fingers).for_each(|k| sample.set_finger(k, &finger(k)));
+        for actuator in 0..counts.actuators {
+            sample.set_actuator(actuator, if required_data.passive { model.effort(t, v, actuator) } else { 0.0 });
+        }
         if counts.bodies > 0 {
             let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.object_pose(q), model.object_rates(v));
             sample.set_body(0, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
         }
-        for k in 0..counts.contacts {
-            let reading = model.reading_in_pose(&kinematics, (q, v), k, mode[k]);
-            sample.set_contact(k, &contact_sample(reading.as_ref(), z[k]));
+        for contact in 0..counts.contacts {
+            let index = self.contact_index(contact);
+            let reading = model.reading_in_pose(&kinematics, (q, v), index, mode[index]);
+            sample.set_contact(contact, &contact_sample(reading.as_ref(), z[index]));
         }
+        let order = model.contact_order();
         if required_data.joint_forces {
             let contact_force = |index: usize| {
-                let contact = sample.contact(index);
-                match sample.is_stop(index) {
+                let contact = sample.contact(order.contact(index));
+                match sample.is_stop(order.contact(index)) {
                     true => [[contact.normal_n, 0.0]; 2],
                     false => [contact.force_n(), contact.point_m],
                 }
             };
             let forces_n = model.joint_forces(t, state, mode, &terms, contact_force);
-            forces_n
-                .iter()
-                .enumerate()
-                .take(counts.fingers)
-                .for_each(|(k, forces_n)| sample.set_joint_forces(k, forces_n));
+            // The joints of a left finger connect the links in the opposite order.
+            let sides = [1.0, -1.0];
+            for (k, (forces_n, side)) in forces_n.iter().zip(sides).enumerate().take(counts.fingers) {
+                sample.set_joint_forces(k, &forces_n.map(|force| force.map(|part| side * part)));
+            }
         } else {
             (0..counts.fingers).for_each(|k| sample.set_joint_forces(k, &[[0.0; 2]; 5]));
         }
         sample.set_energy(&match required_data.energies {
             true => {
-                let energies = model.energies_in_pose(&terms, (q, v), |contact| sample.contact(contact).gap_m);
+                let energies =
+                    model.energies_in_pose(&terms, (q, v), |index| sample.contact(order.contact(index)).gap_m);
                 stored_energy(&energies).relative_to(start, z[CONTACTS], z[CONTACTS + 1])
             }
             false => Energy::default(),
         });
+    }
+
+    fn contact_index(&self, contact: usize) -> usize {
+        self.contact_order().index(contact)
     }
 
     fn is_slipping(&self, index: usize, mode: &GraspMode) -> Option<bool> {

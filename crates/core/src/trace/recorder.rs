@@ -1,6 +1,7 @@
 //! Converts the steps of the analytic model into samples, events and summary figures.
 
 use std::ops::Index;
+use std::sync::Arc;
 
 use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
 use super::extrema::{
@@ -18,7 +19,8 @@ struct Interior<'a, M, const N: usize, const Z: usize> {
     mode: &'a M,
     tools: &'a mut dyn StepTools<N, Z>,
     impulses: [f64; Z],
-    contacts: usize,
+    /// Indices of the contacts of samples in the mode.
+    contacts: &'a [usize],
 }
 
 impl<M: Index<usize, Output = ContactState>, const N: usize, const Z: usize> Interior<'_, M, N, Z> {
@@ -26,7 +28,7 @@ impl<M: Index<usize, Output = ContactState>, const N: usize, const Z: usize> Int
     fn state_at(&mut self, t: f64) -> State<N, Z> {
         let theta = (t - self.step.t0) / self.step.h;
         // Damper forces cannot be evaluated on the dense output.
-        match (0..self.contacts).any(|index| self.mode[index].has_force()) {
+        match self.contacts.iter().any(|index| self.mode[*index].has_force()) {
             true => self.resolve(theta),
             false => self.tools.interpolate(theta),
         }
@@ -51,7 +53,8 @@ impl<M: Index<usize, Output = ContactState>, const N: usize, const Z: usize> Int
     }
 
     fn with_impulses(&mut self, mut state: State<N, Z>) -> State<N, Z> {
-        for (index, before) in self.impulses.iter_mut().enumerate().take(self.contacts) {
+        for &index in self.contacts {
+            let before = &mut self.impulses[index];
             *before = state.z[index].min(self.step.end.z[index]).max(*before);
             state.z[index] = *before;
         }
@@ -88,6 +91,8 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     mode: R::Mode,
     start_energy: Energy,
     trackers: Vec<ContactTracker>,
+    /// Index in the mode of each contact of a sample.
+    indices: Arc<[usize]>,
     /// Sample at the end of the last step.
     last: Sample,
     /// State from which `last` was read.
@@ -128,6 +133,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
             mode,
             start_energy,
             trackers: vec![ContactTracker::default(); counts.contacts],
+            indices: (0..counts.contacts).map(|contact| kernel.contact_index(contact)).collect(),
             last,
             last_state: *start,
             last_mode: mode,
@@ -148,8 +154,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         (step, mode, tools): (&Step<N, Z>, &R::Mode, &mut dyn StepTools<N, Z>),
         sample: &mut Sample,
     ) {
-        let contacts = self.trackers.len();
-        let mut interior = Interior { step, mode, tools, impulses: step.start.z, contacts };
+        let mut interior = Interior { step, mode, tools, impulses: step.start.z, contacts: &self.indices };
         let state = interior.state_at(t);
         self.read_at(kernel, t, (&state, mode), sample);
     }
@@ -166,12 +171,13 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     pub fn begin(&mut self) -> Result<(), SinkError> {
         for (index, tracker) in self.state.trackers.iter_mut().enumerate() {
             // An overlap is a contact with or without a force; a zero gap is a contact only if it closes.
-            if self.state.mode[index] == ContactState::Free {
+            let state = self.state.mode[self.state.indices[index]];
+            if state == ContactState::Free {
                 continue;
             }
             let contact = self.state.last.contact(index);
             let event = tracker.touch_down(0.0, contact.approach_at_start(), 0.0);
-            if self.state.mode[index] == ContactState::Released {
+            if state == ContactState::Released {
                 tracker.summary.update(contact.force_and_penetration());
             }
             self.sink.event(&event.at(0.0, index))?;
@@ -189,7 +195,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         // The integrator ends one step after the exit.
         let end = if self.state.ejected_s.is_some() { &self.state.last_state } else { end };
         let summary = |(index, tracker): (usize, &ContactTracker)| ContactSummary {
-            impulse_n_s: end.z[index],
+            impulse_n_s: end.z[self.state.indices[index]],
             ..tracker.summary
         };
         let contacts = self.state.trackers.iter().enumerate().map(summary).collect();
@@ -200,7 +206,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     fn emit_step(&mut self, mut interior: Interior<'_, R::Mode, N, Z>) -> Result<(), SinkError> {
         let (end, step, mode) = (self.state.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
-        let has_active_contact = (0..self.state.trackers.len()).any(|index| mode[index].has_force());
+        let has_active_contact = interior.contacts.iter().any(|index| mode[*index].has_force());
         let until_s = end.min(self.state.end_s);
         self.state.times.begin_step(until_s);
         while let Some(RecordingTime { time_s: t, is_sample, is_point }) = self.state.times.next_before(until_s) {
@@ -296,7 +302,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     /// Emits slip and stick events of bristle friction: steps end at these events, and the next step has another mode.
     fn record_slip_events(&mut self, time_s: f64, mode: &R::Mode) -> Result<(), SinkError> {
         for (contact, tracker) in self.state.trackers.iter_mut().enumerate() {
-            if let Some(event) = tracker.update_slip(self.kernel.is_slipping(contact, mode)) {
+            if let Some(event) = tracker.update_slip(self.kernel.is_slipping(self.state.indices[contact], mode)) {
                 self.sink.event(&event.at(time_s, contact))?;
             }
         }
@@ -334,13 +340,14 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
         self.state.peaks.clear();
         let length_s = self.state.end.time_s - self.state.last.time_s;
-        for (index, tracker) in self.state.trackers.iter_mut().enumerate() {
+        for (contact, tracker) in self.state.trackers.iter_mut().enumerate() {
+            let index = self.state.indices[contact];
             // A released contact can still get deeper without a force.
             let is_active = mode[index].has_force();
             if !is_active && mode[index] != ContactState::Released {
                 continue;
             }
-            let (start, end) = (self.state.last.contact(index), self.state.end.contact(index));
+            let (start, end) = (self.state.last.contact(contact), self.state.end.contact(contact));
             let read = |state: &State<N, Z>| self.kernel.contact(state, index, mode);
             let summary = &mut tracker.summary;
             summary.update_max_penetration(-start.gap_m);
@@ -410,8 +417,8 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
         let RecorderState { start_energy, required_data, history, end, .. } = &mut *self.state;
         end.time_s = step.t1;
         self.kernel.read((step.end, mode), start_energy, *required_data, history, end);
-        let (impulses, contacts) = (step.start.z, self.state.trackers.len());
-        let mut interior = Interior { step, mode, tools, impulses, contacts };
+        let (impulses, contacts) = (step.start.z, self.state.indices.clone());
+        let mut interior = Interior { step, mode, tools, impulses, contacts: &contacts };
         let exits = self.end_at_exit(&mut interior);
         if self.state.required_data.peaks && !exits {
             self.search_peaks(mode, interior.tools);
@@ -430,14 +437,15 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
         if let Some(observer) = &mut self.observer {
             observer.event(t, state, index, mode);
         }
+        let contact = self.state.indices.iter().position(|other| *other == index).expect("a contact of a sample");
         let was_separated =
-            self.state.last.contact(index).gap_m > 0.0 || !matches!(self.state.mode[index], ContactState::Released);
+            self.state.last.contact(contact).gap_m > 0.0 || !matches!(self.state.mode[index], ContactState::Released);
         let kind = match mode[index] {
             ContactState::Active if was_separated => EventKind::TouchDown,
             ContactState::Active => EventKind::Reload,
             _ => EventKind::LiftOff,
         };
-        let (tracker, impulse) = (&mut self.state.trackers[index], state.z[index]);
+        let (tracker, impulse) = (&mut self.state.trackers[contact], state.z[index]);
         let event = match kind {
             EventKind::TouchDown => {
                 let approach = -self.kernel.contact(state, index, mode).gap_rate_m_s;
@@ -447,7 +455,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
             EventKind::Reload | EventKind::Slips | EventKind::Sticks => ReportedEvent::of_kind(kind),
         };
         self.state.mode = *mode;
-        if let Err(error) = self.sink.event(&event.at(t, index)) {
+        if let Err(error) = self.sink.event(&event.at(t, contact)) {
             self.error.get_or_insert(error);
         }
     }

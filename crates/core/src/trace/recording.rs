@@ -1,6 +1,6 @@
 //! A run as arrays, one per column of the table written by `replay --csv`.
 
-use super::{Channel, Decimated, Event, Model, Outcome, RunError, Sample, Schema, Sink, SinkError, run};
+use super::{Channel, ContactName, Decimated, Event, Model, Outcome, RunError, Sample, Schema, Sink, SinkError, run};
 use crate::scene::Scene;
 
 /// Number of samples for which a recording has memory from the start: more than those of a typical closing motion.
@@ -11,10 +11,10 @@ const INITIAL_CAPACITY: usize = 512;
 /// [`record`] fills it with the samples that a log contains. Used directly as a sink it stores every step of the model;
 /// `log::read_file` fills it from a log.
 ///
-/// Columns of contacts that do not exist (no object, no joint limit) contain NaN.
 #[derive(Clone, Debug)]
 pub struct Recording {
     channels: Vec<Channel>,
+    contacts: Vec<ContactName>,
     values: Vec<Vec<f64>>,
     events: Vec<Event>,
 }
@@ -31,7 +31,7 @@ impl Recording {
     pub fn new(schema: &Schema) -> Self {
         let channels = schema.channels();
         let values = channels.iter().map(|_| Vec::with_capacity(INITIAL_CAPACITY)).collect();
-        Recording { channels, values, events: Vec::new() }
+        Recording { channels, contacts: schema.contacts.clone(), values, events: Vec::new() }
     }
 
     /// Creates an empty recording for the samples of a scene.
@@ -58,6 +58,11 @@ impl Recording {
     /// Returns the times of the samples, in s; two samples can share a time, before and after an event.
     pub fn time(&self) -> &[f64] {
         &self.values[0]
+    }
+
+    /// Returns the contacts of the samples; those of events are indices among them.
+    pub fn contacts(&self) -> &[ContactName] {
+        &self.contacts
     }
 
     /// Returns the events, in order of time.

@@ -1,12 +1,16 @@
 //! State of a run at one instant, and events between instants.
 
 use super::schema::{
-    ActuatorState, BodyState, Channel, ContactSample, Counts, Energy, FINGER_JOINTS, FingerState, Interpolation,
-    JointState, Source, State, TendonState,
+    ActuatorState, BodyState, Channel, ContactSample, Counts, Energy, FingerState, Interpolation, JointState, Source,
+    State, TendonState,
 };
 pub use crate::gripper::FingerContact;
 use crate::numeric::array_from;
 use crate::numeric::plane::nearest_equivalent_angle;
+use crate::scene::{FINGER_JOINTS, Hand, HandContact, Object};
+
+/// Places of q11, q21, q12, q22 and of the joint that closes the loop among [`FINGER_JOINTS`].
+const FINGER_JOINT_PLACES: [usize; 5] = [0, 2, 1, 3, 4];
 
 /// Largest overlap that counts as rounding error in the positions of two surfaces that just touch, m (limit: rad).
 pub(super) const OVERLAP_ROUNDING: f64 = 1e-12;
@@ -130,10 +134,9 @@ impl Sample {
         Sample { time_s, counts, values: vec![0.0; counts.values()] }
     }
 
-    /// Returns a sample of these states.
+    /// Returns a sample of these states of five-bar fingers; the last contacts are the joint limits of the fingers.
     pub fn of(time_s: f64, fingers: &[FingerState], bodies: &[BodyState], contacts: &[ContactSample]) -> Self {
-        let counts = Counts::of_fingers(fingers.len(), bodies.len(), contacts.len());
-        let mut sample = Sample::new(time_s, counts);
+        let mut sample = Sample::new(time_s, Self::counts_of(fingers.len(), bodies.len(), contacts.len()));
         fingers.iter().enumerate().for_each(|(k, state)| sample.set_finger(k, state));
         bodies.iter().enumerate().for_each(|(k, state)| sample.set_body(k, state));
         contacts.iter().enumerate().for_each(|(k, state)| sample.set_contact(k, state));
@@ -142,7 +145,12 @@ impl Sample {
 
     /// Returns a sample of one finger and its contacts, with all values zero.
     pub fn with_one_finger() -> Self {
-        Sample::new(0.0, Counts::of_fingers(1, 0, FingerContact::ALL.len()))
+        Sample::new(0.0, Self::counts_of(1, 0, FingerContact::ALL.len()))
+    }
+
+    fn counts_of(fingers: usize, bodies: usize, contacts: usize) -> Counts {
+        let (joints, limits) = (FINGER_JOINTS.len() * fingers, fingers.min(contacts));
+        Counts { fingers, joints, actuators: fingers, tendons: 0, bodies, contacts, limits }
     }
 
     /// Prepares the sample for a time and these numbers of subjects; reuses its allocation. Numbers are not cleared.
@@ -179,7 +187,8 @@ impl Sample {
     /// Panics if there is no such finger.
     pub fn finger(&self, index: usize) -> FingerState {
         assert!(index < self.counts.fingers, "a sample of {} fingers has no finger {index}", self.counts.fingers);
-        let [q11, q21, q12, q22, q13] = array_from(|k| self.joint(index, k));
+        let [q11, q21, q12, q22, _] =
+            FINGER_JOINT_PLACES.map(|place| self.joint_state(FINGER_JOINTS.len() * index + place));
         FingerState {
             q11_rad: q11.angle_rad,
             q21_rad: q21.angle_rad,
@@ -187,19 +196,13 @@ impl Sample {
             qd11_rad_s: q11.rate_rad_s,
             qd21_rad_s: q21.rate_rad_s,
             q12_rad: q12.angle_rad,
-            q13_rad: q13.angle_rad,
+            q13_rad: q21.angle_rad + q22.angle_rad,
             qd12_rad_s: q12.rate_rad_s,
             qd22_rad_s: q22.rate_rad_s,
-            motor_torque_n_m: self.actuator(index),
         }
     }
 
-    /// Returns a joint of a finger, numbered as in [`FINGER_JOINTS`].
-    pub fn joint(&self, finger: usize, joint: usize) -> JointState {
-        self.joint_state(FINGER_JOINTS.len() * finger + joint)
-    }
-
-    /// Returns a joint; those of fingers come first, with [`FINGER_JOINTS`] of each.
+    /// Returns a joint; those of a five-bar finger are [`FINGER_JOINTS`].
     pub fn joint_state(&self, index: usize) -> JointState {
         self.state(self.counts.joint(index))
     }
@@ -227,28 +230,27 @@ impl Sample {
         self.set_state(self.counts.tendon(index), tendon);
     }
 
-    /// Sets angles, rates and torque of a finger. The forces of its joints stay.
+    /// Sets angles and rates of a finger. The forces of its joints stay.
     pub fn set_finger(&mut self, index: usize, finger: &FingerState) {
-        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, q13_rad, qd11_rad_s, qd21_rad_s, .. } = *finger;
-        let FingerState { qd12_rad_s, qd22_rad_s, motor_torque_n_m, .. } = *finger;
+        let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, .. } =
+            *finger;
         let joints = [
             (q11_rad, qd11_rad_s),
             (q21_rad, qd21_rad_s),
             (q12_rad, qd12_rad_s),
             (q22_rad, qd22_rad_s),
-            (q13_rad, qd21_rad_s + qd22_rad_s),
+            (q21_rad + q22_rad - (q11_rad + q12_rad), qd21_rad_s + qd22_rad_s - (qd11_rad_s + qd12_rad_s)),
         ];
-        for (k, (angle_rad, rate_rad_s)) in joints.into_iter().enumerate() {
-            let first = self.counts.joint(FINGER_JOINTS.len() * index + k);
+        for (place, (angle_rad, rate_rad_s)) in FINGER_JOINT_PLACES.into_iter().zip(joints) {
+            let first = self.counts.joint(FINGER_JOINTS.len() * index + place);
             self.values[first..first + 2].copy_from_slice(&[angle_rad, rate_rad_s]);
         }
-        self.set_actuator(index, motor_torque_n_m);
     }
 
-    /// Sets the forces of the joints of a finger, in the order of [`FINGER_JOINTS`].
+    /// Sets the forces in q11, q21, q12, q22 and the joint that closes the loop of a finger.
     pub(super) fn set_joint_forces(&mut self, finger: usize, forces_n: &[[f64; 2]; 5]) {
-        for (k, force_n) in forces_n.iter().enumerate() {
-            let first = self.counts.joint(FINGER_JOINTS.len() * finger + k) + 2;
+        for (place, force_n) in FINGER_JOINT_PLACES.into_iter().zip(forces_n) {
+            let first = self.counts.joint(FINGER_JOINTS.len() * finger + place) + 2;
             self.values[first..first + 2].copy_from_slice(force_n);
         }
     }
@@ -264,6 +266,23 @@ impl Sample {
 
     pub fn set_body(&mut self, index: usize, body: &BodyState) {
         self.set_state(self.counts.body(index), body);
+    }
+
+    /// Returns the object of a gripper: its body, or a fixed object at rest.
+    ///
+    /// # Panics
+    /// Panics if the hand has no object.
+    pub fn object(&self, hand: &Hand) -> BodyState {
+        let Object { centre_m, angle_rad, .. } = *hand.grasped();
+        match hand.moving_object() {
+            Some(_) => self.body(0),
+            None => BodyState { centre_m, angle_rad, ..BodyState::default() },
+        }
+    }
+
+    /// Returns a contact of a hand; [`ContactSample::NONE`] if one of its surfaces does not exist.
+    pub fn hand_contact(&self, hand: &Hand, contact: HandContact) -> ContactSample {
+        hand.contact_index(contact).map_or(ContactSample::NONE, |index| self.contact(index))
     }
 
     pub fn bodies(&self) -> impl ExactSizeIterator<Item = BodyState> + DoubleEndedIterator + '_ {
@@ -284,13 +303,12 @@ impl Sample {
         (0..self.counts.contacts).map(|index| self.contact(index))
     }
 
-    /// Returns a contact of the first finger.
+    /// Returns a contact of a single finger; [`ContactSample::NONE`] if its scene has no such contact.
     ///
     /// # Panics
-    /// Panics if there is no finger.
+    /// Panics if there is another number of fingers.
     pub fn finger_contact(&self, contact: FingerContact) -> ContactSample {
-        assert!(self.counts.fingers > 0, "a sample without a finger has no contact of a finger");
-        self.contact(contact as usize)
+        self.counts.finger_contact(contact).map_or(ContactSample::NONE, |index| self.contact(index))
     }
 
     /// Returns the energies; all are zero in a sample without subjects. With driven discs, `motor_work_j` is the work of
@@ -306,10 +324,7 @@ impl Sample {
 
     /// Whether a contact is a joint limit.
     pub fn is_stop(&self, contact: usize) -> bool {
-        let is_of_finger = contact / FingerContact::ALL.len() < self.counts.fingers
-            && contact % FingerContact::ALL.len() == FingerContact::Limit as usize;
-        let first_limit = self.counts.contacts - self.counts.limits;
-        is_of_finger || (first_limit..self.counts.contacts).contains(&contact)
+        (self.counts.contacts - self.counts.limits..self.counts.contacts).contains(&contact)
     }
 
     /// Computes the quantities that follow from others ([`Interpolation::Derived`]).
@@ -325,7 +340,7 @@ impl Sample {
     /// Returns a sample of the same joints, actuators and tendons, and of the bodies and contacts with these indices.
     #[must_use]
     pub fn select(&self, bodies: &[usize], contacts: &[usize]) -> Sample {
-        let limits = contacts.iter().filter(|index| self.counts.fingers == 0 && self.is_stop(**index)).count();
+        let limits = contacts.iter().filter(|index| self.is_stop(**index)).count();
         let counts = Counts { bodies: bodies.len(), contacts: contacts.len(), limits, ..self.counts };
         let mut selected = Sample::new(self.time_s, counts);
         let of_joints = ..self.counts.body(0);
@@ -496,14 +511,4 @@ pub struct Event {
     pub approach_speed: f64,
     /// Normal impulse since the last touch-down of this contact at a lift-off, N·s (limit: N·m·s); 0 otherwise.
     pub impulse: f64,
-}
-
-impl Event {
-    /// Returns the contact of a scene with one finger.
-    ///
-    /// # Panics
-    /// Panics if the contact does not belong to the first finger.
-    pub fn finger_contact(&self) -> FingerContact {
-        FingerContact::ALL[self.contact]
-    }
 }

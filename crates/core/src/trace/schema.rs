@@ -7,8 +7,10 @@
 
 use serde::Serialize;
 
+use crate::gripper::FingerContact;
 use crate::mechanism::{Joint, JointKind, Mechanism};
-use crate::scene::{Hand, HandContact, Object, Scene, Side};
+use crate::scene::{FINGER_JOINTS, HandContact, Object, Scene, Side};
+use std::ops::Range;
 
 /// Rule for values between two samples. `rate` is the index of the rate among the quantities of the subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,9 +111,9 @@ pub trait State<const K: usize>: Sized {
     fn from_values(values: [f64; K]) -> Self;
 }
 
-/// State of a joint: its coordinate, and the force that it exerts. In a finger the force acts on the link named after
-/// the joint (for the pin that closes a loop: on the last link), in the frame of the palm; in a mechanism on the second
-/// body of the joint at its point, in the frame of the world. For a prismatic joint read m for rad.
+/// State of a joint: its coordinate, and the force that it exerts on its second body at its point, in the frame of a moving
+/// palm or of the world. The second body of a joint of a right finger is the link named after it, of a left finger the one
+/// before it. For a prismatic joint read m for rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointState {
     pub angle_rad: f64,
@@ -324,12 +326,8 @@ impl State<7> for Energy {
     }
 }
 
-/// Joints of a finger in the order of its samples. q11 and q21 are the ground joints, q12 and q22 the passive joints,
-/// each relative to the preceding link. q13 closes the loop; its angle is the absolute orientation of l22.
-pub const FINGER_JOINTS: [&str; 5] = ["q11", "q21", "q12", "q22", "q13"];
-
-/// State of a finger: a view of its joints and its motor. Its serialised form contains the angles, and the rates of the
-/// independent coordinates.
+/// State of a finger: a view of its joints. Its serialised form contains the angles, and the rates of the independent
+/// coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FingerState {
     pub q11_rad: f64,
@@ -338,13 +336,12 @@ pub struct FingerState {
     pub qd11_rad_s: f64,
     pub qd21_rad_s: f64,
     pub q12_rad: f64,
+    /// Orientation of l22: q21 + q22.
     pub q13_rad: f64,
     #[serde(skip)]
     pub qd12_rad_s: f64,
     #[serde(skip)]
     pub qd22_rad_s: f64,
-    #[serde(skip)]
-    pub motor_torque_n_m: f64,
 }
 
 /// A subject: what channels are about.
@@ -355,9 +352,6 @@ pub struct Subject {
     pub name: String,
     /// Index of its first number in a sample.
     pub first: usize,
-    /// Whether the scene has it. Grippers without an object or a table have all contacts of a gripper in their samples;
-    /// the gap of those that do not exist is infinite.
-    pub exists: bool,
     /// See [`Schema::has_joint_forces`].
     has_joint_forces: bool,
 }
@@ -431,7 +425,7 @@ pub struct Schema {
     pub tendons: Vec<String>,
     pub bodies: Vec<String>,
     pub contacts: Vec<ContactName>,
-    /// Number of contacts at the end that are joint limits of a mechanism.
+    /// Number of contacts at the end that are joint limits.
     pub limits: usize,
     /// Whether the forces of joints are among the channels. Samples always have their numbers, which are 0 otherwise.
     pub has_joint_forces: bool,
@@ -445,20 +439,12 @@ pub struct JointName {
     pub is_linear: bool,
 }
 
-/// Name of a contact of a sample. Names are equal whether the scene has the contact or not.
-#[derive(Clone, Debug, Eq)]
+/// Name of a contact of a sample.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ContactName {
     pub name: String,
-    /// Whether the gap is an angle, as for a joint limit: read rad for m and N·m for N.
+    /// Whether the gap is an angle, as for the limit of a revolute joint: read rad for m and N·m for N.
     pub is_angular: bool,
-    /// Whether the scene has this contact, see [`Subject::exists`].
-    pub exists: bool,
-}
-
-impl PartialEq for ContactName {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name && self.is_angular == other.is_angular
-    }
 }
 
 impl ContactName {
@@ -472,16 +458,16 @@ impl ContactName {
 const TIME: &str = "time_s";
 
 impl Schema {
-    /// Returns the schema of a scene. Contacts are in the order of [`Hand::contacts`]; in a mechanism those of
-    /// [`Mechanism::point_contacts`] come first, and [`Mechanism::limits`] follow.
+    /// Returns the schema of a scene. Contacts are in the order of [`Mechanism::point_contacts`], then of
+    /// [`Mechanism::limits`].
     pub fn from_scene(scene: &Scene) -> Self {
-        scene.mechanism.as_ref().map_or_else(|| Self::from_hand(&scene.hand), Self::from_mechanism)
+        Self { fingers: finger_names(scene.finger_count()), ..Self::from_mechanism(&scene.drawn_mechanism()) }
     }
 
     fn from_mechanism(mechanism: &Mechanism) -> Self {
         let is_linear = |joint: &Joint| matches!(joint.kind, JointKind::Prismatic { .. });
         let joint_name = |name: &str, joint| JointName { name: name.to_string(), is_linear: is_linear(joint) };
-        let contact = |name, is_angular| ContactName { name, is_angular, exists: true };
+        let contact = |name, is_angular| ContactName { name, is_angular };
         let surfaces = mechanism.point_contacts().into_iter().map(|point| contact(point.name, false));
         let pulls = mechanism.tendons.iter().filter_map(|tendon| tendon.actuator.as_ref());
         let limits = mechanism.limits();
@@ -499,23 +485,10 @@ impl Schema {
                 .chain(pulls.map(|actuator| JointName { name: actuator.name.clone(), is_linear: true }))
                 .collect(),
             tendons: mechanism.tendons.iter().map(|tendon| tendon.name.clone()).collect(),
-            bodies: mechanism.bodies.iter().map(|body| body.name.clone()).collect(),
+            bodies: mechanism.reported_bodies().map(|body| mechanism.bodies[body].name.clone()).collect(),
             contacts: surfaces.chain(limit_names).collect(),
             limits: limits.len(),
             has_joint_forces: true,
-        }
-    }
-
-    fn from_hand(hand: &Hand) -> Self {
-        let count = hand.fingers.len();
-        let contact = |contact: HandContact| ContactName {
-            exists: hand.contact_laws(contact).is_some(),
-            ..Self::contact_name(contact, count)
-        };
-        Self {
-            bodies: hand.reported_object().iter().map(|_| Object::NAME.to_string()).collect(),
-            contacts: hand.contacts().map(contact).collect(),
-            ..Self::from_finger_count(count)
         }
     }
 
@@ -524,35 +497,30 @@ impl Schema {
         self.fingers.is_empty()
     }
 
-    /// Returns the schema implied by the number of fingers alone; names that come from the scene are missing.
+    /// Returns the schema of this number of fingers with motors, a free object, a palm, a table and joint limits. One finger
+    /// has a fixed object and neither palm nor table.
     pub fn for_fingers(count: usize) -> Self {
-        let bodies = if count == 2 { vec![Object::NAME.to_string()] } else { Vec::new() };
-        Self { bodies, ..Self::from_finger_count(count) }
-    }
-
-    fn contact_name(contact: HandContact, fingers: usize) -> ContactName {
-        ContactName { name: contact.name_for(fingers), is_angular: contact.is_stop(), exists: false }
-    }
-
-    fn from_finger_count(count: usize) -> Self {
-        let sides = Side::BOTH.iter().take(count);
-        let fingers: Vec<String> =
-            sides.map(|side| if count == 1 { String::new() } else { side.name().to_string() }).collect();
+        let fingers = finger_names(count);
         let of_finger = |finger: &str, part: &str| JointName {
             name: if finger.is_empty() { part.to_string() } else { format!("{finger}_{part}") },
             is_linear: false,
         };
+        let is_possible = |contact: &HandContact| match contact {
+            HandContact::Finger(side, _) => (*side as usize) < count,
+            HandContact::Palm | HandContact::Table => count == 2,
+        };
+        let possible = HandContact::ALL.into_iter().filter(is_possible);
+        let (limits, surfaces): (Vec<_>, Vec<_>) = possible.partition(|contact| contact.is_stop());
+        let contact =
+            |contact: &HandContact| ContactName { name: contact.name_for(count), is_angular: contact.is_stop() };
         Schema {
             joints: fingers.iter().flat_map(|finger| FINGER_JOINTS.map(|joint| of_finger(finger, joint))).collect(),
             actuators: fingers.iter().map(|finger| of_finger(finger, "motor")).collect(),
             fingers,
             tendons: Vec::new(),
-            bodies: Vec::new(),
-            contacts: HandContact::for_fingers(count)
-                .iter()
-                .map(|contact| Self::contact_name(*contact, count))
-                .collect(),
-            limits: 0,
+            bodies: if count == 2 { vec![Object::NAME.to_string()] } else { Vec::new() },
+            contacts: surfaces.iter().chain(&limits).map(contact).collect(),
+            limits: limits.len(),
             has_joint_forces: true,
         }
     }
@@ -563,9 +531,8 @@ impl Schema {
     }
 
     /// Indices of the contacts between surfaces, that is all except joint limits.
-    pub fn surfaces(&self) -> impl Iterator<Item = usize> + '_ {
-        let surfaces = &self.contacts[..self.contacts.len() - self.limits];
-        surfaces.iter().enumerate().filter(|(_, contact)| !contact.is_angular).map(|(index, _)| index)
+    pub fn surfaces(&self) -> Range<usize> {
+        0..self.contacts.len() - self.limits
     }
 
     /// Returns the numbers of subjects of each kind.
@@ -585,8 +552,7 @@ impl Schema {
     pub fn subjects(&self) -> Vec<Subject> {
         let counts = self.counts();
         let has_joint_forces = self.has_joint_forces;
-        let present =
-            |kind, name: &str, first| Subject { kind, name: name.to_string(), first, exists: true, has_joint_forces };
+        let present = |kind, name: &str, first| Subject { kind, name: name.to_string(), first, has_joint_forces };
         let joints = self.joints.iter().enumerate().map(|(k, JointName { name, is_linear })| {
             present(if *is_linear { SubjectKind::Slider } else { SubjectKind::Joint }, name, counts.joint(k))
         });
@@ -599,10 +565,8 @@ impl Schema {
         let mut subjects: Vec<Subject> = joints.chain(actuators).chain(tendons).collect();
         let bodies = self.bodies.iter().enumerate();
         subjects.extend(bodies.map(|(k, name)| present(SubjectKind::Body, name, counts.body(k))));
-        subjects.extend(self.contacts.iter().enumerate().map(|(k, contact)| Subject {
-            exists: contact.exists,
-            ..present(contact.kind(), &contact.name, counts.contact(k))
-        }));
+        let contacts = self.contacts.iter().enumerate();
+        subjects.extend(contacts.map(|(k, contact)| present(contact.kind(), &contact.name, counts.contact(k))));
         subjects.push(present(SubjectKind::Energy, "energy", counts.energy()));
         subjects
     }
@@ -625,6 +589,12 @@ impl Schema {
         }
         channels
     }
+}
+
+/// Names of fingers; that of a single finger is empty.
+fn finger_names(count: usize) -> Vec<String> {
+    let sides = Side::BOTH.iter().take(count);
+    sides.map(|side| if count == 1 { String::new() } else { side.name().to_string() }).collect()
 }
 
 /// Name of the column of a quantity. Those of a joint are its coordinate: `q11_rad`, `qd11_rad_s`.
@@ -659,15 +629,22 @@ pub struct Counts {
     pub tendons: usize,
     pub bodies: usize,
     pub contacts: usize,
-    /// Contacts at the end that are joint limits of a mechanism; those of fingers follow from `fingers`.
+    /// Contacts at the end that are joint limits.
     pub limits: usize,
 }
 
 impl Counts {
-    /// Counts of a hand.
-    pub(super) fn of_fingers(fingers: usize, bodies: usize, contacts: usize) -> Self {
-        let joints = FINGER_JOINTS.len() * fingers;
-        Self { fingers, joints, actuators: fingers, tendons: 0, bodies, contacts, limits: 0 }
+    /// Returns the index of a contact of a single finger; `None` if its scene has no such contact.
+    ///
+    /// # Panics
+    /// Panics if there is another number of fingers.
+    pub fn finger_contact(self, contact: FingerContact) -> Option<usize> {
+        assert_eq!(self.fingers, 1, "a sample without a single finger has no contact of a finger");
+        let surfaces = self.contacts - self.limits;
+        match contact {
+            FingerContact::Limit => (self.limits > 0).then_some(surfaces),
+            FingerContact::Proximal | FingerContact::Distal => Some(contact as usize).filter(|index| *index < surfaces),
+        }
     }
 
     pub(super) fn joint(self, index: usize) -> usize {

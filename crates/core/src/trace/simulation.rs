@@ -1,6 +1,5 @@
 //! A simulation that its user advances, with inputs that change: a controller in the loop.
 
-use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use super::grid::{RecordingOptions, Span};
@@ -10,8 +9,8 @@ use super::stepper::{Interruption, Stepper};
 use super::{KeepRunning, Model, RequiredData, RunError, Sink, SinkError, build, check_supported};
 use crate::drive::{Interpolation, Profile};
 use crate::integrator::Failure;
-use crate::mechanism::Command;
-use crate::scene::{Motor, Scene};
+use crate::mechanism::{Actuator, Command};
+use crate::scene::Scene;
 
 /// Time after which a target stops that was set with a rate, s.
 const MOVING_TARGET_S: f64 = 1e4;
@@ -125,11 +124,11 @@ impl Simulation {
             // The analytic model computes the forces in joints when they are read.
             required_data: RequiredData { joint_forces: model == Model::Engine, ..RequiredData::NONE },
         };
-        let mut stepper = build(model, &with_motors(scene), recording).map_err(rejected)?;
+        let mut stepper = build(model, scene, recording).map_err(rejected)?;
         let mut events = Vec::new();
         let begun = stepper.begin(&mut EventList { events: &mut events, keep_running: &|| true });
         begun.map_err(|error| SimulationError::Rejected(error.to_string()))?;
-        let (channels, inputs) = (schema.channels(), inputs(scene, &schema));
+        let (channels, inputs) = (schema.channels(), inputs(scene));
         Ok(Self { schema, channels, inputs, stepper, time_s: 0.0, events, failure: None, sample: OnceCell::new() })
     }
 
@@ -185,7 +184,7 @@ impl Simulation {
         })
     }
 
-    /// Returns a number of the sample by the name of its column, such as `q11_rad`; NaN for contacts that do not exist.
+    /// Returns a number of the sample by the name of its column, such as `q11_rad`.
     ///
     /// # Errors
     /// Returns an error that lists the columns if there is no such column.
@@ -202,7 +201,7 @@ impl Simulation {
     /// Returns the contacts of the scene with their names.
     pub fn contacts(&self) -> impl Iterator<Item = (&str, ContactSample)> {
         let contacts = self.schema.contacts.iter().zip(self.sample().contacts());
-        contacts.filter(|(name, _)| name.exists).map(|(name, contact)| (&name.name[..], contact))
+        contacts.map(|(name, contact)| (&name.name[..], contact))
     }
 
     /// Advances by a duration, s.
@@ -337,50 +336,16 @@ impl Simulation {
     }
 }
 
-/// The scene with a motor on each finger that no differential drives. The engine model has no actuator where the motor is
-/// [`Motor::NONE`].
-fn with_motors(scene: &Scene) -> Cow<'_, Scene> {
-    let fingers = &scene.hand.fingers;
-    if scene.hand.differential.is_some() || fingers.iter().all(|finger| finger.motor != Motor::NONE) {
-        return Cow::Borrowed(scene);
-    }
-    let mut scene = scene.clone();
-    for finger in scene.hand.fingers.iter_mut().filter(|finger| finger.motor == Motor::NONE) {
-        let (points, interpolation) = (vec![(0.0, 0.0)], Interpolation::Step);
-        finger.motor.actuation = Profile::Table { points, interpolation };
-    }
-    Cow::Owned(scene)
-}
-
-/// Inputs of a scene: the actuators of a mechanism, or the motors of fingers or of their differential.
-fn inputs(scene: &Scene, schema: &Schema) -> Vec<Input> {
-    if let Some(mechanism) = &scene.mechanism {
-        let actuators = mechanism.actuators.iter().enumerate();
-        return actuators
-            .map(|(index, actuator)| {
-                let (is_servo, target_rate) = match &actuator.command {
-                    Command::Effort(_) => (false, None),
-                    Command::Servo { target_rate, .. } => (true, *target_rate),
-                };
-                let (name, profile) = (actuator.name.clone(), actuator.command.profile().clone());
-                Input { name, index, is_servo, profile, requested: None, target_rate }
-            })
-            .collect();
-    }
-    let input = |index: usize, name: &str, motor: &Motor| Input {
-        name: name.to_string(),
-        index,
-        is_servo: false,
-        profile: motor.actuation.clone(),
-        requested: None,
-        target_rate: None,
+/// Inputs of a scene: the actuators of its mechanism.
+fn inputs(scene: &Scene) -> Vec<Input> {
+    let mechanism = scene.drawn_mechanism();
+    let input = |(index, actuator): (usize, &Actuator)| {
+        let (is_servo, target_rate) = match &actuator.command {
+            Command::Effort(_) => (false, None),
+            Command::Servo { target_rate, .. } => (true, *target_rate),
+        };
+        let (name, profile) = (actuator.name.clone(), actuator.command.profile().clone());
+        Input { name, index, is_servo, profile, requested: None, target_rate }
     };
-    let fingers = &scene.hand.fingers;
-    match &scene.hand.differential {
-        Some(differential) => vec![input(0, "motor", &differential.motor)],
-        None => {
-            let named = schema.actuators.iter().zip(fingers).enumerate();
-            named.map(|(index, (actuator, finger))| input(index, &actuator.name, &finger.motor)).collect()
-        }
-    }
+    mechanism.actuators.iter().enumerate().map(input).collect()
 }

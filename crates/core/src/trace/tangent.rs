@@ -318,7 +318,10 @@ impl<M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'_, M, N, Z> {
                 let built = erased.downcast::<(M, State<N, Z>)>().map_err(|_| other())?;
                 let (kernel, start) = *built;
                 let start_mode = kernel.mode_at(0.0, &start.q, &start.v);
-                if (0..counts.contacts).any(|index| start_mode[index] != self.start_mode[index]) {
+                if (0..counts.contacts)
+                    .map(|contact| kernel.contact_index(contact))
+                    .any(|index| start_mode[index] != self.start_mode[index])
+                {
                     return Err(format!("a contact opens or closes at the start for a value of {value}"));
                 }
                 let mut sample = Sample::new(0.0, counts);
@@ -401,7 +404,9 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
     }
 
     fn contact_name(&self, contact: usize) -> &str {
-        self.schema.contacts.get(contact).map_or("of a tendon", |contact| &contact.name)
+        let mut contacts = self.schema.contacts.iter().enumerate();
+        let named = contacts.find(|(of_sample, _)| self.kernel.contact_index(*of_sample) == contact);
+        named.map_or("of a tendon", |(_, contact)| &contact.name)
     }
 
     /// Ends all derivatives.

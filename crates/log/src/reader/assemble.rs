@@ -18,7 +18,7 @@ use crate::channels::{ChannelContent, Topic, topics};
 use crate::lines::is_friction_line;
 use crate::messages::{decode, decode_event};
 use phalanx_core::scene::parse_any;
-use phalanx_core::trace::{ContactName, ContactSample, Event, EventKind, Sample, Schema};
+use phalanx_core::trace::{ContactName, Event, EventKind, Sample, Schema};
 
 /// Assembles messages, which arrive in order of log time.
 pub(crate) struct Assembler {
@@ -89,8 +89,10 @@ impl Assembler {
         let is_known = scene.is_some();
         let mut schema = scene.map_or_else(|| Schema::for_fingers(count), |scene| Schema::from_scene(&scene));
         let found: BTreeMap<_, _> = scan.index.channels.iter().collect();
-        if count == 0 && !is_known {
-            add_disc_topics(&mut schema, found.values().map(|channel| channel.topic.as_str()));
+        match (is_known, count) {
+            (true, _) => {}
+            (false, 0) => add_disc_topics(&mut schema, found.values().map(|channel| channel.topic.as_str())),
+            (false, _) => keep_contacts(&mut schema, found.values().map(|channel| channel.topic.as_str())),
         }
         schema.has_joint_forces = summary.metadata.get("log_joint_forces").is_some_and(|value| value == "true");
         let mut topics = topics(&schema);
@@ -116,14 +118,11 @@ impl Assembler {
         let subjects = schema.subjects();
         let mut missing_sample = Sample::new(f64::NAN, schema.counts());
         let mut present = Vec::new();
-        for Topic { content, is_expected, channels, .. } in &topics {
-            let ChannelContent::Subject { index, contact, .. } = *content else { continue };
+        for Topic { content, channels, .. } in &topics {
+            let ChannelContent::Subject { index, .. } = *content else { continue };
             let has_messages = channels.iter().any(|id| scan.sequences.contains_key(id));
             present.extend(has_messages.then_some(index));
-            match contact.filter(|_| !is_expected && !has_messages) {
-                Some(contact) => missing_sample.set_contact(contact, &ContactSample::NONE),
-                None => subjects[index].quantities().for_each(|(k, _)| missing_sample.values_mut()[k] = f64::NAN),
-            }
+            subjects[index].quantities().for_each(|(k, _)| missing_sample.values_mut()[k] = f64::NAN);
         }
         let contact_names = schema.contacts.iter().enumerate();
         Assembler {
@@ -303,9 +302,19 @@ fn add_disc_topics<'a>(schema: &mut Schema, topics: impl Iterator<Item = &'a str
             schema.bodies.push(name.to_string());
         }
         if let Some(name) = pair.filter(|name| is_pair(name) && known.insert(name.to_string())) {
-            schema.contacts.push(ContactName { name: name.to_string(), is_angular: false, exists: true });
+            schema.contacts.push(ContactName { name: name.to_string(), is_angular: false });
         }
     }
+}
+
+/// Keeps those contacts of fingers that a log without a scene has.
+fn keep_contacts<'a>(schema: &mut Schema, topics: impl Iterator<Item = &'a str>) {
+    let found: HashSet<&str> = topics.filter_map(|topic| topic.strip_prefix("/contact/")).collect();
+    // A finger with an object has contacts of both phalanges, which have the first indices.
+    let is_phalanx = |name: &str| ["proximal", "distal"].contains(&name);
+    let has_object = found.iter().any(|name| is_phalanx(name));
+    schema.contacts.retain(|contact| found.contains(contact.name.as_str()) || has_object && is_phalanx(&contact.name));
+    schema.limits = schema.contacts.iter().filter(|contact| contact.is_angular).count();
 }
 
 /// Whether messages are in write order. `present` are the subjects of a sample of this log, in order.

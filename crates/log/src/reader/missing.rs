@@ -85,10 +85,7 @@ impl MissingTracker {
         let has_lines = topics.iter().any(|topic| topic.content == ChannelContent::Lines && has_messages(topic));
         let mut found = Vec::new();
         for topic in topics {
-            let Topic { content, is_expected, ref channels, .. } = topic;
-            if !is_expected && channels.is_empty() {
-                continue;
-            }
+            let Topic { content, ref channels, .. } = topic;
             let is_empty = !has_messages(&topic);
             let defect = match content {
                 ChannelContent::Lines => self.missing_lines(summary, is_empty),

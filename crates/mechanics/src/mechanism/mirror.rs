@@ -42,6 +42,11 @@ impl Mirror<'_> {
             pose: [0.0 - x, y, 0.0 - angle],
             rate: [0.0 - vx, vy, 0.0 - spin],
             outlines: body.outlines.iter().map(outline).collect(),
+            drawn_m: body
+                .drawn_m
+                .iter()
+                .map(|corners| corners.iter().rev().map(|corner| flip(*corner)).collect())
+                .collect(),
             ..body.clone()
         }
     }

@@ -74,6 +74,10 @@ pub struct Body {
     /// Motion that no force affects; mass and inertia have no effect. `None` for a body that moves by forces.
     pub motion: Option<PrescribedMotion>,
     pub outlines: Vec<Outline>,
+    /// Polygons that drawings show instead of bars between its pins, in the frame of the body.
+    pub drawn_m: Vec<Vec<[f64; 2]>>,
+    /// Whether samples contain its pose; that of the links of a hand follows from their joints.
+    pub is_reported: bool,
 }
 
 /// Prescribed motion of the frame of a body.
@@ -108,6 +112,8 @@ pub struct Joint {
     pub upper: Option<f64>,
     /// Law of both limits; `None` for a joint without limits.
     pub limit: Option<NormalLaw>,
+    /// Name of its only limit in samples; by default `JOINT_lower` or `JOINT_upper`.
+    pub limit_name: Option<String>,
 }
 
 /// Kind of a joint.
@@ -385,8 +391,13 @@ impl Mechanism {
 
     /// Name of a limit, such as `coupler_upper`.
     pub fn limit_name(&self, limit: &Limit) -> String {
-        let side = if limit.side > 0.0 { "upper" } else { "lower" };
-        format!("{}_{side}", self.joints[limit.joint].name)
+        let (joint, side) = (&self.joints[limit.joint], if limit.side > 0.0 { "upper" } else { "lower" });
+        joint.limit_name.clone().unwrap_or_else(|| format!("{}_{side}", joint.name))
+    }
+
+    /// Indices of the bodies that samples report.
+    pub fn reported_bodies(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.bodies.len()).filter(|body| self.bodies[*body].is_reported)
     }
 
     /// Shortest distance between two points of joints of one body, m; infinite if every body has one only.

@@ -62,6 +62,9 @@ pub struct ContactPair {
     /// coefficients, and rates in rad/s.
     pub rolling: Option<FrictionLaw>,
     pub force_point: ForcePoint,
+    /// Whether samples report the force on the body of the face, with the normal to it; otherwise on the body of the
+    /// points.
+    pub is_reported_on_face: bool,
 }
 
 /// Where a contact force acts on both bodies.

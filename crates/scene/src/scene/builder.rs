@@ -1,13 +1,15 @@
 //! The mechanism of a hand.
 //!
 //! Bodies are the links of the fingers, a moving object, and a moving palm; a fixed object and planes are outlines of
-//! the ground. The joints of a finger have the angles of the thesis as coordinates, q11, q12, q21 and q22;
-//! q13 closes the loop. A left finger is the mirror image of a right one: its joints connect the same bodies in the
+//! the ground. The joints of a finger have the angles of the thesis as coordinates, q11, q12, q21 and q22; the joint
+//! `loop` closes the loop. A left finger is the mirror image of a right one: its joints connect the same bodies in the
 //! opposite order, so that its coordinates are the angles in the mirrored finger.
 
 use super::hand::{Differential, Hand, HandContact, HandFinger, Motor, Object, ObjectMotion, Side};
-use crate::gripper::{FingerContact, Lengths, Placement, Posture, Spring, SpringKind, close_loop, straight_posture};
-use crate::law::ContactLaw;
+use crate::gripper::{
+    FingerContact, Lengths, Placement, Posture, Spring, SpringKind, close_loop, link_outline, straight_posture,
+    tip_outline,
+};
 use crate::mechanism::{
     self, Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
     OutlineId, OutlineShape, Pose, PrescribedMotion, Rotor,
@@ -23,13 +25,17 @@ const L11: usize = 0;
 const L12: usize = 1;
 const L21: usize = 2;
 const L22: usize = 3;
-/// Joints of a finger in their order.
-const JOINTS: [&str; 5] = ["q11", "q12", "q21", "q22", "q13"];
+/// Joints of a finger in the order of its mechanism. q11 and q21 are the ground joints, q12 and q22 the passive joints,
+/// each relative to the preceding link; `loop` connects the ends of l12 and l22.
+pub const FINGER_JOINTS: [&str; 5] = ["q11", "q12", "q21", "q22", "loop"];
 const Q11: usize = 0;
 const Q12: usize = 1;
 const Q21: usize = 2;
 const Q22: usize = 3;
-const Q13: usize = 4;
+const LOOP: usize = 4;
+
+/// Posture of a finger that can neither close its loop at its start nor be straight.
+const UPRIGHT: Posture = Posture { q11_rad: 0.0, q21_rad: FRAC_PI_2, q12_rad: 0.0, q22_rad: 0.0 };
 
 /// Error for initial angles at which the loop of a finger does not close.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -46,7 +52,18 @@ impl Hand {
     /// # Errors
     /// Returns an error if the initial angles of a finger do not close its loop.
     pub fn mechanism(&self) -> Result<Mechanism, OpenLoop> {
+        let (mechanism, open_loop) = self.build();
+        open_loop.map_or(Ok(mechanism), Err)
+    }
+
+    /// Returns the mechanism of the hand. A finger whose loop does not close at its start is straight in it.
+    pub fn drawn_mechanism(&self) -> Mechanism {
+        self.build().0
+    }
+
+    fn build(&self) -> (Mechanism, Option<OpenLoop>) {
         let mut mechanism = Mechanism { gravity_m_s2: self.gravity_m_s2, ..Mechanism::default() };
+        let mut open_loop = None;
         let object_moves = self.moving_object().is_some();
         let palm = LINKS.len() * self.fingers.len() + usize::from(object_moves);
         let palm = self.palm_motion.is_some().then_some(palm);
@@ -56,8 +73,14 @@ impl Hand {
                 _ => format!("{}_{part}", side.name()),
             };
             let mount = Mount { base: palm, half_palm_m: 0.5 * self.palm_width_m, mirror: side.mirror() };
-            let open_loop = if self.fingers.len() == 1 { OpenLoop::Single } else { OpenLoop::OneOfTwo(side) };
-            add_finger(&mut mechanism, finger, &mount, &name).ok_or(open_loop)?;
+            if !add_finger(&mut mechanism, finger, &mount, &name) {
+                let error = if self.fingers.len() == 1 { OpenLoop::Single } else { OpenLoop::OneOfTwo(side) };
+                open_loop.get_or_insert(error);
+            }
+            if self.has_motor(finger) {
+                let on = JointCombination::of_joint(FINGER_JOINTS.len() * side as usize + Q11);
+                mechanism.actuators.push(actuator(name("motor"), &finger.motor, on));
+            }
         }
         if let Some(differential) = &self.differential {
             add_differential(&mut mechanism, differential);
@@ -66,6 +89,7 @@ impl Hand {
         if let Some(motion) = self.palm_motion.clone() {
             mechanism.bodies.push(Body {
                 motion: Some(PrescribedMotion::Palm(motion)),
+                is_reported: false,
                 ..body("palm".to_owned(), [0.0; 2], [0.0; 3], [0.0; 3])
             });
         }
@@ -78,8 +102,9 @@ impl Hand {
         // For a finger on a fixed object, forces act at each surface's own nearest point, as in the thesis. Where fingers
         // can push an object away, they act at the point on the surface that is not the object's.
         let on_phalanx = if self.fingers.len() == 1 && !object_moves { ForcePoint::Each } else { ForcePoint::Face };
-        for (_, contact, law) in self.surface_contacts() {
+        for contact in self.contacts() {
             let (face, force_point) = match contact {
+                HandContact::Finger(_, FingerContact::Limit) => continue,
                 HandContact::Finger(side, phalanx) => {
                     let link = if phalanx == FingerContact::Proximal { L21 } else { L22 };
                     let body = Some(LINKS.len() * side as usize + link);
@@ -88,13 +113,21 @@ impl Hand {
                 HandContact::Palm => (palm_plane, ForcePoint::Face),
                 HandContact::Table => (table_plane, ForcePoint::Face),
             };
-            let Some((points, face)) = object.zip(face) else { continue };
-            mechanism.contacts.push(ContactPair { name: None, points, face, law, rolling: None, force_point });
+            let (Some((points, face)), Some(law)) = (object.zip(face), self.law(contact)) else { continue };
+            let name = Some(contact.name_for(self.fingers.len()));
+            let pair = ContactPair { name, points, face, law, rolling: None, force_point, is_reported_on_face: true };
+            mechanism.contacts.push(pair);
         }
-        Ok(mechanism)
+        (mechanism, open_loop)
+    }
+
+    /// Whether the mechanism has a motor on the driven link of a finger: a differential replaces both.
+    pub fn has_motor(&self, finger: &HandFinger) -> bool {
+        self.differential.is_none() || finger.motor != Motor::NONE
     }
 
     /// Returns the mechanism with another outline of the grasped object, and its mass, moment of inertia and centre of mass.
+    /// It has the order, the names and the reported bodies of a mechanism in a scene file.
     ///
     /// # Errors
     /// Returns an error if the initial angles of a finger do not close its loop.
@@ -120,31 +153,22 @@ impl Hand {
         for pair in pairs {
             let directions =
                 if pair.points == id { mechanism.directions([id, pair.face]) } else { vec![[pair.points, pair.face]] };
-            let directed = directions.into_iter().map(|[points, face]| ContactPair { points, face, ..pair.clone() });
+            let directed = directions.into_iter().map(|[points, face]| ContactPair {
+                name: None,
+                points,
+                face,
+                is_reported_on_face: false,
+                ..pair.clone()
+            });
             mechanism.contacts.extend(directed);
         }
+        mechanism.bodies.iter_mut().for_each(|body| (body.is_reported, body.drawn_m) = (true, Vec::new()));
+        mechanism.joints.iter_mut().for_each(|joint| joint.limit_name = None);
         // Rates of bodies with joints follow from those of the joints.
         let jointed: Vec<usize> = mechanism.joints.iter().flat_map(|joint| joint.bodies).flatten().collect();
         jointed.into_iter().for_each(|body| mechanism.bodies[body].rate = [0.0; 3]);
         sort_by_name(&mut mechanism);
         Ok(mechanism)
-    }
-
-    /// Contacts of surfaces that can move against each other, with the index of their channel and their law.
-    fn surface_contacts(&self) -> impl Iterator<Item = (usize, HandContact, ContactLaw)> {
-        let object = |contact: HandContact| match contact {
-            HandContact::Finger(..) => self.object.as_ref(),
-            HandContact::Palm | HandContact::Table => self.moving_object(),
-        };
-        let law = move |contact: HandContact| object(contact).and(self.law(contact));
-        self.contacts().enumerate().filter_map(move |(channel, contact)| Some((channel, contact, law(contact)?)))
-    }
-
-    /// Returns the channels, in samples, of the contacts of [`Hand::mechanism`], then of its limits.
-    pub fn contact_channels(&self) -> (Vec<usize>, Vec<usize>) {
-        let is_limit = |(_, contact): &(usize, HandContact)| contact.is_stop() && self.contact_laws(*contact).is_some();
-        let limits = self.contacts().enumerate().filter(is_limit).map(|(channel, _)| channel).collect();
-        (self.surface_contacts().map(|(channel, ..)| channel).collect(), limits)
     }
 }
 
@@ -194,17 +218,14 @@ struct Mount {
     mirror: f64,
 }
 
-/// Adds links, joints, spring, motor and limit of a finger; `None` if its angles do not close the loop.
-fn add_finger(
-    mechanism: &mut Mechanism,
-    driven: &HandFinger,
-    mount: &Mount,
-    name: &dyn Fn(&str) -> String,
-) -> Option<()> {
+/// Adds links, joints, spring and limit of a finger; returns whether its loop closes.
+fn add_finger(mechanism: &mut Mechanism, driven: &HandFinger, mount: &Mount, name: &dyn Fn(&str) -> String) -> bool {
     let HandFinger { linkage: finger, initial, motor, .. } = driven;
     let (lengths, mirror, ground_m) = (&finger.lengths, mount.mirror, [mount.mirror * mount.half_palm_m, 0.0]);
     let (first_body, first_joint) = (mechanism.bodies.len(), mechanism.joints.len());
-    let posture = close_loop(lengths, finger.assembly, initial.q11_rad, initial.q21_rad).ok()?;
+    let closed = close_loop(lengths, finger.assembly, initial.q11_rad, initial.q21_rad);
+    let is_closed = closed.is_ok();
+    let posture = closed.or_else(|_| straight_posture(lengths, FRAC_PI_2)).unwrap_or(UPRIGHT);
     let angles = link_angles(&posture, lengths.phi22_rad);
     let rates = link_rates(lengths, &angles, [initial.qd11_rad_s, initial.qd21_rad_s]);
     let end = |length: f64, link: usize| {
@@ -219,6 +240,16 @@ fn add_finger(
         Some([lengths.l21_m, 0.0]),
         Some([lengths.t22_m * cos(lengths.phi22_rad), lengths.t22_m * sin(mirror * lengths.phi22_rad)]),
     ];
+    let bar = |length_m| vec![link_outline(length_m, lengths.half_width_m).to_vec()];
+    // A degenerate triangle has no outline; its mass is given in the scene.
+    let distal = tip_outline(lengths).map_or_else(|_| bar(lengths.l22_m), |corners| vec![corners.to_vec()]);
+    let drawn_m = [bar(lengths.l11_m), bar(lengths.l12_m), bar(lengths.l21_m), distal];
+    let placed = |corners: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        match mirror > 0.0 {
+            true => corners.to_vec(),
+            false => corners.iter().rev().map(|[x, y]| [*x, -y]).collect(),
+        }
+    };
     for link in 0..LINKS.len() {
         let [x, y] = origins[link];
         // The origins of l12 and l22 move with l11 and l21.
@@ -229,6 +260,8 @@ fn add_finger(
         mechanism.bodies.push(Body {
             mass_kg: masses[link].mass_kg,
             inertia_kg_m2: masses[link].inertia_kg_m2,
+            is_reported: false,
+            drawn_m: drawn_m[link].iter().map(|corners| placed(corners)).collect(),
             outlines: ends[link]
                 .map(|end| Outline { name: "surface".to_owned(), shape: surface(end) })
                 .into_iter()
@@ -259,7 +292,7 @@ fn add_finger(
         };
         let limit = driven.limit.filter(|_| index == Q22);
         mechanism.joints.push(Joint {
-            name: name(JOINTS[index]),
+            name: name(FINGER_JOINTS[index]),
             kind: JointKind::Revolute,
             bodies,
             points_m,
@@ -272,16 +305,13 @@ fn add_finger(
             lower: limit.map(|_| -lengths.phi22_rad),
             upper: None,
             limit,
+            limit_name: limit.map(|_| name(FingerContact::Limit.name())),
         });
     }
-    if let Some(spring) = driven.spring {
-        mechanism.springs.push(finger_spring(spring, lengths, first_joint, name("spring"))?);
-    }
-    // A finger that a differential drives has no motor.
-    if *motor != Motor::NONE {
-        mechanism.actuators.push(actuator(name("motor"), motor, JointCombination::of_joint(first_joint + Q11)));
-    }
-    Some(())
+    let spring = driven.spring.map(|spring| finger_spring(spring, lengths, first_joint, name("spring")));
+    let has_spring = spring.as_ref().is_none_or(Option::is_some);
+    mechanism.springs.extend(spring.flatten());
+    is_closed && has_spring
 }
 
 /// Returns a spring between the two links of its placement, with a coordinate that is zero in the straight posture and
@@ -291,7 +321,7 @@ fn finger_spring(spring: Spring, lengths: &Lengths, first_joint: usize, name: St
         Placement::GroundLinks => (&[(Q21, 1.0), (Q11, -1.0)], L21, L11),
         Placement::DrivenCoupler => (&[(Q12, 1.0)], L12, L11),
         Placement::Phalanges => (&[(Q22, 1.0)], L22, L21),
-        Placement::CouplerDistal => (&[(Q13, -1.0)], L12, L22),
+        Placement::CouplerDistal => (&[(LOOP, -1.0)], L12, L22),
     };
     let angles = link_angles(&straight_posture(lengths, FRAC_PI_2).ok()?, lengths.phi22_rad);
     // Rates with q11 at constant q21.
@@ -314,10 +344,10 @@ fn finger_spring(spring: Spring, lengths: &Lengths, first_joint: usize, name: St
 /// Adds the input of a differential, which turns by the mean of q11 of both fingers, and its seesaw, which turns by half
 /// of their difference.
 fn add_differential(mechanism: &mut Mechanism, differential: &Differential) {
-    let [right, left] = [Q11, JOINTS.len() + Q11];
+    let [right, left] = [Q11, FINGER_JOINTS.len() + Q11];
     let half = |sign: f64| JointCombination { terms: vec![(right, 0.5), (left, sign * 0.5)], offset: 0.0 };
     let Differential { motor, seesaw_inertia_kg_m2 } = differential;
-    mechanism.actuators.push(actuator("input".to_owned(), motor, half(1.0)));
+    mechanism.actuators.push(actuator("motor".to_owned(), motor, half(1.0)));
     let rotors = [("input", motor.inertia_kg_m2, 1.0), ("seesaw", *seesaw_inertia_kg_m2, -1.0)];
     let rotors = rotors.into_iter().filter(|(_, inertia, _)| *inertia > 0.0);
     mechanism.rotors.extend(rotors.map(|(name, inertia, sign)| Rotor {
@@ -368,7 +398,8 @@ pub(super) fn add_disc(
 
 /// A body without mass and outlines.
 pub(super) fn body(name: String, com_m: [f64; 2], pose: Pose, rate: Pose) -> Body {
-    Body { name, mass_kg: 0.0, inertia_kg_m2: 0.0, com_m, pose, rate, motion: None, outlines: Vec::new() }
+    let (motion, outlines, drawn_m, is_reported) = (None, Vec::new(), Vec::new(), true);
+    Body { name, mass_kg: 0.0, inertia_kg_m2: 0.0, com_m, pose, rate, motion, outlines, drawn_m, is_reported }
 }
 
 /// Adds an outline to a body, or to the ground for `None`.

@@ -91,6 +91,7 @@ impl Discs {
                 rolling: None,
                 // Each disc has the contact point on its own surface, as in the thesis.
                 force_point: ForcePoint::Each,
+                is_reported_on_face: false,
             });
         };
         for (i, first) in self.discs.iter().enumerate() {

@@ -81,28 +81,31 @@ impl Hand {
         self.object.as_mut().expect("a gripper has an object")
     }
 
-    /// Returns the object, if samples report it: they omit a fixed object of one finger.
-    pub fn reported_object(&self) -> Option<&Object> {
-        if self.fingers.len() == 1 { self.moving_object() } else { self.object.as_ref() }
+    /// Contacts in the order of samples and of [`Hand::mechanism`]: those of surfaces that can move against each other, then
+    /// the joint limits.
+    pub fn contacts(&self) -> impl Iterator<Item = HandContact> {
+        let of_kind = |is_stop| {
+            let all = HandContact::ALL.into_iter();
+            all.filter(move |contact| contact.is_stop() == is_stop && self.contact_laws(*contact).is_some())
+        };
+        of_kind(false).chain(of_kind(true))
     }
 
-    /// Possible contacts, in the order of samples. Next to one finger, only a moving object has contacts with palm and
-    /// table.
-    pub fn contacts(&self) -> impl Iterator<Item = HandContact> {
-        let (fingers, moves) = (self.fingers.len(), self.moving_object().is_some());
-        HandContact::ALL.into_iter().filter(move |contact| match contact {
-            HandContact::Finger(side, _) => (*side as usize) < fingers,
-            HandContact::Palm => fingers == 2 || moves && self.palm.is_some(),
-            HandContact::Table => fingers == 2 || moves && self.table.is_some(),
-        })
+    /// Index of a contact in samples; `None` if one of its surfaces does not exist.
+    pub fn contact_index(&self, contact: HandContact) -> Option<usize> {
+        self.contacts().position(|other| other == contact)
     }
 
     /// Laws of a contact; `None` if one of its surfaces does not exist.
     pub fn contact_laws(&self, contact: HandContact) -> Option<(NormalLaw, Option<FrictionLaw>)> {
-        if let HandContact::Finger(side, FingerContact::Limit) = contact {
-            return self.finger(side).limit.map(|normal| (normal, None));
-        }
-        self.object.as_ref()?;
+        match contact {
+            HandContact::Finger(side, _) if side as usize >= self.fingers.len() => return None,
+            HandContact::Finger(side, FingerContact::Limit) => {
+                return self.finger(side).limit.map(|normal| (normal, None));
+            }
+            HandContact::Finger(..) => self.object.as_ref()?,
+            HandContact::Palm | HandContact::Table => self.moving_object()?,
+        };
         self.law(contact).map(|law| (law.normal, law.friction))
     }
 
@@ -321,7 +324,7 @@ pub enum HandContact {
 }
 
 impl HandContact {
-    /// All contacts, in the order of both models.
+    /// All contacts, in the order of the closed form of a gripper.
     pub const ALL: [Self; 8] = [
         HandContact::Finger(Side::Right, FingerContact::Proximal),
         HandContact::Finger(Side::Right, FingerContact::Distal),
@@ -351,11 +354,6 @@ impl HandContact {
         }
     }
 
-    /// Returns the contacts of a hand with this number of fingers, in the order of [`HandContact::ALL`].
-    pub fn for_fingers(count: usize) -> &'static [Self] {
-        &Self::ALL[..[0, FingerContact::ALL.len(), Self::ALL.len()][count]]
-    }
-
     /// Name in reports, keys and topics for a hand with this number of fingers: `distal` and `object-palm` with one,
     /// `right_distal` and `palm` with two.
     pub fn name_for(self, fingers: usize) -> String {
@@ -375,6 +373,39 @@ impl HandContact {
             HandContact::Palm => "palm".to_string(),
             HandContact::Table => "table".to_string(),
         }
+    }
+}
+
+/// Order of the contacts of a hand in samples, for the closed forms, whose contacts have the indices of
+/// [`HandContact::ALL`] whether they exist or not.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactOrder {
+    /// Index in [`HandContact::ALL`] of each contact of a sample.
+    indices: [usize; HandContact::ALL.len()],
+    /// Contact of a sample of each index.
+    contacts: [usize; HandContact::ALL.len()],
+}
+
+impl ContactOrder {
+    pub fn new(hand: &Hand) -> Self {
+        let mut order = Self { indices: [0; HandContact::ALL.len()], contacts: [0; HandContact::ALL.len()] };
+        for (contact, of_hand) in hand.contacts().enumerate() {
+            order.indices[contact] = of_hand.index();
+            order.contacts[of_hand.index()] = contact;
+        }
+        order
+    }
+
+    /// Returns the index in [`HandContact::ALL`] of a contact of a sample.
+    #[inline]
+    pub fn index(&self, contact: usize) -> usize {
+        self.indices[contact]
+    }
+
+    /// Returns the contact of a sample with an index in [`HandContact::ALL`]; 0 for one that does not exist.
+    #[inline]
+    pub fn contact(&self, index: usize) -> usize {
+        self.contacts[index]
     }
 }
 

@@ -40,13 +40,13 @@ pub mod value;
 
 pub use crate::drive::{Brake, Interpolation, Profile};
 pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
-pub use builder::OpenLoop;
+pub use builder::{FINGER_JOINTS, OpenLoop};
 pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
 pub use discs::{Disc, DiscMotion, Discs};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
 pub use hand::{
-    Differential, FingerContactLaws, HalfPlane, Hand, HandContact, HandFinger, Initial, Motor, Object, ObjectMotion,
-    Side,
+    ContactOrder, Differential, FingerContactLaws, HalfPlane, Hand, HandContact, HandFinger, Initial, Motor, Object,
+    ObjectMotion, Side,
 };
 pub use keys::closest_match;
 use keywords::SceneKind;
@@ -107,6 +107,12 @@ impl Scene {
             Some(mechanism) => Ok(Cow::Borrowed(mechanism)),
             None => self.hand.mechanism().map(Cow::Owned),
         }
+    }
+
+    /// Returns the mechanism that samples, logs and drawings describe. A finger whose loop does not close at its start is
+    /// straight in it; such a scene fails before its first step.
+    pub fn drawn_mechanism(&self) -> Cow<'_, Mechanism> {
+        self.mechanism.as_ref().map_or_else(|| Cow::Owned(self.hand.drawn_mechanism()), Cow::Borrowed)
     }
 
     /// Length of the shortest link, m; infinite without links.

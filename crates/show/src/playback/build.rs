@@ -144,8 +144,7 @@ impl ColumnTable {
 
 /// Builds the playback of a run; `summary` is shown below it. More than [`MAX_SAMPLES`] samples are decimated.
 ///
-/// Plotted angles of a finger are wrapped to −π to π, as in the series of a validation; angles of poses are not. Pairs
-/// without contact are omitted if other pairs have contact.
+/// Pairs without contact are omitted if others have contact.
 pub fn build_playback(
     label: &str,
     scene: &Scene,
@@ -154,15 +153,15 @@ pub fn build_playback(
     summary: impl Into<Report>,
 ) -> Playback {
     let schema = Schema::from_scene(scene);
-    let contacts = shown_contacts(scene, &schema, samples, events);
+    let contacts = shown_contacts(scene, samples, events);
     let panels = panels(scene, &schema, &contacts);
     let selected = selected_samples(samples, events, &contacts, &panels);
 
     let mut table = ColumnTable::default();
     let time_s = table.push(selected.iter().map(|sample| sample.time_s));
-    let poses: Vec<Vec<Pose>> = selected.iter().map(|sample| drawing::poses(scene, sample)).collect();
-    let rates: Vec<Vec<Pose>> = selected.iter().map(|sample| drawing::velocities(scene, sample)).collect();
     let drawing = Drawing::from_scene(scene);
+    let poses: Vec<Vec<Pose>> = selected.iter().map(|sample| drawing.poses(sample)).collect();
+    let rates: Vec<Vec<Pose>> = selected.iter().map(|sample| drawing.velocities(sample)).collect();
     let body = |(index, body): (usize, drawing::Body)| {
         let quantities =
             POSITIONS.iter().map(|quantity| (quantity, &poses)).chain(RATES.iter().map(|rate| (rate, &rates)));
@@ -183,7 +182,7 @@ pub fn build_playback(
     };
     let event_marker = |event: &Event| {
         let shown = contacts.iter().find(|contact| contact.contains(event.contact));
-        let name = display_name(scene, &schema, event.contact);
+        let name = display_name(scene, &schema.contacts[event.contact].name);
         let location = shown.map_or_else(|| name.clone(), |contact| contact.name.clone());
         event_marker(event, location, name, schema.contacts[event.contact].is_angular)
     };

@@ -5,10 +5,12 @@ use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{add, scale};
 use crate::scene::Scene;
 use crate::trace::schema::State;
-use crate::trace::{ContactSample, Event, Sample, Schema};
+use crate::trace::{ContactSample, Event, Sample};
 
 /// Maximum number of contacts shown if none closes.
 const MAX_IDLE: usize = 6;
+/// Number of contacts up to which all are shown.
+const MAX_ALWAYS: usize = 2;
 
 /// A contact as pages show it.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,22 +59,11 @@ impl ShownContact {
     }
 }
 
-/// Returns the contacts that a page shows: those that close; of a single finger all, and the first few if none closes.
-pub(super) fn shown_contacts(
-    scene: &Scene,
-    schema: &Schema,
-    samples: &[Sample],
-    events: &[Event],
-) -> Vec<ShownContact> {
-    let mut all = match &scene.mechanism {
-        Some(mechanism) => pairs_of_outlines(mechanism),
-        None => {
-            let single = |index| ShownContact { name: display_name(scene, schema, index), points: vec![(index, 1.0)] };
-            schema.surfaces().map(single).collect()
-        }
-    };
-    if scene.hand.fingers.len() == 1 {
-        all.retain(|_| scene.object().is_some());
+/// Returns the contacts that a page shows: those that close; all of a few, and the first ones if none closes.
+pub(super) fn shown_contacts(scene: &Scene, samples: &[Sample], events: &[Event]) -> Vec<ShownContact> {
+    let mut all = pairs_of_outlines(&scene.drawn_mechanism());
+    all.iter_mut().for_each(|contact| contact.name = display_name(scene, &contact.name));
+    if all.len() <= MAX_ALWAYS {
         return all;
     }
     let closes = |contact: &ShownContact| {
@@ -84,10 +75,9 @@ pub(super) fn shown_contacts(
     if closing.is_empty() { all } else { closing }
 }
 
-/// Name of a contact of samples. Keys become words; names given by the user are unchanged.
-pub(super) fn display_name(scene: &Scene, schema: &Schema, contact: usize) -> String {
-    let name = &schema.contacts[contact].name;
-    if scene.hand.fingers.is_empty() { name.clone() } else { name.replace('_', " ") }
+/// Name of a contact of samples. Keys of hands become words; names given by the user are unchanged.
+pub(super) fn display_name(scene: &Scene, name: &str) -> String {
+    if scene.hand.fingers.is_empty() { name.to_owned() } else { name.replace('_', " ") }
 }
 
 /// The pairs of outlines of a mechanism. The first outline of a pair is that of a link rather than of an object, and of
@@ -101,7 +91,8 @@ fn pairs_of_outlines(mechanism: &Mechanism) -> Vec<ShownContact> {
     for (index, contact) in mechanism.point_contacts().iter().enumerate() {
         let pair = &mechanism.contacts[contact.pair];
         let is_first = order(pair.points) <= order(pair.face);
-        let (key, sign) = if is_first { ([pair.points, pair.face], 1.0) } else { ([pair.face, pair.points], -1.0) };
+        let key = if is_first { [pair.points, pair.face] } else { [pair.face, pair.points] };
+        let sign = if is_first == pair.is_reported_on_face { -1.0 } else { 1.0 };
         match pairs.iter_mut().find(|(other, _)| *other == key) {
             Some((_, shown)) => shown.points.push((index, sign)),
             None => {

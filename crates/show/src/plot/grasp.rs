@@ -11,7 +11,7 @@ use super::chart::round_step;
 use super::outline::{Point, View, arrow, filled_outline, mirrored, outlines, palm};
 use super::svg::{Paint, Path, Pixel, Svg, TextStyle};
 use super::theme::{BLUE, Colour, GREEN, INK, LINE, OBJECT, ORANGE, PURPLE, SOFT};
-use crate::drawing::{Body, Drawing, poses, poses_for_postures};
+use crate::drawing::Drawing;
 use crate::format::numbers::G_M_S2;
 use crate::grasp::finger::{Forces, Grasp, Palm};
 use crate::grasp::gripper::{FrictionCase, GripperGrasp};
@@ -37,11 +37,11 @@ const MAX_FORCE_LENGTH: f64 = 0.65;
 
 /// Draws the grasp with the forces for the last of the friction coefficients.
 pub fn grasp(scene: &Scene, found: &Grasp, picture_format: PictureFormat) -> String {
-    let bodies = Drawing::from_scene(scene).bodies;
-    let rest = link_outlines(scene, &bodies, &found.end.posture);
+    let drawing = Drawing::from_scene(scene);
+    let rest = link_outlines(scene, &drawing, &found.end.posture);
     let centre = found.object.centre_m;
     let object_outline = found.object.outline_m();
-    let displaced_outlines = displaced_outlines(scene, found, &bodies);
+    let displaced_outlines = displaced_outlines(scene, found, &drawing);
     let both = |outline: &Vec<Point>| [outline.clone(), mirrored(outline, centre[0])];
     let mut points: Vec<Point> =
         rest.iter().map(|(outline, _)| outline).flat_map(both).flatten().chain(object_outline.clone()).collect();
@@ -86,8 +86,8 @@ pub fn grasp(scene: &Scene, found: &Grasp, picture_format: PictureFormat) -> Str
 }
 
 /// Outlines of the four links at a posture.
-fn link_outlines(scene: &Scene, bodies: &[Body], posture: &Posture) -> Vec<(Vec<Point>, Colour)> {
-    let all = outlines(bodies, &poses_for_postures(scene, &[*posture]));
+fn link_outlines(scene: &Scene, drawing: &Drawing, posture: &Posture) -> Vec<(Vec<Point>, Colour)> {
+    let all = outlines(&drawing.bodies, &drawing.poses_for_postures(scene, &[*posture]));
     all.into_iter().filter(|(_, fill)| *fill != OBJECT).collect()
 }
 
@@ -107,7 +107,7 @@ fn drawn_motion(found: &Grasp) -> Option<(Point, [[f64; 2]; 2])> {
 }
 
 /// Outlines of object and links after the drawn free motion.
-fn displaced_outlines(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<Point>> {
+fn displaced_outlines(scene: &Scene, found: &Grasp, drawing: &Drawing) -> Vec<Vec<Point>> {
     let Some((displacement, joints)) = drawn_motion(found) else { return Vec::new() };
     let centre = found.object.centre_m;
     let mut displaced_outlines = Vec::new();
@@ -121,7 +121,7 @@ fn displaced_outlines(scene: &Scene, found: &Grasp, bodies: &[Body]) -> Vec<Vec<
         let Ok(posture) = posture_at(&linkage.lengths, linkage.assembly, end.q21_rad + q21, end.q22_rad + q22) else {
             continue;
         };
-        let outlines = link_outlines(scene, bodies, &posture);
+        let outlines = link_outlines(scene, drawing, &posture);
         displaced_outlines.extend(outlines.iter().map(|(outline, _)| match finger {
             0 => outline.clone(),
             _ => mirrored(outline, centre[0]),
@@ -301,7 +301,8 @@ impl PolarPicture {
 
     /// Draws the bodies in their posture, in the same directions as the plot.
     fn draw_bodies(&self, svg: &mut Svg, scene: &Scene, sample: &Sample, size: [f64; 2]) {
-        let bodies = outlines(&Drawing::from_scene(scene).bodies, &poses(scene, sample));
+        let drawing = Drawing::from_scene(scene);
+        let bodies = outlines(&drawing.bodies, &drawing.poses(sample));
         let mut points: Vec<Point> = bodies.iter().flat_map(|(outline, _)| outline.iter().copied()).collect();
         points.extend(self.palm.map(|radius| [0.0, -0.35 * radius]));
         let view = View::within_size(&points, size);

@@ -102,11 +102,9 @@ impl Contacts {
                 rebound,
             })
         };
-        // Omit contacts that a gripper does not have, such as that of the object with a table.
-        let is_present = |index: &usize| schema.fingers.len() < 2 || outcome.last.contact(*index).gap_m.is_finite();
         let count = schema.contacts.len().min(outcome.contacts.len()).min(outcome.last.counts().contacts);
         let name = |index: usize| schema.contacts[index].name.clone();
-        let all = (0..count).filter(is_present).map(|index| (name(index), report(index))).collect();
+        let all = (0..count).map(|index| (name(index), report(index))).collect();
         Contacts { all, has_own_names: schema.is_mechanism() }
     }
 

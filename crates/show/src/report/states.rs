@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 
 use super::named::Named;
 use crate::mechanism::Mechanism;
-use crate::scene::{ObjectMotion, Scene};
+use crate::scene::{Object, Scene};
 use crate::trace::schema::{Quantity, State as _, SubjectKind};
 use crate::trace::{BodyState, FingerState, Outcome, Schema};
 
@@ -83,12 +83,17 @@ impl States {
                 None => "free",
             })
         };
-        let motion = |name: &str| match object.map(|object| &object.motion) {
-            Some(ObjectMotion::Fixed) => "fixed",
-            Some(ObjectMotion::Free { .. }) => "free",
+        let motion = |name: &str| match object {
+            Some(_) => "free",
             None => mechanism.and_then(|mechanism| motion_in(mechanism, name)).unwrap_or("unknown"),
         };
         let body = |(name, state): (&String, BodyState)| (name.clone(), BodyReport { motion: motion(name), state });
+        // Samples do not report a fixed object.
+        let fixed = scene.filter(|scene| scene.finger_count() == 2 && scene.hand.moving_object().is_none());
+        let fixed = fixed.zip(outcome).map(|(scene, outcome)| {
+            let state = outcome.last.object(&scene.hand);
+            (Object::NAME.to_string(), BodyReport { motion: "fixed", state })
+        });
         let subjects = if schema.is_mechanism() { schema.subjects() } else { Vec::new() };
         let quantities_of = |kinds: [SubjectKind; 2]| -> Named<JointReport> {
             let chosen = subjects.iter().filter(|subject| kinds.contains(&subject.kind));
@@ -105,7 +110,7 @@ impl States {
             actuators: quantities_of([SubjectKind::Actuator, SubjectKind::LinearActuator]),
             tendons: quantities_of([SubjectKind::Tendon; 2]),
             fingers: fingers.map(|(name, state)| (name.clone(), state)).collect(),
-            bodies: bodies.map(body).collect(),
+            bodies: bodies.map(body).chain(fixed).collect(),
             finger_count: schema.fingers.len(),
             has_outcome: outcome.is_some(),
         }

@@ -43,6 +43,16 @@ pub(super) struct Contact {
     pub rolling: Option<FrictionLaw>,
     /// Index of the contact's bristle state among the rates, if the contact has a bristle.
     pub bristle: Option<usize>,
+    /// See [`ContactPair::is_reported_on_face`](crate::mechanism::ContactPair::is_reported_on_face).
+    pub is_reported_on_face: bool,
+}
+
+impl Contact {
+    /// A contact without friction.
+    fn frictionless(surfaces: Surfaces, normal: NormalLaw) -> Self {
+        let (friction, rolling, bristle, is_reported_on_face) = (None, None, None, false);
+        Self { surfaces, normal, friction, rolling, bristle, is_reported_on_face }
+    }
 }
 
 /// Branches of the contact laws, the features of the faces, and the ranges of the actuators.
@@ -268,25 +278,21 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 friction: pair.law.friction,
                 rolling: pair.rolling,
                 bristle,
+                is_reported_on_face: pair.is_reported_on_face,
             });
         }
-        contacts.extend(mechanism.limits().into_iter().map(|limit| Contact {
-            surfaces: Surfaces::Limit(limit),
-            normal: limit.law,
-            friction: None,
-            rolling: None,
-            bristle: None,
-        }));
+        let limits = mechanism.limits().into_iter();
+        contacts.extend(limits.map(|limit| Contact::frictionless(Surfaces::Limit(limit), limit.law)));
         let mut cables: Vec<Cable> = mechanism.tendons.iter().map(Cable::new).collect();
         for (index, normal) in elastic_tendons(&mechanism) {
             cables[index].contact = Some(contacts.len());
-            let surfaces = Surfaces::Tendon(index);
-            contacts.push(Contact { surfaces, normal, friction: None, rolling: None, bristle: None });
+            contacts.push(Contact::frictionless(Surfaces::Tendon(index), normal));
         }
         for (joint, law) in joint_frictions(&mechanism) {
             let (surfaces, normal) = (Surfaces::Friction(joint), NormalLaw::constant_force(1.0));
             let bristle = add_bristle(law.bristle);
-            contacts.push(Contact { surfaces, normal, friction: Some(law), rolling: None, bristle });
+            let contact = Contact::frictionless(surfaces, normal);
+            contacts.push(Contact { friction: Some(law), bristle, ..contact });
         }
         let brake_bristles = bristles_of_brakes(&mechanism).map(add_bristle).collect();
         let time = prescribed.map(|group: usize| groups[group].first);

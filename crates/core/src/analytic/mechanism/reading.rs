@@ -26,6 +26,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         })
     }
 
+    /// Indices of the bodies that samples report.
+    pub fn reported_bodies(&self) -> impl Iterator<Item = usize> + '_ {
+        self.mechanism.reported_bodies()
+    }
+
     /// Coordinate of a joint and its rate.
     pub fn joint(&self, state: (&[f64; N], &[f64; N]), joint: usize) -> (f64, f64) {
         self.with_angles(state, |motions| (motions.joints[joint].coordinate, motions.joints[joint].rate))
@@ -53,8 +58,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         effort(actuator, mode.ranges.0[index], t, motion.coordinate, motion.rate).value + brake
     }
 
-    /// Geometry and forces of a contact, relative to a moving palm; those of a limit are an angle and a torque, or a
-    /// distance and a force.
+    /// Geometry and forces of a contact as samples report them, relative to a moving palm; those of a limit are an angle and
+    /// a torque, or a distance and a force.
     pub fn contact_reading(&self, state: StateRef<'_, N>, index: usize, branch: ContactState) -> ContactReading {
         let mut reading = self.world_reading(state, index, branch);
         if self.palm.is_some() {
@@ -63,6 +68,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 reading.geometry.point = palm.point_in_frame(reading.geometry.point);
                 reading.geometry.normal = palm.in_frame(reading.geometry.normal);
             });
+        }
+        if self.contacts[index].is_reported_on_face {
+            reading.geometry.normal = reading.geometry.normal.map(|component| -component);
         }
         reading
     }

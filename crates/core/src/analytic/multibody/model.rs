@@ -8,7 +8,7 @@ use crate::gripper::FingerContact;
 use crate::integrator::State;
 use crate::law::Bristle;
 use crate::numeric::array_from;
-use crate::scene::{Hand, HandContact, HandFinger, ObjectMotion, PalmMotion, Profile, Side};
+use crate::scene::{ContactOrder, Hand, HandContact, HandFinger, ObjectMotion, PalmMotion, Profile, Side};
 use crate::shape::PlacedShape;
 
 /// Position-dependent terms of both fingers.
@@ -37,6 +37,9 @@ pub struct Multibody<const N: usize> {
     pub(super) time_index: Option<usize>,
     half_palm_width: f64,
     pub(super) gravity: [f64; 2],
+    /// Index in `drives` of each actuator of the mechanism.
+    actuators: Vec<usize>,
+    contact_order: ContactOrder,
 }
 
 /// Builds a contact; `None` where the scene has no surface to touch.
@@ -103,6 +106,8 @@ impl<const N: usize> Multibody<N> {
         }
         let brake_bristles = drives.iter().map(|drive| add_bristle(drive.bristle())).collect();
         assert!(first_bristle + bristles.len() <= N, "{} bristles exceed {N} coordinates", bristles.len());
+        let motors = hand.fingers_by_side().filter(|(_, finger)| hand.has_motor(finger)).map(|(side, _)| side as usize);
+        let actuators = motors.chain(hand.differential.iter().map(|_| FINGERS));
         Self {
             fingers: hand.fingers_by_side().map(finger).collect(),
             object: hand.object.as_ref().map(ObjectComponent::new),
@@ -117,7 +122,14 @@ impl<const N: usize> Multibody<N> {
             time_index: hand.palm_motion.is_some().then_some(time_index),
             half_palm_width,
             gravity: hand.gravity_m_s2,
+            actuators: actuators.collect(),
+            contact_order: ContactOrder::new(hand),
         }
+    }
+
+    /// Order of the contacts in samples.
+    pub fn contact_order(&self) -> &ContactOrder {
+        &self.contact_order
     }
 
     /// Returns the coordinates and rates at the start.
@@ -164,21 +176,17 @@ impl<const N: usize> Multibody<N> {
         array_from(|finger| v[2 * finger])
     }
 
-    /// Torques of all motors and brakes on the driven links, N·m.
-    pub(crate) fn motor_torques(&self, t: f64, v: &[f64; N]) -> [f64; FINGERS] {
-        let (mut torques, driven_rates) = ([0.0; FINGERS], self.driven_rates(v));
-        for (index, drive) in self.drives.iter().enumerate() {
-            let brake = drive.brake_torque(t, driven_rates, self.brake_bristle(index).map(|index| v[index]));
-            let torque = drive.motor_torque(t, driven_rates).torque + brake.map_or(0.0, |brake| brake.shaft.torque);
-            (0..FINGERS).for_each(|i| torques[i] += drive.weights[i] * torque);
-        }
-        torques
+    /// Torque of an actuator of the mechanism with its brake, N·m.
+    pub(crate) fn effort(&self, t: f64, v: &[f64; N], actuator: usize) -> f64 {
+        let (index, driven_rates) = (self.actuators[actuator], self.driven_rates(v));
+        let drive = &self.drives[index];
+        let brake = drive.brake_torque(t, driven_rates, self.brake_bristle(index).map(|index| v[index]));
+        drive.motor_torque(t, driven_rates).torque + brake.map_or(0.0, |brake| brake.shaft.torque)
     }
 
-    /// Replaces the torque of a motor over time: that of the differential, or those of the fingers.
-    pub fn set_actuation(&mut self, motor: usize, actuation: Profile) {
-        let drive = if self.drives.len() > self.fingers.len() { self.drives.len() - 1 } else { motor };
-        self.drives[drive].set_actuation(actuation);
+    /// Replaces the torque of an actuator of the mechanism over time.
+    pub fn set_actuation(&mut self, actuator: usize, actuation: Profile) {
+        self.drives[self.actuators[actuator]].set_actuation(actuation);
     }
 
     /// Next time at which a torque, or a derivative of the palm's pose, is discontinuous.

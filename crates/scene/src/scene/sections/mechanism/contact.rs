@@ -256,12 +256,16 @@ fn contact_entry(section: &SectionInput<'_>, mechanism: &Mechanism, known: &Know
     let are_valid: Vec<bool> =
         pairs.iter().map(|(pair, span)| check_pair(section, *pair, span.clone(), mechanism)).collect();
     let law = law.filter(|_| are_valid.into_iter().all(|is_valid| is_valid))?;
-    Some(
-        pairs
-            .into_iter()
-            .map(|([points, face], _)| ContactPair { name: None, points, face, law, rolling, force_point: at.0 })
-            .collect(),
-    )
+    let pair = |([points, face], _): ([OutlineId; 2], _)| ContactPair {
+        name: None,
+        points,
+        face,
+        law,
+        rolling,
+        force_point: at.0,
+        is_reported_on_face: false,
+    };
+    Some(pairs.into_iter().map(pair).collect())
 }
 
 /// Pairs of points and a face with their position in the file.

@@ -257,6 +257,7 @@ pub(super) fn joint(
         lower: limits[0],
         upper: limits[1],
         limit,
+        limit_name: None,
     })
 }
 

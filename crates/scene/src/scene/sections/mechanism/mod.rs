@@ -307,7 +307,8 @@ fn body(input: &SceneInput, name: &str, section: &SectionInput<'_>, is_jointed: 
     }
     let outlines = outlines?;
     let (mass_kg, inertia_kg_m2, com_m) = inertia(section, &keys, &outlines)?;
-    Some(Body { name: name.to_owned(), mass_kg, inertia_kg_m2, com_m, pose, rate, motion: None, outlines })
+    let (name, drawn_m) = (name.to_owned(), Vec::new());
+    Some(Body { name, mass_kg, inertia_kg_m2, com_m, pose, rate, motion: None, outlines, drawn_m, is_reported: true })
 }
 
 /// Mass, moment of inertia and centre of mass of a body.

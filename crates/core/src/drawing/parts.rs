@@ -1,19 +1,21 @@
-//! Drawing of a mechanism: outlines, bars between the pins and outlines of a body, pins, pulleys and cables.
+//! The drawn parts of a mechanism: outlines, bars between the pins and outlines of a body, pins, pulleys and cables.
 //!
-//! A half plane is drawn as a body of its own, whose frame has the half plane below its x-axis.
+//! A half plane is drawn as a part of its own, whose frame has the half plane below its x-axis; so is every other outline of
+//! the ground, whose frame has its centre as origin.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::{Body, BodyRole, Drawing, Pose, Shape, bounds};
+use super::states::{States, at_start};
+use super::{Body, BodyRole, Drawing, Pose, Shape};
 use crate::law::NormalLaw;
+use crate::mechanism;
 use crate::mechanism::tendon::{Segment, center_in, segment};
 use crate::mechanism::{
     Command, ContactPair, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineId, OutlineShape, PathElement,
-    assemble,
+    PrescribedMotion,
 };
 use crate::numeric::elementary::{atan2, hypot, pow, sin_cos};
 use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, rotate, scale, sub};
-use crate::trace::{BodyState, Sample};
 
 /// Radius of pins and half the width of bars, as a part of the size of the mechanism.
 const PIN_PART: f64 = 0.015;
@@ -28,9 +30,10 @@ struct Part {
 }
 
 /// Builds the drawing of a mechanism.
-pub(super) fn drawing(mechanism: &Mechanism) -> Drawing {
-    let parts = parts(mechanism);
-    let [low, high] = extent(mechanism, &parts);
+pub(super) fn drawing(mechanism: Mechanism) -> Drawing {
+    let start = at_start(&mechanism);
+    let parts = parts(&mechanism, &start);
+    let [low, high] = extent(&mechanism, &start, &parts);
     let view_m = (high[0] - low[0]).max(high[1] - low[1]);
     // The arrow of a usual force is a tenth of the view.
     let effort = |command: &Command| match command {
@@ -39,15 +42,14 @@ pub(super) fn drawing(mechanism: &Mechanism) -> Drawing {
     };
     let efforts = mechanism.actuators.iter().map(|actuator| {
         let limit = actuator.limit.unwrap_or(f64::INFINITY);
-        effort(&actuator.command).min(limit)
-            / if is_linear(mechanism, actuator.on.terms[0].0) { 1.0 } else { 0.5 * view_m }
+        effort(&actuator.command).min(limit) / lever_m(&mechanism, actuator.on.terms[0].0, 0.5 * view_m)
     });
     let weights = mechanism.bodies.iter().map(|body| {
         let [x, y] = mechanism.gravity_m_s2;
         body.mass_kg * hypot(x, y)
     });
     let impacts =
-        mechanism.contacts.iter().filter(|_| mechanism.joints.is_empty()).map(|pair| impact_n(mechanism, pair));
+        mechanism.contacts.iter().filter(|_| mechanism.joints.is_empty()).map(|pair| impact_n(&mechanism, pair));
     let typical_n = efforts.chain(weights).chain(impacts).filter(|force| force.is_finite()).fold(0.0, f64::max);
     Drawing {
         contacts: mechanism.point_contacts().into_iter().map(|contact| contact.name).collect(),
@@ -55,6 +57,7 @@ pub(super) fn drawing(mechanism: &Mechanism) -> Drawing {
         longest_arrow_m: 0.3 * view_m,
         extent_m: [low.map(|low| low - 0.1 * view_m), high.map(|high| high + 0.1 * view_m)],
         bodies: parts.into_iter().map(|part| part.drawn).collect(),
+        mechanism,
     }
 }
 
@@ -72,29 +75,34 @@ fn impact_n(mechanism: &Mechanism, pair: &ContactPair) -> f64 {
     if k > 0.0 { k * pow((e + 1.0) * energy_j / k, e / (e + 1.0)) } else { 0.0 }
 }
 
-fn is_linear(mechanism: &Mechanism, joint: usize) -> bool {
-    matches!(mechanism.joints[joint].kind, JointKind::Prismatic { .. })
+/// Length over which the effort of an actuator on a joint becomes a force: 1 of a prismatic joint, otherwise the distance to
+/// the farthest pin of a body on it, or a default.
+fn lever_m(mechanism: &Mechanism, joint: usize, default_m: f64) -> f64 {
+    let Joint { kind, bodies, points_m, .. } = &mechanism.joints[joint];
+    if !kind.is_angle() {
+        return 1.0;
+    }
+    let of_body = |(body, [x, y]): (&Option<usize>, [f64; 2])| {
+        let pins = if body.is_some() { pins_m(mechanism, *body) } else { Vec::new() };
+        pins.into_iter().map(|[u, v]| hypot(u - x, v - y)).fold(0.0, f64::max)
+    };
+    let largest_m = bodies.iter().zip(*points_m).map(of_body).fold(0.0, f64::max);
+    if largest_m > 0.0 { largest_m } else { default_m }
 }
 
 /// Poses of the drawn bodies.
-pub(super) fn poses(mechanism: &Mechanism, sample: &Sample) -> Vec<Pose> {
-    let bodies: Vec<Pose> = sample.bodies().map(|body| pose(body.centre_m, body.angle_rad)).collect();
-    placements(mechanism)
-        .map(|(body, local)| in_world(body.map_or(Pose::default(), |body| bodies[body]), local))
-        .chain(cables(mechanism, &|body| sample.body(body)).into_iter().map(|bar| bar.pose))
-        .collect()
+pub(super) fn poses(mechanism: &Mechanism, states: &States) -> Vec<Pose> {
+    let cables = cables(mechanism, states).into_iter().map(|bar| bar.pose);
+    placements(mechanism).map(|(body, local)| in_world(states.of(body).pose(), local)).chain(cables).collect()
 }
 
 /// Velocities and angular rates of the drawn bodies.
-pub(super) fn velocities(mechanism: &Mechanism, sample: &Sample) -> Vec<Pose> {
+pub(super) fn velocities(mechanism: &Mechanism, states: &States) -> Vec<Pose> {
     let velocity = |(body, local): (Option<usize>, Pose)| {
-        let Some(body) = body else { return Pose::default() };
-        let BodyState { angle_rad, velocity_m_s, spin_rad_s, .. } = sample.body(body);
-        let (sin, cos) = sin_cos(angle_rad);
-        let arm = rotate(local.position_m, [cos, sin]);
-        pose(add(velocity_m_s, scale(perp(arm), spin_rad_s)), spin_rad_s)
+        let state = states.of(body);
+        pose(state.point(local.position_m).1, state.spin_rad_s)
     };
-    let cables = cables(mechanism, &|body| sample.body(body)).into_iter().map(|bar| bar.rate);
+    let cables = cables(mechanism, states).into_iter().map(|bar| bar.rate);
     placements(mechanism).map(velocity).chain(cables).collect()
 }
 
@@ -112,15 +120,9 @@ struct CableBar {
 const CABLE_BARS: [(f64, [f64; 2]); 3] = [(0.0, [0.0, 0.5]), (0.5, [-0.25, 0.25]), (1.0, [-0.5, 0.0])];
 
 /// The bars of all cables with the bodies in these states.
-fn cables(mechanism: &Mechanism, body: &dyn Fn(usize) -> BodyState) -> Vec<CableBar> {
+fn cables(mechanism: &Mechanism, states: &States) -> Vec<CableBar> {
     let guesses: Vec<[f64; 3]> = mechanism.bodies.iter().map(|body| body.pose).collect();
-    let state = |element: &PathElement| {
-        let BodyState { centre_m, angle_rad, velocity_m_s, spin_rad_s } =
-            element.body.map_or_else(BodyState::default, body);
-        let (sin, cos) = sin_cos(angle_rad);
-        let arm = rotate(element.point_m, [cos, sin]);
-        (add(centre_m, arm), add(velocity_m_s, scale(perp(arm), spin_rad_s)))
-    };
+    let state = |element: &PathElement| states.of(element.body).point(element.point_m);
     let mut bars = Vec::new();
     for tendon in &mechanism.tendons {
         for (index, ends) in tendon.path.windows(2).enumerate() {
@@ -145,12 +147,6 @@ fn cables(mechanism: &Mechanism, body: &dyn Fn(usize) -> BodyState) -> Vec<Cable
     bars
 }
 
-/// Poses of all bodies at the start; the guesses of a mechanism that cannot be assembled.
-pub fn poses_at_start(mechanism: &Mechanism) -> Vec<[f64; 3]> {
-    let guesses = || mechanism.bodies.iter().map(|body| body.pose).collect();
-    assemble(mechanism).map_or_else(|_| guesses(), |start| start.poses)
-}
-
 fn pose(position_m: [f64; 2], angle_rad: f64) -> Pose {
     Pose { position_m, angle_rad }
 }
@@ -165,80 +161,118 @@ fn outlined(mechanism: &Mechanism) -> impl Iterator<Item = (Option<usize>, &[Out
     [(None, &mechanism.ground_outlines[..])].into_iter().chain(bodies)
 }
 
-/// Bodies and poses of the parts: the half planes of all bodies, and the ground and the bodies themselves.
+/// Outlines that are parts of their own: half planes, and all outlines of the ground.
+fn single_outlines(mechanism: &Mechanism) -> impl Iterator<Item = (Option<usize>, &Outline)> {
+    let is_single = |(body, outline): &(Option<usize>, &Outline)| body.is_none() || is_half_plane(&outline.shape);
+    outlined(mechanism)
+        .flat_map(|(body, outlines)| outlines.iter().map(move |outline| (body, outline)))
+        .filter(is_single)
+}
+
+fn is_half_plane(shape: &OutlineShape) -> bool {
+    matches!(shape, OutlineShape::HalfPlane { .. })
+}
+
+/// Pose in its body of the frame of an outline that is a part of its own.
+fn outline_frame(shape: &OutlineShape) -> Pose {
+    match shape {
+        OutlineShape::HalfPlane { point_m, normal: [x, y] } => pose(*point_m, atan2(*y, *x) - FRAC_PI_2),
+        OutlineShape::Disc { center_m, .. } | OutlineShape::Ellipse { center_m, .. } => pose(*center_m, 0.0),
+        OutlineShape::Capsule { .. } | OutlineShape::Polygon { .. } => Pose::default(),
+    }
+}
+
+/// Bodies and poses of the parts: the outlines that are parts of their own, the ground, and the bodies.
 fn placements(mechanism: &Mechanism) -> impl Iterator<Item = (Option<usize>, Pose)> + '_ {
-    let half_planes = outlined(mechanism).flat_map(|(body, outlines)| {
-        outlines.iter().filter_map(move |outline| match outline.shape {
-            OutlineShape::HalfPlane { point_m, normal: [x, y] } => Some((body, pose(point_m, atan2(y, x) - FRAC_PI_2))),
-            _ => None,
-        })
-    });
-    half_planes.chain(outlined(mechanism).map(|(body, _)| (body, Pose::default())))
+    let single = single_outlines(mechanism).map(|(body, outline)| (body, outline_frame(&outline.shape)));
+    single.chain(outlined(mechanism).map(|(body, _)| (body, Pose::default())))
+}
+
+/// Draws an outline.
+fn surface(shape: &OutlineShape) -> Shape {
+    match *shape {
+        OutlineShape::Disc { center_m, radius_m } if center_m == [0.0; 2] => Shape::Disc { radius_m },
+        OutlineShape::Disc { center_m, radius_m } => Shape::Capsule { from_m: center_m, to_m: center_m, radius_m },
+        OutlineShape::Capsule { from_m, to_m, radius_m } => Shape::Capsule { from_m, to_m, radius_m },
+        OutlineShape::HalfPlane { .. } => Shape::HalfPlane { level_m: 0.0 },
+        _ => Shape::Polygon { corners_m: corners_m(shape) },
+    }
 }
 
 /// The drawn bodies, in the order of their placements.
-fn parts(mechanism: &Mechanism) -> Vec<Part> {
+fn parts(mechanism: &Mechanism, start: &States) -> Vec<Part> {
     let size_m = size_m(mechanism);
-    let half_planes = outlined(mechanism).flat_map(|(body, outlines)| {
-        let planes = outlines.iter().filter(|outline| matches!(outline.shape, OutlineShape::HalfPlane { .. }));
-        planes.map(move |outline| Body {
-            name: format!("{}.{}", mechanism.body_name(body), outline.name),
-            role: BodyRole::Palm,
-            fixed: body.is_none(),
-            shapes: vec![Shape::HalfPlane { level_m: 0.0 }],
-            marks_m: Vec::new(),
-        })
+    let ground_moves = mechanism.palm().is_some();
+    let is_fixed = |body: Option<usize>| body.is_none() && !ground_moves;
+    let single = single_outlines(mechanism).map(|(body, outline)| {
+        let is_body = mechanism.bodies.iter().any(|other| other.name == outline.name);
+        let Pose { position_m: [x, y], .. } = outline_frame(&outline.shape);
+        Body {
+            // The short name is free.
+            name: match body {
+                None if !is_body => outline.name.clone(),
+                _ => format!("{}.{}", mechanism.body_name(body), outline.name),
+            },
+            role: if is_half_plane(&outline.shape) { BodyRole::Palm } else { role_of_ground(mechanism) },
+            fixed: is_fixed(body),
+            shapes: vec![match is_half_plane(&outline.shape) {
+                true => surface(&outline.shape),
+                false => surface(&outline.shape.moved([-x, -y], 0.0)),
+            }],
+            marks_m: if matches!(outline.shape, OutlineShape::Disc { .. }) { vec![[0.0; 2]] } else { Vec::new() },
+        }
     });
     let pin_m = PIN_PART * size_m;
     let pins_from_ground = pins_from_ground(mechanism);
     let bodies = outlined(mechanism).map(|(body, outlines)| {
         let pins = pins_m(mechanism, body);
-        let surfaces = outlines.iter().filter_map(|outline| match outline.shape {
-            OutlineShape::Disc { center_m, radius_m } if center_m == [0.0; 2] => Some(Shape::Disc { radius_m }),
-            OutlineShape::Disc { center_m, radius_m } => {
-                Some(Shape::Capsule { from_m: center_m, to_m: center_m, radius_m })
-            }
-            OutlineShape::Capsule { from_m, to_m, radius_m } => Some(Shape::Capsule { from_m, to_m, radius_m }),
-            OutlineShape::HalfPlane { .. } => None,
-            _ => Some(Shape::Polygon { corners_m: corners_m(&outline.shape) }),
-        });
-        let mut shapes = if body.is_some() { skeleton(mechanism, body, &pins, outlines, pin_m) } else { Vec::new() };
-        shapes.extend(surfaces);
-        shapes.extend(pins.iter().map(|pin| circle(*pin, pin_m)));
+        let drawn_m = body.map_or(&[][..], |body| &mechanism.bodies[body].drawn_m);
+        let mut shapes: Vec<Shape> =
+            drawn_m.iter().map(|corners_m| Shape::Polygon { corners_m: corners_m.clone() }).collect();
+        if body.is_some() && shapes.is_empty() {
+            shapes = skeleton(mechanism, body, &pins, outlines, pin_m);
+        }
+        let surfaces = outlines.iter().filter(|outline| body.is_some() && !is_half_plane(&outline.shape));
+        shapes.extend(surfaces.map(|outline| surface(&outline.shape)));
+        if drawn_m.is_empty() {
+            shapes.extend(pins.iter().map(|pin| circle(*pin, pin_m)));
+        }
         let elements = mechanism.tendons.iter().flat_map(|tendon| &tendon.path).filter(|element| element.body == body);
         shapes.extend(elements.map(|element| circle(element.point_m, element.radius_m.max(0.5 * pin_m))));
-        let role = role(mechanism, body, &pins_from_ground);
+        let role = body.map_or(BodyRole::Palm, |body| role(mechanism, body, &pins_from_ground));
         let marks_m = match (role, body) {
             (BodyRole::Object, Some(body)) => vec![mechanism.bodies[body].com_m],
             _ => pins,
         };
-        Body { name: mechanism.body_name(body).to_owned(), role, fixed: body.is_none(), shapes, marks_m }
+        Body { name: mechanism.body_name(body).to_owned(), role, fixed: is_fixed(body), shapes, marks_m }
     });
-    let drawn = half_planes.chain(bodies);
-    let start = poses_at_start(mechanism);
-    let at_start = |body: usize| {
-        let [x, y, angle_rad] = start[body];
-        BodyState { centre_m: [x, y], angle_rad, ..BodyState::default() }
-    };
+    let drawn = single.chain(bodies);
     let cable = |CableBar { name, pose, ends, segment_m, .. }: CableBar| {
         let [from_m, to_m] = ends.map(|end| [end * segment_m, 0.0]);
         let shapes = vec![bar(from_m, to_m, 0.2 * pin_m)];
         Part { body: None, pose, drawn: Body { name, role: BodyRole::Coupler, fixed: false, shapes, marks_m: vec![] } }
     };
-    let cables = cables(mechanism, &at_start).into_iter().map(cable);
+    let cables = cables(mechanism, start).into_iter().map(cable);
     placements(mechanism).zip(drawn).map(|((body, pose), drawn)| Part { body, pose, drawn }).chain(cables).collect()
+}
+
+/// Whether no joint connects a body.
+fn is_free(mechanism: &Mechanism, body: usize) -> bool {
+    !mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)))
+}
+
+/// Role of the outlines of the ground: they are an object that bodies grasp, unless there is a free body.
+fn role_of_ground(mechanism: &Mechanism) -> BodyRole {
+    let has_object = (0..mechanism.bodies.len()).any(|body| is_free(mechanism, body));
+    if has_object { BodyRole::Palm } else { BodyRole::Object }
 }
 
 /// Role of a body, which selects its colour. A body with a surface is a phalanx: a proximal one if a single pin is
 /// between it and the ground. Bodies that an actuator drives directly or by a coupling are drivers.
-fn role(mechanism: &Mechanism, body: Option<usize>, pins_from_ground: &[usize]) -> BodyRole {
-    let is_free = |body: usize| !mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
-    let outlines = || mechanism.contacts.iter().flat_map(|contact| [contact.points, contact.face]);
-    let has_surface = outlines().any(|outline| outline.body == body);
-    let Some(index) = body else {
-        let has_object = !has_surface || (0..mechanism.bodies.len()).any(is_free);
-        return if has_object { BodyRole::Palm } else { BodyRole::Object };
-    };
+fn role(mechanism: &Mechanism, index: usize, pins_from_ground: &[usize]) -> BodyRole {
+    let body = Some(index);
+    let mut outlines = mechanism.contacts.iter().flat_map(|contact| [contact.points, contact.face]);
+    let has_surface = outlines.any(|outline| outline.body == body);
     let joints = |on: &JointCombination| -> Vec<usize> { on.terms.iter().map(|(joint, _)| *joint).collect() };
     let actuated: Vec<usize> = mechanism.actuators.iter().flat_map(|actuator| joints(&actuator.on)).collect();
     let is_driven = |joint: usize| {
@@ -246,10 +280,12 @@ fn role(mechanism: &Mechanism, body: Option<usize>, pins_from_ground: &[usize]) 
             mechanism.couplings.iter().map(|coupling| joints(&coupling.on)).filter(|all| all.contains(&joint));
         actuated.contains(&joint) || coupled.any(|all| all.iter().any(|other| actuated.contains(other)))
     };
+    let is_base = |body: Option<usize>| body.is_none_or(|body| mechanism.bodies[body].motion.is_some());
     // The mirror image of a revolute joint has its bodies in the opposite order.
-    let moves = |[a, b]: [Option<usize>; 2]| b == body || a == body && b.is_none();
+    let moves = |[a, b]: [Option<usize>; 2]| b == body || a == body && is_base(b);
     match () {
-        () if is_free(index) => BodyRole::Object,
+        () if matches!(mechanism.bodies[index].motion, Some(PrescribedMotion::Palm(_))) => BodyRole::Palm,
+        () if is_free(mechanism, index) => BodyRole::Object,
         () if has_surface && pins_from_ground[index] == 1 => BodyRole::Proximal,
         () if has_surface => BodyRole::Distal,
         () if (0..mechanism.joints.len()).any(|k| moves(mechanism.joints[k].bodies) && is_driven(k)) => {
@@ -259,9 +295,11 @@ fn role(mechanism: &Mechanism, body: Option<usize>, pins_from_ground: &[usize]) 
     }
 }
 
-/// Smallest number of pins between each body and the ground.
+/// Smallest number of pins between each body and the ground or a body with prescribed motion.
 fn pins_from_ground(mechanism: &Mechanism) -> Vec<usize> {
-    let mut pins = vec![usize::MAX; mechanism.bodies.len()];
+    let is_driven = |body: &mechanism::Body| body.motion.is_some();
+    let mut pins: Vec<usize> =
+        mechanism.bodies.iter().map(|body| if is_driven(body) { 0 } else { usize::MAX }).collect();
     for _ in 0..mechanism.bodies.len() {
         for Joint { bodies: [a, b], kind, .. } in &mechanism.joints {
             for (from, to) in [(a, b), (b, a)] {
@@ -440,17 +478,17 @@ fn bar(from_m: [f64; 2], to_m: [f64; 2], half_width_m: f64) -> Shape {
     Shape::Polygon { corners_m: vec![sub(from_m, side), sub(to_m, side), add(to_m, side), add(from_m, side)] }
 }
 
-/// Lower left and upper right corner of everything at the start except half planes. A body on a pin of the ground may
-/// turn all round.
-fn extent(mechanism: &Mechanism, parts: &[Part]) -> [[f64; 2]; 2] {
-    let bodies: Vec<Pose> =
-        poses_at_start(mechanism).into_iter().map(|[x, y, angle_rad]| pose([x, y], angle_rad)).collect();
+/// Lower left and upper right corner of everything at the start except half planes. A body on a pin of the ground or of a
+/// moving palm may turn all round.
+fn extent(mechanism: &Mechanism, start: &States, parts: &[Part]) -> [[f64; 2]; 2] {
+    let is_base = |body: Option<usize>| body.is_none_or(|body| mechanism.bodies[body].motion.is_some());
     let mut discs = Vec::new();
     for Part { body, pose: local, drawn } in parts {
-        let pose = in_world(body.map_or(Pose::default(), |body| bodies[body]), *local);
-        let pivot = body.and_then(|body| {
-            let is_ground_pin = |joint: &&Joint| joint.bodies == [None, Some(body)];
-            mechanism.joints.iter().find(is_ground_pin).map(|joint| joint.points_m[0])
+        let pose = in_world(body.map_or(Pose::default(), |body| start.bodies[body].pose()), *local);
+        let pivot = mechanism.joints.iter().find_map(|joint| {
+            let base =
+                [0, 1].into_iter().find(|k: &usize| is_base(joint.bodies[*k]) && joint.bodies[1 - k] == *body)?;
+            (!is_base(*body)).then(|| start.of(joint.bodies[base]).point(joint.points_m[base]).0)
         });
         for (point, radius_m) in drawn.shapes.iter().flat_map(Shape::discs) {
             let at = pose.apply(point);
@@ -460,6 +498,13 @@ fn extent(mechanism: &Mechanism, parts: &[Part]) -> [[f64; 2]; 2] {
     }
     let [low, high] = bounds(&discs);
     if low[0].is_finite() { [low, high] } else { [[-0.05; 2], [0.05; 2]] }
+}
+
+/// Lower left and upper right corner of discs with centres and radii.
+fn bounds(discs: &[([f64; 2], f64)]) -> [[f64; 2]; 2] {
+    discs.iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], ([x, y], radius)| {
+        [[low[0].min(x - radius), low[1].min(y - radius)], [high[0].max(x + radius), high[1].max(y + radius)]]
+    })
 }
 
 #[cfg(test)]
