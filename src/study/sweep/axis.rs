@@ -4,13 +4,13 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value as Json;
 use toml::Spanned;
+use toml::de::DeValue;
 
 use crate::numeric::elementary::pow;
 use crate::scene::Problem;
 use crate::scene::keys::{child_schema, is_table, join, unknown_key};
-use crate::scene::toml_value::TomlValue;
 pub use crate::scene::value::ValueType as FieldType;
-use crate::scene::value::problem_at;
+use crate::scene::value::{number, problem_at};
 use crate::table::{Kind, Value};
 use crate::units::{self, Dimension};
 
@@ -77,7 +77,7 @@ impl Field {
         paths.filter_map(|path| Field::find(path, schema).ok()).find(|field| field.column() == column)
     }
 
-    pub(super) fn read(&self, value: &Spanned<TomlValue>) -> Result<AxisValue, Vec<Problem>> {
+    pub(super) fn read(&self, value: &Spanned<DeValue<'_>>) -> Result<AxisValue, Vec<Problem>> {
         let text = to_toml(value.get_ref());
         let value = match self.field_type.read(&self.path, value)? {
             toml::Value::Float(number) => Value::Number(number),
@@ -96,8 +96,8 @@ impl Field {
 
     /// Parses a value as it is written in a scene file: `"12 mm"` with quotes, `0.8`, `true`. The error is a single line.
     pub fn parse_toml(&self, toml: &str) -> Result<AxisValue, String> {
-        let value = toml::de::ValueDeserializer::parse(toml).and_then(Spanned::deserialize);
-        self.read(&value.map_err(|error| error.to_string())?).map_err(|problems| {
+        let value = DeValue::parse(toml).map_err(|error| error.to_string())?;
+        self.read(&value).map_err(|problems| {
             problems.iter().map(|p| format!("{}; {}", p.message, p.help)).collect::<Vec<_>>().join("; ")
         })
     }
@@ -127,17 +127,19 @@ pub(super) fn column_kind(field_type: &FieldType) -> Kind {
     }
 }
 
-fn to_toml(value: &TomlValue) -> String {
+fn to_toml(value: &DeValue<'_>) -> String {
     match value {
-        TomlValue::Text(text) => toml::Value::from(text.as_str()).to_string(),
-        TomlValue::Integer(integer) => integer.to_string(),
-        TomlValue::Float(number) => format!("{number:?}"),
-        TomlValue::Flag(flag) => flag.to_string(),
-        TomlValue::List(items) => {
+        DeValue::String(text) => toml::Value::from(text.as_ref()).to_string(),
+        DeValue::Integer(_) | DeValue::Float(_) => match number(value) {
+            Some(toml::Value::Float(number)) => format!("{number:?}"),
+            whole => whole.map(|number| number.to_string()).unwrap_or_default(),
+        },
+        DeValue::Boolean(flag) => flag.to_string(),
+        DeValue::Array(items) => {
             let items: Vec<String> = items.iter().map(|item| to_toml(item.get_ref())).collect();
             format!("[{}]", items.join(", "))
         }
-        TomlValue::Table(_) => "{}".to_string(),
+        DeValue::Datetime(_) | DeValue::Table(_) => "{}".to_string(),
     }
 }
 

@@ -3,7 +3,7 @@
 
 use serde::Deserialize;
 use serde_json::Value as Json;
-use toml::de::{DeTable, DeValue, Deserializer, ValueDeserializer};
+use toml::de::{DeTable, DeValue, Deserializer};
 use toml::{Spanned, Table, Value};
 
 use super::axis::{AxisValue, Field, FieldType};
@@ -12,7 +12,6 @@ use crate::scene::keywords::SceneKind;
 use crate::scene::parse::syntax_problem;
 use crate::scene::precedence::replaced_keys;
 use crate::scene::schema::{other_schemas, schema_for};
-use crate::scene::toml_value::TomlValue;
 use crate::scene::{Keyword, Layer, Problem, SceneError, keys, parse_layers};
 
 pub(super) struct Base {
@@ -85,10 +84,7 @@ pub(super) fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, check
                     None if is_list => FieldType::List(Box::new(FieldType::Text), None),
                     _ => FieldType::from_schema(schema),
                 };
-                if let Ok(toml_value) = TomlValue::deserialize(ValueDeserializer::from(value.clone())) {
-                    let checked = field_type.read(&path, &Spanned::new(value.span(), toml_value)).map(|_| ());
-                    checked.unwrap_or_else(|problems| checker.extend(problems));
-                }
+                field_type.read(&path, value).map_or_else(|problems| checker.extend(problems), |_| {});
             }
         }
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::{Value as Json, json};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
@@ -20,7 +21,7 @@ use crate::scene::keywords::SceneKind;
 use crate::scene::parse::syntax_problem;
 use crate::scene::quantity::Word;
 use crate::scene::schema::{schema_for, unwrap_lines};
-use crate::scene::toml_value::TomlValue;
+use crate::scene::value::type_name;
 use crate::scene::{Layer, Problem, SceneError, keys, load_layers, read};
 use crate::trace::Model;
 
@@ -57,7 +58,8 @@ struct StudyFile {
     filter: Filter,
 }
 
-/// One axis: values or a range of one field, or rows of values of several fields.
+/// One axis: values or a range of one field, or rows of values of several fields. The values of fields are read from the
+/// document.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 struct AxisTable {
@@ -68,16 +70,16 @@ struct AxisTable {
     fields: Vec<String>,
     /// Values, written as in a scene.
     #[schemars(schema_with = "any_list")]
-    values: Vec<Spanned<TomlValue>>,
+    values: Vec<IgnoredAny>,
     /// Rows of values, one value for each of `fields`.
     #[schemars(schema_with = "any_list")]
-    rows: Vec<Spanned<TomlValue>>,
+    rows: Vec<IgnoredAny>,
     /// First value of a range.
     #[schemars(schema_with = "any_value")]
-    from: Option<Spanned<TomlValue>>,
+    from: Option<IgnoredAny>,
     /// Last value of a range.
     #[schemars(schema_with = "any_value")]
-    to: Option<Spanned<TomlValue>>,
+    to: Option<IgnoredAny>,
     /// Number of values of the range including both ends. Without it, [sample] determines the values.
     #[schemars(with = "u64", range(min = 1))]
     count: Option<u64>,
@@ -270,8 +272,8 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Position of the value at a path such as `axes.0.values.2`.
-    fn span(&self, path: &str) -> Option<Span<usize>> {
+    /// The value at a path such as `axes.0.values.2`.
+    fn value(&self, path: &str) -> Option<&Spanned<DeValue<'_>>> {
         let mut names = path.split('.');
         let mut value = self.document.get(names.next()?)?;
         for name in names {
@@ -281,7 +283,17 @@ impl Reader<'_> {
                 _ => return None,
             };
         }
-        Some(value.span())
+        Some(value)
+    }
+
+    /// Position of the value at a path.
+    fn span(&self, path: &str) -> Option<Span<usize>> {
+        self.value(path).map(Spanned::span)
+    }
+
+    /// The items of the list at a path.
+    fn items(&self, path: &str) -> &[Spanned<DeValue<'_>>] {
+        self.value(path).and_then(|value| value.get_ref().as_array()).map_or(&[], |items| items)
     }
 
     fn refuse<T>(&self, path: &str, message: impl Into<String>, label: &str, help: impl Into<String>) -> Option<T> {
@@ -347,26 +359,27 @@ impl Reader<'_> {
             self.checker.report_unused_at(key, self.span(&at(key)), reason);
         }
         let values = match (is_single, table.values.is_empty()) {
-            (false, _) => self.read_rows(path, &fields, &table.rows)?,
+            (false, _) => self.read_rows(path, &fields)?,
             (true, true) => self.read_range(path, first, table)?,
-            (true, false) => self.read_values(path, first, &table.values)?,
+            (true, false) => self.read_values(path, first)?,
         };
         Some(Axis { fields, values, repeats_designs: table.again })
     }
 
-    fn read_rows(&self, path: &str, fields: &[Field], rows: &[Spanned<TomlValue>]) -> Option<AxisValues> {
+    fn read_rows(&self, path: &str, fields: &[Field]) -> Option<AxisValues> {
+        let rows = self.items(&format!("{path}.rows"));
         if rows.is_empty() {
             let help = "give a row of values for each run: rows = [[\"480 N*mm\", \"132.6 N*mm\"], ..]";
             return self.missing("rows", path, help);
         }
         let count = fields.len();
-        let read_row = |(index, row): (usize, &Spanned<TomlValue>)| {
+        let read_row = |(index, row): (usize, &Spanned<DeValue<'_>>)| {
             let message = match row.get_ref() {
-                TomlValue::List(values) if values.len() == count => {
+                DeValue::Array(values) if values.len() == count => {
                     return fields.iter().zip(values).map(|(field, value)| self.read_value(field, value)).collect();
                 }
-                TomlValue::List(values) => format!("a row has {} values, but {count} fields vary", values.len()),
-                other => format!("a row is {}, but must be a list", other.name()),
+                DeValue::Array(values) => format!("a row has {} values, but {count} fields vary", values.len()),
+                other => format!("a row is {}, but must be a list", type_name(other)),
             };
             let help = "write one value for each of `fields`, in their order";
             self.refuse(&format!("{path}.rows.{index}"), message, &format!("{count} values"), help)
@@ -374,8 +387,11 @@ impl Reader<'_> {
         rows.iter().enumerate().map(read_row).collect::<Option<_>>().map(AxisValues::Rows)
     }
 
-    fn read_values(&self, path: &str, field: &Field, values: &[Spanned<TomlValue>]) -> Option<AxisValues> {
-        let rows = values.iter().map(|value| self.read_value(field, value).map(|value| vec![value]));
+    fn read_values(&self, path: &str, field: &Field) -> Option<AxisValues> {
+        let rows = self
+            .items(&format!("{path}.values"))
+            .iter()
+            .map(|value| self.read_value(field, value).map(|value| vec![value]));
         let rows: Vec<Vec<AxisValue>> = rows.collect::<Option<_>>()?;
         if let Some(index) = (0..rows.len()).find(|&index| rows[..index].contains(&rows[index])) {
             let message = format!("`{}` has the value {} twice", field.path, rows[index][0].text);
@@ -390,7 +406,8 @@ impl Reader<'_> {
             self.refuse(&format!("{path}.{key}"), message, label, help)
         };
         let name = &field.path;
-        let (from, to) = match (&table.from, &table.to) {
+        let [from, to] = ["from", "to"].map(|key| self.value(&format!("{path}.{key}")));
+        let (from, to) = match (from, to) {
             (Some(from), Some(to)) => (from, to),
             (None, None) => {
                 return self.missing("values", path, "give values = [..], or a range: from, to and count");
@@ -428,7 +445,7 @@ impl Reader<'_> {
         }
     }
 
-    fn read_value(&self, field: &Field, value: &Spanned<TomlValue>) -> Option<AxisValue> {
+    fn read_value(&self, field: &Field, value: &Spanned<DeValue<'_>>) -> Option<AxisValue> {
         field.read(value).map_err(|problems| self.checker.extend(problems)).ok()
     }
 

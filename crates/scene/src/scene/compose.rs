@@ -15,7 +15,7 @@ use super::check::NO_EFFECT;
 use super::error::{Problem, entry, entry_at, locate_problems, shortened};
 use super::keys::{join, pair_element};
 use super::parse::{parse_any, syntax_problem};
-use super::precedence::{KIND_KEYS, replaced_keys};
+use super::precedence::merge;
 use super::section::{NO_SECTION, Section};
 
 /// One of the texts of a scene, with its name for messages.
@@ -100,17 +100,17 @@ impl Merged {
             })?;
             let mut texts = texts(document.get_ref(), &layer.text);
             if index >= file_count {
-                merge(&mut set, texts.clone(), false);
+                merge(&mut set, texts.clone(), false, Value::as_table_mut);
             } else {
                 texts.remove(EXTENDS);
                 if index > 0 {
                     NOT_INHERITED.into_iter().for_each(|key| _ = merged.texts.remove(key));
                 }
-                merge(&mut merged.texts, texts.clone(), true);
+                merge(&mut merged.texts, texts.clone(), true, Value::as_table_mut);
             }
             merged.layers.push(texts);
         }
-        merge(&mut merged.texts, set, true);
+        merge(&mut merged.texts, set, true, Value::as_table_mut);
         Ok(merged)
     }
 
@@ -177,27 +177,6 @@ impl Merged {
         };
         let mut errors: Vec<SceneError> = problems_by_layer.into_iter().map(invalid).collect();
         if errors.len() == 1 { errors.remove(0) } else { SceneError::Layers(errors) }
-    }
-}
-
-/// Merges a table over another. With `replaces_kinds`, a section that selects its kind replaces the inherited section,
-/// and alternative keys replace each other.
-fn merge(table: &mut Table, overriding: Table, replaces_kinds: bool) {
-    if replaces_kinds {
-        replaced_keys(|key| overriding.contains_key(key)).for_each(|key| _ = table.remove(key));
-    }
-    // A pair replaces single elements.
-    table.retain(|known, _| pair_element(known).is_none_or(|(pair, _)| !overriding.contains_key(pair)));
-    for (key, value) in overriding {
-        match (table.get_mut(&key), value) {
-            (Some(Value::Table(inner)), Value::Table(more)) => {
-                if replaces_kinds && KIND_KEYS.iter().any(|kind| more.contains_key(*kind)) {
-                    inner.clear();
-                }
-                merge(inner, more, replaces_kinds);
-            }
-            (_, value) => _ = table.insert(key, value),
-        }
     }
 }
 

@@ -176,6 +176,12 @@ fn location(path: &str) -> String {
     }
 }
 
+/// Whether a text can be a name chosen by the user. Names are used in topics, keys and columns.
+pub(crate) fn is_name(text: &str) -> bool {
+    let is_valid = |letter: char| letter.is_ascii_alphanumeric() || letter == '_';
+    text.starts_with(|first: char| first.is_ascii_alphabetic()) && text.chars().all(is_valid)
+}
+
 /// Path of a key of the table at a path.
 pub fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }

@@ -1,16 +1,12 @@
 //! Keywords of scene files and their values.
 
-use super::quantity::Keyword;
+use super::quantity::{keyword_enum, keywords};
 use crate::gripper::Assembly;
 use crate::sizing::Rule;
 
-/// Kind of scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SceneKind {
-    Finger,
-    Bodies,
-    Gripper,
-    Mechanism,
+keyword_enum! {
+    /// Kind of scene.
+    pub enum SceneKind { Finger = "finger", Bodies = "bodies", Gripper = "gripper", Mechanism = "mechanism" }
 }
 
 impl SceneKind {
@@ -26,33 +22,11 @@ impl SceneKind {
     }
 }
 
-/// Motion of a disc.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Motion {
-    Free,
-    Driven,
-    Fixed,
+keyword_enum! {
+    /// Motion of a disc.
+    pub enum Motion { Free = "free", Driven = "driven", Fixed = "fixed" }
 }
 
-impl Keyword for SceneKind {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[
-        ("finger", SceneKind::Finger),
-        ("bodies", SceneKind::Bodies),
-        ("gripper", SceneKind::Gripper),
-        ("mechanism", SceneKind::Mechanism),
-    ];
-}
+keywords! { Assembly { "reference" => Assembly::Reference, "other" => Assembly::Other } }
 
-impl Keyword for Motion {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("free", Motion::Free), ("driven", Motion::Driven), ("fixed", Motion::Fixed)];
-}
-
-impl Keyword for Assembly {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[("reference", Assembly::Reference), ("other", Assembly::Other)];
-}
-
-impl Keyword for Rule {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[(Rule::Rigid.name(), Rule::Rigid), (Rule::Whole.name(), Rule::Whole)];
-}
+keywords! { Rule { Rule::Rigid.name() => Rule::Rigid, Rule::Whole.name() => Rule::Whole } }

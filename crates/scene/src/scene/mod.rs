@@ -6,7 +6,7 @@
 //! | `quantity`, `keywords` | types of values: quantities with their dimension and range, keywords |
 //! | `schema` | the schema of a scene, and what follows from it: allowed values, records, documentation |
 //! | `section` | the sections of the schema with their keys, parsed for reading |
-//! | `value`, `toml_value` | reading single values by their type |
+//! | `value` | reading single values by their type |
 //! | `section_input` | the file as written, section by section |
 //! | `parse` | text → scene as written → [`Scene`] |
 //! | `keys` | unknown keys, suggestions |
@@ -35,7 +35,6 @@ mod section_input;
 pub mod sections;
 mod show;
 mod template;
-pub mod toml_value;
 pub mod value;
 
 pub use crate::drive::{Brake, Interpolation, Profile};

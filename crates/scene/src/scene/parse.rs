@@ -105,7 +105,7 @@ pub fn syntax_problem(error: &toml::de::Error) -> Problem {
 }
 
 /// Resolves a scene; its default name is derived from `file_name`.
-fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option<Scene> {
+fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Option<Scene> {
     let root = input.top_level(checker);
     let settings: SceneSettings = root.read();
     if settings.extends.is_some() {
@@ -118,8 +118,8 @@ fn resolve(input: &SceneInput, checker: &Checker<'_>, file_name: &str) -> Option
     let gravity_m_s2 = settings.gravity.map(|component| *component);
     let (mut hand, mut mechanism, mut discs) = (Some(Hand::EMPTY), Some(None), None);
     match input.kind {
-        SceneKind::Mechanism => mechanism = mechanism::mechanism(input, &root, gravity_m_s2).map(Some),
-        SceneKind::Bodies => discs = bodies::discs(input, &root, gravity_m_s2),
+        SceneKind::Mechanism => mechanism = mechanism::mechanism(&root, gravity_m_s2).map(Some),
+        SceneKind::Bodies => discs = bodies::discs(&root, gravity_m_s2),
         _ => hand = self::hand(input, &root, &settings, gravity_m_s2),
     }
     // With an object that is no disc, the scene is one of a mechanism.
@@ -176,7 +176,12 @@ fn stem(file_name: &str) -> String {
 }
 
 /// Resolves the hand; `None` if any part is invalid.
-fn hand(input: &SceneInput, root: &SectionInput<'_>, settings: &SceneSettings, gravity_m_s2: [f64; 2]) -> Option<Hand> {
+fn hand(
+    input: &SceneInput<'_>,
+    root: &SectionInput<'_>,
+    settings: &SceneSettings,
+    gravity_m_s2: [f64; 2],
+) -> Option<Hand> {
     let given = bodies::object(root);
     let object = &given.0;
     let fingers_input: Vec<_> = input.sides().iter().map(|side| input.finger(*side, root.checker)).collect();

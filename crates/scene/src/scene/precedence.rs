@@ -1,8 +1,15 @@
 //! Precedence when one part of a scene overrides another: a scene over the one it extends, the settings of one finger
 //! over the common ones.
 
+use std::borrow::Borrow;
+use std::hash::Hash;
+
+use toml::map::Map;
+
+use super::keys::pair_element;
+
 /// Keys that select the kind of a section: a section of another kind does not inherit the other keys.
-pub(crate) const KIND_KEYS: [&str; 2] = ["type", "profile"];
+const KIND_KEYS: [&str; 2] = ["type", "profile"];
 /// Alternative sections, or alternative keys of a section, for the same thing: a constant excludes values over time.
 const ALTERNATIVES: [[&str; 2]; 11] = [
     ["design", "lengths"],
@@ -22,4 +29,30 @@ const ALTERNATIVES: [[&str; 2]; 11] = [
 pub fn replaced_keys(has: impl Fn(&str) -> bool) -> impl Iterator<Item = &'static str> {
     let pairs = ALTERNATIVES.into_iter().flat_map(|[first, second]| [(first, second), (second, first)]);
     pairs.filter(move |(first, second)| has(first) && !has(second)).map(|(_, second)| second)
+}
+
+/// Merges a table over another; `as_table` returns the table that a value is. With `replaces_kinds`, a section that selects
+/// its kind replaces the inherited section, and alternative keys replace each other.
+pub(crate) fn merge<K: Ord + Hash + Borrow<str>, V>(
+    table: &mut Map<K, V>,
+    overriding: Map<K, V>,
+    replaces_kinds: bool,
+    as_table: fn(&mut V) -> Option<&mut Map<K, V>>,
+) {
+    if replaces_kinds {
+        replaced_keys(|key| overriding.contains_key(key)).for_each(|key| _ = table.remove(key));
+    }
+    // A pair replaces single elements.
+    let is_kept = |key: &str| pair_element(key).is_none_or(|(pair, _)| !overriding.contains_key(pair));
+    *table = std::mem::take(table).into_iter().filter(|(key, _)| is_kept(key.borrow())).collect();
+    for (key, mut value) in overriding {
+        let mut inherited = table.remove(key.borrow());
+        if let (Some(inner), Some(more)) = (inherited.as_mut().and_then(as_table), as_table(&mut value))
+            && !(replaces_kinds && KIND_KEYS.iter().any(|kind| more.contains_key(*kind)))
+        {
+            merge(inner, std::mem::take(more), replaces_kinds, as_table);
+            *more = std::mem::take(inner);
+        }
+        table.insert(key, value);
+    }
 }

@@ -153,7 +153,34 @@ pub trait Keyword: Clone + 'static {
     }
 }
 
-/// A value written as a keyword; by default the first one.
+/// Defines an enum whose variants are written as keywords.
+macro_rules! keyword_enum {
+    ($(#[$attribute:meta])* pub enum $name:ident {
+        $($(#[$variant_attribute:meta])* $variant:ident = $keyword:literal),* $(,)?
+    }) => {
+        $(#[$attribute])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+        #[schemars(inline)]
+        pub enum $name {
+            $($(#[$variant_attribute])* #[serde(rename = $keyword)] $variant),*
+        }
+
+        $crate::scene::quantity::keywords! { $name { $($keyword => $name::$variant),* } }
+    };
+}
+
+/// Gives the values of a type their keywords.
+macro_rules! keywords {
+    ($name:ty { $($keyword:expr => $value:expr),* $(,)? }) => {
+        impl $crate::scene::Keyword for $name {
+            const KEYWORDS: &'static [(&'static str, Self)] = &[$(($keyword, $value)),*];
+        }
+    };
+}
+
+pub(crate) use {keyword_enum, keywords};
+
+/// A value of another crate written as a keyword; by default the first one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word<K>(pub K);
 

@@ -3,10 +3,9 @@
 //! In a gripper, the sections of a finger apply to both fingers; `[right]` and `[left]` contain the same sections for
 //! one finger, which override the common ones.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 use serde::{Deserialize, Serialize};
 use toml::de::{DeTable, DeValue, Deserializer};
 use toml::{Spanned, Table, Value};
@@ -14,43 +13,36 @@ use toml::{Spanned, Table, Value};
 use super::Side;
 use super::check::Checker;
 use super::error::Problem;
-use super::keys::{join, pair_element};
 use super::keywords::SceneKind;
-use super::precedence::{KIND_KEYS, replaced_keys};
+use super::precedence::merge;
 use super::section::{Key, NO_SECTION, Section};
-use super::toml_value::TomlValue;
-use super::value::{ValueType, dimension_of, problem_at};
+use super::value::{ValueType, dimension_of, problem_at, type_name};
 use crate::units::Dimension;
-
-/// Values of a section by key.
-type Values = BTreeMap<String, Spanned<TomlValue>>;
 
 /// A scene without unknown keys.
 #[derive(Debug)]
-pub(crate) struct SceneInput {
+pub(crate) struct SceneInput<'t> {
     pub kind: SceneKind,
     schema: &'static Section,
-    values: Values,
+    values: DeTable<'t>,
     /// Values of each finger of a gripper.
-    fingers: Vec<Values>,
-    /// Positions of the names of tables, by path.
-    names: BTreeMap<String, Range<usize>>,
+    fingers: Vec<DeTable<'t>>,
 }
 
-impl SceneInput {
+impl<'t> SceneInput<'t> {
     /// # Errors
-    /// Returns an error if the deserialisation fails.
+    /// Returns an error if a number has too many digits.
     pub fn parse(
         kind: SceneKind,
         schema: &'static Section,
-        document: Spanned<DeTable<'_>>,
+        document: Spanned<DeTable<'t>>,
     ) -> Result<Self, toml::de::Error> {
-        let mut names = BTreeMap::new();
-        add_names(document.get_ref(), "", &mut names);
-        let values = Values::deserialize(Deserializer::from(document))?;
+        // The parser leaves numbers as texts.
+        IgnoredAny::deserialize(Deserializer::from(document.clone()))?;
+        let values = document.into_inner();
         let fingers =
             if kind.fingers() > 1 { Side::BOTH.map(|side| finger(&values, schema, side)).into() } else { Vec::new() };
-        Ok(Self { kind, schema, values, fingers, names })
+        Ok(Self { kind, schema, values, fingers })
     }
 
     /// Sides of the fingers; a single finger is the right one.
@@ -61,56 +53,28 @@ impl SceneInput {
     /// Returns the top level, with common values only.
     pub(crate) fn top_level<'a>(&'a self, checker: &'a Checker<'a>) -> SectionInput<'a> {
         let (path, schema, values) = (String::new(), self.schema, Some(&self.values));
-        SectionInput { kind: self.kind, checker, path, schema, span: None, values }
+        SectionInput { kind: self.kind, checker, path, schema, name_span: None, span: None, values }
     }
 
     /// Returns the values of one finger, in the form of a scene with that finger only.
     pub fn finger<'a>(&'a self, side: Side, checker: &'a Checker<'a>) -> SectionInput<'a> {
         SectionInput { values: self.fingers.get(side as usize).or(Some(&self.values)), ..self.top_level(checker) }
     }
-
-    /// Position of the name of a table.
-    pub(crate) fn name_span(&self, path: &str) -> Option<Range<usize>> {
-        self.names.get(path).cloned()
-    }
-}
-
-/// Adds the positions of the names of tables.
-fn add_names(table: &DeTable<'_>, path: &str, names: &mut BTreeMap<String, Range<usize>>) {
-    for (key, value) in table {
-        if let DeValue::Table(inner) = value.get_ref() {
-            let path = join(path, key.get_ref());
-            add_names(inner, &path, names);
-            names.insert(path, key.span());
-        }
-    }
 }
 
 /// Merges the values of one finger over the common ones.
-fn finger(values: &Values, schema: &Section, side: Side) -> Values {
+fn finger<'t>(values: &DeTable<'t>, schema: &Section, side: Side) -> DeTable<'t> {
+    fn as_table<'v, 't>(value: &'v mut Spanned<DeValue<'t>>) -> Option<&'v mut DeTable<'t>> {
+        if let DeValue::Table(table) = value.get_mut() { Some(table) } else { None }
+    }
     let of_finger = schema.subsection(side.name()).unwrap_or(&NO_SECTION);
-    let common = values.iter().filter(|(key, _)| of_finger.key(key).is_some() || of_finger.subsection(key).is_some());
-    let mut merged: Values = common.map(|(key, value)| (key.clone(), value.clone())).collect();
-    if let Some(TomlValue::Table(overriding)) = values.get(side.name()).map(Spanned::get_ref) {
-        merge(&mut merged, overriding);
+    let is_of_finger = |key: &str| of_finger.key(key).is_some() || of_finger.subsection(key).is_some();
+    let common = values.iter().filter(|(key, _)| is_of_finger(key.get_ref()));
+    let mut merged: DeTable<'t> = common.map(|(key, value)| (key.clone(), value.clone())).collect();
+    if let Some(overriding) = values.get(side.name()).and_then(|value| value.get_ref().as_table()) {
+        merge(&mut merged, overriding.clone(), true, as_table);
     }
     merged
-}
-
-/// Merges one table over another by the rules of extended scenes.
-fn merge(merged: &mut Values, overriding: &Values) {
-    replaced_keys(|key| overriding.contains_key(key)).for_each(|key| _ = merged.remove(key));
-    merged.retain(|key, _| pair_element(key).is_none_or(|(pair, _)| !overriding.contains_key(pair)));
-    for (key, value) in overriding {
-        let (mut value, inherited) = (value.clone(), merged.remove(key).map(Spanned::into_inner));
-        if let (TomlValue::Table(more), Some(TomlValue::Table(mut inner))) = (value.get_mut(), inherited)
-            && !KIND_KEYS.iter().any(|kind| more.contains_key(*kind))
-        {
-            merge(&mut inner, more);
-            *more = inner;
-        }
-        merged.insert(key.clone(), value);
-    }
 }
 
 /// An optional section of a scene, as written.
@@ -121,9 +85,11 @@ pub struct SectionInput<'a> {
     pub checker: &'a Checker<'a>,
     path: String,
     schema: &'static Section,
+    /// Position of its name; `None` for the top level, for an omitted section, and in lists.
+    pub name_span: Option<Range<usize>>,
     /// Position of its header; `None` for the top level and for an omitted section.
     pub span: Option<Range<usize>>,
-    values: Option<&'a Values>,
+    values: Option<&'a DeTable<'a>>,
 }
 
 impl<'a> SectionInput<'a> {
@@ -131,14 +97,19 @@ impl<'a> SectionInput<'a> {
         self.span.is_some()
     }
 
-    fn get(&self, key: &str) -> Option<&'a Spanned<TomlValue>> {
+    fn get(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
         self.values?.get(key)
     }
 
+    /// The items of a list.
+    fn items(&self, key: &str) -> Option<&'a [Spanned<DeValue<'a>>]> {
+        self.get(key)?.get_ref().as_array().map(|items| &**items)
+    }
+
     /// Single elements of a pair: `centre[0]`.
-    fn elements(&self, key: &str) -> impl Iterator<Item = (usize, &'a Spanned<TomlValue>)> {
+    fn elements(&self, key: &str) -> impl Iterator<Item = (usize, &'a Spanned<DeValue<'a>>)> {
         let elements =
-            [0, 1].map(|index| self.values.and_then(|values| Some((index, values.get(&format!("{key}[{index}]"))?))));
+            [0, 1].map(|index| self.values.and_then(|values| Some((index, values.get(&*format!("{key}[{index}]"))?))));
         elements.into_iter().flatten()
     }
 
@@ -149,10 +120,7 @@ impl<'a> SectionInput<'a> {
 
     /// Position of one item of a list, or of the whole value if there is no such item.
     pub(crate) fn item_span(&self, key: &str, index: usize) -> Option<Range<usize>> {
-        match self.get(key)?.get_ref() {
-            TomlValue::List(items) => items.get(index).map(Spanned::span).or(self.span(key)),
-            _ => self.span(key),
-        }
+        self.items(key).and_then(|items| items.get(index)).map(Spanned::span).or(self.span(key))
     }
 
     pub fn has(&self, key: &str) -> bool {
@@ -173,36 +141,46 @@ impl<'a> SectionInput<'a> {
     /// Returns the subsection with this key.
     pub(crate) fn subsection(&self, key: &str) -> Self {
         let schema = self.schema.subsection(key).unwrap_or(&NO_SECTION);
-        let (span, values) = match self.get(key).map(|value| (value.span(), value.get_ref())) {
-            Some((span, TomlValue::Table(values))) => (Some(span), Some(values)),
-            _ => (None, None),
+        let section = self.values.and_then(|values| {
+            let (name, value) = values.get_key_value(key)?;
+            Some((name.span(), value.span(), value.get_ref().as_table()?))
+        });
+        let (name_span, span, values) = match section {
+            Some((name, header, values)) => (Some(name), Some(header), Some(values)),
+            None => (None, None, None),
         };
-        SectionInput { path: self.path(key), schema, span, values, ..*self }
+        SectionInput { path: self.path(key), schema, name_span, span, values, ..*self }
     }
 
     /// All subsections with their names.
     pub(crate) fn subsections(&self) -> Vec<(&'a str, Self)> {
-        self.values.into_iter().flatten().map(|(name, _)| (name.as_str(), self.subsection(name))).collect()
+        let names = self.values.into_iter().flatten().map(|(name, _)| name.get_ref().as_ref());
+        names.map(|name| (name, self.subsection(name))).collect()
     }
 
     /// Tables of a list, such as [[contacts]]; reports another value.
     pub(crate) fn list(&self, key: &str) -> Vec<Self> {
         let schema = self.schema.subsection(key).unwrap_or(&NO_SECTION);
         let Some(value) = self.get(key) else { return Vec::new() };
-        let items = if let TomlValue::List(items) = value.get_ref() { &items[..] } else { std::slice::from_ref(value) };
+        let items = self.items(key).unwrap_or(std::slice::from_ref(value));
         let mut tables = Vec::new();
         for (index, item) in items.iter().enumerate() {
-            let TomlValue::Table(values) = item.get_ref() else {
-                let message =
-                    format!("`{}` is {}, but must be a list of tables", self.path(key), item.get_ref().name());
+            let DeValue::Table(values) = item.get_ref() else {
+                let found = type_name(item.get_ref());
+                let message = format!("`{}` is {found}, but must be a list of tables", self.path(key));
                 let help = format!("begin each table with [[{}]]", self.path(key));
                 self.checker.push(Problem::new(Some(item.span()), message, "expected a table", help));
                 continue;
             };
-            let path = format!("{}[{index}]", self.path(key));
-            tables.push(SectionInput { path, schema, span: Some(item.span()), values: Some(values), ..*self });
+            let (path, span) = (format!("{}[{index}]", self.path(key)), Some(item.span()));
+            tables.push(SectionInput { path, schema, name_span: None, span, values: Some(values), ..*self });
         }
         tables
+    }
+
+    /// All keys that the section may have.
+    pub(crate) fn keys(&self) -> impl Iterator<Item = &'static str> {
+        self.schema.keys().iter().map(|key| key.name)
     }
 
     /// Dimensions that the values of a key may have.
@@ -221,14 +199,8 @@ impl<'a> SectionInput<'a> {
     /// Dimensions of the values of a key as written.
     pub(crate) fn dimensions(&self, key: &str) -> Vec<Dimension> {
         let among = self.alternatives(key);
-        let dimension = |value: &Spanned<TomlValue>| match value.get_ref() {
-            TomlValue::Text(text) => dimension_of(text, &among),
-            _ => None,
-        };
-        match self.get(key).map(Spanned::get_ref) {
-            Some(TomlValue::List(items)) => items.iter().filter_map(dimension).collect(),
-            _ => self.get(key).and_then(dimension).into_iter().collect(),
-        }
+        let values = self.items(key).or(self.get(key).map(std::slice::from_ref)).unwrap_or_default();
+        values.iter().filter_map(|value| dimension_of(value.get_ref().as_str()?, &among)).collect()
     }
 
     /// Reads keys of the section again, whose problems are reported elsewhere.

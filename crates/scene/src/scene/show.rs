@@ -162,9 +162,11 @@ fn to_texts(
         let items = value.as_array().map_or(std::slice::from_ref(*value), Vec::as_slice);
         !items.is_empty() && items.iter().all(|item| item.as_float().is_none_or(f64::is_finite))
     };
+    let is_linear = values.get("linear").and_then(Value::as_bool).unwrap_or(false);
     let value = |key: &Key| {
         let value = values.get(key.field).filter(is_set).filter(|_| schema.effect(key, values).is_ok())?;
-        Some((key.name.to_string(), text(value, &key.value_type, &join(path, key.name))?.into()))
+        let value_type = key.value_type.of_joint(is_linear);
+        Some((key.name.to_string(), text(value, &value_type, &join(path, key.name))?.into()))
     };
     let subsection = |(name, schema): (String, &Section)| {
         let texts = to_texts(schema, values.get(&name)?.as_table()?, &join(path, &name), text);

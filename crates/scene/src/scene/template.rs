@@ -60,7 +60,7 @@ impl Template {
 ///
 /// # Errors
 /// Returns a problem for each key that ties the scene to one design.
-pub fn template(input: &SceneInput, checker: Checker<'_>, scene: &Scene) -> Result<Template, Vec<Problem>> {
+pub fn template(input: &SceneInput<'_>, checker: Checker<'_>, scene: &Scene) -> Result<Template, Vec<Problem>> {
     match resolve(&input.finger(Side::Right, &checker), scene) {
         Some(template) if checker.is_clean() => Ok(template),
         _ => Err(checker.into_problems()),

@@ -1,11 +1,11 @@
 //! Values of settings: their types by the schema, and reading them from a file.
 
 use serde_json::Value as Json;
+use toml::de::DeValue;
 use toml::{Spanned, Value};
 
 use super::error::Problem;
 use super::keys::{closest_match, find_unsupported};
-use super::toml_value::TomlValue;
 use crate::units::{self, Dimension};
 
 /// Type of the values of a key.
@@ -55,6 +55,18 @@ impl ValueType {
         }
     }
 
+    /// The same type with the dimension for a joint that slides or turns, if the dimension depends on it.
+    pub(crate) fn of_joint(&self, is_linear: bool) -> Self {
+        match self {
+            ValueType::OneOf(dimensions) => {
+                let of_joint = dimensions.iter().find(|dimension| dimension.is_linear() == is_linear);
+                of_joint.map_or(self.clone(), |dimension| ValueType::Quantity(*dimension))
+            }
+            ValueType::List(item, length) => ValueType::List(Box::new(item.of_joint(is_linear)), *length),
+            _ => self.clone(),
+        }
+    }
+
     /// Suffix of names for the SI unit.
     pub fn suffix(&self) -> Option<&'static str> {
         match self {
@@ -68,57 +80,57 @@ impl ValueType {
     ///
     /// # Errors
     /// Returns the problems of a value of another type.
-    pub fn read(&self, key: &str, value: &Spanned<TomlValue>) -> Read<Value> {
+    pub fn read(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Read<Value> {
         let found = value.get_ref();
-        let refuse = |name: &str, required: &str, label: &str, help: String| {
-            Err(vec![problem_at(value, format!("`{key}` is {name}, but must be {required}"), label, help)])
+        let refuse = |name: &str, required: &str, label: &str, help: &str| {
+            Err(vec![problem_at(value, format!("`{key}` is {name}, but must be {required}"), label, help.to_string())])
         };
         match (self, found) {
             (ValueType::Quantity(dimension), _) => read_quantity(key, value, &[*dimension]).map(Value::Float),
             (ValueType::OneOf(dimensions), _) => read_quantity(key, value, dimensions).map(Value::Float),
-            (ValueType::Number | ValueType::Percent, TomlValue::Integer(integer)) => Ok(Value::Float(*integer as f64)),
-            (ValueType::Number | ValueType::Percent, TomlValue::Float(number)) if number.is_finite() => {
-                Ok(Value::Float(*number))
-            }
-            (ValueType::Number | ValueType::Percent, TomlValue::Float(number)) => {
-                refuse(&number.to_string(), "finite", "a number", "write a finite number".into())
-            }
-            (ValueType::Number | ValueType::Percent, TomlValue::Text(_)) => {
-                let help = "write it without quotes and unit, in SI units: 0.8 or 1e8";
-                refuse(found.name(), "a plain number", "a number", help.into())
-            }
-            (ValueType::Number | ValueType::Percent, _) => {
-                refuse(found.name(), "a plain number", "a number", "write a number such as 0.8 or 1e8".into())
-            }
-            (ValueType::Integer(min, max), TomlValue::Integer(integer)) if (min..=max).contains(&integer) => {
-                Ok(Value::Integer(*integer))
-            }
+            (ValueType::Number | ValueType::Percent, _) => match (number(found), found) {
+                (Some(Value::Integer(integer)), _) => Ok(Value::Float(integer as f64)),
+                (Some(Value::Float(number)), _) if !number.is_finite() => {
+                    refuse(&number.to_string(), "finite", "a number", "write a finite number")
+                }
+                (Some(number), _) => Ok(number),
+                (None, DeValue::String(_)) => {
+                    let help = "write it without quotes and unit, in SI units: 0.8 or 1e8";
+                    refuse(type_name(found), "a plain number", "a number", help)
+                }
+                (None, _) => {
+                    refuse(type_name(found), "a plain number", "a number", "write a number such as 0.8 or 1e8")
+                }
+            },
             (ValueType::Integer(min, max), _) => {
-                let name = match found {
-                    TomlValue::Integer(integer) => integer.to_string(),
-                    other => other.name().to_string(),
+                let name = match number(found) {
+                    Some(Value::Integer(integer)) if (min..=max).contains(&&integer) => {
+                        return Ok(Value::Integer(integer));
+                    }
+                    Some(Value::Integer(integer)) => integer.to_string(),
+                    _ => type_name(found).to_string(),
                 };
                 let upper = if *max == i64::MAX { String::new() } else { format!(" to {max}") };
                 let help = format!("write a number from {min}{upper} without point, exponent or quotes");
                 let label = if upper.is_empty() { "a whole number" } else { &format!("from {min}{upper}") };
-                refuse(&name, &format!("a whole number from {min}{upper}"), label, help)
+                refuse(&name, &format!("a whole number from {min}{upper}"), label, &help)
             }
-            (ValueType::Flag, TomlValue::Flag(flag)) => Ok(Value::Boolean(*flag)),
+            (ValueType::Flag, DeValue::Boolean(flag)) => Ok(Value::Boolean(*flag)),
             (ValueType::Flag, _) => {
-                refuse(found.name(), "true or false", "true or false", "write true or false, without quotes".into())
+                refuse(type_name(found), "true or false", "true or false", "write true or false, without quotes")
             }
             (ValueType::Choice(keywords), _) => read_keyword(key, value, keywords),
-            (ValueType::Text, TomlValue::Text(text)) if !text.trim().is_empty() => Ok(Value::from(text.as_str())),
+            (ValueType::Text, DeValue::String(text)) if !text.trim().is_empty() => Ok(Value::from(text.as_ref())),
             (ValueType::Text, _) => {
-                let name = if matches!(found, TomlValue::Text(_)) { "empty" } else { found.name() };
-                refuse(name, "a string", "a string", "write a string in quotes, or remove the key".into())
+                let name = if found.is_str() { "empty" } else { type_name(found) };
+                refuse(name, "a string", "a string", "write a string in quotes, or remove the key")
             }
-            (ValueType::List(item, None), TomlValue::List(items)) => read_items(key, item, items),
+            (ValueType::List(item, None), DeValue::Array(items)) => read_items(key, item, items),
             (ValueType::List(item, None), _) => {
                 let example = item.example();
-                refuse(found.name(), "a list", "a list in brackets", format!("write [{example}, {example}]"))
+                refuse(type_name(found), "a list", "a list in brackets", &format!("write [{example}, {example}]"))
             }
-            (ValueType::List(item, Some(_)), TomlValue::List(items)) => match read_items(key, item, items)? {
+            (ValueType::List(item, Some(_)), DeValue::Array(items)) => match read_items(key, item, items)? {
                 Value::Array(list) if list.len() != 2 => {
                     let which = if matches!(**item, ValueType::Quantity(_)) { ", x and y" } else { "" };
                     let message = format!("`{key}` has {} values, but must have two{which}", list.len());
@@ -127,7 +139,8 @@ impl ValueType {
                 list => Ok(list),
             },
             (ValueType::List(item, Some(_)), _) => {
-                refuse(found.name(), "a list of two values", "two values in brackets", item.pair_example(found))
+                let help = item.pair_example(found);
+                refuse(type_name(found), "a list of two values", "two values in brackets", &help)
             }
         }
     }
@@ -142,13 +155,13 @@ impl ValueType {
 
     /// Remedy for a value that is no pair. A single value is taken as y, which is the usual case for gravity and most
     /// other vectors.
-    fn pair_example(&self, found: &TomlValue) -> String {
+    fn pair_example(&self, found: &DeValue<'_>) -> String {
         let ValueType::Quantity(dimension) = self else { return "write two values: [.., ..]".to_string() };
         let unit = dimension.units()[0].name;
-        let y = match found {
-            TomlValue::Integer(y) => format!("{y} {unit}"),
-            TomlValue::Float(y) => format!("{y} {unit}"),
-            TomlValue::Text(y) if units::parse(y, *dimension).is_ok() => y.trim().to_string(),
+        let y = match (number(found), found) {
+            (Some(Value::Integer(y)), _) => format!("{y} {unit}"),
+            (Some(Value::Float(y)), _) => format!("{y} {unit}"),
+            (_, DeValue::String(y)) if units::parse(y, *dimension).is_ok() => y.trim().to_string(),
             _ => dimension.example().to_string(),
         };
         format!("write x and y: [\"0 {unit}\", \"{y}\"]")
@@ -193,7 +206,31 @@ impl ValueType {
     }
 }
 
-fn read_items(key: &str, item: &ValueType, items: &[Spanned<TomlValue>]) -> Read<Value> {
+/// Name of the type of a value with article, for messages.
+pub fn type_name(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "a string",
+        DeValue::Integer(_) | DeValue::Float(_) => "a bare number",
+        DeValue::Boolean(_) => "a boolean",
+        DeValue::Array(_) => "a list",
+        DeValue::Datetime(_) | DeValue::Table(_) => "a table or date",
+    }
+}
+
+/// Returns the value of a number; a whole number that is too large becomes a float.
+pub fn number(value: &DeValue<'_>) -> Option<Value> {
+    let DeValue::Integer(integer) = value else {
+        return Some(Value::Float(value.as_float()?.as_str().parse().ok()?));
+    };
+    let (digits, radix) = (integer.as_str(), integer.radix());
+    match i64::from_str_radix(digits, radix) {
+        Ok(integer) => Some(Value::Integer(integer)),
+        Err(_) if radix == 10 => Some(Value::Float(digits.parse().ok()?)),
+        Err(_) => Some(Value::Float(u128::from_str_radix(digits, radix).ok()? as f64)),
+    }
+}
+
+fn read_items(key: &str, item: &ValueType, items: &[Spanned<DeValue<'_>>]) -> Read<Value> {
     let (values, problems): (Vec<_>, Vec<_>) = items.iter().map(|value| item.read(key, value)).partition(Result::is_ok);
     let problems: Vec<Problem> = problems.into_iter().filter_map(Result::err).flatten().collect();
     if problems.is_empty() { Ok(Value::Array(values.into_iter().flatten().collect())) } else { Err(problems) }
@@ -211,15 +248,15 @@ pub fn dimension_of(text: &str, among: &[Dimension]) -> Option<Dimension> {
 }
 
 /// Reads a quantity of one of these dimensions.
-fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: &[Dimension]) -> Read<f64> {
+fn read_quantity(key: &str, value: &Spanned<DeValue<'_>>, expected: &[Dimension]) -> Read<f64> {
     let any_of = |text: fn(Dimension) -> String| expected.iter().map(|each| text(*each)).collect::<Vec<_>>();
     let name = any_of(|each| each.name().to_string()).join(" or ");
     let help =
         || format!("write a number and its unit, as in {}", any_of(|d| format!("\"{}\"", d.example())).join(" or "));
-    let TomlValue::Text(text) = value.get_ref() else {
+    let DeValue::String(text) = value.get_ref() else {
         let message = format!(
             "`{key}` is {}; expected {name} as a string with its unit: {}",
-            value.get_ref().name(),
+            type_name(value.get_ref()),
             any_of(Dimension::unit_list).join(", ")
         );
         return Err(vec![problem_at(value, message, name.as_str(), help())]);
@@ -229,14 +266,14 @@ fn read_quantity(key: &str, value: &Spanned<TomlValue>, expected: &[Dimension]) 
 }
 
 /// Reads a keyword of a closed list.
-fn read_keyword(key: &str, value: &Spanned<TomlValue>, keywords: &[String]) -> Read<Value> {
+fn read_keyword(key: &str, value: &Spanned<DeValue<'_>>, keywords: &[String]) -> Read<Value> {
     let help = format!("allowed: \"{}\"", keywords.join("\", \""));
-    let TomlValue::Text(text) = value.get_ref() else {
-        let message = format!("`{key}` is {}, but must be a keyword", value.get_ref().name());
+    let DeValue::String(text) = value.get_ref() else {
+        let message = format!("`{key}` is {}, but must be a keyword", type_name(value.get_ref()));
         return Err(vec![problem_at(value, message, "a keyword in quotes", help)]);
     };
-    if keywords.contains(text) {
-        return Ok(text.as_str().into());
+    if keywords.iter().any(|keyword| keyword == text) {
+        return Ok(text.as_ref().into());
     }
     if let Some((reason, instead)) = find_unsupported(key, text) {
         let (message, help) = (format!("`{key}` has no \"{text}\": {reason}"), format!("{instead}; {help}"));
@@ -249,6 +286,6 @@ fn read_keyword(key: &str, value: &Spanned<TomlValue>, keywords: &[String]) -> R
 }
 
 /// A problem of a value.
-pub fn problem_at(value: &Spanned<TomlValue>, message: String, label: impl Into<String>, help: String) -> Problem {
+pub fn problem_at(value: &Spanned<DeValue<'_>>, message: String, label: impl Into<String>, help: String) -> Problem {
     Problem { span: Some(value.span()), message, label: label.into(), help }
 }

@@ -150,6 +150,15 @@ impl Dimension {
         self.row().suffix
     }
 
+    /// Whether the quantity belongs to translation, where there is one of rotation as well.
+    pub(crate) fn is_linear(self) -> bool {
+        use Dimension as D;
+        matches!(
+            self,
+            D::Length | D::Speed | D::Mass | D::Force | D::LinearStiffness | D::LinearDamping | D::LinearImpactDamping
+        )
+    }
+
     /// Accepted units; the first is the SI unit.
     pub fn units(self) -> &'static [Unit] {
         self.row().units

@@ -1,7 +1,5 @@
 //! The grasped object with its positions within the positioning error, discs, palm, ground and table.
 
-use std::ops::Range;
-
 use schemars::JsonSchema;
 use serde::Deserialize;
 use toml::Table;
@@ -14,9 +12,10 @@ use crate::limits::MAX_DISCS;
 use crate::mechanism::{Mechanism, OutlineShape, PrescribedMotion};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::discs::PLANE;
+use crate::scene::keys::is_name;
 use crate::scene::keywords::Motion;
 use crate::scene::quantity::{
-    Acceleration, Angle, AngularRate, Inertia, Keyword, Length, Mass, Positive, Quantity, Speed, Word,
+    Acceleration, Angle, AngularRate, Inertia, Keyword, Length, Mass, Positive, Quantity, Speed,
 };
 use crate::scene::section_input::{SceneInput, SectionInput};
 use crate::scene::{Disc, DiscMotion, Discs, Object, ObjectMotion, Problem, Side};
@@ -43,7 +42,7 @@ pub struct ObjectKeys {
     pub present: Option<bool>,
     /// "free": moves under gravity and contact forces; "fixed": does not move.
     #[schemars(extend("x-kinds" = GRIPPER, "default" = "free", "enum" = ["free", "fixed"]))]
-    pub motion: Option<Word<Motion>>,
+    pub motion: Option<Motion>,
     #[schemars(extend("default" = "20 mm"))]
     pub radius: Option<Positive<Length>>,
     /// Position of the centre. Default: (−base, radius), resting on the palm, with the base of [design] or [lengths].
@@ -108,7 +107,7 @@ pub struct DiscSettings {
     /// "free": moves under gravity and contact forces; "driven": moves with `velocity`, `acceleration` and `spin`, not
     /// affected by contacts; "fixed": does not move.
     #[schemars(extend("default" = "free"))]
-    pub motion: Word<Motion>,
+    pub motion: Motion,
     /// Initial velocity of the centre (motion = "free" or "driven").
     #[schemars(extend("x-with" = "motion = free|driven", "default" = ["0 m/s", "0 m/s"]))]
     pub velocity: [Quantity<Speed>; 2],
@@ -254,7 +253,7 @@ pub fn object(input: &SectionInput<'_>) -> (Object, bool) {
         placed = placed.at([centre_m[0], 0.0 - lowest]);
     }
     let mut object = Object::fixed(placed);
-    if settings.motion.is_some_and(|motion| motion.0 == Motion::Free) {
+    if settings.motion.is_some_and(|motion| motion == Motion::Free) {
         let mass_kg = settings.mass.map_or_else(|| shape::mass(&shape, DENSITY_KG_M3, DEPTH_M), |mass| *mass);
         let inertia_kg_m2 = settings.inertia.map_or_else(|| shape::inertia(&shape, mass_kg), |inertia| *inertia);
         let velocity_m_s = settings.velocity.map_or([0.0; 2], |velocity| velocity.map(|rate| *rate));
@@ -411,7 +410,7 @@ pub struct Target {
 /// Returns the target of each finger; `None` if it is invalid.
 pub fn targets(
     input: &SectionInput<'_>,
-    scene: &SceneInput,
+    scene: &SceneInput<'_>,
     settings: &SceneSettings,
     fingers: &[FingerLengths],
     object: &Object,
@@ -484,7 +483,7 @@ fn is_ground_joint_clear(input: &SectionInput<'_>, side: Side, target: &Target, 
 }
 
 /// Resolves all discs, their half plane and their law; `None` if any is invalid.
-pub fn discs(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Discs> {
+pub fn discs(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Discs> {
     let ground = root.subsection("half_plane");
     let half_plane_m = ground.is_present().then(|| *ground.read::<HalfPlaneSettings>().level);
     let law = Level::common(root.subsection("contact"), 0.0).law();
@@ -500,8 +499,7 @@ pub fn discs(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]
         let message = format!("there are {count} discs, but at most {MAX_DISCS} are allowed");
         return section.refuse("", message, "", format!("remove {} of them", count - MAX_DISCS));
     }
-    let all: Vec<Option<Disc>> =
-        sections.iter().map(|(name, keys)| disc(name, input.name_span(&format!("discs.{name}")), keys)).collect();
+    let all: Vec<Option<Disc>> = sections.iter().map(|(name, keys)| disc(name, keys)).collect();
     let all: Vec<Disc> = all.into_iter().collect::<Option<_>>()?;
     if !all.iter().any(|disc| disc.motion.moves()) {
         let help = "make one of them move: motion = \"free\" with mass, or motion = \"driven\" with velocity";
@@ -515,15 +513,15 @@ pub fn discs(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]
 }
 
 /// Resolves one disc; `None` if it is invalid.
-fn disc(name: &str, name_span: Option<Range<usize>>, input: &SectionInput<'_>) -> Option<Disc> {
-    let checked_name = check_name(input, name, name_span);
+fn disc(name: &str, input: &SectionInput<'_>) -> Option<Disc> {
+    let checked_name = check_name(input, name);
     let settings: DiscSettings = input.read();
     // If the motion is invalid, the required keys are unknown.
     input.is_valid("motion").then_some(())?;
     let radius_m = settings.radius.map(|radius| *radius);
     let velocity_m_s = settings.velocity.map(|rate| *rate);
     let spin_rad_s = settings.spin.map_or(0.0, |spin| *spin);
-    let motion = match settings.motion.0 {
+    let motion = match settings.motion {
         Motion::Fixed => DiscMotion::Fixed,
         Motion::Driven => {
             let acceleration_m_s2 = settings.acceleration.map(|acceleration| *acceleration);
@@ -539,18 +537,16 @@ fn disc(name: &str, name_span: Option<Range<usize>>, input: &SectionInput<'_>) -
 }
 
 /// Checks a name: names are used in topics, keys and columns, joined by `-` for pairs.
-fn check_name(input: &SectionInput<'_>, text: &str, name_span: Option<Range<usize>>) -> Option<String> {
-    let is_valid = text.starts_with(|first: char| first.is_ascii_alphabetic())
-        && text.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+fn check_name(input: &SectionInput<'_>, text: &str) -> Option<String> {
     let problem = match text {
         "" => "the name of a disc is empty".to_string(),
         PLANE => format!("`{PLANE}` cannot be the name of a disc: it is the name of the half plane"),
-        _ if is_valid => return Some(text.to_string()),
+        _ if is_name(text) => return Some(text.to_string()),
         _ => format!("`{}` cannot be the name of a disc", text.escape_debug()),
     };
     let help =
         "use a letter followed by letters, digits and _, as in [discs.hammer_2]: the name is part of topics and keys";
-    input.checker.push(Problem::new(name_span, problem, "invalid name", help));
+    input.checker.push(Problem::new(input.name_span.clone(), problem, "invalid name", help));
     None
 }
 

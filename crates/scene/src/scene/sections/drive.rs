@@ -12,7 +12,7 @@ use crate::gripper::{Finger, contact_angle_proximal};
 use crate::law::Bristle;
 use crate::scene::quantity::{
     Angle, AngularDamping, AngularRate, AngularStiffness, Inertia, Keyword, NotNegative, Positive, Quantity, Time,
-    Torque, Word,
+    Torque, Word, keyword_enum, keywords,
 };
 use crate::scene::section_input::SectionInput;
 use crate::scene::{Brake, Interpolation, Motor, Placement, Problem, Profile, Spring, SpringKind};
@@ -22,20 +22,15 @@ use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
 /// A value that other keys give.
 const UNSET: f64 = f64::NAN;
 
-impl Keyword for Profile {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[
-        ("constant", Profile::Constant { value: UNSET }),
-        ("ramp", Profile::Ramp { value: UNSET, rise_s: UNSET }),
-        ("half-sine", Profile::HalfSine { value: UNSET, length_s: UNSET }),
-        ("reversal", Profile::Reversal { value: UNSET, at_s: UNSET }),
-        ("table", Profile::Table { points: Vec::new(), interpolation: Interpolation::Linear }),
-    ];
-}
+keywords! { Profile {
+    "constant" => Profile::Constant { value: UNSET },
+    "ramp" => Profile::Ramp { value: UNSET, rise_s: UNSET },
+    "half-sine" => Profile::HalfSine { value: UNSET, length_s: UNSET },
+    "reversal" => Profile::Reversal { value: UNSET, at_s: UNSET },
+    "table" => Profile::Table { points: Vec::new(), interpolation: Interpolation::Linear },
+} }
 
-impl Keyword for Interpolation {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("linear", Interpolation::Linear), ("step", Interpolation::Step)];
-}
+keywords! { Interpolation { "linear" => Interpolation::Linear, "step" => Interpolation::Step } }
 
 /// Motor torque on the driven link; counter-clockwise (closing) is positive.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -75,7 +70,7 @@ pub struct MotorSettings {
     pub no_load_speed: Option<Positive<AngularRate>>,
     /// Brake: "two-way"; "one-way": blocks opening only; "none".
     #[schemars(extend("x-kinds" = GRIPPER, "default" = "none"))]
-    pub brake: Option<Word<BrakeKind>>,
+    pub brake: Option<BrakeKind>,
     /// Maximum torque of the brake; beyond it the brake slips.
     #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "brake = two-way|one-way",
         "x-required" = "add the maximum torque: brake_torque = \"2 N*m\""))]
@@ -148,17 +143,9 @@ pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Table {
     settings
 }
 
-/// Kind of a brake in a file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BrakeKind {
-    None,
-    TwoWay,
-    OneWay,
-}
-
-impl Keyword for BrakeKind {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("none", BrakeKind::None), ("two-way", BrakeKind::TwoWay), ("one-way", BrakeKind::OneWay)];
+keyword_enum! {
+    /// Kind of a brake in a file.
+    pub enum BrakeKind { None = "none", TwoWay = "two-way", OneWay = "one-way" }
 }
 
 impl Keyword for Option<SpringKind> {
@@ -177,14 +164,12 @@ impl Keyword for Option<SpringKind> {
     }
 }
 
-impl Keyword for Placement {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[
-        (Placement::Phalanges.name(), Placement::Phalanges),
-        (Placement::DrivenCoupler.name(), Placement::DrivenCoupler),
-        (Placement::GroundLinks.name(), Placement::GroundLinks),
-        (Placement::CouplerDistal.name(), Placement::CouplerDistal),
-    ];
-}
+keywords! { Placement {
+    Placement::Phalanges.name() => Placement::Phalanges,
+    Placement::DrivenCoupler.name() => Placement::DrivenCoupler,
+    Placement::GroundLinks.name() => Placement::GroundLinks,
+    Placement::CouplerDistal.name() => Placement::CouplerDistal,
+} }
 
 /// The spring that straightens the finger.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -265,8 +250,8 @@ pub fn motor(input: &SectionInput<'_>, sized: SizingResult) -> Option<Motor> {
         Profile::Reversal { .. } => Profile::Reversal { value: torque_n_m, at_s: *settings.reverse_at? },
     };
     let brake = match settings.brake {
-        None | Some(Word(BrakeKind::None)) => None,
-        Some(Word(kind)) => Some(brake(input, &settings, kind == BrakeKind::OneWay)?),
+        None | Some(BrakeKind::None) => None,
+        Some(kind) => Some(brake(input, &settings, kind == BrakeKind::OneWay)?),
     };
     Some(Motor {
         actuation,

@@ -56,7 +56,14 @@ fn normal_settings(law: NormalLaw) -> Table {
 
 /// Settings of a given law.
 pub fn contact_settings(law: &ContactLaw) -> Table {
-    let friction = match &law.friction {
+    let mut settings = normal_settings(law.normal);
+    settings.insert("friction".to_string(), friction_settings(law.friction.as_ref()).into());
+    settings
+}
+
+/// Settings of a given friction law.
+pub(crate) fn friction_settings(law: Option<&FrictionLaw>) -> Table {
+    match law {
         None => table([("mu_static", 0.0.into()), ("mu_dynamic", 0.0.into())]),
         Some(law) => {
             let bristle = |value: fn(Bristle) -> f64| law.bristle.map_or(f64::NAN, value).into();
@@ -70,10 +77,7 @@ pub fn contact_settings(law: &ContactLaw) -> Table {
                 ("bristle_relaxation", bristle(|bristle| bristle.relaxation_s)),
             ])
         }
-    };
-    let mut settings = normal_settings(law.normal);
-    settings.insert("friction".to_string(), friction.into());
-    settings
+    }
 }
 
 /// Normal law of one or several contacts.

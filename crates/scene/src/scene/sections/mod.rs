@@ -61,7 +61,7 @@ pub use run::{
 pub use start::InitialSettings;
 
 use super::keywords::SceneKind;
-use super::quantity::{Acceleration, Length, Positive, Quantity, Time, Word};
+use super::quantity::{Acceleration, Length, Positive, Quantity, Time};
 
 /// A table of values in SI units, as the settings of a part of a scene; NaN for missing values.
 pub fn table<const N: usize>(values: [(&str, Value); N]) -> Table {
@@ -207,7 +207,7 @@ pub struct SceneSettings {
         "x-gripper" = { "description": "Kind of scene: \"gripper\": two fingers and an object. Required." },
         "x-mechanism" = { "description": "Kind of scene: \"mechanism\": any planar linkage. Required." }
     ))]
-    pub kind: Option<Word<SceneKind>>,
+    pub kind: Option<SceneKind>,
     /// Simulated time.
     #[schemars(extend("default" = "20 ms"))]
     pub duration: Positive<Time>,

@@ -6,8 +6,10 @@ use toml::{Table, Value};
 
 use super::{list, table};
 use crate::numeric::elementary::hypot;
+use crate::scene::keys::is_name;
 use crate::scene::quantity::{
-    Acceleration, Angle, Frequency, Keyword, Length, NotNegative, Plain, Positive, Quantity, Time, Word, si_values,
+    Acceleration, Angle, Frequency, Keyword, Length, NotNegative, Plain, Positive, Quantity, Time, Word, keywords,
+    si_values,
 };
 use crate::scene::section_input::SectionInput;
 use crate::scene::{Axis, Move, PalmMotion, Path, Ramp, Vibration};
@@ -69,9 +71,7 @@ pub struct VibrationSettings {
     pub ramp: Word<Ramp>,
 }
 
-impl Keyword for Ramp {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[("quintic", Ramp::Quintic), ("cubic", Ramp::Cubic)];
-}
+keywords! { Ramp { "quintic" => Ramp::Quintic, "cubic" => Ramp::Cubic } }
 
 /// A path of the palm: a cubic spline through poses, at rest before the first and after the last; added to moves
 /// and vibrations.
@@ -92,11 +92,8 @@ pub fn palm_motion_settings(motion: &PalmMotion) -> Table {
     let mut settings = table([("moves", Table::new().into()), ("vibrations", Table::new().into())]);
     let mut add = |section: &str, names: &[String], index: usize, (axis, value): (Axis, f64), more: Table| {
         let axis = ["x", "y", "angle"][axis as usize];
-        let is_valid = |name: &&String| {
-            name.starts_with(|first: char| first.is_ascii_alphabetic())
-                && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
-        };
-        let name = names.get(index).filter(is_valid).cloned().unwrap_or(format!("{}{}", &section[..1], index + 1));
+        let name =
+            names.get(index).filter(|name| is_name(name)).cloned().unwrap_or(format!("{}{}", &section[..1], index + 1));
         if let Some(Value::Table(named)) = settings.get_mut(section) {
             let item = named.entry(name).or_insert_with(|| Table::new().into());
             item.as_table_mut().into_iter().for_each(|item| {

@@ -10,7 +10,7 @@ use crate::numeric::elementary::{log10, powi};
 use crate::scene::Hand;
 use crate::scene::keywords::SceneKind;
 use crate::scene::quantity::{
-    Angle, AngularRate, Force, Frequency, Keyword, Length, NotNegative, Plain, Positive, Quantity, Time, Word,
+    Angle, AngularRate, Force, Frequency, Length, NotNegative, Plain, Positive, Quantity, Time, Word, keyword_enum,
 };
 use crate::scene::section_input::SectionInput;
 use crate::units::{self, Dimension};
@@ -37,23 +37,14 @@ pub struct Integrator {
     pub max_steps: u64,
 }
 
-/// Tolerances of the integrator.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-#[schemars(inline)]
-pub enum Preset {
-    Engineering,
-    Reference,
+keyword_enum! {
+    /// Tolerances of the integrator.
+    pub enum Preset { Engineering = "engineering", Reference = "reference" }
 }
 
-/// Integration method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[schemars(inline)]
-pub enum Method {
-    #[serde(rename = "rodas5p")]
-    Rodas5p,
-    #[serde(rename = "radau5")]
-    RadauIIa5,
+keyword_enum! {
+    /// Integration method.
+    pub enum Method { Rodas5p = "rodas5p", RadauIIa5 = "radau5" }
 }
 
 /// Default step budget of both models.
@@ -111,15 +102,6 @@ impl Integrator {
     }
 }
 
-impl Keyword for Preset {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("engineering", Preset::Engineering), ("reference", Preset::Reference)];
-}
-
-impl Keyword for Method {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[("rodas5p", Method::Rodas5p), ("radau5", Method::RadauIIa5)];
-}
-
 /// Construction, contact law and stepping of the engine model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(with = "EngineSettings")]
@@ -136,14 +118,14 @@ pub struct Engine {
     pub max_steps: u64,
 }
 
-/// Coordinates of the engine model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Construction {
-    /// Three coordinates per body; every joint is a constraint between two bodies. Of third order in free motion.
-    Maximal,
-    /// Joint coordinates of a tree of bodies; one constraint closes the loop. First-order accurate.
-    Reduced,
+keyword_enum! {
+    /// Coordinates of the engine model.
+    pub enum Construction {
+        /// Three coordinates per body; every joint is a constraint between two bodies. Of third order in free motion.
+        Maximal = "maximal",
+        /// Joint coordinates of a tree of bodies; one constraint closes the loop. First-order accurate.
+        Reduced = "reduced",
+    }
 }
 
 /// Contact forces of the engine model.
@@ -184,11 +166,6 @@ pub enum Stepping {
 }
 
 pub const ENGINE_MAX_STEP_S: f64 = 6e-5;
-
-impl Keyword for Construction {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("maximal", Construction::Maximal), ("reduced", Construction::Reduced)];
-}
 
 impl Engine {
     pub const DEFAULT: Self = Self {

@@ -101,29 +101,13 @@ pub struct ActuatorKeys {
     pub no_load_speed: Option<Positive<CoordinateRate>>,
 }
 
-/// Keys of an actuator of a joint whose units depend on the joint.
-const JOINT_UNIT_KEYS: [&str; 12] = [
-    "torque",
-    "force",
-    "torques",
-    "forces",
-    "target",
-    "targets",
-    "kp",
-    "kd",
-    "target_rate",
-    "limit",
-    "no_load_speed",
-    "offset",
-];
-
 pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Actuator> {
     let settings: ActuatorKeys = section.read();
     let ActuatorKeys { joint, joints, factors, .. } = &settings;
     let (mut on, linear, of) = combination(section, known, joint.as_ref(), joints.as_ref(), factors.as_ref(), 1)?;
     on.offset = settings.offset.map_or(0.0, |offset| *offset);
     let brake = brake(&section.subsection("brake"), linear, of)?;
-    let units_fit = check_units(section, &JOINT_UNIT_KEYS, linear, of);
+    let units_fit = check_units(section, linear, of);
     let commands = ["torque", "force", "torques", "forces", "target", "targets"];
     let given: Vec<&str> = commands.into_iter().filter(|key| section.has(key)).collect();
     let [key] = given[..] else {
@@ -184,7 +168,7 @@ fn brake(section: &SectionInput<'_>, linear: bool, of: &str) -> Option<Option<Br
         return Some(None);
     }
     let BrakeSettings { limit, at, rise, release, one_way, rate, stiffness, relaxation } = section.read();
-    let units_fit = check_units(section, &["limit", "rate", "stiffness"], linear, of);
+    let units_fit = check_units(section, linear, of);
     let engaged_s = *at + *rise;
     if let Some(release) = release.filter(|release| **release < engaged_s) {
         let message =
@@ -241,7 +225,8 @@ pub(super) fn pulls(actuators: &Entries<'_>, tendons: &Entries<'_>, all: &mut [O
 /// Resolves the actuator of a tendon: the tendon, and its tension.
 fn pull(section: &SectionInput<'_>, names: &[&str]) -> Option<(usize, Profile)> {
     let ActuatorKeys { tendon, tension, tensions, times, .. } = section.read();
-    let of_joints = ["joint", "joints", "factors", "rate", "brake"].iter().chain(&JOINT_UNIT_KEYS);
+    let of_tendons = ["tendon", "tension", "tensions", "times"];
+    let of_joints = section.keys().chain(["brake"]).filter(|key| !of_tendons.contains(key));
     of_joints.for_each(|key| section.report_unused(key, "with `tendon`"));
     let tension = match (tension, tensions) {
         (Some(value), _) => {

@@ -3,33 +3,26 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::names::{Known, NamedLaw, find, find_at, is_linear};
+use super::names::{Known, NamedLaw, find, find_at};
 use crate::law::{ContactLaw, Damping, FrictionLaw, NormalLaw, damping_from_restitution};
 use crate::limits::MAX_CONTACTS;
 use crate::mechanism::{ContactPair, ForcePoint, Mechanism, Mirror, OutlineId, OutlineShape};
-use crate::scene::Problem;
 use crate::scene::quantity::{
-    AngularRate, Coordinate, CoordinateRate, Keyword, LawDamping, Length, NotNegative, Plain, Positive, Quantity, Word,
+    AngularRate, Coordinate, CoordinateRate, LawDamping, Length, NotNegative, Plain, Positive, Quantity, Word,
+    keyword_enum, keywords,
 };
 use crate::scene::section_input::SectionInput;
 use crate::scene::sections::law::{self, FrictionSettings};
+use crate::scene::{Keyword, Problem};
 use crate::units::Dimension;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LawType {
-    HuntCrossley,
-    Restitution,
-    SpringDamper,
-    Step,
-}
-
-impl Keyword for LawType {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[
-        ("hunt_crossley", LawType::HuntCrossley),
-        ("restitution", LawType::Restitution),
-        ("spring_damper", LawType::SpringDamper),
-        ("step", LawType::Step),
-    ];
+keyword_enum! {
+    pub enum LawType {
+        HuntCrossley = "hunt_crossley",
+        Restitution = "restitution",
+        SpringDamper = "spring_damper",
+        Step = "step",
+    }
 }
 
 /// A law of contacts or joint limits: a normal law, and friction of contacts.
@@ -46,7 +39,7 @@ pub struct NamedLawKeys {
     /// "hunt_crossley": k δ^e (1 + 1.5 a δ'), recommended; "restitution": the same with a from the rebound of a free mass;
     /// "spring_damper": k δ^e + c δ'; "step": k δ^e + c δ' with a damper that engages over `transition`.
     #[schemars(extend("default" = "hunt_crossley"))]
-    pub r#type: Word<LawType>,
+    pub r#type: LawType,
     /// Stiffness k in N/m^e (limit: N·m/rad^e), a plain number because its unit depends on the exponent e. Required.
     #[schemars(extend("x-required" = "add the stiffness in N/m^e (limit: N·m/rad^e): stiffness = 1e6"))]
     pub stiffness: Option<Positive<Plain>>,
@@ -104,43 +97,34 @@ pub struct ContactEntry {
     pub at: Word<ForcePoint>,
 }
 
-impl Keyword for ForcePoint {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[
-        ("face", ForcePoint::Face),
-        ("points", ForcePoint::Points),
-        ("middle", ForcePoint::Middle),
-        ("each", ForcePoint::Each),
-    ];
-}
+keywords! { ForcePoint {
+    "face" => ForcePoint::Face,
+    "points" => ForcePoint::Points,
+    "middle" => ForcePoint::Middle,
+    "each" => ForcePoint::Each,
+} }
 
 pub(super) fn named_law(section: &SectionInput<'_>) -> Option<NamedLaw> {
     let NamedLawKeys { r#type, stiffness, exponent, damping, restitution, speed, transition } = section.read();
     section.is_valid("type").then_some(())?;
     let friction = law::friction_of(section);
     let given = section.dimensions("damping").first().copied();
-    let (of, fits): (_, fn(Dimension) -> bool) = match r#type.0 {
-        LawType::HuntCrossley => ("hunt_crossley", |dimension| {
-            matches!(dimension, Dimension::LinearImpactDamping | Dimension::AngularImpactDamping)
-        }),
-        LawType::Restitution => ("restitution", |_| false),
-        LawType::SpringDamper => {
-            ("spring_damper", |dimension| matches!(dimension, Dimension::LinearDamping | Dimension::AngularDamping))
-        }
-        LawType::Step => {
-            ("step", |dimension| matches!(dimension, Dimension::LinearDamping | Dimension::AngularDamping))
-        }
+    let fitting: &[Dimension] = match r#type {
+        LawType::HuntCrossley => &[Dimension::LinearImpactDamping, Dimension::AngularImpactDamping],
+        LawType::Restitution => &[],
+        LawType::SpringDamper | LawType::Step => &[Dimension::LinearDamping, Dimension::AngularDamping],
     };
-    if let Some(wrong) = given.filter(|given| !fits(*given)) {
-        let right: Vec<Dimension> = section.alternatives("damping").into_iter().filter(|d| fits(*d)).collect();
-        let examples: Vec<String> = right.iter().map(|d| format!("\"{}\"", d.example())).collect();
-        let message = format!("`{}` is {}, which type = \"{of}\" does not have", section.path("damping"), wrong.name());
+    if let Some(wrong) = given.filter(|given| !fitting.contains(given)) {
+        let examples: Vec<String> = fitting.iter().map(|each| format!("\"{}\"", each.example())).collect();
+        let (path, of) = (section.path("damping"), r#type.keyword());
+        let message = format!("`{path}` is {}, which type = \"{of}\" does not have", wrong.name());
         return section.refuse("damping", message, "of another law", format!("write {}", examples.join(" or ")));
     }
     let linear: Vec<bool> = given
         .into_iter()
         .chain(section.dimensions("transition"))
         .chain(section.dimensions("speed"))
-        .map(is_linear)
+        .map(Dimension::is_linear)
         .collect();
     if linear.len() == 2 && linear[0] != linear[1] {
         let message = format!("`{}` and `damping` are for different uses of a law", section.path("transition"));
@@ -148,7 +132,7 @@ pub(super) fn named_law(section: &SectionInput<'_>) -> Option<NamedLaw> {
         return section.refuse("transition", message, "does not fit `damping`", help);
     }
     let damping_si = damping.map_or(0.0, |damping| *damping);
-    let damping = match r#type.0 {
+    let damping = match r#type {
         LawType::HuntCrossley => Damping::HuntCrossley { factor_s_per_m: damping_si },
         LawType::Restitution => damping_from_restitution(*restitution?, *speed?),
         LawType::SpringDamper => Damping::Constant { n_s_per_m: damping_si },

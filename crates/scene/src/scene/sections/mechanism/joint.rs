@@ -11,20 +11,13 @@ use crate::mechanism::{Body, Coupling, Joint, JointCombination, JointKind, Rotor
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{rotate, sub};
 use crate::scene::quantity::{
-    Angle, Coordinate, CoordinateRate, Effort, JointDamping, JointInertia, JointStiffness, Keyword, Length,
-    NotNegative, Plain, Positive, Quantity, Word,
+    Angle, Coordinate, CoordinateRate, Effort, JointDamping, JointInertia, JointStiffness, Length, NotNegative, Plain,
+    Positive, Quantity, keyword_enum,
 };
 use crate::scene::section_input::SectionInput;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum JointType {
-    Revolute,
-    Prismatic,
-}
-
-impl Keyword for JointType {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("revolute", JointType::Revolute), ("prismatic", JointType::Prismatic)];
+keyword_enum! {
+    pub enum JointType { Revolute = "revolute", Prismatic = "prismatic" }
 }
 
 /// A joint of two bodies. Its coordinate is the angle of the second body against the first (revolute), or its position
@@ -33,7 +26,7 @@ impl Keyword for JointType {
 pub struct JointSettings {
     /// "revolute": a pin; "prismatic": a slider without rotation.
     #[schemars(extend("default" = "revolute"))]
-    pub r#type: Word<JointType>,
+    pub r#type: JointType,
     /// The two bodies: ["ground", "driver"]. Required.
     #[schemars(extend("x-required" = "add the two bodies: bodies = [\"ground\", \"driver\"]"))]
     pub bodies: Option<[String; 2]>,
@@ -77,15 +70,8 @@ pub struct JointSettings {
     pub stop: Option<String>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SpringType {
-    Torsional,
-    Linear,
-}
-
-impl Keyword for SpringType {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("torsional", SpringType::Torsional), ("linear", SpringType::Linear)];
+keyword_enum! {
+    pub enum SpringType { Torsional = "torsional", Linear = "linear" }
 }
 
 /// A spring with a damper.
@@ -93,7 +79,7 @@ impl Keyword for SpringType {
 pub struct LinkageSpringSettings {
     /// "torsional": acts on the coordinate of a joint; "linear": between points of two bodies.
     #[schemars(extend("default" = "torsional"))]
-    pub r#type: Word<SpringType>,
+    pub r#type: SpringType,
     /// Joint of a torsional spring. Required, or `joints`.
     #[schemars(extend("minLength" = 1, "x-with" = "type = torsional", "x-alternative" = "joints",
         "x-required" = "add the joint: joint = \"driver\""))]
@@ -157,12 +143,12 @@ pub struct RotorSettings {
 pub(super) fn joint_kind(section: &SectionInput<'_>) -> Option<JointKind> {
     #[derive(Deserialize)]
     struct Kind {
-        r#type: Word<JointType>,
+        r#type: JointType,
         axis: Option<Quantity<Angle>>,
     }
     section.is_valid("type").then_some(())?;
     let Kind { r#type, axis } = section.read_quietly();
-    Some(match r#type.0 {
+    Some(match r#type {
         JointType::Revolute => JointKind::Revolute,
         JointType::Prismatic => JointKind::Prismatic { axis_rad: axis.map_or(0.0, |axis| *axis) },
     })
@@ -186,19 +172,7 @@ pub(super) fn joint(
     let settings: JointSettings = section.read();
     let kind = joint_kind(section)?;
     let (linear, of) = joint_words(kind);
-    let keys = [
-        "start",
-        "start_rate",
-        "damping",
-        "armature",
-        "friction",
-        "static_friction",
-        "friction_rates",
-        "friction_stiffness",
-        "lower",
-        "upper",
-    ];
-    let units_fit = check_units(section, &keys, linear, of);
+    let units_fit = check_units(section, linear, of);
     if settings.start.is_none() {
         section.report_unused("start_rate", "without `start`");
     }
@@ -348,7 +322,7 @@ pub(super) fn spring(name: &str, section: &SectionInput<'_>, known: &Known<'_>) 
     let settings: LinkageSpringSettings = section.read();
     section.is_valid("type").then_some(())?;
     let LinkageSpringSettings { joint, joints, factors, .. } = &settings;
-    let (kind, linear, of) = match settings.r#type.0 {
+    let (kind, linear, of) = match settings.r#type {
         SpringType::Torsional => {
             let (mut on, linear, of) =
                 combination(section, known, joint.as_ref(), joints.as_ref(), factors.as_ref(), 1)?;
@@ -360,7 +334,7 @@ pub(super) fn spring(name: &str, section: &SectionInput<'_>, known: &Known<'_>) 
             (SpringKind::Linear { bodies, points_m: settings.points?.map(si) }, true, "a linear spring")
         }
     };
-    check_units(section, &["stiffness", "damping", "rest", "torque", "offset"], linear, of).then_some(())?;
+    check_units(section, linear, of).then_some(())?;
     Some(Spring {
         name: name.to_owned(),
         kind,
@@ -373,7 +347,7 @@ pub(super) fn spring(name: &str, section: &SectionInput<'_>, known: &Known<'_>) 
 pub(super) fn coupling(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Coupling> {
     let CouplingSettings { joints, factors, value } = section.read();
     let (mut on, linear, of) = combination(section, known, None, joints.as_ref(), Some(&factors?), 2)?;
-    check_units(section, &["value"], linear, of).then_some(())?;
+    check_units(section, linear, of).then_some(())?;
     on.offset = value.map_or(0.0, |value| *value);
     Some(Coupling { name: name.to_owned(), on })
 }
@@ -381,6 +355,6 @@ pub(super) fn coupling(name: &str, section: &SectionInput<'_>, known: &Known<'_>
 pub(super) fn rotor(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Rotor> {
     let RotorSettings { joints, factors, inertia } = section.read();
     let (on, linear, of) = combination(section, known, None, joints.as_ref(), Some(&factors?), 1)?;
-    check_units(section, &["inertia"], linear, of).then_some(())?;
+    check_units(section, linear, of).then_some(())?;
     Some(Rotor { name: name.to_owned(), on, inertia: *inertia? })
 }

@@ -29,8 +29,9 @@ use std::collections::BTreeMap;
 use crate::limits::MAX_BODIES;
 use crate::mechanism::{AssemblyError, Body, Condition, Mechanism, Mirror, Outline, PlaneArea, Start, assemble};
 use crate::scene::Problem;
+use crate::scene::keys::is_name;
 use crate::scene::quantity::{Angle, AngularRate, Density, Inertia, Length, Mass, Positive, Quantity, Speed};
-use crate::scene::section_input::{SceneInput, SectionInput};
+use crate::scene::section_input::SectionInput;
 use actuator::{ActuatorSettings, actuator, limit_target_rates, pulls};
 use contact::{ContactEntry, NamedLawSettings, contacts, named_law};
 use joint::{
@@ -148,12 +149,12 @@ pub struct GroundSettings {
 }
 
 /// Resolves a mechanism and assembles it; `None` if any part is invalid.
-pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mechanism> {
+pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mechanism> {
     let mirror_section = root.subsection("mirror");
     let mirror = mirror(&mirror_section);
     let sections = |key: &str| {
         let sections = root.subsection(key).subsections();
-        sections.iter().for_each(|(name, section)| check_name(input, section, key, name));
+        sections.iter().for_each(|(name, section)| check_name(section, key, name));
         sections
     };
     let [bodies, joints, springs, tendons, couplings, actuators, rotors] =
@@ -169,7 +170,7 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
         let message = format!("there are {count} bodies, but at most {MAX_BODIES} are allowed");
         return root.subsection("bodies").refuse("", message, "", format!("remove {}", count - MAX_BODIES));
     }
-    let ground_outlines = outlines(input, &root.subsection("ground").subsection("outlines"));
+    let ground_outlines = outlines(&root.subsection("ground").subsection("outlines"));
     let known = Known {
         bodies: bodies.names(),
         joints: joints.names(),
@@ -183,7 +184,7 @@ pub fn mechanism(input: &SceneInput, root: &SectionInput<'_>, gravity_m_s2: [f64
     // A joint that names no body may concern any of them.
     let all_known = joints.written().all(|(index, ..)| joint_bodies[index].is_some());
     let mut all_bodies = bodies.resolve(|k, name, section| {
-        body(input, name, section, all_known.then(|| is_jointed(k) || is_jointed(images.body[k])))
+        body(name, section, all_known.then(|| is_jointed(k) || is_jointed(images.body[k])))
     });
     bodies.add_images(&mut all_bodies, |body, name| images.body(body, name));
     let mut all_joints = joints.resolve(|k, name, section| joint(name, section, joint_bodies[k], &all_bodies, &known));
@@ -260,26 +261,24 @@ fn assemble_images(mechanism: &mut Mechanism, joints: &Entries<'_>) -> Result<St
 }
 
 /// Checks a name: names are used in topics, keys and columns.
-fn check_name(input: &SceneInput, section: &SectionInput<'_>, key: &str, name: &str) {
-    let is_valid = name.starts_with(|first: char| first.is_ascii_alphabetic())
-        && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+fn check_name(section: &SectionInput<'_>, key: &str, name: &str) {
     let message = match name {
         GROUND if key == "bodies" => {
             format!("`{GROUND}` cannot be the name of a body: it is the fixed body, with outlines in [ground.outlines]")
         }
-        _ if is_valid => return,
+        _ if is_name(name) => return,
         _ => format!("`{}` cannot be a name in [{key}]", name.escape_debug()),
     };
-    let span = input.name_span(&section.path("")).or(section.span.clone());
+    let span = section.name_span.clone().or(section.span.clone());
     let help = format!("use a letter followed by letters, digits and _, as in [{key}.link_2]");
     section.checker.push(Problem::new(span, message, "invalid name", help));
 }
 
 /// Resolves a body; `is_jointed` is `None` if it is unknown.
-fn body(input: &SceneInput, name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Option<Body> {
+fn body(name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Option<Body> {
     let keys: LinkKeys = section.read();
     let (guess, start) = (section.subsection("guess"), section.subsection("start"));
-    let outlines = outlines(input, &section.subsection("outlines"));
+    let outlines = outlines(&section.subsection("outlines"));
     match is_jointed {
         Some(true) if start.is_present() => {
             let message = format!("`{}` is for bodies without joints, but `{name}` has joints", start.path(""));
@@ -331,9 +330,9 @@ fn inertia(section: &SectionInput<'_>, keys: &LinkKeys, outlines: &[Outline]) ->
     Some((per_area * total.area_m2, per_area * total.polar_m4, total.centroid_m))
 }
 
-fn outlines(input: &SceneInput, section: &SectionInput<'_>) -> Option<Vec<Outline>> {
+fn outlines(section: &SectionInput<'_>) -> Option<Vec<Outline>> {
     let sections = section.subsections();
-    sections.iter().for_each(|(name, each)| check_name(input, each, &section.path(""), name));
+    sections.iter().for_each(|(name, each)| check_name(each, &section.path(""), name));
     let all: Vec<_> = sections.iter().map(|(name, section)| outline(name, section)).collect();
     all.into_iter().collect()
 }

@@ -8,7 +8,6 @@ use crate::mechanism::JointKind;
 use crate::scene::Problem;
 use crate::scene::keys::closest_match;
 use crate::scene::section_input::SectionInput;
-use crate::units::Dimension;
 
 /// Name of the fixed body.
 pub(super) const GROUND: &str = "ground";
@@ -85,22 +84,13 @@ pub(super) fn two_bodies(input: &SectionInput<'_>, names: &[&str], what: &str) -
     Some([a, b].map(|body| body.checked_sub(1)))
 }
 
-/// Whether a quantity belongs to translation; `None` for one of both.
-pub(super) fn is_linear(dimension: Dimension) -> bool {
-    use Dimension as D;
-    matches!(
-        dimension,
-        D::Length | D::Speed | D::Mass | D::Force | D::LinearStiffness | D::LinearDamping | D::LinearImpactDamping
-    )
-}
-
-/// Checks that the given values of these keys have the units of a joint that slides or turns.
-pub(super) fn check_units(input: &SectionInput<'_>, keys: &[&str], linear: bool, of: &str) -> bool {
+/// Checks that the given values whose units depend on a joint have those of a joint that slides or turns.
+pub(super) fn check_units(input: &SectionInput<'_>, linear: bool, of: &str) -> bool {
     let mut is_valid = true;
-    for key in keys {
-        let wrong = input.dimensions(key).into_iter().find(|dimension| is_linear(*dimension) != linear);
+    for key in input.keys() {
+        let wrong = input.dimensions(key).into_iter().find(|dimension| dimension.is_linear() != linear);
         let Some(wrong) = wrong else { continue };
-        let right = input.alternatives(key).into_iter().find(|dimension| is_linear(*dimension) == linear);
+        let right = input.alternatives(key).into_iter().find(|dimension| dimension.is_linear() == linear);
         let Some(right) = right else { continue };
         let message = format!("`{}` is {}, but {of} needs {}", input.path(key), wrong.name(), right.name());
         input.report(key, message, right.name(), format!("write it as in \"{}\"", right.example()));

@@ -8,30 +8,20 @@ use crate::limits::MAX_CORNERS;
 use crate::mechanism::{Outline, OutlineShape, rounded_core};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, cross, rotate, sub};
-use crate::scene::quantity::{Angle, Keyword, Length, NotNegative, Plain, Positive, Quantity, Word};
+use crate::scene::quantity::{Angle, Length, NotNegative, Plain, Positive, Quantity, keyword_enum};
 use crate::scene::section_input::SectionInput;
 use crate::scene::sections::{list, table};
 use crate::units::{Dimension, format};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutlineKind {
-    Disc,
-    Capsule,
-    Box,
-    Polygon,
-    Ellipse,
-    HalfPlane,
-}
-
-impl Keyword for OutlineKind {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[
-        ("disc", OutlineKind::Disc),
-        ("capsule", OutlineKind::Capsule),
-        ("box", OutlineKind::Box),
-        ("polygon", OutlineKind::Polygon),
-        ("ellipse", OutlineKind::Ellipse),
-        ("half_plane", OutlineKind::HalfPlane),
-    ];
+keyword_enum! {
+    pub enum OutlineKind {
+        Disc = "disc",
+        Capsule = "capsule",
+        Box = "box",
+        Polygon = "polygon",
+        Ellipse = "ellipse",
+        HalfPlane = "half_plane",
+    }
 }
 
 /// An outline: a disc, a capsule (a segment with a radius), a convex polygon with rounded corners, an ellipse, or a half
@@ -42,7 +32,7 @@ pub struct OutlineSettings {
     /// only). Required.
     #[schemars(extend("x-required" = "add the type of the outline: type = \"disc\", \"capsule\", \"box\", \"polygon\", \
         \"ellipse\" or \"half_plane\""))]
-    pub r#type: Option<Word<OutlineKind>>,
+    pub r#type: Option<OutlineKind>,
     /// Centre of a disc, a box or an ellipse.
     #[schemars(extend("x-with" = "type = disc|box|ellipse", "default" = ["0 mm", "0 mm"]))]
     pub center: Option<[Quantity<Length>; 2]>,
@@ -90,7 +80,7 @@ pub(super) fn si<const N: usize, D, R>(values: [Quantity<D, R>; N]) -> [f64; N] 
 /// Resolves an outline.
 pub(crate) fn outline(name: &str, section: &SectionInput<'_>) -> Option<Outline> {
     let settings: OutlineSettings = section.read();
-    let kind = settings.r#type?.0;
+    let kind = settings.r#type?;
     if matches!(kind, OutlineKind::Disc | OutlineKind::Capsule) && !section.has("radius") {
         section.report_missing("radius", "add the radius: radius = \"5 mm\"");
     }

@@ -1,12 +1,14 @@
-//! A mechanism as the sections of a scene file.
+//! A mechanism as the sections of a scene file. The entry `linear` of a table is no key: it tells whether values whose unit
+//! depends on a joint have that of a prismatic one.
 
 use toml::{Table, Value};
 
+use super::contact::LawType;
 use super::joint::joint_words;
 use super::outline::outline_settings;
 use super::tendon::tendon_settings;
 use crate::drive::Brake;
-use crate::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
+use crate::law::{ContactLaw, Damping, NormalLaw};
 use crate::mechanism::{
     Actuator, Body, Command, ContactPair, Coupling, Joint, JointCombination, JointKind, Mechanism, Rotor, Spring,
     SpringKind, TendonActuator,
@@ -25,33 +27,28 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Table {
     let body_name = |body: &Option<usize>| Value::from(mechanism.body_name(*body));
     let joint = |joint: &Joint| {
         let (linear, _) = joint_words(joint.kind);
-        let units = Units { linear };
+        let given = |value: f64| Some(value).filter(|value| *value != 0.0);
+        let bristle = joint.friction.and_then(|law| law.bristle);
         let mut settings = table([
+            ("linear", linear.into()),
             ("type", if linear { "prismatic" } else { "revolute" }.into()),
             ("bodies", joint.bodies.iter().map(body_name).collect::<Vec<_>>().into()),
             ("points", joint.points_m.iter().map(|point| list(*point)).collect::<Vec<_>>().into()),
             ("offset", joint.offset_rad.into()),
+            ("start", option(joint.start)),
+            ("start_rate", option(given(joint.start_rate).or(joint.start.and(Some(0.0))))),
+            ("damping", option(given(joint.damping))),
+            ("armature", option(given(joint.armature))),
+            ("friction", option(joint.friction.map(|law| law.mu_dynamic))),
+            ("static_friction", option(joint.friction.map(|law| law.mu_static))),
+            ("friction_rates", list(joint.friction.iter().flat_map(|law| [law.v_static_m_s, law.v_dynamic_m_s]))),
+            ("friction_stiffness", option(bristle.map(|of| of.damping_n_s_per_m / of.relaxation_s))),
+            ("lower", option(joint.lower)),
+            ("upper", option(joint.upper)),
         ]);
         if let JointKind::Prismatic { axis_rad } = joint.kind {
             settings.insert("axis".into(), axis_rad.into());
         }
-        let given = |value: f64| Some(value).filter(|value| *value != 0.0);
-        let bristle = joint.friction.and_then(|law| law.bristle);
-        if let Some(FrictionLaw { v_static_m_s, v_dynamic_m_s, .. }) = joint.friction {
-            let rates = [v_static_m_s, v_dynamic_m_s].map(|rate| Value::from(units.text(rate, Kind::Rate)));
-            settings.insert("friction_rates".into(), rates.to_vec().into());
-        }
-        settings.extend(units.texts([
-            ("start", joint.start, Kind::Coordinate),
-            ("start_rate", given(joint.start_rate).or(joint.start.and(Some(0.0))), Kind::Rate),
-            ("damping", given(joint.damping), Kind::Damping),
-            ("armature", given(joint.armature), Kind::Inertia),
-            ("friction", joint.friction.map(|law| law.mu_dynamic), Kind::Effort),
-            ("static_friction", joint.friction.map(|law| law.mu_static), Kind::Effort),
-            ("friction_stiffness", bristle.map(|of| of.damping_n_s_per_m / of.relaxation_s), Kind::Stiffness),
-            ("lower", joint.lower, Kind::Coordinate),
-            ("upper", joint.upper, Kind::Coordinate),
-        ]));
         if let (Some(normal), true) = (joint.limit, joint.lower.or(joint.upper).is_some()) {
             settings.insert("stop".into(), laws.name(&ContactLaw { normal, friction: None }, linear).into());
         }
@@ -77,45 +74,41 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Table {
         (body.name.clone(), settings)
     };
     let spring = |spring: &Spring| {
-        let (mut settings, linear, preload) = match &spring.kind {
+        let mut settings = match &spring.kind {
             SpringKind::Torsional { on, preload } => {
-                let (mut settings, linear) = combination_settings(on, mechanism);
-                settings.insert("type".into(), "torsional".into());
-                (settings, linear, Some(*preload))
+                let mut settings = combination_settings(on, mechanism);
+                settings.extend(table([("type", "torsional".into()), ("torque", (*preload).into())]));
+                settings
             }
-            SpringKind::Linear { bodies, points_m } => (
-                table([
-                    ("type", "linear".into()),
-                    ("bodies", bodies.iter().map(body_name).collect::<Vec<_>>().into()),
-                    ("points", points_m.iter().map(|point| list(*point)).collect::<Vec<_>>().into()),
-                ]),
-                true,
-                None,
-            ),
+            SpringKind::Linear { bodies, points_m } => table([
+                ("linear", true.into()),
+                ("type", "linear".into()),
+                ("bodies", bodies.iter().map(body_name).collect::<Vec<_>>().into()),
+                ("points", points_m.iter().map(|point| list(*point)).collect::<Vec<_>>().into()),
+            ]),
         };
-        settings.extend(Units { linear }.texts([
-            ("stiffness", Some(spring.stiffness), Kind::Stiffness),
-            ("damping", Some(spring.damping), Kind::Damping),
-            ("rest", Some(spring.rest), Kind::Coordinate),
-            ("torque", preload, Kind::Effort),
+        settings.extend(table([
+            ("stiffness", spring.stiffness.into()),
+            ("damping", spring.damping.into()),
+            ("rest", spring.rest.into()),
         ]));
         (spring.name.clone(), settings)
     };
     let coupling = |coupling: &Coupling| {
-        let (mut settings, linear) = joints_settings(&coupling.on, mechanism);
-        settings.extend(Units { linear }.texts([("value", Some(coupling.on.offset), Kind::Coordinate)]));
+        let mut settings = joints_settings(&coupling.on, mechanism);
+        settings.insert("value".into(), coupling.on.offset.into());
         (coupling.name.clone(), settings)
     };
     let rotor = |rotor: &Rotor| {
-        let (mut settings, linear) = joints_settings(&rotor.on, mechanism);
-        settings.extend(Units { linear }.texts([("inertia", Some(rotor.inertia), Kind::Inertia)]));
+        let mut settings = joints_settings(&rotor.on, mechanism);
+        settings.insert("inertia".into(), rotor.inertia.into());
         (rotor.name.clone(), settings)
     };
     let actuators = mechanism.actuators.iter().map(|each| actuator_settings(each, mechanism));
     let pulls = mechanism.tendons.iter().filter_map(|tendon| {
         let TendonActuator { name, tension } = tendon.actuator.as_ref()?;
         let mut settings = table([("tendon", tendon.name.as_str().into())]);
-        insert_profile(&mut settings, tension, "tension", &Value::from);
+        insert_profile(&mut settings, tension, "tension");
         Some((name.clone(), settings))
     });
     let mut file = table([
@@ -136,117 +129,86 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Table {
             ("face", mechanism.outline_name(contact.face).into()),
             ("law", laws.name(&contact.law, true).into()),
             ("at", contact.force_point.keyword().into()),
-            ("rolling_arm", contact.rolling.map_or(f64::NAN, |law| law.mu_static).into()),
-            ("rolling_rate", contact.rolling.map_or(f64::NAN, |law| law.v_static_m_s).into()),
+            ("rolling_arm", option(contact.rolling.map(|law| law.mu_static))),
+            ("rolling_rate", option(contact.rolling.map(|law| law.v_static_m_s))),
         ]))
     };
     file.insert("contacts".into(), mechanism.contacts.iter().map(contact).collect::<Vec<_>>().into());
     file
 }
 
+/// A value that may be missing.
+fn option(value: Option<f64>) -> Value {
+    value.unwrap_or(f64::NAN).into()
+}
+
 fn actuator_settings(actuator: &Actuator, mechanism: &Mechanism) -> (String, Table) {
-    let (mut settings, linear) = combination_settings(&actuator.on, mechanism);
-    let units = Units { linear };
-    let (profile, key, kind) = match &actuator.command {
-        Command::Effort(profile) => (profile, if linear { "force" } else { "torque" }, Kind::Effort),
-        Command::Servo { kp, kd, target, target_rate, rate_hz } => {
-            settings.extend(units.texts([("target_rate", *target_rate, Kind::Rate)]));
-            settings.extend(rate_hz.map(|rate_hz| ("rate".to_string(), format(rate_hz, Dimension::Frequency).into())));
-            settings.extend(units.texts([("kp", Some(*kp), Kind::Stiffness), ("kd", Some(*kd), Kind::Damping)]));
-            (target, "target", Kind::Coordinate)
+    let mut settings = combination_settings(&actuator.on, mechanism);
+    let linear = settings["linear"].clone();
+    match &actuator.command {
+        Command::Effort(profile) => {
+            let key = if linear.as_bool() == Some(true) { "force" } else { "torque" };
+            insert_profile(&mut settings, profile, key);
         }
-    };
-    insert_profile(&mut settings, profile, key, &|value| units.text(value, kind).into());
-    settings.extend(
-        units.texts([("limit", actuator.limit, Kind::Effort), ("no_load_speed", actuator.no_load_speed, Kind::Rate)]),
-    );
+        Command::Servo { kp, kd, target, target_rate, rate_hz } => {
+            insert_profile(&mut settings, target, "target");
+            settings.extend(table([
+                ("kp", (*kp).into()),
+                ("kd", (*kd).into()),
+                ("target_rate", option(*target_rate)),
+                ("rate", option(*rate_hz)),
+            ]));
+        }
+    }
+    settings.extend(table([("limit", option(actuator.limit)), ("no_load_speed", option(actuator.no_load_speed))]));
     if let Some(brake) = actuator.brake {
         let Brake { torque_n_m, start_s, rise_s, release_s, one_way, v_static_rad_s, bristle } = brake;
-        let mut brake = table([
+        let brake = table([
+            ("linear", linear),
+            ("limit", torque_n_m.into()),
             ("at", start_s.into()),
             ("rise", rise_s.into()),
-            ("release", release_s.unwrap_or(f64::NAN).into()),
+            ("release", option(release_s)),
             ("one_way", one_way.into()),
-            ("relaxation", bristle.map_or(f64::NAN, |bristle| bristle.relaxation_s).into()),
+            ("rate", v_static_rad_s.into()),
+            ("stiffness", option(bristle.map(|bristle| bristle.damping_n_s_per_m / bristle.relaxation_s))),
+            ("relaxation", option(bristle.map(|bristle| bristle.relaxation_s))),
         ]);
-        let stiffness = bristle.map(|bristle| bristle.damping_n_s_per_m / bristle.relaxation_s);
-        brake.extend(units.texts([
-            ("limit", Some(torque_n_m), Kind::Effort),
-            ("rate", Some(v_static_rad_s), Kind::Rate),
-            ("stiffness", stiffness, Kind::Stiffness),
-        ]));
         settings.insert("brake".into(), brake.into());
     }
     (actuator.name.clone(), settings)
 }
 
-/// Settings of the joints and factors of a combination, and whether it has the units of a prismatic joint.
-fn joints_settings(on: &JointCombination, mechanism: &Mechanism) -> (Table, bool) {
+/// Settings of the joints and factors of a combination.
+fn joints_settings(on: &JointCombination, mechanism: &Mechanism) -> Table {
     let name = |(joint, _): &(usize, f64)| Value::from(mechanism.joints[*joint].name.as_str());
-    let names: Vec<Value> = on.terms.iter().map(name).collect();
     let linear = on.terms.first().is_some_and(|(joint, _)| joint_words(mechanism.joints[*joint].kind).0);
-    (table([("joints", names.into()), ("factors", list(on.terms.iter().map(|(_, factor)| *factor)))]), linear)
+    table([
+        ("linear", linear.into()),
+        ("joints", on.terms.iter().map(name).collect::<Vec<_>>().into()),
+        ("factors", list(on.terms.iter().map(|(_, factor)| *factor))),
+    ])
 }
 
 /// The same for a spring or an actuator, which name a single joint by itself.
-fn combination_settings(on: &JointCombination, mechanism: &Mechanism) -> (Table, bool) {
-    let (mut settings, linear) = joints_settings(on, mechanism);
+fn combination_settings(on: &JointCombination, mechanism: &Mechanism) -> Table {
+    let mut settings = joints_settings(on, mechanism);
     if let Some(joint) = on.joint() {
-        settings = table([("joint", mechanism.joints[joint].name.as_str().into())]);
-    } else {
-        settings.extend(Units { linear }.texts([("offset", Some(on.offset), Kind::Coordinate)]));
+        let joint = mechanism.joints[joint].name.as_str().into();
+        return table([("linear", settings["linear"].clone()), ("joint", joint)]);
     }
-    (settings, linear)
+    settings.insert("offset".into(), on.offset.into());
+    settings
 }
 
 /// Inserts a constant, or times and values.
-fn insert_profile(settings: &mut Table, profile: &Profile, key: &str, setting: &dyn Fn(f64) -> Value) {
+fn insert_profile(settings: &mut Table, profile: &Profile, key: &str) {
     match profile {
         Profile::Table { points, .. } => {
             settings.insert("times".into(), list(points.iter().map(|point| point.0)));
-            let values: Vec<Value> = points.iter().map(|point| setting(point.1)).collect();
-            settings.insert(format!("{key}s"), values.into());
+            settings.insert(format!("{key}s"), list(points.iter().map(|point| point.1)));
         }
-        other => _ = settings.insert(key.into(), setting(other.at(0.0).0)),
-    }
-}
-
-/// Kind of a quantity whose dimension depends on the joint.
-#[derive(Clone, Copy)]
-enum Kind {
-    Coordinate,
-    Rate,
-    Stiffness,
-    Damping,
-    Inertia,
-    Effort,
-}
-
-/// Units of a joint that slides or turns.
-#[derive(Clone, Copy)]
-struct Units {
-    linear: bool,
-}
-
-impl Units {
-    fn text(self, si: f64, kind: Kind) -> String {
-        use Dimension as D;
-        let [angular, linear] = match kind {
-            Kind::Coordinate => [D::Angle, D::Length],
-            Kind::Rate => [D::AngularRate, D::Speed],
-            Kind::Stiffness => [D::AngularStiffness, D::LinearStiffness],
-            Kind::Damping => [D::AngularDamping, D::LinearDamping],
-            Kind::Inertia => [D::Inertia, D::Mass],
-            Kind::Effort => [D::Torque, D::Force],
-        };
-        format(si, if self.linear { linear } else { angular })
-    }
-
-    /// Texts of the given values by key.
-    fn texts<const N: usize>(self, values: [(&str, Option<f64>, Kind); N]) -> Table {
-        let text =
-            |(key, value, kind): (&str, Option<f64>, Kind)| Some((key.to_owned(), self.text(value?, kind).into()));
-        values.into_iter().filter_map(text).collect()
+        other => _ = settings.insert(key.into(), other.at(0.0).0.into()),
     }
 }
 
@@ -276,28 +238,34 @@ impl Laws {
     fn settings(&self) -> Vec<(String, Table)> {
         let settings = |(law, linear): &(ContactLaw, bool)| {
             let NormalLaw { stiffness_n_per_m_e, exponent, damping } = law.normal;
-            let pick = |[angular, of_length]: [Dimension; 2]| if *linear { of_length } else { angular };
-            let mut settings = table([("stiffness", stiffness_n_per_m_e.into()), ("exponent", exponent.into())]);
-            let texts = match damping {
-                Damping::HuntCrossley { factor_s_per_m } => {
-                    let units = pick([Dimension::AngularImpactDamping, Dimension::LinearImpactDamping]);
-                    vec![("type", "hunt_crossley".to_owned()), ("damping", format(factor_s_per_m, units))]
-                }
-                Damping::Constant { n_s_per_m } => vec![
-                    ("type", "spring_damper".to_owned()),
-                    ("damping", format(n_s_per_m, pick([Dimension::AngularDamping, Dimension::LinearDamping]))),
-                ],
-                Damping::Step { max_n_s_per_m, transition_m } => vec![
-                    ("type", "step".to_owned()),
-                    ("damping", format(max_n_s_per_m, pick([Dimension::AngularDamping, Dimension::LinearDamping]))),
-                    ("transition", format(transition_m, pick([Dimension::Angle, Dimension::Length]))),
-                ],
+            // The unit of the damping also depends on the type.
+            let text = |si: f64, angular: Dimension, of_length: Dimension| -> Value {
+                format(si, if *linear { of_length } else { angular }).into()
             };
-            settings.extend(texts.into_iter().map(|(key, text)| (key.to_owned(), text.into())));
-            if let Some(Value::Table(friction)) =
-                law::contact_settings(law).remove("friction").filter(|_| law.friction.is_some())
-            {
-                settings.insert("friction".into(), friction.into());
+            let (law_type, damping, transition_m) = match damping {
+                Damping::HuntCrossley { factor_s_per_m } => {
+                    let (angular, of_length) = (Dimension::AngularImpactDamping, Dimension::LinearImpactDamping);
+                    (LawType::HuntCrossley, text(factor_s_per_m, angular, of_length), None)
+                }
+                Damping::Constant { n_s_per_m } => {
+                    let damping = text(n_s_per_m, Dimension::AngularDamping, Dimension::LinearDamping);
+                    (LawType::SpringDamper, damping, None)
+                }
+                Damping::Step { max_n_s_per_m, transition_m } => {
+                    let damping = text(max_n_s_per_m, Dimension::AngularDamping, Dimension::LinearDamping);
+                    (LawType::Step, damping, Some(transition_m))
+                }
+            };
+            let mut settings = table([
+                ("linear", (*linear).into()),
+                ("type", law_type.keyword().into()),
+                ("stiffness", stiffness_n_per_m_e.into()),
+                ("exponent", exponent.into()),
+                ("damping", damping),
+                ("transition", option(transition_m)),
+            ]);
+            if law.friction.is_some() {
+                settings.insert("friction".into(), law::friction_settings(law.friction.as_ref()).into());
             }
             (self.name(law, *linear), settings)
         };

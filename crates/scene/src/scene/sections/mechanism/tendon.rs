@@ -9,7 +9,7 @@ use super::names::{GROUND, Known, find};
 use crate::mechanism::tendon::{center_in, length_in, wraps};
 use crate::mechanism::{JointKind, Mechanism, PathElement, Pose, Tendon};
 use crate::scene::quantity::{
-    Force, Keyword, Length, LinearDamping, LinearStiffness, NotNegative, Positive, Quantity, Word,
+    Force, Length, LinearDamping, LinearStiffness, NotNegative, Positive, Quantity, keyword_enum,
 };
 use crate::scene::section_input::SectionInput;
 use crate::scene::sections::{list, table};
@@ -39,14 +39,8 @@ pub struct TendonKeys {
     pub rest: Option<Quantity<Length>>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
-    Clockwise,
-    CounterClockwise,
-}
-
-impl Keyword for Turn {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[("cw", Turn::Clockwise), ("ccw", Turn::CounterClockwise)];
+keyword_enum! {
+    pub enum Turn { Clockwise = "cw", CounterClockwise = "ccw" }
 }
 
 impl Turn {
@@ -75,7 +69,7 @@ pub struct PathEntry {
     /// Radius of the pulley.
     pub radius: Option<Positive<Length>>,
     /// Direction in which the cable passes the pulley: "cw" (the centre to its right) or "ccw".
-    pub turn: Option<Word<Turn>>,
+    pub turn: Option<Turn>,
 }
 
 /// A spool on a revolute joint, or a pulley concentric with it.
@@ -89,7 +83,7 @@ pub struct SpoolEntry {
     pub radius: Option<Positive<Length>>,
     /// Rotation of the joint that winds up the cable.
     #[schemars(extend("default" = "ccw"))]
-    pub turn: Word<Turn>,
+    pub turn: Turn,
 }
 
 /// Resolves a tendon without its actuator and its free length; `None` if a part is invalid.
@@ -151,7 +145,7 @@ fn element(entry: &SectionInput<'_>, bodies: &[&str]) -> Option<PathElement> {
     } else {
         ["radius", "turn"].iter().for_each(|key| entry.report_unused(key, "without `pulley`"));
     }
-    let (radius_m, side) = if pulley.is_some() { (*radius?, turn?.0.sign()) } else { (0.0, 1.0) };
+    let (radius_m, side) = if pulley.is_some() { (*radius?, turn?.sign()) } else { (0.0, 1.0) };
     let body = find(entry, key, &pulley.or(eyelet)?, "body", &known)?.checked_sub(1);
     Some(PathElement { body, point_m: at.map(|part| *part), radius_m, side })
 }
@@ -164,7 +158,7 @@ fn spool(entry: &SectionInput<'_>, known: &Known<'_>) -> Option<(usize, f64)> {
         let help = "name a revolute joint; a cable to a slider ends in an eyelet of its body";
         return entry.refuse("joint", message, "a prismatic joint", help);
     }
-    Some((joint, turn.0.sign() * *radius?))
+    Some((joint, turn.sign() * *radius?))
 }
 
 /// Sets the free lengths of all tendons from these poses at the start, and checks that the cables can pass their paths.
