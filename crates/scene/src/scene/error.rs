@@ -1,6 +1,6 @@
 //! Problems of scene files: their messages and their positions in machine-readable form.
 
-use std::fmt::{self, Write};
+use std::fmt::Write;
 use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
@@ -32,17 +32,27 @@ impl Problem {
 }
 
 /// Error while reading a scene.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
     /// The file cannot be read.
+    #[error("error: cannot read scene `{file}`: {reason}")]
     Read { file: String, reason: String },
     /// The file is a log of a run.
+    #[error(
+        "error: {file} is the log of a run (MCAP), not a scene\n  = help: `phalanx replay {file}` shows its contents; a scene \
+         is a TOML file"
+    )]
     Log { file: String },
     /// The file is not text.
+    #[error(
+        "error: scene is not UTF-8 text\n --> {file}:{line}:{column}\n  = help: save the file as UTF-8; a scene is a TOML file"
+    )]
     NotUtf8 { file: String, line: usize, column: usize },
     /// The text is not a valid scene. Problems are in the order of the file.
+    #[error("{}", render_all(file, text, problems))]
     Invalid { file: String, text: String, problems: Vec<Problem> },
     /// Several texts of a merged scene have problems.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n\n"))]
     Layers(Vec<SceneError>),
 }
 
@@ -56,43 +66,17 @@ impl SceneError {
     }
 }
 
-impl std::error::Error for SceneError {}
-
-impl fmt::Display for SceneError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            SceneError::Read { file, reason } => write!(f, "error: cannot read scene `{file}`: {reason}"),
-            SceneError::Log { file } => write!(
-                f,
-                "error: {file} is the log of a run (MCAP), not a scene\n  = help: `phalanx replay {file}` shows its contents; \
-                 a scene is a TOML file"
-            ),
-            SceneError::NotUtf8 { file, line, column } => write!(
-                f,
-                "error: scene is not UTF-8 text\n --> {file}:{line}:{column}\n  = help: save the file as UTF-8; a scene \
-                 is a TOML file"
-            ),
-            SceneError::Layers(errors) => {
-                let messages: Vec<String> = errors.iter().map(ToString::to_string).collect();
-                f.write_str(&messages.join("\n\n"))
-            }
-            SceneError::Invalid { file, text, problems } => {
-                for (index, problem) in problems.iter().take(MAX_SHOWN_PROBLEMS).enumerate() {
-                    if index > 0 {
-                        f.write_str("\n\n")?;
-                    }
-                    f.write_str(&shortened(&render(file, text, problem)))?;
-                }
-                let or_more = if problems.len() < MAX_PROBLEMS { "" } else { " or more" };
-                match problems.len() {
-                    0 | 1 => Ok(()),
-                    count if count > MAX_SHOWN_PROBLEMS => {
-                        write!(f, "\n\n{file}: {count} problems{or_more}; the first {MAX_SHOWN_PROBLEMS} are shown")
-                    }
-                    count => write!(f, "\n\n{file}: {count} problems"),
-                }
-            }
+/// Formats the problems of a text, and their number if there are several.
+fn render_all(file: &str, text: &str, problems: &[Problem]) -> String {
+    let shown = problems.iter().take(MAX_SHOWN_PROBLEMS).map(|problem| shortened(&render(file, text, problem)));
+    let shown = shown.collect::<Vec<_>>().join("\n\n");
+    let or_more = if problems.len() < MAX_PROBLEMS { "" } else { " or more" };
+    match problems.len() {
+        0 | 1 => shown,
+        count if count > MAX_SHOWN_PROBLEMS => {
+            format!("{shown}\n\n{file}: {count} problems{or_more}; the first {MAX_SHOWN_PROBLEMS} are shown")
         }
+        count => format!("{shown}\n\n{file}: {count} problems"),
     }
 }
 

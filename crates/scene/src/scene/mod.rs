@@ -157,13 +157,13 @@ impl Scene {
         self.integrator = match preset {
             Preset::Engineering => Integrator { max_steps, ..Integrator::engineering_for(self.kind) },
             Preset::Reference => {
-                let reference = self.integrator.with_preset(preset);
+                let reference = Integrator::preset(preset);
                 let range_m_s = match &self.mechanism {
                     Some(mechanism) => mechanism.narrowest_slip_range_m_s(),
                     None => self.hand.narrowest_slip_range_m_s(),
                 };
                 let resolved = 1e-5 * range_m_s;
-                Integrator { atol_rate_rad_s: reference.atol_rate_rad_s.min(resolved), ..reference }
+                Integrator { atol_rate_rad_s: reference.atol_rate_rad_s.min(resolved), max_steps, ..reference }
             }
         };
     }

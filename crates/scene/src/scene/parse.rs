@@ -14,7 +14,7 @@ use super::quantity::Keyword;
 use super::schema::{other_schemas, schema_for, top_level};
 use super::section_input::{SceneInput, SectionInput};
 use super::sections::{
-    DifferentialSettings, FingerLengths, Level, SceneSettings, SizingResult, Target, bodies, drive, finger, law,
+    CommonLaw, DifferentialSettings, FingerLengths, SceneSettings, SizingResult, Target, bodies, drive, finger, law,
     mechanism, motion, run, start,
 };
 use super::template::{self, Template};
@@ -230,7 +230,7 @@ fn hand(
         // The object is fixed, so nothing can reach the palm.
         1 => [None; 2],
         _ => {
-            let common = Level::common(root.subsection("contact"), curvature_m);
+            let common = CommonLaw::read(root.subsection("contact"), curvature_m);
             let mut laws = [None; 2];
             for (index, (plane, level)) in ["palm", "table"].into_iter().zip(levels).enumerate() {
                 match level {
@@ -271,7 +271,7 @@ fn driven_finger(
     let motor = if has_motor { drive::motor(&input.subsection("motor"), sized) } else { Some(Motor::NONE) };
     let spring = drive::spring(&input.subsection("spring"), sized);
     let limit = law::limit(&input.subsection("limit"));
-    let contact = Level::common(input.subsection("contact"), curvature_m);
+    let contact = CommonLaw::read(input.subsection("contact"), curvature_m);
     let (proximal, distal) = (contact.law_of("proximal"), contact.law_of("distal"));
     let initial = start::initial(input, lengths, finger_and_target, limit);
     let finger = || {
@@ -291,7 +291,7 @@ fn driven_finger(
 fn differential(root: &SectionInput<'_>, settings: &DifferentialSettings, sized: SizingResult) -> Option<Differential> {
     for side in Side::BOTH.map(Side::name) {
         let reason = "with a [differential], which is driven by the motor in [motor]";
-        root.subsection(side).report_unused("motor", reason);
+        root.subsection(side).report_unused(["motor"], reason);
     }
     let mut motor = drive::motor(&root.subsection("motor"), sized)?;
     motor.inertia_kg_m2 += *settings.input_inertia;

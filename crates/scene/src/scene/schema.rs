@@ -82,7 +82,9 @@ impl Adapter {
                 Mechanism => generator.into_root_schema_for::<MechanismFile>(),
                 Finger | Bodies | Gripper => generator.into_root_schema_for::<SceneFile>(),
             };
-            root.to_value()
+            let mut root = root.to_value();
+            unwrap_lines(&mut root);
+            root
         });
         Adapter { kind, root }
     }
@@ -106,8 +108,6 @@ impl Adapter {
                 ("$ref" | "definitions" | "properties" | "required" | "format", _) => continue,
                 ("x-finger" | "x-bodies" | "x-gripper" | "x-mechanism" | "x-kinds" | "x-key", _) => continue,
                 ("default", _) if overrides => continue,
-                // From doc comments.
-                ("description", Value::String(text)) => text.replace('\n', " ").into(),
                 // A missing key is not null.
                 ("type", Value::Array(types)) => types[0].clone(),
                 ("enum", Value::Array(items)) => items.iter().filter(|item| !item.is_null()).cloned().collect(),
@@ -167,7 +167,7 @@ pub trait SettingsSection: Serialize + DeserializeOwned {
 
     /// Its part of the schema.
     fn section() -> &'static Section {
-        settings().subsection(Self::PATH).unwrap_or(&NO_SECTION)
+        top_level(Finger).subsection(Self::PATH).unwrap_or(&NO_SECTION)
     }
 }
 
@@ -181,23 +181,6 @@ impl SettingsSection for Engine {
 
 impl SettingsSection for LogSettings {
     const PATH: &'static str = "log";
-}
-
-/// Returns a section with the settings sections only, which is built faster than the schema of a kind.
-fn settings() -> &'static Section {
-    static SCHEMA: OnceLock<Value> = OnceLock::new();
-    static SETTINGS: OnceLock<Section> = OnceLock::new();
-    SETTINGS.get_or_init(|| {
-        Section::new(SCHEMA.get_or_init(|| {
-            let adapter = Adapter::new(Finger);
-            let section = |path: &str| adapter.adapt(&adapter.root["properties"][path], false);
-            json!({ "properties": {
-                Integrator::PATH: section(Integrator::PATH),
-                Engine::PATH: section(Engine::PATH),
-                LogSettings::PATH: section(LogSettings::PATH),
-            } })
-        }))
-    })
 }
 
 /// Returns every key of a section with its unit in its name, and its value in SI units; `None` for a key without effect.

@@ -77,6 +77,9 @@ fn finger<'t>(values: &DeTable<'t>, schema: &Section, side: Side) -> DeTable<'t>
     merged
 }
 
+/// A section within another one in the settings of the latter. It is read by itself.
+pub type Subsection = Option<IgnoredAny>;
+
 /// An optional section of a scene, as written.
 #[derive(Clone)]
 pub struct SectionInput<'a> {
@@ -203,12 +206,12 @@ impl<'a> SectionInput<'a> {
         values.iter().filter_map(|value| dimension_of(value.get_ref().as_str()?, &among)).collect()
     }
 
-    /// Reads keys of the section again, whose problems are reported elsewhere.
-    pub(crate) fn read_quietly<T: DeserializeOwned>(&self) -> T {
+    /// Returns a result whose problems are reported elsewhere.
+    pub(crate) fn quietly<T>(&self, read: impl FnOnce(&Self) -> T) -> T {
         let count = self.checker.count();
-        let values = self.read();
+        let result = read(self);
         self.checker.take_after(count);
-        values
+        result
     }
 
     /// Full path of a key.
@@ -327,8 +330,16 @@ impl<'a> SectionInput<'a> {
         self.checker.report_missing_at(&self.path(key), self.span.clone(), help);
     }
 
-    /// Reports that a key has no effect, if it is given.
-    pub(crate) fn report_unused(&self, key: &str, reason: &str) {
-        self.checker.report_unused_at(&self.path(key), self.span(key), reason);
+    /// Reports a missing key: there is no result.
+    pub(crate) fn refuse_missing<T>(&self, key: &str, help: &str) -> Option<T> {
+        self.report_missing(key, help);
+        None
+    }
+
+    /// Reports that keys have no effect, if they are given.
+    pub(crate) fn report_unused<'k>(&self, keys: impl IntoIterator<Item = &'k str>, reason: &str) {
+        for key in keys {
+            self.checker.report_unused_at(&self.path(key), self.span(key), reason);
+        }
     }
 }

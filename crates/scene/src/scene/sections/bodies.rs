@@ -5,7 +5,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use super::finger::{FingerLengths, example_base_m};
-use super::law::{Level, contact_settings};
+use super::law::{CommonLaw, contact_settings};
 use super::mechanism::outline::{OutlineSettings, outline};
 use super::{FINGER, FINGERS, GRIPPER, SceneSettings, list, table};
 use crate::limits::MAX_DISCS;
@@ -17,26 +17,15 @@ use crate::scene::keywords::Motion;
 use crate::scene::quantity::{
     Acceleration, Angle, AngularRate, Inertia, Keyword, Length, Mass, Positive, Quantity, Speed,
 };
-use crate::scene::section_input::{SceneInput, SectionInput};
+use crate::scene::section_input::{SceneInput, SectionInput, Subsection};
 use crate::scene::{Disc, DiscMotion, Discs, Object, ObjectMotion, Problem, Side};
 use crate::shape::{self, PlacedShape, Shape, tangent};
 use crate::units::{Dimension, format};
 
 /// The object to be grasped, fixed; a disc unless [object.outline] is given.
-#[derive(JsonSchema)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(extend("x-gripper" = { "description": "The object to be grasped, a disc unless [object.outline] is given." }))]
 pub struct ObjectSettings {
-    #[serde(flatten)]
-    pub keys: ObjectKeys,
-    /// Outline of an object that is no disc, about its centre. Such a scene is simulated as the mechanism that it is, and
-    /// has no criteria of grasps; `radius` is then that of the disc for which initial configuration and drive are computed.
-    #[schemars(extend("x-kinds" = FINGERS))]
-    pub outline: OutlineSettings,
-}
-
-/// Keys of the object.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct ObjectKeys {
     /// Whether there is an object; without one the finger moves freely.
     #[schemars(extend("x-kinds" = FINGER, "default" = true))]
     pub present: Option<bool>,
@@ -69,6 +58,10 @@ pub struct ObjectKeys {
     /// Initial angular rate, counter-clockwise.
     #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "motion = free", "default" = "0 rad/s"))]
     pub spin: Option<Quantity<AngularRate>>,
+    /// Outline of an object that is no disc, about its centre. Such a scene is simulated as the mechanism that it is, and
+    /// has no criteria of grasps; `radius` is then that of the disc for which initial configuration and drive are computed.
+    #[schemars(with = "OutlineSettings", extend("x-kinds" = FINGERS))]
+    pub outline: Subsection,
 }
 
 /// Settings of a given object.
@@ -132,29 +125,35 @@ pub struct DiscSettings {
 /// Settings of discs, of the half plane below them, and of their contact law.
 pub fn discs_settings(mechanism: &Mechanism) -> Table {
     let (mut discs, mut file) = (Table::new(), Table::new());
-    let mut add = |name: &str, radius_m: f64, centre_m: [f64; 2], motion: DiscMotion| {
-        discs.insert(name.to_owned(), disc_settings(radius_m, centre_m, &motion).into());
-    };
     for body in &mechanism.bodies {
         let ([x, y, _], [vx, vy, spin_rad_s]) = (body.pose, body.rate);
-        let velocity_m_s = [vx, vy];
-        let motion = match body.motion {
-            Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 }) => {
-                DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s }
-            }
-            _ => DiscMotion::Free {
-                mass_kg: body.mass_kg,
-                inertia_kg_m2: body.rotates().then_some(body.inertia_kg_m2),
-                velocity_m_s,
-                spin_rad_s,
-            },
-        };
         let radius_m = body.outlines.first().map_or(f64::NAN, |outline| outline.shape.radius_m());
-        add(&body.name, radius_m, [x, y], motion);
+        let if_rotates = |value: f64| if body.rotates() { value } else { f64::NAN };
+        let mut disc = table([
+            ("radius", radius_m.into()),
+            ("centre", list([x, y])),
+            ("velocity", list([vx, vy])),
+            ("spin", if_rotates(spin_rad_s).into()),
+        ]);
+        disc.extend(match body.motion {
+            Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 }) => {
+                table([("motion", Motion::Driven.keyword().into()), ("acceleration", list(acceleration_m_s2))])
+            }
+            _ => table([
+                ("motion", Motion::Free.keyword().into()),
+                ("mass", body.mass_kg.into()),
+                ("rotates", body.rotates().into()),
+                ("inertia", if_rotates(body.inertia_kg_m2).into()),
+            ]),
+        });
+        discs.insert(body.name.clone(), disc.into());
     }
     for outline in &mechanism.ground_outlines {
         match outline.shape {
-            OutlineShape::Disc { center_m, radius_m } => add(&outline.name, radius_m, center_m, DiscMotion::Fixed),
+            OutlineShape::Disc { center_m, radius_m } => {
+                let (radius, motion) = (("radius", radius_m.into()), ("motion", Motion::Fixed.keyword().into()));
+                discs.insert(outline.name.clone(), table([radius, ("centre", list(center_m)), motion]).into());
+            }
             OutlineShape::HalfPlane { point_m: [_, level_m], .. } => {
                 file.insert("half_plane".into(), table([("level", level_m.into())]).into());
             }
@@ -165,29 +164,6 @@ pub fn discs_settings(mechanism: &Mechanism) -> Table {
     let law = mechanism.contacts.first().map(|pair| ("contact".to_owned(), contact_settings(&pair.law).into()));
     file.extend(law);
     file
-}
-
-/// Settings of a given disc.
-fn disc_settings(radius_m: f64, centre_m: [f64; 2], motion: &DiscMotion) -> Table {
-    let mut settings = table([("radius", radius_m.into()), ("centre", list(centre_m))]);
-    settings.extend(match *motion {
-        DiscMotion::Fixed => table([("motion", Motion::Fixed.keyword().into())]),
-        DiscMotion::Driven { velocity_m_s, acceleration_m_s2, spin_rad_s } => table([
-            ("motion", Motion::Driven.keyword().into()),
-            ("velocity", list(velocity_m_s)),
-            ("acceleration", list(acceleration_m_s2)),
-            ("spin", spin_rad_s.into()),
-        ]),
-        DiscMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => table([
-            ("motion", Motion::Free.keyword().into()),
-            ("velocity", list(velocity_m_s)),
-            ("mass", mass_kg.into()),
-            ("rotates", inertia_kg_m2.is_some().into()),
-            ("inertia", inertia_kg_m2.unwrap_or(f64::NAN).into()),
-            ("spin", inertia_kg_m2.map_or(f64::NAN, |_| spin_rad_s).into()),
-        ]),
-    });
-    settings
 }
 
 /// A solid, fixed half plane below a level. An empty section suffices to add it.
@@ -233,14 +209,14 @@ pub fn shape(input: &SectionInput<'_>) -> Shape {
     shape_of(&input.subsection("object").read())
 }
 
-fn shape_of(settings: &ObjectKeys) -> Shape {
+fn shape_of(settings: &ObjectSettings) -> Shape {
     Shape::Disc { radius_m: settings.radius.map_or(0.020, |radius| *radius) }
 }
 
 /// Resolves the object, with the defaults that depend on its shape, and whether it is present. For one finger, its
 /// position along the palm is NaN if the base determines it.
 pub fn object(input: &SectionInput<'_>) -> (Object, bool) {
-    let settings: ObjectKeys = input.subsection("object").read();
+    let settings: ObjectSettings = input.subsection("object").read();
     let shape = shape_of(&settings);
     let coordinate = |value: Option<_>| value.map_or(f64::NAN, |value: Quantity<_>| *value);
     let centre_m = match settings.centre {
@@ -280,7 +256,7 @@ pub fn object_outline(input: &SectionInput<'_>) -> Option<Option<(OutlineShape, 
             "write a closed outline",
         );
     };
-    let ObjectKeys { mass, inertia, .. } = object.read_quietly();
+    let ObjectSettings { mass, inertia, .. } = object.quietly(SectionInput::read);
     let mass_kg = mass.map_or(area.area_m2 * DENSITY_KG_M3 * DEPTH_M, |mass| *mass);
     let inertia_kg_m2 = inertia.map_or(mass_kg * area.polar_m4 / area.area_m2, |inertia| *inertia);
     Some(Some((shape, (mass_kg, inertia_kg_m2, area.centroid_m))))
@@ -299,7 +275,7 @@ pub fn single_object(
     let (section, lengths) = (input.subsection("object"), input.subsection("lengths"));
     if !is_present {
         if !input.has("design") {
-            section.report_unused("radius", "with present = false and no [design]");
+            section.report_unused(["radius"], "with present = false and no [design]");
         }
         return Some(None);
     }
@@ -308,7 +284,7 @@ pub fn single_object(
     let placed = object.placed();
     let [x, y] = placed.centre_m;
     if x.is_finite() {
-        lengths.report_unused("base", "with object.centre");
+        lengths.report_unused(["base"], "with object.centre");
         return Some(Some(object.clone()));
     }
     if finger.base_m.is_none() && lengths.is_present() && !lengths.has("base") {
@@ -325,11 +301,7 @@ pub fn single_object(
 /// Lowest and highest coordinate y of the object.
 fn heights_m(input: &SectionInput<'_>, object: &Object) -> [f64; 2] {
     let section = input.subsection("object").subsection("outline");
-    // Problems of the outline are reported where it is resolved.
-    let count = input.checker.count();
-    let shape = section.is_present().then(|| outline("outline", &section)).flatten();
-    input.checker.take_after(count);
-    match shape {
+    match section.is_present().then(|| section.quietly(|section| outline("outline", section))).flatten() {
         Some(outline) => {
             let (sin, cos) = sin_cos(object.angle_rad);
             [-1.0, 1.0].map(|to| object.centre_m[1] + to * outline.shape.support_m([to * sin, to * cos]))
@@ -486,7 +458,7 @@ fn is_ground_joint_clear(input: &SectionInput<'_>, side: Side, target: &Target, 
 pub fn discs(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Discs> {
     let ground = root.subsection("half_plane");
     let half_plane_m = ground.is_present().then(|| *ground.read::<HalfPlaneSettings>().level);
-    let law = Level::common(root.subsection("contact"), 0.0).law();
+    let law = CommonLaw::read(root.subsection("contact"), 0.0).law();
     let section = root.subsection("discs");
     let sections = section.subsections();
     let count = sections.len();
@@ -507,7 +479,7 @@ pub fn discs(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Discs> {
     }
     let is_free = |disc: &Disc| matches!(disc.motion, DiscMotion::Free { .. });
     if gravity_m_s2 != [0.0; 2] && !all.iter().any(is_free) {
-        root.report_unused("gravity", "without a disc with motion = \"free\"");
+        root.report_unused(["gravity"], "without a disc with motion = \"free\"");
     }
     Some(Discs { discs: all, half_plane_m, law: law?, gravity_m_s2 })
 }
@@ -558,7 +530,7 @@ fn inertia(
     radius_m: Option<f64>,
 ) -> Option<Option<f64>> {
     if !settings.rotates {
-        ["inertia", "spin"].iter().for_each(|key| input.report_unused(key, "with rotates = false"));
+        input.report_unused(["inertia", "spin"], "with rotates = false");
         return Some(None);
     }
     if input.has("inertia") {

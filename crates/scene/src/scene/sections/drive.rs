@@ -108,17 +108,11 @@ pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Table {
         ("no_load_speed", motor.no_load_speed_rad_s.unwrap_or(UNSET).into()),
         ("brake", BrakeKind::None.keyword().into()),
     ]);
-    settings.extend(match &motor.actuation {
-        Profile::Constant { value: torque_n_m } => table([("torque", (*torque_n_m).into())]),
-        Profile::Ramp { value: torque_n_m, rise_s } => {
-            table([("torque", (*torque_n_m).into()), ("rise", (*rise_s).into())])
-        }
-        Profile::HalfSine { value: torque_n_m, length_s } => {
-            table([("torque", (*torque_n_m).into()), ("pulse", (*length_s).into())])
-        }
-        Profile::Reversal { value: torque_n_m, at_s } => {
-            table([("torque", (*torque_n_m).into()), ("reverse_at", (*at_s).into())])
-        }
+    settings.extend(match motor.actuation.clone() {
+        Profile::Constant { value } => table([("torque", value.into())]),
+        Profile::Ramp { value, rise_s } => table([("torque", value.into()), ("rise", rise_s.into())]),
+        Profile::HalfSine { value, length_s } => table([("torque", value.into()), ("pulse", length_s.into())]),
+        Profile::Reversal { value, at_s } => table([("torque", value.into()), ("reverse_at", at_s.into())]),
         Profile::Table { points, interpolation } => table([
             ("times", list(points.iter().map(|point| point.0))),
             ("torques", list(points.iter().map(|point| point.1))),
@@ -241,8 +235,7 @@ pub fn motor(input: &SectionInput<'_>, sized: SizingResult) -> Option<Motor> {
             Profile::Table { points: table_points(input, &settings)?, interpolation: settings.interpolation.0 }
         }
         _ if matches!(sized, Some(None)) && !input.has("torque") => {
-            input.report_missing("torque", "add the motor's torque on l11: [motor] torque = \"480 N*mm\"");
-            return None;
+            return input.refuse_missing("torque", "add the motor's torque on l11: [motor] torque = \"480 N*mm\"");
         }
         Profile::Constant { .. } => Profile::Constant { value: torque_n_m },
         Profile::Ramp { .. } => Profile::Ramp { value: torque_n_m, rise_s: *settings.rise? },
@@ -354,7 +347,7 @@ pub fn size(
     gravity_m_s2: [f64; 2],
 ) -> SizingResult {
     if !input.has("sizing") {
-        input.report_unused("closing_time", "without sizing = \"rigid\" or \"whole\"");
+        input.report_unused(["closing_time"], "without sizing = \"rigid\" or \"whole\"");
         return Some(None);
     }
     reject_given(input);

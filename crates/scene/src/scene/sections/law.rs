@@ -183,54 +183,52 @@ pub fn limit_settings(law: Option<NormalLaw>) -> Table {
 /// Damping of a bristle if the normal law has no damper.
 const BRISTLE_DAMPING_N_S_PER_M: f64 = 1e6;
 
-/// A section that determines laws: [contact], or the section that overrides its keys for one contact.
-pub struct Level<'a> {
+/// The section [contact] with its normal law, which the sections of single contacts override.
+pub struct CommonLaw<'a> {
     input: SectionInput<'a>,
-    /// The normal law after this section is applied.
     normal: LawSettings,
     object_radius_m: f64,
 }
 
-impl<'a> Level<'a> {
+impl<'a> CommonLaw<'a> {
     /// Reads [contact]; the radius of the object is for materials.
-    pub fn common(input: SectionInput<'a>, object_radius_m: f64) -> Self {
+    pub fn read(input: SectionInput<'a>, object_radius_m: f64) -> Self {
         let normal = normal(&input, input.read(), object_radius_m);
-        Level { input, normal, object_radius_m }
+        CommonLaw { input, normal, object_radius_m }
     }
 
     /// The law of all contacts; `None` if it is invalid.
     pub fn law(&self) -> Option<ContactLaw> {
-        law(&[self])
+        law(&[&self.input], &self.normal)
     }
 
     /// The law of one contact, whose section overrides single keys; `None` if it is invalid.
     pub(crate) fn law_of(&self, contact: &str) -> Option<ContactLaw> {
         let input = self.input.subsection(contact);
         let normal = normal(&input, input.read_over(&self.normal), self.object_radius_m);
-        law(&[self, &Level { input, normal, object_radius_m: self.object_radius_m }])
+        law(&[&self.input, &input], &normal)
     }
 
     /// Reports the section of a contact that does not exist.
     pub(crate) fn report_unused(&self, contact: &str) {
-        self.input.report_unused(contact, &format!("without a {contact}"));
+        self.input.report_unused([contact], &format!("without a {contact}"));
     }
 }
 
-/// Combines the law of one contact from the common section and its overrides.
-fn law(levels: &[&Level<'_>]) -> Option<ContactLaw> {
-    let last = levels.last()?;
-    let LawSettings { stiffness_si, exponent, damping, transition } = &last.normal;
+/// Combines the law of one contact from its normal law, the common section and the one that overrides it.
+fn law(inputs: &[&SectionInput<'_>], normal: &LawSettings) -> Option<ContactLaw> {
+    let LawSettings { stiffness_si, exponent, damping, transition } = normal;
     let normal = NormalLaw::step(**stiffness_si, **exponent, **damping, **transition);
     if normal.stiffness_n_per_m_e == 0.0 && normal.damping_max() == 0.0 {
-        let is_given = |level: &&&Level<'_>| level.input.has("stiffness_si") || level.input.has("damping");
-        let input = &levels.iter().rev().find(is_given).unwrap_or(&levels[0]).input;
+        let is_given = |input: &&&SectionInput<'_>| input.has("stiffness_si") || input.has("damping");
+        let input = inputs.iter().rev().find(is_given).unwrap_or(&inputs[0]);
         let key = if input.has("stiffness_si") { "stiffness_si" } else { "damping" };
         let message =
             format!("[{}] has neither stiffness nor damping: there would be no contact force", input.path(""));
         let help = "give one of them a value above 0: stiffness_si = 1e8 or damping = \"1e6 N*s/m\"";
         input.report(key, message, "both are 0", help);
     }
-    Some(ContactLaw { normal, friction: friction(levels)? })
+    Some(ContactLaw { normal, friction: friction(inputs, **damping)? })
 }
 
 /// Completes the normal law of a section by its materials.
@@ -240,9 +238,8 @@ fn normal(input: &SectionInput<'_>, mut law: LawSettings, object_radius_m: f64) 
     if !materials.is_present() {
         return law;
     }
-    for key in ["stiffness_si", "exponent"] {
-        input.report_unused(key, &format!("with [{}], which determine it", input.path("materials")));
-    }
+    let reason = format!("with [{}], which determine it", input.path("materials"));
+    input.report_unused(["stiffness_si", "exponent"], &reason);
     if let Some(k) = hertz(&materials, object_radius_m) {
         (law.stiffness_si, law.exponent) = (k.into(), 1.5.into());
     }
@@ -276,30 +273,18 @@ fn surface(materials: &SectionInput<'_>, key: &str, default_m: f64) -> Option<(M
     let input = materials.subsection(key);
     if !input.is_present() {
         let help = "give both surfaces: object = { modulus = \"2.3 GPa\", poisson = 0.35 }, and phalanx likewise";
-        materials.report_missing(key, help);
-        return None;
+        return materials.refuse_missing(key, help);
     }
     let SurfaceSettings { modulus, poisson, radius } = input.read();
     let material = Material { youngs_modulus_pa: *modulus?, poisson_ratio: *poisson? };
     Some((material, radius.map_or(default_m, |radius| *radius)))
 }
 
-/// Reads the friction of a law with a name: `Some(None)` without friction, `None` if it is invalid.
-pub(crate) fn friction_of(law: &SectionInput<'_>) -> Option<Option<FrictionLaw>> {
-    let [stiffness_si, damping] = [0.0; 2];
-    let normal = LawSettings {
-        stiffness_si: stiffness_si.into(),
-        exponent: 1.0.into(),
-        damping: damping.into(),
-        transition: 1.0.into(),
-    };
-    friction(&[&Level { input: law.clone(), normal, object_radius_m: 0.0 }])
-}
-
-/// Friction law: `Some(None)` without friction, `None` if invalid. A static coefficient also replaces the dynamic
-/// coefficient of the preceding level.
-fn friction(levels: &[&Level<'_>]) -> Option<Option<FrictionLaw>> {
-    let sections: Vec<SectionInput<'_>> = levels.iter().map(|level| level.input.subsection("friction")).collect();
+/// Reads the friction of a law from its section and those that override it: `Some(None)` without friction, `None` if it is
+/// invalid. A static coefficient also replaces the dynamic coefficient of the preceding section. `damping` is that of the
+/// normal law.
+pub(crate) fn friction(laws: &[&SectionInput<'_>], damping: f64) -> Option<Option<FrictionLaw>> {
+    let sections: Vec<SectionInput<'_>> = laws.iter().map(|law| law.subsection("friction")).collect();
     let problem_count = sections[0].checker.count();
     let mut law: FrictionSettings = sections[0].read();
     for section in &sections[1..] {
@@ -311,8 +296,8 @@ fn friction(levels: &[&Level<'_>]) -> Option<Option<FrictionLaw>> {
     }
     let Some(last) = sections.iter().rev().find(|section| section.is_present()) else { return Some(None) };
     if !sections.iter().any(|section| section.has("mu_static")) {
-        last.report_missing("mu_static", "add the static coefficient: mu_static = 0.8, or 0 for no friction");
-        return None;
+        let help = "add the static coefficient: mu_static = 0.8, or 0 for no friction";
+        return last.refuse_missing("mu_static", help);
     }
     let mu_static = *law.mu_static;
     // 0.7 μ_s; exactly 0.56 for 0.8.
@@ -333,8 +318,7 @@ fn friction(levels: &[&Level<'_>]) -> Option<Option<FrictionLaw>> {
     let bristle = match law.law.and_then(|law| law.0) {
         None => None,
         Some(_) => {
-            let normal = levels.last().map_or(0.0, |level| *level.normal.damping);
-            let default = if normal > 0.0 { normal } else { BRISTLE_DAMPING_N_S_PER_M };
+            let default = if damping > 0.0 { damping } else { BRISTLE_DAMPING_N_S_PER_M };
             let damping_n_s_per_m = law.bristle_damping.map_or(default, |damping| *damping);
             Some(Bristle { damping_n_s_per_m, relaxation_s: *law.bristle_relaxation? })
         }

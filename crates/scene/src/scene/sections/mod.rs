@@ -51,7 +51,7 @@ use toml::{Table, Value};
 pub use bodies::{DENSITY_KG_M3, DEPTH_M, DiscSettings, HalfPlaneSettings, ObjectSettings, TableSettings, Target};
 pub use drive::{DifferentialSettings, MotorSettings, SizingResult, SpringSettings};
 pub use finger::{BodiesSettings, DesignSettings, FingerKeys, FingerLengths, LengthSettings, MaterialSettings};
-pub use law::{ContactSettings, Level, LimitSettings};
+pub use law::{CommonLaw, ContactSettings, LimitSettings};
 pub use mechanism::MechanismSettings;
 pub use motion::{MoveSettings, PathSettings, VibrationSettings};
 pub use run::{

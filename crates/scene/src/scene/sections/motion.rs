@@ -162,12 +162,12 @@ fn moves(input: &SectionInput<'_>) -> impl Iterator<Item = Move> {
     let MoveSettings { x, y, angle, start, time, acceleration } = input.read();
     let distance_m = hypot(*x, *y);
     if input.has("time") {
-        input.report_unused("acceleration", "with `time`");
+        input.report_unused(["acceleration"], "with `time`");
     } else if !input.has("acceleration") {
         let help = "add the duration or the peak acceleration: time = \"40 ms\" or acceleration = \"2 g\"";
         input.report_missing("time", help);
     } else if distance_m == 0.0 {
-        input.report_unused("acceleration", "without a distance x or y: give `time` instead");
+        input.report_unused(["acceleration"], "without a distance x or y: give `time` instead");
     }
     let start_s = start.map_or(f64::NAN, |start| *start);
     let length_s = match acceleration {

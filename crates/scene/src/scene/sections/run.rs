@@ -83,11 +83,6 @@ impl Integrator {
         }
     }
 
-    /// The settings of another preset, within the same step budget.
-    pub(crate) const fn with_preset(&self, preset: Preset) -> Self {
-        Self { max_steps: self.max_steps, ..Self::preset(preset) }
-    }
-
     /// Sets `rtol` and scales the absolute tolerances by the same factor, but not below 1e-14 rad and 1e-9 rad/s, the
     /// limit of double precision.
     pub fn with_rtol(&self, rtol: f64) -> Self {
@@ -387,7 +382,7 @@ pub fn integrator(input: &SectionInput<'_>) -> Integrator {
     let mut base = Integrator::engineering_for(input.kind);
     let Integrator { preset, rtol, .. } = input.read_over(&base);
     if preset == Preset::Reference {
-        base = base.with_preset(preset);
+        base = Integrator::preset(preset);
     }
     if input.has("rtol") {
         base = base.with_rtol(rtol);

@@ -50,15 +50,14 @@ pub fn initial(
     let (q11_rad, q21_rad) = match (start.has("q11"), start.has("q21")) {
         (true, false) => {
             let help = "add the angle of the proximal phalanx: q21 = \"40 deg\"; or remove both for a straight start";
-            start.report_missing("q21", help);
-            return None;
+            return start.refuse_missing("q21", help);
         }
         (true, true) => {
-            start.report_unused("offset", "with q11 and q21");
+            start.report_unused(["offset"], "with q11 and q21");
             (*q11?, *q21?)
         }
         (false, true) => {
-            start.report_unused("offset", "with q21");
+            start.report_unused(["offset"], "with q21");
             (straight(input, finger_lengths, lengths, *q21?)?, *q21?)
         }
         (false, false) => {
@@ -102,8 +101,7 @@ fn angle_before_contact(
         (None, Some(base_m)) => rest_on_palm(bodies::shape(input).at([-base_m, 0.0])),
         (None, None) => {
             let help = "without object and base there is no default: add [initial] q21 = \"40 deg\", or [lengths] base";
-            input.subsection("initial").report_missing("q21", help);
-            return None;
+            return input.subsection("initial").refuse_missing("q21", help);
         }
     };
     let mut all = std::iter::once(&placed).chain(&target.ends);

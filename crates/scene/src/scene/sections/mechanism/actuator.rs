@@ -13,17 +13,8 @@ use crate::scene::quantity::{
     Coordinate, CoordinateRate, Effort, Force, Frequency, JointDamping, JointStiffness, NotNegative, Plain, Positive,
     Quantity, Time, Torque,
 };
-use crate::scene::section_input::SectionInput;
+use crate::scene::section_input::{SectionInput, Subsection};
 use crate::scene::{Interpolation, Problem, Profile};
-
-/// An actuator of a joint: a torque (force) over time, or a controller that follows a target. The torque is limited, and
-/// falls with the speed. A brake can hold the joint.
-#[derive(JsonSchema)]
-pub struct ActuatorSettings {
-    #[serde(flatten)]
-    pub keys: ActuatorKeys,
-    pub brake: BrakeSettings,
-}
 
 /// A brake, which adds to the torque (force) of the actuator.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -51,9 +42,10 @@ pub struct BrakeSettings {
     pub relaxation: Positive<Time>,
 }
 
-/// Keys of an actuator.
+/// An actuator of a joint: a torque (force) over time, or a controller that follows a target. The torque is limited, and
+/// falls with the speed. A brake can hold the joint.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct ActuatorKeys {
+pub struct ActuatorSettings {
     /// The driven joint. Required, or `joints` or `tendon`.
     #[schemars(extend("minLength" = 1, "x-alternative" = "joints|tendon", "x-required" = "add the driven joint: joint = \"driver\""))]
     pub joint: Option<String>,
@@ -99,11 +91,13 @@ pub struct ActuatorKeys {
     pub limit: Option<Positive<Effort>>,
     /// Rate at which the torque (force) has fallen to 0. Default: it does not fall.
     pub no_load_speed: Option<Positive<CoordinateRate>>,
+    #[schemars(with = "BrakeSettings")]
+    pub brake: Subsection,
 }
 
 pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Actuator> {
-    let settings: ActuatorKeys = section.read();
-    let ActuatorKeys { joint, joints, factors, .. } = &settings;
+    let settings: ActuatorSettings = section.read();
+    let ActuatorSettings { joint, joints, factors, .. } = &settings;
     let (mut on, linear, of) = combination(section, known, joint.as_ref(), joints.as_ref(), factors.as_ref(), 1)?;
     on.offset = settings.offset.map_or(0.0, |offset| *offset);
     let brake = brake(&section.subsection("brake"), linear, of)?;
@@ -130,7 +124,7 @@ pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>
         _ => values_over_time(section, key, settings.times, settings.targets?),
     };
     if !key.ends_with('s') {
-        section.report_unused("times", &format!("with `{key}`"));
+        section.report_unused(["times"], &format!("with `{key}`"));
     }
     let command = if key.starts_with("target") {
         let [kp, kd] = [settings.kp.map(|kp| *kp), settings.kd.map(|kd| *kd)];
@@ -140,16 +134,13 @@ pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>
             } else {
                 "kp = \"5 N*m/rad\", kd = \"0.05 N*m*s/rad\""
             };
-            section.report_missing("kp", &format!("add the gains of the controller: {help}"));
-            return None;
+            return section.refuse_missing("kp", &format!("add the gains of the controller: {help}"));
         }
         let rate_hz = settings.rate.map(|rate| *rate);
         let target_rate = settings.target_rate.map(|rate| *rate);
         Command::Servo { kp: kp.unwrap_or(0.0), kd: kd.unwrap_or(0.0), target: profile?, target_rate, rate_hz }
     } else {
-        ["kp", "kd", "target_rate", "rate"]
-            .iter()
-            .for_each(|gain| section.report_unused(gain, &format!("with `{key}`: there is no target")));
+        section.report_unused(["kp", "kd", "target_rate", "rate"], &format!("with `{key}`: there is no target"));
         Command::Effort(profile?)
     };
     units_fit.then(|| Actuator {
@@ -176,7 +167,7 @@ fn brake(section: &SectionInput<'_>, linear: bool, of: &str) -> Option<Option<Br
         return section.refuse("release", message, "too early", "release it later, or engage it earlier or faster");
     }
     if stiffness.is_none() {
-        section.report_unused("relaxation", "without `stiffness`");
+        section.report_unused(["relaxation"], "without `stiffness`");
     }
     let bristle = |stiffness: Positive<JointStiffness>| Bristle {
         damping_n_s_per_m: *stiffness * *relaxation,
@@ -224,20 +215,17 @@ pub(super) fn pulls(actuators: &Entries<'_>, tendons: &Entries<'_>, all: &mut [O
 
 /// Resolves the actuator of a tendon: the tendon, and its tension.
 fn pull(section: &SectionInput<'_>, names: &[&str]) -> Option<(usize, Profile)> {
-    let ActuatorKeys { tendon, tension, tensions, times, .. } = section.read();
+    let ActuatorSettings { tendon, tension, tensions, times, .. } = section.read();
     let of_tendons = ["tendon", "tension", "tensions", "times"];
     let of_joints = section.keys().chain(["brake"]).filter(|key| !of_tendons.contains(key));
-    of_joints.for_each(|key| section.report_unused(key, "with `tendon`"));
+    section.report_unused(of_joints, "with `tendon`");
     let tension = match (tension, tensions) {
         (Some(value), _) => {
-            ["times", "tensions"].iter().for_each(|key| section.report_unused(key, "with `tension`"));
+            section.report_unused(["times", "tensions"], "with `tension`");
             Some(Profile::Constant { value: *value })
         }
         (None, Some(values)) => values_over_time(section, "tensions", times, values),
-        (None, None) => {
-            section.report_missing("tension", "add the tension: tension = \"30 N\", or times and tensions");
-            None
-        }
+        (None, None) => section.refuse_missing("tension", "add the tension: tension = \"30 N\", or times and tensions"),
     };
     Some((find(section, "tendon", &tendon?, "tendon", names)?, tension?))
 }
@@ -250,8 +238,8 @@ fn values_over_time<D, R>(
     values: Vec<Quantity<D, R>>,
 ) -> Option<Profile> {
     let Some(times) = times else {
-        section.report_missing("times", &format!("add the times of `{key}`: times = [\"0 ms\", \"20 ms\"]"));
-        return None;
+        let help = format!("add the times of `{key}`: times = [\"0 ms\", \"20 ms\"]");
+        return section.refuse_missing("times", &help);
     };
     if times.len() != values.len() || times.is_empty() {
         let message = format!("`{}` has {} values for {} times", section.path(key), values.len(), times.len());
@@ -260,12 +248,8 @@ fn values_over_time<D, R>(
     if let Some(k) = (1..times.len()).find(|k| *times[*k] <= *times[*k - 1]) {
         let message = format!("time {} of `{}` is not after the one before it", k + 1, section.path("times"));
         let span = section.item_span("times", k);
-        section.checker.push(Problem::new(
-            span,
-            message,
-            "not increasing",
-            "sort the times; two values need two times",
-        ));
+        let help = "sort the times; two values need two times";
+        section.checker.push(Problem::new(span, message, "not increasing", help));
         return None;
     }
     let points = times.iter().zip(&values).map(|(time, value)| (**time, **value)).collect();

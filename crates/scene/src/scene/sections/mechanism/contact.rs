@@ -11,7 +11,7 @@ use crate::scene::quantity::{
     AngularRate, Coordinate, CoordinateRate, LawDamping, Length, NotNegative, Plain, Positive, Quantity, Word,
     keyword_enum, keywords,
 };
-use crate::scene::section_input::SectionInput;
+use crate::scene::section_input::{SectionInput, Subsection};
 use crate::scene::sections::law::{self, FrictionSettings};
 use crate::scene::{Keyword, Problem};
 use crate::units::Dimension;
@@ -26,16 +26,8 @@ keyword_enum! {
 }
 
 /// A law of contacts or joint limits: a normal law, and friction of contacts.
-#[derive(JsonSchema)]
-pub struct NamedLawSettings {
-    #[serde(flatten)]
-    pub keys: NamedLawKeys,
-    pub friction: FrictionSettings,
-}
-
-/// Keys of a law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct NamedLawKeys {
+pub struct NamedLawSettings {
     /// "hunt_crossley": k δ^e (1 + 1.5 a δ'), recommended; "restitution": the same with a from the rebound of a free mass;
     /// "spring_damper": k δ^e + c δ'; "step": k δ^e + c δ' with a damper that engages over `transition`.
     #[schemars(extend("default" = "hunt_crossley"))]
@@ -62,6 +54,8 @@ pub struct NamedLawKeys {
     #[schemars(extend("x-with" = "type = step", "x-required" = "add the penetration over which the damper engages: \
         transition = \"0.1 mm\", or an angle for a limit"))]
     pub transition: Option<Positive<Coordinate>>,
+    #[schemars(with = "FrictionSettings")]
+    pub friction: Subsection,
 }
 
 /// Outlines that may touch.
@@ -105,9 +99,9 @@ keywords! { ForcePoint {
 } }
 
 pub(super) fn named_law(section: &SectionInput<'_>) -> Option<NamedLaw> {
-    let NamedLawKeys { r#type, stiffness, exponent, damping, restitution, speed, transition } = section.read();
+    let NamedLawSettings { r#type, stiffness, exponent, damping, restitution, speed, transition, .. } = section.read();
     section.is_valid("type").then_some(())?;
-    let friction = law::friction_of(section);
+    let friction = law::friction(&[section], 0.0);
     let given = section.dimensions("damping").first().copied();
     let fitting: &[Dimension] = match r#type {
         LawType::HuntCrossley => &[Dimension::LinearImpactDamping, Dimension::AngularImpactDamping],
@@ -208,7 +202,7 @@ pub(super) fn contacts(
 fn contact_entry(section: &SectionInput<'_>, mechanism: &Mechanism, known: &Known<'_>) -> Option<Vec<ContactPair>> {
     let ContactEntry { between, points, face, faces, law, at, rolling_arm, rolling_rate } = section.read();
     if rolling_arm.is_none() {
-        section.report_unused("rolling_rate", "without `rolling_arm`");
+        section.report_unused(["rolling_rate"], "without `rolling_arm`");
     }
     let rolling = rolling_arm.map(|arm| FrictionLaw {
         mu_static: *arm,
@@ -220,12 +214,12 @@ fn contact_entry(section: &SectionInput<'_>, mechanism: &Mechanism, known: &Know
     let law = law.and_then(|name| law_for(section, "law", &name, known, true, "a contact"));
     let pairs = match between {
         Some(between) => {
-            ["points", "face", "faces"].iter().for_each(|key| section.report_unused(key, "with `between`"));
+            section.report_unused(["points", "face", "faces"], "with `between`");
             pairs_between(section, &between, mechanism)?
         }
         None => {
             if section.has("face") {
-                section.report_unused("faces", "with `face`");
+                section.report_unused(["faces"], "with `face`");
             }
             let key = if face.is_some() { "face" } else { "faces" };
             let points = points.and_then(|name| outline_id(section, "points", 0, &name, mechanism));

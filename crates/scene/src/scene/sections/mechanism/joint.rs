@@ -140,14 +140,15 @@ pub struct RotorSettings {
     pub inertia: Option<Positive<JointInertia>>,
 }
 
+/// Finds the two bodies of a joint.
+pub(super) fn joint_bodies(section: &SectionInput<'_>, names: &[&str]) -> Option<[Option<usize>; 2]> {
+    let JointSettings { bodies, .. } = section.quietly(SectionInput::read);
+    two_bodies(section, bodies?, names, "a joint")
+}
+
 pub(super) fn joint_kind(section: &SectionInput<'_>) -> Option<JointKind> {
-    #[derive(Deserialize)]
-    struct Kind {
-        r#type: JointType,
-        axis: Option<Quantity<Angle>>,
-    }
     section.is_valid("type").then_some(())?;
-    let Kind { r#type, axis } = section.read_quietly();
+    let JointSettings { r#type, axis, .. } = section.quietly(SectionInput::read);
     Some(match r#type {
         JointType::Revolute => JointKind::Revolute,
         JointType::Prismatic => JointKind::Prismatic { axis_rad: axis.map_or(0.0, |axis| *axis) },
@@ -174,24 +175,21 @@ pub(super) fn joint(
     let (linear, of) = joint_words(kind);
     let units_fit = check_units(section, linear, of);
     if settings.start.is_none() {
-        section.report_unused("start_rate", "without `start`");
+        section.report_unused(["start_rate"], "without `start`");
     }
     if section.has("points") {
-        section.report_unused("at", "with `points`");
+        section.report_unused(["at"], "with `points`");
     }
     let limits = [settings.lower, settings.upper].map(|limit| limit.map(|limit| *limit));
     let limit = match (&settings.stop, limits) {
         (None, [None, None]) => None,
         (Some(_), [None, None]) => {
-            section.report_unused("stop", "without `lower` or `upper`");
+            section.report_unused(["stop"], "without `lower` or `upper`");
             None
         }
         (None, _) => {
-            section.report_missing(
-                "stop",
-                "add the name of the law of the limits: stop = \"stop\", with a section [laws.stop]",
-            );
-            return None;
+            let help = "add the name of the law of the limits: stop = \"stop\", with a section [laws.stop]";
+            return section.refuse_missing("stop", help);
         }
         (Some(stop), _) => Some(law_for(section, "stop", stop, known, linear, &format!("the limit of {of}"))?.normal),
     };
@@ -241,9 +239,7 @@ const BRISTLE_RELAXATION_S: f64 = 1e-3;
 /// Friction of a joint, as the law under a normal force of 1; the outer `None` if it is invalid.
 fn joint_friction(section: &SectionInput<'_>, settings: &JointSettings, linear: bool) -> Option<Option<FrictionLaw>> {
     let Some(friction) = settings.friction else {
-        for key in ["static_friction", "friction_rates", "friction_stiffness"] {
-            section.report_unused(key, "without `friction`");
-        }
+        section.report_unused(["static_friction", "friction_rates", "friction_stiffness"], "without `friction`");
         return Some(None);
     };
     let default_rates = if linear { [1e-3, 2e-3] } else { [0.01, 0.02] };
@@ -283,15 +279,14 @@ pub(super) fn combination(
     fewest: usize,
 ) -> Option<Combination> {
     if let Some(joint) = joint {
-        ["joints", "factors", "offset"].iter().for_each(|key| section.report_unused(key, "with `joint`"));
+        section.report_unused(["joints", "factors", "offset"], "with `joint`");
         let (joint, kind) = known.joint(section, "joint", joint)?;
         let (linear, of) = joint_words(kind);
         return Some((JointCombination::of_joint(joint), linear, of));
     }
     let names = joints?;
     let Some(factors) = factors else {
-        section.report_missing("factors", "add a factor for each joint: factors = [0.5, 0.5]");
-        return None;
+        return section.refuse_missing("factors", "add a factor for each joint: factors = [0.5, 0.5]");
     };
     if names.len() != factors.len() || names.len() < fewest {
         let count = if fewest > 1 { "two joints" } else { "one joint" };
@@ -330,7 +325,7 @@ pub(super) fn spring(name: &str, section: &SectionInput<'_>, known: &Known<'_>) 
             (SpringKind::Torsional { on, preload: settings.torque.map_or(0.0, |torque| *torque) }, linear, of)
         }
         SpringType::Linear => {
-            let bodies = two_bodies(section, &known.bodies, "a linear spring")?;
+            let bodies = two_bodies(section, settings.bodies?, &known.bodies, "a linear spring")?;
             (SpringKind::Linear { bodies, points_m: settings.points?.map(si) }, true, "a linear spring")
         }
     };

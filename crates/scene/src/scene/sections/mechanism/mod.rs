@@ -31,14 +31,15 @@ use crate::mechanism::{AssemblyError, Body, Condition, Mechanism, Mirror, Outlin
 use crate::scene::Problem;
 use crate::scene::keys::is_name;
 use crate::scene::quantity::{Angle, AngularRate, Density, Inertia, Length, Mass, Positive, Quantity, Speed};
-use crate::scene::section_input::SectionInput;
+use crate::scene::section_input::{SectionInput, Subsection};
 use actuator::{ActuatorSettings, actuator, limit_target_rates, pulls};
 use contact::{ContactEntry, NamedLawSettings, contacts, named_law};
 use joint::{
-    CouplingSettings, JointSettings, LinkageSpringSettings, RotorSettings, coupling, joint, joint_kind, rotor, spring,
+    CouplingSettings, JointSettings, LinkageSpringSettings, RotorSettings, coupling, joint, joint_bodies, joint_kind,
+    rotor, spring,
 };
 use mirror::{Entries, MirrorSettings, mirror};
-use names::{GROUND, Known, two_bodies};
+use names::{GROUND, Known};
 use outline::{OutlineSettings, outline, si};
 pub use show::mechanism_settings;
 use tendon::TendonSettings;
@@ -80,20 +81,8 @@ pub struct MechanismSettings {
 }
 
 /// A rigid body with its own frame.
-#[derive(JsonSchema)]
-pub struct LinkSettings {
-    #[serde(flatten)]
-    pub keys: LinkKeys,
-    pub guess: GuessSettings,
-    pub start: StartSettings,
-    /// Outlines in the frame of the body, one section per name: [bodies.link.outlines.face].
-    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
-    pub outlines: BTreeMap<String, OutlineSettings>,
-}
-
-/// Keys of a body.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct LinkKeys {
+pub struct LinkSettings {
     /// Mass. Required, or `density`.
     #[schemars(extend("x-alternative" = "density",
         "x-required" = "add the mass: mass = \"9 g\"; or density and depth of the outlines"))]
@@ -110,6 +99,16 @@ pub struct LinkKeys {
     pub density: Option<Positive<Density>>,
     /// Depth of the outlines. Required with `density`.
     pub depth: Option<Positive<Length>>,
+    #[schemars(with = "GuessSettings")]
+    pub guess: Subsection,
+    #[schemars(with = "StartSettings")]
+    pub start: Subsection,
+    /// Outlines in the frame of the body, one section per name: [bodies.link.outlines.face].
+    #[schemars(
+        with = "BTreeMap<String, OutlineSettings>",
+        extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" })
+    )]
+    pub outlines: Subsection,
 }
 
 /// Rough pose of a body with joints: it selects how the loops are assembled.
@@ -179,7 +178,7 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mech
     };
     let (body_partners, joint_partners) = (bodies.partners(), joints.partners());
     let images = Mirror { body: &body_partners, joint: &joint_partners };
-    let joint_bodies = joints.resolve(|_, _, section| two_bodies(section, &known.bodies, "a joint"));
+    let joint_bodies = joints.resolve(|_, _, section| joint_bodies(section, &known.bodies));
     let is_jointed = |body: usize| joint_bodies.iter().flatten().flatten().any(|other| *other == Some(body));
     // A joint that names no body may concern any of them.
     let all_known = joints.written().all(|(index, ..)| joint_bodies[index].is_some());
@@ -276,7 +275,7 @@ fn check_name(section: &SectionInput<'_>, key: &str, name: &str) {
 
 /// Resolves a body; `is_jointed` is `None` if it is unknown.
 fn body(name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Option<Body> {
-    let keys: LinkKeys = section.read();
+    let keys: LinkSettings = section.read();
     let (guess, start) = (section.subsection("guess"), section.subsection("start"));
     let outlines = outlines(&section.subsection("outlines"));
     match is_jointed {
@@ -288,12 +287,8 @@ fn body(name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Opt
         }
         Some(false) if guess.is_present() => {
             let message = format!("`{}` is for bodies with joints, but `{name}` has none", guess.path(""));
-            guess.report(
-                "",
-                message,
-                "for bodies with joints",
-                "rename it to `start`, which may also have a velocity and a spin",
-            );
+            let help = "rename it to `start`, which may also have a velocity and a spin";
+            guess.report("", message, "for bodies with joints", help);
         }
         _ => {}
     }
@@ -311,12 +306,12 @@ fn body(name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Opt
 }
 
 /// Mass, moment of inertia and centre of mass of a body.
-fn inertia(section: &SectionInput<'_>, keys: &LinkKeys, outlines: &[Outline]) -> Option<(f64, f64, [f64; 2])> {
+fn inertia(section: &SectionInput<'_>, keys: &LinkSettings, outlines: &[Outline]) -> Option<(f64, f64, [f64; 2])> {
     let Some(density) = keys.density else {
-        section.report_unused("depth", "without `density`");
+        section.report_unused(["depth"], "without `density`");
         return Some((*keys.mass?, *keys.inertia?, si(keys.com)));
     };
-    ["mass", "inertia", "com"].iter().for_each(|key| section.report_unused(key, "with `density`"));
+    section.report_unused(["mass", "inertia", "com"], "with `density`");
     let areas: Option<Vec<PlaneArea>> = outlines.iter().map(|outline| outline.shape.area()).collect();
     let Some(areas) = areas.filter(|areas| !areas.is_empty()) else {
         let message = format!("`{}` needs outlines with an area", section.path("density"));

@@ -1,6 +1,5 @@
 //! Names by which the sections of a mechanism refer to each other, and checks that they share.
 
-use serde::Deserialize;
 use std::ops::Range;
 
 use crate::law::ContactLaw;
@@ -63,13 +62,12 @@ pub(super) struct NamedLaw {
 }
 
 /// Finds the two bodies of a joint or a spring.
-pub(super) fn two_bodies(input: &SectionInput<'_>, names: &[&str], what: &str) -> Option<[Option<usize>; 2]> {
-    #[derive(Deserialize)]
-    struct Names {
-        bodies: Option<[String; 2]>,
-    }
-    let Names { bodies } = input.read_quietly();
-    let bodies = bodies?;
+pub(super) fn two_bodies(
+    input: &SectionInput<'_>,
+    bodies: [String; 2],
+    names: &[&str],
+    what: &str,
+) -> Option<[Option<usize>; 2]> {
     let known: Vec<&str> = [GROUND].into_iter().chain(names.iter().copied()).collect();
     let found: Vec<Option<usize>> = bodies
         .iter()

@@ -107,7 +107,7 @@ pub(crate) fn outline(name: &str, section: &SectionInput<'_>) -> Option<Outline>
             check_convex(section, &vertices_m)?;
             match radius {
                 Some(radius_m) => {
-                    section.report_unused("rounding", "with `radius`");
+                    section.report_unused(["rounding"], "with `radius`");
                     OutlineShape::Polygon { vertices_m, radius_m }
                 }
                 None => rounded(section, &vertices_m, *settings.rounding?)?,

@@ -11,24 +11,13 @@ use crate::mechanism::{JointKind, Mechanism, PathElement, Pose, Tendon};
 use crate::scene::quantity::{
     Force, Length, LinearDamping, LinearStiffness, NotNegative, Positive, Quantity, keyword_enum,
 };
-use crate::scene::section_input::SectionInput;
+use crate::scene::section_input::{SectionInput, Subsection};
 use crate::scene::sections::{list, table};
 
 /// A massless cable without friction, with one tension along its whole length: the force of its spring and damper, which
 /// cannot push, and the tension of an actuator.
-#[derive(JsonSchema)]
-pub struct TendonSettings {
-    #[serde(flatten)]
-    pub keys: TendonKeys,
-    /// Eyelets and pulleys in the order of the cable; the first and the last are eyelets. Required without `spools`.
-    pub path: Vec<PathEntry>,
-    /// Spools that wind up the cable.
-    pub spools: Vec<SpoolEntry>,
-}
-
-/// Keys of a tendon.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-pub struct TendonKeys {
+pub struct TendonSettings {
     /// Stiffness of the cable. Default: none; the cable is then pulled by an actuator only.
     pub stiffness: Option<Positive<LinearStiffness>>,
     /// Damping of the cable. Default: none.
@@ -37,6 +26,12 @@ pub struct TendonKeys {
     pub pretension: Option<NotNegative<Force>>,
     /// Free length of the cable with its terms of spools, in place of `pretension`.
     pub rest: Option<Quantity<Length>>,
+    /// Eyelets and pulleys in the order of the cable; the first and the last are eyelets. Required without `spools`.
+    #[schemars(with = "Vec<PathEntry>")]
+    pub path: Subsection,
+    /// Spools that wind up the cable.
+    #[schemars(with = "Vec<SpoolEntry>")]
+    pub spools: Subsection,
 }
 
 keyword_enum! {
@@ -88,14 +83,14 @@ pub struct SpoolEntry {
 
 /// Resolves a tendon without its actuator and its free length; `None` if a part is invalid.
 pub(super) fn tendon(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Tendon> {
-    let TendonKeys { stiffness, damping, .. } = section.read();
+    let TendonSettings { stiffness, damping, .. } = section.read();
     let elements: Vec<_> = section.list("path").iter().map(|entry| element(entry, &known.bodies)).collect();
     let spools: Vec<_> = section.list("spools").iter().map(|entry| spool(entry, known)).collect();
     if stiffness.is_none() {
-        ["damping", "pretension", "rest"].iter().for_each(|key| section.report_unused(key, "without `stiffness`"));
+        section.report_unused(["damping", "pretension", "rest"], "without `stiffness`");
     }
     if section.has("rest") {
-        section.report_unused("pretension", "with `rest`");
+        section.report_unused(["pretension"], "with `rest`");
     }
     let (path, joints): (Vec<PathElement>, Vec<(usize, f64)>) =
         (elements.into_iter().collect::<Option<_>>()?, spools.into_iter().collect::<Option<_>>()?);
@@ -132,18 +127,16 @@ fn element(entry: &SectionInput<'_>, bodies: &[&str]) -> Option<PathElement> {
     let known: Vec<&str> = [GROUND].into_iter().chain(bodies.iter().copied()).collect();
     let key = if pulley.is_some() { "pulley" } else { "eyelet" };
     if pulley.is_some() {
-        entry.report_unused("eyelet", "with `pulley`");
+        entry.report_unused(["eyelet"], "with `pulley`");
         if radius.is_none() {
             entry.report_missing("radius", "add the radius of the pulley: radius = \"4 mm\"");
         }
         if turn.is_none() {
-            entry.report_missing(
-                "turn",
-                "add the direction in which the cable passes the pulley: turn = \"cw\" or \"ccw\"",
-            );
+            let help = "add the direction in which the cable passes the pulley: turn = \"cw\" or \"ccw\"";
+            entry.report_missing("turn", help);
         }
     } else {
-        ["radius", "turn"].iter().for_each(|key| entry.report_unused(key, "without `pulley`"));
+        entry.report_unused(["radius", "turn"], "without `pulley`");
     }
     let (radius_m, side) = if pulley.is_some() { (*radius?, turn?.sign()) } else { (0.0, 1.0) };
     let body = find(entry, key, &pulley.or(eyelet)?, "body", &known)?.checked_sub(1);
@@ -184,7 +177,7 @@ pub(super) fn tension(mechanism: &mut Mechanism, entries: &Entries<'_>, poses: &
             );
             section.report("", message, "without tension", help);
         }
-        let TendonKeys { pretension, rest, .. } = section.read_quietly();
+        let TendonSettings { pretension, rest, .. } = section.quietly(SectionInput::read);
         let tendon = &mut mechanism.tendons[index];
         let stretch_m = pretension.map_or(0.0, |force| *force / tendon.stiffness_n_per_m.max(f64::MIN_POSITIVE));
         tendon.rest_m = rest.map_or(length_m - stretch_m, |rest| *rest);
