@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::Range;
 
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeString, DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
 use super::SceneError;
 use super::check::NO_EFFECT;
-use super::error::{Problem, entry, entry_at, locate_problems, shortened};
+use super::error::{Problem, entry_at, locate_problems, shortened};
 use super::keys::{join, pair_element};
 use super::parse::{parse_any, syntax_problem};
 use super::precedence::merge;
@@ -65,7 +65,7 @@ pub fn parse_layers<T>(
         let is_new =
             |problem: &&Problem| base_problems.iter().all(|other| other.message != shortened(&problem.message));
         let without_effect = error.problems().iter().filter(|problem| problem.label == NO_EFFECT).filter(is_new);
-        let places = merged.places(without_effect.map(|problem| problem.span.clone()), &layers).into_iter().flatten();
+        let places = merged.places(without_effect.map(|problem| problem.span.clone())).into_iter().flatten();
         let inherited: Vec<String> =
             places.filter(|place| place.layer < base_layers.len()).map(|place| place.path.join(".")).collect();
         if inherited.iter().filter(|path| remove(&mut merged.texts, path)).count() == 0 {
@@ -75,10 +75,10 @@ pub fn parse_layers<T>(
     parse(&merged.text(), &scene_file.file).map_err(|error| merged.assign_to_layers(error, &layers))
 }
 
-/// The merged texts of all values, and those of each layer.
-struct Merged {
+/// The merged texts of all values, and the layers as written.
+struct Merged<'t> {
     texts: Table,
-    layers: Vec<Table>,
+    layers: Vec<DeTable<'t>>,
 }
 
 /// A position in a layer, and the path of the key there.
@@ -88,9 +88,9 @@ struct Place {
     path: Vec<String>,
 }
 
-impl Merged {
+impl<'t> Merged<'t> {
     /// Merges the layers; those up to `file_count` are files, and the others settings, which form one text.
-    fn new(layers: &[&Layer], file_count: usize) -> Result<Self, SceneError> {
+    fn new(layers: &[&'t Layer], file_count: usize) -> Result<Self, SceneError> {
         let (mut merged, mut set) = (Merged { texts: Table::new(), layers: Vec::new() }, Table::new());
         for (index, layer) in layers.iter().enumerate() {
             let document = DeTable::parse(&layer.text).map_err(|error| SceneError::Invalid {
@@ -100,25 +100,27 @@ impl Merged {
             })?;
             let mut texts = texts(document.get_ref(), &layer.text);
             if index >= file_count {
-                merge(&mut set, texts.clone(), false, Value::as_table_mut);
+                merge(&mut set, texts, false, Value::as_table_mut);
             } else {
                 texts.remove(EXTENDS);
                 if index > 0 {
                     NOT_INHERITED.into_iter().for_each(|key| _ = merged.texts.remove(key));
                 }
-                merge(&mut merged.texts, texts.clone(), true, Value::as_table_mut);
+                merge(&mut merged.texts, texts, true, Value::as_table_mut);
             }
-            merged.layers.push(texts);
+            merged.layers.push(document.into_inner());
         }
         merge(&mut merged.texts, set, true, Value::as_table_mut);
         Ok(merged)
     }
 
     /// The layer from which a value comes, the last one that has it; of a table, the first one of its values.
-    fn origin(&self, path: &str) -> Option<usize> {
-        match find(&self.texts, path)? {
-            Value::Table(inner) => inner.keys().filter_map(|key| self.origin(&format!("{path}.{key}"))).min(),
-            _ => self.layers.iter().rposition(|layer| find(layer, path).is_some_and(|value| !value.is_table())),
+    fn origin(&self, path: &[String]) -> Option<usize> {
+        match find(&self.texts, &path.join("."))? {
+            Value::Table(inner) => {
+                inner.keys().filter_map(|key| self.origin(&[path, std::slice::from_ref(key)].concat())).min()
+            }
+            _ => self.layers.iter().rposition(|layer| entry(layer, path).is_some_and(|(_, value)| !is_table(value))),
         }
     }
 
@@ -128,33 +130,30 @@ impl Merged {
         text
     }
 
-    /// Returns the original places of positions in the merged text. All texts are parsed once.
-    fn places(&self, spans: impl Iterator<Item = Option<Range<usize>>>, layers: &[&Layer]) -> Vec<Option<Place>> {
-        fn parse(text: &str) -> DeTable<'_> {
-            DeTable::parse(text).map_or_else(|_| DeTable::default(), Spanned::into_inner)
-        }
+    /// Returns the original places of positions in the merged text.
+    fn places(&self, spans: impl Iterator<Item = Option<Range<usize>>>) -> Vec<Option<Place>> {
         let text = self.text();
-        let (merged, layers) = (parse(&text), layers.iter().map(|layer| parse(&layer.text)).collect::<Vec<_>>());
-        spans.map(|span| self.place(&span?, &merged, &layers)).collect()
+        let merged = DeTable::parse(&text).map_or_else(|_| DeTable::default(), Spanned::into_inner);
+        spans.map(|span| self.place(&span?, &merged)).collect()
     }
 
-    fn place(&self, span: &Range<usize>, merged: &DeTable<'_>, layers: &[DeTable<'_>]) -> Option<Place> {
+    fn place(&self, span: &Range<usize>, merged: &DeTable<'_>) -> Option<Place> {
         let (path, merged_key, merged_value) = entry_at(merged, span.start)?;
-        let joined = path.join(".");
         // The position of a list of tables is that of its first header.
-        let is_table = !find(&self.texts, &joined)?.is_str();
+        let is_section = !find(&self.texts, &path.join("."))?.is_str();
         // An empty table has no origin. It may have replaced a value of an earlier layer.
-        let last_with_path = || self.layers.iter().rposition(|layer| find(layer, &joined).is_some());
-        let layer = self.origin(&joined).or_else(last_with_path)?;
-        let (key, value) = entry(&layers[layer], &path)?;
+        let last_with_path = || self.layers.iter().rposition(|layer| entry(layer, &path).is_some());
+        let layer = self.origin(&path).or_else(last_with_path)?;
+        let (key, value) = entry(&self.layers[layer], &path)?;
         // Values are verbatim: their parts have the same positions.
-        let within = |start: usize, from: &Range<usize>| start + span.start - from.start;
-        let span = match is_table || merged_key.contains(&span.start) {
-            true if !is_table && span.len() < merged_key.len() => {
-                within(key.start, &merged_key)..within(key.start, &merged_key) + span.len()
-            }
-            true => key,
-            false => within(value.start, &merged_value)..within(value.start, &merged_value) + span.len(),
+        let within = |original: Range<usize>, merged: &Range<usize>| {
+            let start = original.start + span.start - merged.start;
+            start..start + span.len()
+        };
+        let span = match is_section || merged_key.contains(&span.start) {
+            true if !is_section && span.len() < merged_key.len() => within(key.span(), &merged_key),
+            true => key.span(),
+            false => within(value.span(), &merged_value),
         };
         Some(Place { layer, span, path })
     }
@@ -165,7 +164,7 @@ impl Merged {
         // Problems without a position are assigned to the scene's own file.
         let default_layer = layers.iter().rposition(|layer| layer.file == file).unwrap_or(0);
         let mut problems_by_layer: BTreeMap<usize, Vec<Problem>> = BTreeMap::new();
-        let places = self.places(problems.iter().map(|problem| problem.span.clone()), layers);
+        let places = self.places(problems.iter().map(|problem| problem.span.clone()));
         for (mut problem, place) in problems.into_iter().zip(places) {
             let layer = place.as_ref().map_or(default_layer, |place| place.layer);
             problem.span = place.map(|place| place.span);
@@ -219,9 +218,22 @@ pub fn setting_from_parts(origin: &str, field: &str, value: &str) -> Result<Laye
     Ok(Layer { file: origin.to_string(), text: format!("{field} = {value}") })
 }
 
+fn is_table(value: &Spanned<DeValue<'_>>) -> bool {
+    value.get_ref().is_table()
+}
+
+/// Returns the key and the value at a path.
+fn entry<'a, 't>(
+    table: &'a DeTable<'t>,
+    path: &[String],
+) -> Option<(&'a Spanned<DeString<'t>>, &'a Spanned<DeValue<'t>>)> {
+    let (first, rest) = path.split_first()?;
+    let (key, value) = table.get_key_value(first.as_str())?;
+    if rest.is_empty() { Some((key, value)) } else { entry(value.get_ref().as_table()?, rest) }
+}
+
 /// The texts of all values as written, by section.
 pub fn texts(table: &DeTable<'_>, source: &str) -> Table {
-    let is_table = |item: &Spanned<DeValue<'_>>| item.get_ref().is_table();
     let text = |value: &Spanned<DeValue<'_>>| match value.get_ref() {
         DeValue::Table(inner) => Value::Table(texts(inner, source)),
         DeValue::Array(items) if !items.is_empty() && items.iter().all(is_table) => {
@@ -243,7 +255,7 @@ fn inline(value: &Spanned<DeValue<'_>>, source: &str) -> String {
                 table.iter().map(|(key, value)| format!("{} = {}", key_text(key.get_ref()), inline(value, source)));
             list(pairs.collect(), ["{", "}"])
         }
-        DeValue::Array(items) if items.iter().any(|item| matches!(item.get_ref(), DeValue::Table(_))) => {
+        DeValue::Array(items) if items.iter().any(is_table) => {
             list(items.iter().map(|item| inline(item, source)).collect(), ["[", "]"])
         }
         _ => source[value.span()].to_string(),

@@ -231,17 +231,6 @@ pub(crate) fn entry_at(table: &DeTable<'_>, offset: usize) -> Option<(Vec<String
     })
 }
 
-/// Returns the positions of the key and the value at a path.
-pub fn entry(table: &DeTable<'_>, path: &[String]) -> Option<(Range<usize>, Range<usize>)> {
-    let (first, rest) = path.split_first()?;
-    let (key, value) = table.get_key_value(first.as_str())?;
-    match (rest, value.get_ref()) {
-        ([], _) => Some((key.span(), value.span())),
-        (_, DeValue::Table(inner)) => entry(inner, rest),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -15,42 +15,33 @@ pub struct KeySchemas<'a> {
     pub schema: &'a Value,
     /// The other kinds with their schemas. Built only for a key that this kind does not have: each schema takes as long
     /// as a scene.
-    pub other_kinds: &'a dyn Fn() -> Vec<KindSchema<'a>>,
+    pub other_kinds: &'a dyn Fn() -> Vec<(&'a str, &'a Value)>,
 }
-
-/// Another kind of scene, and the schema of the same table in it.
-pub(crate) type KindSchema<'a> = (&'a str, &'a Value);
 
 /// Removes and reports every unknown key, every table in place of a value, and every value in place of a table.
 pub fn remove_unknown(document: &mut DeTable<'_>, schemas: &KeySchemas) -> Vec<Problem> {
     let mut problems = Vec::new();
-    walk(document, schemas.schema, schemas.other_kinds, schemas, "", &mut problems);
+    walk(document, schemas.schema, schemas, &[], &mut problems);
     problems
 }
 
-/// Checks one table; `other_kinds` returns the schemas of this table in the other kinds of scene.
-fn walk<'a>(
-    table: &mut DeTable<'_>,
-    schema: &Value,
-    other_kinds: &dyn Fn() -> Vec<KindSchema<'a>>,
-    schemas: &KeySchemas<'a>,
-    path: &str,
-    problems: &mut Vec<Problem>,
-) {
+/// Checks the table at a path.
+fn walk(table: &mut DeTable<'_>, schema: &Value, schemas: &KeySchemas, path: &[&str], problems: &mut Vec<Problem>) {
     for (key, mut value) in std::mem::take(table) {
         // The number of problems is limited: the search for similar keys takes time for each.
         if problems.len() >= MAX_PROBLEMS {
             return;
         }
         let name = key.get_ref().as_ref();
-        let key_path = join(path, name);
-        let other_kinds = || -> Vec<KindSchema<'a>> {
-            other_kinds().into_iter().filter_map(|(kind, table)| Some((kind, child_schema(table, name)?))).collect()
-        };
+        let names = [path, &[name]].concat();
+        let key_path = names.join(".");
         let Some(property) = child_schema(schema, name) else {
-            problems.push(match other_kinds().first() {
-                Some((other, _)) => other_kind_problem(name, path, key.span(), schemas.kind, other),
-                None => unknown_key(name, path, key.span(), schema, schemas.schema),
+            let has_key = |(_, other): &(&str, &Value)| {
+                names.iter().try_fold(*other, |at, name| child_schema(at, name)).is_some()
+            };
+            problems.push(match (schemas.other_kinds)().into_iter().find(has_key) {
+                Some((other, _)) => other_kind_problem(&key_path, key.span(), schemas.kind, other),
+                None => unknown_key(name, &path.join("."), key.span(), schema, schemas.schema),
             });
             continue;
         };
@@ -58,13 +49,13 @@ fn walk<'a>(
         let items = property.get("items").filter(|items| is_table(items));
         let problem = match (value.get_mut(), is_table(property), items) {
             (DeValue::Table(inner), true, _) => {
-                walk(inner, property, &other_kinds, schemas, &key_path, problems);
+                walk(inner, property, schemas, &names, problems);
                 None
             }
             (DeValue::Array(tables), false, Some(items)) => {
                 for inner in tables.iter_mut() {
                     if let DeValue::Table(inner) = inner.get_mut() {
-                        walk(inner, items, &Vec::new, schemas, &key_path, problems);
+                        walk(inner, items, schemas, &names, problems);
                     }
                 }
                 None
@@ -93,8 +84,7 @@ fn walk<'a>(
 }
 
 /// Problem for a key that only scenes of another kind have.
-fn other_kind_problem(name: &str, path: &str, span: Range<usize>, kind: &str, other_kind: &str) -> Problem {
-    let path = join(path, name);
+fn other_kind_problem(path: &str, span: Range<usize>, kind: &str, other_kind: &str) -> Problem {
     let message = format!("`{path}` belongs to scenes of kind \"{other_kind}\", but this one is of kind \"{kind}\"");
     let help = format!("remove it, or write kind = \"{other_kind}\" at the top of the file");
     Problem::new(Some(span), message, "for another kind of scene", help)

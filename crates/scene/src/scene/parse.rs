@@ -226,23 +226,18 @@ fn hand(
 
     let is_fixed = resolved_object.iter().flatten().any(|object| object.motion == ObjectMotion::Fixed);
     let palm_motion = motion::palm_motion(root, is_fixed);
-    let [palm_law, table_law] = match input.sides().len() {
-        // The object is fixed, so nothing can reach the palm.
-        1 => [None; 2],
-        _ => {
-            let common = CommonLaw::read(root.subsection("contact"), curvature_m);
-            let mut laws = [None; 2];
-            for (index, (plane, level)) in ["palm", "table"].into_iter().zip(levels).enumerate() {
-                match level {
-                    Some(_) => laws[index] = Some(common.law_of(plane)?),
-                    None => common.report_unused(plane),
-                }
+    let mut planes = levels.map(|level| level.map(|level_m| HalfPlane { level_m, contact: None }));
+    // The object of one finger is fixed, so nothing can reach the palm.
+    if input.sides().len() > 1 {
+        let common = CommonLaw::read(root.subsection("contact"), curvature_m);
+        for (plane, name) in planes.iter_mut().zip(["palm", "table"]) {
+            match plane {
+                Some(plane) => plane.contact = Some(common.law_of(name)?),
+                None => common.report_unused(name),
             }
-            laws
         }
-    };
-    let [palm, table] = [(levels[0], palm_law), (levels[1], table_law)]
-        .map(|(level, contact)| level.map(|level_m| HalfPlane { level_m, contact }));
+    }
+    let [palm, table] = planes;
     Some(Hand {
         fingers: fingers.into_iter().collect::<Option<_>>()?,
         palm_width_m: palm_width_m?,

@@ -17,7 +17,7 @@ pub struct Section {
     contents: OnceLock<Contents>,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Contents {
     keys: Vec<Key>,
     subsections: Vec<(&'static str, Section)>,
@@ -54,17 +54,18 @@ impl Section {
         self.contents.get_or_init(|| {
             let mut all: Vec<_> = self.schema["properties"].as_object().into_iter().flatten().collect();
             all.sort_by_cached_key(|(_, property)| property["x-order"].as_u64());
-            let (sections, others): (Vec<_>, Vec<_>) = all.into_iter().partition(|(_, property)| is_table(property));
-            let (lists, keys): (Vec<_>, Vec<_>) = others.into_iter().partition(|(_, property)| has_tables(property));
-            Contents {
-                keys: keys.into_iter().map(|(name, property)| Key::new(name, property)).collect(),
-                subsections: sections
-                    .into_iter()
-                    .map(|(name, section)| (name.as_str(), Section::new(section)))
-                    .collect(),
-                lists: lists.into_iter().map(|(name, list)| (name.as_str(), Section::new(&list["items"]))).collect(),
-                named: named_tables_schema(self.schema).map(|each| Box::new(Section::new(each))),
+            let named = named_tables_schema(self.schema).map(|each| Box::new(Section::new(each)));
+            let mut contents = Contents { named, ..Contents::default() };
+            for (name, property) in all {
+                if is_table(property) {
+                    contents.subsections.push((name, Section::new(property)));
+                } else if has_tables(property) {
+                    contents.lists.push((name, Section::new(&property["items"])));
+                } else {
+                    contents.keys.push(Key::new(name, property));
+                }
             }
+            contents
         })
     }
 

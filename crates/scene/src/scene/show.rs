@@ -1,7 +1,7 @@
 //! Formats a scene as a complete scene file, as simulated or as written. It parses back to the same scene bit for bit,
 //! except for `source`.
 
-use serde::Serialize;
+use serde_json::{Value as Json, json};
 use toml::de::DeTable;
 use toml::{Table, Value};
 
@@ -11,7 +11,7 @@ use super::keys::{join, pair_element};
 use super::keywords::SceneKind;
 use super::schema::top_level;
 use super::section::{Key, Section};
-use super::sections::{bodies, drive, law, list, mechanism, motion, table};
+use super::sections::{bodies, drive, extend, law, mechanism, motion};
 use super::value::ValueType;
 use super::{Bounds, Differential, Hand, HandFinger, Keyword, Scene, parse_any};
 use crate::gripper::{Body, Lengths};
@@ -38,115 +38,120 @@ fn resolved(scene: &Scene) -> Table {
     let hand = &scene.hand;
     // A program may have shortened the run.
     let validate = Bounds { until_s: scene.bounds.until_s.min(scene.duration_s), ..scene.bounds };
-    let gravity: Vec<f64> = scene.mechanism.as_ref().map_or(hand.gravity_m_s2, |of| of.gravity_m_s2).into();
-    let mut file = table([
-        ("name", scene.name.as_str().into()),
-        ("kind", scene.kind.keyword().into()),
-        ("duration", scene.duration_s.into()),
-        ("gravity", gravity.into()),
-        ("palm", hand.palm.is_some().into()),
-        ("palm_width", hand.palm_width_m.into()),
-        ("integrator", serialized(&scene.integrator)),
-        ("engine", serialized(&scene.engine)),
-        ("validate", serialized(&validate)),
-        ("criteria", serialized(&scene.thresholds)),
-        ("log", serialized(&scene.log)),
-    ]);
-    if !scene.description.is_empty() {
-        file.insert("description".into(), scene.description.as_str().into());
+    let mut file = json!({
+        "name": scene.name,
+        "description": Some(&scene.description).filter(|text| !text.is_empty()),
+        "kind": scene.kind,
+        "duration": scene.duration_s,
+        "gravity": scene.mechanism.as_ref().map_or(hand.gravity_m_s2, |of| of.gravity_m_s2),
+        "palm": hand.palm.is_some(),
+        "palm_width": hand.palm_width_m,
+        "integrator": scene.integrator,
+        "engine": scene.engine,
+        "validate": validate,
+        "criteria": scene.thresholds,
+        "log": scene.log,
+    });
+    match (&scene.mechanism, scene.kind) {
+        (Some(mechanism), SceneKind::Bodies) => extend(&mut file, bodies::discs_settings(mechanism)),
+        (Some(mechanism), _) => extend(&mut file, mechanism::mechanism_settings(mechanism)),
+        (None, _) => add_hand(&mut file, hand),
     }
-    if let Some(mechanism) = &scene.mechanism {
-        file.extend(match scene.kind {
-            SceneKind::Bodies => bodies::discs_settings(mechanism),
-            _ => mechanism::mechanism_settings(mechanism),
-        });
-        return file;
-    }
-    match &hand.fingers[..] {
-        [] => {}
-        [first, others @ ..] => {
-            file.insert("object".into(), bodies::object_settings(hand.object.as_ref()).into());
-            let has_motor = hand.differential.is_none();
-            if others.iter().all(|finger| finger == first) {
-                file.extend(finger(first, has_motor));
-            } else {
-                for (side, driven) in hand.fingers_by_side() {
-                    file.insert(side.name().into(), finger(driven, has_motor).into());
-                }
-            }
-            if !others.is_empty() {
-                add_gripper(&mut file, hand);
-            }
+    let file = to_toml(file).and_then(|file| file.try_into().ok());
+    file.unwrap_or_default()
+}
+
+/// Converts settings to TOML. Values that are missing or not finite, which are null, are omitted.
+fn to_toml(settings: Json) -> Option<Value> {
+    Some(match settings {
+        Json::Null => return None,
+        Json::Bool(flag) => flag.into(),
+        Json::Number(number) => number.as_i64().map(Value::from).or(number.as_f64().map(Value::from))?,
+        Json::String(text) => text.into(),
+        Json::Array(items) => items.into_iter().map(to_toml).collect::<Option<Vec<_>>>()?.into(),
+        Json::Object(settings) => {
+            let settings = settings.into_iter().filter_map(|(key, value)| Some((key, to_toml(value)?)));
+            settings.collect::<Table>().into()
+        }
+    })
+}
+
+/// Adds fingers, object, table, differential and motion of the palm.
+fn add_hand(file: &mut Json, hand: &Hand) {
+    let Some((first, others)) = hand.fingers.split_first() else { return };
+    file["object"] = bodies::object_settings(hand.object.as_ref());
+    let has_motor = hand.differential.is_none();
+    if others.iter().all(|finger| finger == first) {
+        extend(file, finger(first, has_motor));
+    } else {
+        for (side, driven) in hand.fingers_by_side() {
+            file[side.name()] = finger(driven, has_motor);
         }
     }
-    file.extend(hand.palm_motion.iter().flat_map(motion::palm_motion_settings));
-    file
+    if !others.is_empty() {
+        add_gripper(file, hand);
+    }
+    if let Some(motion) = &hand.palm_motion {
+        extend(file, motion::palm_motion_settings(motion));
+    }
 }
 
-fn serialized(section: &impl Serialize) -> Value {
-    Value::try_from(section).unwrap_or_else(|_| Table::new().into())
-}
-
-fn finger(finger: &HandFinger, has_motor: bool) -> Table {
-    let HandFinger { linkage, contact: laws, initial, .. } = finger;
+fn finger(finger: &HandFinger, has_motor: bool) -> Json {
+    let HandFinger { linkage, contact: laws, initial, motor, .. } = finger;
     let Lengths { l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad, half_width_m } = linkage.lengths;
-    let lengths = [l11_m, l12_m, l21_m, l22_m, t22_m, phi22_rad].map(Value::from);
-    let lengths = ["l11", "l12", "l21", "l22", "t22", "phi22"].map(String::from).into_iter().zip(lengths);
-    let bodies = [
-        ("l11", linkage.bodies.l11),
-        ("l12", linkage.bodies.l12),
-        ("l21", linkage.bodies.l21),
-        ("l22", linkage.bodies.l22),
-    ];
-    let bodies = bodies.map(|(name, Body { mass_kg, com_m, inertia_kg_m2 })| {
-        (name, table([("mass", mass_kg.into()), ("com", list(com_m)), ("inertia", inertia_kg_m2.into())]).into())
-    });
-    let start = [
-        ("q11", initial.q11_rad.into()),
-        ("q21", initial.q21_rad.into()),
-        ("qd11", initial.qd11_rad_s.into()),
-        ("qd21", initial.qd21_rad_s.into()),
-    ];
+    let body = |body: Body| json!({ "mass": body.mass_kg, "com": body.com_m, "inertia": body.inertia_kg_m2 });
     let mut contact = law::contact_settings(&laws.proximal);
     if laws.distal != laws.proximal {
-        contact.insert("distal".into(), law::contact_settings(&laws.distal).into());
+        contact["distal"] = law::contact_settings(&laws.distal);
     }
-    let mut sections = table([
-        ("half_width", half_width_m.into()),
-        ("assembly", linkage.assembly.keyword().into()),
-        ("lengths", Table::from_iter(lengths).into()),
-        ("bodies", table(bodies).into()),
-        ("spring", drive::spring_settings(finger.spring).into()),
-        ("limit", law::limit_settings(finger.limit).into()),
-        ("contact", contact.into()),
-        ("initial", table(start).into()),
-    ]);
-    if has_motor {
-        sections.insert("motor".into(), drive::motor_settings(&finger.motor, finger.motor.inertia_kg_m2).into());
-    }
-    sections
+    json!({
+        "half_width": half_width_m,
+        "assembly": linkage.assembly.keyword(),
+        "lengths": { "l11": l11_m, "l12": l12_m, "l21": l21_m, "l22": l22_m, "t22": t22_m, "phi22": phi22_rad },
+        "bodies": {
+            "l11": body(linkage.bodies.l11),
+            "l12": body(linkage.bodies.l12),
+            "l21": body(linkage.bodies.l21),
+            "l22": body(linkage.bodies.l22),
+        },
+        "motor": has_motor.then(|| drive::motor_settings(motor, motor.inertia_kg_m2)),
+        "spring": drive::spring_settings(finger.spring),
+        "limit": law::limit_settings(finger.limit),
+        "contact": contact,
+        "initial": {
+            "q11": initial.q11_rad,
+            "q21": initial.q21_rad,
+            "qd11": initial.qd11_rad_s,
+            "qd21": initial.qd21_rad_s,
+        },
+    })
 }
 
 /// Adds table, differential, and the contacts with palm and table of a gripper.
-fn add_gripper(file: &mut Table, hand: &Hand) {
-    let level_m = hand.table.map_or(f64::NAN, |table| table.level_m);
-    let mut differential = table([("present", hand.differential.is_some().into())]);
-    if let Some(Differential { motor, seesaw_inertia_kg_m2 }) = &hand.differential {
-        let [input, seesaw] = [motor.inertia_kg_m2, *seesaw_inertia_kg_m2].map(Value::from);
-        differential.extend(table([("input_inertia", input), ("seesaw_inertia", seesaw)]));
-        file.insert("motor".into(), drive::motor_settings(motor, 0.0).into());
-    }
-    file.insert("differential".into(), differential.into());
-    let present = hand.table.is_some().into();
-    file.insert("table".into(), table([("present", present), ("level", level_m.into())]).into());
+fn add_gripper(file: &mut Json, hand: &Hand) {
+    file["differential"] = match &hand.differential {
+        None => json!({ "present": false }),
+        Some(Differential { motor, seesaw_inertia_kg_m2 }) => {
+            file["motor"] = drive::motor_settings(motor, 0.0);
+            json!({
+                "present": true,
+                "input_inertia": motor.inertia_kg_m2,
+                "seesaw_inertia": seesaw_inertia_kg_m2,
+            })
+        }
+    };
+    file["table"] = json!({ "present": hand.table.is_some(), "level": hand.table.map(|table| table.level_m) });
     // Fingers that differ would inherit the keys of a common friction law.
     let first = hand.fingers[0].contact.proximal;
-    let common = if file.contains_key("contact") { first } else { ContactLaw { friction: None, ..first } };
-    let laws = file.entry("contact").or_insert_with(|| law::contact_settings(&common).into());
+    let has_common = file.get("contact").is_some();
+    let common = if has_common { first } else { ContactLaw { friction: None, ..first } };
+    if !has_common {
+        file["contact"] = law::contact_settings(&common);
+    }
     for (key, plane) in [("palm", hand.palm), ("table", hand.table)] {
-        let law = plane.and_then(|plane| plane.contact).filter(|law| *law != common);
-        let law = law.map(|law| (key.to_string(), Value::from(law::contact_settings(&law))));
-        laws.as_table_mut().into_iter().for_each(|laws| laws.extend(law.clone()));
+        if let Some(law) = plane.and_then(|plane| plane.contact).filter(|law| *law != common) {
+            file["contact"][key] = law::contact_settings(&law);
+        }
     }
 }
 
@@ -158,10 +163,7 @@ fn to_texts(
     path: &str,
     text: &impl Fn(&Value, &ValueType, &str) -> Option<String>,
 ) -> Table {
-    let is_set = |value: &&Value| {
-        let items = value.as_array().map_or(std::slice::from_ref(*value), Vec::as_slice);
-        !items.is_empty() && items.iter().all(|item| item.as_float().is_none_or(f64::is_finite))
-    };
+    let is_set = |value: &&Value| value.as_array().is_none_or(|items| !items.is_empty());
     let is_linear = values.get("linear").and_then(Value::as_bool).unwrap_or(false);
     let value = |key: &Key| {
         let value = values.get(key.field).filter(is_set).filter(|_| schema.effect(key, values).is_ok())?;

@@ -167,21 +167,9 @@ impl ValueType {
         format!("write x and y: [\"0 {unit}\", \"{y}\"]")
     }
 
-    /// Converts a value of a schema, such as a default, to SI units.
+    /// Converts a value of a schema, such as a default, to SI units. It has the notation of a file.
     pub(crate) fn json_to_si(&self, json: &Json) -> Option<Value> {
-        match (self, json) {
-            (ValueType::Quantity(dimension), _) => units::parse(json.as_str()?, *dimension).ok().map(Value::Float),
-            (ValueType::OneOf(dimensions), _) => {
-                let text = json.as_str()?;
-                dimensions.iter().find_map(|dimension| units::parse(text, *dimension).ok()).map(Value::Float)
-            }
-            (ValueType::Number | ValueType::Percent, _) => json.as_f64().map(Value::Float),
-            (ValueType::List(item, _), Json::Array(items)) => {
-                items.iter().map(|json| item.json_to_si(json)).collect::<Option<_>>().map(Value::Array)
-            }
-            (_, Json::String(text)) => self.restore(text),
-            _ => self.restore(&json.to_string()),
-        }
+        self.read("", &DeValue::parse(&json.to_string()).ok()?).ok()
     }
 
     /// Reads a value in SI units as recorded in a log.
@@ -198,9 +186,8 @@ impl ValueType {
             }
             ValueType::Flag => text.parse().ok().map(Value::Boolean),
             ValueType::Choice(keywords) => keywords.iter().any(|keyword| keyword == text).then(|| text.into()),
-            ValueType::Text => (!text.trim().is_empty()).then(|| text.into()),
-            // No section of a log has lists.
-            ValueType::List(..) => None,
+            // No record has such values.
+            ValueType::Text | ValueType::List(..) => None,
         }
     }
 }

@@ -138,17 +138,8 @@ fn number_length(text: &str) -> usize {
 
 /// Returns the spelling used in the unit table.
 fn canonical(unit: &str) -> String {
-    let mut name = String::with_capacity(unit.len());
-    for c in unit.chars() {
-        match c {
-            '·' | '⋅' | '•' | '×' => name.push('*'),
-            'µ' | 'μ' => name.push('u'),
-            '°' => name.push_str("deg"),
-            '²' => name.push_str("^2"),
-            '³' => name.push_str("^3"),
-            c => name.push(c),
-        }
-    }
+    let name = unit.replace(['·', '⋅', '•', '×'], "*").replace(['µ', 'μ'], "u").replace('°', "deg");
+    let name = name.replace('²', "^2").replace('³', "^3");
     // A space is a product, except next to an operator.
     let mut joined = String::with_capacity(name.len());
     for word in name.split_whitespace() {

@@ -2,21 +2,19 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::Table;
+use serde_json::{Value, json};
 
 use super::finger::{FingerLengths, example_base_m};
 use super::law::{CommonLaw, contact_settings};
 use super::mechanism::outline::{OutlineSettings, outline};
-use super::{FINGER, FINGERS, GRIPPER, SceneSettings, list, table};
+use super::{FINGER, FINGERS, GRIPPER, SceneSettings, extend};
 use crate::limits::MAX_DISCS;
 use crate::mechanism::{Mechanism, OutlineShape, PrescribedMotion};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::discs::PLANE;
 use crate::scene::keys::is_name;
 use crate::scene::keywords::Motion;
-use crate::scene::quantity::{
-    Acceleration, Angle, AngularRate, Inertia, Keyword, Length, Mass, Positive, Quantity, Speed,
-};
+use crate::scene::quantity::{Acceleration, Angle, AngularRate, Inertia, Length, Mass, Positive, Quantity, Speed};
 use crate::scene::section_input::{SceneInput, SectionInput, Subsection};
 use crate::scene::{Disc, DiscMotion, Discs, Object, ObjectMotion, Problem, Side};
 use crate::shape::{self, PlacedShape, Shape, tangent};
@@ -65,27 +63,30 @@ pub struct ObjectSettings {
 }
 
 /// Settings of a given object.
-pub fn object_settings(object: Option<&Object>) -> Table {
-    let Some(object) = object else { return table([("present", false.into())]) };
+pub fn object_settings(object: Option<&Object>) -> Value {
+    let Some(object) = object else { return json!({ "present": false }) };
     let (Shape::Disc { radius_m }, [offset, height]) = (object.shape, object.centre_m);
-    let mut settings = table([
-        ("present", true.into()),
-        ("radius", radius_m.into()),
-        ("centre", list(object.centre_m)),
-        ("offset", offset.into()),
-        ("height", height.into()),
-        ("angle", object.angle_rad.into()),
-    ]);
-    settings.extend(match object.motion {
-        ObjectMotion::Fixed => table([("motion", Motion::Fixed.keyword().into())]),
-        ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } => table([
-            ("motion", Motion::Free.keyword().into()),
-            ("velocity", list(velocity_m_s)),
-            ("mass", mass_kg.into()),
-            ("inertia", inertia_kg_m2.into()),
-            ("spin", spin_rad_s.into()),
-        ]),
+    let mut settings = json!({
+        "present": true,
+        "motion": Motion::Fixed,
+        "radius": radius_m,
+        "centre": object.centre_m,
+        "offset": offset,
+        "height": height,
+        "angle": object.angle_rad,
     });
+    if let ObjectMotion::Free { mass_kg, inertia_kg_m2, velocity_m_s, spin_rad_s } = object.motion {
+        extend(
+            &mut settings,
+            json!({
+                "motion": Motion::Free,
+                "velocity": velocity_m_s,
+                "mass": mass_kg,
+                "inertia": inertia_kg_m2,
+                "spin": spin_rad_s,
+            }),
+        );
+    }
     settings
 }
 
@@ -123,46 +124,41 @@ pub struct DiscSettings {
 }
 
 /// Settings of discs, of the half plane below them, and of their contact law.
-pub fn discs_settings(mechanism: &Mechanism) -> Table {
-    let (mut discs, mut file) = (Table::new(), Table::new());
+pub fn discs_settings(mechanism: &Mechanism) -> Value {
+    let mut file = json!({ "discs": {} });
     for body in &mechanism.bodies {
         let ([x, y, _], [vx, vy, spin_rad_s]) = (body.pose, body.rate);
-        let radius_m = body.outlines.first().map_or(f64::NAN, |outline| outline.shape.radius_m());
-        let if_rotates = |value: f64| if body.rotates() { value } else { f64::NAN };
-        let mut disc = table([
-            ("radius", radius_m.into()),
-            ("centre", list([x, y])),
-            ("velocity", list([vx, vy])),
-            ("spin", if_rotates(spin_rad_s).into()),
-        ]);
-        disc.extend(match body.motion {
-            Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 }) => {
-                table([("motion", Motion::Driven.keyword().into()), ("acceleration", list(acceleration_m_s2))])
-            }
-            _ => table([
-                ("motion", Motion::Free.keyword().into()),
-                ("mass", body.mass_kg.into()),
-                ("rotates", body.rotates().into()),
-                ("inertia", if_rotates(body.inertia_kg_m2).into()),
-            ]),
+        let mut disc = json!({
+            "radius": body.outlines.first().map(|outline| outline.shape.radius_m()),
+            "centre": [x, y],
+            "velocity": [vx, vy],
+            "spin": body.rotates().then_some(spin_rad_s),
         });
-        discs.insert(body.name.clone(), disc.into());
+        let motion = match body.motion {
+            Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2 }) => {
+                json!({ "motion": Motion::Driven, "acceleration": acceleration_m_s2 })
+            }
+            _ => json!({
+                "motion": Motion::Free,
+                "mass": body.mass_kg,
+                "rotates": body.rotates(),
+                "inertia": body.rotates().then_some(body.inertia_kg_m2),
+            }),
+        };
+        extend(&mut disc, motion);
+        file["discs"][&body.name] = disc;
     }
     for outline in &mechanism.ground_outlines {
         match outline.shape {
             OutlineShape::Disc { center_m, radius_m } => {
-                let (radius, motion) = (("radius", radius_m.into()), ("motion", Motion::Fixed.keyword().into()));
-                discs.insert(outline.name.clone(), table([radius, ("centre", list(center_m)), motion]).into());
+                let disc = json!({ "radius": radius_m, "centre": center_m, "motion": Motion::Fixed });
+                file["discs"][&outline.name] = disc;
             }
-            OutlineShape::HalfPlane { point_m: [_, level_m], .. } => {
-                file.insert("half_plane".into(), table([("level", level_m.into())]).into());
-            }
+            OutlineShape::HalfPlane { point_m: [_, level_m], .. } => file["half_plane"] = json!({ "level": level_m }),
             _ => {}
         }
     }
-    file.insert("discs".into(), discs.into());
-    let law = mechanism.contacts.first().map(|pair| ("contact".to_owned(), contact_settings(&pair.law).into()));
-    file.extend(law);
+    file["contact"] = mechanism.contacts.first().map_or(Value::Null, |pair| contact_settings(&pair.law));
     file
 }
 
@@ -247,14 +243,10 @@ pub fn object_outline(input: &SectionInput<'_>) -> Option<Option<(OutlineShape, 
     if !section.is_present() {
         return Some(None);
     }
-    let shape = outline("outline", &section)?.shape;
+    let shape = outline(&section)?;
     let Some(area) = shape.area() else {
-        return section.refuse(
-            "type",
-            format!("`{}` is a half plane", section.path("type")),
-            "no object",
-            "write a closed outline",
-        );
+        let message = format!("`{}` is a half plane", section.path("type"));
+        return section.refuse("type", message, "no object", "write a closed outline");
     };
     let ObjectSettings { mass, inertia, .. } = object.quietly(SectionInput::read);
     let mass_kg = mass.map_or(area.area_m2 * DENSITY_KG_M3 * DEPTH_M, |mass| *mass);
@@ -301,10 +293,10 @@ pub fn single_object(
 /// Lowest and highest coordinate y of the object.
 fn heights_m(input: &SectionInput<'_>, object: &Object) -> [f64; 2] {
     let section = input.subsection("object").subsection("outline");
-    match section.is_present().then(|| section.quietly(|section| outline("outline", section))).flatten() {
-        Some(outline) => {
+    match section.is_present().then(|| section.quietly(outline)).flatten() {
+        Some(shape) => {
             let (sin, cos) = sin_cos(object.angle_rad);
-            [-1.0, 1.0].map(|to| object.centre_m[1] + to * outline.shape.support_m([to * sin, to * cos]))
+            [-1.0, 1.0].map(|to| object.centre_m[1] + to * shape.support_m([to * sin, to * cos]))
         }
         None => [-1.0, 1.0].map(|to| object.placed().furthest_point_m([0.0, to])[1]),
     }

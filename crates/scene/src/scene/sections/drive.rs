@@ -2,12 +2,12 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::Table;
+use serde_json::{Value, json};
 
 use super::bodies::Target;
 use super::finger::{FingerLengths, geometry};
 use super::start::InitialSettings;
-use super::{GRIPPER, list, table};
+use super::{GRIPPER, extend};
 use crate::gripper::{Finger, contact_angle_proximal};
 use crate::law::Bristle;
 use crate::scene::quantity::{
@@ -101,39 +101,40 @@ pub struct MotorSettings {
 }
 
 /// Settings of a given motor, with another inertia.
-pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Table {
-    let mut settings = table([
-        ("profile", motor.actuation.keyword().into()),
-        ("inertia", inertia_kg_m2.into()),
-        ("no_load_speed", motor.no_load_speed_rad_s.unwrap_or(UNSET).into()),
-        ("brake", BrakeKind::None.keyword().into()),
-    ]);
-    settings.extend(match motor.actuation.clone() {
-        Profile::Constant { value } => table([("torque", value.into())]),
-        Profile::Ramp { value, rise_s } => table([("torque", value.into()), ("rise", rise_s.into())]),
-        Profile::HalfSine { value, length_s } => table([("torque", value.into()), ("pulse", length_s.into())]),
-        Profile::Reversal { value, at_s } => table([("torque", value.into()), ("reverse_at", at_s.into())]),
-        Profile::Table { points, interpolation } => table([
-            ("times", list(points.iter().map(|point| point.0))),
-            ("torques", list(points.iter().map(|point| point.1))),
-            ("interpolation", interpolation.keyword().into()),
-        ]),
+pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Value {
+    let brake = motor.brake;
+    let bristle = brake.and_then(|brake| brake.bristle);
+    let kind = match brake {
+        None => BrakeKind::None,
+        Some(brake) if brake.one_way => BrakeKind::OneWay,
+        Some(_) => BrakeKind::TwoWay,
+    };
+    let mut settings = json!({
+        "profile": motor.actuation.keyword(),
+        "inertia": inertia_kg_m2,
+        "no_load_speed": motor.no_load_speed_rad_s,
+        "brake": kind,
+        "brake_torque": brake.map(|brake| brake.torque_n_m),
+        "brake_at": brake.map(|brake| brake.start_s),
+        "brake_rise": brake.map(|brake| brake.rise_s),
+        "brake_release": brake.and_then(|brake| brake.release_s),
+        "brake_v_static": brake.map(|brake| brake.v_static_rad_s),
+        "brake_law": bristle.keyword(),
+        "brake_damping": bristle.map(|bristle| bristle.damping_n_s_per_m),
+        "brake_relaxation": bristle.map(|bristle| bristle.relaxation_s),
     });
-    if let Some(brake) = motor.brake {
-        let kind = if brake.one_way { BrakeKind::OneWay } else { BrakeKind::TwoWay };
-        let bristle = |value: fn(Bristle) -> f64| brake.bristle.map_or(UNSET, value).into();
-        settings.extend(table([
-            ("brake", kind.keyword().into()),
-            ("brake_torque", brake.torque_n_m.into()),
-            ("brake_at", brake.start_s.into()),
-            ("brake_rise", brake.rise_s.into()),
-            ("brake_release", brake.release_s.unwrap_or(UNSET).into()),
-            ("brake_v_static", brake.v_static_rad_s.into()),
-            ("brake_law", brake.bristle.keyword().into()),
-            ("brake_damping", bristle(|bristle| bristle.damping_n_s_per_m)),
-            ("brake_relaxation", bristle(|bristle| bristle.relaxation_s)),
-        ]));
-    }
+    let profile = match &motor.actuation {
+        Profile::Constant { value } => json!({ "torque": value }),
+        Profile::Ramp { value, rise_s } => json!({ "torque": value, "rise": rise_s }),
+        Profile::HalfSine { value, length_s } => json!({ "torque": value, "pulse": length_s }),
+        Profile::Reversal { value, at_s } => json!({ "torque": value, "reverse_at": at_s }),
+        Profile::Table { points, interpolation } => json!({
+            "times": points.iter().map(|point| point.0).collect::<Value>(),
+            "torques": points.iter().map(|point| point.1).collect::<Value>(),
+            "interpolation": interpolation.keyword(),
+        }),
+    };
+    extend(&mut settings, profile);
     settings
 }
 
@@ -186,17 +187,16 @@ pub struct SpringSettings {
 }
 
 /// Settings of a given spring.
-pub fn spring_settings(spring: Option<Spring>) -> Table {
+pub fn spring_settings(spring: Option<Spring>) -> Value {
     let kind = spring.map(|spring| spring.kind);
-    let mut settings = table([("type", kind.keyword().into())]);
+    let mut settings = json!({ "type": kind.keyword(), "placement": spring.map(|spring| spring.placement.keyword()) });
     match kind {
-        Some(SpringKind::Constant { torque_n_m }) => settings.extend(table([("torque", torque_n_m.into())])),
+        Some(SpringKind::Constant { torque_n_m }) => settings["torque"] = torque_n_m.into(),
         Some(SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad }) => {
-            settings.extend(table([("stiffness", stiffness_n_m_per_rad.into()), ("preload", preload_rad.into())]));
+            extend(&mut settings, json!({ "stiffness": stiffness_n_m_per_rad, "preload": preload_rad }));
         }
         None => {}
     }
-    settings.extend(spring.map(|spring| ("placement".to_string(), spring.placement.keyword().into())));
     settings
 }
 
@@ -281,12 +281,8 @@ fn table_points(input: &SectionInput<'_>, settings: &MotorSettings) -> Option<Ve
     }
     let (times, torques) = (settings.times.as_ref()?, settings.torques.as_ref()?);
     if times.is_empty() {
-        return input.refuse(
-            "times",
-            "the table of the motor is empty",
-            "no times",
-            "give at least one time and torque",
-        );
+        let help = "give at least one time and torque";
+        return input.refuse("times", "the table of the motor is empty", "no times", help);
     }
     if times.len() != torques.len() {
         let message = format!("the table of the motor has {} times, but {} torques", times.len(), torques.len());

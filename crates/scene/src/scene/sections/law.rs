@@ -2,9 +2,9 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use toml::Table;
+use serde_json::{Value, json};
 
-use super::{FINGERS, GRIPPER, table};
+use super::{FINGERS, GRIPPER};
 use crate::law::{Bristle, ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 use crate::scene::quantity::{
     Angle, AngularDamping, Keyword, Length, LinearDamping, NotNegative, Plain, Positive, Pressure, Quantity, Speed,
@@ -45,39 +45,34 @@ pub struct ContactOverride {
 }
 
 /// Settings of a given normal law, of a contact or of the joint limit.
-fn normal_settings(law: NormalLaw) -> Table {
-    table([
-        ("stiffness_si", law.stiffness_n_per_m_e.into()),
-        ("exponent", law.exponent.into()),
-        ("damping", law.damping_max().into()),
-        ("transition", law.depth_scale_m().into()),
-    ])
+fn normal_settings(law: NormalLaw) -> Value {
+    json!({
+        "stiffness_si": law.stiffness_n_per_m_e,
+        "exponent": law.exponent,
+        "damping": law.damping_max(),
+        "transition": law.depth_scale_m(),
+    })
 }
 
 /// Settings of a given law.
-pub fn contact_settings(law: &ContactLaw) -> Table {
+pub fn contact_settings(law: &ContactLaw) -> Value {
     let mut settings = normal_settings(law.normal);
-    settings.insert("friction".to_string(), friction_settings(law.friction.as_ref()).into());
+    settings["friction"] = friction_settings(law.friction);
     settings
 }
 
 /// Settings of a given friction law.
-pub(crate) fn friction_settings(law: Option<&FrictionLaw>) -> Table {
-    match law {
-        None => table([("mu_static", 0.0.into()), ("mu_dynamic", 0.0.into())]),
-        Some(law) => {
-            let bristle = |value: fn(Bristle) -> f64| law.bristle.map_or(f64::NAN, value).into();
-            table([
-                ("mu_static", law.mu_static.into()),
-                ("mu_dynamic", law.mu_dynamic.into()),
-                ("v_static", law.v_static_m_s.into()),
-                ("v_dynamic", law.v_dynamic_m_s.into()),
-                ("law", law.bristle.keyword().into()),
-                ("bristle_damping", bristle(|bristle| bristle.damping_n_s_per_m)),
-                ("bristle_relaxation", bristle(|bristle| bristle.relaxation_s)),
-            ])
-        }
-    }
+pub(crate) fn friction_settings(law: Option<FrictionLaw>) -> Value {
+    let Some(law) = law else { return json!({ "mu_static": 0.0, "mu_dynamic": 0.0 }) };
+    json!({
+        "mu_static": law.mu_static,
+        "mu_dynamic": law.mu_dynamic,
+        "v_static": law.v_static_m_s,
+        "v_dynamic": law.v_dynamic_m_s,
+        "law": law.bristle.keyword(),
+        "bristle_damping": law.bristle.map(|bristle| bristle.damping_n_s_per_m),
+        "bristle_relaxation": law.bristle.map(|bristle| bristle.relaxation_s),
+    })
 }
 
 /// Normal law of one or several contacts.
@@ -174,9 +169,9 @@ pub struct LimitSettings {
 }
 
 /// Settings of a given limit.
-pub fn limit_settings(law: Option<NormalLaw>) -> Table {
-    let mut settings = law.map_or_else(Table::new, normal_settings);
-    settings.insert("enabled".to_string(), law.is_some().into());
+pub fn limit_settings(law: Option<NormalLaw>) -> Value {
+    let mut settings = law.map_or(json!({}), normal_settings);
+    settings["enabled"] = law.is_some().into();
     settings
 }
 

@@ -15,7 +15,7 @@
 //! | `x-key` | name in a file, if that is not the name of the field without its unit |
 //!
 //! Each file has the keys of its sections, resolves them (the functions that read a `SectionInput`), and gives the
-//! settings of what is resolved (the functions with the suffix `_settings`).
+//! settings of what is resolved, in SI units (the functions with the suffix `_settings`).
 //!
 //! | file | sections |
 //! |---|---|
@@ -46,7 +46,7 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::{Table, Value};
+use serde_json::Value;
 
 pub use bodies::{DENSITY_KG_M3, DEPTH_M, DiscSettings, HalfPlaneSettings, ObjectSettings, TableSettings, Target};
 pub use drive::{DifferentialSettings, MotorSettings, SizingResult, SpringSettings};
@@ -63,14 +63,11 @@ pub use start::InitialSettings;
 use super::keywords::SceneKind;
 use super::quantity::{Acceleration, Length, Positive, Quantity, Time};
 
-/// A table of values in SI units, as the settings of a part of a scene; NaN for missing values.
-pub fn table<const N: usize>(values: [(&str, Value); N]) -> Table {
-    values.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
-}
-
-/// Values of a pair or a list in SI units.
-pub fn list(values: impl IntoIterator<Item = f64>) -> Value {
-    values.into_iter().collect::<Vec<f64>>().into()
+/// Adds settings to others of the same section.
+pub fn extend(settings: &mut Value, more: Value) {
+    if let (Value::Object(settings), Value::Object(mut more)) = (settings, more) {
+        settings.append(&mut more);
+    }
 }
 
 /// Kinds of scene in `x-kinds`.

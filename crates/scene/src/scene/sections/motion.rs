@@ -2,9 +2,9 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::{Table, Value};
+use serde_json::{Value, json};
 
-use super::{list, table};
+use super::extend;
 use crate::numeric::elementary::hypot;
 use crate::scene::keys::is_name;
 use crate::scene::quantity::{
@@ -88,41 +88,32 @@ pub struct PathSettings {
 }
 
 /// Settings of a given motion: moves, vibrations and path; those without a name are numbered.
-pub fn palm_motion_settings(motion: &PalmMotion) -> Table {
-    let mut settings = table([("moves", Table::new().into()), ("vibrations", Table::new().into())]);
-    let mut add = |section: &str, names: &[String], index: usize, (axis, value): (Axis, f64), more: Table| {
-        let axis = ["x", "y", "angle"][axis as usize];
-        let name =
-            names.get(index).filter(|name| is_name(name)).cloned().unwrap_or(format!("{}{}", &section[..1], index + 1));
-        if let Some(Value::Table(named)) = settings.get_mut(section) {
-            let item = named.entry(name).or_insert_with(|| Table::new().into());
-            item.as_table_mut().into_iter().for_each(|item| {
-                item.extend(more.clone());
-                item.insert(axis.to_string(), value.into());
-            });
-        }
+pub fn palm_motion_settings(motion: &PalmMotion) -> Value {
+    let mut settings = json!({ "moves": {}, "vibrations": {} });
+    let mut add = |section: &str, names: &[String], index: usize, (axis, value): (Axis, f64), more: Value| {
+        let name = names.get(index).filter(|name| is_name(name)).cloned();
+        let item = &mut settings[section][name.unwrap_or(format!("{}{}", &section[..1], index + 1))];
+        item[["x", "y", "angle"][axis as usize]] = value.into();
+        extend(item, more);
     };
     for (index, Move { axis, distance, start_s, length_s }) in motion.moves.iter().enumerate() {
-        let more = table([("start", (*start_s).into()), ("time", (*length_s).into())]);
+        let more = json!({ "start": start_s, "time": length_s });
         add("moves", &motion.names[0], index, (*axis, *distance), more);
     }
     for (index, item) in motion.vibrations.iter().enumerate() {
-        let more = table([
-            ("frequency", item.frequency_hz.into()),
-            ("phase", item.phase_rad.into()),
-            ("start", item.start_s.into()),
-            ("ramp_periods", item.ramp_periods.into()),
-            ("ramp", item.ramp.keyword().into()),
-        ]);
+        let more = json!({
+            "frequency": item.frequency_hz,
+            "phase": item.phase_rad,
+            "start": item.start_s,
+            "ramp_periods": item.ramp_periods,
+            "ramp": item.ramp.keyword(),
+        });
         add("vibrations", &motion.names[1], index, (item.axis, item.amplitude), more);
     }
     if let Some(path) = &motion.path {
-        let axis = |axis: usize| list(path.points().iter().map(|point| point.1[axis]));
-        let times = list(path.points().iter().map(|point| point.0));
-        settings.insert(
-            "path".into(),
-            table([("times", times), ("x", axis(0)), ("y", axis(1)), ("angle", axis(2))]).into(),
-        );
+        let axis = |axis: usize| path.points().iter().map(|point| point.1[axis]).collect::<Value>();
+        let times = path.points().iter().map(|point| point.0).collect::<Value>();
+        settings["path"] = json!({ "times": times, "x": axis(0), "y": axis(1), "angle": axis(2) });
     }
     settings
 }

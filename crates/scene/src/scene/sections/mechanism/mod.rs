@@ -328,6 +328,9 @@ fn inertia(section: &SectionInput<'_>, keys: &LinkSettings, outlines: &[Outline]
 fn outlines(section: &SectionInput<'_>) -> Option<Vec<Outline>> {
     let sections = section.subsections();
     sections.iter().for_each(|(name, each)| check_name(each, &section.path(""), name));
-    let all: Vec<_> = sections.iter().map(|(name, section)| outline(name, section)).collect();
+    let named = |(name, section): &(&str, SectionInput<'_>)| {
+        Some(Outline { name: (*name).to_owned(), shape: outline(section)? })
+    };
+    let all: Vec<_> = sections.iter().map(named).collect();
     all.into_iter().collect()
 }

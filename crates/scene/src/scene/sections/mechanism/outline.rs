@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::{Table, Value};
+use serde_json::{Value, json};
 
 use crate::limits::MAX_CORNERS;
 use crate::mechanism::{Outline, OutlineShape, rounded_core};
@@ -10,7 +10,6 @@ use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, cross, rotate, sub};
 use crate::scene::quantity::{Angle, Length, NotNegative, Plain, Positive, Quantity, keyword_enum};
 use crate::scene::section_input::SectionInput;
-use crate::scene::sections::{list, table};
 use crate::units::{Dimension, format};
 
 keyword_enum! {
@@ -78,14 +77,14 @@ pub(super) fn si<const N: usize, D, R>(values: [Quantity<D, R>; N]) -> [f64; N] 
 }
 
 /// Resolves an outline.
-pub(crate) fn outline(name: &str, section: &SectionInput<'_>) -> Option<Outline> {
+pub(crate) fn outline(section: &SectionInput<'_>) -> Option<OutlineShape> {
     let settings: OutlineSettings = section.read();
     let kind = settings.r#type?;
     if matches!(kind, OutlineKind::Disc | OutlineKind::Capsule) && !section.has("radius") {
         section.report_missing("radius", "add the radius: radius = \"5 mm\"");
     }
     let radius = settings.radius.map(|radius| *radius);
-    let shape = match kind {
+    Some(match kind {
         OutlineKind::Disc => OutlineShape::Disc { center_m: si(settings.center?), radius_m: radius? },
         OutlineKind::Capsule => {
             let (from_m, to_m) = (si(settings.from?), si(settings.to?));
@@ -128,8 +127,7 @@ pub(crate) fn outline(name: &str, section: &SectionInput<'_>) -> Option<Outline>
             }
             OutlineShape::HalfPlane { point_m: si(settings.point?), normal: normal.map(|part| part / length) }
         }
-    };
-    Some(Outline { name: name.to_owned(), shape })
+    })
 }
 
 /// The polygon whose outer shape has these corners.
@@ -179,35 +177,28 @@ fn check_convex(section: &SectionInput<'_>, vertices_m: &[[f64; 2]]) -> Option<(
 }
 
 /// Settings of an outline by its name. Polygons are shown by their core, from which they are read without rounding errors.
-pub(super) fn outline_settings(outline: &Outline) -> (String, Table) {
+pub(super) fn outline_settings(outline: &Outline) -> (String, Value) {
     let settings = match &outline.shape {
         OutlineShape::Disc { center_m, radius_m } => {
-            table([("type", "disc".into()), ("center", list(*center_m)), ("radius", (*radius_m).into())])
+            json!({ "type": OutlineKind::Disc, "center": center_m, "radius": radius_m })
         }
-        OutlineShape::Capsule { from_m, to_m, radius_m } => table([
-            ("type", "capsule".into()),
-            ("from", list(*from_m)),
-            ("to", list(*to_m)),
-            ("radius", (*radius_m).into()),
-        ]),
+        OutlineShape::Capsule { from_m, to_m, radius_m } => {
+            json!({ "type": OutlineKind::Capsule, "from": from_m, "to": to_m, "radius": radius_m })
+        }
         OutlineShape::Polygon { vertices_m, radius_m } => {
-            let vertices: Value = vertices_m.iter().map(|vertex| list(*vertex)).collect::<Vec<_>>().into();
-            let mut core = table([("type", "polygon".into()), ("vertices", vertices)]);
             // Without a radius the core is the outer shape.
-            if *radius_m > 0.0 {
-                core.insert("radius".into(), (*radius_m).into());
-            }
-            core
+            let radius_m = Some(radius_m).filter(|radius_m| **radius_m > 0.0);
+            json!({ "type": OutlineKind::Polygon, "vertices": vertices_m, "radius": radius_m })
         }
         OutlineShape::HalfPlane { point_m, normal } => {
-            table([("type", "half_plane".into()), ("point", list(*point_m)), ("normal", list(*normal))])
+            json!({ "type": OutlineKind::HalfPlane, "point": point_m, "normal": normal })
         }
-        OutlineShape::Ellipse { center_m, semi_axes_m, angle_rad } => table([
-            ("type", "ellipse".into()),
-            ("center", list(*center_m)),
-            ("semi_axes", list(*semi_axes_m)),
-            ("angle", (*angle_rad).into()),
-        ]),
+        OutlineShape::Ellipse { center_m, semi_axes_m, angle_rad } => json!({
+            "type": OutlineKind::Ellipse,
+            "center": center_m,
+            "semi_axes": semi_axes_m,
+            "angle": angle_rad,
+        }),
     };
     (outline.name.clone(), settings)
 }

@@ -2,7 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::Deserialize;
-use toml::{Table, Value};
+use serde_json::{Value, json};
 
 use super::mirror::Entries;
 use super::names::{GROUND, Known, find};
@@ -12,7 +12,6 @@ use crate::scene::quantity::{
     Force, Length, LinearDamping, LinearStiffness, NotNegative, Positive, Quantity, keyword_enum,
 };
 use crate::scene::section_input::{SectionInput, Subsection};
-use crate::scene::sections::{list, table};
 
 /// A massless cable without friction, with one tension along its whole length: the force of its spring and damper, which
 /// cannot push, and the tension of an actuator.
@@ -43,8 +42,8 @@ impl Turn {
         if self == Turn::CounterClockwise { 1.0 } else { -1.0 }
     }
 
-    fn keyword(sign: f64) -> &'static str {
-        if sign > 0.0 { "ccw" } else { "cw" }
+    fn of(sign: f64) -> Self {
+        if sign > 0.0 { Turn::CounterClockwise } else { Turn::Clockwise }
     }
 }
 
@@ -189,30 +188,22 @@ pub(super) fn tension(mechanism: &mut Mechanism, entries: &Entries<'_>, poses: &
 }
 
 /// Settings of a tendon.
-pub(super) fn tendon_settings(tendon: &Tendon, mechanism: &Mechanism) -> (String, Table) {
+pub(super) fn tendon_settings(tendon: &Tendon, mechanism: &Mechanism) -> (String, Value) {
     let element = |element: &PathElement| {
-        let body = mechanism.body_name(element.body).into();
-        let mut entry =
-            table([(if element.is_pulley() { "pulley" } else { "eyelet" }, body), ("at", list(element.point_m))]);
-        if element.is_pulley() {
-            entry.extend(table([("radius", element.radius_m.into()), ("turn", Turn::keyword(element.side).into())]));
+        let (body, at) = (mechanism.body_name(element.body), element.point_m);
+        match element.is_pulley() {
+            true => json!({ "pulley": body, "at": at, "radius": element.radius_m, "turn": Turn::of(element.side) }),
+            false => json!({ "eyelet": body, "at": at }),
         }
-        Value::from(entry)
     };
-    let spool = |(joint, factor): &(usize, f64)| {
-        let joint = mechanism.joints[*joint].name.as_str().into();
-        Value::from(table([("joint", joint), ("radius", factor.abs().into()), ("turn", Turn::keyword(*factor).into())]))
-    };
-    let mut settings = table([
-        ("path", tendon.path.iter().map(element).collect::<Vec<_>>().into()),
-        ("spools", tendon.joints.iter().map(spool).collect::<Vec<_>>().into()),
-    ]);
-    if tendon.law().is_some() {
-        settings.extend(table([
-            ("stiffness", tendon.stiffness_n_per_m.into()),
-            ("damping", tendon.damping_n_s_per_m.into()),
-            ("rest", tendon.rest_m.into()),
-        ]));
-    }
+    let spool = |(joint, factor): &(usize, f64)| json!({ "joint": mechanism.joints[*joint].name, "radius": factor.abs(), "turn": Turn::of(*factor) });
+    let elastic = |value: f64| tendon.law().map(|_| value);
+    let settings = json!({
+        "path": tendon.path.iter().map(element).collect::<Value>(),
+        "spools": tendon.joints.iter().map(spool).collect::<Value>(),
+        "stiffness": elastic(tendon.stiffness_n_per_m),
+        "damping": elastic(tendon.damping_n_s_per_m),
+        "rest": elastic(tendon.rest_m),
+    });
     (tendon.name.clone(), settings)
 }
