@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::bodies::Target;
 use super::finger::{FingerLengths, geometry};
+use super::law::FrictionType;
 use super::start::InitialSettings;
 use super::{GRIPPER, extend};
 use crate::gripper::{Finger, contact_angle_proximal};
@@ -19,16 +20,16 @@ use crate::scene::{Brake, Interpolation, Motor, Placement, Problem, Profile, Spr
 use crate::shape::PlacedShape;
 use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
 
-/// A value that other keys give.
-const UNSET: f64 = f64::NAN;
-
-keywords! { Profile {
-    "constant" => Profile::Constant { value: UNSET },
-    "ramp" => Profile::Ramp { value: UNSET, rise_s: UNSET },
-    "half-sine" => Profile::HalfSine { value: UNSET, length_s: UNSET },
-    "reversal" => Profile::Reversal { value: UNSET, at_s: UNSET },
-    "table" => Profile::Table { points: Vec::new(), interpolation: Interpolation::Linear },
-} }
+keyword_enum! {
+    /// Type of a torque over time in a file.
+    pub enum ProfileType {
+        Constant = "constant",
+        Ramp = "ramp",
+        HalfSine = "half-sine",
+        Reversal = "reversal",
+        Table = "table",
+    }
+}
 
 keywords! { Interpolation { "linear" => Interpolation::Linear, "step" => Interpolation::Step } }
 
@@ -38,7 +39,7 @@ pub struct MotorSettings {
     /// Torque over time: "constant"; "ramp": rises smoothly during `rise`; "half-sine": one pulse; "reversal": changes
     /// sign at `reverse_at`; "table": `times` and `torques`.
     #[schemars(extend("default" = "constant"))]
-    pub profile: Word<Profile>,
+    pub profile: ProfileType,
     /// Full torque. Required, except with profile = "table" or `sizing`.
     #[schemars(extend("x-with" = "profile = constant|ramp|half-sine|reversal"))]
     pub torque: Option<Quantity<Torque>>,
@@ -90,7 +91,7 @@ pub struct MotorSettings {
     pub brake_v_static: Option<Positive<AngularRate>>,
     /// "regularised": creeps within `brake_v_static`; "bristle": holds without creep, by a spring and a damper.
     #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "brake = two-way|one-way", "default" = "regularised"))]
-    pub brake_law: Option<Word<Option<Bristle>>>,
+    pub brake_law: Option<FrictionType>,
     /// Damping of the bristle. With its default and that of `brake_relaxation`, the stiffness is 1e4 N·m/rad, more than
     /// that of a real shaft.
     #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "brake_law = bristle", "default" = "2 N*m*s/rad"))]
@@ -110,7 +111,6 @@ pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Value {
         Some(_) => BrakeKind::TwoWay,
     };
     let mut settings = json!({
-        "profile": motor.actuation.keyword(),
         "inertia": inertia_kg_m2,
         "no_load_speed": motor.no_load_speed_rad_s,
         "brake": kind,
@@ -119,16 +119,21 @@ pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Value {
         "brake_rise": brake.map(|brake| brake.rise_s),
         "brake_release": brake.and_then(|brake| brake.release_s),
         "brake_v_static": brake.map(|brake| brake.v_static_rad_s),
-        "brake_law": bristle.keyword(),
+        "brake_law": FrictionType::of(bristle),
         "brake_damping": bristle.map(|bristle| bristle.damping_n_s_per_m),
         "brake_relaxation": bristle.map(|bristle| bristle.relaxation_s),
     });
     let profile = match &motor.actuation {
-        Profile::Constant { value } => json!({ "torque": value }),
-        Profile::Ramp { value, rise_s } => json!({ "torque": value, "rise": rise_s }),
-        Profile::HalfSine { value, length_s } => json!({ "torque": value, "pulse": length_s }),
-        Profile::Reversal { value, at_s } => json!({ "torque": value, "reverse_at": at_s }),
+        Profile::Constant { value } => json!({ "profile": ProfileType::Constant, "torque": value }),
+        Profile::Ramp { value, rise_s } => json!({ "profile": ProfileType::Ramp, "torque": value, "rise": rise_s }),
+        Profile::HalfSine { value, length_s } => {
+            json!({ "profile": ProfileType::HalfSine, "torque": value, "pulse": length_s })
+        }
+        Profile::Reversal { value, at_s } => {
+            json!({ "profile": ProfileType::Reversal, "torque": value, "reverse_at": at_s })
+        }
         Profile::Table { points, interpolation } => json!({
+            "profile": ProfileType::Table,
             "times": points.iter().map(|point| point.0).collect::<Value>(),
             "torques": points.iter().map(|point| point.1).collect::<Value>(),
             "interpolation": interpolation.keyword(),
@@ -143,20 +148,9 @@ keyword_enum! {
     pub enum BrakeKind { None = "none", TwoWay = "two-way", OneWay = "one-way" }
 }
 
-impl Keyword for Option<SpringKind> {
-    const KEYWORDS: &'static [(&'static str, Self)] = &[
-        ("constant", Some(SpringKind::Constant { torque_n_m: UNSET })),
-        ("torsional", Some(SpringKind::Torsional { stiffness_n_m_per_rad: UNSET, preload_rad: UNSET })),
-        ("none", None),
-    ];
-
-    fn keyword(&self) -> &'static str {
-        match self {
-            Some(SpringKind::Constant { .. }) => "constant",
-            Some(SpringKind::Torsional { .. }) => "torsional",
-            None => "none",
-        }
-    }
+keyword_enum! {
+    /// Type of a spring in a file.
+    pub enum SpringType { Constant = "constant", Torsional = "torsional", None = "none" }
 }
 
 keywords! { Placement {
@@ -171,7 +165,7 @@ keywords! { Placement {
 pub struct SpringSettings {
     /// "constant": a constant torque; "torsional": stiffness × (preload + deflection); "none".
     #[schemars(extend("default" = "constant"))]
-    pub r#type: Word<Option<SpringKind>>,
+    pub r#type: SpringType,
     /// Torque of the constant spring. Required with type = "constant", except with `sizing`.
     #[schemars(extend("x-with" = "type = constant"))]
     pub torque: Option<NotNegative<Torque>>,
@@ -188,15 +182,14 @@ pub struct SpringSettings {
 
 /// Settings of a given spring.
 pub fn spring_settings(spring: Option<Spring>) -> Value {
-    let kind = spring.map(|spring| spring.kind);
-    let mut settings = json!({ "type": kind.keyword(), "placement": spring.map(|spring| spring.placement.keyword()) });
-    match kind {
-        Some(SpringKind::Constant { torque_n_m }) => settings["torque"] = torque_n_m.into(),
-        Some(SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad }) => {
-            extend(&mut settings, json!({ "stiffness": stiffness_n_m_per_rad, "preload": preload_rad }));
+    let Some(Spring { kind, placement }) = spring else { return json!({ "type": SpringType::None }) };
+    let mut settings = match kind {
+        SpringKind::Constant { torque_n_m } => json!({ "type": SpringType::Constant, "torque": torque_n_m }),
+        SpringKind::Torsional { stiffness_n_m_per_rad, preload_rad } => {
+            json!({ "type": SpringType::Torsional, "stiffness": stiffness_n_m_per_rad, "preload": preload_rad })
         }
-        None => {}
-    }
+    };
+    settings["placement"] = placement.keyword().into();
     settings
 }
 
@@ -230,17 +223,17 @@ pub fn motor(input: &SectionInput<'_>, sized: SizingResult) -> Option<Motor> {
     // If the profile is invalid, the required keys are unknown.
     input.is_valid("profile").then_some(())?;
     let torque_n_m = sized.flatten().map_or(*settings.torque.unwrap_or_default(), |sizing| sizing.motor_n_m);
-    let actuation = match &settings.profile.0 {
-        Profile::Table { .. } => {
+    let actuation = match settings.profile {
+        ProfileType::Table => {
             Profile::Table { points: table_points(input, &settings)?, interpolation: settings.interpolation.0 }
         }
         _ if matches!(sized, Some(None)) && !input.has("torque") => {
             return input.refuse_missing("torque", "add the motor's torque on l11: [motor] torque = \"480 N*mm\"");
         }
-        Profile::Constant { .. } => Profile::Constant { value: torque_n_m },
-        Profile::Ramp { .. } => Profile::Ramp { value: torque_n_m, rise_s: *settings.rise? },
-        Profile::HalfSine { .. } => Profile::HalfSine { value: torque_n_m, length_s: *settings.pulse? },
-        Profile::Reversal { .. } => Profile::Reversal { value: torque_n_m, at_s: *settings.reverse_at? },
+        ProfileType::Constant => Profile::Constant { value: torque_n_m },
+        ProfileType::Ramp => Profile::Ramp { value: torque_n_m, rise_s: *settings.rise? },
+        ProfileType::HalfSine => Profile::HalfSine { value: torque_n_m, length_s: *settings.pulse? },
+        ProfileType::Reversal => Profile::Reversal { value: torque_n_m, at_s: *settings.reverse_at? },
     };
     let brake = match settings.brake {
         None | Some(BrakeKind::None) => None,
@@ -258,9 +251,9 @@ pub fn motor(input: &SectionInput<'_>, sized: SizingResult) -> Option<Motor> {
 fn brake(input: &SectionInput<'_>, settings: &MotorSettings, one_way: bool) -> Option<Brake> {
     let (start_s, rise_s) = (*settings.brake_at?, *settings.brake_rise?);
     let release_s = settings.brake_release.map(|release| *release);
-    let bristle = match settings.brake_law?.0 {
-        None => None,
-        Some(_) => {
+    let bristle = match settings.brake_law? {
+        FrictionType::Regularised => None,
+        FrictionType::Bristle => {
             Some(Bristle { damping_n_s_per_m: *settings.brake_damping?, relaxation_s: *settings.brake_relaxation? })
         }
     };
@@ -303,24 +296,24 @@ pub fn spring(input: &SectionInput<'_>, sized: SizingResult) -> Option<Option<Sp
     let settings: SpringSettings = input.read();
     input.is_valid("type").then_some(())?;
     let preload_rad = *settings.preload;
-    let kind = match (settings.r#type.0, sized) {
-        (None, _) => return Some(None),
-        (Some(SpringKind::Constant { .. }), Some(None)) => {
+    let kind = match (settings.r#type, sized) {
+        (SpringType::None, _) => return Some(None),
+        (SpringType::Constant, Some(None)) => {
             if !input.has("torque") {
                 let help = "add the spring's torque: [spring] torque = \"132.6 N*mm\"; or remove the spring: [spring] type = \"none\"";
                 input.report_missing("torque", help);
             }
             SpringKind::Constant { torque_n_m: *settings.torque? }
         }
-        (Some(SpringKind::Torsional { .. }), Some(None)) => {
+        (SpringType::Torsional, Some(None)) => {
             if !input.has("stiffness") {
                 input.report_missing("stiffness", "add the spring's stiffness: stiffness = \"100 N*mm/rad\"");
             }
             SpringKind::Torsional { stiffness_n_m_per_rad: *settings.stiffness?, preload_rad }
         }
-        (Some(SpringKind::Constant { .. }), _) => SpringKind::Constant { torque_n_m: sized.flatten()?.spring_n_m },
+        (SpringType::Constant, _) => SpringKind::Constant { torque_n_m: sized.flatten()?.spring_n_m },
         // c_s q_p = k_s (2.30): the same torque in the straight configuration.
-        (Some(SpringKind::Torsional { .. }), _) => {
+        (SpringType::Torsional, _) => {
             if !input.has("preload") {
                 let help = "add the preload, by which the sizing determines the stiffness: preload = \"90 deg\"";
                 input.report_missing("preload", help);
@@ -402,12 +395,12 @@ fn reject_given(input: &SectionInput<'_>) {
             section.report(key, message, "conflicts with `sizing`", "remove this key, or remove `sizing`");
         }
     }
-    if motor.is_valid("profile") && matches!(motor.read::<MotorSettings>().profile.0, Profile::Table { .. }) {
+    if motor.is_valid("profile") && motor.read::<MotorSettings>().profile == ProfileType::Table {
         let message = "`sizing` determines the motor torque, but profile = \"table\" gives all torques";
         let help = "remove `sizing` and give [spring] torque, or choose another profile";
         motor.report("profile", message, "has its own torques", help);
     }
-    if spring.read::<SpringSettings>().r#type.0.is_none() {
+    if spring.read::<SpringSettings>().r#type == SpringType::None {
         let message = "`sizing` sizes motor and spring together, but this scene has no spring";
         spring.report("type", message, "no spring", "remove `sizing` and give [motor] torque, or add a spring");
     }

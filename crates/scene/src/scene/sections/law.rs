@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 use super::{FINGERS, GRIPPER};
 use crate::law::{Bristle, ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 use crate::scene::quantity::{
-    Angle, AngularDamping, Keyword, Length, LinearDamping, NotNegative, Plain, Positive, Pressure, Quantity, Speed,
-    Time, Word,
+    Angle, AngularDamping, Length, LinearDamping, NotNegative, Plain, Positive, Pressure, Quantity, Speed, Time,
+    keyword_enum,
 };
 use crate::scene::section_input::SectionInput;
 
@@ -69,7 +69,7 @@ pub(crate) fn friction_settings(law: Option<FrictionLaw>) -> Value {
         "mu_dynamic": law.mu_dynamic,
         "v_static": law.v_static_m_s,
         "v_dynamic": law.v_dynamic_m_s,
-        "law": law.bristle.keyword(),
+        "law": FrictionType::of(law.bristle),
         "bristle_damping": law.bristle.map(|bristle| bristle.damping_n_s_per_m),
         "bristle_relaxation": law.bristle.map(|bristle| bristle.relaxation_s),
     })
@@ -109,7 +109,7 @@ pub struct FrictionSettings {
     /// "regularised": the law of the thesis, which creeps; "bristle": spring and damper in series with a Coulomb
     /// slider, which holds without creep.
     #[schemars(extend("default" = "regularised"))]
-    pub law: Option<Word<Option<Bristle>>>,
+    pub law: Option<FrictionType>,
     /// Damping of the bristle. Default: that of the normal law, or 1e6 N*s/m if the normal law has none.
     #[schemars(extend("x-with" = "law = bristle"))]
     pub bristle_damping: Option<Positive<LinearDamping>>,
@@ -118,12 +118,15 @@ pub struct FrictionSettings {
     pub bristle_relaxation: Option<Positive<Time>>,
 }
 
-impl Keyword for Option<Bristle> {
-    const KEYWORDS: &'static [(&'static str, Self)] =
-        &[("regularised", None), ("bristle", Some(Bristle { damping_n_s_per_m: f64::NAN, relaxation_s: f64::NAN }))];
+keyword_enum! {
+    /// Type of a friction law in a file.
+    pub enum FrictionType { Regularised = "regularised", Bristle = "bristle" }
+}
 
-    fn keyword(&self) -> &'static str {
-        if self.is_some() { "bristle" } else { "regularised" }
+impl FrictionType {
+    /// Type of a law with this bristle.
+    pub fn of(bristle: Option<Bristle>) -> Self {
+        if bristle.is_some() { FrictionType::Bristle } else { FrictionType::Regularised }
     }
 }
 
@@ -310,9 +313,9 @@ pub(crate) fn friction(laws: &[&SectionInput<'_>], damping: f64) -> Option<Optio
         let help = "raise v_dynamic, lower v_static, or remove both (defaults: 0.2 m/s and 0.1 m/s)";
         return last.refuse(if last.has("v_dynamic") { "v_dynamic" } else { "v_static" }, message, "", help);
     }
-    let bristle = match law.law.and_then(|law| law.0) {
-        None => None,
-        Some(_) => {
+    let bristle = match law.law {
+        None | Some(FrictionType::Regularised) => None,
+        Some(FrictionType::Bristle) => {
             let default = if damping > 0.0 { damping } else { BRISTLE_DAMPING_N_S_PER_M };
             let damping_n_s_per_m = law.bristle_damping.map_or(default, |damping| *damping);
             Some(Bristle { damping_n_s_per_m, relaxation_s: *law.bristle_relaxation? })
