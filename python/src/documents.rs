@@ -12,6 +12,7 @@ use phalanx::study::hold::{HoldError, Loads, Plan as HoldPlan};
 use phalanx::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
 use phalanx::study::require_gripper;
 use phalanx::study::size::{SizingOptions, size_finger};
+use phalanx::thesis::Monitor;
 use phalanx::units::Dimension;
 use phalanx::validate::{LADDER_TIME_S, LadderOptions, ValidationError, check_sample_count, run_ladder};
 use pyo3::prelude::*;
@@ -227,10 +228,10 @@ pub fn hold<'py>(
     let gripper = require_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/hold.toml");
     let gripper = gripper.map_err(argument_error)?;
     let result = interruptible::run(py, |keep_running| {
-        phalanx::study::hold::hold(&gripper, plan, &mut |_, _| {}, keep_running)
+        phalanx::study::hold::hold(&gripper, plan, &Monitor::silent(keep_running))
     })?;
     let result = result.map_err(|error| match error {
-        HoldError::Stopped { .. } | HoldError::Scene { .. } => errors::run(py, error, None),
+        HoldError::Stopped(_) | HoldError::Scene { .. } => errors::run(py, error, None),
         error => errors::argument(py, error),
     })?;
     conversion::parse_json(py, &result.json())
@@ -273,7 +274,7 @@ pub fn capture<'py>(
     require_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/offset.toml").map_err(argument_error)?;
     let source = SceneSource { layers: scene.layers, settings: scene.settings };
     let result = interruptible::run(py, |keep_running| {
-        phalanx::study::capture::capture(plan, &source, &mut |_, _| {}, keep_running)
+        phalanx::study::capture::capture(plan, &source, &Monitor::silent(keep_running))
     })?;
     let result = result.map_err(|error| match error {
         CaptureError::Scene(error) => errors::scene(py, &error),
@@ -303,7 +304,7 @@ pub fn validate<'py>(
     let validation = interruptible::run(py, |keep_running| {
         let mut validation = phalanx::validate::validate(&scene.scene, keep_running)?;
         if let Some(options) = ladder_options {
-            run_ladder(&mut validation, &scene.scene, options, &mut |_, _, _| {}, keep_running)?;
+            run_ladder(&mut validation, &scene.scene, options, &Monitor::silent(keep_running))?;
         }
         Ok(validation)
     })?;

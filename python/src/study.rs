@@ -9,6 +9,7 @@ use phalanx::study::sweep::{
     Row, Study, check_unsharded, load as load_study_file, run_while, shard, sorted_table, source_files,
 };
 use phalanx::table;
+use phalanx::thesis::Monitor;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -150,7 +151,7 @@ pub fn sweep_merge<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let study = load(py, &study, model, check)?;
     let merged =
-        interruptible::run(py, |keep_running| parts::merge(&study, &parts, &out, &|| keep_running(), &mut |_| {}))?;
+        interruptible::run(py, |keep_running| parts::merge(&study, &parts, &out, &Monitor::silent(keep_running)))?;
     let MergeResult { parts, bytes, summary } = merged.map_err(|error| results_error(py, &error))?;
     let info = PyDict::new(py);
     info.set_item("parts", parts)?;

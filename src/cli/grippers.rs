@@ -72,7 +72,7 @@ impl From<CaptureError> for Failure {
     fn from(error: CaptureError) -> Self {
         match error {
             CaptureError::Scene(error) => error.into(),
-            CaptureError::Stopped { .. } => Failure::incomplete(error),
+            CaptureError::Stopped(_) => Failure::incomplete(error),
         }
     }
 }
@@ -90,10 +90,7 @@ pub(super) fn run_capture(args: &CaptureArgs) -> Result<Status, Failure> {
     let (position_count, tolerance_m) = (args.position_count, args.tolerance_m);
     let plan = capture::Plan { model: args.model, error_m, position_count, tolerance_m };
     let task = ["the study", "positions", args.output.unwritten()];
-    let study = Interrupt::listen()?.compute(task, |progress, keep_running| {
-        let mut progress = |done: u64, total: u64| progress(done as usize, total as usize, "positions");
-        capture::capture(plan, &source, &mut progress, keep_running)
-    })?;
+    let study = Interrupt::listen()?.compute(task, |monitor| capture::capture(plan, &source, monitor))?;
     directory
         .write(files, || [study.json(), capture_csv(&study), plot::capture(&study), study.report().to_string()])?;
     print_result(&study, args.output.json)
@@ -205,7 +202,7 @@ const FRACTION: &str = "a number from 1e-9 to below 1, such as 0.02";
 impl From<HoldError> for Failure {
     fn from(error: HoldError) -> Self {
         match error {
-            HoldError::Stopped { .. } | HoldError::Scene { .. } => Failure::incomplete(error),
+            HoldError::Stopped(_) | HoldError::Scene { .. } => Failure::incomplete(error),
             error => Failure::bad_input(error),
         }
     }
@@ -222,10 +219,7 @@ pub(super) fn run_hold(args: &HoldArgs) -> Result<Status, Failure> {
     let directory =
         reserve(&[("the scene", &source_files(&args.scene))], &[svg], (args.output.out.as_deref(), &files))?;
     let task = ["the study", "runs", args.output.unwritten()];
-    let study = Interrupt::listen()?.compute(task, |progress, keep_running| {
-        let mut progress = |done: u64, total: u64| progress(done as usize, total as usize, "runs");
-        hold::hold(&scene, plan, &mut progress, keep_running)
-    })?;
+    let study = Interrupt::listen()?.compute(task, |monitor| hold::hold(&scene, plan, monitor))?;
     directory.write(files, || [study.json(), hold_csv(&study), plot::hold(&study), study.report().to_string()])?;
     if let Some(path) = &args.svg {
         save(path, &plot::hold(&study))?;

@@ -20,6 +20,7 @@ use signal_hook::flag;
 use super::Failure;
 use super::output::is_quiet;
 use crate::format::format_duration;
+use crate::thesis::Monitor;
 
 /// Time before the line is shown.
 const DISPLAY_DELAY: Duration = Duration::from_secs(1);
@@ -136,9 +137,6 @@ fn ignores_hangup() -> bool {
     mask.is_none_or(|mask| mask & 1 == 1)
 }
 
-/// Receives the number of completed parts, their total number, and the name of the current part.
-type ReportProgress<'a> = &'a mut (dyn FnMut(usize, usize, &str) + Send);
-
 /// Records whether a signal has interrupted the command.
 #[derive(Debug)]
 pub(crate) struct Interrupt {
@@ -199,17 +197,15 @@ impl Interrupt {
     pub(crate) fn compute<T, E: Into<Failure>>(
         &self,
         [task, parts, consequence]: [&str; 3],
-        work: impl FnOnce(ReportProgress<'_>, &(dyn Fn() -> bool + Sync)) -> Result<T, E>,
+        work: impl FnOnce(&Monitor<'_>) -> Result<T, E>,
     ) -> Result<T, Failure> {
         let mut progress = Progress::new();
         let mut counts = (0, 0);
-        let result = work(
-            &mut |done, total, next| {
-                counts = (done, total);
-                progress.show_count(done, total, next);
-            },
-            &|| self.keep_running(),
-        );
+        let report = |done: usize, total: usize, next: &str| {
+            counts = (done, total.max(done));
+            progress.show_count(counts.0, counts.1, next);
+        };
+        let result = work(&Monitor::new(report, &|| self.keep_running()));
         progress.clear();
         result.map_err(|error| match self.signal() {
             None => error.into(),

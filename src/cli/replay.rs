@@ -17,6 +17,7 @@ use crate::log::{
 use crate::page::{Page, render_page};
 use crate::report::replay::{VerificationReport, scene_in_log};
 use crate::scene::Scene;
+use crate::trace::RunError;
 
 /// Runs `phalanx replay`.
 pub(super) fn run(args: &ReplayArgs) -> Result<Status, Failure> {
@@ -86,10 +87,10 @@ fn verify_log(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failur
             "interrupted by {signal} while the run was simulated again; nothing was compared"
         )));
     }
-    let new_end = match run.report.error {
-        None => "completed".to_string(),
-        Some(error) if run.has_failed_sink => return Err(Failure::incomplete(error.reason)),
-        Some(error) => error.reason,
+    let new_end = match (run.stopped, run.result) {
+        (None, _) => "completed".to_string(),
+        (Some((_, reason)), Err(RunError::Sink(_))) => return Err(Failure::incomplete(reason)),
+        (Some((_, reason)), _) => reason,
     };
     let wall_s = start.elapsed().as_secs_f64();
     let log_end = summary.run_end.as_ref().map(|end| end.stopped.clone().unwrap_or_else(|| "completed".to_string()));

@@ -19,6 +19,7 @@ use crate::format::{ToReport, format_duration};
 use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::PlaybackRecorder;
 use crate::report::document;
+use crate::report::simulation::report_of;
 use crate::scene::{Construction, Preset, Scene};
 use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
 use crate::trace::{Event, Model, RequiredData, Sample, Schema, Sink, SinkError};
@@ -209,7 +210,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let limits = RunLimits { interrupt: &interrupt, until_s: f64::INFINITY, check_policy };
     let run = simulate(args.model, scene, log, &limits, &mut outputs);
     let table = outputs.table.map_or(Ok(true), SampleTable::finish);
-    let mut report = run.report;
+    let mut report = report_of(args.model, scene, &run);
     // Pages are shared, so the page does not contain local paths.
     let page_path = page.as_ref().zip(outputs.recorder).map(|(page, recorder)| {
         let playback = recorder.into_playback(args.model.name(), scene, report.report());

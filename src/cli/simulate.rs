@@ -10,10 +10,9 @@ use super::progress::{Interrupt, Progress};
 use crate::criteria::static_grasp;
 use crate::files::NewFile;
 use crate::integrator::Reason;
-use crate::log::ThreadedWriter;
+pub(super) use crate::log::CheckPolicy;
+use crate::log::{self, FinishedRun, SimulationOptions, ThreadedWriter};
 use crate::report::samples::{csv_head, csv_sample};
-pub(super) use crate::report::simulation::{CheckPolicy, SimulatedRun};
-use crate::report::simulation::{SimulationOptions, simulate_and_check};
 use crate::scene::Scene;
 use crate::trace::{Channel, Event, Model, RequiredData, Sample, Schema, Sink, SinkError};
 
@@ -32,7 +31,7 @@ pub(super) fn simulate<W: Write + Send + 'static>(
     log: Option<ThreadedWriter<W>>,
     limits: &RunLimits<'_>,
     other_sink: &mut impl Sink,
-) -> SimulatedRun<W> {
+) -> FinishedRun<W> {
     let object = scene.object().filter(|_| scene.finger_count() == 1);
     if let Some(Err(error)) = object.map(|object| static_grasp(scene, object)) {
         print_diagnostic(&format!("no dynamic criteria, because the finger cannot grasp this object: {error}"));
@@ -49,7 +48,7 @@ pub(super) fn simulate<W: Write + Send + 'static>(
             _ => reason.to_string(),
         },
     };
-    let run = simulate_and_check(model, scene, log, &options, &mut monitored_sink);
+    let run = log::simulate(model, scene, log, &options, &mut monitored_sink);
     monitored_sink.progress.clear();
     run
 }

@@ -17,9 +17,9 @@ use crate::page::report_page;
 use crate::report::reproduce::{Reproduced, ReproductionReport, reproduce};
 use crate::report::sweep::ranking_table;
 use crate::table;
+use crate::thesis::StudyError;
 use crate::thesis::stability::{ACCURACY_RAD, Grid, stability};
 use crate::thesis::step_size::step_size;
-use crate::thesis::{Monitor, StudyError};
 use crate::units::Dimension;
 
 /// The shipped scene, built in so that the command works in any directory.
@@ -32,18 +32,6 @@ impl From<StudyError> for Failure {
             StudyError::Failed(_) | StudyError::Stopped { .. } => Failure::incomplete(error),
         }
     }
-}
-
-/// Performs a computation of the thesis with a progress line until a signal arrives.
-pub(super) fn compute<T>(
-    task: &str,
-    output: &OutputArgs,
-    interrupt: &Interrupt,
-    work: impl FnOnce(&Monitor) -> Result<T, StudyError>,
-) -> Result<T, Failure> {
-    interrupt.compute([task, "parts", output.unwritten()], |progress, keep_running| {
-        work(&Monitor::new(|done, total, name| progress(done, total, name), keep_running))
-    })
 }
 
 #[derive(Debug, Subcommand)]
@@ -150,10 +138,9 @@ fn run_stability(args: &StabilityArgs) -> Result<Status, Failure> {
     }
     let files = ["stability.json", "stability.csv", "stability.svg", "table.txt"];
     let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
-    let interrupt = Interrupt::listen()?;
     let (grid, accuracy_rad) = (build_grid(args), args.accurate.unwrap_or(ACCURACY_RAD));
-    let study =
-        compute("the study", &args.output, &interrupt, |monitor| stability(&scene, &grid, accuracy_rad, monitor))?;
+    let task = ["the study", "parts", args.output.unwritten()];
+    let study = Interrupt::listen()?.compute(task, |monitor| stability(&scene, &grid, accuracy_rad, monitor))?;
     directory.write(files, || [study.json(), study.csv(), study.picture(), study.report().to_string()])?;
     print_result(&study, args.output.json)
 }
@@ -165,8 +152,8 @@ fn run_step_size(args: &StepSizeArgs) -> Result<Status, Failure> {
     };
     let files = ["step-size.txt", "step-size.json", "step-size.csv", "step-size.svg"];
     let directory = reserve(&[("the scene", &inputs)], &[], (args.output.out.as_deref(), &files))?;
-    let interrupt = Interrupt::listen()?;
-    let study = compute("the study", &args.output, &interrupt, |monitor| step_size(&scene, args.quick, monitor))?;
+    let task = ["the study", "parts", args.output.unwritten()];
+    let study = Interrupt::listen()?.compute(task, |monitor| step_size(&scene, args.quick, monitor))?;
     directory.write(files, || [study.report().to_string(), study.json(), study.csv(), study.picture()])?;
     print_result(&study, args.output.json)
 }
@@ -217,9 +204,8 @@ pub(crate) struct ReproduceArgs {
 pub(super) fn run_reproduce(args: &ReproduceArgs) -> Result<Status, Failure> {
     let directory = reserve(&[], &[], (args.output.out.as_deref(), &FILES))?;
     let start = Instant::now();
-    let interrupt = Interrupt::listen()?;
-    let reproduced =
-        compute("the reproduction", &args.output, &interrupt, |monitor| reproduce(args.quick, args.threads, monitor))?;
+    let task = ["the reproduction", "parts", args.output.unwritten()];
+    let reproduced = Interrupt::listen()?.compute(task, |monitor| reproduce(args.quick, args.threads, monitor))?;
     let wall_s = start.elapsed().as_secs_f64();
     let report = ReproductionReport::new(&reproduced);
     directory.write_with(|out| write(out, &reproduced, &report))?;

@@ -202,14 +202,15 @@ fn run_missing(
     let completed: HashSet<u64> = store.completed_runs().collect();
     let interrupt = Interrupt::listen()?;
     let total = study.runs().min(run_limit);
-    let mut counts = RowCounts { done: completed.len() as u64, ..RowCounts::default() };
+    let mut counts = RowCounts { done: completed.len(), ..RowCounts::default() };
     let mut progress = Progress::new();
     progress.show_count(completed.len(), total as usize, "");
     let mut write_error = None;
     let stats = run_while(study, args.threads, 1..=run_limit, &completed, &|| interrupt.keep_running(), |row| {
         // Rows must stay in order, so nothing is written after a failed write.
         if write_error.is_none() {
-            counts.record(&row, total, &mut |done, total, text: &str| progress.show_count(done, total, text));
+            counts.add(&row);
+            progress.show_count(counts.done, total as usize, &counts.problems());
             write_error = store.append(row.cells).err();
         }
         write_error.is_none()
@@ -233,10 +234,11 @@ fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: 
     let mut counts = RowCounts::default();
     let task = format!("shard {number}/{count}");
     let consequence = "shards are written only when complete, so no file was written; run the same command again";
-    let part = Interrupt::listen()?.compute([&task, "runs", consequence], |progress, keep_running| {
-        progress(0, shard.runs() as usize, "");
-        write_part(study, shard, out, args.threads, args.restart, keep_running, |row| {
-            counts.record(row, shard.runs(), progress)
+    let part = Interrupt::listen()?.compute([&task, "runs", consequence], |monitor| {
+        monitor.start(shard.runs() as usize, "");
+        write_part(study, shard, out, args.threads, args.restart, monitor.keep_running(), |row| {
+            counts.add(row);
+            monitor.advance(1, &counts.problems());
         })
     })?;
     if part.stats.is_none() {
@@ -257,10 +259,8 @@ fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
     let inputs = [("the study", &sweep::source_files(&args.study)[..]), ("a shard", &parts)];
     reserve(&inputs, &[("--out", Some(&args.out), FileKind::Results)], NO_DIRECTORY)?;
     let consequence = format!("{} is unchanged; run the same command again to join the shards", args.out.display());
-    let merged = Interrupt::listen()?.compute(["the merge", "runs", &consequence], |progress, keep_running| {
-        let mut on_rows = |rows: u64| progress(rows as usize, study.runs() as usize, "rows joined");
-        merge(&study, &args.parts, &args.out, keep_running, &mut on_rows)
-    })?;
+    let task = ["the merge", "runs", &consequence];
+    let merged = Interrupt::listen()?.compute(task, |monitor| merge(&study, &args.parts, &args.out, monitor))?;
     let report = SweepReport {
         parts: Some(merged.parts),
         ..SweepReport::new(&study, &args.out, merged.summary, SweepWork::new(0, 0, 0, 0.0))
@@ -271,20 +271,23 @@ fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
 /// Counts of the rows of a sweep or of a part of one.
 #[derive(Default)]
 struct RowCounts {
-    done: u64,
+    done: usize,
     simulations: u64,
     failed: u64,
     refused: u64,
 }
 
 impl RowCounts {
-    /// Counts a new row and shows the progress.
-    fn record(&mut self, row: &Row, total: u64, show: &mut (impl FnMut(usize, usize, &str) + ?Sized)) {
+    fn add(&mut self, row: &Row) {
         self.done += 1;
         self.failed += u64::from(row.status == sweep::Status::Failed);
         self.refused += u64::from(row.status == sweep::Status::Refused);
         self.simulations += u64::from(matches!(row.status, sweep::Status::Completed | sweep::Status::Failed));
-        show(self.done as usize, total as usize, &format!("{} failed, {} refused", self.failed, self.refused));
+    }
+
+    /// The runs without results, for the progress line.
+    fn problems(&self) -> String {
+        format!("{} failed, {} refused", self.failed, self.refused)
     }
 }
 

@@ -16,6 +16,7 @@ use crate::format::{Report, ToReport, format_duration};
 use crate::log::{self, LogFile};
 use crate::page::{Note, Page, Picture, Playback, PlaybackRecorder, render_page};
 use crate::plot;
+use crate::report::simulation::report_of;
 use crate::report::validation::{ValidationReport, write_series};
 use crate::scene::{Preset, Scene};
 use crate::trace::overrides::duration;
@@ -80,9 +81,9 @@ pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let interrupt = Interrupt::listen()?;
     check_sample_count(scene).map_err(Failure::bad_input)?;
     let task = ["the validation", "parts", args.output.unwritten()];
-    let mut validation = interrupt.compute(task, |progress, keep_running| {
-        progress(0, 1, "verdict");
-        validate(scene, keep_running)
+    let mut validation = interrupt.compute(task, |monitor| {
+        monitor.start(1, "verdict");
+        validate(scene, monitor.keep_running())
     })?;
     // The verdict is printed first, because the ladder takes longer.
     if !json {
@@ -93,9 +94,7 @@ pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let options = is_requested.then_some(LadderOptions { quick: args.quick, time_s });
     if let Some(options) = options {
         let task = ["the validation", "settings of its ladder", args.output.unwritten()];
-        interrupt.compute(task, |progress, keep_running| {
-            run_ladder(&mut validation, scene, options, progress, keep_running)
-        })?;
+        interrupt.compute(task, |monitor| run_ladder(&mut validation, scene, options, monitor))?;
     }
     let mut report = ValidationReport::new(scene, &validation, options);
     directory.write_with(|out| write_files(out, args, scene, &validation, &mut report, &interrupt))?;
@@ -173,7 +172,7 @@ fn record_run(
     let mut recorder = PlaybackRecorder::default();
     let limits = RunLimits { interrupt, until_s: f64::INFINITY, check_policy: CheckPolicy::IfCheap };
     let run = simulate(model, scene, Some(log), &limits, &mut recorder);
-    let summary = run.report;
+    let summary = report_of(model, scene, &run);
     match (&summary.error, interrupt.signal()) {
         (None, _) => {
             let result = run.log.and_then(|log| log.map_or(Ok(()), LogFile::commit));

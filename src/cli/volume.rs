@@ -11,7 +11,6 @@ use super::output::{OutputArgs, print_diagnostic, print_result, reserve, save};
 use super::parsers::{choice, limits, number, parse_threads, positive, quantity, rule};
 use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
-use super::study::compute;
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::page::{Note, volume_page};
@@ -121,7 +120,8 @@ pub(super) fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let interrupt = Interrupt::listen()?;
     let threads = if args.threads == 0 { all_cores() } else { args.threads };
     let start = Instant::now();
-    let volumes = compute("the study", &args.output, &interrupt, |monitor| volumes(&request, threads, monitor))?;
+    let task = ["the study", "parts", args.output.unwritten()];
+    let volumes = interrupt.compute(task, |monitor| volumes(&request, threads, monitor))?;
     let wall_s = start.elapsed().as_secs_f64();
     let mut report = VolumeReport::new(&request, &volumes);
     check_designs_exist(&report)?;

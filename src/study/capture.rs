@@ -13,9 +13,9 @@ use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
 use crate::grasp::{geometric_posture, run};
 use crate::scene::{Layer, Scene, SceneError, Side, parse_any, parse_layers};
 use crate::statics::{Blocked, GraspConfiguration, PerContact, gripper_closure};
+use crate::study::bisect;
 use crate::study::sweep::problem_messages;
-use crate::study::{KeepRunning, bisect};
-use crate::thesis::monitor::{Monitor, map};
+use crate::thesis::monitor::{Monitor, StudyError, map};
 use crate::trace::Model;
 use crate::units::{self, Dimension};
 
@@ -123,8 +123,8 @@ impl Serialize for Placement {
 pub enum CaptureError {
     #[error(transparent)]
     Scene(#[from] SceneError),
-    #[error("interrupted after {done} of {total} positions")]
-    Stopped { done: u64, total: u64 },
+    #[error(transparent)]
+    Stopped(#[from] StudyError),
 }
 
 /// Texts of a scene and additional settings.
@@ -154,18 +154,12 @@ impl SceneSource {
     }
 }
 
-/// Simulates all positions on all cores and locates the edges. `on_progress` is called with the number of finished
-/// positions and the total.
+/// Simulates all positions on all cores and locates the edges. The monitor counts the positions.
 ///
 /// # Errors
-/// Returns an error if the scene is invalid in the middle or at either end, or is not a gripper, or `keep_running`
-/// returned false.
-pub fn capture(
-    plan: Plan,
-    source: &SceneSource,
-    on_progress: &mut (dyn FnMut(u64, u64) + Send),
-    keep_running: KeepRunning<'_>,
-) -> Result<Capture, CaptureError> {
+/// Returns an error if the scene is invalid in the middle or at either end, or is not a gripper, or the monitor stops
+/// the study.
+pub fn capture(plan: Plan, source: &SceneSource, monitor: &Monitor<'_>) -> Result<Capture, CaptureError> {
     let middle = source.load_at_offset(&plan, 0.0)?;
     for end in [-plan.error_m, plan.error_m] {
         source.load_at_offset(&plan, end)?;
@@ -173,60 +167,64 @@ pub fn capture(
     let half = (plan.position_count / 2) as f64;
     let offsets: Vec<f64> =
         (0..plan.position_count).map(|index| plan.error_m * ((index as f64 - half) / half)).collect();
-    let monitor = Monitor::new(|done, total, _| on_progress(done as u64, total as u64), keep_running);
-    monitor.start(offsets.len(), "");
+    monitor.start(offsets.len(), "positions");
     let simulate = |offset_m: &f64| {
-        let placement = simulate_placement(&plan, *offset_m, source, keep_running).ok_or(())?;
-        monitor.advance(1, "");
-        Ok(placement)
+        let placement = simulate_placement(&plan, *offset_m, source, monitor)?;
+        monitor.advance(1, "positions");
+        Ok::<_, StudyError>(placement)
     };
-    let interrupted = || CaptureError::Stopped { done: monitor.done() as u64, total: offsets.len() as u64 };
-    let placements = map(0, &offsets, simulate).map_err(|()| interrupted())?;
+    let placements = map(0, &offsets, simulate)?;
     let middle_index = placements.len() / 2;
-    let outward = [placements[..=middle_index].iter().rev().collect(), placements[middle_index..].iter().collect()];
-    let edges = outward.map(|outward: Vec<&Placement>| find_edge(&plan, &outward, source, keep_running));
-    let captured_range = match (edges, placements[middle_index].is_captured()) {
-        (_, false) => None,
-        ([Some(left), Some(right)], true) => Some([left, right]),
-        _ => return Err(interrupted()),
-    };
+    let mut captured_range = None;
+    if placements[middle_index].is_captured() {
+        let left: Vec<&Placement> = placements[..=middle_index].iter().rev().collect();
+        let right: Vec<&Placement> = placements[middle_index..].iter().collect();
+        captured_range = Some([find_edge(&plan, &left, source, monitor)?, find_edge(&plan, &right, source, monitor)?]);
+    }
     Ok(Capture { scene: middle.name, plan, palm_width_m: middle.hand.palm_width_m, placements, captured_range })
 }
 
-/// Locates one edge of the captured range from placements ordered outward from the middle; `None` if interrupted.
-fn find_edge(plan: &Plan, outward: &[&Placement], source: &SceneSource, keep_running: KeepRunning<'_>) -> Option<Edge> {
+/// Locates one edge of the captured range from placements ordered outward from the middle, where the object is captured.
+fn find_edge(
+    plan: &Plan,
+    outward: &[&Placement],
+    source: &SceneSource,
+    monitor: &Monitor<'_>,
+) -> Result<Edge, StudyError> {
     let captured = outward.iter().take_while(|placement| placement.is_captured()).count();
-    let captured_m = captured.checked_sub(1).map_or(0.0, |last| outward[last].offset_m);
-    let Some(lost) = outward.get(captured).filter(|_| captured > 0) else {
-        return Some(Edge { captured_m, lost_m: None });
+    let captured_m = outward[captured - 1].offset_m;
+    let Some(lost) = outward.get(captured) else {
+        return Ok(Edge { captured_m, lost_m: None });
     };
     let next =
         |captured: f64, lost: f64| ((lost - captured).abs() > plan.tolerance_m).then_some(0.5 * (captured + lost));
-    let is_captured = |offset_m| Some(simulate_placement(plan, offset_m, source, keep_running)?.is_captured());
+    let is_captured =
+        |offset_m| Ok::<_, StudyError>(simulate_placement(plan, offset_m, source, monitor)?.is_captured());
     let [captured_m, lost_m] = bisect([captured_m, lost.offset_m], next, is_captured)?;
-    Some(Edge { captured_m, lost_m: Some(lost_m) })
+    Ok(Edge { captured_m, lost_m: Some(lost_m) })
 }
 
-/// Simulates the gripper with its object at an offset; `None` if it was interrupted.
+/// Simulates the gripper with its object at an offset.
 fn simulate_placement(
     plan: &Plan,
     offset_m: f64,
     source: &SceneSource,
-    keep_running: KeepRunning<'_>,
-) -> Option<Placement> {
+    monitor: &Monitor<'_>,
+) -> Result<Placement, StudyError> {
     let scene = match source.load_at_offset(plan, offset_m) {
         Ok(scene) => scene,
         Err(error) => {
-            return Some(Placement { offset_m, geometric_form_closed: None, outcome: Err(problem_messages(&error)) });
+            return Ok(Placement { offset_m, geometric_form_closed: None, outcome: Err(problem_messages(&error)) });
         }
     };
     let mut tracker = GraspTracker::for_scene(&scene);
-    let outcome = run(plan.model, &scene, &mut tracker, keep_running)?.and_then(|outcome| {
+    let outcome = run(plan.model, &scene, &mut tracker, monitor.keep_running()).ok_or_else(|| monitor.stopped())?;
+    let outcome = outcome.and_then(|outcome| {
         let criteria = tracker.criteria().ok_or("the run has no samples")?;
         let form_closed = is_form_closed(&scene, &outcome.last).filter(|_| criteria.fate == Fate::Held);
         Ok(RunOutcome { criteria, form_closed, steps: outcome.work.steps })
     });
-    Some(Placement { offset_m, geometric_form_closed: geometric_form_closed(&scene), outcome })
+    Ok(Placement { offset_m, geometric_form_closed: geometric_form_closed(&scene), outcome })
 }
 
 /// Form closure of the geometric grasp of the object at its initial position.

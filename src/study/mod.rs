@@ -51,14 +51,14 @@ fn constant_spring(finger: &HandFinger) -> Option<f64> {
 }
 
 /// Narrows a bracket of a value that passes and one that fails: tests the value that `next` returns for the bracket,
-/// until it returns `None`. Returns the bracket, or `None` if a test was interrupted.
-fn bisect(
+/// until it returns `None`. Returns the bracket, or the error of a test.
+fn bisect<E>(
     mut bracket: [f64; 2],
     next: impl Fn(f64, f64) -> Option<f64>,
-    mut passes: impl FnMut(f64) -> Option<bool>,
-) -> Option<[f64; 2]> {
+    mut passes: impl FnMut(f64) -> Result<bool, E>,
+) -> Result<[f64; 2], E> {
     while let Some(value) = next(bracket[0], bracket[1]) {
         bracket[usize::from(!passes(value)?)] = value;
     }
-    Some(bracket)
+    Ok(bracket)
 }

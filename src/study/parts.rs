@@ -23,6 +23,7 @@ use super::sweep::{
 };
 use crate::files::{FileKind, cannot_write, check_target, is_forced, is_special, replace_file};
 use crate::table::{self, Format, RowGroups, RowWriter, Value};
+use crate::thesis::Monitor;
 
 /// Keys of the metadata: [`PartInfo`] as JSON, and the checksum of the rows.
 const METADATA_KEYS: [&str; 2] = ["phalanx.part", "phalanx.checksum"];
@@ -259,19 +260,12 @@ pub struct MergeResult {
 /// study have the same bytes as those of an undivided sweep. The parts may be of different shard counts, as long as they
 /// contain every run exactly once.
 ///
-/// `keep_running` is polled after each row group and stops the merge when it returns false. `on_progress` is called
-/// with the number of rows written.
+/// The monitor counts the rows, and is asked after each row group whether to continue.
 ///
 /// # Errors
 /// Returns an error if a part is missing, damaged, duplicate or of another study; the output path is unusable or
 /// contains other data; writing failed; or the merge was interrupted. In all cases `out` is unchanged.
-pub fn merge(
-    study: &Study,
-    parts: &[PathBuf],
-    out: &Path,
-    keep_running: &dyn Fn() -> bool,
-    on_progress: &mut dyn FnMut(u64),
-) -> Result<MergeResult, ResultsError> {
+pub fn merge(study: &Study, parts: &[PathBuf], out: &Path, monitor: &Monitor<'_>) -> Result<MergeResult, ResultsError> {
     let format = table::format(out).map_err(refused)?;
     check_target(out, FileKind::Table).map_err(refused)?;
     if has_other_results(study, out)? {
@@ -283,17 +277,18 @@ pub fn merge(
     }
     let parts = complete_parts(study, parts)?;
     let (mut total, mut done) = (empty_summary(study)?, 0);
+    monitor.start(study.runs() as usize, "rows joined");
     let written = replace_file(out, |file| {
         let mut writer = RowWriter::new(file, format, &columns(study))?;
         for path in &parts {
             let copy = |part: Part| {
                 part.read(study, &mut total, |rows| {
-                    if !keep_running() {
+                    if !(monitor.keep_running())() {
                         return Err(ResultsError::Stopped { done, total: study.runs() });
                     }
                     let added = rows.iter().try_for_each(|row| writer.add(row));
                     done += rows.len() as u64;
-                    on_progress(done);
+                    monitor.advance(rows.len(), "rows joined");
                     added.map_err(|error| ResultsError::write_failed(out, &error))
                 })
             };
@@ -370,23 +365,4 @@ fn find_overlaps(parts: &[(Shard, PathBuf)]) -> Vec<String> {
         }
     }
     overlaps
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn finds_all_overlaps() {
-        let parts = |list: &[(u64, u64)]| -> Vec<(Shard, PathBuf)> {
-            let name = |shard: &Shard| PathBuf::from(format!("{}-of-{}", shard.number, shard.count));
-            let shards = list.iter().map(|&(number, count)| shard_range(100, number, count).expect("a valid part"));
-            shards.map(|shard| (shard, name(&shard))).collect()
-        };
-        assert_eq!(find_overlaps(&parts(&[(1, 2), (2, 2)])), [""; 0]);
-        assert_eq!(
-            find_overlaps(&parts(&[(1, 1), (3, 10), (7, 10)])),
-            ["1-of-1 and 3-of-10 both contain runs 21 to 30", "1-of-1 and 7-of-10 both contain runs 61 to 70"]
-        );
-    }
 }

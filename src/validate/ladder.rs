@@ -6,6 +6,7 @@ use super::configuration::{Cost, LadderRow, MAX_PREDICTED_STEPS, SolverConfigura
 use super::scenes::{compared_scene, modify, scene_sampled_at_steps};
 use super::validation::{SyncKeepRunning, Validation, ValidationError, compare_with_reference, worst_over_members};
 use crate::scene::{Preset, Scene};
+use crate::thesis::Monitor;
 use crate::trace::{Cancellable, KeepRunning, Model, RunError, run};
 
 /// Default time limit of a ladder, s: enough for all configurations of a finger except the shortest fixed steps.
@@ -30,21 +31,21 @@ pub struct LadderOptions {
 
 /// Adds the ladder to a validation: other configurations of both models, compared with the same references and timed,
 /// but not judged. They run sequentially, because their times are measured, in order of their predicted number of
-/// steps. `report_progress` receives the number of evaluated and of all configurations, and the family of the next.
+/// steps. The monitor counts the configurations and names the family of the current one.
 ///
 /// # Errors
-/// Returns an error if the scene's own configuration failed or `keep_running` returned false. A failure of any other
+/// Returns an error if the scene's own configuration failed or the monitor stops the ladder. A failure of any other
 /// configuration is reported in its row.
 pub fn run_ladder(
     validation: &mut Validation,
     full_scene: &Scene,
     options: LadderOptions,
-    report_progress: &mut dyn FnMut(usize, usize, &str),
-    keep_running: SyncKeepRunning,
+    monitor: &Monitor<'_>,
 ) -> Result<(), ValidationError> {
     let scene = &compared_scene(full_scene);
     let configurations = ladder_configurations(scene, options.quick);
-    let (total, start) = (configurations.len(), Instant::now());
+    let start = Instant::now();
+    monitor.start(configurations.len(), "");
     let scene_steps = validation.engine.outcome.work.steps;
     // The scene's own configuration and the reference are always run, because their times are always reported.
     let is_always_run = |it: &SolverConfiguration| it.is_from_scene || it.is_reference();
@@ -54,15 +55,16 @@ pub fn run_ladder(
     };
     let mut order: Vec<(usize, SolverConfiguration)> = configurations.into_iter().enumerate().collect();
     order.sort_by(|(_, a), (_, b)| steps(a).total_cmp(&steps(b)));
-    let mut rows = Vec::with_capacity(total);
+    let mut rows = Vec::with_capacity(order.len());
     // Wall time per step of the engine at the scene's settings.
     let mut step_wall_s = 0.0;
-    for (done, (index, configuration)) in order.into_iter().enumerate() {
-        report_progress(done, total, configuration.family.name());
+    for (index, configuration) in order {
+        let family = configuration.family.name();
+        monitor.advance(0, family);
         let remaining_s = options.time_s - start.elapsed().as_secs_f64();
         let has_time = remaining_s > 0.0 && steps(&configuration) * step_wall_s < remaining_s;
         let row = match is_always_run(&configuration) || has_time {
-            true => evaluate(configuration, scene, validation, options.quick, keep_running)?,
+            true => evaluate(configuration, scene, validation, options.quick, monitor.keep_running())?,
             false => {
                 let reason = "beyond the time limit of the ladder".to_string();
                 LadderRow::new(configuration, Status::NoTime, Some(reason))
@@ -72,6 +74,7 @@ pub fn run_ladder(
             step_wall_s = wall_s / steps.max(1) as f64;
         }
         rows.push((index, row));
+        monitor.advance(1, family);
     }
     rows.sort_by_key(|(index, _)| *index);
     validation.ladder = rows.into_iter().map(|(_, row)| row).collect();

@@ -7,6 +7,7 @@ use phalanx::criteria::Fate;
 use phalanx::scene::{self, Axis, Layer, Scene};
 use phalanx::statics::AccelerationLimit;
 use phalanx::study::hold::{Evaluation, Hold, HoldError, LoadCase, LoadResult, Loads, Plan, StartReason, hold};
+use phalanx::thesis::Monitor;
 use phalanx::trace::Model;
 
 use crate::support::cli::assert_contains;
@@ -33,12 +34,12 @@ fn pulses(directions: usize) -> Loads {
 
 #[track_caller]
 fn run_hold(scene: &Scene, plan: Plan) -> Hold {
-    hold(scene, plan, &mut |_, _| {}, &|| true).unwrap_or_else(|error| panic!("{}: {error}", scene.name))
+    hold(scene, plan, &Monitor::silent(&|| true)).unwrap_or_else(|error| panic!("{}: {error}", scene.name))
 }
 
 #[track_caller]
 fn hold_error(scene: &Scene, plan: Plan) -> HoldError {
-    hold(scene, plan, &mut |_, _| {}, &|| true).expect_err("an error")
+    hold(scene, plan, &Monitor::silent(&|| true)).expect_err("an error")
 }
 
 #[test]
@@ -173,8 +174,8 @@ fn errors_name_the_cause_and_a_remedy() {
     for max_calls in [0, 2000] {
         let calls = AtomicUsize::new(0);
         let keep_running = || calls.fetch_add(1, Ordering::Relaxed) < max_calls;
-        let stopped = hold(&gripper("hold", &[]), plan(pulses(2)), &mut |_, _| {}, &keep_running).expect_err("stopped");
-        assert!(matches!(stopped, HoldError::Stopped { .. }), "{stopped:?}");
+        let stopped = hold(&gripper("hold", &[]), plan(pulses(2)), &Monitor::silent(&keep_running));
+        assert!(matches!(stopped, Err(HoldError::Stopped(_))), "{stopped:?}");
     }
 }
 

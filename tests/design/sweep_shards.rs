@@ -14,6 +14,7 @@ use phalanx::study::parts::{merge, write_part};
 use phalanx::study::results::ResultsError;
 use phalanx::study::sweep::{Study, load, shard, summary};
 use phalanx::table::{self, Table};
+use phalanx::thesis::Monitor;
 
 const KEEP_RUNNING: &(dyn Fn() -> bool + Sync) = &|| true;
 
@@ -68,7 +69,8 @@ fn run_undivided(study: &str, directory: &Path) -> [(&'static str, [Vec<u8>; 2])
 fn assert_merges_to(study: &Study, parts: &[PathBuf], undivided: &[(&str, [Vec<u8>; 2])], directory: &Path) {
     for (format, expected) in undivided {
         let out = directory.join(format!("joined.{format}"));
-        let merged = merge(study, parts, &out, &|| true, &mut |_| ()).unwrap_or_else(|error| panic!("{error}"));
+        let merged =
+            merge(study, parts, &out, &Monitor::silent(KEEP_RUNNING)).unwrap_or_else(|error| panic!("{error}"));
         assert!(results(&out) == *expected, "{} parts: {format} differs", parts.len());
         assert_eq!((merged.summary.runs, merged.bytes), (study.runs(), expected[0].len() as u64));
         let all = summary(&table::read(&out).expect("a table"));
@@ -260,7 +262,7 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
     // The second part is replaced by parts of another study, model or version, and by damaged ones.
     let merge_with = |second: &Path| {
         let files: Vec<PathBuf> = [&[all[0], second], &all[2..]].concat().iter().map(PathBuf::from).collect();
-        merge(&study, &files, &out, &|| true, &mut |_| ()).map_err(|error| error.to_string())
+        merge(&study, &files, &out, &Monitor::silent(KEEP_RUNNING)).map_err(|error| error.to_string())
     };
     let with_second = |second: &Path, words: &[&str]| assert_contains(&merge_with(second).expect_err("refused"), words);
     let other = load(write_short_study_as(&strange, "other.toml", 104)).expect("a study");
@@ -322,7 +324,7 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
 
     // An interrupted merge leaves no file, and the parts are still valid.
     let before = names(&directory);
-    let interrupted = merge(&study, &parts, &out, &|| false, &mut |_| ());
+    let interrupted = merge(&study, &parts, &out, &Monitor::silent(&|| false));
     assert_eq!(interrupted, Err(ResultsError::Stopped { done: 0, total: 100 }));
     assert_eq!(names(&directory), before);
     assert_eq!(merge_with(all[1]).map(|merged| merged.summary.runs), Ok(100));

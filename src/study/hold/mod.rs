@@ -28,11 +28,10 @@ use std::f64::consts::TAU;
 use phalanx_show::format::object::Object;
 use serde::{Serialize, Serializer};
 
-use super::KeepRunning;
 use crate::criteria::{Fate, GraspTracker};
 use crate::grasp::run;
 use crate::scene::Scene;
-use crate::thesis::monitor::{Monitor, map};
+use crate::thesis::monitor::{Monitor, StudyError, map};
 use crate::trace::Model;
 use crate::units::MAX_TIME_S;
 
@@ -86,24 +85,15 @@ impl Serialize for Hold {
     }
 }
 
-/// Finds the limits of all kinds of load on the plan's number of threads. `progress` receives the completed and the
-/// total number of runs.
+/// Finds the limits of all kinds of load on the plan's number of threads. The monitor counts the runs.
 ///
 /// # Errors
-/// Returns an error if the scene does not hold its object, the loads are not possible, or `keep_running` returned
-/// `false`.
+/// Returns an error if the scene does not hold its object, the loads are not possible, or the monitor stops the study.
 ///
 /// # Panics
 /// Panics if the plan's scan has fewer than 2 loads.
-pub fn hold(
-    scene: &Scene,
-    plan: Plan,
-    progress: &mut (dyn FnMut(u64, u64) + Send),
-    keep_running: KeepRunning<'_>,
-) -> Result<Hold, HoldError> {
-    let monitor = Monitor::new(|done, total, _| progress(done as u64, total.max(done) as u64), keep_running);
-    let stopped = || HoldError::Stopped { done: monitor.done() as u64 };
-    let prepared = prepare::prepare(scene, &plan, keep_running)?;
+pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, HoldError> {
+    let prepared = prepare::prepare(scene, &plan, monitor)?;
     let cases = load_cases(&plan.loads);
     let latest_end_s =
         |peak_m_s2: f64| cases.iter().map(|case| case.load(&prepared.setup, peak_m_s2).end_s).fold(0.0, f64::max);
@@ -115,7 +105,7 @@ pub fn hold(
     let largest_loads = cases.iter().map(|case| prepare::largest_clear_load(&prepared, &plan, case));
     let largest_loads = largest_loads.collect::<Result<Vec<f64>, _>>()?;
     let unloaded = Load { motion: prepared.setup.prior_motion.clone(), end_s: latest_end_s(plan.to_m_s2) };
-    let unloaded = match simulate(plan.model, &prepared, unloaded, keep_running).ok_or_else(stopped)? {
+    let unloaded = match simulate(plan.model, &prepared, unloaded, monitor)? {
         Err(reason) => return Err(HoldError::Scene { reason }),
         Ok(outcome) if outcome.fate != Fate::Held || outcome.slip.displacement_m > plan.slip_m => {
             return Err(HoldError::SlipsUnloaded { start_s: prepared.setup.start_s, bound_m: plan.slip_m, outcome });
@@ -123,27 +113,27 @@ pub fn hold(
         Ok(outcome) => outcome,
     };
     let start = prepared.scene.with_palm_motion(Some(prepared.setup.prior_motion.clone()), prepared.setup.start_s);
-    let at_start = prepare::run_scene(plan.model, &start, &mut GraspTracker::for_scene(&start), keep_running)?.last;
+    let at_start = prepare::run_scene(plan.model, &start, &mut GraspTracker::for_scene(&start), monitor)?.last;
     let evaluate = |case: &LoadCase, peak_m_s2: f64| {
         let load = case.load(&prepared.setup, peak_m_s2);
-        let outcome = simulate(plan.model, &prepared, load, keep_running).ok_or(())?;
-        monitor.advance(1, "");
-        Ok(Evaluation { peak_m_s2, size: case.named_size(&prepared.setup, peak_m_s2), outcome })
+        let outcome = simulate(plan.model, &prepared, load, monitor)?;
+        monitor.advance(1, "runs");
+        Ok::<_, StudyError>(Evaluation { peak_m_s2, size: case.named_size(&prepared.setup, peak_m_s2), outcome })
     };
     let scan = |(case, to_m_s2): (&LoadCase, &f64)| {
         let loads = limit::geometric_loads(plan.from_m_s2, *to_m_s2, plan.scan).into_iter();
         loads.map(|load| (*case, load)).collect::<Vec<_>>()
     };
     let jobs: Vec<(LoadCase, f64)> = cases.iter().zip(&largest_loads).flat_map(scan).collect();
-    monitor.start(jobs.len(), "");
-    let scanned = map(plan.threads, &jobs, |(case, load)| evaluate(case, *load)).map_err(|()| stopped())?;
+    monitor.start(jobs.len(), "runs");
+    let scanned = map(plan.threads, &jobs, |(case, load)| evaluate(case, *load))?;
     let result = |((case, to_m_s2), evaluations): ((&LoadCase, f64), &[Evaluation])| {
         let static_limit = prepare::static_limit(&prepared, &at_start, case);
         LoadResult::new(*case, to_m_s2, static_limit).with_evaluations(evaluations.to_vec(), plan.slip_m)
     };
     let results: Vec<LoadResult> = cases.iter().zip(largest_loads).zip(scanned.chunks(plan.scan)).map(result).collect();
     let bisections: u64 = results.iter().map(|result| result.max_bisections(plan.tolerance)).sum();
-    monitor.start(jobs.len() + bisections as usize, "");
+    monitor.start(jobs.len() + bisections as usize, "runs");
     // Refines both limits by bisection to the plan's tolerance.
     let refine = |result: &LoadResult| {
         let mut result = result.clone();
@@ -151,9 +141,9 @@ pub fn hold(
             let evaluation = evaluate(&result.case, load)?;
             result = result.with_evaluations(vec![evaluation], plan.slip_m);
         }
-        Ok(result)
+        Ok::<_, StudyError>(result)
     };
-    let results = map(plan.threads, &results, refine).map_err(|()| stopped())?;
+    let results = map(plan.threads, &results, refine)?;
     let PreparedScene { setup, start_reason, .. } = prepared;
     Ok(Hold { scene: scene.name.clone(), plan, setup, start_reason, unloaded, results })
 }
@@ -173,18 +163,18 @@ fn load_cases(loads: &Loads) -> Vec<LoadCase> {
     }
 }
 
-/// Simulates the gripper under a motion of its palm and for [`SETTLING_S`] afterwards; `None` if interrupted. The error
-/// is the reason why the run was not completed.
+/// Simulates the gripper under a motion of its palm and for [`SETTLING_S`] afterwards. Returns the outcome, or the reason
+/// why the run was not completed.
 fn simulate(
     model: Model,
     prepared: &PreparedScene,
     load: Load,
-    keep_running: KeepRunning<'_>,
-) -> Option<Result<LoadOutcome, String>> {
+    monitor: &Monitor<'_>,
+) -> Result<Result<LoadOutcome, String>, StudyError> {
     let scene = prepared.scene.with_palm_motion(Some(load.motion), load.end_s + SETTLING_S);
     let mut tracker = GraspTracker::for_scene(&scene).with_motion_start(prepared.setup.start_s);
-    let outcome = run(model, &scene, &mut tracker, keep_running)?;
-    Some(outcome.and_then(|outcome| {
+    let outcome = run(model, &scene, &mut tracker, monitor.keep_running()).ok_or_else(|| monitor.stopped())?;
+    Ok(outcome.and_then(|outcome| {
         let criteria = tracker.criteria().ok_or("there is no sample")?;
         Ok(LoadOutcome {
             fate: criteria.fate,

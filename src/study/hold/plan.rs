@@ -2,6 +2,7 @@
 
 use crate::criteria::{Fate, Travel};
 use crate::scene::{Axis, WrongKind};
+use crate::thesis::StudyError;
 use crate::trace::Model;
 use crate::units::MAX_TIME_S;
 
@@ -137,6 +138,6 @@ pub enum HoldError {
          larger --from for --move, a shorter --pulse, or an earlier --at"
     )]
     TooLong { end_s: f64 },
-    #[error("interrupted after {done} runs")]
-    Stopped { done: u64 },
+    #[error(transparent)]
+    Stopped(#[from] StudyError),
 }

@@ -1,5 +1,7 @@
 //! Preparation of a scene for loads: start time, motion and fixed drives, and what limits the loads at their start.
 
+use std::convert::Infallible;
+
 use super::load::{Load, LoadCase, LoadSetup, moves_start, peak_acceleration, rescale};
 use super::plan::{HoldError, Loads, Plan};
 use crate::criteria::{DriveMode, Fate, GraspTracker, sampled_hand_at_rest};
@@ -8,7 +10,8 @@ use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::{Axis, Cycle, Motor, Move, ObjectMotion, PalmMotion, Profile, Scene};
 use crate::shape::support;
 use crate::statics::{AccelerationLimit, balanced_acceleration};
-use crate::study::{KeepRunning, bisect};
+use crate::study::bisect;
+use crate::thesis::Monitor;
 use crate::trace::{Event, Model, Outcome, RequiredData, Sample, Sink, SinkError};
 
 /// Speed below which an object counts as at rest in the hand, m/s: in a pulse of 40 ms it would creep by 40 µm.
@@ -42,9 +45,9 @@ pub(super) fn run_scene(
     model: Model,
     scene: &Scene,
     sink: &mut impl Sink,
-    keep_running: KeepRunning<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<Outcome, HoldError> {
-    let outcome = run(model, scene, sink, keep_running).ok_or(HoldError::Stopped { done: 0 })?;
+    let outcome = run(model, scene, sink, monitor.keep_running()).ok_or_else(|| monitor.stopped())?;
     outcome.map_err(|reason| HoldError::Scene { reason })
 }
 
@@ -60,12 +63,12 @@ fn standard_cycle() -> PalmMotion {
 }
 
 /// Finds the start time of the loads and prepares the scene for them.
-pub(super) fn prepare(scene: &Scene, plan: &Plan, keep_running: KeepRunning<'_>) -> Result<PreparedScene, HoldError> {
+pub(super) fn prepare(scene: &Scene, plan: &Plan, monitor: &Monitor<'_>) -> Result<PreparedScene, HoldError> {
     if scene.require_fingers(2)?.hand.grasped().motion == ObjectMotion::Fixed {
         return Err(HoldError::FixedObject);
     }
     let cycle = scene.cycle();
-    let (start_s, start_reason) = load_start(scene, plan, &cycle, keep_running)?;
+    let (start_s, start_reason) = load_start(scene, plan, &cycle, monitor)?;
     if let Some(release_s) = cycle.release_s.filter(|release_s| *release_s <= start_s) {
         return Err(HoldError::ReleasedBeforeLoad { start_s, release_s });
     }
@@ -117,7 +120,7 @@ fn load_start(
     scene: &Scene,
     plan: &Plan,
     cycle: &Cycle,
-    keep_running: KeepRunning<'_>,
+    monitor: &Monitor<'_>,
 ) -> Result<(f64, StartReason), HoldError> {
     if let Some(start_s) = plan.start_s {
         return Ok((start_s, StartReason::Requested));
@@ -133,7 +136,7 @@ fn load_start(
     let end_s = cycle.release_s.unwrap_or(scene.duration_s).min(scene.duration_s);
     let resting_scene = scene.with_palm_motion(None, end_s);
     let mut detector = RestDetector { tracker: GraspTracker::for_scene(&resting_scene), rest_start_s: None };
-    run_scene(plan.model, &resting_scene, &mut detector, keep_running)?;
+    run_scene(plan.model, &resting_scene, &mut detector, monitor)?;
     let criteria = match detector.tracker.criteria() {
         Some(criteria) if criteria.fate == Fate::Held => criteria,
         other => {
@@ -217,8 +220,8 @@ pub(super) fn largest_clear_load(prepared: &PreparedScene, plan: &Plan, case: &L
     }
     let next =
         |clear: f64, pressed: f64| (pressed - clear > CLEARANCE_TOLERANCE * clear).then(|| (clear * pressed).sqrt());
-    let bracket = bisect([smallest, plan.to_m_s2], next, |load| Some(is_clear(load)));
-    Ok(bracket.map_or(smallest, |[clear, _]| clear))
+    let Ok([clear, _]) = bisect::<Infallible>([smallest, plan.to_m_s2], next, |load| Ok(is_clear(load)));
+    Ok(clear)
 }
 
 /// Returns whether the object, fixed in the hand, stays clear of the table from the start of the load.
