@@ -1,6 +1,5 @@
 //! `phalanx replay --against`: compares two logs, with differences and plots.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use super::output::{FileKind, print_result, reserve, save};
@@ -219,12 +218,12 @@ fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> V
     if first == second {
         return Vec::new();
     }
-    let subjects = [&first, &second].map(Subjects::new);
+    let body = |schema: &Schema, name: &str| schema.bodies.iter().position(|body| body == name);
+    let contact = |schema: &Schema, name: &str| schema.contacts.iter().position(|contact| contact.name == name);
     let mut notes = Vec::new();
-    for ((schema, others), label) in [(&first, &subjects[1]), (&second, &subjects[0])].into_iter().zip(labels) {
-        let bodies = schema.bodies.iter().filter(|name| !others.bodies.contains_key(name.as_str()));
-        let contacts = schema.contacts.iter().map(|contact| &contact.name);
-        let contacts = contacts.filter(|name| !others.contacts.contains_key(name.as_str()));
+    for (own, other, label) in [(&first, &second, &labels[0]), (&second, &first, &labels[1])] {
+        let bodies = own.bodies.iter().filter(|name| body(other, name).is_none());
+        let contacts = own.contacts.iter().map(|contact| &contact.name).filter(|name| contact(other, name).is_none());
         for (part, names) in [("body", bodies.cloned().collect::<Vec<_>>()), ("contact", contacts.cloned().collect())] {
             if !names.is_empty() {
                 notes.push(format!("only {label} has the {part} {}", names.join(", ")));
@@ -232,41 +231,22 @@ fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> V
         }
     }
     let mut common = first.clone();
-    common.bodies.retain(|name| subjects[1].bodies.contains_key(name.as_str()));
-    common.contacts.retain(|contact| subjects[1].contacts.contains_key(contact.name.as_str()));
-    for ((schema, recording), subjects) in runs.iter_mut().zip(&subjects) {
-        let bodies: Vec<usize> = common.bodies.iter().map(|name| subjects.bodies[name.as_str()]).collect();
-        let contacts: Vec<usize> = common.contacts.iter().map(|each| subjects.contacts[each.name.as_str()]).collect();
-        let retain = |sample: &mut Sample| {
-            *sample = sample.select(&bodies, &contacts);
-        };
+    common.bodies.retain(|name| body(&second, name).is_some());
+    common.contacts.retain(|shared| contact(&second, &shared.name).is_some());
+    for (schema, recording) in runs {
+        let bodies: Vec<usize> = common.bodies.iter().filter_map(|name| body(schema, name)).collect();
+        let contacts: Vec<usize> = common.contacts.iter().filter_map(|each| contact(schema, &each.name)).collect();
+        let retain = |sample: &mut Sample| *sample = sample.select(&bodies, &contacts);
         recording.samples.iter_mut().for_each(retain);
         let outcome = &mut recording.outcome;
         retain(&mut outcome.last);
         outcome.contacts = contacts.iter().filter_map(|&k| outcome.contacts.get(k).copied()).collect();
-        let retained: HashMap<usize, usize> = contacts.iter().enumerate().map(|(index, &k)| (k, index)).collect();
         recording.events.retain_mut(|event| {
-            let index = retained.get(&event.contact);
-            event.contact = index.copied().unwrap_or(event.contact);
+            let index = contacts.iter().position(|&k| k == event.contact);
+            event.contact = index.unwrap_or(event.contact);
             index.is_some()
         });
         *schema = common.clone();
     }
     notes
-}
-
-/// Indices of the bodies and contacts of a log, by name.
-struct Subjects<'a> {
-    bodies: HashMap<&'a str, usize>,
-    contacts: HashMap<&'a str, usize>,
-}
-
-impl<'a> Subjects<'a> {
-    fn new(schema: &'a Schema) -> Self {
-        let contacts = schema.contacts.iter().map(|contact| contact.name.as_str());
-        Subjects {
-            bodies: schema.bodies.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect(),
-            contacts: contacts.enumerate().map(|(index, name)| (name, index)).collect(),
-        }
-    }
 }
