@@ -98,33 +98,3 @@ pub(crate) fn parse_threads(text: &str) -> Result<usize, String> {
     let threads = text.parse().ok().filter(|threads| *threads <= MAX_THREADS);
     threads.ok_or_else(|| format!("expected a number of threads from 1 to {MAX_THREADS}, or 0 for all cores"))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn messages_name_what_is_allowed_and_an_example() {
-        let length = positive(Dimension::Length, "a length such as \"3.5 mm\"");
-        let odd = number(|value: &usize| value % 2 == 1, "an odd number, such as 15");
-        let factor = number(|value: &f64| *value > 0.0, "factors above 0, such as 0.5");
-        let factors = limits("two factors, such as 0.5,1", factor.clone());
-        assert_eq!((length(" 3.5 mm"), odd("15"), factor("0.5")), (Ok(3.5e-3), Ok(15), Ok(0.5)));
-        assert_eq!((factors("0.25, 1"), parse_threads("2"), parse_threads("0")), (Ok([0.25, 1.0]), Ok(2), Ok(0)));
-        for (error, message) in [
-            (length("0 mm").err(), "more than 0; expected a length such as \"3.5 mm\""),
-            (length("-1 mm").err(), "more than 0"),
-            (length("3").err(), "no unit; expected"),
-            (length("1 deg").err(), "is an angle; expected"),
-            (odd("4").err(), "expected an odd number"),
-            (odd("x").err(), "expected an odd number"),
-            (factor("nan").err(), "expected factors above 0"),
-            (count(1..=360, "8")("0").err(), "expected a number from 1 to 360, such as 8"),
-            (factors("2,1").err(), "greater than the second; expected two factors"),
-            (factors("1").err(), "1 value was given; expected two factors"),
-            (parse_threads("-1").err(), "expected a number of threads from 1"),
-        ] {
-            assert!(error.as_ref().is_some_and(|error| error.contains(message)), "{message}: {error:?}");
-        }
-    }
-}

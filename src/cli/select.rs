@@ -196,25 +196,3 @@ fn parse_weights(text: &str) -> Result<Weights, String> {
         false => Err(format!("all weights are 0; {expected}")),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parses_and_checks_bounds_and_weights() {
-        let expected = Bound { column: "mass_kg".to_string(), side: Side::AtMost, value: 0.024 };
-        assert_eq!(parse_bound("mass_kg<=0.024"), Ok(expected.clone()));
-        assert_eq!(parse_bound(" mass_kg  <= 24e-3 "), Ok(expected));
-        assert_eq!(parse_bound("pfp_n>=-1").map(|bound| (bound.side, bound.value)), Ok((Side::AtLeast, -1.0)));
-        for text in ["mass_kg", "mass_kg<0.1", "<=3", "mass_kg<=", "mass_kg<=24 g", "a>=1<=2", "mass_kg<=nan"] {
-            assert!(parse_bound(text).is_err_and(|error| error.contains("such as")), "{text}");
-        }
-        assert_eq!(parse_weights("tts=2, pfp=1"), Ok(PerTerm([1.0, 2.0, 0.0, 0.0])));
-        for (text, message) in
-            [("tts", "such as"), ("tts=-1", "-1"), ("tts=1,tts=2", "twice"), ("mass=1", "no term"), ("tts=0", "all")]
-        {
-            assert!(parse_weights(text).is_err_and(|error| error.contains(message)), "{text}");
-        }
-    }
-}

@@ -119,7 +119,14 @@ fn empty_selection_is_status_1_and_bad_input_status_2() {
         (vec!["select", &file, "--max-tts", "8"], "unit"),
         (vec!["select", &file, "--max-tts", "0 s"], "more than 0"),
         (vec!["select", &file, "--bound", "weight_kg <= 1"], "weight_kg"),
+        (vec!["select", &file, "--bound", "mass_kg<0.1"], "such as \"mass_kg <= 0.024\""),
+        (vec!["select", &file, "--bound", "a>=1<=2"], "such as \"mass_kg <= 0.024\""),
+        (vec!["select", &file, "--bound", "mass_kg <= nan"], "such as \"mass_kg <= 0.024\""),
         (vec!["select", &file, "--weights", "pfp=0"], "all weights are 0"),
+        (vec!["select", &file, "--weights", "tts"], "such as pfp=2"),
+        (vec!["select", &file, "--weights", "tts=-1"], "the weight of tts is -1"),
+        (vec!["select", &file, "--weights", "tts=1,tts=2"], "tts is given twice"),
+        (vec!["select", &file, "--weights", "mass=1"], "no term `mass`"),
         (vec!["select", &file, "--ranking", "best.txt"], ".parquet"),
     ] {
         assert_rejected(&args, &[message]);

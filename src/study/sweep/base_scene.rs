@@ -177,11 +177,4 @@ mod tests {
             .expect("TOML");
         assert_eq!(text.parse::<Table>().expect("TOML"), expected, "{text}");
     }
-
-    #[test]
-    fn merge_replaces_single_fields() {
-        let mut base: Table = "a = 1\nt.x = 1\nt.y = 2\n".parse().expect("TOML");
-        merge(&mut base, "b = 2\nt.y = 3\nu.z = 4\n".parse().expect("TOML"));
-        assert_eq!(base, "a = 1\nb = 2\nt.x = 1\nt.y = 3\nu.z = 4\n".parse().expect("TOML"));
-    }
 }

@@ -193,30 +193,6 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_described_by_shards() {
-        let gap = |first, last, first_shard, last_shard, shard_count| Gap {
-            first,
-            last,
-            first_shard,
-            last_shard,
-            shard_count,
-        };
-        let all: Vec<(u64, u64)> = (1..=7).map(|number| (number, 7)).collect();
-        for (runs, parts, expected) in [
-            (100, &[(1, 3), (2, 3), (3, 3)][..], vec![]),
-            (100, &[(3, 3), (1, 3)], vec![gap(34, 66, 2, 2, 3)]),
-            (100, &[(9, 10)], vec![gap(1, 80, 1, 8, 10), gap(91, 100, 10, 10, 10)]),
-            // The gap from a third to a half is the third sixth.
-            (100, &[(1, 3), (2, 2)], vec![gap(34, 50, 3, 3, 6)]),
-            // More parts than runs: the parts without runs leave no gap.
-            (3, &all, vec![]),
-            (3, &[], vec![gap(1, 3, 1, 1, 1)]),
-        ] {
-            assert_eq!(find_gaps(runs, &shards(runs, parts)), expected, "{parts:?}");
-        }
-    }
-
-    #[test]
     fn shards_of_gaps_contain_exactly_the_missing_runs() {
         for runs in [1, 2, 10, 97, 1000] {
             for (a, b) in [(1, 1), (2, 3), (7, 11), (13, 4), (200, 3)] {
