@@ -100,15 +100,9 @@ fn is_own_parquet(path: &Path) -> bool {
     reader.is_some_and(|reader| reader.metadata().file_metadata().schema().name() == "phalanx")
 }
 
-/// Whether files of other programs are replaced too; set once, before a command starts.
-static FORCE: AtomicBool = AtomicBool::new(false);
+/// Whether files of other programs are replaced too (`--force`); set once, before a command starts.
+pub(crate) static FORCE: AtomicBool = AtomicBool::new(false);
 
-/// Allows the replacement of files that phalanx did not write (`--force`).
-pub(crate) fn set_force() {
-    FORCE.store(true, Ordering::Relaxed);
-}
-
-/// Whether [`set_force`] was called.
 pub(crate) fn is_forced() -> bool {
     FORCE.load(Ordering::Relaxed)
 }
@@ -116,8 +110,8 @@ pub(crate) fn is_forced() -> bool {
 /// Checks that a file of this kind can be written to a path, without changing an existing file.
 ///
 /// # Errors
-/// Returns an error if the path cannot be written, or contains a file of another kind or of another program. Such a
-/// file is accepted after [`set_force`].
+/// Returns an error if the path cannot be written, or contains a file of another kind or of another program, unless
+/// [`FORCE`] is set.
 pub(crate) fn check_target(path: &Path, kind: FileKind) -> Result<(), String> {
     let checked = check_writable(path).and_then(|()| check_replaceable(path, kind, "name"));
     checked.map_err(|reason| cannot_write(path, reason))
@@ -182,13 +176,13 @@ pub(crate) fn replace_file(
     fill: impl FnOnce(&mut (dyn Write + Send)) -> io::Result<()>,
 ) -> io::Result<()> {
     let mut file = NewFile::create(path)?;
-    fill(&mut file)?;
+    fill(&mut file.out)?;
     file.commit()
 }
 
 /// A file that replaces an existing one when it is complete; see [`replace_file`].
 pub(crate) struct NewFile {
-    out: BufWriter<File>,
+    pub out: BufWriter<File>,
     /// The temporary file and its target; `None` for devices and pipes.
     replacement: Option<(tempfile::TempPath, PathBuf)>,
 }
@@ -209,16 +203,6 @@ impl NewFile {
         let Some((temporary, target)) = self.replacement else { return Ok(()) };
         self.out.get_ref().sync_all()?;
         temporary.persist(target).map_err(|error| error.error)
-    }
-}
-
-impl Write for NewFile {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.out.write(bytes)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.out.flush()
     }
 }
 

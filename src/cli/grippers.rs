@@ -45,7 +45,7 @@ pub(crate) struct CaptureArgs {
     max_error_m: f64,
 
     /// Number of object positions over the whole range; must be odd, to include the middle
-    #[arg(long = "places", value_name = "COUNT", value_parser = number(is_odd, POSITIONS), default_value = "15")]
+    #[arg(long = "places", value_name = "COUNT", value_parser = number(|count: &usize| (3..=1001).contains(count) && count % 2 == 1, POSITIONS), default_value = "15")]
     position_count: usize,
 
     /// Tolerance of the edges of the captured range, with its unit
@@ -64,10 +64,6 @@ pub(crate) struct CaptureArgs {
 const LENGTH: &str = "a length such as \"0.5 mm\"";
 const POSITIONS: &str = "an odd number from 3 to 1001, such as 15";
 
-fn is_odd(count: &usize) -> bool {
-    (3..=1001).contains(count) && count % 2 == 1
-}
-
 impl From<CaptureError> for Failure {
     fn from(error: CaptureError) -> Self {
         match error {
@@ -77,7 +73,6 @@ impl From<CaptureError> for Failure {
     }
 }
 
-/// Runs `phalanx capture`.
 pub(super) fn run_capture(args: &CaptureArgs) -> Result<Status, Failure> {
     let error_m = args.max_error_m;
     // Other kinds of scene are rejected before any directory is created.
@@ -208,7 +203,6 @@ impl From<HoldError> for Failure {
     }
 }
 
-/// Runs `phalanx hold`.
 pub(super) fn run_hold(args: &HoldArgs) -> Result<Status, Failure> {
     let scene = args.set.load_any(&args.scene)?;
     let scene = require_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml")

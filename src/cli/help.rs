@@ -23,7 +23,6 @@ pub(crate) struct CompletionsArgs {
     shell: Shell,
 }
 
-/// Runs `phalanx completions`.
 pub(super) fn run_completions(args: &CompletionsArgs) -> Result<Status, Failure> {
     let mut command = Cli::command();
     let name = command.get_name().to_string();
@@ -44,7 +43,6 @@ pub(crate) struct ManArgs {
     dir: Option<PathBuf>,
 }
 
-/// Runs `phalanx man`.
 pub(super) fn run_man(args: &ManArgs) -> Result<Status, Failure> {
     let pages = pages().map_err(|error| Failure::incomplete(format!("cannot write the pages: {error}")))?;
     let Some(dir) = &args.dir else {
@@ -70,7 +68,6 @@ fn pages() -> io::Result<Vec<(String, String)>> {
     Ok(pages)
 }
 
-/// Adds the pages of a command and its subcommands.
 fn add_pages(command: &Command, pages: &mut Vec<(String, String)>) -> io::Result<()> {
     let name = command.get_display_name().unwrap_or_else(|| command.get_name()).to_string();
     let mut page = Vec::new();

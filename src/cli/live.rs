@@ -43,18 +43,21 @@ pub(crate) struct LiveArgs {
 }
 
 /// Server for one run.
-pub(crate) struct Live {
+pub(crate) struct Live<'a> {
     server: Server,
+    args: &'a LiveArgs,
     speed: f64,
-    waits_for_client: bool,
-    keeps_serving: bool,
-    /// Returns whether the command was interrupted.
-    stop: Box<dyn Fn() -> bool>,
+    interrupt: &'a Interrupt,
 }
 
 impl LiveArgs {
     /// Starts the server if requested and prints its address to stderr.
-    pub(super) fn start(&self, scene: &str, duration_s: f64, interrupt: &Interrupt) -> Result<Option<Live>, Failure> {
+    pub(super) fn start<'a>(
+        &'a self,
+        scene: &str,
+        duration_s: f64,
+        interrupt: &'a Interrupt,
+    ) -> Result<Option<Live<'a>>, Failure> {
         let Some(address) = &self.live else { return Ok(None) };
         let server =
             Server::start(address, &format!("phalanx: {scene}"), &self.live_origin).map_err(|error| match error {
@@ -64,35 +67,29 @@ impl LiveArgs {
         let speed = self.live_speed.unwrap_or(duration_s / DEFAULT_WALL_S);
         let wall_time = format_duration(duration_s / speed);
         print_note(&format!("live: {} shows {} in {wall_time}", server.url(), format_duration(duration_s)));
-        Ok(Some(Live {
-            server,
-            speed,
-            waits_for_client: self.live_wait,
-            keeps_serving: self.live_keep,
-            stop: Box::new(interrupt.stop_flag()),
-        }))
+        Ok(Some(Live { server, args: self, speed, interrupt }))
     }
 }
 
-impl Live {
+impl Live<'_> {
     /// Returns the feed that receives the messages of the log writer.
-    pub(super) fn feed(&self, interrupt: &Interrupt) -> Box<dyn MessageFeed> {
-        self.server.feed(RealTimePacer::new(self.speed), interrupt.stop_flag())
+    pub(super) fn feed(&self) -> Box<dyn MessageFeed> {
+        self.server.feed(RealTimePacer::new(self.speed), self.interrupt.stop_flag())
     }
 
     /// Waits for a first client if requested. The channels must already exist.
     pub(super) fn wait_for_client(&self) {
-        if self.waits_for_client {
+        if self.args.live_wait {
             print_note("live: waits for a client");
-            self.server.wait_for_client(&self.stop);
+            self.server.wait_for_client(|| !self.interrupt.keep_running());
         }
     }
 
     /// Stops the server, after serving the last state until an interrupt if requested. The log must be finished.
     pub(super) fn finish(self) {
-        if self.keeps_serving && !(self.stop)() {
+        if self.args.live_keep && self.interrupt.keep_running() {
             print_note("live: the run is over; its last state is served until Ctrl-C");
-            self.server.serve_last_state(&self.stop);
+            self.server.serve_last_state(|| !self.interrupt.keep_running());
         }
         self.server.finish();
     }

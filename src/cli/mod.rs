@@ -37,12 +37,14 @@ use std::any::TypeId;
 use std::fmt::Display;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::atomic::Ordering;
 
 use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use crate::files::FORCE;
 use crate::scene::error::shortened;
 use crate::scene::{SceneError, closest_match};
 
@@ -178,12 +180,8 @@ pub fn main() -> ExitCode {
     progress::fail_writes_beyond_file_limit();
     let matches = build_command().try_get_matches().unwrap_or_else(|error| exit_with_error(suggest_subcommand(error)));
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| exit_with_error(error));
-    if cli.quiet {
-        output::set_quiet();
-    }
-    if cli.force {
-        crate::files::set_force();
-    }
+    output::QUIET.store(cli.quiet, Ordering::Relaxed);
+    FORCE.store(cli.force, Ordering::Relaxed);
     let status = cli.command.run().unwrap_or_else(|failure| {
         output::print_diagnostic(&failure.message);
         failure.status

@@ -29,7 +29,7 @@ impl LiveArgs {
 }
 
 impl Live {
-    pub(super) fn feed(&self, _: &Interrupt) -> Box<dyn MessageFeed> {
+    pub(super) fn feed(&self) -> Box<dyn MessageFeed> {
         match *self {}
     }
 

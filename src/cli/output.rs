@@ -19,7 +19,7 @@ use crate::files::{
     JSON_MARK, MARKDOWN_MARK, TEXT_MARK, cannot_write, check_result_file, check_target, refer_to_same_file,
     replace_file,
 };
-use crate::format::{Report, ToReport, is_unsafe_char};
+use crate::format::{Report, ToReport, escape_chars, is_unsafe_char};
 use crate::log::{ensure_replaceable, partial_name};
 use crate::scene::error::shortened;
 use crate::study::results::companion_files;
@@ -48,31 +48,15 @@ impl OutputArgs {
 }
 
 /// Whether only results, warnings and errors are printed; set once, before the command starts.
-static QUIET: AtomicBool = AtomicBool::new(false);
-
-/// Disables progress and notes.
-pub(crate) fn set_quiet() {
-    QUIET.store(true, Ordering::Relaxed);
-}
+pub(super) static QUIET: AtomicBool = AtomicBool::new(false);
 
 pub(crate) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Escapes control characters that a terminal would interpret, because names in scenes and logs are untrusted. The
-/// escapes are those of JSON, so a JSON document remains valid.
-pub(crate) fn escape_unsafe_chars(text: &str) -> Cow<'_, str> {
-    if !text.contains(is_unsafe_char) {
-        return Cow::Borrowed(text);
-    }
-    let mut escaped = String::with_capacity(text.len() + 16);
-    for c in text.chars() {
-        match is_unsafe_char(c) {
-            true => escaped.push_str(&format!("\\u{:04x}", u32::from(c))),
-            false => escaped.push(c),
-        }
-    }
-    Cow::Owned(escaped)
+/// Escapes control characters that a terminal would interpret, because names in scenes and logs are untrusted.
+fn escape_unsafe_chars(text: &str) -> Cow<'_, str> {
+    escape_chars(text, is_unsafe_char)
 }
 
 /// Whether standard output was writable when the process started. Before `main`, Rust replaces a closed standard output
@@ -161,7 +145,6 @@ pub(crate) type Target<'a> = (&'a str, Option<&'a Path>, FileKind);
 /// A directory, and the names of files to write in it; `*` matches any text.
 pub(crate) type Directory<'a> = (Option<&'a Path>, &'a [&'a str]);
 
-/// No directory.
 pub(crate) const NO_DIRECTORY: Directory<'static> = (None, &[]);
 
 /// Checks the targets of a command and opens its output directory.
@@ -275,30 +258,11 @@ pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
         Some("txt") => format!("{TEXT_MARK}{}", escape_unsafe_chars(text)).into(),
         Some("md") => format!("{MARKDOWN_MARK}{}", escape_unsafe_chars(text)).into(),
         Some("json") => escape_unsafe_chars(text).replacen('{', JSON_MARK, 1).into(),
-        _ => std::borrow::Cow::Borrowed(text),
+        _ => Cow::Borrowed(text),
     };
     replace_file(path, |out| out.write_all(text.as_bytes())).map_err(|error| write_failure(path, error))
 }
 
-/// Returns the failure of a file that cannot be written.
 pub(super) fn write_failure(path: &Path, error: impl Display) -> Failure {
     Failure::incomplete(cannot_write(path, error))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn control_characters_are_escaped() {
-        assert!(matches!(escape_unsafe_chars("µ: 1 mm\n\tfine"), Cow::Borrowed(_)));
-        assert_eq!(
-            escape_unsafe_chars("a\u{1b}[31m\r\u{7f}\u{9b}2J\u{202e}z"),
-            "a\\u001b[31m\\u000d\\u007f\\u009b2J\\u202ez"
-        );
-        // Escaping does not change the contents of a JSON document.
-        let document = serde_json::to_string(&"\u{1b}\u{9b}\u{202e}").expect("JSON");
-        let read: String = serde_json::from_str(&escape_unsafe_chars(&document)).expect("still JSON");
-        assert_eq!(read, "\u{1b}\u{9b}\u{202e}");
-    }
 }

@@ -206,7 +206,6 @@ pub(crate) struct ExploreArgs {
     module: Option<PathBuf>,
 }
 
-/// Runs `phalanx explore`.
 pub(super) fn explore(args: &ExploreArgs) -> Result<Status, Failure> {
     let start = load_initial_scene(args)?;
     let (module_path, module) = read_module(args.module.as_deref())?;
@@ -260,7 +259,6 @@ fn split_setting(line: &str) -> Option<(String, String)> {
     Some((path.to_string(), value.to_string()))
 }
 
-/// Returns the path and the bytes of the module.
 fn read_module(module_arg: Option<&Path>) -> Result<(PathBuf, Vec<u8>), Failure> {
     let from_environment = || env::var_os(MODULE_VARIABLE).filter(|name| !name.is_empty()).map(PathBuf::from);
     let beside_program = || env::current_exe().ok().map(|program| program.with_file_name(MODULE_FILE));

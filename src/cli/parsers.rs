@@ -60,7 +60,6 @@ pub(crate) fn choice<T: Clone + Send + Sync + 'static, const N: usize>(
     })
 }
 
-/// Returns the parser of simulation models.
 pub(crate) fn model() -> impl TypedValueParser<Value = Model> {
     choice([
         (
@@ -72,7 +71,6 @@ pub(crate) fn model() -> impl TypedValueParser<Value = Model> {
     ])
 }
 
-/// Returns the parser of sizing rules.
 pub(crate) fn rule() -> impl TypedValueParser<Value = Rule> {
     choice([
         ("rigid", "RMS of the net motor torque until the proximal contact", Rule::Rigid),

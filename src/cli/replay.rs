@@ -19,7 +19,6 @@ use crate::report::replay::{VerificationReport, scene_in_log};
 use crate::scene::Scene;
 use crate::trace::RunError;
 
-/// Runs `phalanx replay`.
 pub(super) fn run(args: &ReplayArgs) -> Result<Status, Failure> {
     let interrupt = Interrupt::listen()?;
     match &args.against {
@@ -107,7 +106,6 @@ fn verify_log(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failur
     Ok(if is_identical && is_complete { status } else { Status::CheckFailed })
 }
 
-/// Returns the scene and the settings of a log.
 fn load_scene_and_settings(path: &Path, head: &LogSummary) -> Result<(Scene, Settings), Failure> {
     let bad_input = |reason: String| Failure::bad_input(format!("{}: {reason}", path.display()));
     let logged_settings = settings(&head.metadata).map_err(|error| bad_input(error.to_string()))?;

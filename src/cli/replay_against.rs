@@ -16,7 +16,6 @@ use crate::validate::{Angle, Recording, compare};
 /// Files in the output directory.
 const FILES: [&str; 5] = ["report.txt", "report.json", "page.html", "overlay.svg", "difference.svg"];
 
-/// Runs `phalanx replay --against`.
 pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Result<Status, Failure> {
     let paths = [args.log.as_path(), other];
     let mut logs = [LogReader::new(paths[0], interrupt)?, LogReader::new(paths[1], interrupt)?];
@@ -89,7 +88,6 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
     Ok(if statuses == [Status::Done; 2] { Status::Done } else { Status::CheckFailed })
 }
 
-/// Builds the page of both logs.
 fn build_page(logs: [LogReader<'_>; 2], report: &LogComparisonReport) -> Result<String, Failure> {
     let [(first, description), (second, _)] = logs.each_ref().map(LogReader::name_and_description);
     let title = if first == second { first } else { format!("{first} and {second}") };

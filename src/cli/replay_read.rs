@@ -70,20 +70,15 @@ pub(super) struct LogReader<'a> {
     pub schema: Schema,
     pub recording: Option<Recording>,
     observer: LogObserver,
-    page: Option<PageRecorder>,
+    /// Scene of the page, if one was requested.
+    page_scene: Option<Scene>,
+    /// Records the page in bounded memory; samples of long runs are decimated.
+    page: Option<PlaybackRecorder>,
     pub table: Option<SampleTable>,
     value_count: usize,
     progress: Progress,
     duration_s: f64,
     interrupt: &'a Interrupt,
-}
-
-/// Records a log for a page in bounded memory; samples of long runs are decimated.
-struct PageRecorder {
-    scene: Scene,
-    recorder: Box<PlaybackRecorder>,
-    /// Whether the schema of the samples matches the scene.
-    matches_scene: bool,
 }
 
 impl<'a> LogReader<'a> {
@@ -99,6 +94,7 @@ impl<'a> LogReader<'a> {
             summary,
             recording: None,
             observer,
+            page_scene: None,
             page: None,
             table: None,
             value_count: 0,
@@ -129,7 +125,7 @@ impl<'a> LogReader<'a> {
             }
             None => return Err(self.nothing_to_draw("the part of the log with its scene is lost")),
         };
-        self.page = Some(PageRecorder { scene, recorder: Box::default(), matches_scene: true });
+        (self.page_scene, self.page) = (Some(scene), Some(PlaybackRecorder::default()));
         Ok(())
     }
 
@@ -170,13 +166,13 @@ impl<'a> LogReader<'a> {
 
     /// Returns the name and description of the scene of the page.
     pub(super) fn name_and_description(&self) -> (String, String) {
-        self.page.as_ref().map(|page| (page.scene.name.clone(), page.scene.description.clone())).unwrap_or_default()
+        self.page_scene.as_ref().map(|scene| (scene.name.clone(), scene.description.clone())).unwrap_or_default()
     }
 
     /// Returns the run for its page, which must have been requested.
     pub(super) fn into_playback(mut self, label: &str, summary: impl Into<Report>) -> Result<Playback, Failure> {
-        match self.page.take().filter(|page| page.matches_scene) {
-            Some(page) => Ok(page.recorder.into_playback(label, &page.scene, summary)),
+        match self.page.take().zip(self.page_scene.as_ref()) {
+            Some((page, scene)) => Ok(page.into_playback(label, scene, summary)),
             None => Err(self.nothing_to_draw("the samples do not match the scene in the log")),
         }
     }
@@ -189,18 +185,14 @@ impl<'a> LogReader<'a> {
             false => Ok(()),
         }
     }
-
-    fn matching_page(&mut self) -> Option<&mut PlaybackRecorder> {
-        self.page.as_mut().filter(|page| page.matches_scene).map(|page| &mut *page.recorder)
-    }
 }
 
 impl LogSink for LogReader<'_> {
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         self.schema = schema.clone();
         self.table.iter_mut().for_each(|table| table.set_schema(schema));
-        if let Some(page) = &mut self.page {
-            page.matches_scene = schema.has_subjects_of(&page.scene);
+        if self.page_scene.as_ref().is_some_and(|scene| !schema.has_subjects_of(scene)) {
+            self.page = None;
         }
         self.observer.schema(schema)
     }
@@ -215,14 +207,14 @@ impl LogSink for LogReader<'_> {
         self.table.sample(sample)?;
         self.recording.sample(sample)?;
         self.observer.sample(sample)?;
-        self.matching_page().map_or(Ok(()), |page| page.sample(sample))
+        self.page.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.count_values(8)?;
         self.recording.event(event)?;
         self.observer.event(event)?;
-        self.matching_page().map_or(Ok(()), |page| page.event(event))
+        self.page.event(event)
     }
 }
 

@@ -143,7 +143,6 @@ impl Overrides {
     }
 }
 
-/// Runs `phalanx run`.
 pub(super) fn run(args: &RunArgs) -> Result<Status, Failure> {
     if args.watch { args.page.ensure_watchable().and_then(|()| watch(args)) } else { run_once(args, true) }
 }
@@ -198,7 +197,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let page = args.page.prepare(first)?;
     let interrupt = Interrupt::listen()?;
     let live = args.live.start(name, duration_s, &interrupt)?;
-    let log = create_log(args, scene, live.as_ref(), &interrupt)?;
+    let log = create_log(args, scene, live.as_ref())?;
     let table = args.csv.as_deref().map(SampleTable::create).transpose()?;
     let mut outputs = Outputs { recorder: page.as_ref().map(|_| PlaybackRecorder::default()), table };
     outputs.table.iter_mut().for_each(|table| table.set_schema(&Schema::from_scene(scene)));
@@ -259,16 +258,11 @@ impl Sink for Outputs {
 }
 
 /// Creates the log of a run if it is written to a file or streamed.
-fn create_log(
-    args: &RunArgs,
-    scene: &Scene,
-    live: Option<&Live>,
-    interrupt: &Interrupt,
-) -> Result<Option<FileWriter>, Failure> {
+fn create_log(args: &RunArgs, scene: &Scene, live: Option<&Live>) -> Result<Option<FileWriter>, Failure> {
     if args.log.is_none() && live.is_none() {
         return Ok(None);
     }
-    let feed = live.map(|live| live.feed(interrupt));
+    let feed = live.map(Live::feed);
     let run_info = run_info(scene, &args.scene, args.model.name());
     let log = log::create_with_feed(args.log.as_deref(), &run_info, feed)?;
     if let Some(live) = live {
@@ -277,7 +271,6 @@ fn create_log(
     Ok(Some(log))
 }
 
-/// Returns the exit status according to the errors of the run and its log.
 fn exit_status(
     args: &RunArgs,
     duration_s: f64,

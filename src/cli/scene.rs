@@ -19,17 +19,6 @@ use crate::scene::{self, HandFinger, ObjectMotion, Scene, Side};
 use crate::shape::{self, Shape};
 use crate::trace::{Model, Simulation};
 
-/// A working gripper scene; comments explain the choices that most grippers need.
-const SCENE: &str = include_str!("new.toml");
-/// A working mechanism: the finger of scenes/mechanisms/f85-finger.toml.
-const MECHANISM: &str = include_str!("../../scenes/mechanisms/f85-finger.toml");
-/// A finger with a tendon: scenes/mechanisms/tendon-finger.toml.
-const TENDON: &str = include_str!("../../scenes/mechanisms/tendon-finger.toml");
-/// A gripper whose fingers have two pivots on the palm: scenes/mechanisms/two-pivot.toml.
-const TWO_PIVOT: &str = include_str!("../../scenes/mechanisms/two-pivot.toml");
-/// Two jaws on sliders: scenes/mechanisms/jaws.toml.
-const JAW: &str = include_str!("../../scenes/mechanisms/jaws.toml");
-
 /// Write a commented scene file as a starting point for your own gripper or mechanism; it runs without changes.
 #[derive(Debug, Args)]
 #[command(
@@ -57,7 +46,6 @@ enum NewKind {
     Jaw,
 }
 
-/// Runs `phalanx new`.
 pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
     let path = args.file.display();
     let bad_input = |reason: &str, advice: &str| Failure::bad_input(format!("cannot write {path}: {reason}; {advice}"));
@@ -71,11 +59,18 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
             },
         )?;
     let (text, content) = match args.kind {
-        NewKind::Gripper => (SCENE, "one finger of a gripper; the other finger is its mirror image"),
-        NewKind::Mechanism => (MECHANISM, "a mechanism, a finger with a loop"),
-        NewKind::TwoPivot => (TWO_PIVOT, "a mechanism, a gripper whose fingers have two pivots each"),
-        NewKind::Tendon => (TENDON, "a mechanism, a finger that a tendon closes"),
-        NewKind::Jaw => (JAW, "a mechanism, two jaws on sliders"),
+        NewKind::Gripper => (include_str!("new.toml"), "one finger of a gripper; the other finger is its mirror image"),
+        NewKind::Mechanism => {
+            (include_str!("../../scenes/mechanisms/f85-finger.toml"), "a mechanism, a finger with a loop")
+        }
+        NewKind::TwoPivot => (
+            include_str!("../../scenes/mechanisms/two-pivot.toml"),
+            "a mechanism, a gripper whose fingers have two pivots each",
+        ),
+        NewKind::Tendon => {
+            (include_str!("../../scenes/mechanisms/tendon-finger.toml"), "a mechanism, a finger that a tendon closes")
+        }
+        NewKind::Jaw => (include_str!("../../scenes/mechanisms/jaws.toml"), "a mechanism, two jaws on sliders"),
     };
     if let Err(error) = file.write_all(text.as_bytes()).and_then(|()| file.sync_all()) {
         let _ = fs::remove_file(&args.file);
@@ -83,7 +78,7 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
     }
     let figure = match args.kind {
         NewKind::Gripper => format!("draw its symbols:   phalanx scene show {path} --figure FILE.svg\n"),
-        NewKind::Mechanism | NewKind::TwoPivot | NewKind::Tendon | NewKind::Jaw => String::new(),
+        _ => String::new(),
     };
     print(&format!(
         "wrote {path}: a commented scene of {content}\n\
@@ -144,7 +139,6 @@ pub(crate) enum SceneCommand {
     Schema,
 }
 
-/// Runs `phalanx scene`.
 pub(super) fn run(command: &SceneCommand) -> Result<Status, Failure> {
     match command {
         SceneCommand::Schema => print(&scene::schema()),
@@ -190,7 +184,6 @@ fn check(files: &[PathBuf], set: &SetArgs) -> Result<Status, Failure> {
     Ok(Status::BadInput)
 }
 
-/// Draws the linkage of a finger with its symbols.
 fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
     let scene = set.load_any(path)?;
     let bad_input = |advice: &str| {
@@ -216,7 +209,6 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
     print(&format!("wrote {figure_name}: the linkage of {} with its symbols\n", scene.name))
 }
 
-/// Summarizes a scene in one line.
 fn summarize(scene: &Scene) -> String {
     let summary = match (&scene.mechanism, scene.finger_count()) {
         (Some(mechanism), _) => summarize_mechanism(mechanism),
@@ -272,18 +264,15 @@ fn summarize_gripper(scene: &Scene) -> String {
     format!("{fingers}; {}", parts.join("; "))
 }
 
-/// Formats the initial angles of a finger.
 fn format_start(HandFinger { initial, .. }: &HandFinger) -> String {
     format!("starts at q11 {:.2}°, q21 {:.2}°", initial.q11_rad.to_degrees(), initial.q21_rad.to_degrees())
 }
 
-/// Formats the dimensions of a shape.
 fn format_size(shape: &Shape) -> String {
     let sizes = shape::dimensions(shape).map(|(name, size_m)| format!("{:.1} mm in {name}", size_m * 1e3));
     sizes.collect::<Vec<_>>().join(" and ")
 }
 
-/// Formats the lengths and the mass of a finger.
 fn format_lengths(finger: &Finger) -> String {
     let l = &finger.lengths;
     let [l11, l12, l21, l22, t22] = [l.l11_m, l.l12_m, l.l21_m, l.l22_m, l.t22_m].map(|length| length * 1e3);

@@ -93,7 +93,6 @@ pub(crate) struct SelectArgs {
 /// Accepted values in messages.
 const COUNT: &str = "a number of runs, 0 or more, such as 10";
 
-/// Runs `phalanx select`.
 pub(super) fn run(args: &SelectArgs) -> Result<Status, Failure> {
     if let Some(path) = &args.ranking {
         table::format(path).map_err(Failure::bad_input)?;
@@ -116,7 +115,6 @@ pub(super) fn run(args: &SelectArgs) -> Result<Status, Failure> {
     Ok(if selection.ranking.is_empty() { Status::CheckFailed } else { Status::Done })
 }
 
-/// Builds the criteria from the arguments.
 fn build_criteria(args: &SelectArgs) -> SelectionCriteria {
     let pfp_n = if args.no_pfp { None } else { Some(args.min_pfp.unwrap_or(0.0)) };
     let flags = [

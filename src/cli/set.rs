@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::scene::{self, Layer, Scene, SceneError, Template};
+use crate::scene::{self, Layer, Scene, SceneError};
 
 /// Fields of the scene that override its file.
 #[derive(Debug, Default, Args)]
@@ -20,20 +20,10 @@ impl SetArgs {
         scene::load_any_with(path, &self.set)
     }
 
-    /// Loads the scene of a finger and applies these fields.
-    pub(super) fn load(&self, path: &Path) -> Result<Scene, SceneError> {
-        scene::parse_layers(&scene::load_layers(path)?, &self.set, scene::parse)
-    }
-
     /// Parses the text of a shipped scene and applies these fields.
     pub(super) fn parse_any(&self, text: &str, file: &str) -> Result<Scene, SceneError> {
         let shipped = Layer { file: file.to_string(), text: text.to_string() };
         scene::parse_layers(&[shipped], &self.set, scene::parse_any)
-    }
-
-    /// Loads the template that all designs of a study share and applies these fields.
-    pub(super) fn load_template(&self, path: &Path) -> Result<Template, SceneError> {
-        scene::parse_layers(&scene::load_layers(path)?, &self.set, scene::parse_template)
     }
 }
 

@@ -154,7 +154,7 @@ impl Sink for SampleTable {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         let out: &mut dyn Write = match &mut self.out {
             TableOutput::Stdout(out) => out,
-            TableOutput::File(file) => file,
+            TableOutput::File(file) => &mut file.out,
         };
         let header = if self.has_header { Ok(()) } else { csv_head(out, &self.channels) };
         self.has_header = true;

@@ -17,7 +17,7 @@ use crate::grasp::mechanism::{MechanismGraspError, MechanismGraspRequest, mechan
 use crate::plot;
 use crate::report::statics::{GripperStaticsReport, MechanismStaticsReport, StaticsReport};
 use crate::report::studies::sizing_csv;
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use crate::sizing::Rule;
 use crate::statics::StaticsError;
 use crate::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
@@ -59,9 +59,8 @@ pub(crate) struct SizeArgs {
     output: OutputArgs,
 }
 
-/// Runs `phalanx size`.
 pub(super) fn run_size(args: &SizeArgs) -> Result<Status, Failure> {
-    let scene = args.set.load(&args.scene)?;
+    let scene = scene::parse_layers(&scene::load_layers(&args.scene)?, &args.set.set, scene::parse)?;
     let files = ["size.txt", "size.json", "size.csv", "trajectory.svg", "springs.svg", "spring-types.svg"];
     let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
     let defaults = SizingOptions::default();
@@ -181,7 +180,6 @@ impl GripperArgs {
     }
 }
 
-/// Runs `phalanx statics`.
 pub(super) fn run_statics(args: &StaticsArgs) -> Result<Status, Failure> {
     let svg = ("--svg", args.svg.as_deref(), FileKind::Picture);
     reserve(&[("the scene", &source_files(&args.scene))], &[svg], NO_DIRECTORY)?;

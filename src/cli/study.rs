@@ -118,7 +118,6 @@ const STEPS: &str = "times such as \"100 us, 10 us\"";
 const STIFFNESS: &str = "factors above 0, such as 0.01,1,100";
 const DAMPING: &str = "factors of 0 or more, such as 0,1,10";
 
-/// Runs `phalanx study`.
 pub(super) fn run(command: &StudyCommand) -> Result<Status, Failure> {
     match command {
         StudyCommand::Stability(args) => run_stability(args),
@@ -200,7 +199,6 @@ pub(crate) struct ReproduceArgs {
     threads: usize,
 }
 
-/// Runs `phalanx reproduce`.
 pub(super) fn run_reproduce(args: &ReproduceArgs) -> Result<Status, Failure> {
     let directory = reserve(&[], &[], (args.output.out.as_deref(), &FILES))?;
     let start = Instant::now();

@@ -147,7 +147,6 @@ impl From<StudyError> for Failure {
     }
 }
 
-/// Runs `phalanx sweep`.
 pub(super) fn run(args: &SweepArgs) -> Result<Status, Failure> {
     if let Some(SweepCommand::Merge(args)) = &args.command {
         return run_merge(args);
@@ -192,7 +191,6 @@ fn load(file: &Path, model: Option<Model>, check: bool) -> Result<Study, Failure
     Ok(study)
 }
 
-/// Performs the missing runs and returns all results.
 fn run_missing(
     args: &SweepArgs,
     study: &Study,
@@ -228,7 +226,6 @@ fn run_missing(
     Ok((store.finish(study)?, work))
 }
 
-/// Runs `phalanx sweep --shard`.
 fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: &Path) -> Result<Status, Failure> {
     let shard = shard(study, number, count).map_err(Failure::bad_input)?;
     let mut counts = RowCounts::default();
@@ -252,7 +249,6 @@ fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: 
     print_result(&report, args.json)
 }
 
-/// Runs `phalanx sweep merge`.
 fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
     let study = load(&args.study, args.model, args.check)?;
     let parts = part_files(&args.parts)?;

@@ -72,7 +72,6 @@ impl From<ValidationError> for Failure {
     }
 }
 
-/// Runs `phalanx validate`.
 pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     let scene = &args.set.load_any(&args.scene)?;
     let OutputArgs { out, json } = &args.output;

@@ -14,7 +14,7 @@ use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
 use crate::format::ToReport;
 use crate::page::{Note, volume_page};
-use crate::scene::Template;
+use crate::scene::{self, Template};
 use crate::sizing::Rule;
 use crate::table::{self, Column, Kind, Table, Value};
 use crate::thesis::monitor::all_cores;
@@ -112,7 +112,6 @@ const RATIOS: &str = "two numbers above 0, such as 0.333,0.667";
 /// Files in the output directory.
 const FILES: [&str; 6] = ["table.txt", "table.json", "points.csv", "points.parquet", "page.html", "slices-*.svg"];
 
-/// Runs `phalanx volume`.
 pub(super) fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let request = build_request(args)?;
     let inputs = args.scene.as_deref().map(source_files).unwrap_or_default();
@@ -152,11 +151,10 @@ fn check_designs_exist(report: &VolumeReport) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Builds the request from the arguments.
 fn build_request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
     let defaults = VolumeRequest::thesis();
     let template = match &args.scene {
-        Some(path) => args.set.load_template(path)?,
+        Some(path) => scene::parse_layers(&scene::load_layers(path)?, &args.set.set, scene::parse_template)?,
         None if args.set.set.is_empty() => defaults.template,
         None => {
             return Err(Failure::bad_input(

@@ -216,7 +216,6 @@ impl Server {
     }
 }
 
-/// Converts an error of binding to an address.
 fn bind_error(address: &str, host: &str, port: u16, error: &io::Error) -> LiveError {
     let address = address.to_string();
     match error.kind() {

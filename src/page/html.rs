@@ -1,7 +1,7 @@
 //! Assembles a page from assets, texts and data; escapes all input.
 
 use super::{Note, Page, Picture};
-use crate::format::{Report, escape_markup, is_unsafe_char};
+use crate::format::{Report, escape_chars, escape_markup, is_unsafe_char};
 use crate::plot::theme::variables;
 use phalanx_show::playback::json;
 
@@ -109,17 +109,8 @@ fn fill_template(template: &str, fields: &[(&str, String)]) -> String {
 
 /// Escapes JSON for a script element: it cannot contain the end of the element or the start of a comment.
 fn escape_for_script(json: &str) -> String {
-    let mut out = String::with_capacity(json.len());
-    for c in json.chars() {
-        match c {
-            // JSON allows other characters above 127 unescaped.
-            c if matches!(c, '<' | '>' | '&') || is_unsafe_char(c) || c.is_control() => {
-                out.push_str(&format!("\\u{:04x}", u32::from(c)));
-            }
-            other => out.push(other),
-        }
-    }
-    out
+    // JSON allows other characters above 127 unescaped.
+    escape_chars(json, |c| matches!(c, '<' | '>' | '&') || is_unsafe_char(c) || c.is_control()).into_owned()
 }
 
 fn description_html(text: &str) -> String {

@@ -6,11 +6,6 @@
 //! Samples equal those of the run (of its log) to the bit: each column is a little-endian `Float64Array` in base64. A
 //! run of more than [`MAX_SAMPLES`] is decimated; extremes and the samples around events are retained, and the page
 //! states this. Between two samples, the page interpolates with a cubic where rates are known, and linearly otherwise.
-//!
-//! | file | job |
-//! |---|---|
-//! | `explorer`, `presets` | the page that simulates in the browser, its scenes, its WebAssembly module as text |
-//! | `html` | JSON, texts, pictures and the `assets` → the file; also pages of grasp-state volumes and of a report |
 
 mod explorer;
 mod html;

@@ -69,22 +69,15 @@ pub(crate) fn standalone_text(scene: &Scene, file_text: &str) -> String {
 
 /// Returns the scenes that a shipped scene extends, then the scene.
 fn scene_layers(file: &str, text: &str) -> Vec<Layer> {
-    let mut layers = vec![Layer { file: file.to_string(), text: text.to_string() }];
+    let layer = |file: &str, text: &str| Layer { file: file.to_string(), text: text.to_string() };
+    let mut layers = vec![layer(file, text)];
     while let Some((base, _)) = scene::extended(&layers[0].text) {
-        let base = resolve_relative(&layers[0].file, &base);
-        let Some((file, text)) = SHIPPED_SCENES.iter().find(|(file, _)| *file == base) else { break };
-        layers.insert(0, Layer { file: (*file).to_string(), text: (*text).to_string() });
+        // No two shipped scenes have the same file name.
+        let is_base = |file: &str| Path::new(file).file_name() == Path::new(&base).file_name();
+        let Some((file, text)) = SHIPPED_SCENES.iter().find(|(file, _)| is_base(file)) else { break };
+        layers.insert(0, layer(file, text));
     }
     layers
-}
-
-/// Resolves `relative` against the folder of `file`, which is `scenes` or a folder in it.
-fn resolve_relative(file: &str, relative: &str) -> String {
-    match (relative.strip_prefix("../"), file.split_once('/')) {
-        (Some(in_parent), _) => in_parent.to_string(),
-        (None, Some((folder, _))) => format!("{folder}/{relative}"),
-        (None, None) => relative.to_string(),
-    }
 }
 
 #[cfg(test)]

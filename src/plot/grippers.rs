@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 use super::canvas::{Marker, THIN_LINE};
 use super::chart::{Axis, PlotPoint, Series, series_chart};
 use super::theme::{BLUE, Colour, GREEN, ORANGE, SERIES, SOFT};
-use crate::criteria::Fate;
 use crate::scene;
 use crate::statics::AccelerationLimit;
 use crate::study::capture::{Capture, Placement};
@@ -18,8 +17,7 @@ const HEIGHT: f64 = 560.0;
 
 /// Draws the results of a capture study; objects that do not move are on the grey line.
 pub fn capture(found: &Capture) -> String {
-    let ended =
-        |placement: &Placement| placement.outcome.as_ref().ok().map(|found| found.criteria.end.centre_m[0] * 1e3);
+    let ended = |placement: &Placement| placement.x_m.map(|x_m| x_m * 1e3);
     let reach = found.plan.error_m * 1e3;
     let captured = found.placements.iter().filter(|placement| placement.is_captured());
     let x = Axis::from_range("object at the start, mm from the middle", -1.1 * reach, 1.1 * reach);
@@ -29,13 +27,11 @@ pub fn capture(found: &Capture) -> String {
     series.extend(edges.map(|lost_m| Series::vertical(ORANGE, lost_m * 1e3)));
     let has_edges = series.len() > 1;
     series.extend(found.placements.iter().map(|placement| {
-        let (marker, colour, text) = match &placement.outcome {
-            Ok(found) if found.criteria.fate == Fate::Held => match found.form_closed {
-                Some(true) => (Marker::Circle, GREEN, "held, form-closed"),
-                _ => (Marker::Circle, BLUE, "held"),
-            },
-            Ok(_) => (Marker::Cross, ORANGE, "not held"),
-            Err(_) => (Marker::Cross, SOFT, "simulation not completed"),
+        let (marker, colour, text) = match placement.form_closed {
+            Some(true) => (Marker::Circle, GREEN, "held, form-closed"),
+            _ if placement.is_captured() => (Marker::Circle, BLUE, "held"),
+            _ if placement.fate.is_some() => (Marker::Cross, ORANGE, "not held"),
+            _ => (Marker::Cross, SOFT, "simulation not completed"),
         };
         // Positions outside of the picture are clamped to its edge.
         Series::new(marker, colour, [(placement.offset_m * 1e3, ended(placement).unwrap_or(0.0))]).named(text)
@@ -55,7 +51,6 @@ pub fn hold(found: &Hold) -> String {
     }
 }
 
-/// A limit of a load.
 type LimitOf = fn(&LoadResult) -> Limit;
 
 /// Draws the largest acceleration held in each direction as a polar plot.

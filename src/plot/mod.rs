@@ -1,12 +1,5 @@
 //! Pictures of validations and studies as SVG text; equal figures give equal bytes. The drawing primitives and the
 //! pictures of a grasp at rest are in `phalanx_show::plot`.
-//!
-//! | file | job |
-//! |---|---|
-//! | `runs` | two runs over time and their difference; wall time against error of all evaluated settings |
-//! | `selection` | results of a selection by criterion, class, force and variable |
-//! | `grippers` | captured objects; loads that a gripper holds |
-//! | `linkage` | drawing of a finger with the symbols of scenes and results |
 
 mod grippers;
 mod linkage;

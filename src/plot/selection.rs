@@ -10,7 +10,7 @@ use super::canvas::{
 use super::chart::{self, Panel, Series, panel_chart};
 use super::svg::{Paint, Pixel, Svg};
 use super::theme::{AMBER, BLUE, Colour, GREEN, INK, NEUTRAL, ORANGE, PALE_BLUE, PAPER, PURPLE, SOFT, VERDICTS};
-use crate::format::{ColumnFormat, condition_name, criterion_name, percent_of};
+use crate::format::{ColumnFormat, percent_of};
 use crate::study::select::{Axis, Candidate, Selection, Verdict};
 use crate::table::{Table, Value};
 
@@ -101,7 +101,7 @@ fn criterion_cell(verdicts: &[Verdict], row: usize) -> usize {
 /// Draws the effect of each criterion on the runs: a row for each criterion, a cell for each design, a block for each
 /// condition.
 fn criteria(title: &str, selection: &Selection) -> String {
-    let block = CONDITION_HEIGHT + ROW_HEIGHT * selection.criteria.len() as f64 + MARKER_ROW_HEIGHT;
+    let block = CONDITION_HEIGHT + ROW_HEIGHT * selection.tallies.len() as f64 + MARKER_ROW_HEIGHT;
     let footer_top = KEY_HEIGHT + block * selection.conditions.len() as f64;
     let designs = design_numbers(selection);
     picture(&format!("{title}: runs removed by each criterion"), TITLE_HEIGHT + footer_top + 52.0, |svg| {
@@ -136,7 +136,7 @@ fn cell_centre(designs: &[i64], design: i64) -> Option<f64> {
 /// Draws the rows of one condition.
 fn criteria_of(svg: &mut Svg, selection: &Selection, designs: &[i64], condition: usize) {
     let edge = WIDTH - 20.0;
-    text_right_of(svg, &condition_name(&selection.conditions[condition]), [16.0, 0.5 * CONDITION_HEIGHT], 15.0, INK);
+    text_right_of(svg, &selection.conditions[condition].name(), [16.0, 0.5 * CONDITION_HEIGHT], 15.0, INK);
     text_left_of(svg, "left", [edge, 0.5 * CONDITION_HEIGHT], TEXT_SIZE, SOFT);
     // Index of the run of each design.
     let mut runs = vec![None; designs.len()];
@@ -145,18 +145,18 @@ fn criteria_of(svg: &mut Svg, selection: &Selection, designs: &[i64], condition:
             runs[design_index] = Some(index);
         }
     }
-    for (row, criterion) in selection.criteria.iter().enumerate() {
+    for (row, tally) in selection.tallies.iter().enumerate() {
         let y = CONDITION_HEIGHT + ROW_HEIGHT * row as f64;
         let cells: Vec<usize> =
             runs.iter().map(|run| run.map_or(4, |run: usize| criterion_cell(&selection.verdicts[run], row))).collect();
         strip(svg, [[CRITERION_WIDTH, y], [CRITERIA_END, y + ROW_HEIGHT - 6.0]], &cells, &CELLS);
-        let label = truncated(&criterion_name(criterion), TEXT_SIZE, CRITERION_WIDTH - 24.0);
+        let label = truncated(&tally.criterion.name(), TEXT_SIZE, CRITERION_WIDTH - 24.0);
         let middle = y + 0.5 * ROW_HEIGHT - 3.0;
         text_left_of(svg, &label, [CRITERION_WIDTH - 10.0, middle], TEXT_SIZE, INK);
         let left = cells.iter().filter(|&&cell| cell == 0).count();
         text_left_of(svg, &left.to_string(), [edge, middle], TEXT_SIZE, INK);
     }
-    let y = CONDITION_HEIGHT + ROW_HEIGHT * selection.criteria.len() as f64 + 6.0;
+    let y = CONDITION_HEIGHT + ROW_HEIGHT * selection.tallies.len() as f64 + 6.0;
     text_left_of(svg, "selected", [CRITERION_WIDTH - 10.0, y], TEXT_SIZE, GREEN);
     // At most one marker per pixel.
     let mut marked = BTreeSet::new();
@@ -241,7 +241,7 @@ fn sorted_by(svg: &mut Svg, selection: &Selection, scheme: &Scheme, (index, axis
     let is_grouped = axis.values.len() <= MAX_GROUPS;
     for (condition, condition_entry) in selection.conditions.iter().enumerate() {
         let y = VARIABLE_HEIGHT + (BAND_HEIGHT + SHARE_HEIGHT) * condition as f64;
-        let name = truncated(&condition_name(condition_entry), TEXT_SIZE, CONDITION_WIDTH - 24.0);
+        let name = truncated(&condition_entry.name(), TEXT_SIZE, CONDITION_WIDTH - 24.0);
         text_left_of(svg, &name, [CONDITION_WIDTH - 10.0, y + 0.5 * BAND_HEIGHT], TEXT_SIZE, INK);
         let of_condition = selection.runs.iter().filter(|run| run.condition == condition);
         let mut runs: Vec<(usize, &Candidate)> =
@@ -294,7 +294,6 @@ fn number(value: &Value) -> f64 {
     value.as_number().unwrap_or(f64::INFINITY)
 }
 
-/// Rank of a value in the order.
 fn rank(order: &[Value], value: &Value) -> usize {
     if order.len() > MAX_GROUPS {
         return order.partition_point(|other| number(other) < number(value));
@@ -344,7 +343,7 @@ fn forces(title: &str, selection: &Selection) -> String {
     let mut entries: Vec<LegendEntry> = Vec::new();
     for (index, condition) in selection.conditions.iter().enumerate().take(COLOURS.len()) {
         let (marker, colour) = style(index);
-        entries.push((marker, colour, condition_name(condition)));
+        entries.push((marker, colour, condition.name()));
     }
     if selection.conditions.len() > COLOURS.len() {
         entries.push((Marker::SmallDot, SOFT, "others".to_string()));

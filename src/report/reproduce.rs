@@ -7,11 +7,11 @@ use serde::Serialize;
 
 use super::sweep::SelectionReport;
 use crate::check::Check;
-use crate::format::{ColumnFormat, Report, ToReport, condition_name, criterion_name};
+use crate::format::{ColumnFormat, Report, ToReport};
 use crate::plot;
 use crate::scene;
-use crate::study::select::{Candidate, Ranked, Selection, SelectionCriteria, Tally, select};
-use crate::study::sweep::{self, Status, Study};
+use crate::study::select::{Candidate, Condition, Ranked, Selection, SelectionCriteria, Tally, select};
+use crate::study::sweep::{self, Row, Status, Study};
 use crate::table::{Table, Value};
 use crate::thesis::reproduce::{self, RankedRun, Reproduction, Run, STEPS, Simulations};
 use crate::thesis::{Monitor, StudyError};
@@ -62,15 +62,15 @@ pub fn reproduce(quick: bool, threads: usize, monitor: &Monitor) -> Result<Repro
     // The reproduction checks the runs later, because it needs the runs of the checks.
     study.checked = false;
     let mut rows = Vec::new();
-    let collect = |row| {
-        rows.push(row);
+    let collect = |row: Row| {
+        rows.push(row.cells);
         true
     };
     let ran = sweep::run_while(&study, threads, 1..=study.runs(), &HashSet::new(), monitor.keep_running(), collect);
     if !ran.complete {
         return Err(monitor.stopped());
     }
-    let mut results = sweep::table(&study, &rows);
+    let mut results = sweep::sorted_table(&study, rows);
     let selection = select(&results, &SelectionCriteria::default()).map_err(failed)?;
     let simulations = simulations(&study, &results, &selection)?;
     let chosen = scene::parse(CHOSEN, "experiment-95.toml").map_err(failed)?;
@@ -112,7 +112,7 @@ fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<
     };
     let criterion = |tally: &Tally| {
         let counts = [tally.holds, tally.removed(), tally.remaining, tally.removed_alone];
-        (criterion_name(&tally.criterion), counts)
+        (tally.criterion.name(), counts)
     };
     let of_design = selection.axes.iter().enumerate().filter(|(_, axis)| !axis.varies_within_design);
     let axes: Vec<_> = of_design.map(|(index, axis)| (index, ColumnFormat::for_column(&axis.column))).collect();
@@ -123,7 +123,7 @@ fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<
     };
     Ok(Simulations {
         runs: selection.runs.iter().map(run).collect::<Result<_, _>>()?,
-        conditions: selection.conditions.iter().map(condition_name).collect(),
+        conditions: selection.conditions.iter().map(Condition::name).collect(),
         mass_kg: extremes("mass_kg")?,
         trajectory_rad: extremes("trajectory_rad")?,
         criteria: selection.tallies.iter().map(criterion).collect(),

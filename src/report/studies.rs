@@ -7,7 +7,6 @@ use super::named::Object;
 use super::rows_csv;
 use super::samples::cell;
 use super::tables::milliseconds;
-use crate::criteria::GraspCriteria;
 use crate::format::format_duration;
 use crate::format::numbers::{G_M_S2, format_number, or_dash, row, zero_below_resolution};
 use crate::format::report::{Report, Table, ToReport, table};
@@ -33,26 +32,25 @@ impl ToReport for Capture {
             row(["x, mm", "at start", "", "x, mm", "y, mm", "mm/s", "ms", "mm", "at the end"]),
         ];
         let length = |value: Option<f64>| or_dash(value, resolved_mm);
-        for Placement { offset_m, geometric_form_closed, outcome } in &self.placements {
-            let found = outcome.as_ref().ok().map(|found| &found.criteria);
+        for found in &self.placements {
             rows.push(row([
-                &signed_mm(*offset_m),
-                yes_or_no(*geometric_form_closed),
-                found.map_or("failed", |found| found.fate.name()),
-                &or_dash(found, |found| signed_mm(found.end.centre_m[0])),
-                &length(found.map(|found| found.end.centre_m[1])),
-                &length(found.map(GraspCriteria::end_speed_m_s)),
-                &milliseconds(found.and_then(|found| found.tts_s)),
-                &length(found.and_then(|found| Some(found.slip?.displacement_m))),
-                yes_or_no(outcome.as_ref().ok().and_then(|found| found.form_closed)),
+                &signed_mm(found.offset_m),
+                yes_or_no(found.geometric_form_closed),
+                found.fate.unwrap_or("failed"),
+                &or_dash(found.x_m, signed_mm),
+                &length(found.y_m),
+                &length(found.speed_m_s),
+                &milliseconds(found.tts_s),
+                &length(found.slip.map(|slip| slip.displacement_m)),
+                yes_or_no(found.form_closed),
             ]));
         }
         text.push(Table::new(&rows).header_rows(2));
         for line in [captured_range(self), centring(self), form_closure(self)] {
             text.push(Report::paragraph(&format!("\n{line}\n")));
         }
-        for Placement { offset_m, outcome, .. } in &self.placements {
-            if let Err(reason) = outcome {
+        for Placement { offset_m, reason, .. } in &self.placements {
+            if let Some(reason) = reason {
                 text.push_str(&format!("at {} mm: {reason}\n", signed_mm(*offset_m)));
             }
         }
@@ -91,8 +89,7 @@ fn captured_range(study: &Capture) -> String {
 
 fn centring(study: &Capture) -> String {
     let held = study.placements.iter().filter(|placement| placement.is_captured() && placement.offset_m != 0.0);
-    let ends =
-        held.filter_map(|it| Some((it.offset_m.abs(), it.outcome.as_ref().ok()?.criteria.end.centre_m[0].abs())));
+    let ends = held.filter_map(|it| Some((it.offset_m.abs(), it.x_m?.abs())));
     let Some(worst_m) = ends.clone().map(|(_, end)| end).max_by(f64::total_cmp) else {
         return "Centred: no object that starts away from the middle is held.".to_string();
     };
@@ -107,7 +104,7 @@ fn centring(study: &Capture) -> String {
 /// Reports whether grasps that are not form-closed become so, which is a question of the thesis.
 fn form_closure(study: &Capture) -> String {
     let held = study.placements.iter().filter(|placement| placement.is_captured());
-    let is_closed = |it: &&Placement| it.outcome.as_ref().is_ok_and(|found| found.form_closed == Some(true));
+    let is_closed = |it: &&Placement| it.form_closed == Some(true);
     let initially_open = held.clone().filter(|placement| placement.geometric_form_closed != Some(true));
     format!(
         "Form closure: {} of {} held objects start where no form-closed grasp with all phalanges exists; {} of them \
@@ -132,7 +129,7 @@ impl ToReport for Hold {
         let start = match self.start_reason {
             StartReason::Requested => "as requested",
             StartReason::AtRest => "when the object is at rest",
-            StartReason::StillMoving { .. } => "at the end of the scene, while the object still moves",
+            StartReason::StillMoving => "at the end of the scene, while the object still moves",
             StartReason::MoveCompleted => "after the first of the scene's moves",
             StartReason::OwnMove => "at the start of the scene's own moves",
         };
@@ -309,7 +306,7 @@ pub(crate) fn hold_csv(study: &Hold) -> String {
                            brake_slip_rad=run/brake_slip_rad end_s=run/end_s steps=run/steps reason=run/reason";
     let runs = study.results.iter().flat_map(|load| load.evaluations.iter().map(|run| (&load.case, run)));
     let rows = runs.map(|(case, run)| {
-        let mut row = json!(case);
+        let mut row = json!(case.object());
         row["run"] = json!(run);
         row
     });

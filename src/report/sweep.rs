@@ -8,9 +8,9 @@ use serde::{Serialize, Serializer};
 use super::named::Object;
 use crate::criteria::Class;
 use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution};
+use crate::format::percent_of;
 use crate::format::quantity::ColumnFormat;
 use crate::format::report::{Report, ToReport, list, table, to_json_document};
-use crate::format::{condition_name, criterion_name, percent_of};
 use crate::study::select::{ClassCounts, Condition, Ranked, Selection, TERMS, Term};
 use crate::study::sweep::{Reason, Shard, Status, Study, Summary};
 use crate::table::{Column, Kind, Table, Value};
@@ -263,7 +263,7 @@ fn counted(count: u64, noun: &str) -> String {
 
 /// Returns a table of static and dynamic classes with a column for each condition.
 fn classes(selection: &Selection) -> Report {
-    let header = std::iter::once("class".to_string()).chain(selection.conditions.iter().map(condition_name));
+    let header = std::iter::once("class".to_string()).chain(selection.conditions.iter().map(Condition::name));
     let mut rows = vec![header.collect::<Vec<_>>()];
     let mut line = |name: &str, count: &dyn Fn(&ClassCounts) -> usize| {
         let cell = |counts: &ClassCounts| format!("{} ({})", count(counts), percent_of(count(counts), counts.runs));
@@ -282,7 +282,7 @@ fn classes(selection: &Selection) -> Report {
     for (index, class) in Class::ALL.into_iter().enumerate() {
         line(class.name(), &|counts| counts.dynamic[index]);
     }
-    line("stable or semi-stable", &ClassCounts::dynamically_stable);
+    line("stable or semi-stable", &|counts| counts.dynamic[0] + counts.dynamic[1]);
     table(&rows)
 }
 
@@ -305,7 +305,7 @@ fn criteria(selection: &Selection) -> Report {
     for tally in &selection.tallies {
         let counts = [tally.holds, tally.fails, tally.unknown, tally.remaining, tally.removed_alone];
         let cells = counts.iter().map(usize::to_string);
-        rows.push(std::iter::once(criterion_name(&tally.criterion)).chain(cells).collect());
+        rows.push(std::iter::once(tally.criterion.name()).chain(cells).collect());
     }
     table(&rows).with(
         "\"left\" counts runs that meet this criterion and all above it; \"removed by it alone\" counts runs that meet all \
@@ -376,14 +376,13 @@ fn equal_terms(selection: &Selection) -> String {
 fn no_selection(selection: &Selection) -> String {
     let Some(last) = selection.emptied_by() else { return String::new() };
     let sole_failures = selection.tallies.iter().filter(|tally| tally.removed_alone > 0);
-    let sole_failures: Vec<String> = sole_failures
-        .map(|tally| format!("{} without \"{}\"", tally.removed_alone, criterion_name(&tally.criterion)))
-        .collect();
+    let sole_failures: Vec<String> =
+        sole_failures.map(|tally| format!("{} without \"{}\"", tally.removed_alone, tally.criterion.name())).collect();
     let hint = match sole_failures.is_empty() {
         true => "omitting a single criterion does not help: every run fails two or more".to_string(),
         false => format!("runs that would be left: {}", sole_failures.join(", ")),
     };
-    format!("no run meets all criteria: \"{}\" removed the last run\n{hint}\n", criterion_name(&last.criterion))
+    format!("no run meets all criteria: \"{}\" removed the last run\n{hint}\n", last.criterion.name())
 }
 
 /// Columns of the ranking that precede the columns of the results; the first is an integer.

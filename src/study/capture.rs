@@ -9,7 +9,7 @@
 use phalanx_show::format::object::Object;
 use serde::{Serialize, Serializer};
 
-use crate::criteria::{Fate, GraspCriteria, GraspTracker, is_form_closed};
+use crate::criteria::{Fate, GraspTracker, Travel, is_form_closed};
 use crate::grasp::{geometric_posture, run};
 use crate::scene::{Layer, Scene, SceneError, Side, parse_any, parse_layers};
 use crate::statics::{Blocked, GraspConfiguration, PerContact, gripper_closure};
@@ -51,31 +51,35 @@ pub struct Edge {
     pub lost_m: Option<f64>,
 }
 
-/// A position of the object and the outcome of its run.
-#[derive(Clone, Debug, PartialEq)]
+/// A position of the object and the outcome of its run. The figures are missing if the run was not completed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Placement {
     /// x of the centre of the object at the start, m.
     pub offset_m: f64,
     /// Whether the grasp of the object at this position by all four phalanges and the palm is form-closed; `None` if
     /// the fingers cannot reach it.
+    #[serde(rename = "form_closed_there")]
     pub geometric_form_closed: Option<bool>,
-    /// Outcome, or the reason why there is none.
-    pub outcome: Result<RunOutcome, String>,
-}
-
-#[derive(Clone, Debug, PartialEq)]
-pub struct RunOutcome {
-    /// Fate, time to stability, final state and slip of the object.
-    pub criteria: GraspCriteria,
+    pub fate: Option<&'static str>,
+    /// Time to stability; `None` if the object is not held.
+    pub tts_s: Option<f64>,
+    /// Final position, angle and speed of the object.
+    pub x_m: Option<f64>,
+    pub y_m: Option<f64>,
+    pub angle_rad: Option<f64>,
+    pub speed_m_s: Option<f64>,
+    pub slip: Option<Travel>,
     /// Form closure by the contacts active at the end; `None` if the object is not held.
     pub form_closed: Option<bool>,
-    pub steps: u64,
+    pub steps: Option<u64>,
+    /// Why the run was not completed.
+    pub reason: Option<String>,
 }
 
 impl Placement {
     /// Whether the object is held at the end.
     pub(crate) fn is_captured(&self) -> bool {
-        self.outcome.as_ref().is_ok_and(|outcome| outcome.criteria.fate == Fate::Held)
+        self.fate == Some(Fate::Held.name())
     }
 }
 
@@ -93,28 +97,6 @@ impl Serialize for Capture {
             .with("lost_left_m", left.and_then(|edge| edge.lost_m))
             .with("lost_right_m", right.and_then(|edge| edge.lost_m))
             .with("places", &self.placements)
-            .serialize(serializer)
-    }
-}
-
-/// Serialises the figures of a placement; they are null if the run was not completed, for a `reason`.
-impl Serialize for Placement {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let found = self.outcome.as_ref().ok();
-        let criteria = found.map(|found| &found.criteria);
-        Object::default()
-            .with("offset_m", self.offset_m)
-            .with("form_closed_there", self.geometric_form_closed)
-            .with("fate", criteria.map(|found| found.fate.name()))
-            .with("tts_s", criteria.and_then(|found| found.tts_s))
-            .with("x_m", criteria.map(|found| found.end.centre_m[0]))
-            .with("y_m", criteria.map(|found| found.end.centre_m[1]))
-            .with("angle_rad", criteria.map(|found| found.end.angle_rad))
-            .with("speed_m_s", criteria.map(GraspCriteria::end_speed_m_s))
-            .with("slip", criteria.and_then(|found| found.slip))
-            .with("form_closed", found.and_then(|found| found.form_closed))
-            .with("steps", found.map(|found| found.steps))
-            .with("reason", self.outcome.as_ref().err())
             .serialize(serializer)
     }
 }
@@ -214,17 +196,33 @@ fn simulate_placement(
     let scene = match source.load_at_offset(plan, offset_m) {
         Ok(scene) => scene,
         Err(error) => {
-            return Ok(Placement { offset_m, geometric_form_closed: None, outcome: Err(problem_messages(&error)) });
+            return Ok(Placement { offset_m, reason: Some(problem_messages(&error)), ..Placement::default() });
         }
     };
     let mut tracker = GraspTracker::for_scene(&scene);
     let outcome = run(plan.model, &scene, &mut tracker, monitor.keep_running()).ok_or_else(|| monitor.stopped())?;
-    let outcome = outcome.and_then(|outcome| {
-        let criteria = tracker.criteria().ok_or("the run has no samples")?;
-        let form_closed = is_form_closed(&scene, &outcome.last).filter(|_| criteria.fate == Fate::Held);
-        Ok(RunOutcome { criteria, form_closed, steps: outcome.work.steps })
-    });
-    Ok(Placement { offset_m, geometric_form_closed: geometric_form_closed(&scene), outcome })
+    let geometric_form_closed = geometric_form_closed(&scene);
+    let found = outcome.and_then(|outcome| Ok((tracker.criteria().ok_or("the run has no samples")?, outcome)));
+    let (criteria, outcome) = match found {
+        Ok(found) => found,
+        Err(reason) => {
+            return Ok(Placement { offset_m, geometric_form_closed, reason: Some(reason), ..Placement::default() });
+        }
+    };
+    Ok(Placement {
+        offset_m,
+        geometric_form_closed,
+        fate: Some(criteria.fate.name()),
+        tts_s: criteria.tts_s,
+        x_m: Some(criteria.end.centre_m[0]),
+        y_m: Some(criteria.end.centre_m[1]),
+        angle_rad: Some(criteria.end.angle_rad),
+        speed_m_s: Some(criteria.end_speed_m_s()),
+        slip: criteria.slip,
+        form_closed: is_form_closed(&scene, &outcome.last).filter(|_| criteria.fate == Fate::Held),
+        steps: Some(outcome.work.steps),
+        reason: None,
+    })
 }
 
 /// Form closure of the geometric grasp of the object at its initial position.

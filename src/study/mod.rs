@@ -1,18 +1,4 @@
 //! Studies: how results depend on settings and on designs.
-//!
-//! | module | content |
-//! |---|---|
-//! | `batch` | simulations that advance together, on all cores |
-//! | `capture` | positioning errors that a gripper captures |
-//! | `posture` | text form of a gripper's posture |
-//! | `hold` | largest acceleration under which a gripper holds its object |
-//! | `parameter` | numeric fields of a scene as parameters of its derivatives |
-//! | `parts` | sweeps distributed over several machines: parts of a study and their merge |
-//! | `quantity` | short names and common units of columns and keys |
-//! | `results` | incremental storage of sweep results |
-//! | `select` | selection and ranking of the designs of a sweep |
-//! | `size` | sizing of spring and motor for the finger of a scene |
-//! | `sweep` | parameter sweeps over fields of a scene |
 
 pub mod batch;
 pub mod capture;

@@ -19,7 +19,7 @@ use super::KeepRunning;
 use super::results::{ResultsError, has_other_results, refused, write_provenance};
 use super::sweep::{
     MAX_SHARDED_RUNS, Row, RunStats, Shard, Study, Summary, columns, find_gaps, list_message, missing_message,
-    run_range_text, run_while, shard_range, sorted_table, summary, table as sweep_table,
+    run_range_text, run_while, shard_range, sorted_table, summary,
 };
 use crate::files::{FileKind, cannot_write, check_target, is_forced, is_special, replace_file};
 use crate::table::{self, Format, RowGroups, RowWriter, Value};
@@ -109,7 +109,7 @@ impl Part {
         total: &mut Summary,
         mut on_group: impl FnMut(&[Vec<Value>]) -> Result<(), ResultsError>,
     ) -> Result<(), ResultsError> {
-        let mut table = sweep_table(study, &[]);
+        let mut table = sorted_table(study, []);
         if self.groups.columns() != table.columns || self.info.runs != study.runs() {
             return Err(self.damaged("it has other columns or runs than the study"));
         }
@@ -155,7 +155,7 @@ fn format_checksum(hasher: crc32fast::Hasher) -> String {
 }
 
 fn empty_summary(study: &Study) -> Result<Summary, ResultsError> {
-    summary(&sweep_table(study, &[])).map_err(refused)
+    summary(&sorted_table(study, [])).map_err(refused)
 }
 
 #[derive(Clone, Debug, PartialEq)]

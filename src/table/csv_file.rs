@@ -20,7 +20,6 @@ pub fn read_csv(path: &Path, known: &[Column]) -> Result<Table, TableError> {
     parse(&bytes.ok_or_else(|| TableError::too_large(path))?, &path.display().to_string(), known)
 }
 
-/// Parses the bytes of a CSV file.
 fn parse(bytes: &[u8], file: &str, known: &[Column]) -> Result<Table, TableError> {
     let mut reader = ReaderBuilder::new().from_reader(bytes);
     let header = reader.headers().map_err(|error| convert_error(&error, file))?;
@@ -88,7 +87,6 @@ pub fn read_rows(bytes: &[u8], columns: &[Column]) -> (Vec<Vec<Value>>, usize) {
     (rows, valid_bytes)
 }
 
-/// Converts an error of the CSV reader.
 fn convert_error(error: &csv::Error, file: &str) -> TableError {
     let (position, reason) = match error.kind() {
         ErrorKind::UnequalLengths { pos, expected_len, len } => (
@@ -125,25 +123,4 @@ pub(super) fn cell(value: &Value) -> String {
 
 pub(super) fn writer<W: Write>(out: W) -> Writer<W> {
     WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(out)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::value::FORMULA_PREFIXES;
-    use super::*;
-
-    #[test]
-    fn escapes_formulas_and_restores_every_text() {
-        for text in ["=1+2", "+1", "-x", "@SUM(A1)", "\t=1", "'=1", "''", "''=a", "'tis", "'", "a=b", "", "µ"] {
-            let written = escape(text);
-            assert!(!written.starts_with(FORMULA_PREFIXES), "{text}");
-            assert_eq!(unescape(&written), text);
-        }
-        let columns = vec![Column::new("=cmd()", Kind::Text), Column::new("x_m", Kind::Number)];
-        let rows = vec![vec![Value::from("=1+2"), Value::Number(-1.5)], vec![Value::from("-"), Value::Missing]];
-        let read = parse(b"'=cmd(),x_m\n'=1+2,-1.5\n'-,\n", "t.csv", &[]).expect("a table");
-        assert_eq!((read.columns, read.rows), (columns.clone(), rows.clone()));
-        assert_eq!(format_csv_line(&rows[0]), "'=1+2,-1.5\n");
-        assert_eq!(read_rows(format_csv_line(&rows[0]).as_bytes(), &columns).0, rows[..1]);
-    }
 }

@@ -4,11 +4,6 @@
 //! the same `f64`, so both formats preserve a table bit for bit. Parquet stores the kinds of columns; in CSV they
 //! follow from the notation of values (a number has a point or an exponent, or is `NaN` or `inf`). An empty CSV cell is
 //! [`Value::Missing`].
-//!
-//! | file | content |
-//! |---|---|
-//! | `value` | values and kinds, conversion from and to text |
-//! | `csv_file`, `parquet_file` | the two formats |
 
 mod csv_file;
 mod parquet_file;

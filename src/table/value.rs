@@ -144,7 +144,7 @@ pub(super) fn parse_cell(cell: &str, kind: Kind) -> Option<Value> {
 }
 
 /// First characters of cells that spreadsheets evaluate.
-pub(super) const FORMULA_PREFIXES: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
+const FORMULA_PREFIXES: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
 /// Escapes a text that spreadsheets would evaluate.
 pub(super) fn escape(text: &str) -> Cow<'_, str> {

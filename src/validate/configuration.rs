@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::Differences;
 use super::scenes::{contact_static_friction, ensemble_size, is_single_finger, modify, reference_scene};
+use crate::log::Solver;
 use crate::scene::ENGINE_MAX_STEP_S;
 use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
 use crate::trace::Model;
@@ -56,18 +57,11 @@ impl Family {
     }
 }
 
-/// The parameters of a configuration.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Settings {
-    Analytic(Integrator),
-    Engine(Engine),
-}
-
 /// One configuration of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverConfiguration {
     pub family: Family,
-    pub settings: Settings,
+    pub settings: Solver,
     /// Whether the scene requests this configuration. Only that configuration is judged.
     pub is_from_scene: bool,
     /// Number of runs; the worst one determines the result.
@@ -80,39 +74,39 @@ impl SolverConfiguration {
         let is_long =
             matches!(engine.stepping, Stepping::Fixed { step_s } if scene.duration_s / step_s > MAX_ENSEMBLE_STEPS);
         let members = if is_long && !is_from_scene { 1 } else { ensemble_size(scene) };
-        let (family, settings) = (Family::from_engine(&engine), Settings::Engine(engine));
+        let (family, settings) = (Family::from_engine(&engine), Solver::Engine(engine));
         SolverConfiguration { family, settings, is_from_scene, members }
     }
 
     fn analytic(integrator: Integrator, scene: &Scene) -> Self {
-        let settings = Settings::Analytic(integrator);
+        let settings = Solver::Analytic(integrator);
         SolverConfiguration { family: Family::Analytic, settings, is_from_scene: false, members: ensemble_size(scene) }
     }
 
     pub fn model(&self) -> Model {
         match self.settings {
-            Settings::Analytic(_) => Model::Analytic,
-            Settings::Engine(_) => Model::Engine,
+            Solver::Analytic(_) => Model::Analytic,
+            Solver::Engine(_) => Model::Engine,
         }
     }
 
     /// Returns the scene with this configuration.
     pub fn apply(&self, scene: &Scene) -> Scene {
         modify(scene, |scene| match self.settings {
-            Settings::Analytic(integrator) => scene.integrator = integrator,
-            Settings::Engine(engine) => scene.engine = engine,
+            Solver::Analytic(integrator) => scene.integrator = integrator,
+            Solver::Engine(engine) => scene.engine = engine,
         })
     }
 
     /// Whether this is the reference configuration, which has no error by definition.
     pub fn is_reference(&self) -> bool {
-        matches!(self.settings, Settings::Analytic(integrator) if integrator.preset == Preset::Reference)
+        matches!(self.settings, Solver::Analytic(integrator) if integrator.preset == Preset::Reference)
     }
 
     /// Predicts the number of steps of a run; `None` if it cannot be predicted. `scene_steps` is the number of steps of
     /// the engine at the scene's own settings.
     pub(crate) fn predicted_steps(&self, scene: &Scene, scene_steps: u64) -> Option<f64> {
-        let Settings::Engine(Engine { stepping, .. }) = self.settings else { return None };
+        let Solver::Engine(Engine { stepping, .. }) = self.settings else { return None };
         match (stepping, scene.engine.stepping) {
             (Stepping::Fixed { step_s }, _) => Some(scene.duration_s / step_s),
             (Stepping::Adaptive { tolerance_m, .. }, Stepping::Adaptive { tolerance_m: of_scene_m, .. }) => {
@@ -136,14 +130,14 @@ pub fn reference_configuration(scene: &Scene) -> SolverConfiguration {
 /// Parameters that distinguish a configuration within its family: label, key in `[engine]`, and value.
 fn parameters(configuration: &SolverConfiguration) -> Vec<(&'static str, &'static str, String)> {
     match configuration.settings {
-        Settings::Analytic(Integrator { method, rtol, .. }) => {
+        Solver::Analytic(Integrator { method, rtol, .. }) => {
             let label = if method == Method::Rodas5p { "rodas5p rtol" } else { "radau5 rtol" };
             vec![(label, "rtol", format!("{rtol:e}"))]
         }
-        Settings::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => {
+        Solver::Engine(Engine { stepping: Stepping::Fixed { step_s }, .. }) => {
             vec![("dt", "step", format!("{step_s:e} s"))]
         }
-        Settings::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, max_step_s }, .. }) => {
+        Solver::Engine(Engine { stepping: Stepping::Adaptive { tolerance_m, max_step_s }, .. }) => {
             let max_step = ("dt to", "max_step", format!("{max_step_s:e} s"));
             let max_step = (max_step_s != ENGINE_MAX_STEP_S).then_some(max_step);
             [Some(("tolerance", "tolerance", format!("{tolerance_m:e} m"))), max_step].into_iter().flatten().collect()

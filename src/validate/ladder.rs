@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use super::configuration::{Cost, LadderRow, MAX_PREDICTED_STEPS, SolverConfiguration, Status, ladder_configurations};
 use super::scenes::{compared_scene, modify, scene_sampled_at_steps};
-use super::validation::{SyncKeepRunning, Validation, ValidationError, compare_with_reference, worst_over_members};
+use super::validation::{Validation, ValidationError, compare_with_reference, worst_over_members};
 use crate::scene::{Preset, Scene};
-use crate::thesis::Monitor;
-use crate::trace::{Cancellable, KeepRunning, Model, RunError, run};
+use crate::thesis::monitor::{KeepRunning, Monitor};
+use crate::trace::{Cancellable, Model, RunError, run};
 
 /// Default time limit of a ladder, s: enough for all configurations of a finger except the shortest fixed steps.
 pub const LADDER_TIME_S: f64 = 10.0;
@@ -87,7 +87,7 @@ fn evaluate(
     scene: &Scene,
     validation: &Validation,
     quick: bool,
-    keep_running: SyncKeepRunning,
+    keep_running: KeepRunning,
 ) -> Result<LadderRow, ValidationError> {
     let predicted = configuration.predicted_steps(scene, validation.engine.outcome.work.steps);
     if let Some(steps) = predicted.filter(|&steps| steps > MAX_PREDICTED_STEPS && !configuration.is_from_scene) {

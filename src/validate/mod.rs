@@ -19,17 +19,6 @@
 //!
 //! For mechanisms: positions of the bodies, times of first contact, impulse and peak force of every contact; without
 //! joints up to `until`. The members of the ensemble differ in the actuation, springs, speeds and gravity.
-//!
-//! | file | content |
-//! |---|---|
-//! | `scenes` | variants of a scene that a validation runs, the members of the ensemble, and bounds |
-//! | `recording` | a whole run with its impacts, on a grid dense enough for interpolation |
-//! | `difference` | all differences between a run and its reference |
-//! | `statistics` | means over many runs, for trajectories that are too sensitive to be compared |
-//! | `verdict` | measured differences and criteria of both runs against bounds |
-//! | `configuration` | solver configurations and their results |
-//! | `validation` | the verdict of a scene |
-//! | `ladder` | evaluation of other configurations: errors and wall times |
 
 mod configuration;
 mod difference;
@@ -42,7 +31,7 @@ mod verdict;
 
 pub use crate::numeric::plane::wrap_angle;
 pub use configuration::{
-    Cost, Family, LadderRow, Settings, SolverConfiguration, Status, ladder_configurations, reference_configuration,
+    Cost, Family, LadderRow, SolverConfiguration, Status, ladder_configurations, reference_configuration,
 };
 pub(crate) use configuration::{configuration_name, finer_configurations, scene_configuration};
 pub(crate) use difference::coordinate_errors;

@@ -14,10 +14,8 @@ use super::{
 use crate::check;
 use crate::invariants::Finding;
 use crate::scene::Scene;
+use crate::thesis::monitor::KeepRunning;
 use crate::trace::{Cancellable, Model, RunError, run};
-
-/// A callback that returns whether to continue, called from several threads.
-pub(crate) type SyncKeepRunning<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// A finer configuration of the engine that was run because a bound failed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -98,7 +96,7 @@ struct Member {
 /// # Errors
 /// Returns an error if a reference run, or the engine at the scene's own settings, could not be completed, or if
 /// `keep_running` returned false.
-pub fn validate(full_scene: &Scene, keep_running: SyncKeepRunning) -> Result<Validation, ValidationError> {
+pub fn validate(full_scene: &Scene, keep_running: KeepRunning) -> Result<Validation, ValidationError> {
     let scene = &compared_scene(full_scene);
     let (until_s, path_bound) = (full_scene.bounds.until_s, path_bound(full_scene));
     // Trajectories are compared up to `until_s`, and so is the reference with another method.
@@ -170,7 +168,7 @@ pub fn validate(full_scene: &Scene, keep_running: SyncKeepRunning) -> Result<Val
 }
 
 /// Runs both models for one member. Only the run of the first member, the scene itself, is kept.
-fn run_member(scene: &Scene, index: usize, keep_running: SyncKeepRunning) -> Result<Member, ValidationError> {
+fn run_member(scene: &Scene, index: usize, keep_running: KeepRunning) -> Result<Member, ValidationError> {
     let error_of = |model: Model| move |error: RunError| ValidationError { model, error };
     let scene = ensemble_member(scene, index);
     let reference = record_cancellable(Model::Analytic, &reference_scene(&scene), keep_running)
@@ -190,7 +188,7 @@ fn record_configuration(
     configuration: &SolverConfiguration,
     scene: &Scene,
     reference: &Recording,
-    keep_running: SyncKeepRunning,
+    keep_running: KeepRunning,
 ) -> Result<(Recording, Differences), RunError> {
     let sampled = sampled_scene(Model::Engine, &configuration.apply(scene));
     let engine = record_cancellable(Model::Engine, &sampled, keep_running)?;
@@ -203,7 +201,7 @@ pub(super) fn compare_with_reference(
     configuration: &SolverConfiguration,
     scene: &Scene,
     reference: &Recording,
-    keep_running: SyncKeepRunning,
+    keep_running: KeepRunning,
 ) -> Result<Differences, RunError> {
     let mut comparison = Comparison::new(reference, scene.bounds.until_s);
     let sampled = sampled_scene(configuration.model(), &configuration.apply(scene));
@@ -216,7 +214,7 @@ pub(super) fn worst_over_members(
     first: Differences,
     configuration: &SolverConfiguration,
     other_members: &[(Scene, Recording)],
-    keep_running: SyncKeepRunning,
+    keep_running: KeepRunning,
 ) -> Result<Differences, RunError> {
     other_members.iter().take(configuration.members.saturating_sub(1)).try_fold(first, |worst, (scene, reference)| {
         Ok(worst.worst(&compare_with_reference(configuration, scene, reference, keep_running)?))

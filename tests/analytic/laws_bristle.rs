@@ -2,10 +2,11 @@
 
 use phalanx::check::check;
 use phalanx::law::{Bristle, FrictionLaw};
+use phalanx::log::Solver;
 use phalanx::mechanism::OutlineShape;
 use phalanx::scene::{self, Integrator, Preset, Scene};
 use phalanx::trace::{EventKind, Model, Outcome, Sample};
-use phalanx::validate::{Settings, SolverConfiguration, ladder_configurations};
+use phalanx::validate::{SolverConfiguration, ladder_configurations};
 
 use crate::support::laws::{
     self, BOTH_MODELS, CollectSink, THESIS_FRICTION, THESIS_NORMAL, change_contact_law, free, mechanism, run_to_end,
@@ -164,7 +165,7 @@ fn reference_settings_resolve_the_onset_of_slip() {
     // `validate` uses the same settings for its reference.
     let configurations = ladder_configurations(&load("stick-slip"), true);
     let reference = configurations.into_iter().find(SolverConfiguration::is_reference).expect("the reference");
-    assert_eq!(reference.settings, Settings::Analytic(scene.integrator));
+    assert_eq!(reference.settings, Solver::Analytic(scene.integrator));
 }
 
 /// Below half of v_static there is no stick-slip, because friction does not fall with speed there.

@@ -20,7 +20,7 @@ fn assert_rejected(args: &[&str], parts: &[&str]) {
 
 #[test]
 fn invalid_arguments_are_rejected_with_the_allowed_values() {
-    let cases: [(&[&str], &[&str]); 14] = [
+    let cases: [(&[&str], &[&str]); 16] = [
         (&["rn"], &["'run'"]),
         (&["scene", "shw"], &["'show'"]),
         (&["run"], &["<SCENE>"]),
@@ -29,12 +29,14 @@ fn invalid_arguments_are_rejected_with_the_allowed_values() {
         (&["statics", EXPERIMENT_95, "--mu-static", "-1"], &["'-1' for '--mu-static", "0 or more"]),
         (&["volume", "--mu-static", "-1"], &["'-1' for '--mu-static", "0 or more"]),
         (&["volume", "--base", "-1 mm"], &["more than 0", "12 mm"]),
+        (&["volume", "--base", "1 deg"], &["is an angle", "give lengths such as"]),
         (&["volume", "--resolution", "-1"], &["`-1`", "1 or more"]),
         (&["select", "none.csv", "--max-rebound", "-1"], &["percentage of 0 or more"]),
         (&["select", "none.csv", "--best", "-1"], &["0 or more"]),
         (&["sweep", "none.toml", "--out", "x.csv", "--limit", "-1"], &["1 or more"]),
         (&["reproduce", "--threads", "-1"], &["threads from 1 to 1024"]),
         (&["study", "stability", EXPERIMENT_95, "--stiffness", "-1"], &["above 0"]),
+        (&["study", "stability", EXPERIMENT_95, "--stiffness", "nan"], &["above 0"]),
     ];
     for (args, parts) in cases {
         assert_rejected(args, parts);

@@ -98,10 +98,10 @@ fn tables_in_pipes_are_unwrapped_unless_columns_is_set() {
     // In a pipe a ranking has one line per run.
     assert_eq!(stdout(&piped).matches("r_WC\n").count(), 1);
     assert_eq!(run_on_terminal(500, &[], &args).screen, stdout(&piped));
-    for columns in ["0", "wide", ""] {
+    for columns in ["0", "wide", "-4", ""] {
         assert_eq!(stdout(&run_piped(&[("COLUMNS", columns)], &args)), stdout(&piped), "{columns}");
     }
-    let narrow_output = run_piped(&[("COLUMNS", "80")], &args);
+    let narrow_output = run_piped(&[("COLUMNS", " 80 ")], &args);
     assert_eq!(wide_lines(stdout(&narrow_output), 80), [""; 0]);
     let wide_output = run_on_terminal(80, &[("COLUMNS", "500")], &args);
     assert_eq!(wide_output.screen, stdout(&piped));

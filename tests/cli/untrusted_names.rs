@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use phalanx::table::{Column, Kind, Table, Value};
+
 use crate::support::cli::{
     EXPERIMENT_95, directory as test_directory, path_in, phalanx, stderr, stdout, succeed, succeed_json, write,
 };
@@ -48,6 +50,7 @@ fn terminal_output_escapes_names() {
         assert_no_control_chars("stdout", stdout(&output));
         assert_no_control_chars("stderr", stderr(&output));
     }
+    assert!(succeed(&["run", &scene]).starts_with("\\u001b[31mred\\u0007\\u009b2J<b>&\"\\u202e\\u2028\\u061c"));
     assert_eq!(succeed_json(&["run", &scene])["scene"], NAME);
     assert_eq!(succeed_json(&["replay", log])["scene"], NAME);
 }
@@ -100,4 +103,15 @@ fn table_text_is_never_a_formula() {
     assert_eq!(fs::read_to_string(&copy).expect("readable"), "run,design,'=note\n1,1,'=1+2\n");
     let reparsed = phalanx::table::read(&copy).expect("a table");
     assert_eq!((reparsed.columns, reparsed.rows), (read.columns, read.rows));
+    // Every text is restored.
+    let texts = ["=1+2", "+1", "-x", "@SUM(A1)", "\t=1", "'=1", "''", "''=a", "'tis", "'", "a=b", "µ"];
+    let rows = texts.map(|text| vec![Value::from(text)]).to_vec();
+    let table = Table::new(vec![Column::new("text", Kind::Text)], rows);
+    phalanx::table::write(&copy, &table).expect("written");
+    let written = fs::read_to_string(&copy).expect("readable");
+    assert!(
+        !written.lines().any(|line| line.trim_start_matches('"').starts_with(['=', '+', '-', '@', '\t'])),
+        "{written}"
+    );
+    assert_eq!(phalanx::table::read(&copy).expect("a table"), table);
 }

@@ -142,9 +142,32 @@ fn r_wc_is_scaled_over_the_selected_runs_only() {
     assert_eq!(ranks(&twice), ranks(&selection));
     assert_eq!(ranking_table(&ranking, &twice), ranking);
 
+    // Only the ratios of the weights matter: 3 for PFP and 1 for tts give 3.5/4, 1/4 and 1.5/4.
+    let weighted = |weights| selected(&table, &SelectionCriteria { weights: PerTerm(weights), ..Default::default() });
+    let of_two = weighted([3.0, 1.0, 0.0, 0.0]);
+    assert_eq!(ranks(&of_two), [(1, 1), (2, 3), (3, 2)]);
+    assert_eq!(of_two.ranking.iter().map(|ranked| ranked.r_wc).collect::<Vec<_>>(), [0.875, 0.375, 0.25]);
+    assert_eq!(of_two.ranking, weighted([6.0, 2.0, 0.0, 0.0]).ranking);
+    assert_eq!(ranks(&weighted([0.0, 2.0, 0.0, 0.0])), [(1, 2), (2, 1), (3, 3)]);
+
     let single = by_default(&runs[..1]);
     assert_eq!((ranks(&single), single.ranking[0].r_wc), (vec![(1, 1)], 0.5));
     assert_contains(&report(&single), &["Only one run is left"]);
+}
+
+#[test]
+fn ties_share_a_rank_and_missing_figures_without_weight_have_no_effect() {
+    let run = |design, pfp_n| successful_run(design, 5e-3, [pfp_n, 1.0, 1.0]);
+    let ties = by_default(&[run(1, 1.0), run(2, 2.0), run(3, 2.0), run(4, 0.0)]);
+    assert_eq!(ranks(&ties), [(1, 2), (1, 3), (3, 1), (4, 4)]);
+    assert!(ties.ranking.iter().all(|ranked| ranked.terms.0[1] == 0.5), "equal tts");
+
+    let unsettled = run(1, 1.0).with("class", "unstable").with("tts_s", Value::Missing);
+    let weights = PerTerm([1.0, 0.0, 1.0, 1.0]);
+    let criteria = SelectionCriteria { worst_class: None, weights, ..SelectionCriteria::default() };
+    let selection = selected(&results_table(&[unsettled, run(2, 2.0)]), &criteria);
+    assert_eq!(ranks(&selection), [(1, 2), (2, 1)]);
+    assert!((selection.ranking[0].r_wc - 2.0 / 3.0).abs() < 1e-14);
 }
 
 #[test]

@@ -64,6 +64,9 @@ fn each_run_has_the_values_of_its_axes() {
     let values: Vec<Value> = study.field_values(32).into_iter().map(|value| value.value).collect();
     assert_eq!(values[1..3], [Value::Number(0.016), Value::Number(0.13)]);
     assert!(first.hand.palm.is_some() && first.hand.gravity_m_s2[1] == 9.81);
+    // A field replaces those that exclude it, here `design.l21_fraction`.
+    let length = self::study("[[axes]]\nfield = \"design.l21\"\nvalues = [\"22 mm\"]\n");
+    assert_eq!(scene_of(&length, 1).finger().linkage.lengths.l21_m, 0.022);
 }
 
 #[test]
@@ -71,6 +74,15 @@ fn ranges_become_grids_or_samples() {
     let range = "[[axes]]\nfield = \"design.base\"\nfrom = \"12 mm\"\nto = \"22.5 mm\"\n";
     let grid = study(&format!("{range}count = 4\n"));
     assert_eq!([1, 2, 3, 4].map(|run| numbers(&grid, run)[0]), [0.012, 0.0155, 0.019, 0.0225]);
+    // Values have the unit of the study, without rounding errors.
+    assert!(
+        [(1, "\"12.0 mm\""), (2, "\"15.5 mm\"")].into_iter().all(|(run, base)| grid.scene_text(run).contains(base))
+    );
+    let two_units = study(&format!("{}count = 3\n", range.replace("22.5 mm", "2 cm")));
+    assert!(two_units.scene_text(2).contains("\"0.016 m\""), "{}", two_units.scene_text(2));
+    let fraction =
+        |count| study(&format!("[[axes]]\nfield = \"design.l21_fraction\"\nfrom = 0\nto = 1\ncount = {count}\n"));
+    assert_eq!((numbers(&fraction(11), 4), numbers(&fraction(4), 2)), (vec![0.3], vec![1.0 / 3.0]));
     let log = study("[[axes]]\nfield = \"contact.stiffness_si\"\nfrom = 1e6\nto = 1e9\ncount = 4\nspacing = \"log\"\n");
     assert_eq!([1, 2, 3, 4].map(|run| numbers(&log, run)[0]), [1e6, 1e7, 1e8, 1e9]);
 

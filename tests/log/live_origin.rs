@@ -33,15 +33,34 @@ fn send_request(server: &Server, extra_headers: &str) -> (String, Vec<u8>) {
 #[test]
 fn accepts_programs_and_the_app_and_rejects_other_pages() {
     let server = Server::start("127.0.0.1:0", "a run", &["http://lab:8080".to_string()]).expect("a free port");
-    for origin in
-        ["", "Origin: https://app.foxglove.dev\r\n", "Origin: http://localhost:8080\r\n", "Origin: http://lab:8080\r\n"]
-    {
-        let (status, bytes) = send_request(&server, origin);
-        assert!(status.starts_with("HTTP/1.1 101"), "{origin}: {status}");
-        assert!(String::from_utf8_lossy(&bytes).contains("a run"), "{origin}");
+    for header in [
+        "",
+        "Origin: https://app.foxglove.dev\r\n",
+        "Origin: file://\r\n",
+        "origin:http://localhost\r\n",
+        "Origin: http://localhost:8080\r\n",
+        "Origin: https://127.0.0.1:3000\r\n",
+        "Origin: http://[::1]:5173\r\n",
+        "Origin: http://lab:8080\r\n",
+    ] {
+        let (status, bytes) = send_request(&server, header);
+        assert!(status.starts_with("HTTP/1.1 101"), "{header}: {status}");
+        assert!(String::from_utf8_lossy(&bytes).contains("a run"), "{header}");
     }
-    for origin in ["https://evil.example", "null", "http://localhost.evil.example"] {
-        let (status, bytes) = send_request(&server, &format!("Origin: {origin}\r\n"));
+    for origin in [
+        "Origin: https://evil.example",
+        "ORIGIN :  https://evil.example ",
+        "Origin: http://app.foxglove.dev",
+        "Origin: https://app.foxglove.dev.evil.example",
+        "Origin: http://localhost.evil.example",
+        "Origin: http://localhost:80.evil.example",
+        "Origin: http://evil.example:127.0.0.1",
+        // Repeated headers are joined.
+        "Origin: http://localhost\r\nOrigin: http://localhost",
+        "Origin: null",
+        "Origin:",
+    ] {
+        let (status, bytes) = send_request(&server, &format!("{origin}\r\n"));
         let text = String::from_utf8_lossy(&bytes);
         assert!(status.starts_with("HTTP/1.1 403") && text.contains("--live-origin"), "{origin}: {text}");
         assert!(!text.contains("serverInfo") && !text.contains("a run"), "{origin}: {text}");

@@ -1,9 +1,4 @@
 //! Reports of logs: summary, verification by a new simulation, and comparison of two logs.
-//!
-//! | file | job |
-//! |---|---|
-//! | `observer` | a sink that collects the data of the report of a log |
-//! | `comparison` | two logs side by side |
 
 mod comparison;
 mod observer;
@@ -72,8 +67,9 @@ pub struct ReplayReport {
     pub completed: Option<bool>,
     /// Reason why the run was not completed.
     pub error: Option<Failure>,
-    #[serde(flatten)]
-    pub states: FinalStates,
+    /// States of fingers and bodies in the last sample.
+    #[serde(flatten, serialize_with = "serialize_states")]
+    pub states: Option<States>,
     /// Contacts without missing topics. Peaks are taken from the samples, which include the peaks of the run.
     pub contacts: Option<Contacts>,
     /// Criteria of a finger; null without an object or a scene, if the log does not reach the end of a completed run,
@@ -92,19 +88,13 @@ pub struct ReplayReport {
     pub verification: Option<VerificationReport>,
 }
 
-/// States of fingers and bodies in the last sample. The key `final` is always present, null where there is no such
-/// state or no sample.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FinalStates(pub Option<States>);
-
-impl Serialize for FinalStates {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut entries = self.0.as_ref().map(States::entries).unwrap_or_default();
-        if !entries.iter().any(|(known, _)| *known == "final") {
-            entries.push(("final", None));
-        }
-        serializer.collect_map(entries)
+/// The key `final` is always present, null where there is no such state or no sample.
+fn serialize_states<S: Serializer>(states: &Option<States>, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut entries = states.as_ref().map(States::entries).unwrap_or_default();
+    if !entries.iter().any(|(known, _)| *known == "final") {
+        entries.push(("final", None));
     }
+    serializer.collect_map(entries)
 }
 
 impl ReplayReport {
@@ -165,7 +155,7 @@ impl ReplayReport {
             engine,
             completed: ended.map(|ended| ended.stopped.is_none()),
             error: ended.and_then(|ended| Some(Failure { time_s: ended.time_s, reason: ended.stopped.clone()? })),
-            states: FinalStates(states),
+            states,
             contacts,
             criteria,
             grasp: grasp.zip(outcome).map(|(criteria, outcome)| GraspReport::new(&criteria, scene, &outcome.last)),
@@ -248,7 +238,7 @@ fn or_unknown(entry: &Option<String>) -> &str {
 impl ToReport for ReplayReport {
     fn report(&self) -> Report {
         let mut sections = vec![self.heading().into()];
-        let last = self.states.0.as_ref().zip(self.reading.last_s);
+        let last = self.states.as_ref().zip(self.reading.last_s);
         sections.extend(last.into_iter().flat_map(|(last, end_s)| tables::states(last, end_s)));
         sections.extend([
             self.contacts.as_ref().map(tables::contacts).into(),

@@ -196,7 +196,6 @@ struct SettingDocument<'a> {
 /// bodies have the indices of [`Differences::path`].
 struct Figure(&'static str, &'static str, f64, usize, fn(&Differences, usize) -> Option<f64>);
 
-/// Figures of a joint.
 const JOINT: [Figure; 5] = [
     Figure("max_rad", "max, rad", 1.0, 3, |found, k| Some(found.path[k].max)),
     Figure("max_at_s", "at, ms", 1e3, 5, |found, k| Some(found.path[k].max_at_s)),
@@ -204,7 +203,6 @@ const JOINT: [Figure; 5] = [
     Figure("end_rad", "at the end, rad", 1.0, 3, |found, k| Some(found.path[k].end)),
     Figure("rate_rms_rad_s", "rate RMS, rad/s", 1.0, 3, |found, k| Some(found.rate_rms_rad_s[k])),
 ];
-/// Figures of a body.
 const BODY: [Figure; 6] = [
     Figure("max_m", "max, µm", 1e6, 3, |found, k| Some(found.path[k].max)),
     Figure("max_at_s", "at, ms", 1e3, 5, |found, k| Some(found.path[k].max_at_s)),

@@ -117,11 +117,6 @@ pub struct LoadResult {
 }
 
 impl LoadResult {
-    pub(super) fn new(case: LoadCase, to_m_s2: f64, static_limit: Option<AccelerationLimit>) -> Self {
-        let [slips, drops] = [Limit::default(); 2];
-        LoadResult { case, to_m_s2, static_limit, evaluations: Vec::new(), slips, drops }
-    }
-
     pub(crate) fn evaluation_at(&self, peak_m_s2: f64) -> Option<&Evaluation> {
         self.evaluations.iter().find(|evaluation| evaluation.peak_m_s2 == peak_m_s2)
     }

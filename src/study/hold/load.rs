@@ -28,7 +28,7 @@ pub enum LoadCase {
 impl LoadCase {
     /// The keys `load` (`pulse`, `vibration` or `move`), `direction_rad`, `length_s`, `axis` and `frequency_hz`, which
     /// are null for other kinds.
-    pub(super) fn object(&self) -> Object<'static> {
+    pub(crate) fn object(&self) -> Object<'static> {
         let (load, [direction_rad, length_s, frequency_hz], axis) = match *self {
             LoadCase::Pulse { direction_rad, length_s } => ("pulse", [Some(direction_rad), Some(length_s), None], None),
             LoadCase::Vibration { axis, frequency_hz } => {
@@ -38,12 +38,6 @@ impl LoadCase {
         };
         let object = Object::default().with("load", load).with("direction_rad", direction_rad);
         object.with("length_s", length_s).with("axis", axis).with("frequency_hz", frequency_hz)
-    }
-}
-
-impl Serialize for LoadCase {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.object().serialize(serializer)
     }
 }
 

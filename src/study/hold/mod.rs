@@ -10,13 +10,6 @@
 //! smaller one throws out. Therefore the study first scans the whole range, refines the first failure by bisection, and
 //! reports larger loads that are held. A resonance narrower than the spacing of the scan can be missed. Runs that
 //! cannot be completed count as neither held nor failed.
-//!
-//! | file | content |
-//! |---|---|
-//! | `plan` | parameters and errors |
-//! | `prepare` | the scene up to the start of the loads, clearance from the table, acceleration that is balanced at rest |
-//! | `load` | palm motions with a given peak acceleration |
-//! | `limit` | outcomes of runs, and limits between held and failing loads |
 
 mod limit;
 mod load;
@@ -60,13 +53,6 @@ impl Serialize for Hold {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let Hold { scene, plan, setup, start_reason, unloaded, results } = self;
         let runs = || results.iter().flat_map(|load| &load.evaluations);
-        let start_reason = match start_reason {
-            StartReason::Requested => "given",
-            StartReason::AtRest => "at rest",
-            StartReason::StillMoving { .. } => "still moving",
-            StartReason::MoveCompleted => "moved",
-            StartReason::OwnMove => "own move",
-        };
         Object::default()
             .with("scene", scene)
             .with("model", plan.model.name())
@@ -129,7 +115,9 @@ pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, Ho
     let scanned = map(plan.threads, &jobs, |(case, load)| evaluate(case, *load))?;
     let result = |((case, to_m_s2), evaluations): ((&LoadCase, f64), &[Evaluation])| {
         let static_limit = prepare::static_limit(&prepared, &at_start, case);
-        LoadResult::new(*case, to_m_s2, static_limit).with_evaluations(evaluations.to_vec(), plan.slip_m)
+        let [slips, drops] = [Limit::default(); 2];
+        let unknown = LoadResult { case: *case, to_m_s2, static_limit, evaluations: Vec::new(), slips, drops };
+        unknown.with_evaluations(evaluations.to_vec(), plan.slip_m)
     };
     let results: Vec<LoadResult> = cases.iter().zip(largest_loads).zip(scanned.chunks(plan.scan)).map(result).collect();
     let bisections: u64 = results.iter().map(|result| result.max_bisections(plan.tolerance)).sum();

@@ -2,6 +2,8 @@
 
 use std::convert::Infallible;
 
+use serde::Serialize;
+
 use super::load::{Load, LoadCase, LoadSetup, moves_start, peak_acceleration, rescale};
 use super::plan::{HoldError, Loads, Plan};
 use crate::criteria::{DriveMode, Fate, GraspTracker, sampled_hand_at_rest};
@@ -18,17 +20,22 @@ use crate::trace::{Event, Model, Outcome, RequiredData, Sample, Sink, SinkError}
 const REST_SPEED_M_S: f64 = 1e-3;
 
 /// Reason for the start time of the loads.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub enum StartReason {
     /// The start time was requested.
+    #[serde(rename = "given")]
     Requested,
     /// All holding contacts are closed, the brakes are engaged, and the object stays slower than `REST_SPEED_M_S`.
+    #[serde(rename = "at rest")]
     AtRest,
     /// The scene ends while the object still moves.
-    StillMoving { speed_m_s: f64 },
+    #[serde(rename = "still moving")]
+    StillMoving,
     /// The first of the scene's moves has ended and the brakes are engaged.
+    #[serde(rename = "moved")]
     MoveCompleted,
     /// The scene's first own move starts.
+    #[serde(rename = "own move")]
     OwnMove,
 }
 
@@ -125,12 +132,13 @@ fn load_start(
     if let Some(start_s) = plan.start_s {
         return Ok((start_s, StartReason::Requested));
     }
-    let palm_motion = scene.hand.palm_motion.as_ref();
     let blocked_s = cycle.blocked_s.into_iter().flatten().fold(0.0, f64::max);
-    if let Some(start_s) = palm_motion.and_then(moves_start) {
+    if let Some(motion) = &scene.hand.palm_motion
+        && let Some(start_s) = moves_start(motion)
+    {
         return Ok(match plan.loads {
             Loads::Move => (start_s, StartReason::OwnMove),
-            _ => (first_move_end_s(palm_motion, start_s).max(blocked_s), StartReason::MoveCompleted),
+            _ => (first_move_end_s(motion, start_s).max(blocked_s), StartReason::MoveCompleted),
         });
     }
     let end_s = cycle.release_s.unwrap_or(scene.duration_s).min(scene.duration_s);
@@ -148,17 +156,16 @@ fn load_start(
     Ok(match detector.rest_start_s.zip(stable_s) {
         // Rounded up to whole milliseconds: the time is no more precise, and the value is shown to the user.
         Some((rest_s, stable_s)) => ((rest_s.max(stable_s) * 1e3).ceil() / 1e3, StartReason::AtRest),
-        None => (end_s, StartReason::StillMoving { speed_m_s: criteria.end_speed_m_s() }),
+        None => (end_s, StartReason::StillMoving),
     })
 }
 
 /// Returns the end time of the moves that start at `start_s`, the earliest start.
-fn first_move_end_s(motion: Option<&PalmMotion>, start_s: f64) -> f64 {
-    let moves = motion.iter().flat_map(|motion| &motion.moves);
-    let first = moves.filter(|segment| segment.start_s == start_s);
+fn first_move_end_s(motion: &PalmMotion, start_s: f64) -> f64 {
+    let first = motion.moves.iter().filter(|segment| segment.start_s == start_s);
+    let end_s = first.map(|segment| segment.start_s + segment.length_s).reduce(f64::max);
     // A path has no separate segments.
-    let path_end_s = || motion.map_or(0.0, PalmMotion::moves_end_s);
-    first.map(|segment| segment.start_s + segment.length_s).reduce(f64::max).unwrap_or_else(path_end_s)
+    end_s.unwrap_or_else(|| motion.moves_end_s())
 }
 
 /// Returns the moves and the path that have ended at a time, and the vibrations that have started.
@@ -299,7 +306,7 @@ mod tests {
             moves: vec![segment(0.02, 0.06), segment(0.07, 0.2), segment(0.02, 0.05)],
             ..PalmMotion::default()
         };
-        assert_eq!(first_move_end_s(Some(&motion), 0.02), 0.08);
+        assert_eq!(first_move_end_s(&motion, 0.02), 0.08);
         assert_eq!(completed_motion(&motion, 0.08).moves, [segment(0.02, 0.06), segment(0.02, 0.05)]);
         assert_eq!(completed_motion(&motion, 0.019), PalmMotion::default());
         assert_eq!(moves_start(&motion), Some(0.02));

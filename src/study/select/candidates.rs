@@ -32,11 +32,13 @@ pub struct Condition {
     pub values: Vec<(String, Value)>,
 }
 
-/// Returns the name of a condition, such as `mu_static 0.8`; "all runs" for a condition without values.
-pub(crate) fn condition_name(condition: &Condition) -> String {
-    let name = |(column, value): &(String, Value)| ColumnFormat::for_column(column).name_and_value(value);
-    let names: Vec<String> = condition.values.iter().map(name).collect();
-    if names.is_empty() { "all runs".to_string() } else { names.join(", ") }
+impl Condition {
+    /// Returns the name, such as `mu_static 0.8`; "all runs" for a condition without values.
+    pub(crate) fn name(&self) -> String {
+        let name = |(column, value): &(String, Value)| ColumnFormat::for_column(column).name_and_value(value);
+        let names: Vec<String> = self.values.iter().map(name).collect();
+        if names.is_empty() { "all runs".to_string() } else { names.join(", ") }
+    }
 }
 
 /// One run. Missing figures are `None`.

@@ -117,6 +117,11 @@ impl Criterion {
         self.key_and_name().0
     }
 
+    /// Returns the name in tables.
+    pub(crate) fn name(&self) -> String {
+        self.key_and_name().1
+    }
+
     /// Evaluates the criterion for a run; `bounded_value` is the value of the bounded column.
     pub(super) fn evaluate(&self, run: &Candidate, bounded_value: Option<f64>) -> Verdict {
         let completed = run.status == Status::Completed;
@@ -142,10 +147,6 @@ impl Criterion {
         };
         holds.map_or(Verdict::Unknown, |holds| if holds { Verdict::Holds } else { Verdict::Fails })
     }
-}
-
-pub(crate) fn criterion_name(criterion: &Criterion) -> String {
-    criterion.key_and_name().1
 }
 
 /// Serialises key, name, and the lowest accepted class or the bound in its unit.

@@ -1,12 +1,6 @@
 //! Selection of designs from the results of a sweep: criteria, runs removed by each criterion, and ranking of the
 //! remaining designs (thesis §4.1.2, §4.2.1, §4.3; errata 11).
 //!
-//! | file | content |
-//! |---|---|
-//! | `candidates` | runs, axes and conditions of a table of results |
-//! | `criteria` | criteria: keys, names and evaluation |
-//! | `ranking` | score r_WC and ranks of the selected runs |
-//!
 //! Only the table is required: the axes are the columns between `design` and `l12_m`. Axes that vary within a design,
 //! such as the friction in the study of the thesis, define the **conditions**; every design occurs once per condition.
 
@@ -24,21 +18,19 @@ use crate::table::Table;
 
 pub use candidates::{Axis, Candidate, Condition, SelectError};
 
-pub(crate) use candidates::{condition_name, parse_class};
-pub(crate) use criteria::criterion_name;
+pub(crate) use candidates::parse_class;
 pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict};
 pub use ranking::{PerTerm, Ranked, TERMS, Term, Weights};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
-    /// Criteria in the order of application.
-    pub criteria: Vec<Criterion>,
     pub weights: Weights,
     pub axes: Vec<Axis>,
     pub conditions: Vec<Condition>,
     /// All runs of the table, sorted by number.
     pub runs: Vec<Candidate>,
     pub verdicts: Vec<Vec<Verdict>>,
+    /// Criteria in the order of application, with their results.
     pub tallies: Vec<Tally>,
     pub classes: Vec<ClassCounts>,
     /// Reasons for a missing class of completed runs, grouped without numbers.
@@ -112,7 +104,6 @@ pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection
         class_reasons: group_reasons(&Class::ALL.map(Class::name), runs.iter().filter_map(class)),
         missing_runs: missing_runs(&runs),
         weights: criteria.weights,
-        criteria: list,
         axes,
         conditions,
         runs,
@@ -199,10 +190,6 @@ impl ClassCounts {
             statically_unstable: count(&|run| run.force_positive == Some(false)),
             form_closed: count(&|run| run.form_closed == Some(true)),
         }
-    }
-
-    pub(crate) fn dynamically_stable(&self) -> usize {
-        self.dynamic[0] + self.dynamic[1]
     }
 }
 

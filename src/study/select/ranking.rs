@@ -107,36 +107,3 @@ pub(super) fn rank(set: &[[f64; 4]], weights: &Weights) -> Vec<Ranked> {
     }
     ranking
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_ratios_of_weights_affect_the_ranking() {
-        let set = [[10.0, 7e-3, 30.0, 4.0], [0.0, 5e-3, 20.0, 2.0], [5.0, 9e-3, 10.0, 6.0]];
-        let rank_with = |pfp, tts, f21, f22| rank(&set, &PerTerm([pfp, tts, f21, f22]));
-        // Calculated by hand. tts alone: B 1, A ½, C 0; weights PFP 3 and tts 1: A 3.5/4, B 1/4, C 1.5/4.
-        assert_eq!(rank_with(0.0, 2.0, 0.0, 0.0).iter().map(|r| r.run_index).collect::<Vec<_>>(), [1, 0, 2]);
-        let scores: Vec<_> = rank_with(3.0, 1.0, 0.0, 0.0).iter().map(|r| (r.run_index, r.r_wc)).collect();
-        assert_eq!(scores, [(0, 0.875), (2, 0.375), (1, 0.25)]);
-        assert_eq!(rank_with(3.0, 1.0, 0.0, 0.0), rank_with(6.0, 2.0, 0.0, 0.0));
-    }
-
-    #[test]
-    fn ties_share_a_rank_in_input_order() {
-        let set = [[1.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0], [0.0, 5e-3, 1.0, 1.0]];
-        let ranking = rank(&set, &Weights::default());
-        let order: Vec<_> = ranking.iter().map(|ranked| (ranked.rank, ranked.run_index)).collect();
-        assert_eq!(order, [(1, 1), (1, 2), (3, 0), (4, 3)]);
-        assert!(ranking.iter().all(|ranked| ranked.terms.0[1] == 0.5), "equal tts");
-    }
-
-    #[test]
-    fn a_missing_figure_with_zero_weight_has_no_effect() {
-        let set = [[1.0, f64::NAN, 1.0, 1.0], [2.0, 5e-3, 1.0, 1.0]];
-        let ranking = rank(&set, &PerTerm([1.0, 0.0, 1.0, 1.0]));
-        assert_eq!(ranking.iter().map(|r| r.run_index).collect::<Vec<_>>(), [1, 0]);
-        assert!((ranking[0].r_wc - 2.0 / 3.0).abs() < 1e-14);
-    }
-}

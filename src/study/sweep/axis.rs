@@ -231,35 +231,3 @@ fn strip_rounding_error(exact: f64) -> f64 {
     let digits = format!("{rounded:e}").chars().take_while(|c| *c != 'e').filter(char::is_ascii_digit).count();
     if digits <= 12 { rounded } else { exact }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::units::Dimension;
-
-    fn range(from: (&str, f64), to: (&str, f64), field_type: FieldType, spacing: Spacing) -> Range {
-        let field = Field { path: "x".into(), field_type };
-        let end = |(text, value): (&str, f64)| AxisValue { text: text.into(), value: value.into() };
-        Range::between(&field, &end(from), &end(to), spacing).expect("numbers")
-    }
-
-    fn texts(rows: Vec<Vec<AxisValue>>) -> Vec<String> {
-        rows.into_iter().flatten().map(|value| value.text).collect()
-    }
-
-    #[test]
-    fn grid_values_have_no_rounding_noise() {
-        let length = || FieldType::Quantity(Dimension::Length);
-        let grid = range(("\"12 mm\"", 0.012), ("\"22.5 mm\"", 0.0225), length(), Spacing::Linear).grid(4);
-        assert_eq!(grid[1][0].value, Value::Number(0.0155));
-        assert_eq!(texts(grid), ["\"12.0 mm\"", "\"15.5 mm\"", "\"19.0 mm\"", "\"22.5 mm\""]);
-        let mixed = range(("\"12 mm\"", 0.012), ("\"2 cm\"", 0.02), length(), Spacing::Linear).grid(3);
-        assert_eq!(texts(mixed), ["\"0.012 m\"", "\"0.016 m\"", "\"0.02 m\""]);
-        let log = range(("1e6", 1e6), ("1e9", 1e9), FieldType::Number, Spacing::Log).grid(4);
-        assert_eq!(texts(log), ["1000000.0", "10000000.0", "100000000.0", "1000000000.0"]);
-        let tenths = range(("0", 0.0), ("1", 1.0), FieldType::Number, Spacing::Linear).grid(11);
-        assert_eq!(texts(tenths)[3], "0.3");
-        let thirds = range(("0", 0.0), ("1", 1.0), FieldType::Number, Spacing::Linear).grid(4);
-        assert_eq!(thirds[1][0].value, Value::Number(1.0 / 3.0));
-    }
-}

@@ -155,26 +155,3 @@ fn insert_at_path(table: &mut Table, path: &str, value: Value) {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fills_values_at_the_paths_of_the_fields() {
-        let base: Table =
-            "duration = \"20 ms\"\n[design]\nbase = \"1 mm\"\nl21_fraction = 1\n[motor]\ntorque = \"1 N*m\"\n"
-                .parse()
-                .expect("TOML");
-        let fields = ["motor.torque", "contact.friction.mu_static", "design.base", "palm", "design.l21"];
-        let fields = fields.map(|path| Field { path: path.to_string(), field_type: FieldType::Text });
-        let template = Template::new(base, fields.iter()).expect("a template");
-        let value = |text: &str| AxisValue { text: text.to_string(), value: text.into() };
-        let text = template.fill(&["\"2 N*m\"", "0.8", "\"12 mm\"", "false", "\"24 mm\""].map(value));
-        let expected: Table = "duration = \"20 ms\"\npalm = false\ndesign.base = \"12 mm\"\ndesign.l21 = \"24 mm\"\nmotor.torque = \"2 N*m\"\n\
-                               contact.friction.mu_static = 0.8\n"
-            .parse()
-            .expect("TOML");
-        assert_eq!(text.parse::<Table>().expect("TOML"), expected, "{text}");
-    }
-}

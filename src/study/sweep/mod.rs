@@ -7,14 +7,6 @@
 //! Runs are numbered from 1 with the last axis fastest, and the points of the sample faster still. **Designs** are
 //! numbered in the same way over the axes without `again`. A row depends on its run alone, bit for bit, and not on the
 //! order of execution or the number of threads.
-//!
-//! | file | content |
-//! |---|---|
-//! | `study_file`, `base_scene` | studies from files and in memory, their base scenes and the texts of the scenes |
-//! | `axis`, `sequence` | fields of a scene, values of an axis, points of a sample |
-//! | `run` | parallel execution of the runs, each of a finger or a gripper |
-//! | `results` | rows, columns and summary of the results |
-//! | `shard` | division of the runs into parts |
 
 mod axis;
 mod base_scene;

@@ -12,7 +12,7 @@ use super::results::{Cells, Row, Status};
 use super::{Filter, Study};
 use crate::check::{check_run, run_and_record};
 use crate::criteria::{
-    Fate, GraspCriteria, GraspTracker, LinkOverlaps, StaticGrasp, Tracker, is_form_closed, scene_static_grasp,
+    Fate, GraspCriteria, RunCriteriaTracker, StaticGrasp, Tracker, is_form_closed, scene_static_grasp,
 };
 use crate::gripper::total_mass;
 use crate::scene::keywords::SceneKind;
@@ -20,7 +20,7 @@ use crate::scene::{self, HandContact, Scene, SceneError, Side};
 use crate::statics::{Equilibrium, form_closure, palm_force_with_mu};
 use crate::study::{KeepRunning, constant_spring};
 use crate::thesis::monitor::thread_pool;
-use crate::trace::{self, Cancellable, Event, FingerContact, Outcome, RequiredData, RunError, Sample, Sink, SinkError};
+use crate::trace::{self, Cancellable, FingerContact, Outcome, RunError, Sink};
 
 /// Statistics of one invocation of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +111,7 @@ fn simulate_row<S: Sink>(
     mut cells: Cells,
     mut sink: S,
     keep_running: KeepRunning<'_>,
-    set_results: impl FnOnce(&mut Cells, &S, &Outcome) -> Option<String>,
+    set_results: impl FnOnce(&mut Cells, S, &Outcome) -> Option<String>,
 ) -> Option<Row> {
     let mut cancellable = Cancellable { sink: &mut sink, keep_running };
     let (result, path) = if study.checked {
@@ -130,7 +130,7 @@ fn simulate_row<S: Sink>(
         }
         Err(RunError::Sink(error)) => return Some(cells.row(Status::Failed, &error.to_string())),
     };
-    let reason = set_results(&mut cells, &sink, &outcome);
+    let reason = set_results(&mut cells, sink, &outcome);
     let reason = reason.unwrap_or_else(|| "the run has no duration, so it has no verdict".to_string());
     cells.set("steps", outcome.work.steps as i64);
     if let Some(path) = path {
@@ -162,14 +162,13 @@ fn run_finger(study: &Study, scene: &Scene, mut cells: Cells, keep_running: Keep
     let grasp = statics.grasp.as_ref().ok();
     let tracker = grasp.map(|grasp| Tracker::new(grasp.final_angles()));
     simulate_row(study, scene, cells, tracker, keep_running, |cells, tracker, outcome| {
-        if let Some((tracker, grasp)) = tracker.as_ref().zip(grasp) {
-            set_closing(cells, tracker, grasp, outcome)?;
+        if let Some((tracker, grasp)) = tracker.zip(grasp) {
+            set_closing(cells, &tracker, grasp, outcome)?;
         }
         Some(missing_statics_reason(&statics))
     })
 }
 
-/// Sets the cells of a finger and its statics.
 fn set_finger(cells: &mut Cells, scene: &Scene, statics: &Statics) {
     let (finger, lengths) = (scene.finger(), &scene.finger().linkage.lengths);
     cells.set_all([("l12_m", lengths.l12_m), ("l21_m", lengths.l21_m)]);
@@ -233,27 +232,6 @@ fn filter_reason(filter: &Filter, statics: &Statics) -> Option<String> {
     })
 }
 
-/// Sink that evaluates the grasp of a gripper and the overlaps of its links.
-struct GripperSink {
-    grasp: GraspTracker,
-    overlaps: Option<LinkOverlaps>,
-}
-
-impl Sink for GripperSink {
-    fn required_data(&self) -> RequiredData {
-        self.grasp.required_data().or(self.overlaps.required_data())
-    }
-
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        self.grasp.sample(sample)?;
-        self.overlaps.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.grasp.event(event)
-    }
-}
-
 fn run_gripper(study: &Study, scene: &Scene, mut cells: Cells, keep_running: KeepRunning<'_>) -> Option<Row> {
     cells.set("palm_width_m", scene.hand.palm_width_m);
     cells.set("x_start_m", scene.hand.grasped().centre_m[0]);
@@ -267,11 +245,11 @@ fn run_gripper(study: &Study, scene: &Scene, mut cells: Cells, keep_running: Kee
         cells.set(&column("motor_n_m"), torque_n_m(&finger.motor.actuation) + 0.5 * input_n_m);
         cells.set(&column("spring_n_m"), constant_spring(finger));
     }
-    let sink = GripperSink { grasp: GraspTracker::for_scene(scene), overlaps: LinkOverlaps::for_scene(scene) };
-    simulate_row(study, scene, cells, sink, keep_running, |cells, sink, outcome| {
-        set_grasp(cells, scene, &sink.grasp.criteria()?, outcome);
-        let overlaps = sink.overlaps.iter().flat_map(LinkOverlaps::overlaps);
-        cells.set("link_overlap_m", overlaps.map(|overlap| overlap.depth_m).fold(0.0, f64::max));
+    let tracker = RunCriteriaTracker::for_scene(scene);
+    simulate_row(study, scene, cells, tracker, keep_running, |cells, tracker, outcome| {
+        let found = tracker.finish(true);
+        set_grasp(cells, scene, &found.grasp?, outcome);
+        cells.set("link_overlap_m", found.overlaps.iter().map(|overlap| overlap.depth_m).fold(0.0, f64::max));
         Some(String::new())
     })
 }

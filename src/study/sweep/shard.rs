@@ -74,18 +74,9 @@ fn min_shard_count(runs: u64) -> u64 {
     runs.div_ceil(MAX_RUNS)
 }
 
-/// Runs that are in no part. Shards `first_shard` to `last_shard` of `shard_count` contain exactly these runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Gap {
-    pub first: u64,
-    pub last: u64,
-    pub first_shard: u64,
-    pub last_shard: u64,
-    pub shard_count: u64,
-}
-
-/// Finds runs that are in no part. The parts are sorted by their first run.
-pub(in crate::study) fn find_gaps(runs: u64, parts: &[Shard]) -> Vec<Gap> {
+/// Finds runs that are in no part. A gap is the first and the last of consecutive shards that contain exactly its runs.
+/// The parts are sorted by their first run.
+pub(in crate::study) fn find_gaps(runs: u64, parts: &[Shard]) -> Vec<[Shard; 2]> {
     let mut gaps = Vec::new();
     let mut next = 1;
     let end = Shard { number: 0, count: 0, first: runs + 1, last: runs + 1 };
@@ -98,9 +89,8 @@ pub(in crate::study) fn find_gaps(runs: u64, parts: &[Shard]) -> Vec<Gap> {
     gaps
 }
 
-/// Describes a gap by shards that contain exactly its runs: of the number of shards of a part, of the smallest number,
-/// or of one shard for each run.
-fn describe_gap(runs: u64, first: u64, last: u64, parts: &[Shard]) -> Gap {
+/// Describes a gap by shards of the number of shards of a part, of the smallest number, or of one shard for each run.
+fn describe_gap(runs: u64, first: u64, last: u64, parts: &[Shard]) -> [Shard; 2] {
     // The shard of a run is the first whose last run ⌊runs·number/count⌋ is not before it.
     let shard_of_run = |run: u64, count: u64| {
         let number = (u128::from(run) * u128::from(count)).div_ceil(u128::from(runs));
@@ -108,27 +98,26 @@ fn describe_gap(runs: u64, first: u64, last: u64, parts: &[Shard]) -> Gap {
     };
     let exact = |count: u64| {
         let (from, to) = (shard_of_run(first, count)?, shard_of_run(last, count)?);
-        let gap = Gap { first, last, first_shard: from.number, last_shard: to.number, shard_count: count };
-        (from.first == first && to.last == last).then_some(gap)
+        (from.first == first && to.last == last).then_some([from, to])
     };
     let mut counts: Vec<u64> = parts.iter().map(|part| part.count).collect();
     counts.sort_unstable();
     counts.dedup();
-    let gap = counts.into_iter().chain(1..=10_000).find_map(exact);
-    gap.unwrap_or(Gap { first, last, first_shard: first, last_shard: last, shard_count: runs })
+    let gap = counts.into_iter().chain(1..=10_000).chain([runs]).find_map(exact);
+    gap.expect("each run is a shard of as many shards as runs")
 }
 
 /// Message that lists missing runs with the arguments that make their parts.
-pub(in crate::study) fn missing_message(gaps: &[Gap], total: u64) -> String {
-    let line = |&Gap { first, last, first_shard, last_shard, shard_count }: &Gap| {
-        let more = match last_shard - first_shard {
+pub(in crate::study) fn missing_message(gaps: &[[Shard; 2]], total: u64) -> String {
+    let line = |[from, to]: &[Shard; 2]| {
+        let more = match to.number - from.number {
             0 => String::new(),
-            1 => format!(" and {last_shard}/{shard_count}"),
-            _ => format!(" to {last_shard}/{shard_count}"),
+            1 => format!(" and {}/{}", to.number, to.count),
+            _ => format!(" to {}/{}", to.number, to.count),
         };
-        format!("{} (--shard {first_shard}/{shard_count}{more})", run_range_text(first, last))
+        format!("{} (--shard {}/{}{more})", run_range_text(from.first, to.last), from.number, from.count)
     };
-    let count: u64 = gaps.iter().map(|gap| gap.last - gap.first + 1).sum();
+    let count: u64 = gaps.iter().map(|[from, to]| to.last - from.first + 1).sum();
     list_message(
         &format!("{count} of {total} runs are in no shard: "),
         gaps.iter().map(line).collect(),
@@ -201,13 +190,13 @@ mod tests {
                     let present = (1..=a).filter(|number| *number != missing).map(|number| (number, a));
                     let parts = shards(runs, &present.chain([(1, b)]).collect::<Vec<_>>());
                     let mut missing_runs = 0;
-                    for gap in find_gaps(runs, &parts) {
-                        let ends = [gap.first_shard, gap.last_shard].map(|n| shard_range(runs, n, gap.shard_count));
-                        let [Some(from), Some(to)] = ends else { panic!("{gap:?}") };
-                        assert_eq!((from.first, to.last), (gap.first, gap.last), "{runs} {a} {b} {gap:?}");
-                        missing_runs += gap.last - gap.first + 1;
-                    }
                     let is_covered = |run: u64| parts.iter().any(|shard| (shard.first..=shard.last).contains(&run));
+                    for [from, to] in find_gaps(runs, &parts) {
+                        assert_eq!(shard_range(runs, from.number, from.count), Some(from), "{runs} {a} {b}");
+                        assert_eq!(shard_range(runs, to.number, from.count), Some(to), "{runs} {a} {b}");
+                        assert!(!(from.first..=to.last).any(is_covered), "{runs} {a} {b} {from:?} {to:?}");
+                        missing_runs += to.last - from.first + 1;
+                    }
                     assert_eq!(missing_runs, (1..=runs).filter(|run| !is_covered(*run)).count() as u64);
                 }
             }
