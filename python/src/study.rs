@@ -4,12 +4,12 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use phalanx::study::parts::{self, MergeResult, WrittenPart};
-use phalanx::study::results::{OpenedResults, ResultsError, open};
+use phalanx::study::results::{OpenedResults, open};
 use phalanx::study::sweep::{
     Row, Study, check_unsharded, load as load_study_file, run_while, shard, sorted_table, source_files,
 };
 use phalanx::table;
-use phalanx::thesis::Monitor;
+use phalanx::thesis::{Monitor, StudyError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -81,7 +81,7 @@ fn run_to_file(
     limit: u64,
     restart: bool,
 ) -> PyResult<table::Table> {
-    let results_error = |error: ResultsError| results_error(py, &error);
+    let results_error = |error: StudyError| results_error(py, &error);
     let mut store = match open(study, out, limit, restart).map_err(results_error)? {
         OpenedResults::Complete(table) => return Ok(table),
         OpenedResults::Incomplete(store) => store,
@@ -124,7 +124,7 @@ pub fn sweep_shard<'py>(
     restart: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let study = load(py, &study, model, check)?;
-    let shard = shard(&study, k, n).map_err(|error| results_error(py, &ResultsError::Refused(error)))?;
+    let shard = shard(&study, k, n).map_err(|error| results_error(py, &StudyError::Unsuitable(error)))?;
     let written = interruptible::run(py, |keep_running| {
         parts::write_part(&study, shard, &out, threads, restart, keep_running, |_| {})
     })?;
@@ -187,6 +187,6 @@ pub fn study_info<'py>(
     Ok(info)
 }
 
-fn results_error(py: Python<'_>, error: &ResultsError) -> PyErr {
+fn results_error(py: Python<'_>, error: &StudyError) -> PyErr {
     errors::sweep(py, format!("error: {error}"))
 }

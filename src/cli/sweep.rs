@@ -11,7 +11,7 @@ use super::progress::{Interrupt, Progress};
 use super::{Failure, Status};
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
 use crate::study::parts::{merge, part_files, write_part};
-use crate::study::results::{OpenedResults, ResultsError, Store, open};
+use crate::study::results::{OpenedResults, Store, open};
 use crate::study::sweep::{self, Row, Study, StudyError, run_while, shard, summary};
 use crate::trace::Model;
 
@@ -129,15 +129,6 @@ struct MergeArgs {
     /// Print one JSON document with SI units in its keys instead of tables
     #[arg(long)]
     json: bool,
-}
-
-impl From<ResultsError> for Failure {
-    fn from(error: ResultsError) -> Self {
-        match error {
-            ResultsError::Refused(_) => Failure::bad_input(error),
-            ResultsError::WriteFailed(_) | ResultsError::Stopped { .. } => Failure::incomplete(error),
-        }
-    }
 }
 
 impl From<StudyError> for Failure {

@@ -9,7 +9,7 @@ use super::theme::{BLUE, Colour, GREEN, ORANGE, SERIES, SOFT};
 use crate::scene;
 use crate::statics::AccelerationLimit;
 use crate::study::capture::{Capture, Placement};
-use crate::study::hold::{Evaluation, Hold, Limit, LoadCase, LoadResult, Loads, Verdict, axis_name};
+use crate::study::hold::{Evaluation, Hold, Limit, LoadCase, LoadResult, Loads, axis_name};
 
 /// Minimum number of directions or frequencies of a curve.
 const MIN_CURVE_POINTS: usize = 3;
@@ -164,11 +164,11 @@ fn slip(found: &Hold) -> String {
     let mut series = vec![Series::horizontal(THIN_LINE, SOFT, bound_mm)];
     for (result, colour) in found.results.iter().zip(SERIES.into_iter().cycle()) {
         let finished =
-            |evaluation: &Evaluation| Some(((evaluation.peak_m_s2, slip_mm(evaluation)?), evaluation.drops()));
-        let runs: Vec<(PlotPoint, Verdict)> = result.evaluations.iter().filter_map(finished).collect();
+            |evaluation: &Evaluation| Some(((evaluation.peak_m_s2, slip_mm(evaluation)?), evaluation.is_held()));
+        let runs: Vec<(PlotPoint, Option<bool>)> = result.evaluations.iter().filter_map(finished).collect();
         series.push(Series::new(THIN_LINE, colour, runs.iter().map(|run| run.0)));
-        series.extend(runs.iter().map(|(position, drops)| {
-            let marker = if *drops == Verdict::Held { Marker::Circle } else { Marker::Cross };
+        series.extend(runs.iter().map(|(position, is_held)| {
+            let marker = if *is_held == Some(true) { Marker::Circle } else { Marker::Cross };
             Series::new(marker, colour, [*position])
         }));
         let name = match result.case {

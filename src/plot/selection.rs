@@ -11,7 +11,7 @@ use super::chart::{self, Panel, Series, panel_chart};
 use super::svg::{Paint, Pixel, Svg};
 use super::theme::{AMBER, BLUE, Colour, GREEN, INK, NEUTRAL, ORANGE, PALE_BLUE, PAPER, PURPLE, SOFT, VERDICTS};
 use crate::format::{ColumnFormat, percent_of};
-use crate::study::select::{Axis, Candidate, Selection, Verdict};
+use crate::study::select::{Axis, Candidate, Selection};
 use crate::table::{Table, Value};
 
 const KEY_HEIGHT: f64 = 36.0;
@@ -87,14 +87,14 @@ const CELLS: [(Colour, &str); 5] = [
 ];
 
 /// Index in [`CELLS`] of a run and a criterion.
-fn criterion_cell(verdicts: &[Verdict], row: usize) -> usize {
-    let before = verdicts[..row].iter().all(|&verdict| verdict == Verdict::Holds);
+fn criterion_cell(verdicts: &[Option<bool>], row: usize) -> usize {
+    let before = verdicts[..row].iter().all(|verdict| *verdict == Some(true));
     match (verdicts[row], before) {
-        (Verdict::Holds, true) => 0,
-        (Verdict::Fails, true) => 1,
-        (Verdict::Holds, false) => 2,
-        (Verdict::Fails, false) => 3,
-        (Verdict::Unknown, _) => 4,
+        (Some(true), true) => 0,
+        (Some(false), true) => 1,
+        (Some(true), false) => 2,
+        (Some(false), false) => 3,
+        (None, _) => 4,
     }
 }
 

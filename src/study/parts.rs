@@ -16,14 +16,14 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::KeepRunning;
-use super::results::{ResultsError, has_other_results, refused, write_provenance};
+use super::results::{has_other_results, refused, write_failed, write_provenance};
 use super::sweep::{
     MAX_SHARDED_RUNS, Row, RunStats, Shard, Study, Summary, columns, find_gaps, list_message, missing_message,
     run_range_text, run_while, shard_range, sorted_table, summary,
 };
 use crate::files::{FileKind, cannot_write, check_target, is_forced, is_special, replace_file};
 use crate::table::{self, Format, RowGroups, RowWriter, Value};
-use crate::thesis::Monitor;
+use crate::thesis::{Monitor, StudyError};
 
 /// Keys of the metadata: [`PartInfo`] as JSON, and the checksum of the rows.
 const METADATA_KEYS: [&str; 2] = ["phalanx.part", "phalanx.checksum"];
@@ -80,7 +80,7 @@ struct Part {
 }
 
 impl Part {
-    fn open(path: &Path) -> Result<Self, ResultsError> {
+    fn open(path: &Path) -> Result<Self, StudyError> {
         let help = "give files written by `phalanx sweep STUDY --shard K/N --out SHARD.parquet`";
         let not_a_part =
             |reason: &dyn Display| refused(format!("{} is not a shard of a sweep: {reason}; {help}", path.display()));
@@ -98,7 +98,7 @@ impl Part {
         if is_consistent { Ok(part) } else { Err(inconsistent()) }
     }
 
-    fn damaged(&self, reason: impl Display) -> ResultsError {
+    fn damaged(&self, reason: impl Display) -> StudyError {
         refused(format!("{} is damaged: {reason}; delete it and run the shard again", self.path.display()))
     }
 
@@ -107,8 +107,8 @@ impl Part {
         mut self,
         study: &Study,
         total: &mut Summary,
-        mut on_group: impl FnMut(&[Vec<Value>]) -> Result<(), ResultsError>,
-    ) -> Result<(), ResultsError> {
+        mut on_group: impl FnMut(&[Vec<Value>]) -> Result<(), StudyError>,
+    ) -> Result<(), StudyError> {
         let mut table = sorted_table(study, []);
         if self.groups.columns() != table.columns || self.info.runs != study.runs() {
             return Err(self.damaged("it has other columns or runs than the study"));
@@ -154,7 +154,7 @@ fn format_checksum(hasher: crc32fast::Hasher) -> String {
     format!("{:08x}", hasher.finalize())
 }
 
-fn empty_summary(study: &Study) -> Result<Summary, ResultsError> {
+fn empty_summary(study: &Study) -> Result<Summary, StudyError> {
     summary(&sorted_table(study, [])).map_err(refused)
 }
 
@@ -184,7 +184,7 @@ pub fn write_part(
     restart: bool,
     keep_running: KeepRunning<'_>,
     mut on_row: impl FnMut(&Row) + Send,
-) -> Result<WrittenPart, ResultsError> {
+) -> Result<WrittenPart, StudyError> {
     let part = PartInfo::new(study, shard);
     if !matches!(table::format(out), Ok(Format::Parquet)) || is_special(out) {
         let reason = "a shard is a Parquet file (NAME.parquet), because its metadata identify the study; `phalanx sweep \
@@ -202,7 +202,7 @@ pub fn write_part(
         true
     });
     if !stats.complete {
-        return Err(ResultsError::Stopped { done: stats.runs, total: shard.runs() });
+        return Err(StudyError::Stopped { done: stats.runs as usize, total: shard.runs() as usize });
     }
     let table = sorted_table(study, rows);
     let mut hasher = crc32fast::Hasher::new();
@@ -210,17 +210,12 @@ pub fn write_part(
     let values = [serde_json::to_string(&part).unwrap_or_default(), format_checksum(hasher)];
     let metadata: Vec<(String, String)> = METADATA_KEYS.map(String::from).into_iter().zip(values).collect();
     let written = table::write_with_metadata(out, &table, &metadata).and_then(|()| summary(&table));
-    let summary = written.map_err(|error| ResultsError::WriteFailed(error.to_string()))?;
+    let summary = written.map_err(|error| StudyError::Failed(error.to_string()))?;
     Ok(WrittenPart { part, summary, stats: Some(stats) })
 }
 
 /// Returns the summary of this part if it is already written. `None` means that `out` may be written.
-fn existing_summary(
-    study: &Study,
-    part: &PartInfo,
-    out: &Path,
-    restart: bool,
-) -> Result<Option<Summary>, ResultsError> {
+fn existing_summary(study: &Study, part: &PartInfo, out: &Path, restart: bool) -> Result<Option<Summary>, StudyError> {
     if !fs::metadata(out).is_ok_and(|found| found.len() > 0) || is_forced() {
         return Ok(None);
     }
@@ -265,7 +260,7 @@ pub struct MergeResult {
 /// # Errors
 /// Returns an error if a part is missing, damaged, duplicate or of another study; the output path is unusable or
 /// contains other data; writing failed; or the merge was interrupted. In all cases `out` is unchanged.
-pub fn merge(study: &Study, parts: &[PathBuf], out: &Path, monitor: &Monitor<'_>) -> Result<MergeResult, ResultsError> {
+pub fn merge(study: &Study, parts: &[PathBuf], out: &Path, monitor: &Monitor<'_>) -> Result<MergeResult, StudyError> {
     let format = table::format(out).map_err(refused)?;
     check_target(out, FileKind::Table).map_err(refused)?;
     if has_other_results(study, out)? {
@@ -276,7 +271,7 @@ pub fn merge(study: &Study, parts: &[PathBuf], out: &Path, monitor: &Monitor<'_>
         )));
     }
     let parts = complete_parts(study, parts)?;
-    let (mut total, mut done) = (empty_summary(study)?, 0);
+    let mut total = empty_summary(study)?;
     monitor.start(study.runs() as usize, "rows joined");
     let written = replace_file(out, |file| {
         let mut writer = RowWriter::new(file, format, &columns(study))?;
@@ -284,30 +279,29 @@ pub fn merge(study: &Study, parts: &[PathBuf], out: &Path, monitor: &Monitor<'_>
             let copy = |part: Part| {
                 part.read(study, &mut total, |rows| {
                     if !(monitor.keep_running())() {
-                        return Err(ResultsError::Stopped { done, total: study.runs() });
+                        return Err(monitor.stopped());
                     }
                     let added = rows.iter().try_for_each(|row| writer.add(row));
-                    done += rows.len() as u64;
                     monitor.advance(rows.len(), "rows joined");
-                    added.map_err(|error| ResultsError::write_failed(out, &error))
+                    added.map_err(|error| write_failed(out, &error))
                 })
             };
             Part::open(path).and_then(copy).map_err(io::Error::other)?;
         }
         writer.finish(&[])?;
         // The study is written first, so that results never exist without it.
-        write_provenance(study, done, out)
+        write_provenance(study, study.runs(), out)
     });
     written.map_err(|error| match error.downcast() {
         Ok(error) => error,
-        Err(error) => ResultsError::write_failed(out, &error),
+        Err(error) => write_failed(out, &error),
     })?;
     let bytes = fs::metadata(out).map_or(0, |found| found.len());
     Ok(MergeResult { parts: parts.len() as u64, bytes, summary: total })
 }
 
 /// Returns the files of the parts in the order of their runs; checks that they cover the study.
-fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, ResultsError> {
+fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, StudyError> {
     let (mut parts, mut foreign) = (Vec::new(), Vec::new());
     for path in part_files(paths)? {
         let part = Part::open(&path)?;
@@ -330,7 +324,7 @@ fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, Resu
 }
 
 /// Replaces directories by the Parquet files in them.
-pub(crate) fn part_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ResultsError> {
+pub(crate) fn part_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, StudyError> {
     let mut files = Vec::with_capacity(paths.len());
     for path in paths {
         if !path.is_dir() {

@@ -17,30 +17,18 @@ use super::sweep::{Study, check_unsharded, columns, sorted_table};
 use crate::files::{FileKind, cannot_write, check_target, is_forced, replace_file};
 use crate::log::is_same_file;
 use crate::table::{self, Table, Value};
+use crate::thesis::StudyError;
 
 /// First words of a file of unfinished results.
 const MAGIC: &str = "# phalanx sweep";
 
-/// Error of the results or parts of a sweep.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ResultsError {
-    /// A path is unusable or contains other data, or a part does not fit.
-    #[error("{0}")]
-    Refused(String),
-    #[error("{0}")]
-    WriteFailed(String),
-    #[error("stopped after {done} of {total} runs; no file was written")]
-    Stopped { done: u64, total: u64 },
+/// Error of a path that is unusable or contains other data, or of a part that does not fit.
+pub(super) fn refused(reason: impl Display) -> StudyError {
+    StudyError::Unsuitable(reason.to_string())
 }
 
-impl ResultsError {
-    pub(super) fn write_failed(path: &Path, error: &io::Error) -> Self {
-        ResultsError::WriteFailed(cannot_write(path, error))
-    }
-}
-
-pub(super) fn refused(reason: impl Display) -> ResultsError {
-    ResultsError::Refused(reason.to_string())
+pub(super) fn write_failed(path: &Path, error: &io::Error) -> StudyError {
+    StudyError::Failed(cannot_write(path, error))
 }
 
 /// Writes `OUT.study.json` for results with this number of rows: the study with its exact text.
@@ -59,7 +47,7 @@ pub(super) fn write_provenance(study: &Study, rows: u64, out: &Path) -> io::Resu
 }
 
 /// Whether `OUT.study.json` names this study.
-fn is_of_study(study: &Study, out: &Path) -> Result<bool, ResultsError> {
+fn is_of_study(study: &Study, out: &Path) -> Result<bool, StudyError> {
     let [_, path] = companion_files(out);
     let fingerprint = fs::read(&path).and_then(|bytes| {
         let provenance: serde_json::Value = serde_json::from_slice(&bytes)?;
@@ -86,7 +74,7 @@ pub(crate) fn companion_files(out: &Path) -> [PathBuf; 2] {
 }
 
 /// Whether a path contains results of another study.
-pub(super) fn has_other_results(study: &Study, out: &Path) -> Result<bool, ResultsError> {
+pub(super) fn has_other_results(study: &Study, out: &Path) -> Result<bool, StudyError> {
     let exists = fs::metadata(out).is_ok_and(|found| found.is_file() && found.len() > 0);
     Ok(!is_of_study(study, out)? && exists && !is_forced())
 }
@@ -116,7 +104,7 @@ fn run_numbers(rows: &[Vec<Value>]) -> impl Iterator<Item = u64> {
 /// # Errors
 /// Returns an error if the output path is unusable, contains results of another study, or is being written by another
 /// command.
-pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<OpenedResults, ResultsError> {
+pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<OpenedResults, StudyError> {
     table::format(out).map_err(refused)?;
     check_unsharded(study, max_runs).map_err(refused)?;
     check_target(out, FileKind::Table).map_err(refused)?;
@@ -160,7 +148,7 @@ pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<O
 }
 
 /// Reads the finished results of this study; `None` if there are none, or the table has other columns.
-fn read_finished(study: &Study, out: &Path) -> Result<Option<Table>, ResultsError> {
+fn read_finished(study: &Study, out: &Path) -> Result<Option<Table>, StudyError> {
     if !is_of_study(study, out)? || !out.exists() {
         return Ok(None);
     }
@@ -177,7 +165,7 @@ fn read_finished(study: &Study, out: &Path) -> Result<Option<Table>, ResultsErro
 }
 
 /// Opens and locks the file of unfinished results, so that only one command writes to it.
-fn open_locked(out: &Path, partial: &Path) -> Result<File, ResultsError> {
+fn open_locked(out: &Path, partial: &Path) -> Result<File, StudyError> {
     let cannot_open = |error: io::Error| refused(format!("{}; give a writable path", cannot_write(partial, error)));
     loop {
         let mut options = OpenOptions::new();
@@ -217,7 +205,7 @@ impl Store {
     ///
     /// # Errors
     /// Returns an error if writing fails; the file of unfinished results still contains every finished run.
-    pub fn finish(self, study: &Study) -> Result<Table, ResultsError> {
+    pub fn finish(self, study: &Study) -> Result<Table, StudyError> {
         let Store { out, partial, rows, .. } = self;
         let table = sorted_table(study, rows);
         let finish = || write_provenance(study, table.rows.len() as u64, &out).and_then(|()| fs::remove_file(&partial));
@@ -226,14 +214,14 @@ impl Store {
         written.map_err(|error| {
             let partial = partial.display();
             let hint = format!("every finished run is in {partial}; the same command resumes from there");
-            ResultsError::WriteFailed(format!("{error}; {hint}"))
+            StudyError::Failed(format!("{error}; {hint}"))
         })?;
         Ok(table)
     }
 
     /// Reads the rows of an earlier, interrupted command. Returns whether there was one; always true with `restart`.
-    fn resume(&mut self, study: &Study, restart: bool) -> Result<bool, ResultsError> {
-        let failed = |error: io::Error| ResultsError::write_failed(&self.partial, &error);
+    fn resume(&mut self, study: &Study, restart: bool) -> Result<bool, StudyError> {
+        let failed = |error: io::Error| write_failed(&self.partial, &error);
         let columns = columns(study);
         let names: Vec<Value> = columns.iter().map(|column| Value::from(column.name.as_str())).collect();
         let (fingerprint, runs) = (study.fingerprint(), study.runs());

@@ -19,22 +19,15 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// Verdict on slip: the object must be held at the end and slip by at most `max_slip_m`.
-    pub fn slips(&self, max_slip_m: f64) -> Verdict {
-        self.verdict(|outcome| outcome.slip.displacement_m <= max_slip_m)
+    /// Whether the object is held at the end, regardless of its slip; `None` if the run was not completed.
+    pub fn is_held(&self) -> Option<bool> {
+        Some(self.outcome.as_ref().ok()?.fate == Fate::Held)
     }
 
-    /// Verdict on dropping: the object must be held at the end, regardless of its slip.
-    pub fn drops(&self) -> Verdict {
-        self.verdict(|_| true)
-    }
-
-    fn verdict(&self, passes: impl Fn(&LoadOutcome) -> bool) -> Verdict {
-        match &self.outcome {
-            Err(_) => Verdict::Unknown,
-            Ok(outcome) if outcome.fate == Fate::Held && passes(outcome) => Verdict::Held,
-            Ok(_) => Verdict::Failed,
-        }
+    /// Whether the object is held at the end and slips by at most `max_slip_m`.
+    pub fn is_held_within(&self, max_slip_m: f64) -> Option<bool> {
+        let outcome = self.outcome.as_ref().ok()?;
+        Some(outcome.fate == Fate::Held && outcome.slip.displacement_m <= max_slip_m)
     }
 }
 
@@ -55,15 +48,6 @@ impl Serialize for Evaluation {
     }
 }
 
-/// Result of a run under one load.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    Held,
-    Failed,
-    /// The run was not completed.
-    Unknown,
-}
-
 /// Bracket of the first failure among the evaluated loads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limit {
@@ -78,19 +62,18 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// Returns the limit from the verdicts, in any order.
-    pub(super) fn from_verdicts(verdicts: impl Iterator<Item = (f64, Verdict)> + Clone) -> Self {
-        let loads =
-            |required: Verdict| verdicts.clone().filter(move |(_, verdict)| *verdict == required).map(|(load, _)| load);
-        let failed = loads(Verdict::Failed).reduce(f64::min);
+    /// Returns the limit from loads in any order and whether each is held; `None`: the run was not completed.
+    pub(super) fn from_loads(all: impl Iterator<Item = (f64, Option<bool>)> + Clone) -> Self {
+        let loads = |held: Option<bool>| all.clone().filter(move |(_, found)| *found == held).map(|(load, _)| load);
+        let failed = loads(Some(false)).reduce(f64::min);
         let below = |load: &f64| failed.is_none_or(|failed| *load < failed);
-        let held = loads(Verdict::Held).filter(below).reduce(f64::max);
+        let held = loads(Some(true)).filter(below).reduce(f64::max);
         let above = |load: &f64| held.is_none_or(|held| *load > held);
         Limit {
             held,
             failed,
-            held_above: loads(Verdict::Held).filter(|load| !below(load)).reduce(f64::max),
-            unknown: loads(Verdict::Unknown).filter(|load| below(load) && above(load)).count(),
+            held_above: loads(Some(true)).filter(|load| !below(load)).reduce(f64::max),
+            unknown: loads(None).filter(|load| below(load) && above(load)).count(),
         }
     }
 
@@ -130,15 +113,15 @@ impl LoadResult {
     pub fn ended_by(&self, limit: &Limit) -> Option<&'static str> {
         let run = self.evaluation_at(limit.failed?)?;
         let fate = run.outcome.as_ref().ok()?.fate;
-        Some(if run.drops() == Verdict::Held { "slip" } else { fate.name() })
+        Some(if run.is_held() == Some(true) { "slip" } else { fate.name() })
     }
 
     /// Adds evaluations and updates the limits.
     pub(super) fn with_evaluations(mut self, evaluations: Vec<Evaluation>, slip_m: f64) -> Self {
         self.evaluations.extend(evaluations);
         self.evaluations.sort_by(|a, b| a.peak_m_s2.total_cmp(&b.peak_m_s2));
-        self.slips = Limit::from_verdicts(self.evaluations.iter().map(|run| (run.peak_m_s2, run.slips(slip_m))));
-        self.drops = Limit::from_verdicts(self.evaluations.iter().map(|run| (run.peak_m_s2, run.drops())));
+        self.slips = Limit::from_loads(self.evaluations.iter().map(|run| (run.peak_m_s2, run.is_held_within(slip_m))));
+        self.drops = Limit::from_loads(self.evaluations.iter().map(|run| (run.peak_m_s2, run.is_held())));
         self
     }
 
@@ -195,20 +178,20 @@ mod tests {
     use super::*;
 
     /// Scans and bisects a predicate. Returns the limit and the number of evaluations.
-    fn search(scan: &[f64], tolerance: f64, evaluate: impl Fn(f64) -> Verdict) -> (Limit, usize) {
-        let mut evaluations: Vec<(f64, Verdict)> = scan.iter().map(|load| (*load, evaluate(*load))).collect();
-        while let Some(load) = Limit::from_verdicts(evaluations.iter().copied()).next_load(tolerance) {
+    fn search(scan: &[f64], tolerance: f64, evaluate: impl Fn(f64) -> Option<bool>) -> (Limit, usize) {
+        let mut evaluations: Vec<(f64, Option<bool>)> = scan.iter().map(|load| (*load, evaluate(*load))).collect();
+        while let Some(load) = Limit::from_loads(evaluations.iter().copied()).next_load(tolerance) {
             evaluations.push((load, evaluate(load)));
         }
-        (Limit::from_verdicts(evaluations.iter().copied()), evaluations.len())
+        (Limit::from_loads(evaluations.iter().copied()), evaluations.len())
     }
 
     fn octaves() -> Vec<f64> {
         (0..=10).map(|power| 2f64.powi(power)).collect()
     }
 
-    fn below(limit: f64) -> impl Fn(f64) -> Verdict {
-        move |load| if load <= limit { Verdict::Held } else { Verdict::Failed }
+    fn below(limit: f64) -> impl Fn(f64) -> Option<bool> {
+        move |load| Some(load <= limit)
     }
 
     #[test]
@@ -239,10 +222,7 @@ mod tests {
     #[test]
     fn held_loads_above_a_failure_are_reported() {
         // Loads fail in a resonance from 30 to 50, and above 200.
-        let resonance = |load: f64| match load {
-            load if (30.0..50.0).contains(&load) || load > 200.0 => Verdict::Failed,
-            _ => Verdict::Held,
-        };
+        let resonance = |load: f64| Some(!(30.0..50.0).contains(&load) && load <= 200.0);
         let (found, _) = search(&octaves(), 1e-3, resonance);
         let (held, failed) = found.held.zip(found.failed).expect("a bracket");
         assert!(held < 30.0 && (30.0..30.1).contains(&failed), "{found:?}");
@@ -254,15 +234,11 @@ mod tests {
 
     #[test]
     fn incomplete_runs_are_neither_held_nor_failed() {
-        let incomplete = |load: f64| match load {
-            load if (20.0..30.0).contains(&load) => Verdict::Unknown,
-            load => below(25.0)(load),
-        };
+        let incomplete = |load: f64| below(25.0)(load).filter(|_| !(20.0..30.0).contains(&load));
         let (found, count) = search(&octaves(), 1e-6, incomplete);
         assert_eq!((found.held, found.failed, found.unknown), (Some(16.0), Some(32.0), 1), "{found:?}");
         assert_eq!(count, 12, "the bisection ends at the first incomplete run");
-        let (found, _) =
-            search(&[1.0, 2.0, 4.0], 0.1, |load| if load < 3.0 { Verdict::Held } else { Verdict::Unknown });
+        let (found, _) = search(&[1.0, 2.0, 4.0], 0.1, |load| (load < 3.0).then_some(true));
         assert_eq!((found.held, found.failed, found.unknown), (Some(2.0), None, 1));
     }
 

@@ -30,7 +30,7 @@ use crate::units::MAX_TIME_S;
 
 use prepare::PreparedScene;
 
-pub use limit::{Evaluation, Limit, LoadResult, Verdict};
+pub use limit::{Evaluation, Limit, LoadResult};
 pub(crate) use load::axis_name;
 pub use load::{Load, LoadCase, LoadSetup, LoadSize};
 pub(crate) use plan::SETTLING_S;

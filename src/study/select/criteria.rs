@@ -64,15 +64,6 @@ pub enum Criterion {
     Settled,
 }
 
-/// Result of a criterion for one run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Verdict {
-    Holds,
-    Fails,
-    /// The figure is missing, because the run was filtered, refused or failed. The criterion is not met.
-    Unknown,
-}
-
 impl SelectionCriteria {
     /// Criteria in the order of application: those known before the simulation first.
     pub fn criteria(&self) -> Vec<Criterion> {
@@ -122,10 +113,11 @@ impl Criterion {
         self.key_and_name().1
     }
 
-    /// Evaluates the criterion for a run; `bounded_value` is the value of the bounded column.
-    pub(super) fn evaluate(&self, run: &Candidate, bounded_value: Option<f64>) -> Verdict {
+    /// Evaluates the criterion for a run; `bounded_value` is the value of the bounded column. `None` means that the
+    /// figure is missing, because the run was filtered, refused or failed: the criterion is not met.
+    pub(super) fn evaluate(&self, run: &Candidate, bounded_value: Option<f64>) -> Option<bool> {
         let completed = run.status == Status::Completed;
-        let holds = match self {
+        match self {
             Criterion::Completed => Some(completed),
             Criterion::Graspable => completed.then(|| !run.cannot_grasp()),
             Criterion::ForcePositive => run.force_positive,
@@ -144,8 +136,7 @@ impl Criterion {
                     }
                 }
             }
-        };
-        holds.map_or(Verdict::Unknown, |holds| if holds { Verdict::Holds } else { Verdict::Fails })
+        }
     }
 }
 

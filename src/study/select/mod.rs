@@ -19,7 +19,7 @@ use crate::table::Table;
 pub use candidates::{Axis, Candidate, Condition, SelectError};
 
 pub(crate) use candidates::parse_class;
-pub use criteria::{Bound, Criterion, SelectionCriteria, Side, Verdict};
+pub use criteria::{Bound, Criterion, SelectionCriteria, Side};
 pub use ranking::{PerTerm, Ranked, TERMS, Term, Weights};
 
 #[derive(Clone, Debug, PartialEq)]
@@ -29,7 +29,8 @@ pub struct Selection {
     pub conditions: Vec<Condition>,
     /// All runs of the table, sorted by number.
     pub runs: Vec<Candidate>,
-    pub verdicts: Vec<Vec<Verdict>>,
+    /// Whether each run meets each criterion; `None` if the figure is missing.
+    pub verdicts: Vec<Vec<Option<bool>>>,
     /// Criteria in the order of application, with their results.
     pub tallies: Vec<Tally>,
     pub classes: Vec<ClassCounts>,
@@ -83,9 +84,9 @@ pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection
         let criteria = list.iter().zip(&columns);
         criteria.map(|(criterion, values)| criterion.evaluate(run, values.get(run.row).copied().flatten())).collect()
     };
-    let verdicts: Vec<Vec<Verdict>> = runs.iter().map(evaluate).collect();
+    let verdicts: Vec<Vec<Option<bool>>> = runs.iter().map(evaluate).collect();
     let selected: Vec<usize> =
-        (0..runs.len()).filter(|&run| verdicts[run].iter().all(|&verdict| verdict == Verdict::Holds)).collect();
+        (0..runs.len()).filter(|&run| verdicts[run].iter().all(|verdict| *verdict == Some(true))).collect();
     let figure = |run: &Candidate, term: usize| (TERMS[term].figure)(run).unwrap_or(f64::NAN);
     let figures: Vec<_> = selected.iter().map(|&run| [0, 1, 2, 3].map(|term| figure(&runs[run], term))).collect();
     let mut ranking = ranking::rank(&figures, &criteria.weights);
@@ -129,17 +130,17 @@ pub struct Tally {
 }
 
 impl Tally {
-    fn new(index: usize, criteria: &[Criterion], verdicts: &[Vec<Verdict>]) -> Self {
-        let count = |verdict: Verdict| verdicts.iter().filter(|run| run[index] == verdict).count();
-        let holds = |verdict: &Verdict| *verdict == Verdict::Holds;
-        let fails_only_this = |run: &&Vec<Verdict>| {
+    fn new(index: usize, criteria: &[Criterion], verdicts: &[Vec<Option<bool>>]) -> Self {
+        let count = |verdict: Option<bool>| verdicts.iter().filter(|run| run[index] == verdict).count();
+        let holds = |verdict: &Option<bool>| *verdict == Some(true);
+        let fails_only_this = |run: &&Vec<Option<bool>>| {
             !holds(&run[index]) && run.iter().enumerate().all(|(other, verdict)| other == index || holds(verdict))
         };
         Tally {
             criterion: criteria[index].clone(),
-            holds: count(Verdict::Holds),
-            fails: count(Verdict::Fails),
-            unknown: count(Verdict::Unknown),
+            holds: count(Some(true)),
+            fails: count(Some(false)),
+            unknown: count(None),
             removed_alone: verdicts.iter().filter(fails_only_this).count(),
             remaining: verdicts.iter().filter(|run| run[..=index].iter().all(holds)).count(),
         }
