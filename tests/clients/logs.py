@@ -20,7 +20,7 @@ _directory = tempfile.TemporaryDirectory(prefix="phalanx-clients-")
 DIRECTORY = Path(_directory.name)
 
 
-JOINTS = ["11", "21", "12", "22", "13"]
+JOINTS = ["11", "21", "12", "22"]
 JOINT_TOPICS = [f"/joint/q{index}" for index in JOINTS]
 
 
@@ -30,6 +30,8 @@ def state(joints):
     for index, joint in zip(JOINTS, joints):
         coordinates[f"q{index}_rad"] = joint.angle_rad
         coordinates[f"qd{index}_rad_s"] = joint.rate_rad_s
+    # The orientation of l22, as in reports.
+    coordinates["q13_rad"] = coordinates["q21_rad"] + coordinates["q22_rad"]
     return SimpleNamespace(**coordinates)
 
 

@@ -46,7 +46,7 @@ function messages(log) {
 /** The coordinates of a finger at each sample: angles and rates of its joints. */
 const states = (topics) =>
   (topics["/joint/q11"] ?? []).map(({ timestamp }, k) => {
-    const joints = ["11", "21", "12", "22", "13"].map((index) => [index, topics[`/joint/q${index}`][k]]);
+    const joints = ["11", "21", "12", "22"].map((index) => [index, topics[`/joint/q${index}`][k]]);
     const angles = joints.map(([index, { angle_rad }]) => [`q${index}_rad`, angle_rad]);
     return Object.fromEntries([["timestamp", timestamp], ...angles, ...joints.map(([index, { rate_rad_s }]) => [`qd${index}_rad_s`, rate_rad_s])]);
   });

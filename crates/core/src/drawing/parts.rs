@@ -479,10 +479,10 @@ fn bar(from_m: [f64; 2], to_m: [f64; 2], half_width_m: f64) -> Shape {
 }
 
 /// Lower left and upper right corner of everything at the start except half planes. A body on a pin of the ground or of a
-/// moving palm may turn all round.
+/// moving palm may turn all round, but not into half planes.
 fn extent(mechanism: &Mechanism, start: &States, parts: &[Part]) -> [[f64; 2]; 2] {
     let is_base = |body: Option<usize>| body.is_none_or(|body| mechanism.bodies[body].motion.is_some());
-    let mut discs = Vec::new();
+    let (mut at_start, mut turned) = (Vec::new(), Vec::new());
     for Part { body, pose: local, drawn } in parts {
         let pose = in_world(body.map_or(Pose::default(), |body| start.bodies[body].pose()), *local);
         let pivot = mechanism.joints.iter().find_map(|joint| {
@@ -492,11 +492,24 @@ fn extent(mechanism: &Mechanism, start: &States, parts: &[Part]) -> [[f64; 2]; 2
         });
         for (point, radius_m) in drawn.shapes.iter().flat_map(Shape::discs) {
             let at = pose.apply(point);
-            discs.push((at, radius_m));
-            discs.extend(pivot.map(|[x, y]| ([x, y], hypot(at[0] - x, at[1] - y) + radius_m)));
+            at_start.push((at, radius_m));
+            turned.extend(pivot.map(|[x, y]| ([x, y], hypot(at[0] - x, at[1] - y) + radius_m)));
         }
     }
-    let [low, high] = bounds(&discs);
+    let [mut low, mut high] = bounds(&turned);
+    for (_, outline) in single_outlines(mechanism).filter(|(body, _)| is_base(*body)) {
+        let OutlineShape::HalfPlane { point_m, normal } = outline.shape else { continue };
+        for axis in 0..2 {
+            match normal[axis] {
+                1.0 => low[axis] = low[axis].max(point_m[axis]),
+                -1.0 => high[axis] = high[axis].min(point_m[axis]),
+                _ => {}
+            }
+        }
+    }
+    let [start_low, start_high] = bounds(&at_start);
+    let [low, high] =
+        [[0, 1].map(|axis| low[axis].min(start_low[axis])), [0, 1].map(|axis| high[axis].max(start_high[axis]))];
     if low[0].is_finite() { [low, high] } else { [[-0.05; 2], [0.05; 2]] }
 }
 

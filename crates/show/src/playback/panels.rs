@@ -123,22 +123,13 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
     panels
 }
 
-/// Whether a joint is plotted: a prismatic one, or one with a coordinate at the start, or on which something acts. Others
-/// follow from these.
+/// Whether a joint is plotted. Of a hand, whose links are not reported, these are the joints with a coordinate at the start,
+/// or on which a spring or a limit acts.
 fn is_shown(mechanism: &Mechanism, joint: usize) -> bool {
-    let Joint { kind, start, limit, friction, damping, armature, .. } = &mechanism.joints[joint];
-    let combinations = mechanism.actuators.iter().map(|actuator| &actuator.on);
-    let combinations = combinations.chain(mechanism.springs.iter().filter_map(Spring::on));
-    let combinations = combinations.chain(mechanism.couplings.iter().map(|coupling| &coupling.on));
-    let mut joints =
-        combinations.flat_map(|on| &on.terms).chain(mechanism.tendons.iter().flat_map(|tendon| &tendon.joints));
-    !kind.is_angle()
-        || start.is_some()
-        || limit.is_some()
-        || friction.is_some()
-        || *damping > 0.0
-        || *armature > 0.0
-        || joints.any(|(other, _)| *other == joint)
+    let Joint { bodies, start, limit, .. } = &mechanism.joints[joint];
+    let is_reported = bodies.iter().flatten().any(|body| mechanism.bodies[*body].is_reported);
+    let mut springs = mechanism.springs.iter().filter_map(Spring::on).flat_map(|on| &on.terms);
+    is_reported || start.is_some() || limit.is_some() || springs.any(|(other, _)| *other == joint)
 }
 
 fn panel(title: &'static str, unit: &'static str, curves: Vec<Curve>) -> PanelPlan {
