@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use phalanx::scene::keywords::SceneKind;
 use phalanx::study::sweep::{AxisValue, Field, FieldType, Filter, MAX_RUNS, column_type, columns, in_memory_study};
 use phalanx::table::Value;
 use pyo3::prelude::*;
@@ -45,7 +44,7 @@ pub fn evaluate(
         error => errors::sweep(py, error),
     })?;
     study.checked = check;
-    study.filter = read_filter(py, study.kind, filter.unwrap_or_default())?;
+    study.filter = read_filter(py, study.fingers, filter.unwrap_or_default())?;
     require_known_columns(py, &study, columns.as_deref())?;
     let values: Vec<FieldValues> = fields
         .values()
@@ -61,11 +60,11 @@ pub fn evaluate(
 }
 
 /// Reads the static criteria of the designs to simulate.
-fn read_filter(py: Python<'_>, kind: SceneKind, criteria: BTreeMap<String, bool>) -> PyResult<Filter> {
+fn read_filter(py: Python<'_>, fingers: usize, criteria: BTreeMap<String, bool>) -> PyResult<Filter> {
     let mut filter = Filter::default();
     for (name, required) in criteria {
         match name.as_str() {
-            _ if kind != SceneKind::Finger => {
+            _ if fingers != 1 => {
                 let message = "error: a filter concerns the statics of one finger, but the scene is a gripper\n  = help: remove it";
                 return Err(errors::sweep(py, message));
             }

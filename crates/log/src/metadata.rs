@@ -83,6 +83,7 @@ pub fn metadata(run: &RunInfo<'_>) -> BTreeMap<String, String> {
         ("libm_version", LIBM_VERSION.to_string()),
         ("model", run.model.to_string()),
         ("kind", scene.kind.keyword().to_string()),
+        ("fingers", scene.finger_count().to_string()),
         ("scene", scene.name.clone()),
         ("scene_file", run.scene_file.to_string()),
         ("duration_s", format!("{:?}", scene.duration_s)),

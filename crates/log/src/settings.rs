@@ -40,8 +40,8 @@ pub enum SettingsError {
 }
 
 /// Entries that identify the writer and the scene; they are not settings.
-const INFORMATIONAL_KEYS: [&str; 7] =
-    ["phalanx_version", LOG_VERSION.0, "mcap_version", "libm_version", "rapier_version", "kind", "scene"];
+const INFORMATIONAL_KEYS: [&str; 8] =
+    ["phalanx_version", LOG_VERSION.0, "mcap_version", "libm_version", "rapier_version", "kind", "fingers", "scene"];
 
 impl Settings {
     pub fn model(&self) -> Model {

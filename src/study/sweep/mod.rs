@@ -33,7 +33,6 @@ use axis::{Axis, AxisValues};
 use base_scene::Template;
 use sequence::Sequence;
 
-use crate::scene::keywords::SceneKind;
 use crate::trace::Model;
 
 /// Maximum number of runs of a sweep that is not divided, or of one part. Their rows are sorted in memory, one kilobyte
@@ -61,8 +60,8 @@ pub struct Filter {
 
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// Kind of the base scene: finger or gripper.
-    pub kind: SceneKind,
+    /// Number of fingers of the base scene: a finger, or a gripper.
+    pub fingers: usize,
     pub name: String,
     pub description: String,
     pub model: Model,

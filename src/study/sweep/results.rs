@@ -60,10 +60,10 @@ const GRIPPER_COLUMNS: &str = "palm_width_m right_l21_m left_l21_m right_motor_n
      peak_left_proximal_n peak_left_distal_n peak_palm_n steps check check_error_rad";
 
 /// Names of the result columns, in order.
-fn result_columns(kind: SceneKind) -> &'static [&'static str] {
+fn result_columns(fingers: usize) -> &'static [&'static str] {
     static COLUMNS: LazyLock<[Vec<&str>; 2]> =
         LazyLock::new(|| [FINGER_COLUMNS, GRIPPER_COLUMNS].map(|names| names.split(' ').collect()));
-    &COLUMNS[usize::from(kind == SceneKind::Gripper)]
+    &COLUMNS[usize::from(fingers == 2)]
 }
 
 /// Type of a result column: that of its name, or the unit at the end of the name.
@@ -85,7 +85,7 @@ fn result_type(name: &str) -> FieldType {
 
 /// Type of a result column or of the column of a scene field; `None` for any other column.
 pub fn column_type(column: &str) -> Option<FieldType> {
-    if SceneKind::ALL.into_iter().any(|kind| result_columns(kind).contains(&column)) {
+    if [1, 2].into_iter().any(|fingers| result_columns(fingers).contains(&column)) {
         return Some(result_type(column));
     }
     let mut fields = SceneKind::ALL.into_iter().filter_map(|kind| Field::from_column(column, schema_for(kind)));
@@ -97,7 +97,7 @@ pub fn columns(study: &Study) -> Vec<Column> {
     let numbers = ["run", "design"].map(|name| Column::new(name, Kind::Integer)).into_iter();
     let fields = study.axes.iter().flat_map(|axis| &axis.fields);
     let axes = fields.map(|field| Column::new(field.column(), column_kind(&field.field_type)));
-    let results = result_columns(study.kind).iter().map(|name| Column::new(*name, column_kind(&result_type(name))));
+    let results = result_columns(study.fingers).iter().map(|name| Column::new(*name, column_kind(&result_type(name))));
     numbers.chain(axes).chain(results).collect()
 }
 
@@ -127,7 +127,7 @@ pub(super) struct Cells {
 impl Cells {
     /// Starts the row of a run, without results.
     pub fn new(study: &Study, run: u64, axes: impl Iterator<Item = Value>) -> Self {
-        let names = result_columns(study.kind);
+        let names = result_columns(study.fingers);
         let numbers = [run, study.design(run)].map(|number| Value::Integer(number as i64));
         let results = names.iter().map(|_| Value::Missing);
         Cells { run, cells: numbers.into_iter().chain(axes).chain(results).collect(), names }

@@ -15,7 +15,6 @@ use crate::criteria::{
     Fate, GraspCriteria, RunCriteriaTracker, StaticGrasp, Tracker, is_form_closed, scene_static_grasp,
 };
 use crate::gripper::total_mass;
-use crate::scene::keywords::SceneKind;
 use crate::scene::{self, HandContact, Scene, SceneError, Side};
 use crate::statics::{Equilibrium, form_closure, palm_force_with_mu};
 use crate::study::{KeepRunning, constant_spring};
@@ -78,21 +77,19 @@ fn run_one(study: &Study, run: u64, keep_running: KeepRunning<'_>) -> Option<Row
         Ok(scene) => scene,
         Err(error) => return Some(cells.row(Status::Refused, &problem_messages(&error))),
     };
-    match study.kind {
+    match scene.finger_count() {
         // The kind was checked when the study was read, unless an axis changes it.
-        kind if kind != scene.kind => Some(cells.row(Status::Refused, other_kind(scene.kind))),
-        SceneKind::Gripper => run_gripper(study, &scene, cells, keep_running),
+        fingers if fingers != study.fingers => Some(cells.row(Status::Refused, other_kind(&scene))),
+        2 => run_gripper(study, &scene, cells, keep_running),
         _ => run_finger(study, &scene, cells, keep_running),
     }
 }
 
-/// Reason why a scene of this kind is not the one of its study.
-fn other_kind(kind: SceneKind) -> &'static str {
-    match kind {
-        SceneKind::Mechanism => {
-            "the object has an `[object.outline]`, so the scene is simulated as a mechanism; remove the outline"
-        }
-        _ => "the scene is of another kind",
+/// Reason why a scene is not of the kind of its study.
+fn other_kind(scene: &Scene) -> &'static str {
+    match scene.has_joints() && scene.finger_count() == 0 {
+        true => "the object has an `[object.outline]`, so the scene is simulated as a mechanism; remove the outline",
+        false => "the scene is of another kind",
     }
 }
 

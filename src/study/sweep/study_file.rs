@@ -240,7 +240,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let stem = stem.filter(|stem| !stem.trim().is_empty()).unwrap_or_else(|| "study".to_string());
     Ok(Study {
-        kind: base.kind,
+        fingers: base.kind.fingers(),
         name: if study.name.is_empty() { stem } else { study.name },
         description: study.description,
         model: study.model.0,
@@ -509,7 +509,7 @@ pub fn in_memory_study(
     }
     let template = Template::new(base.table, fields.iter());
     Ok(Study {
-        kind: base.kind,
+        fingers: base.kind.fingers(),
         name: String::new(),
         description: String::new(),
         model,

@@ -10,8 +10,7 @@ use serde::Serialize;
 
 use crate::METADATA_NAME;
 use crate::channels::ChannelContent;
-use phalanx_core::scene::Keyword;
-use phalanx_core::scene::keywords::SceneKind;
+use phalanx_core::scene::Side;
 use phalanx_core::trace::{Event, Recording, Sample, Schema, Sink, SinkError};
 
 /// Receiver of the contents of a log of any kind of scene, in order of time.
@@ -98,10 +97,10 @@ impl LogSummary {
         self.missing.iter().all(|missing| missing.content == ChannelContent::Lines)
     }
 
-    /// Number of five-bar fingers of the logged scene; 1 if the metadata has no valid `kind`.
+    /// Number of five-bar fingers of the logged scene; 1 if the metadata has no valid number.
     pub fn finger_count(&self) -> usize {
-        let kind = self.metadata.get("kind").and_then(|entry| SceneKind::from_keyword(entry));
-        kind.map_or(1, SceneKind::fingers)
+        let count = self.metadata.get("fingers").and_then(|entry| entry.parse().ok());
+        count.filter(|count| *count <= Side::BOTH.len()).unwrap_or(1)
     }
 }
 
