@@ -255,7 +255,7 @@ pub struct MergeResult {
 /// study have the same bytes as those of an undivided sweep. The parts may be of different shard counts, as long as they
 /// contain every run exactly once.
 ///
-/// The monitor counts the rows, and is asked after each row group whether to continue.
+/// The monitor counts the rows; it can stop the merge after each row group.
 ///
 /// # Errors
 /// Returns an error if a part is missing, damaged, duplicate or of another study; the output path is unusable or

@@ -65,11 +65,6 @@ impl<'a> Monitor<'a> {
         report(*done, *total, name);
     }
 
-    /// Number of completed parts.
-    pub fn done(&self) -> usize {
-        self.lock().0
-    }
-
     /// Returns the function that tells whether the computation may continue.
     pub fn keep_running(&self) -> KeepRunning<'a> {
         self.keep_running

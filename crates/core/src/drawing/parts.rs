@@ -8,7 +8,6 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::states::{States, at_start};
 use super::{Body, BodyRole, Drawing, Pose, Shape};
 use crate::law::NormalLaw;
-use crate::mechanism;
 use crate::mechanism::tendon::{Segment, center_in, segment};
 use crate::mechanism::{
     Command, ContactPair, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineId, OutlineShape, PathElement,
@@ -208,17 +207,14 @@ fn parts(mechanism: &Mechanism, start: &States) -> Vec<Part> {
         let is_body = mechanism.bodies.iter().any(|other| other.name == outline.name);
         let Pose { position_m: [x, y], .. } = outline_frame(&outline.shape);
         Body {
-            // The short name is free.
+            // The name of the outline alone, unless a body has the same name.
             name: match body {
                 None if !is_body => outline.name.clone(),
                 _ => format!("{}.{}", mechanism.body_name(body), outline.name),
             },
             role: if is_half_plane(&outline.shape) { BodyRole::Palm } else { role_of_ground(mechanism) },
             fixed: is_fixed(body),
-            shapes: vec![match is_half_plane(&outline.shape) {
-                true => surface(&outline.shape),
-                false => surface(&outline.shape.moved([-x, -y], 0.0)),
-            }],
+            shapes: vec![surface(&outline.shape.moved([-x, -y], 0.0))],
             marks_m: if matches!(outline.shape, OutlineShape::Disc { .. }) { vec![[0.0; 2]] } else { Vec::new() },
         }
     });
@@ -256,14 +252,9 @@ fn parts(mechanism: &Mechanism, start: &States) -> Vec<Part> {
     placements(mechanism).zip(drawn).map(|((body, pose), drawn)| Part { body, pose, drawn }).chain(cables).collect()
 }
 
-/// Whether no joint connects a body.
-fn is_free(mechanism: &Mechanism, body: usize) -> bool {
-    !mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)))
-}
-
 /// Role of the outlines of the ground: they are an object that bodies grasp, unless there is a free body.
 fn role_of_ground(mechanism: &Mechanism) -> BodyRole {
-    let has_object = (0..mechanism.bodies.len()).any(|body| is_free(mechanism, body));
+    let has_object = (0..mechanism.bodies.len()).any(|body| !mechanism.has_joint(Some(body)));
     if has_object { BodyRole::Palm } else { BodyRole::Object }
 }
 
@@ -280,12 +271,11 @@ fn role(mechanism: &Mechanism, index: usize, pins_from_ground: &[usize]) -> Body
             mechanism.couplings.iter().map(|coupling| joints(&coupling.on)).filter(|all| all.contains(&joint));
         actuated.contains(&joint) || coupled.any(|all| all.iter().any(|other| actuated.contains(other)))
     };
-    let is_base = |body: Option<usize>| body.is_none_or(|body| mechanism.bodies[body].motion.is_some());
     // The mirror image of a revolute joint has its bodies in the opposite order.
-    let moves = |[a, b]: [Option<usize>; 2]| b == body || a == body && is_base(b);
+    let moves = |[a, b]: [Option<usize>; 2]| b == body || a == body && mechanism.is_base(b);
     match () {
         () if matches!(mechanism.bodies[index].motion, Some(PrescribedMotion::Palm(_))) => BodyRole::Palm,
-        () if is_free(mechanism, index) => BodyRole::Object,
+        () if !mechanism.has_joint(body) => BodyRole::Object,
         () if has_surface && pins_from_ground[index] == 1 => BodyRole::Proximal,
         () if has_surface => BodyRole::Distal,
         () if (0..mechanism.joints.len()).any(|k| moves(mechanism.joints[k].bodies) && is_driven(k)) => {
@@ -297,9 +287,8 @@ fn role(mechanism: &Mechanism, index: usize, pins_from_ground: &[usize]) -> Body
 
 /// Smallest number of pins between each body and the ground or a body with prescribed motion.
 fn pins_from_ground(mechanism: &Mechanism) -> Vec<usize> {
-    let is_driven = |body: &mechanism::Body| body.motion.is_some();
-    let mut pins: Vec<usize> =
-        mechanism.bodies.iter().map(|body| if is_driven(body) { 0 } else { usize::MAX }).collect();
+    let start = |body: usize| if mechanism.is_base(Some(body)) { 0 } else { usize::MAX };
+    let mut pins: Vec<usize> = (0..mechanism.bodies.len()).map(start).collect();
     for _ in 0..mechanism.bodies.len() {
         for Joint { bodies: [a, b], kind, .. } in &mechanism.joints {
             for (from, to) in [(a, b), (b, a)] {
@@ -481,14 +470,14 @@ fn bar(from_m: [f64; 2], to_m: [f64; 2], half_width_m: f64) -> Shape {
 /// Lower left and upper right corner of everything at the start except half planes. A body on a pin of the ground or of a
 /// moving palm may turn all round, but not into half planes.
 fn extent(mechanism: &Mechanism, start: &States, parts: &[Part]) -> [[f64; 2]; 2] {
-    let is_base = |body: Option<usize>| body.is_none_or(|body| mechanism.bodies[body].motion.is_some());
     let (mut at_start, mut turned) = (Vec::new(), Vec::new());
     for Part { body, pose: local, drawn } in parts {
         let pose = in_world(body.map_or(Pose::default(), |body| start.bodies[body].pose()), *local);
         let pivot = mechanism.joints.iter().find_map(|joint| {
-            let base =
-                [0, 1].into_iter().find(|k: &usize| is_base(joint.bodies[*k]) && joint.bodies[1 - k] == *body)?;
-            (!is_base(*body)).then(|| start.of(joint.bodies[base]).point(joint.points_m[base]).0)
+            let base = [0, 1]
+                .into_iter()
+                .find(|k: &usize| mechanism.is_base(joint.bodies[*k]) && joint.bodies[1 - k] == *body)?;
+            (!mechanism.is_base(*body)).then(|| start.of(joint.bodies[base]).point(joint.points_m[base]).0)
         });
         for (point, radius_m) in drawn.shapes.iter().flat_map(Shape::discs) {
             let at = pose.apply(point);
@@ -497,7 +486,7 @@ fn extent(mechanism: &Mechanism, start: &States, parts: &[Part]) -> [[f64; 2]; 2
         }
     }
     let [mut low, mut high] = bounds(&turned);
-    for (_, outline) in single_outlines(mechanism).filter(|(body, _)| is_base(*body)) {
+    for (_, outline) in single_outlines(mechanism).filter(|(body, _)| mechanism.is_base(*body)) {
         let OutlineShape::HalfPlane { point_m, normal } = outline.shape else { continue };
         for axis in 0..2 {
             match normal[axis] {

@@ -56,10 +56,9 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         Some(PlannedDrive { body, motion })
     });
     let mut is_attached = vec![false; mechanism.bodies.len()];
-    let is_base = |body: Option<usize>| body.is_none_or(|body| mechanism.bodies[body].motion.is_some());
     let joints = mechanism.joints.iter().map(|joint| {
         let (mut bodies, mut anchors_m, mut offset_rad) = (joint.bodies, joint.points_m, joint.offset_rad);
-        let [first, second] = bodies.map(|body| (!is_base(body), body));
+        let [first, second] = bodies.map(|body| (!mechanism.is_base(body), body));
         // rapier's solver depends on the order, which is the same for both fingers of a gripper.
         let is_reversed = joint.kind.is_angle() && first > second;
         if is_reversed {
@@ -113,7 +112,7 @@ fn ground_carries(mechanism: &Mechanism) -> bool {
         SpringKind::Linear { bodies, .. } => bodies.contains(&None),
         SpringKind::Torsional { .. } => false,
     };
-    mechanism.joints.iter().any(|joint| joint.bodies.contains(&None))
+    mechanism.has_joint(None)
         || mechanism.springs.iter().any(linear)
         || mechanism.tendons.iter().flat_map(|tendon| &tendon.path).any(|element| element.body.is_none())
         || mechanism.bodies.iter().any(|body| body.moves_by_forces() == [true, true, false])

@@ -180,11 +180,10 @@ fn object_of(scene: &Scene, mechanism: &Mechanism, name: Option<&str>) -> Result
         let all = names((0..bodies.len()).collect());
         return found.ok_or(MechanismGraspError::NoBody { scene: scene_name, object: name.to_string(), bodies: all });
     }
-    let is_jointed = |body: usize| mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
     let touches = |body: usize| {
         mechanism.contacts.iter().any(|pair| pair.points.body == Some(body) || pair.face.body == Some(body))
     };
-    let held = |body: &usize| bodies[*body].motion.is_none() && !is_jointed(*body) && touches(*body);
+    let held = |body: &usize| bodies[*body].motion.is_none() && !mechanism.has_joint(Some(*body)) && touches(*body);
     let found: Vec<usize> = (0..bodies.len()).filter(held).collect();
     match found[..] {
         [object] => Ok(object),

@@ -8,7 +8,8 @@ use crate::analytic::multibody::{CONTACTS, GraspMode, Multibody, QUADRATURES as 
 use crate::analytic::{ContactReading, ContactState, Energies, FingerMode, FingerMotion, PassiveJoints, QUADRATURES};
 use crate::drive::Profile;
 use crate::integrator::{Hybrid, State, System};
-use crate::scene::Integrator;
+use crate::numeric::plane::scale;
+use crate::scene::{Integrator, Side};
 
 /// A kernel of the analytic model, as runs use it: its states become samples, and its inputs can change.
 pub(super) trait Kernel<const N: usize, const Z: usize>:
@@ -31,6 +32,11 @@ pub(super) trait Kernel<const N: usize, const Z: usize>:
     /// Index of a contact of a sample among the contacts of the mode and the quadratures.
     fn contact_index(&self, contact: usize) -> usize {
         contact
+    }
+
+    /// Contact with an index among the `contacts` of a sample; `None` if samples do not contain it.
+    fn sample_contact(&self, index: usize, contacts: usize) -> Option<usize> {
+        (0..contacts).find(|contact| self.contact_index(*contact) == index)
     }
 
     /// Whether bristle friction slips at a contact; `None` if the contact is inactive, has no bristle, or the mode does
@@ -126,9 +132,7 @@ where
             qd22_rad_s: passive.qd22,
         };
         sample.set_finger(0, &finger);
-        if sample.counts().actuators > 0 {
-            sample.set_actuator(0, if required_data.passive { self.motor_torque(t) } else { 0.0 });
-        }
+        sample.set_actuator(0, if required_data.passive { self.motor_torque(t) } else { 0.0 });
         for contact in 0..sample.counts().contacts {
             let index = self.contact_index(contact);
             sample.set_contact(contact, &contact_sample(contacts[index].as_ref(), z[index]));
@@ -221,9 +225,8 @@ impl<const N: usize> Kernel<N, GRASP_QUADRATURES> for Multibody<N> {
             };
             let forces_n = model.joint_forces(t, state, mode, &terms, contact_force);
             // The joints of a left finger connect the links in the opposite order.
-            let sides = [1.0, -1.0];
-            for (k, (forces_n, side)) in forces_n.iter().zip(sides).enumerate().take(counts.fingers) {
-                sample.set_joint_forces(k, &forces_n.map(|force| force.map(|part| side * part)));
+            for (k, (forces_n, side)) in forces_n.iter().zip(Side::BOTH).enumerate().take(counts.fingers) {
+                sample.set_joint_forces(k, &forces_n.map(|force| scale(force, side.mirror())));
             }
         } else {
             (0..counts.fingers).for_each(|k| sample.set_joint_forces(k, &[[0.0; 2]; 5]));

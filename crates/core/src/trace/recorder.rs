@@ -1,8 +1,5 @@
 //! Converts the steps of the analytic model into samples, events and summary figures.
 
-use std::ops::Index;
-use std::sync::Arc;
-
 use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
 use super::extrema::{
     BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, Reason, StepExtrema, bisect, find_crossing, parabola_peak,
@@ -14,21 +11,26 @@ use crate::analytic::ContactState;
 use crate::integrator::{Observer, State, Step, StepTools, System};
 
 /// Interior of one step: its mode, states inside it, and the normal impulses at the last sample.
-struct Interior<'a, M, const N: usize, const Z: usize> {
+struct Interior<'a, R: Kernel<N, Z>, const N: usize, const Z: usize> {
+    kernel: &'a R,
     step: &'a Step<'a, N, Z>,
-    mode: &'a M,
+    mode: &'a R::Mode,
     tools: &'a mut dyn StepTools<N, Z>,
     impulses: [f64; Z],
-    /// Indices of the contacts of samples in the mode.
-    contacts: &'a [usize],
+    /// Number of contacts of samples.
+    contacts: usize,
 }
 
-impl<M: Index<usize, Output = ContactState>, const N: usize, const Z: usize> Interior<'_, M, N, Z> {
+impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Interior<'_, R, N, Z> {
+    fn has_force(&self) -> bool {
+        (0..self.contacts).any(|contact| self.mode[self.kernel.contact_index(contact)].has_force())
+    }
+
     /// Returns the state at time `t` after the start of the step.
     fn state_at(&mut self, t: f64) -> State<N, Z> {
         let theta = (t - self.step.t0) / self.step.h;
         // Damper forces cannot be evaluated on the dense output.
-        match self.contacts.iter().any(|index| self.mode[*index].has_force()) {
+        match self.has_force() {
             true => self.resolve(theta),
             false => self.tools.interpolate(theta),
         }
@@ -53,7 +55,8 @@ impl<M: Index<usize, Output = ContactState>, const N: usize, const Z: usize> Int
     }
 
     fn with_impulses(&mut self, mut state: State<N, Z>) -> State<N, Z> {
-        for &index in self.contacts {
+        for contact in 0..self.contacts {
+            let index = self.kernel.contact_index(contact);
             let before = &mut self.impulses[index];
             *before = state.z[index].min(self.step.end.z[index]).max(*before);
             state.z[index] = *before;
@@ -91,8 +94,6 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     mode: R::Mode,
     start_energy: Energy,
     trackers: Vec<ContactTracker>,
-    /// Index in the mode of each contact of a sample.
-    indices: Arc<[usize]>,
     /// Sample at the end of the last step.
     last: Sample,
     /// State from which `last` was read.
@@ -133,7 +134,6 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
             mode,
             start_energy,
             trackers: vec![ContactTracker::default(); counts.contacts],
-            indices: (0..counts.contacts).map(|contact| kernel.contact_index(contact)).collect(),
             last,
             last_state: *start,
             last_mode: mode,
@@ -154,7 +154,8 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         (step, mode, tools): (&Step<N, Z>, &R::Mode, &mut dyn StepTools<N, Z>),
         sample: &mut Sample,
     ) {
-        let mut interior = Interior { step, mode, tools, impulses: step.start.z, contacts: &self.indices };
+        let (impulses, contacts) = (step.start.z, self.trackers.len());
+        let mut interior = Interior { kernel, step, mode, tools, impulses, contacts };
         let state = interior.state_at(t);
         self.read_at(kernel, t, (&state, mode), sample);
     }
@@ -171,7 +172,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     pub fn begin(&mut self) -> Result<(), SinkError> {
         for (index, tracker) in self.state.trackers.iter_mut().enumerate() {
             // An overlap is a contact with or without a force; a zero gap is a contact only if it closes.
-            let state = self.state.mode[self.state.indices[index]];
+            let state = self.state.mode[self.kernel.contact_index(index)];
             if state == ContactState::Free {
                 continue;
             }
@@ -195,7 +196,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         // The integrator ends one step after the exit.
         let end = if self.state.ejected_s.is_some() { &self.state.last_state } else { end };
         let summary = |(index, tracker): (usize, &ContactTracker)| ContactSummary {
-            impulse_n_s: end.z[self.state.indices[index]],
+            impulse_n_s: end.z[self.kernel.contact_index(index)],
             ..tracker.summary
         };
         let contacts = self.state.trackers.iter().enumerate().map(summary).collect();
@@ -203,10 +204,10 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     }
 
     /// Emits the samples of one step: grid points and extrema inside it, and its end.
-    fn emit_step(&mut self, mut interior: Interior<'_, R::Mode, N, Z>) -> Result<(), SinkError> {
+    fn emit_step(&mut self, mut interior: Interior<'_, R, N, Z>) -> Result<(), SinkError> {
         let (end, step, mode) = (self.state.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
-        let has_active_contact = interior.contacts.iter().any(|index| mode[*index].has_force());
+        let has_active_contact = interior.has_force();
         let until_s = end.min(self.state.end_s);
         self.state.times.begin_step(until_s);
         while let Some(RecordingTime { time_s: t, is_sample, is_point }) = self.state.times.next_before(until_s) {
@@ -256,7 +257,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     /// Emits a point, without an effect on later samples.
     fn emit_point(
         &mut self,
-        interior: &mut Interior<'_, R::Mode, N, Z>,
+        interior: &mut Interior<'_, R, N, Z>,
         time_s: f64,
         has_active_contact: bool,
     ) -> Result<(), SinkError> {
@@ -274,7 +275,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     }
 
     /// Emits samples at the extrema of the step before `theta`.
-    fn emit_peaks(&mut self, interior: &mut Interior<'_, R::Mode, N, Z>, theta: f64) -> Result<(), SinkError> {
+    fn emit_peaks(&mut self, interior: &mut Interior<'_, R, N, Z>, theta: f64) -> Result<(), SinkError> {
         while let Some((theta_peak, reason)) = self.state.peaks.next_before(theta) {
             let mut is_crossing = reason == Reason::Crossing;
             while let Some(reason) = self.state.peaks.next_at(theta_peak) {
@@ -302,7 +303,8 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     /// Emits slip and stick events of bristle friction: steps end at these events, and the next step has another mode.
     fn record_slip_events(&mut self, time_s: f64, mode: &R::Mode) -> Result<(), SinkError> {
         for (contact, tracker) in self.state.trackers.iter_mut().enumerate() {
-            if let Some(event) = tracker.update_slip(self.kernel.is_slipping(self.state.indices[contact], mode)) {
+            if let Some(event) = tracker.update_slip(self.kernel.is_slipping(self.kernel.contact_index(contact), mode))
+            {
                 self.sink.event(&event.at(time_s, contact))?;
             }
         }
@@ -311,7 +313,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
 
     /// Shortens the current step to where the object leaves the reach of the fingers, if something has touched the
     /// object; returns whether it does.
-    fn end_at_exit(&mut self, interior: &mut Interior<'_, R::Mode, N, Z>) -> bool {
+    fn end_at_exit(&mut self, interior: &mut Interior<'_, R, N, Z>) -> bool {
         let Some(reach) = self.state.reach.filter(|reach| reach.leaves(&self.state.last, &self.state.end)) else {
             return false;
         };
@@ -341,7 +343,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         self.state.peaks.clear();
         let length_s = self.state.end.time_s - self.state.last.time_s;
         for (contact, tracker) in self.state.trackers.iter_mut().enumerate() {
-            let index = self.state.indices[contact];
+            let index = self.kernel.contact_index(contact);
             // A released contact can still get deeper without a force.
             let is_active = mode[index].has_force();
             if !is_active && mode[index] != ContactState::Released {
@@ -417,8 +419,8 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
         let RecorderState { start_energy, required_data, history, end, .. } = &mut *self.state;
         end.time_s = step.t1;
         self.kernel.read((step.end, mode), start_energy, *required_data, history, end);
-        let (impulses, contacts) = (step.start.z, self.state.indices.clone());
-        let mut interior = Interior { step, mode, tools, impulses, contacts: &contacts };
+        let (kernel, impulses, contacts) = (self.kernel, step.start.z, self.state.trackers.len());
+        let mut interior = Interior { kernel, step, mode, tools, impulses, contacts };
         let exits = self.end_at_exit(&mut interior);
         if self.state.required_data.peaks && !exits {
             self.search_peaks(mode, interior.tools);
@@ -437,7 +439,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
         if let Some(observer) = &mut self.observer {
             observer.event(t, state, index, mode);
         }
-        let contact = self.state.indices.iter().position(|other| *other == index).expect("a contact of a sample");
+        let contact = self.kernel.sample_contact(index, self.state.trackers.len()).expect("a contact of a sample");
         let was_separated =
             self.state.last.contact(contact).gap_m > 0.0 || !matches!(self.state.mode[index], ContactState::Released);
         let kind = match mode[index] {

@@ -404,9 +404,9 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
     }
 
     fn contact_name(&self, contact: usize) -> &str {
-        let mut contacts = self.schema.contacts.iter().enumerate();
-        let named = contacts.find(|(of_sample, _)| self.kernel.contact_index(*of_sample) == contact);
-        named.map_or("of a tendon", |(_, contact)| &contact.name)
+        let contacts = &self.schema.contacts;
+        let of_sample = self.kernel.sample_contact(contact, contacts.len());
+        of_sample.map_or("of a tendon", |contact| &contacts[contact].name)
     }
 
     /// Ends all derivatives.

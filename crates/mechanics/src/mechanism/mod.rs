@@ -371,6 +371,16 @@ impl Mechanism {
         body.map_or("ground", |body| &self.bodies[body].name)
     }
 
+    /// Whether a body is the ground (`None`) or has a prescribed motion.
+    pub fn is_base(&self, body: Option<usize>) -> bool {
+        body.is_none_or(|body| self.bodies[body].motion.is_some())
+    }
+
+    /// Whether a joint connects a body; `None` is the ground.
+    pub fn has_joint(&self, body: Option<usize>) -> bool {
+        self.joints.iter().any(|joint| joint.bodies.contains(&body))
+    }
+
     /// Whether the body of the points precedes that of the face, with the ground last.
     pub fn points_are_first(&self, pair: &ContactPair) -> bool {
         let order = |id: OutlineId| id.body.unwrap_or(usize::MAX);

@@ -83,10 +83,7 @@ pub(super) fn display_name(scene: &Scene, name: &str) -> String {
 /// The pairs of outlines of a mechanism. The first outline of a pair is that of a link rather than of an object, and of
 /// an object rather than of the ground; forces act on it.
 fn pairs_of_outlines(mechanism: &Mechanism) -> Vec<ShownContact> {
-    let order = |id: OutlineId| {
-        let has_joints = mechanism.joints.iter().any(|joint| joint.bodies.contains(&id.body));
-        (id.body.is_none(), !has_joints, id.body, id.outline)
-    };
+    let order = |id: OutlineId| (id.body.is_none(), !mechanism.has_joint(id.body), id.body, id.outline);
     let mut pairs: Vec<([OutlineId; 2], ShownContact)> = Vec::new();
     for (index, contact) in mechanism.point_contacts().iter().enumerate() {
         let pair = &mechanism.contacts[contact.pair];

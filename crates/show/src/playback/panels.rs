@@ -86,7 +86,7 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
     let limits = schema.contacts.iter().filter(|contact| contact.is_angular);
     let limits: Vec<Item> = limits.map(|contact| (contact.name.clone(), contact.name.clone())).collect();
     let tendons: Vec<Item> = schema.tendons.iter().map(|name| (name.clone(), name.clone())).collect();
-    let is_free = |body: &usize| mechanism.joints.iter().all(|joint| !joint.bodies.contains(&Some(*body)));
+    let is_free = |body: &usize| !mechanism.has_joint(Some(*body));
     let free = mechanism.reported_bodies().filter(is_free).map(|body| &mechanism.bodies[body].name);
     let bodies: Vec<Item> = free.map(|name| (name.clone(), name.clone())).collect();
     let of = |title, unit, kind, items: &[Item], quantities: &[Quantity]| {

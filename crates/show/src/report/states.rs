@@ -76,10 +76,9 @@ impl States {
         let mechanism = scene.and_then(|scene| scene.mechanism.as_ref());
         let motion_in = |mechanism: &Mechanism, name: &str| {
             let body = mechanism.bodies.iter().position(|body| body.name == name)?;
-            let is_jointed = mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
             Some(match &mechanism.bodies[body].motion {
                 Some(_) => "driven",
-                None if is_jointed => "jointed",
+                None if mechanism.has_joint(Some(body)) => "jointed",
                 None => "free",
             })
         };

@@ -226,10 +226,9 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     fn max_step(&self, _t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> f64 {
         let mut max_dt = f64::INFINITY;
         let Some(time) = self.time_index else { return max_dt };
-        let is_driven = |body: &Option<usize>| body.is_none_or(|body| self.mechanism.bodies[body].motion.is_some());
         for (index, contact) in self.contacts.iter().enumerate() {
             let Surfaces::Point(pair) = &contact.surfaces else { continue };
-            if mode[index] != ContactState::Active || !pair.bodies.iter().all(is_driven) {
+            if mode[index] != ContactState::Active || !pair.bodies.iter().all(|body| self.mechanism.is_base(*body)) {
                 continue;
             }
             let after = |dt: f64| {

@@ -21,7 +21,6 @@ use crate::units::{Dimension, format};
 /// Settings of a mechanism by section.
 pub fn mechanism_settings(mechanism: &Mechanism) -> Value {
     let laws = Laws::of(mechanism);
-    let is_jointed = |body: usize| mechanism.joints.iter().any(|joint| joint.bodies.contains(&Some(body)));
     let body = |(index, body): (usize, &Body)| {
         let ([x, y, angle], [vx, vy, spin]) = (body.pose, body.rate);
         let mut settings = json!({
@@ -30,7 +29,7 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Value {
             "com": body.com_m,
             "outlines": body.outlines.iter().map(outline_settings).collect::<Value>(),
         });
-        if is_jointed(index) {
+        if mechanism.has_joint(Some(index)) {
             settings["guess"] = json!({ "at": [x, y], "angle": angle });
         } else {
             settings["start"] = json!({ "at": [x, y], "angle": angle, "velocity": [vx, vy], "spin": spin });
