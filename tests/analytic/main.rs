@@ -8,6 +8,7 @@ mod support;
 mod contact_definition;
 mod contact_geometry;
 mod finger;
+mod first_touch;
 mod gradient;
 mod gripper;
 mod gripper_criteria;

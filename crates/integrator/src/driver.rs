@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use super::clock::Clock;
 use super::control::{Controller, ToleranceSchedule};
-use super::event_location::{first_crossing, may_have_passed};
+use super::event_location::{Found, may_have_passed, search_step};
 use super::method::{Attempt, Method, StepStart};
 use super::stall::{Chatter, StallDetector};
 use super::state::{Observer, Step, StepTools};
@@ -474,12 +474,21 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 h = self.controller.cut(size, UNLOADING_CUT);
                 continue;
             }
-            let (at_start, at_end) = (&self.events.functions, &events.functions);
-            let crossing = first_crossing(system, &mode, at_start, at_end, size, &|| self.method.dense(None));
-            let Some(crossing) = crossing else {
-                found.resume_size = if reaches_stop { requested_size } else { size };
-                (found.size, found.event, found.reaches_stop) = (size, None, reaches_stop);
-                return Ok(Next::Step);
+            let output = (|| self.method.dense(None), || self.method.dense_positions());
+            let ends = ([&state, &attempt.end], size);
+            let crossing = match search_step(system, &mode, [&self.events, events], ends, &output) {
+                Found::Crossing(crossing) => crossing,
+                Found::Obstacle | Found::Unresolved if size >= MIN_APPROACH_STEP_S => {
+                    self.counters.rejected += 1;
+                    h = APPROACH_CUT * size;
+                    continue;
+                }
+                Found::Obstacle => return Err(Reason::Obstacle(system.describe_obstacle(&found.attempt.end.q))),
+                Found::Nothing | Found::Unresolved => {
+                    found.resume_size = if reaches_stop { requested_size } else { size };
+                    (found.size, found.event, found.reaches_stop) = (size, None, reaches_stop);
+                    return Ok(Next::Step);
+                }
             };
             match self.attempts().locate_event(&origin, crossing, size) {
                 EventLocation::Located(accepted) => {

@@ -2,7 +2,9 @@
 
 use std::cell::OnceCell;
 
-use super::{Dense, ErrorWeight, EventFunction, Hybrid, RootSearch};
+use super::gap_search::{GapBound, GapSearch, Point, Unresolved};
+use super::state::DensePositions;
+use super::{Dense, ErrorWeight, EventFunction, EventSet, Hybrid, RootSearch, State};
 use crate::numeric::array_from;
 use crate::numeric::elementary::powi;
 
@@ -17,22 +19,80 @@ pub struct Crossing {
     pub negative_at: f64,
 }
 
-/// Returns the first zero crossing in a step of size `h`, given the event functions at both ends.
+/// What a step contains.
+#[derive(Clone, Copy, Debug)]
+pub enum Found {
+    Nothing,
+    Crossing(Crossing),
+    /// A singularity, so that the step is shortened.
+    Obstacle,
+    /// The bounds of the gaps exclude no crossing, so that the step is shortened.
+    Unresolved,
+}
+
+/// Searches a step of size `h` for its first zero crossing and for a singularity, given the event functions at both ends.
 ///
-/// The end is always checked. A gap that may have closed in between, according to its rates at the ends, is checked at
-/// the midpoint and at its minimum, so that a link cannot pass through a thin object or graze it undetected. Values
-/// without a rate are sampled inside the step.
-pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
+/// Gaps and the clearance are searched with bounds of their rates, so that no link passes through an object, however thin
+/// or short the contact. Other values are checked at the end; those that may be negative in between, according to their
+/// rates at the ends or their curvature, are sampled inside the step.
+#[inline(always)]
+pub fn search_step<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
     system: &Y,
     mode: &Y::Mode,
-    start: &[EventFunction<N>; S],
-    end: &[EventFunction<N>; S],
+    [start, end]: [&EventSet<N, S>; 2],
+    ([from, to], h): ([&State<N, Z>; 2], f64),
+    output: &(impl Fn() -> Dense<N, Z>, impl Fn() -> [[f64; N]; 3]),
+) -> Found {
+    let dense = OnceCell::new();
+    let dense = || dense.get_or_init(&output.0);
+    let is_bounded = |index: &usize| {
+        let [start, end] = [start, end].map(|events| &events.functions[*index]);
+        start.root_search == RootSearch::Bounded && start.value.min(end.value).is_finite()
+    };
+    let mut first = None;
+    if end.clearance.is_finite() || (0..S).any(|index| is_bounded(&index)) {
+        let positions = DensePositions { start: &from.q, end: &to.q, d: (output.1)(), step_s: h };
+        let bounds = system.gap_bounds(&positions.bounds(0.0, 1.0), &to.q, &to.v, end.clearance);
+        let search = GapSearch::new(system, mode, dense);
+        if !search.stays_clear(bounds.clearance_reach) {
+            return Found::Obstacle;
+        }
+        for index in (0..S).filter(is_bounded) {
+            let ends = [(0.0, start), (1.0, end)].map(|(theta, events)| {
+                let EventFunction { value, rate, .. } = events.functions[index];
+                Point { theta, value, rate: h * rate }
+            });
+            if bounds.gaps[index].excludes_zero(ends, 0.0) {
+                continue;
+            }
+            let bound = (bounds.gaps[index], system.event_tolerance(index, mode));
+            match first_zero(&search, index, ends, bound, first) {
+                Ok(crossing) => first = crossing,
+                Err(Unresolved) => return Found::Unresolved,
+            }
+        }
+    }
+    match first_sampled_crossing(system, mode, [&start.functions, &end.functions], h, &dense, first) {
+        Some(crossing) => Found::Crossing(crossing),
+        None => Found::Nothing,
+    }
+}
+
+/// Returns the first zero crossing of the functions that are not searched with bounds, or `first` if it is earlier.
+fn first_sampled_crossing<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
+    system: &Y,
+    mode: &Y::Mode,
+    [start, end]: [&[EventFunction<N>; S]; 2],
     h: f64,
-    dense: &dyn Fn() -> Dense<N, Z>,
+    dense: &dyn Fn() -> &'a Dense<N, Z>,
+    mut first: Option<Crossing>,
 ) -> Option<Crossing> {
-    let may_cross: [bool; S] = array_from(|index| end[index].value < 0.0 || may_dip(&start[index], &end[index], h));
+    let may_cross: [bool; S] = array_from(|index| {
+        let is_sampled = start[index].root_search != RootSearch::Bounded;
+        is_sampled && (end[index].value < 0.0 || may_dip(&start[index], &end[index], h))
+    });
     if !may_cross.contains(&true) {
-        return None;
+        return first;
     }
     let dense = dense();
     let function_at = |theta: f64, index: usize| {
@@ -52,12 +112,11 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
         let [a, b] = thirds.get_or_init(|| [event_values(THIRDS[0], &may_cross), event_values(THIRDS[1], &may_cross)]);
         [a[index], b[index]]
     };
-    let mut first: Option<Crossing> = None;
     for index in (0..S).filter(|index| may_cross[*index]) {
         let value = |theta: f64| function_at(theta, index).value;
         let is_negative_at_end = end[index].value < 0.0;
         let bracket = match searches[index] {
-            RootSearch::EndOnly => is_negative_at_end.then_some((0.0, 1.0)),
+            RootSearch::EndOnly | RootSearch::Bounded => is_negative_at_end.then_some((0.0, 1.0)),
             RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce => {
                 let separates = end[index].is_separated && !start[index].is_separated;
                 // The force of a separating contact has a kink, which thirds do not reveal.
@@ -91,12 +150,33 @@ pub fn first_crossing<const N: usize, const Z: usize, const S: usize, Y: Hybrid<
     first
 }
 
+/// The first zero crossing of a gap, or `first` if it is earlier. `bound` is that of the gap over the step, with the depth
+/// below which a dip does not count.
+#[inline(always)]
+fn first_zero<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
+    search: &GapSearch<'a, Y, impl Fn() -> &'a Dense<N, Z>, N, Z, S>,
+    index: usize,
+    [start, mut end]: [Point; 2],
+    (bound, tolerance): (GapBound, f64),
+    first: Option<Crossing>,
+) -> Result<Option<Crossing>, Unresolved> {
+    if bound.excludes_zero([start, end], tolerance) {
+        return Ok(first);
+    }
+    if let Some(first) = first {
+        // Simultaneous crossings keep the first index.
+        end = search.point(index, first.theta * (1.0 - SAME_CROSSING))?;
+    }
+    let zero = search.first_zero(index, [start, end], bound, tolerance)?;
+    Ok(zero.map(|zero| Crossing { event_index: index, theta: zero.theta, negative_at: zero.negative_at }).or(first))
+}
+
 /// Whether an event function that is positive at both ends could be negative in between. A gap could if it closed at
 /// twice the larger of its end rates throughout the step; other values must be sampled inside.
 fn may_dip<const N: usize>(start: &EventFunction<N>, end: &EventFunction<N>, h: f64) -> bool {
     let lowest_end = start.value.min(end.value);
     match select_search(start, end) {
-        RootSearch::EndOnly => false,
+        RootSearch::EndOnly | RootSearch::Bounded => false,
         RootSearch::Interior | RootSearch::Smooth => lowest_end.is_finite(),
         RootSearch::FadingForce => lowest_end.is_finite() && loses_depth(start, end),
         RootSearch::Gap => start.value.is_finite() && lowest_end < 2.0 * h * start.rate.abs().max(end.rate.abs()),
@@ -249,7 +329,7 @@ const MAX_ROOT_EVALUATIONS: usize = 80;
 /// Chandrupatla's method (Adv. Eng. Softw. 28:145, 1997): inverse quadratic interpolation where the last three points
 /// allow it, otherwise bisection, because the event function of a clamped law may jump. The first point is that of the
 /// secant.
-fn find_root(value: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+pub(crate) fn find_root(value: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     // The latest point, and the other end of the bracket.
     let (mut a, mut at_a) = (low, value(low).max(0.0));
     let (mut b, mut at_b) = (high, value(high));
@@ -345,13 +425,16 @@ mod tests {
     fn finds_the_first_of_several_crossings_in_any_order_of_event_functions() {
         let state = |q: f64| State { q: [q], v: [1.0], z: [] };
         let (start, end, still) = (state(0.0), state(1.0), State { q: [0.0], v: [0.0], z: [] });
-        let dense = || Dense { t0: 0.0, h: 1.0, start, end, d: [still; 3] };
+        let output = (|| Dense { t0: 0.0, h: 1.0, start, end, d: [still; 3] }, || [[0.0]; 3]);
         for (markers, event_index, theta) in
             [([0.3, 0.6, 2.0], 0, 0.3), ([0.6, 0.3, 0.9], 1, 0.3), ([0.9, 0.6, 0.3], 2, 0.3), ([2.0, 0.7, 0.7], 1, 0.7)]
         {
             let system = Markers(markers);
-            let [before, after] = [&start, &end].map(|state| system.eval_events(&state.q, &state.v, &()).functions);
-            let first = first_crossing(&system, &(), &before, &after, 1.0, &dense).expect("a crossing");
+            let [before, after] = [&start, &end].map(|state| system.eval_events(&state.q, &state.v, &()));
+            let Found::Crossing(first) = search_step(&system, &(), [&before, &after], ([&start, &end], 1.0), &output)
+            else {
+                panic!("{markers:?}: no crossing");
+            };
             assert_eq!(first.event_index, event_index, "{markers:?}");
             assert!((first.theta - theta).abs() < 1e-12, "{markers:?}: {first:?}");
         }

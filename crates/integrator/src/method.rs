@@ -68,4 +68,7 @@ pub trait Method<const N: usize, const Z: usize>: Clone {
 
     /// Dense output of the last attempt, which had this linearisation; without it the quadratures are not interpolated.
     fn dense(&self, linearised: Option<&Linearised<N, Z>>) -> Dense<N, Z>;
+
+    /// The coordinates of the terms d of [`Method::dense`].
+    fn dense_positions(&self) -> [[f64; N]; 3];
 }

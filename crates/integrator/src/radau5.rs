@@ -281,6 +281,12 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
     fn dense(&self, _: Option<&Linearised<N, Z>>) -> Dense<N, Z> {
         self.candidate
     }
+
+    #[inline(always)]
+    fn dense_positions(&self) -> [[f64; N]; 3] {
+        let [a, b, c] = &self.candidate.d;
+        [a.q, b.q, c.q]
+    }
 }
 
 /// Returns the cubic through the start and the three stages, in the common form of dense output (d₃ = 0).

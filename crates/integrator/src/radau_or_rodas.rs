@@ -83,4 +83,9 @@ impl<const N: usize, const Z: usize> Method<N, Z> for RadauOrRodas<N, Z> {
             false => self.rodas.dense(linearised),
         }
     }
+
+    #[inline(always)]
+    fn dense_positions(&self) -> [[f64; N]; 3] {
+        if self.uses_radau { self.radau.dense_positions() } else { self.rodas.dense_positions() }
+    }
 }

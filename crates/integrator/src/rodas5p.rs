@@ -201,6 +201,17 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
         }
         Dense { t0: self.t0, h: self.h, start: self.start, end: self.end, d }
     }
+
+    #[inline(always)]
+    fn dense_positions(&self) -> [[f64; N]; 3] {
+        let mut d = [[0.0; N]; 3];
+        for i in 0..3 {
+            for j in 0..STAGES {
+                (0..N).for_each(|n| d[i][n] += H[i][j] * self.k[j].q[n]);
+            }
+        }
+        d
+    }
 }
 
 /// Weights of the quadratures' rates, as parts of a step: of the result, and of the three terms of dense output.

@@ -48,6 +48,12 @@ impl<const N: usize, const Z: usize> Dense<N, Z> {
         )
     }
 
+    /// Coordinates over the step.
+    pub(crate) fn positions(&self) -> DensePositions<'_, N> {
+        let [a, b, c] = &self.d;
+        DensePositions { start: &self.start.q, end: &self.end.q, d: [a.q, b.q, c.q], step_s: self.h }
+    }
+
     /// Time derivative of the state at the fraction `theta` of the step.
     #[inline(always)]
     pub(crate) fn derivative(&self, theta: f64) -> State<N, Z> {
@@ -69,6 +75,49 @@ impl<const N: usize, const Z: usize> Dense<N, Z> {
 #[inline(always)]
 fn blend(theta: f64, y0: f64, y1: f64, d: [f64; 3]) -> f64 {
     y0 + theta * (y1 - y0) + theta * (1.0 - theta) * (d[0] + theta * (d[1] + theta * d[2]))
+}
+
+/// The coordinates of [`Dense`] alone.
+pub(crate) struct DensePositions<'a, const N: usize> {
+    pub start: &'a [f64; N],
+    pub end: &'a [f64; N],
+    pub d: [[f64; N]; 3],
+    pub step_s: f64,
+}
+
+impl<const N: usize> DensePositions<'_, N> {
+    /// Largest first and second derivatives of the coordinates by Θ between two fractions of the step. A polynomial lies
+    /// within the hull of its Bernstein coefficients, so nothing is sampled.
+    #[inline(always)]
+    pub fn bounds(&self, from: f64, to: f64) -> CoordinateBounds<N> {
+        let width = to - from;
+        let mut bounds = CoordinateBounds { step_s: self.step_s, width, rate: [0.0; N], acceleration: [0.0; N] };
+        let [a, b, c] = &self.d;
+        for n in 0..N {
+            // Coefficients of Θ to Θ⁴.
+            let (c1, c2) = (self.end[n] - self.start[n] + a[n], b[n] - a[n]);
+            let (c3, c4) = (c[n] - b[n], -c[n]);
+            let rate = |x: f64| c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4)));
+            let acceleration = |x: f64| 2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4));
+            let ([r0, r3], [a0, a2]) = ([from, to].map(rate), [from, to].map(acceleration));
+            let (r1, r2) = (r0 + width / 3.0 * a0, r3 - width / 3.0 * a2);
+            let a1 = a0 + 0.5 * width * (6.0 * c3 + 24.0 * c4 * from);
+            bounds.rate[n] = r0.abs().max(r1.abs()).max(r2.abs().max(r3.abs()));
+            bounds.acceleration[n] = a0.abs().max(a1.abs()).max(a2.abs());
+        }
+        bounds
+    }
+}
+
+/// Upper bounds of the first and second derivatives of the coordinates by Θ, over a part of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct CoordinateBounds<const N: usize> {
+    /// Length of the step, s.
+    pub step_s: f64,
+    /// Length of the part, as a fraction of the step.
+    pub width: f64,
+    pub rate: [f64; N],
+    pub acceleration: [f64; N],
 }
 
 /// An accepted step from `t0` to `t1`.

@@ -1,6 +1,6 @@
 //! Attempted steps, and steps that end on the first event within them.
 
-use super::event_location::{Crossing, first_crossing};
+use super::event_location::{Crossing, Found, search_step};
 use super::method::{Attempt, Method, StepStart};
 use super::{Counters, EventSet, Hybrid, error_weight};
 use crate::numeric::array_from;
@@ -118,9 +118,16 @@ impl<const N: usize, const S: usize, K> StepAttempts<'_, K, N, S> {
                 let event = (is_within_tolerance || value < 0.0).then_some(event_index);
                 let (resume_size, reaches_stop) = (size, false);
                 // The shortened step may contain the crossing, or an earlier crossing of another event function.
-                let (at_start, at_end) = (&self.events.functions, &events.functions);
                 let dense = || self.method.dense(None);
-                let recheck = first_crossing(system, origin.mode, at_start, at_end, target, &dense);
+                let ends = [origin.state, &attempt.end];
+                let output = (dense, || self.method.dense_positions());
+                let recheck = match search_step(system, origin.mode, [self.events, &events], (ends, target), &output) {
+                    Found::Nothing => None,
+                    Found::Crossing(crossing) => Some(crossing),
+                    Found::Obstacle | Found::Unresolved => {
+                        return EventLocation::Rejected { size: target, error: f64::INFINITY };
+                    }
+                };
                 if let Some(earlier) = recheck.filter(|c| c.event_index != event_index && c.theta < 1.0) {
                     let value = events.functions[earlier.event_index].value;
                     if value.abs() > system.event_tolerance(earlier.event_index, origin.mode) {

@@ -1,6 +1,7 @@
 //! Interface between the integrator and a hybrid system.
 
-use super::Tolerances;
+use super::gap_search::GapBounds;
+use super::{CoordinateBounds, Tolerances};
 use crate::numeric::array_from;
 
 /// Right-hand side: accelerations and rates of the quadratures.
@@ -79,9 +80,12 @@ pub trait System<const N: usize, const Z: usize> {
 /// How the zero crossings of an event function are searched within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RootSearch {
-    /// A gap with a known rate: checked at the midpoint, at the end, and at its minimum if its end rates allow a dip.
+    /// A value with a known rate: checked at the midpoint, at the end, and at its minimum if its end rates allow a dip.
     #[default]
     Gap,
+    /// A gap with a known rate and with bounds of its derivatives ([`Hybrid::gap_bounds`]): no zero within the step is
+    /// missed.
+    Bounded,
     /// Checked only at the end. The force of a stiff damper cannot be evaluated from the dense output: inside a step
     /// the interpolated rate is off the slow manifold, and the force is a large multiple of it.
     EndOnly,
@@ -188,6 +192,13 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
     fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, _selected: &[bool; S]) -> [f64; S] {
         let functions = self.eval_events(q, v, mode).functions;
         array_from(|index| functions[index].value)
+    }
+
+    /// Bounds of the gaps with the policy [`RootSearch::Bounded`], and of the clearance, over a part of a step. `motion`
+    /// bounds the coordinates over the part; `q` and `v` are the state at one of its ends, with this `clearance`. The bounds
+    /// of other event functions are not read.
+    fn gap_bounds(&self, _motion: &CoordinateBounds<N>, _q: &[f64; N], _v: &[f64; N], _clearance: f64) -> GapBounds<S> {
+        GapBounds::NONE
     }
 
     /// Magnitude of the event function below which an event counts as located.

@@ -110,6 +110,22 @@ impl PalmMotion {
         moves.chain(vibrations).chain(path)
     }
 
+    /// Upper bounds of the rates and accelerations of (X, Y, Φ) between two times.
+    pub fn largest_rates(&self, [from, to]: [f64; 2]) -> [[f64; 3]; 2] {
+        let mut largest = [[0.0; 3]; 2];
+        let mut add = |axis: Axis, rates: [f64; 2]| (0..2).for_each(|k| largest[k][axis as usize] += rates[k]);
+        for item in self.moves.iter().filter(|item| from < item.start_s + item.length_s && item.start_s < to) {
+            add(item.axis, item.largest_rates());
+        }
+        for item in self.vibrations.iter().filter(|item| item.start_s < to) {
+            add(item.axis, item.largest_rates(from));
+        }
+        for (path, axis) in self.path.iter().flat_map(|path| [Axis::X, Axis::Y, Axis::Angle].map(|axis| (path, axis))) {
+            add(axis, path.largest_rates([from, to], axis));
+        }
+        largest
+    }
+
     /// Returns the next time after `t` at which some derivative jumps; infinite if there is none.
     #[inline]
     pub fn next_discontinuity(&self, t: f64) -> f64 {
@@ -164,6 +180,12 @@ impl Move {
         3.36 * 5f64.sqrt()
     }
 
+    /// Largest rate, 140/64 of the mean one, and largest acceleration.
+    fn largest_rates(&self) -> [f64; 2] {
+        let mean = (self.distance / self.length_s).abs();
+        [2.1875 * mean, Self::unit_peak_acceleration() * mean / self.length_s]
+    }
+
     #[inline]
     fn derivatives(&self, t: f64) -> [f64; 4] {
         let since = t - self.start_s;
@@ -193,6 +215,14 @@ impl Vibration {
         self.ramp_periods / self.frequency_hz
     }
 
+    /// Upper bounds of rate and acceleration from time `from` on.
+    fn largest_rates(&self, from: f64) -> [f64; 2] {
+        let (omega, amplitude) = (TAU * self.frequency_hz, self.amplitude.abs());
+        let is_ramp_over = from >= self.start_s + self.ramp_s();
+        let [r1, r2] = if is_ramp_over { [0.0; 2] } else { self.ramp.largest_derivatives(self.ramp_s()) };
+        [amplitude * (r1 + omega), amplitude * (r2 + 2.0 * r1 * omega + omega * omega)]
+    }
+
     #[inline]
     fn derivatives(&self, t: f64) -> [f64; 4] {
         let since = t - self.start_s;
@@ -215,6 +245,15 @@ impl Vibration {
 }
 
 impl Ramp {
+    /// Largest first and second derivatives of a ramp of this length: 15/8 and 10/√3, or 3/2 and 6, over its powers.
+    fn largest_derivatives(self, length: f64) -> [f64; 2] {
+        let [first, second] = match self {
+            Ramp::Quintic => [1.875, 10.0 / 3f64.sqrt()],
+            Ramp::Cubic => [1.5, 6.0],
+        };
+        [first / length, second / (length * length)]
+    }
+
     #[inline]
     fn derivatives(self, t: f64, length: f64) -> [f64; 4] {
         if t >= length {
@@ -251,6 +290,20 @@ impl Path {
 
     pub fn points(&self) -> &[(f64, [f64; 3])] {
         &self.points
+    }
+
+    /// Upper bounds of rate and acceleration between two times.
+    fn largest_rates(&self, [from, to]: [f64; 2], axis: Axis) -> [f64; 2] {
+        let axis = axis as usize;
+        let overlapping =
+            (1..self.points.len()).filter(|after| self.points[after - 1].0 < to && from < self.points[*after].0);
+        overlapping.fold([0.0; 2], |[rate, acceleration]: [f64; 2], after| {
+            let ((t0, y0), (t1, y1)) = (self.points[after - 1], self.points[after]);
+            let [m0, m1] = [after - 1, after].map(|point| self.second_derivatives[point][axis].abs());
+            let h = t1 - t0;
+            let largest = ((y1[axis] - y0[axis]) / h).abs() + h / 3.0 * (m0 + m1);
+            [rate.max(largest), acceleration.max(m0).max(m1)]
+        })
     }
 
     #[inline]
@@ -346,6 +399,33 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn largest_rates_bound_all_rates_tightly() {
+        let motion = motion();
+        for [from, to] in [[0.0, 0.04], [0.02, 0.3], [0.11, 0.13], [0.25, 0.9], [0.6, 0.61], [0.99, 1.4]] {
+            let bounds = motion.largest_rates([from, to]);
+            let mut found = [[0.0f64; 3]; 2];
+            for step in 0..=1000 {
+                let pose = motion.pose(from + (to - from) * f64::from(step) / 1000.0);
+                for axis in 0..3 {
+                    found[0][axis] = found[0][axis].max(pose.rate[axis].abs());
+                    found[1][axis] = found[1][axis].max(pose.acceleration[axis].abs());
+                }
+            }
+            for k in 0..2 {
+                for axis in 0..3 {
+                    let (bound, found) = (bounds[k][axis], found[k][axis]);
+                    assert!(found <= bound * (1.0 + 1e-12), "{from} {to} {k} {axis}: {found} {bound}");
+                }
+            }
+        }
+        // The bounds of the middle of a move and of a vibration are reached.
+        let single = PalmMotion { moves: vec![motion.moves[0]], ..PalmMotion::default() };
+        let [rate, acceleration] = single.largest_rates([0.0, 1.0]).map(|bound| bound[0]);
+        assert!((rate - single.pose(0.35).rate[0]).abs() < 1e-12, "{rate}");
+        assert!((acceleration - single.peak_acceleration_m_s2([0.0; 2], 1.0)).abs() < 1e-6, "{acceleration}");
     }
 
     #[test]

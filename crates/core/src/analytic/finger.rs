@@ -1,6 +1,7 @@
 //! The mechanics of one finger in its own frame: links, spring and laws. The motion of the object is prescribed by the
 //! caller.
 
+use super::motion_bound::{MotionBound, PinnedPair, RateBound, sine_reach, smallest_sine};
 use crate::fivebar::dynamics::{AccelerationField, Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
 use crate::fivebar::joint_forces::{LinkLoads, LinkMotion, joint_forces};
 use crate::fivebar::kinematics::{
@@ -8,6 +9,7 @@ use crate::fivebar::kinematics::{
     passive_bias, passive_rates, reference_gamma,
 };
 use crate::gripper::{Assembly, Finger, FingerContact};
+use crate::integrator::GapBound;
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, angle_between, cross, dot, opening_angle, perp, rotate, scale_by, sub};
@@ -89,6 +91,41 @@ impl FingerModel {
         let row = [rates.a4[0], rates.a4[1] - 1.0];
         let none = [T::zero(); 2];
         Geometry { gap, normal_row: row, tangent_row: none, normal: none, point: none, support: Support::none() }
+    }
+
+    /// Bounds of the motion of the finger over a part of a step of this width, from those of q11 and q21 and the sine of the
+    /// angle between l12 and l22 at one end of the part.
+    #[inline(always)]
+    pub(super) fn bounds(&self, sine: f64, [first, second]: [RateBound; 2], width: f64) -> FingerBounds {
+        let lengths = &self.dynamics.lengths;
+        let pivot = |turn: RateBound, length: f64| MotionBound::new(RateBound::default(), turn).point(length);
+        let pivots = [pivot(first, lengths.l11_m), pivot(second, lengths.l21_m)];
+        let pair = PinnedPair { between: pivots[0].plus(pivots[1]), arms: [lengths.l12_m, lengths.l22_m] };
+        let change = pair.angle_change();
+        let smallest = smallest_sine(sine, change, width);
+        let turn = if smallest > 0.0 { pair.turns(smallest)[1] } else { RateBound::NONE };
+        FingerBounds {
+            proximal: MotionBound::new(RateBound::default(), second),
+            distal: MotionBound::new(pivots[1], turn),
+            limit: turn.plus(second),
+            clearance_reach: sine_reach(sine, change),
+        }
+    }
+
+    /// Bound of the gap between a phalanx and a disc, whose centre has this bound and is at most at this distance from the
+    /// base of the finger.
+    #[inline(always)]
+    pub(super) fn phalanx_bound(
+        &self,
+        bounds: &FingerBounds,
+        contact: FingerContact,
+        (centre, distance): (RateBound, f64),
+    ) -> GapBound {
+        match contact {
+            FingerContact::Proximal => bounds.proximal.seen(centre, distance).gap(),
+            FingerContact::Distal => bounds.distal.seen(centre, distance + self.distal.l21).gap(),
+            FingerContact::Limit => bounds.limit.gap(),
+        }
     }
 
     #[inline(always)]
@@ -184,6 +221,19 @@ impl FingerModel {
         let q22 = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
         PassiveJoints { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
     }
+}
+
+/// Bounds of the motion of a finger over a part of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FingerBounds {
+    /// The proximal phalanx, with its origin at the base of the finger.
+    proximal: MotionBound,
+    /// The distal phalanx, with its origin at A22.
+    distal: MotionBound,
+    /// Bound of the gap of the joint limit.
+    limit: RateBound,
+    /// Part of the step in which the loop stays regular.
+    pub clearance_reach: f64,
 }
 
 /// Passive joint angles and rates; q13 is the absolute orientation of l22.

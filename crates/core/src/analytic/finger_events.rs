@@ -3,10 +3,13 @@
 use super::finger::FingerKinematics;
 use super::mode::{ContactState, ContactVariables, EventTolerances, StateRef, is_kinked};
 use super::model::{EVENT_FUNCTIONS, FingerMode, FingerMotion, QUADRATURES, finger_coordinates, pad};
+use super::motion_bound::RateBound;
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::gripper::FingerContact;
-use crate::integrator::{EventFunction, EventSet, Hybrid, QuasiStaticState, System, Tolerances};
+use crate::integrator::{
+    CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, QuasiStaticState, System, Tolerances,
+};
 use crate::law::{NormalLaw, damping};
 use crate::numeric::array_from;
 use crate::numeric::elementary::{cbrt, pow, powi};
@@ -163,6 +166,26 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
             }
         }
         values
+    }
+
+    #[inline(always)]
+    fn gap_bounds(
+        &self,
+        motion: &CoordinateBounds<N>,
+        _q: &[f64; N],
+        _v: &[f64; N],
+        clearance: f64,
+    ) -> GapBounds<EVENT_FUNCTIONS> {
+        let coordinates = [0, 1].map(|index| RateBound::of_coordinate(motion, index));
+        let bounds = self.finger.bounds(clearance + SINGULAR_SINE, coordinates, motion.width);
+        let mut found = GapBounds { clearance_reach: bounds.clearance_reach, ..GapBounds::NONE };
+        // The object is fixed.
+        let centre = self.object.map_or([0.0; 2], |object| object.centre_m);
+        let centre = (RateBound::default(), dot(centre, centre).sqrt());
+        for contact in FingerContact::ALL {
+            found.gaps[contact as usize] = self.finger.phalanx_bound(&bounds, contact, centre);
+        }
+        found
     }
 
     fn event_tolerance(&self, event: usize, mode: &FingerMode) -> f64 {

@@ -11,6 +11,7 @@ mod finger_events;
 pub mod mechanism;
 mod mode;
 mod model;
+mod motion_bound;
 pub mod multibody;
 
 pub use finger::{DistalShape, Geometry, PassiveJoints, distal, proximal};

@@ -380,7 +380,7 @@ impl<const C: usize> Mode<C> {
         match self.contacts[index] {
             ContactState::Clamped => inactive,
             ContactState::Free => {
-                EventFunction { value: -delta, rate: -rate, root_search: RootSearch::Gap, ..inactive }
+                EventFunction { value: -delta, rate: -rate, root_search: RootSearch::Bounded, ..inactive }
             }
             // After touch-down, before the first penetration.
             ContactState::Active if delta <= 0.0 && rate >= 0.0 => EventFunction { is_separated: false, ..inactive },

@@ -288,6 +288,19 @@ impl PrescribedMotion {
         }
     }
 
+    /// Upper bounds of the rates and accelerations of x, y and θ between two times, for a frame with this rate at the start.
+    pub fn largest_rates(&self, rate: Pose, times: [f64; 2]) -> [[f64; 3]; 2] {
+        match self {
+            PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [ax, ay] } => {
+                let acceleration = [*ax, *ay, 0.0];
+                let at = |axis: usize, t: f64| (rate[axis] + t * acceleration[axis]).abs();
+                let largest = std::array::from_fn(|axis| at(axis, times[0]).max(at(axis, times[1])));
+                [largest, acceleration.map(f64::abs)]
+            }
+            PrescribedMotion::Palm(motion) => motion.largest_rates(times),
+        }
+    }
+
     /// Returns the next time after `t` at which some derivative jumps; infinite if there is none.
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         match self {

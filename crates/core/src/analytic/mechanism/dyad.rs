@@ -214,7 +214,7 @@ fn inverse_closure<T: Real>(closure: &Closure<T>, columns: &[[T; 3]; 2]) -> [[T;
 
 /// Indices in the dyad of the bodies A and B of its inner joint.
 #[inline(always)]
-fn inner_bodies(inner: &Joint, outer: &[Attachment; 2]) -> [usize; 2] {
+pub(super) fn inner_bodies(inner: &Joint, outer: &[Attachment; 2]) -> [usize; 2] {
     if inner.bodies[0] == Some(outer[0].body) { [0, 1] } else { [1, 0] }
 }
 

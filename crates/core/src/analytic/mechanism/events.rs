@@ -9,7 +9,7 @@ use crate::analytic::ContactState;
 use crate::analytic::finger_events::first_impact_step;
 use crate::analytic::mode::{ContactVariables, Mode, StateRef, row_dot};
 use crate::fivebar::kinematics::SINGULAR_SINE;
-use crate::integrator::{EventFunction, EventSet, Hybrid, RootSearch, System};
+use crate::integrator::{CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, RootSearch, System};
 use crate::mechanism::structure::Placement;
 use std::f64::consts::PI;
 
@@ -291,6 +291,10 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
             values[G - 1] = self.feature_event(motions, mode).value;
         });
         values
+    }
+
+    fn gap_bounds(&self, motion: &CoordinateBounds<N>, q: &[f64; N], v: &[f64; N], clearance: f64) -> GapBounds<G> {
+        self.with_bounds((q, v), |motions, bounds| self.bound_gaps(motion, (q, motions, clearance), bounds))
     }
 
     fn event_tolerance(&self, event: usize, mode: &MechanismMode<C>) -> f64 {

@@ -441,7 +441,7 @@ fn prescribed(body: &Body, t: f64) -> scene::Pose {
 }
 
 /// Joints from which the coordinate of a coupled joint follows, with their ratios: q = (offset − Σ cᵢ qᵢ)/c.
-fn coupled_joints(on: &JointCombination, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+pub(super) fn coupled_joints(on: &JointCombination, joint: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     let own = on.factor(joint);
     let others = on.terms.iter().filter(move |(term, _)| *term != joint);
     others.map(move |(term, factor)| (*term, -factor / own))

@@ -3,6 +3,7 @@
 //! mechanism and the scalar laws.
 
 mod actuator;
+mod bounds;
 mod cable;
 mod dyad;
 mod dynamics;

@@ -3,6 +3,7 @@
 use std::cell::RefCell;
 
 use super::actuator::{MAX_ACTUATORS, Ranges};
+use super::bounds::MechanismBounds;
 use super::cable::Cable;
 use super::factor::Factor;
 use super::free::{FreeBody, center_frame, free_body, is_round};
@@ -90,6 +91,7 @@ struct Workspace<const N: usize, const K: usize> {
     /// Factors of the mass matrices of all groups in this state; empty before they are needed.
     factors: Vec<Factor<K>>,
     with_derivatives: Motions<Dual<K>, K>,
+    bounds: MechanismBounds,
 }
 
 /// The analytic model of a mechanism with at most N coordinates and bristles, K coordinates of a group of bodies with
@@ -316,6 +318,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             has_angles: false,
             factors: Vec::with_capacity(groups.len()),
             with_derivatives: Motions::new(&mechanism),
+            bounds: MechanismBounds::new(&mechanism),
         };
         let coordinate_count = next + usize::from(time_index == Some(next));
         let event_tolerances = if mechanism.joints.is_empty() { EventTolerances::COLLISION } else { EVENT_TOLERANCES };
@@ -428,6 +431,18 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             self.groups.iter().for_each(|group| group.evaluate_angles(&self.mechanism, &mut workspace.motions));
         }
         f(&workspace.motions)
+    }
+
+    /// Like [`MechanismModel::with_motions`], with memory for bounds.
+    pub(super) fn with_bounds<R>(
+        &self,
+        state: (&[f64; N], &[f64; N]),
+        f: impl FnOnce(&Motions<f64, K>, &mut MechanismBounds) -> R,
+    ) -> R {
+        let mut workspace = self.workspace.borrow_mut();
+        let workspace = &mut *workspace;
+        self.update(state, workspace);
+        f(&workspace.motions, &mut workspace.bounds)
     }
 
     /// Like [`MechanismModel::with_motions`], with the factors of the mass matrices of all groups.

@@ -2,17 +2,20 @@
 
 use std::cell::OnceCell;
 
-use super::components::ContactModel;
+use super::components::{ContactModel, ContactPair};
 use super::contact_kinematics::ContactKinematics;
 use super::evaluation::ContactMotion;
 use super::model::Multibody;
 use super::{CONTACTS, EVENT_FUNCTIONS, FINGERS, GraspMode, QUADRATURES, first_impact_step};
 use crate::analytic::ContactState;
-use crate::analytic::finger::FingerKinematics;
+use crate::analytic::finger::{FingerBounds, FingerKinematics};
 use crate::analytic::mode::{ContactVariables, EventTolerances, Mode, StateRef, row_dot};
+use crate::analytic::motion_bound::{MotionBound, RateBound};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
-use crate::integrator::{EventFunction, EventSet, Hybrid, System};
+use crate::gripper::FingerContact;
+use crate::integrator::{CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, System};
+use crate::numeric::elementary::hypot;
 use crate::numeric::map_array;
 use crate::numeric::plane::{cross, dot};
 
@@ -99,6 +102,17 @@ impl<const N: usize> Multibody<N> {
         self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index)
     }
 
+    /// Bounds of the motion of the palm in the world over a part of a step that ends or begins in this state.
+    fn palm_bound(&self, motion: &CoordinateBounds<N>, q: &[f64; N]) -> MotionBound {
+        let Some((palm, time)) = self.palm_motion.as_ref().zip(self.time_index) else { return MotionBound::default() };
+        let (step_s, span_s) = (motion.rate[time], motion.rate[time] * motion.width);
+        let [rate, acceleration] = palm.largest_rates([q[time] - span_s, q[time] + span_s]);
+        let bound = |[x, y, angle]: [f64; 3], scale: f64| [hypot(x, y) * scale, angle * scale];
+        let [speed, spin] = bound(rate, step_s);
+        let [acceleration, spin_acceleration] = bound(acceleration, step_s * step_s);
+        MotionBound { speed, acceleration, spin, spin_acceleration }
+    }
+
     /// Distance of the fingers' linkages from their nearest singular configuration, and its rate.
     #[inline(always)]
     fn clearance(&self, all_finger_kinematics: &[FingerKinematics; FINGERS], v: &[f64; N]) -> (f64, f64) {
@@ -159,6 +173,49 @@ impl<const N: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for Multibody<N> {
             values[event] = mode.event_function(event, &EventTolerances::GRASP, contact).value;
         }
         values
+    }
+
+    fn gap_bounds(
+        &self,
+        motion: &CoordinateBounds<N>,
+        q: &[f64; N],
+        _v: &[f64; N],
+        clearance: f64,
+    ) -> GapBounds<EVENT_FUNCTIONS> {
+        let coordinate = |index: usize| RateBound::of_coordinate(motion, index);
+        let centre = self.moving_object().map_or_else(RateBound::default, |(first, _)| {
+            let [x, y] = [coordinate(first), coordinate(first + 1)];
+            RateBound { rate: hypot(x.rate, y.rate), acceleration: hypot(x.acceleration, y.acceleration) }
+        });
+        let largest = |[x, y]: [f64; 2]| hypot(x, y) + centre.rate * motion.width;
+        let mut found: GapBounds<EVENT_FUNCTIONS> = GapBounds::NONE;
+        let fingers: [FingerBounds; FINGERS] = std::array::from_fn(|finger| {
+            let coordinates = [2 * finger, 2 * finger + 1].map(coordinate);
+            let bounds = self.fingers[finger].model.bounds(clearance + SINGULAR_SINE, coordinates, motion.width);
+            if bounds.clearance_reach.is_nan() || bounds.clearance_reach < found.clearance_reach {
+                found.clearance_reach = bounds.clearance_reach;
+            }
+            bounds
+        });
+        for (gap, contact) in found.gaps.iter_mut().zip(&self.contacts) {
+            let Some(contact) = contact else { continue };
+            let bound = |finger: usize, phalanx: FingerContact, distance: f64| {
+                self.fingers[finger].model.phalanx_bound(&fingers[finger], phalanx, (centre, distance))
+            };
+            *gap = match contact.pair {
+                ContactPair::Phalanx { finger, phalanx } => {
+                    let object = self.object_in_finger_frame(self.fingers[finger].side, q);
+                    bound(finger, phalanx, largest(object.centre_m))
+                }
+                ContactPair::Stop { finger } => bound(finger, FingerContact::Limit, 0.0),
+                ContactPair::Plane(_) => centre.gap(),
+                ContactPair::MovingPlane(_) => {
+                    let [x, y, _] = self.object_pose(q);
+                    self.palm_bound(motion, q).seen(centre, largest([x, y])).gap()
+                }
+            };
+        }
+        found
     }
 
     fn event_tolerance(&self, event: usize, mode: &GraspMode) -> f64 {

@@ -1,0 +1,465 @@
+//! Bounds of the gaps of a mechanism over a part of a step, from bounds of its coordinates ([`MotionBound`]): body by body in
+//! the order of placement, with lengths of the links and the pose at one end of the part.
+
+use super::dyad::{inner_bodies, transmission};
+use super::group::{PlacedGroup, coupled_joints};
+use super::model::{MechanismModel, Surfaces};
+use super::motion::Motions;
+use super::nearest::PointOnFace;
+use crate::analytic::motion_bound::{MotionBound, PinnedPair, RateBound, nothing_known, sine_reach, smallest_sine};
+use crate::integrator::{CoordinateBounds, GapBound, GapBounds};
+use crate::mechanism::structure::{Attachment, Placement, Source};
+use crate::mechanism::tendon::{MAX_WRAP_RAD, segment, wraps};
+use crate::mechanism::{Joint, JointKind, Mechanism, OutlinePoint, PathElement, Tendon};
+use crate::numeric::plane::{Vector, dot, sub};
+
+/// Bounds of all bodies and joints of a mechanism.
+#[derive(Clone, Debug)]
+pub(super) struct MechanismBounds {
+    /// Bodies of the mechanism, then the ground.
+    pub bodies: Vec<MotionBound>,
+    pub joints: Vec<RateBound>,
+    /// Part of the step in which all dyads and cables stay regular.
+    pub clearance_reach: f64,
+}
+
+fn length(vector: Vector<f64>) -> f64 {
+    dot(vector, vector).sqrt()
+}
+
+impl MechanismBounds {
+    pub fn new(mechanism: &Mechanism) -> Self {
+        Self {
+            bodies: vec![MotionBound::default(); mechanism.bodies.len() + 1],
+            joints: vec![RateBound::default(); mechanism.joints.len()],
+            clearance_reach: f64::INFINITY,
+        }
+    }
+
+    pub fn body(&self, body: Option<usize>) -> &MotionBound {
+        &self.bodies[body.unwrap_or(self.bodies.len() - 1)]
+    }
+}
+
+/// Bounds of coordinates over a part of a step, by their index in a group, with the width of the part.
+struct Coordinates<'a> {
+    rate: &'a [f64],
+    acceleration: &'a [f64],
+    width: f64,
+}
+
+impl Coordinates<'_> {
+    fn bound(&self, index: usize) -> RateBound {
+        RateBound { rate: self.rate[index], acceleration: self.acceleration[index] }
+    }
+
+    /// Bound of a body whose pose is coordinates from `first` on.
+    fn free_body(&self, first: usize, axes: usize) -> MotionBound {
+        let [x, y] = [first, first + 1].map(|index| self.bound(index));
+        let turn = if axes == 3 { self.bound(first + 2) } else { RateBound::default() };
+        MotionBound {
+            speed: length([x.rate, y.rate]),
+            acceleration: length([x.acceleration, y.acceleration]),
+            spin: turn.rate,
+            spin_acceleration: turn.acceleration,
+        }
+    }
+
+    /// Largest value of a length that has this value at one end of the part.
+    fn largest(&self, value: f64, rate: f64) -> f64 {
+        value.abs() + rate * self.width
+    }
+}
+
+/// A joint that attaches a body: the distances of its point from the origins of base and body.
+fn arms(joint: &Joint, at: &Attachment) -> [f64; 2] {
+    let own = usize::from(at.is_second);
+    [1 - own, own].map(|k| length(joint.points_m[k]))
+}
+
+impl PlacedGroup {
+    /// Bounds of the bodies and joints of the group, whose motions at one end of the part are `motions`.
+    pub fn bound<const N: usize, const K: usize>(
+        &self,
+        mechanism: &Mechanism,
+        (all, motions): (&CoordinateBounds<N>, &Motions<f64, K>),
+        time: f64,
+        bounds: &mut MechanismBounds,
+    ) {
+        let of_group = self.first..self.first + self.size();
+        let coordinates = Coordinates {
+            rate: &all.rate[of_group.clone()],
+            acceleration: &all.acceleration[of_group],
+            width: all.width,
+        };
+        for placement in &self.group.placements {
+            match placement {
+                Placement::Free { body, first, axes } => bounds.bodies[*body] = coordinates.free_body(*first, *axes),
+                Placement::Prescribed { body } => {
+                    // Time is the coordinate; the part extends to either side of the state.
+                    let (step_s, span_s) = (coordinates.rate[0], coordinates.rate[0] * all.width);
+                    let of = &mechanism.bodies[*body];
+                    let [rate, acceleration] = of
+                        .motion
+                        .as_ref()
+                        .map_or([[0.0; 3]; 2], |motion| motion.largest_rates(of.rate, [time - span_s, time + span_s]));
+                    bounds.bodies[*body] = MotionBound {
+                        speed: length([rate[0], rate[1]]) * step_s,
+                        acceleration: length([acceleration[0], acceleration[1]]) * step_s * step_s,
+                        spin: rate[2] * step_s,
+                        spin_acceleration: acceleration[2] * step_s * step_s,
+                    };
+                }
+                Placement::Joint { at, coordinate } => {
+                    let (joint, base) = (&mechanism.joints[at.joint], *bounds.body(at.base));
+                    let bound = match coordinate {
+                        Source::Coordinate(index) => coordinates.bound(*index),
+                        Source::Coupling(index) => coupled_joints(&mechanism.couplings[*index].on, at.joint)
+                            .fold(RateBound::default(), |sum, (joint, ratio)| {
+                                sum.plus(bounds.joints[joint].times(ratio))
+                            }),
+                        Source::Angle => base.turn(),
+                    };
+                    let [base_arm, own_arm] = arms(joint, at);
+                    bounds.joints[at.joint] = bound;
+                    bounds.bodies[at.body] = match joint.kind {
+                        JointKind::Revolute => {
+                            let turn = match coordinate {
+                                Source::Angle => RateBound::default(),
+                                _ => base.turn().plus(bound),
+                            };
+                            MotionBound::about_pivot(base.point(base_arm), turn, own_arm)
+                        }
+                        JointKind::Prismatic { .. } => {
+                            let slide = coordinates.largest(motions.joints[at.joint].coordinate, bound.rate);
+                            base.sliding(bound, base_arm + slide + own_arm)
+                        }
+                    }
+                    .with_known_rates(motions.bodies[at.body].rate, (all.step_s, all.width));
+                }
+                Placement::Dyad { outer, inner } => {
+                    let dyad = Dyad { mechanism, outer, inner: *inner, step_s: all.step_s, width: all.width };
+                    dyad.bound(motions, bounds);
+                }
+            }
+        }
+    }
+}
+
+/// A dyad over a part of a step of this width.
+struct Dyad<'a> {
+    mechanism: &'a Mechanism,
+    outer: &'a [Attachment; 2],
+    inner: usize,
+    step_s: f64,
+    width: f64,
+}
+
+/// Bounds of a slide that hold while it moves at most by this part of the reach of its bodies.
+const SLIDE_MARGIN: f64 = 0.5;
+
+impl Dyad<'_> {
+    fn joint(&self, k: usize) -> &Joint {
+        &self.mechanism.joints[self.outer[k].joint]
+    }
+
+    /// Bounds the bodies and joints of the dyad, and the part of the step in which it stays regular.
+    fn bound<const K: usize>(&self, motions: &Motions<f64, K>, bounds: &mut MechanismBounds) {
+        let sine = transmission(self.mechanism, (self.outer, self.inner), motions).sine.abs();
+        let inner = &self.mechanism.joints[self.inner];
+        let slides = [0, 1].map(|k| !self.joint(k).kind.is_angle());
+        let (bodies, angle_change) = match (inner.kind, slides) {
+            (JointKind::Revolute, _) => self.pinned(sine, motions, bounds),
+            (JointKind::Prismatic { .. }, [false, false]) => self.slotted(sine, motions, bounds),
+            (JointKind::Prismatic { .. }, _) => self.guided(sine, motions, bounds),
+        };
+        // A reach that is not a number stays.
+        let reach = sine_reach(sine, angle_change);
+        if reach.is_nan() || reach < bounds.clearance_reach {
+            bounds.clearance_reach = reach;
+        }
+        let bodies = bodies.unwrap_or([(MotionBound::NONE, RateBound::NONE); 2]);
+        for (k, at) in self.outer.iter().enumerate() {
+            let (body, slide) = bodies[k];
+            let base = bounds.body(at.base).turn();
+            let body = body.with_known_rates(motions.bodies[at.body].rate, (self.step_s, self.width));
+            bounds.joints[at.joint] = if slides[k] { slide } else { base.plus(body.turn()) };
+            bounds.bodies[at.body] = body;
+        }
+        let [a, b] = inner_bodies(inner, self.outer).map(|k| bounds.bodies[self.outer[k].body]);
+        bounds.joints[self.inner] = match inner.kind {
+            JointKind::Revolute => a.turn().plus(b.turn()),
+            JointKind::Prismatic { .. } => {
+                let between = a.point(length(inner.points_m[0])).plus(b.point(length(inner.points_m[1])));
+                RateBound { acceleration: between.acceleration + a.spin * between.rate, ..between }
+            }
+        };
+    }
+
+    /// Distance of the point of the inner joint from that of outer joint `k`, in body `k`.
+    fn inner_arm(&self, k: usize) -> f64 {
+        length(sub(self.inner_point(k), self.joint(k).points_m[usize::from(self.outer[k].is_second)]))
+    }
+
+    /// Point of the inner joint in the frame of body `k`.
+    fn inner_point(&self, k: usize) -> [f64; 2] {
+        let inner = &self.mechanism.joints[self.inner];
+        inner.points_m[usize::from(inner_bodies(inner, self.outer)[0] != k)]
+    }
+
+    /// Bound of the relative motion of two carried points, whose velocities at one end of the part are known.
+    fn between(&self, points: [RateBound; 2], rates: [Vector<f64>; 2]) -> RateBound {
+        points[0].plus(points[1]).with_known_rate(length(sub(rates[1], rates[0])) * self.step_s, self.width)
+    }
+
+    /// Velocity of a point that moves with the base of outer joint `k`: the pivot, or the point of the inner joint.
+    fn carried_rate<const K: usize>(&self, k: usize, of_inner: bool, motions: &Motions<f64, K>) -> Vector<f64> {
+        let (at, base) = (&self.outer[k], motions.body(self.outer[k].base));
+        let position = match of_inner {
+            false => base.position(self.joint(k).points_m[usize::from(!at.is_second)]),
+            true => motions.bodies[at.body].position(self.inner_point(k)),
+        };
+        base.rate_at(sub(position, base.origin))
+    }
+
+    /// Bounds of both bodies with their slides, and the K of their transmission angle; `None` where it may vanish.
+    fn pinned<const K: usize>(
+        &self,
+        sine: f64,
+        motions: &Motions<f64, K>,
+        bounds: &MechanismBounds,
+    ) -> (Option<[(MotionBound, RateBound); 2]>, f64) {
+        // A body at a slide does not turn against its base: the inner joint moves with the base, and along the axis.
+        let slides = [0, 1].map(|k| !self.joint(k).kind.is_angle());
+        let bases = [0, 1].map(|k| *bounds.body(self.outer[k].base));
+        let coordinates = [0, 1].map(|k| motions.joints[self.outer[k].joint].coordinate.abs());
+        let arms_of = [0, 1].map(|k| arms(self.joint(k), &self.outer[k]));
+        let inner_arms = [0, 1].map(|k| self.inner_arm(k));
+        let margin = SLIDE_MARGIN * (0..2).map(|k| arms_of[k][0] + coordinates[k] + inner_arms[k]).sum::<f64>();
+        let reach = |k: usize| arms_of[k][0] + coordinates[k] + margin;
+        let pivots = [0, 1].map(|k| match slides[k] {
+            false => bases[k].point(arms_of[k][0]),
+            true => bases[k].point(reach(k) + inner_arms[k]),
+        });
+        let total = self.between(pivots, [0, 1].map(|k| self.carried_rate(k, slides[k], motions)));
+        if slides == [false, false] {
+            let pair = PinnedPair { between: total, arms: inner_arms };
+            let change = pair.angle_change();
+            let sine = smallest_sine(sine, change, self.width);
+            let is_regular = sine > 0.0;
+            let turns = pair.turns(sine);
+            let body = |k: usize| (MotionBound::about_pivot(pivots[k], turns[k], arms_of[k][1]), RateBound::default());
+            return (is_regular.then(|| [body(0), body(1)]), change);
+        }
+        let change = (0..2).map(|k| if slides[k] { bases[k].spin } else { total.rate / inner_arms[k] }).sum();
+        let sine = smallest_sine(sine, change, self.width);
+        // The columns of the closure: an arm, or the unit vector of a slide.
+        let columns = [0, 1].map(|k| if slides[k] { 1.0 } else { inner_arms[k] });
+        let rates = columns.map(|column| total.rate / (column * sine));
+        let turning = |k: usize| if slides[k] { 2.0 * bases[k].spin } else { columns[k] * rates[k] };
+        let quadratic: f64 = (0..2).map(|k| turning(k) * rates[k]).sum();
+        let body = |k: usize| {
+            let own =
+                RateBound { rate: rates[k], acceleration: (total.acceleration + quadratic) / (columns[k] * sine) };
+            match slides[k] {
+                true => (bases[k].sliding(own, reach(k) + arms_of[k][1]), own),
+                false => (MotionBound::about_pivot(pivots[k], own, arms_of[k][1]), RateBound::default()),
+            }
+        };
+        let is_near = |k: usize| !slides[k] || rates[k] * self.width <= margin;
+        ((sine > 0.0 && is_near(0) && is_near(1)).then(|| [body(0), body(1)]), change)
+    }
+
+    /// Both outer joints turn, the inner one slides: the bodies turn together, by ω (u·D) = n·dD/dΘ with the slide u, its
+    /// normal n, and the vector D between both pivots.
+    fn slotted<const K: usize>(
+        &self,
+        sine: f64,
+        motions: &Motions<f64, K>,
+        bounds: &MechanismBounds,
+    ) -> (Option<[(MotionBound, RateBound); 2]>, f64) {
+        let arms_of = [0, 1].map(|k| arms(self.joint(k), &self.outer[k]));
+        let pivots = [0, 1].map(|k| bounds.body(self.outer[k].base).point(arms_of[k][0]));
+        let positions = [0, 1].map(|k| {
+            let at = &self.outer[k];
+            motions.body(at.base).position(self.joint(k).points_m[usize::from(!at.is_second)])
+        });
+        let total = self.between(pivots, [0, 1].map(|k| self.carried_rate(k, false, motions)));
+        let (distance, moved) = (length(sub(positions[1], positions[0])), total.rate * self.width);
+        let (nearest, furthest) = (distance - moved, distance + moved);
+        if nearest.is_nan() || nearest <= 0.0 {
+            return (None, f64::INFINITY);
+        }
+        let change = 2.0 * total.rate / nearest;
+        let sine = smallest_sine(sine, change, self.width);
+        let rate = total.rate / (nearest * sine);
+        let quadratic = rate * rate * furthest + 2.0 * rate * total.rate;
+        let turn = RateBound { rate, acceleration: (total.acceleration + quadratic) / (nearest * sine) };
+        let body = |k: usize| (MotionBound::about_pivot(pivots[k], turn, arms_of[k][1]), RateBound::default());
+        ((sine > 0.0).then(|| [body(0), body(1)]), change)
+    }
+
+    /// The inner joint and one outer joint slide: both bodies turn with the base of that joint, and the angle between both
+    /// slides is constant.
+    fn guided<const K: usize>(
+        &self,
+        sine: f64,
+        motions: &Motions<f64, K>,
+        bounds: &MechanismBounds,
+    ) -> (Option<[(MotionBound, RateBound); 2]>, f64) {
+        let slider = usize::from(self.joint(0).kind.is_angle());
+        let pivoted = 1 - slider;
+        if !self.joint(pivoted).kind.is_angle() {
+            return (None, 0.0);
+        }
+        let [base, other] = [slider, pivoted].map(|k| *bounds.body(self.outer[k].base));
+        let arms_of = [slider, pivoted].map(|k| arms(self.joint(k), &self.outer[k]));
+        let inner_arms = [slider, pivoted].map(|k| self.inner_arm(k));
+        let slide = motions.joints[self.outer[slider].joint].coordinate.abs();
+        let inner_slide = motions.joints[self.inner].coordinate.abs();
+        let lengths = arms_of[0][0] + arms_of[1][0] + slide + inner_slide + inner_arms[0] + inner_arms[1];
+        let margin = SLIDE_MARGIN * lengths;
+        let pivot = other.point(arms_of[1][0]);
+        let reach = arms_of[0][0] + slide + margin;
+        // The point of the pivoted body, the carried point of the other one, and the turning slide between them.
+        let point = MotionBound::about_pivot(pivot, base.turn(), inner_arms[1]);
+        let turning = base.turn().times(inner_slide + margin);
+        let total = RateBound { rate: point.speed, acceleration: point.acceleration }
+            .plus(base.point(reach + inner_arms[0]))
+            .plus(turning);
+        let rate = total.rate / sine;
+        let inner_rate = total.rate + rate;
+        let quadratic = base.spin * (2.0 * rate + 2.0 * inner_rate + base.spin * (inner_slide + margin));
+        let own = RateBound { rate, acceleration: (total.acceleration + quadratic) / sine };
+        let bodies = [
+            (base.sliding(own, reach + arms_of[0][1]), own),
+            (MotionBound::about_pivot(pivot, base.turn(), arms_of[1][1]), RateBound::default()),
+        ];
+        let is_near = (rate + inner_rate) * self.width <= margin;
+        let bodies = if slider == 0 { bodies } else { [bodies[1], bodies[0]] };
+        ((sine > 0.0 && is_near).then_some(bodies), 0.0)
+    }
+}
+
+/// Bounds of a segment of a cable: the relative speed of its ends and its smallest length.
+fn segment_bound<const K: usize>(
+    elements: [&PathElement; 2],
+    (step_s, width): (f64, f64),
+    motions: &Motions<f64, K>,
+    bounds: &MechanismBounds,
+) -> (RateBound, f64) {
+    let [a, b] = elements.map(|element| bounds.body(element.body).point(length(element.point_m)));
+    let [from, to] = elements.map(|element| motions.body(element.body).position(element.point_m));
+    let between = sub(to, from);
+    let rates = elements.map(|element| {
+        let body = motions.body(element.body);
+        body.rate_at(body.rotated(element.point_m))
+    });
+    let ends = a.plus(b).with_known_rate(length(sub(rates[1], rates[0])) * step_s, width);
+    // L² = d² − r², and d changes at most at the relative speed of the ends.
+    let (straight, distance) = (segment(elements, between).length, length(between));
+    let change = ends.rate * width;
+    (ends, (straight * straight - change * (2.0 * distance + change)).max(0.0).sqrt())
+}
+
+impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+    /// Bounds of all gaps, in the order of the contacts, and of the clearance.
+    pub(super) fn bound_gaps<const G: usize>(
+        &self,
+        coordinates: &CoordinateBounds<N>,
+        (q, motions, clearance): (&[f64; N], &Motions<f64, K>, f64),
+        bounds: &mut MechanismBounds,
+    ) -> GapBounds<G> {
+        bounds.clearance_reach = f64::INFINITY;
+        let CoordinateBounds { rate, acceleration, width, step_s } = coordinates;
+        let all = Coordinates { rate, acceleration, width: *width };
+        for free in &self.free_bodies {
+            bounds.bodies[free.body] = all.free_body(free.first, free.axes);
+        }
+        let time = self.time_index.map_or(0.0, |time| q[time]);
+        for group in &self.groups {
+            group.bound(&self.mechanism, (coordinates, motions), time, bounds);
+        }
+        let mut found = GapBounds::NONE;
+        for cable in &self.cables {
+            let gap = self.bound_cable(&cable.tendon, (*step_s, *width, clearance), motions, bounds);
+            cable.contact.into_iter().for_each(|contact| found.gaps[contact] = gap);
+        }
+        found.clearance_reach = bounds.clearance_reach;
+        for (gap, contact) in found.gaps.iter_mut().zip(&self.contacts) {
+            match &contact.surfaces {
+                Surfaces::Point(pair) => *gap = point_gap(pair, *width, motions, bounds),
+                Surfaces::Limit(limit) => *gap = bounds.joints[limit.joint].gap(),
+                Surfaces::Tendon(_) | Surfaces::Friction(_) => {}
+            }
+        }
+        found
+    }
+
+    /// Bound of the slack of a cable, which changes by the relative motion of the ends of its segments along them. Shortens the
+    /// reach of the clearance to the part of the step in which the cable stays on its pulleys: a segment turns at most by the
+    /// relative speed of its ends over its length.
+    fn bound_cable(
+        &self,
+        tendon: &Tendon,
+        (step_s, width, clearance): (f64, f64, f64),
+        motions: &Motions<f64, K>,
+        bounds: &mut MechanismBounds,
+    ) -> GapBound {
+        let spools = tendon.joints.iter().map(|(joint, factor)| bounds.joints[*joint].times(*factor));
+        let mut sum = spools.fold(RateBound::default(), RateBound::plus);
+        // The largest turn of a pulley's cable: that of both segments.
+        let (mut largest_turn, mut turn_before) = (0.0f64, 0.0);
+        for pair in tendon.path.windows(2) {
+            let (ends, shortest) = segment_bound([&pair[0], &pair[1]], (step_s, width), motions, bounds);
+            let turn = if ends.rate > 0.0 { ends.rate / shortest } else { 0.0 };
+            sum = sum.plus(RateBound { acceleration: ends.acceleration + turn * ends.rate, ..ends });
+            if pair[0].is_pulley() {
+                largest_turn = largest_turn.max(turn_before + turn);
+            }
+            turn_before = turn;
+        }
+        // The clearance is at most the margin of any wrap; the wraps themselves are evaluated where that does not suffice.
+        let mut margin = clearance;
+        if largest_turn * width > margin {
+            let center = |element: &PathElement| motions.body(element.body).position(element.point_m);
+            let margins = wraps(&tendon.path, center).map(|(_, wrap)| wrap.min(MAX_WRAP_RAD - wrap));
+            margin = margins
+                .fold(f64::INFINITY, |least, margin| if least.is_nan() || least <= margin { least } else { margin });
+        }
+        let reach = match largest_turn > 0.0 {
+            true if largest_turn.is_finite() => margin / largest_turn,
+            false if largest_turn == 0.0 => f64::INFINITY,
+            _ => nothing_known(margin),
+        };
+        if reach.is_nan() || reach < bounds.clearance_reach {
+            bounds.clearance_reach = reach;
+        }
+        sum.gap()
+    }
+}
+
+/// Bound of the gap between a point outline and a face: the point moves in the frame of the convex face.
+fn point_gap<const K: usize>(
+    pair: &PointOnFace,
+    width: f64,
+    motions: &Motions<f64, K>,
+    bounds: &MechanismBounds,
+) -> GapBound {
+    let [of_point, of_face] = pair.bodies.map(|body| bounds.body(body));
+    let center = match pair.point {
+        OutlinePoint::Vertex { point_m, .. } => point_m,
+        OutlinePoint::Ellipse { center_m, .. } => center_m,
+    };
+    let point = of_point.point(length(center));
+    let offset = sub(motions.body(pair.bodies[0]).position(center), motions.body(pair.bodies[1]).origin);
+    let distance = length(offset) + (point.rate + of_face.speed) * width;
+    let seen = of_face.seen(point, distance);
+    let OutlinePoint::Ellipse { semi_axes_m: [a, b], .. } = pair.point else { return seen.gap() };
+    // The support function of the ellipse has slopes up to its larger axis and second derivatives up to its largest radius
+    // of curvature.
+    let turn = of_point.turn().plus(of_face.turn());
+    let (long, short) = (a.max(b), a.min(b));
+    let curving = long * turn.acceleration + long * long / short * turn.rate * turn.rate;
+    GapBound { rate: seen.rate + long * turn.rate, curvature: seen.acceleration + curving }
+}

@@ -1,0 +1,202 @@
+//! The first zero of a gap within a step, found with bounds of its derivatives instead of samples.
+//!
+//! A gap of g ≥ 0 with the rate r, whose graph lies above each of its tangents less A τ²/2 and whose rate is at most V,
+//! stays positive over the reach max(g/V, (r + √(r² + 2 A g))/A). An interval has no zero if the reaches from both of
+//! its ends cover it; otherwise it is divided in the middle of the part that is left. All fractions, rates and bounds are
+//! those of the step: per step and per step².
+
+use std::cell::Cell;
+
+use super::event_location::find_root;
+use super::{Dense, Hybrid};
+
+/// Bounds of the derivatives of a gap over a part of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct GapBound {
+    /// V: the largest rate.
+    pub rate: f64,
+    /// A: the gap is at least each of its tangents less A τ²/2 at the distance τ. Distances of convex bodies have such a
+    /// bound although their rates jump where the nearest points pass a corner.
+    pub curvature: f64,
+}
+
+/// Bounds of all gaps over a part of a step, and how far a state is from the next singularity.
+#[derive(Clone, Copy, Debug)]
+pub struct GapBounds<const S: usize> {
+    pub gaps: [GapBound; S],
+    /// Part of the step, forwards and backwards from the state, in which the clearance stays positive; 0 if it is unknown, not
+    /// a number or negative if the state itself has none.
+    pub clearance_reach: f64,
+}
+
+impl GapBound {
+    /// Nothing is known.
+    pub const NONE: Self = Self { rate: f64::INFINITY, curvature: f64::INFINITY };
+
+    /// Part of the step beside a point, over which a gap with this value and rate there is not negative.
+    #[inline(always)]
+    pub fn reach(&self, gap: f64, rate: f64) -> f64 {
+        if gap.is_nan() || gap < 0.0 {
+            return 0.0;
+        }
+        let by_rate = if self.rate > 0.0 { gap / self.rate } else { f64::INFINITY };
+        let a = self.curvature;
+        let by_curvature = if !a.is_finite() {
+            0.0
+        } else if rate < 0.0 {
+            2.0 * gap / ((rate * rate + 2.0 * a * gap).sqrt() - rate)
+        } else if a > 0.0 {
+            (rate + (rate * rate + 2.0 * a * gap).sqrt()) / a
+        } else {
+            f64::INFINITY
+        };
+        by_rate.max(by_curvature)
+    }
+
+    /// Whether a gap stays above `-tolerance` between two points.
+    #[inline(always)]
+    pub(crate) fn excludes_zero(&self, [left, right]: [Point; 2], tolerance: f64) -> bool {
+        let uncovered = self.uncovered([left, right], tolerance);
+        left.value >= -tolerance && right.value >= 0.0 && uncovered[0] >= uncovered[1]
+    }
+
+    /// Ends of the part between two points that the reaches from both do not cover.
+    #[inline(always)]
+    fn uncovered(&self, [left, right]: [Point; 2], tolerance: f64) -> [f64; 2] {
+        [
+            left.theta + self.reach(left.value + tolerance, left.rate),
+            right.theta - self.reach(right.value + tolerance, -right.rate),
+        ]
+    }
+}
+
+impl<const S: usize> GapBounds<S> {
+    /// Bounds of a system without gaps and singularities.
+    pub const NONE: Self = Self { gaps: [GapBound::NONE; S], clearance_reach: f64::INFINITY };
+}
+
+/// Largest number of states at which one step is evaluated to exclude zeros between them; a step that needs more is
+/// shortened. A bar that turns five times in a step past a near peg needs 60.
+const MAX_EVALUATIONS: u32 = 400;
+
+/// A gap at a fraction of the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Point {
+    pub theta: f64,
+    pub value: f64,
+    /// Rate per step.
+    pub rate: f64,
+}
+
+/// The first zero of a gap.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Zero {
+    pub theta: f64,
+    /// A later fraction at which the gap is known to be negative.
+    pub negative_at: f64,
+}
+
+/// The step cannot be searched with the allowed number of evaluations.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unresolved;
+
+/// Search within one step, whose dense output is evaluated if the bounds over the whole step decide nothing.
+pub(crate) struct GapSearch<'a, Y: Hybrid<N, Z, S>, D, const N: usize, const Z: usize, const S: usize> {
+    system: &'a Y,
+    mode: &'a Y::Mode,
+    dense: D,
+    evaluations: Cell<u32>,
+}
+
+impl<'a, Y, D, const N: usize, const Z: usize, const S: usize> GapSearch<'a, Y, D, N, Z, S>
+where
+    Y: Hybrid<N, Z, S>,
+    D: Fn() -> &'a Dense<N, Z>,
+{
+    pub fn new(system: &'a Y, mode: &'a Y::Mode, dense: D) -> Self {
+        Self { system, mode, dense, evaluations: Cell::new(0) }
+    }
+
+    /// Bounds between two fractions of the step, of which `at` is one.
+    fn bounds_between(&self, from: f64, to: f64, at: f64) -> GapBounds<S> {
+        let dense = (self.dense)();
+        let (q, v) = dense.motion(at);
+        let clearance = self.system.eval_events(&q, &v, self.mode).clearance;
+        self.system.gap_bounds(&dense.positions().bounds(from, to), &q, &v, clearance)
+    }
+
+    /// Counts an evaluation.
+    fn count(&self) -> Result<(), Unresolved> {
+        self.evaluations.set(self.evaluations.get() + 1);
+        if self.evaluations.get() > MAX_EVALUATIONS { Err(Unresolved) } else { Ok(()) }
+    }
+
+    /// A gap at a fraction of the step.
+    pub fn point(&self, index: usize, theta: f64) -> Result<Point, Unresolved> {
+        self.count()?;
+        let dense = (self.dense)();
+        let (q, v) = dense.motion(theta);
+        let function = self.system.eval_event(&q, &v, self.mode, index);
+        if function.value.is_nan() {
+            return Err(Unresolved);
+        }
+        Ok(Point { theta, value: function.value, rate: function.rate * dense.h })
+    }
+
+    /// The first zero of a gap between two points. Dips to less than `tolerance` below zero do not count.
+    pub fn first_zero(
+        &self,
+        index: usize,
+        [left, right]: [Point; 2],
+        bound: GapBound,
+        tolerance: f64,
+    ) -> Result<Option<Zero>, Unresolved> {
+        if left.value < -tolerance {
+            return Ok(Some(Zero { theta: left.theta.max(f64::EPSILON * right.theta), negative_at: right.theta }));
+        }
+        if right.value < 0.0 {
+            let value = |theta: f64| {
+                let (q, v) = (self.dense)().motion(theta);
+                self.system.eval_event(&q, &v, self.mode, index).value
+            };
+            let middle = 0.5 * (left.theta + right.theta);
+            let (low, high) = if value(middle) < 0.0 { (left.theta, middle) } else { (middle, right.theta) };
+            let theta = find_root(&value, low, high);
+            let root = Point { value: 0.0, ..self.point(index, theta)? };
+            let earlier = self.first_zero(index, [left, root], bound, tolerance)?;
+            return Ok(earlier.or(Some(Zero { theta, negative_at: high })));
+        }
+        if bound.excludes_zero([left, right], tolerance) {
+            return Ok(None);
+        }
+        let [from, to] = bound.uncovered([left, right], tolerance);
+        let middle = self.point(index, 0.5 * (from + to))?;
+        let part = |from: f64, to: f64| self.bounds_between(from, to, middle.theta).gaps[index];
+        let before = self.first_zero(index, [left, middle], part(left.theta, middle.theta), tolerance)?;
+        if before.is_some() {
+            return Ok(before);
+        }
+        let middle = Point { value: middle.value.max(0.0), ..middle };
+        self.first_zero(index, [middle, right], part(middle.theta, right.theta), tolerance)
+    }
+
+    /// Whether the clearance stays positive over the whole step, which ends in a state with this reach.
+    pub fn stays_clear(&self, reach_at_end: f64) -> bool {
+        reach_at_end >= 1.0 || self.is_clear_between([0.0, 1.0]).unwrap_or(false)
+    }
+
+    fn is_clear_between(&self, [from, to]: [f64; 2]) -> Result<bool, Unresolved> {
+        self.count()?;
+        let reaches = [from, to].map(|at| self.bounds_between(from, to, at).clearance_reach);
+        // A reach of 0 is that of an unknown bound, which a shorter part may have.
+        if reaches.iter().any(|reach| reach.is_nan() || *reach < 0.0) {
+            return Ok(false);
+        }
+        let left = to - from - reaches[0] - reaches[1];
+        if left <= 0.0 {
+            return Ok(true);
+        }
+        let middle = from + reaches[0] + 0.5 * left;
+        Ok(self.is_clear_between([from, middle])? && self.is_clear_between([middle, to])?)
+    }
+}

@@ -1,0 +1,286 @@
+//! No contact is missed: first touches of jaws, bars, balls and boxes that move along known paths, against closed forms and
+//! against paths sampled so densely that no touch is shorter than a sample.
+//!
+//! The reference uses distances written anew, and no event search of the integrator.
+
+use phalanx::scene::parse_any;
+use phalanx::trace::{self, Model};
+use std::f64::consts::TAU;
+
+use crate::support::random::Random;
+
+/// A scene with the time of its first touch; `None` if there is none.
+struct Case {
+    scene: String,
+    expected_s: Option<f64>,
+    /// Rate of the gap at the touch, m/s.
+    rate_m_s: f64,
+}
+
+/// Contacts are located to this gap, m: 1e-7 of the scale of the depth (`EVENT_TOLERANCES`), with a margin for the dense
+/// output.
+const GAP_TOLERANCE_M: f64 = 2e-11;
+/// Gaps of this size and below are neither a touch nor none, m.
+const GRAZING_M: f64 = 1e-9;
+/// Largest delay of a touch, s.
+const MAX_DELAY_S: f64 = 1e-8;
+/// Samples of a path in the reference.
+const SAMPLES: usize = 4000;
+
+/// Distance of a point from a segment from the origin along x.
+fn distance_to_segment([x, y]: [f64; 2], length: f64) -> f64 {
+    (x - x.clamp(0.0, length)).hypot(y)
+}
+
+/// Distance of a point from a box about the origin, negative inside.
+fn distance_to_box([x, y]: [f64; 2], [half_x, half_y]: [f64; 2]) -> f64 {
+    let (dx, dy) = (x.abs() - half_x, y.abs() - half_y);
+    dx.max(0.0).hypot(dy.max(0.0)) + dx.max(dy).min(0.0)
+}
+
+fn rotated([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [cos * x - sin * y, sin * x + cos * y]
+}
+
+/// First zero of a gap over 0…end; `None` without one, and no result at all if the smallest gap is too close to zero to
+/// decide. Between samples the minimum is refined, so that short touches are found.
+fn first_zero(gap: &dyn Fn(f64) -> f64, end: f64) -> Option<Option<f64>> {
+    let at = |i: usize| end * i as f64 / SAMPLES as f64;
+    let values: Vec<f64> = (0..=SAMPLES).map(|i| gap(at(i))).collect();
+    if values[0] < GRAZING_M {
+        return None;
+    }
+    let bisect = |mut low: f64, mut high: f64| {
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if gap(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        high
+    };
+    for i in 1..=SAMPLES {
+        if values[i] <= 0.0 {
+            return Some(Some(bisect(at(i - 1), at(i))));
+        }
+        if i < SAMPLES && values[i] <= values[i - 1] && values[i] <= values[i + 1] {
+            let (mut low, mut high) = (at(i - 1), at(i + 1));
+            for _ in 0..200 {
+                let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+                if gap(a) < gap(b) { high = b } else { low = a }
+            }
+            let lowest = 0.5 * (low + high);
+            if gap(lowest).abs() < GRAZING_M {
+                return None;
+            }
+            if gap(lowest) < 0.0 {
+                return Some(Some(bisect(at(i - 1), lowest)));
+            }
+        }
+    }
+    (values[SAMPLES] > GRAZING_M).then_some(None)
+}
+
+const LAW: &str =
+    "[laws.l]\nstiffness = 1e6\ndamping = \"3 s/m\"\n[log]\nnumeric_rate = \"100 Hz\"\npicture_rate = \"0 Hz\"\n";
+
+/// Builds a case from a scene and its gap over time; `None` if the touch cannot be decided.
+fn case(scene: String, gap: &dyn Fn(f64) -> f64, end_s: f64) -> Option<Case> {
+    let expected_s = first_zero(gap, end_s)?;
+    let rate_m_s = expected_s.map_or(0.0, |t| ((gap(t) - gap(t - 1e-7)) / 1e-7).abs());
+    Some(Case {
+        scene: format!("kind = \"mechanism\"\nduration = \"{end_s:e} s\"\n{scene}{LAW}"),
+        expected_s,
+        rate_m_s,
+    })
+}
+
+/// A bar that turns about a pivot at a constant rate or under a constant torque, and a disc at any place within its reach:
+/// hit by its flank or its tip, or grazed.
+fn turning_bar(random: &mut Random, is_driven: bool) -> Option<Case> {
+    let length = random.log_within(0.01, 0.3);
+    let (bar, radius) = (length * random.log_within(0.01, 0.3), length * random.log_within(0.01, 0.5));
+    let reach = length + bar + radius;
+    let distance = match random.chance(0.3) {
+        true => reach - random.log_within(1e-7, 1e-2) * length,
+        false => random.within(bar + radius, reach),
+    };
+    let (inertia, start) = (random.log_within(1e-6, 1e-3), random.within(-3.0, 3.0));
+    let place = rotated([distance, 0.0], random.within(-3.0, 3.0));
+    let turns = random.log_within(0.05, 6.0);
+    let (end, angle, drive): (f64, Box<dyn Fn(f64) -> f64>, String) = if is_driven {
+        let torque = random.log_within(1e-3, 10.0) * if random.chance(0.5) { 1.0 } else { -1.0 };
+        let end = (2.0 * turns * TAU * inertia / torque.abs()).sqrt();
+        let angle = move |t: f64| start + 0.5 * torque / inertia * t * t;
+        (end, Box::new(angle), format!("[actuators.m]\njoint = \"j\"\ntorque = \"{torque:e} N*m\"\n"))
+    } else {
+        let rate = random.log_within(0.1, 1000.0) * if random.chance(0.5) { 1.0 } else { -1.0 };
+        (turns * TAU / rate.abs(), Box::new(move |t: f64| start + rate * t), format!("# {rate}\n"))
+    };
+    let rate = if is_driven { 0.0 } else { (angle(end) - start) / end };
+    let gap = |t: f64| distance_to_segment(rotated(place, -angle(t)), length) - bar - radius;
+    let [x, y] = place;
+    let scene = format!(
+        "[bodies.bar]\nmass = \"50 g\"\ninertia = \"{inertia:e} kg*m^2\"\n[bodies.bar.outlines.o]\ntype = \"capsule\"\n\
+         from = [\"0 m\", \"0 m\"]\nto = [\"{length:e} m\", \"0 m\"]\nradius = \"{bar:e} m\"\n[ground.outlines.peg]\n\
+         type = \"disc\"\ncenter = [\"{x:e} m\", \"{y:e} m\"]\nradius = \"{radius:e} m\"\n[joints.j]\n\
+         bodies = [\"ground\", \"bar\"]\npoints = [[\"0 m\", \"0 m\"], [\"0 m\", \"0 m\"]]\nstart = \"{start:e} rad\"\n\
+         start_rate = \"{rate:e} rad/s\"\n{drive}[[contacts]]\nbetween = [\"bar.o\", \"ground.peg\"]\nlaw = \"l\"\n"
+    );
+    case(scene, &gap, end)
+}
+
+/// A free body with a pose over time: thrown, turning, under gravity.
+struct Thrown {
+    at: [f64; 2],
+    angle: f64,
+    velocity: [f64; 2],
+    spin: f64,
+}
+
+impl Thrown {
+    /// A body that flies from one place towards another one, past it by `miss`, and turns.
+    fn towards([x, y]: [f64; 2], distance: f64, (time, miss, spin): (f64, f64, f64), random: &mut Random) -> Self {
+        let direction = random.within(0.0, TAU);
+        let [dx, dy] = rotated([distance, miss], direction);
+        let velocity = rotated([-1.5 * distance / time, 0.0], direction);
+        Self { at: [x + dx, y + dy], angle: random.within(-3.0, 3.0), velocity, spin }
+    }
+
+    /// Place and angle at a time, in free flight under gravity along −y.
+    fn pose(&self, t: f64, gravity: f64) -> ([f64; 2], f64) {
+        let [[x, y], [u, v]] = [self.at, self.velocity];
+        ([x + u * t, y + v * t - 0.5 * gravity * t * t], self.angle + self.spin * t)
+    }
+
+    fn body(&self, name: &str, outline: &str) -> String {
+        let Self { at: [x, y], angle, velocity: [u, v], spin } = self;
+        format!(
+            "[bodies.{name}]\nmass = \"50 g\"\ninertia = \"1e-5 kg*m^2\"\nstart = {{ at = [\"{x:e} m\", \"{y:e} m\"], angle = \
+             \"{angle:e} rad\", velocity = [\"{u:e} m/s\", \"{v:e} m/s\"], spin = \"{spin:e} rad/s\" }}\n\
+             [bodies.{name}.outlines.o]\n{outline}"
+        )
+    }
+}
+
+fn disc(radius: f64) -> String {
+    format!("type = \"disc\"\nradius = \"{radius:e} m\"\n")
+}
+
+fn rounded_box([half_x, half_y]: [f64; 2], rounding: f64) -> String {
+    let [x, y] = [half_x, half_y].map(|half| 2.0 * (half + rounding));
+    format!("type = \"box\"\nsize = [\"{x:e} m\", \"{y:e} m\"]\nrounding = \"{rounding:e} m\"\n")
+}
+
+/// A ball against a ball or a box, or a box against a ball, each thrown; the second one may be fixed.
+fn thrown(random: &mut Random, is_box: bool) -> Option<Case> {
+    let size = random.log_within(1e-3, 0.1);
+    let (half, rounding) = ([size, size * random.log_within(0.05, 1.0)], size * random.log_within(0.02, 0.3));
+    let radius = size * random.log_within(0.02, 2.0);
+    let reach = half[0].hypot(half[1]) + rounding + radius;
+    let (time, gravity) = (random.log_within(1e-4, 1.0), if random.chance(0.5) { 9.81 } else { 0.0 });
+    let miss = match random.chance(0.3) {
+        true => reach * (1.0 - random.log_within(1e-8, 1e-2)),
+        false => reach * random.within(-1.0, 1.0),
+    };
+    let spin = if random.chance(0.7) { random.log_within(0.1, 30.0) / time } else { 0.0 };
+    let ball = Thrown::towards([0.0, 0.0], reach * random.log_within(1.2, 100.0), (time, miss, spin), random);
+    let other = Thrown { at: [0.0; 2], angle: random.within(-3.0, 3.0), velocity: [0.0; 2], spin: 0.5 * spin };
+    let is_fixed = random.chance(0.4);
+    let other_gravity = if is_fixed { 0.0 } else { gravity };
+    let other = if is_fixed { Thrown { spin: 0.0, ..other } } else { other };
+    let gap = |t: f64| {
+        let ((at, _), (center, angle)) = (ball.pose(t, gravity), other.pose(t, other_gravity));
+        let offset = rotated([at[0] - center[0], at[1] - center[1]], -angle);
+        match is_box {
+            true => distance_to_box(offset, half) - rounding - radius,
+            false => offset[0].hypot(offset[1]) - rounding - radius,
+        }
+    };
+    let outline = if is_box { rounded_box(half, rounding) } else { disc(rounding) };
+    let other_body = match is_fixed {
+        true => format!("[ground.outlines.o]\n{outline}angle = \"{:e} rad\"\n", other.angle),
+        false => other.body("other", &outline),
+    };
+    let other_body = if is_fixed && !is_box { format!("[ground.outlines.o]\n{outline}") } else { other_body };
+    let other_name = if is_fixed { "ground" } else { "other" };
+    let scene = format!(
+        "gravity = [\"0 m/s^2\", \"{:e} m/s^2\"]\n{}{other_body}[[contacts]]\nbetween = [\"ball.o\", \"{other_name}.o\"]\n\
+         law = \"l\"\n",
+        -gravity,
+        ball.body("ball", &disc(radius))
+    );
+    case(scene, &gap, time)
+}
+
+/// Compares the first touch of a run with the expected one; `None` if they agree.
+fn disagreement(case: &Case) -> Option<String> {
+    let scene = parse_any(&case.scene, "case.toml").unwrap_or_else(|error| panic!("{error}\n{}", case.scene));
+    let found_s = match trace::run(Model::Analytic, &scene, &mut ()) {
+        Ok(outcome) => outcome.contacts.iter().filter_map(|contact| contact.first_s).min_by(f64::total_cmp),
+        Err(error) => return Some(format!("ends: {error}")),
+    };
+    match (case.expected_s, found_s) {
+        (None, None) => None,
+        (Some(expected), Some(found)) => {
+            let tolerance = MAX_DELAY_S.max(GAP_TOLERANCE_M / case.rate_m_s);
+            ((found - expected).abs() > tolerance)
+                .then(|| format!("found at {found:e} s, {:e} s late; rate {:e} m/s", found - expected, case.rate_m_s))
+        }
+        (expected, found) => Some(format!("expected {expected:?}, found {found:?}")),
+    }
+}
+
+/// Compares `count` random cases of each family.
+fn compare(seed: u64, count: usize) {
+    let families: [(&str, fn(&mut Random) -> Option<Case>); 4] = [
+        ("jaw", |random| turning_bar(random, true)),
+        ("bar", |random| turning_bar(random, false)),
+        ("ball", |random| thrown(random, false)),
+        ("box", |random| thrown(random, true)),
+    ];
+    let (mut failures, mut touches) = (Vec::new(), 0);
+    for (family, build) in families {
+        let mut random = Random::for_seed(seed);
+        let cases = std::iter::from_fn(|| Some(build(&mut random))).flatten().take(count);
+        for (index, case) in cases.enumerate() {
+            touches += usize::from(case.expected_s.is_some());
+            if let Some(text) = disagreement(&case) {
+                failures.push(format!("{family} {index}: {text}\n{}", case.scene));
+            }
+        }
+    }
+    let most = failures.iter().take(5).cloned().collect::<Vec<_>>().join("\n");
+    assert!(failures.is_empty(), "{} of {}: {most}", failures.len(), 4 * count);
+    assert!(touches > count, "{touches} of {} cases touch", 4 * count);
+}
+
+#[test]
+fn random_motions_touch_when_their_closed_forms_do() {
+    compare(1, 60);
+}
+
+#[test]
+#[ignore = "takes a minute: 2,000 motions with fresh seeds"]
+fn two_thousand_random_motions_touch_when_their_closed_forms_do() {
+    compare(57_000, 500);
+}
+
+/// The jaw of a user, which passed through its object with the verdict "accurate": its touch in closed form.
+#[test]
+fn a_jaw_that_turns_far_in_one_step_touches_its_object() {
+    let scene = "kind = \"mechanism\"\nduration = \"80 ms\"\n[bodies.jaw]\nmass = \"50 g\"\ninertia = \"2e-5 kg*m^2\"\n\
+                 com = [\"25 mm\", \"0 mm\"]\n[bodies.jaw.outlines.pad]\ntype = \"capsule\"\nfrom = [\"0 mm\", \"0 mm\"]\n\
+                 to = [\"60 mm\", \"0 mm\"]\nradius = \"5 mm\"\n[ground.outlines.object]\ntype = \"disc\"\n\
+                 center = [\"0 mm\", \"45 mm\"]\nradius = \"10 mm\"\n[joints.pivot]\nbodies = [\"ground\", \"jaw\"]\n\
+                 points = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\nstart = \"0 rad\"\n[actuators.motor]\n\
+                 joint = \"pivot\"\ntorque = \"0.1 N*m\"\n[laws.rubber]\nstiffness = 1e6\ndamping = \"3 s/m\"\n\
+                 [[contacts]]\nbetween = [\"jaw.pad\", \"ground.object\"]\nlaw = \"rubber\"\n";
+    let scene = parse_any(scene, "jaw.toml").expect("a scene");
+    let outcome = trace::run(Model::Analytic, &scene, &mut ()).expect("a run");
+    // 45 mm sin(90° − θ) = 15 mm, and θ = τ t²/(2 J) with J = 2e-5 + 0.05·0.025² kg m².
+    let angle = (15.0_f64 / 45.0).acos();
+    let expected_s = (2.0 * angle * (2e-5 + 0.05 * 0.025 * 0.025) / 0.1_f64).sqrt();
+    let found_s = outcome.contacts.iter().filter_map(|contact| contact.first_s).next().expect("a touch");
+    assert!((found_s - expected_s).abs() < 1e-9, "{found_s} {expected_s}");
+    assert!((expected_s - 35.520_887e-3).abs() < 1e-9, "{expected_s}");
+}
