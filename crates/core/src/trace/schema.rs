@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::gripper::FingerContact;
 use crate::mechanism::{Joint, JointKind, Mechanism};
 use crate::scene::{FINGER_JOINTS, HandContact, Object, Scene, Side};
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// Rule for values between two samples. `rate` is the index of the rate among the quantities of the subject.
@@ -352,6 +353,8 @@ pub struct Subject {
     pub name: String,
     /// Index of its first number in a sample.
     pub first: usize,
+    /// Beginning of the names of its columns: its name, unless an earlier subject has a column of such a name.
+    column: String,
     /// See [`Schema::has_joint_forces`].
     has_joint_forces: bool,
 }
@@ -374,13 +377,13 @@ impl Subject {
 
     /// Returns the quantities with their channels.
     pub fn channels(&self) -> impl Iterator<Item = (&'static Quantity, Channel)> + '_ {
-        let Self { kind, name, first, .. } = self;
+        let Self { kind, column, first, .. } = self;
         self.quantities().map(move |(index, quantity)| {
             let source = match kind {
                 SubjectKind::Contact | SubjectKind::Limit => Source::Contact(index, *first),
                 _ => Source::Value(index),
             };
-            (quantity, Channel { name: column_name(*kind, name, quantity.key), unit: quantity.unit, source })
+            (quantity, Channel { name: column_name(*kind, column, quantity.key), unit: quantity.unit, source })
         })
     }
 }
@@ -552,7 +555,10 @@ impl Schema {
     pub fn subjects(&self) -> Vec<Subject> {
         let counts = self.counts();
         let has_joint_forces = self.has_joint_forces;
-        let present = |kind, name: &str, first| Subject { kind, name: name.to_string(), first, has_joint_forces };
+        let present = |kind, name: &str, first| {
+            let [name, column] = [(); 2].map(|()| name.to_string());
+            Subject { kind, name, first, column, has_joint_forces }
+        };
         let joints = self.joints.iter().enumerate().map(|(k, JointName { name, is_linear })| {
             present(if *is_linear { SubjectKind::Slider } else { SubjectKind::Joint }, name, counts.joint(k))
         });
@@ -568,6 +574,7 @@ impl Schema {
         let contacts = self.contacts.iter().enumerate();
         subjects.extend(contacts.map(|(k, contact)| present(contact.kind(), &contact.name, counts.contact(k))));
         subjects.push(present(SubjectKind::Energy, "energy", counts.energy()));
+        make_columns_unique(&mut subjects);
         subjects
     }
 
@@ -595,6 +602,25 @@ impl Schema {
 fn finger_names(count: usize) -> Vec<String> {
     let sides = Side::BOTH.iter().take(count);
     sides.map(|side| if count == 1 { String::new() } else { side.name().to_string() }).collect()
+}
+
+/// Gives the columns of all subjects different names. A subject whose columns would have the name of a column of an
+/// earlier subject has its kind before its name: the body `arm` beside a joint `arm_angle` has the column
+/// `body_arm_angle_rad`. Forces of joints count even if they are left out, so that names do not depend on them.
+fn make_columns_unique(subjects: &mut [Subject]) {
+    let names = |subject: &Subject, column: &str| -> Vec<String> {
+        subject.kind.quantities().map(|(_, quantity)| column_name(subject.kind, column, quantity.key)).collect()
+    };
+    let energies = Energy::QUANTITIES.iter().map(|quantity| quantity.key);
+    let mut taken: HashSet<String> = energies.chain([TIME]).map(str::to_string).collect();
+    for subject in subjects.iter_mut().filter(|subject| subject.kind != SubjectKind::Energy) {
+        let (kind, name) = (subject.kind.name(), &subject.name);
+        let numbered = (2..).map(|number| format!("{kind}{number}_{name}"));
+        let mut candidates = [name.clone(), format!("{kind}_{name}")].into_iter().chain(numbered);
+        let is_free = |column: &String| names(subject, column).iter().all(|name| !taken.contains(name));
+        subject.column = candidates.find(is_free).expect("numbers do not end");
+        taken.extend(names(subject, &subject.column));
+    }
 }
 
 /// Name of the column of a quantity. Those of a joint are its coordinate: `q11_rad`, `qd11_rad_s`.
