@@ -13,7 +13,9 @@ mod finger;
 mod fuzz_corpus;
 mod gripper;
 mod mechanism;
+mod names;
 mod settings;
+mod start;
 mod unsupported;
 
 /// Drive of a finger or a gripper.

@@ -670,7 +670,7 @@ const BAR: &str = "type = \"capsule\"\nfrom = [\"0 mm\", \"0 mm\"]\nto = [\"30 m
 const BOX: &str = "type = \"box\"\nsize = [\"40 mm\", \"30 mm\"]\nrounding = \"1 mm\"";
 const SHARP: &str = "type = \"box\"\nsize = [\"40 mm\", \"30 mm\"]";
 const EGG: &str = "type = \"ellipse\"\nsemi_axes = [\"20 mm\", \"10 mm\"]\nangle = \"90 deg\"";
-const FLOOR: &str = "type = \"half_plane\"\nnormal = [0, 1]";
+const FLOOR: &str = "type = \"half_plane\"\npoint = [\"0 mm\", \"-20 mm\"]\nnormal = [0, 1]";
 
 #[test]
 fn outlines_of_any_kind_are_read_and_shown_again() {
@@ -722,7 +722,7 @@ fn contacts_that_are_not_defined_are_refused_with_the_remedy() {
         (&[BOX, BOX], "between = [\"b0\", \"b0\"]", "belong to one body"),
         (
             &[BOX, DISC],
-            "between = [\"b*\", \"*\"]\nlaw = \"pad\"\n[[contacts]]\npoints = \"b1.skin\"\nface = \"b0.skin\"",
+            "between = [\"b*\", \"*\"]\nlaw = \"pad\"\n[[contacts]]\npoints = \"b1.skin\"\nface = \"b0.skin\"\nat = \"points\"",
             "listed twice",
         ),
     ];

@@ -90,7 +90,11 @@ fn parse_case(name: &str, case: &Value) -> MechanismCase {
     MechanismCase {
         name: name.to_owned(),
         duration_s: number(&case["duration"]),
-        start: Start { poses: poses(&case["start"]["poses"]), rates: poses(&case["start"]["rates"]) },
+        start: Start {
+            poses: poses(&case["start"]["poses"]),
+            rates: poses(&case["start"]["rates"]),
+            implied: Vec::new(),
+        },
         samples: list(&case["samples"]).map(sample).collect(),
         events: list(&case["events"]).map(event).collect(),
         mechanism,

@@ -16,3 +16,9 @@ pub const MAX_CONTACTS: usize = 1000;
 pub const MAX_SAMPLES: f64 = 1e7;
 /// Maximum number of pictures of a run, 2,000 bytes each in a log.
 pub const MAX_PICTURES: f64 = 1e6;
+/// Largest overlap of two outlines at the start of a run, m.
+pub const MAX_START_OVERLAP_M: f64 = 1e-3;
+/// Largest angle beyond the limit of a joint at the start, rad: also what the rounded lengths of a loop may cause.
+pub const MAX_START_EXCESS_RAD: f64 = 1e-3;
+/// Largest distance beyond the limit of a prismatic joint at the start, m.
+pub const MAX_START_EXCESS_M: f64 = 1e-4;

@@ -4,6 +4,8 @@
 //! closes all loops; lengths are scaled, so that they compare with angles. Rows that follow from earlier ones are found by
 //! orthogonalising the rows in order, which also names the rows that they follow from.
 
+use std::borrow::Cow;
+
 use super::{Body, Joint, JointKind, Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, rotate, sub};
@@ -13,6 +15,8 @@ use crate::numeric::plane::{Vector, add, dot, perp, rotate, sub};
 pub struct Start {
     pub poses: Vec<Pose>,
     pub rates: Vec<Pose>,
+    /// Joints whose given start also follows from other starts.
+    pub implied: Vec<usize>,
 }
 
 impl Start {
@@ -39,19 +43,50 @@ pub enum Condition {
 pub enum Measure {
     Length(f64),
     Angle(f64),
+    Speed(f64),
+    AngularRate(f64),
+}
+
+/// Decimals of a [`Measure`]. A double in a message has up to 17 more.
+const DECIMALS: usize = 4;
+
+impl Measure {
+    /// Coordinate of a joint of this kind.
+    pub fn of(kind: JointKind, value: f64) -> Self {
+        if kind.is_angle() { Measure::Angle(value) } else { Measure::Length(value) }
+    }
+
+    /// Rate of a joint of this kind.
+    fn rate_of(kind: JointKind, value: f64) -> Self {
+        if kind.is_angle() { Measure::AngularRate(value) } else { Measure::Speed(value) }
+    }
+
+    /// Returns the texts of two numbers, with the digits in which they differ.
+    pub fn distinct([a, b]: [Self; 2]) -> [String; 2] {
+        let texts = |decimals| [a, b].map(|measure: Self| measure.with_decimals(decimals));
+        let all = (DECIMALS..=DECIMALS + 17).map(texts);
+        all.into_iter().find(|[a, b]| a != b).unwrap_or_else(|| texts(DECIMALS))
+    }
+
+    /// Text with this number of decimals, or significant digits of a small number.
+    fn with_decimals(self, decimals: usize) -> String {
+        let (value, unit) = match self {
+            Measure::Length(value) => (value * 1e3, "mm"),
+            Measure::Angle(value) => (value.to_degrees(), "deg"),
+            Measure::Speed(value) => (value * 1e3, "mm/s"),
+            Measure::AngularRate(value) => (value.to_degrees(), "deg/s"),
+        };
+        if value != 0.0 && value.abs() < 1e-2 {
+            return format!("{value:.*e} {unit}", decimals - 1);
+        }
+        let shown = format!("{value:.decimals$}");
+        format!("{} {unit}", shown.trim_end_matches('0').trim_end_matches('.'))
+    }
 }
 
 impl std::fmt::Display for Measure {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (value, unit) = match self {
-            Measure::Length(value) => (value * 1e3, "mm"),
-            Measure::Angle(value) => (value.to_degrees(), "deg"),
-        };
-        // Four significant digits for small numbers, four decimals for others.
-        let shown = if value == 0.0 || value.abs() >= 1e-2 { format!("{value:.4}") } else { format!("{value:.3e}") };
-        let shown =
-            if shown.contains('e') { shown } else { shown.trim_end_matches('0').trim_end_matches('.').to_owned() };
-        write!(f, "{shown} {unit}")
+        f.write_str(&self.with_decimals(DECIMALS))
     }
 }
 
@@ -63,16 +98,30 @@ pub enum AssemblyError {
          the intended posture"
     )]
     Open { condition: Condition, name: String, miss: Measure },
-    #[error("{name} is redundant, because in this posture {}: remove it, or change the loop", follows(.from))]
-    Redundant { condition: Condition, name: String, from: Vec<String> },
     #[error(
-        "{name} is {given}, but in this posture {} ({found}): remove one of these values",
-        follows(.from)
+        "{name} is redundant, because in this posture {}{}: {}remove it, or change the loop",
+        follows(.from), posture_from(.couplings), check_factors(.couplings)
+    )]
+    Redundant {
+        condition: Condition,
+        name: String,
+        from: Vec<String>,
+        /// Couplings of the loop, which may lead to the posture.
+        couplings: Vec<String>,
+    },
+    #[error(
+        "{name} is {}, but in this posture {} ({}): remove one of these values",
+        Measure::distinct([*.given, *.found])[0], follows(.from), Measure::distinct([*.given, *.found])[1]
     )]
     RedundantStart { condition: Condition, name: String, given: Measure, found: Measure, from: Vec<String> },
     #[error(
-        "{name} is {given}, but the mechanism reaches only {found}: give a value within its range, or guesses closer to the \
-         intended posture"
+        "{name} has the rate {}, but its coordinate and rate follow from other starts ({}): write this rate, or remove the start",
+        Measure::distinct([*.given, *.found])[0], Measure::distinct([*.given, *.found])[1]
+    )]
+    RedundantRate { condition: Condition, name: String, given: Measure, found: Measure },
+    #[error(
+        "{name} is {}, but the mechanism reaches only {}: give a value within its range, or guesses closer to the \
+         intended posture", Measure::distinct([*.given, *.found])[0], Measure::distinct([*.given, *.found])[1]
     )]
     OutOfReach { condition: Condition, name: String, given: Measure, found: Measure },
 }
@@ -84,6 +133,7 @@ impl AssemblyError {
             AssemblyError::Open { condition, .. }
             | AssemblyError::Redundant { condition, .. }
             | AssemblyError::RedundantStart { condition, .. }
+            | AssemblyError::RedundantRate { condition, .. }
             | AssemblyError::OutOfReach { condition, .. } => *condition,
         }
     }
@@ -91,6 +141,18 @@ impl AssemblyError {
 
 fn follows(from: &[String]) -> String {
     if from.is_empty() { "it restricts nothing".to_owned() } else { format!("it follows from {}", from.join(", ")) }
+}
+
+fn posture_from(couplings: &[String]) -> String {
+    if couplings.is_empty() {
+        String::new()
+    } else {
+        format!("; the posture follows from {} too", couplings.join(", "))
+    }
+}
+
+fn check_factors(couplings: &[String]) -> &'static str {
+    if couplings.is_empty() { "" } else { "check the signs of the coupling's factors and its value; otherwise " }
 }
 
 /// Rounding error of scaled residuals.
@@ -101,10 +163,52 @@ const CLOSED: f64 = 1e-11;
 const DEPENDENT: f64 = 1e-7;
 /// Weight of a condition that is to take up the misfit of all others.
 const YIELDING: f64 = 1e-4;
+/// Largest difference, in radians or parts of the length scale, of a start from the value that follows from others: the
+/// rounding errors of a user who computed it.
+const AGREES: f64 = 1e-9;
 
 /// Assembles a mechanism from its guessed poses. Degrees of freedom without a start coordinate stay closest to the guess;
-/// bodies without joints keep their pose and rate.
+/// bodies without joints keep their pose and rate. Starts that follow from others are allowed if they agree with them.
 pub fn assemble(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
+    let scale_m = Solver::new(mechanism).scale_m;
+    let agree = |given: Measure, found: Measure| match (given, found) {
+        (Measure::Length(given), Measure::Length(found)) => (given - found).abs() <= AGREES * scale_m,
+        (Measure::Angle(given), Measure::Angle(found)) => (given - found).abs() <= AGREES,
+        _ => false,
+    };
+    let (mut independent, mut implied) = (Cow::Borrowed(mechanism), Vec::new());
+    let mut start = loop {
+        match assemble_independent(&independent) {
+            Err(AssemblyError::RedundantStart { condition: Condition::Start(joint), given, found, .. })
+                if agree(given, found) =>
+            {
+                independent.to_mut().joints[joint].start = None;
+                implied.push(joint);
+            }
+            result => break result?,
+        }
+    };
+    for &index in &implied {
+        let joint = &mechanism.joints[index];
+        let (given, (_, found)) = (joint.start_rate, start.joint(joint));
+        let scale = if joint.kind.is_angle() { 1.0 } else { scale_m };
+        if (given - found).abs() > AGREES * (scale + given.abs().max(found.abs())) {
+            let condition = Condition::Start(index);
+            let (name, [given, found]) =
+                (start_name(joint), [given, found].map(|rate| Measure::rate_of(joint.kind, rate)));
+            return Err(AssemblyError::RedundantRate { condition, name, given, found });
+        }
+    }
+    start.implied = implied;
+    Ok(start)
+}
+
+fn start_name(joint: &Joint) -> String {
+    format!("the start of joint `{}`", joint.name)
+}
+
+/// Assembles a mechanism whose starts are independent of each other.
+fn assemble_independent(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
     let solver = Solver::new(mechanism);
     let guess: Vec<Pose> = mechanism.bodies.iter().map(|body| body.pose).collect();
     let mut poses = guess.clone();
@@ -130,7 +234,7 @@ pub fn assemble(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
         let missing = |row: &Row| solver.given_rate(row.condition) - inner(&row.gradient, &scaled);
         solver.add(&mut rates, &basis.least_norm(&with_prescribed.iter().map(missing).collect::<Vec<_>>()));
     }
-    Ok(Start { poses, rates })
+    Ok(Start { poses, rates, implied: Vec::new() })
 }
 
 /// One scaled equation: its residual and gradient by all scaled poses.
@@ -309,7 +413,10 @@ impl<'a> Solver<'a> {
     /// Describes a row that follows from earlier ones.
     fn redundant(&self, rows: &[Row], dependent: Dependent, poses: &[Pose]) -> AssemblyError {
         let condition = rows[dependent.row].condition;
-        let mut from: Vec<String> = Vec::new();
+        let (mut from, mut joints): (Vec<String>, Vec<usize>) = Default::default();
+        for &row in dependent.from.iter().chain([&dependent.row]) {
+            joints.extend(if let Condition::Joint(joint) = rows[row].condition { Some(joint) } else { None });
+        }
         for row in dependent.from {
             let name = self.name(rows[row].condition);
             if rows[row].condition != condition && !from.contains(&name) {
@@ -325,14 +432,27 @@ impl<'a> Solver<'a> {
             let (given, found) = self.coordinates(condition, poses);
             return AssemblyError::RedundantStart { condition, name, given, found, from };
         }
-        AssemblyError::Redundant { condition, name, from }
+        let couplings = self.couplings_of(&joints).into_iter();
+        let couplings = couplings.filter(|coupling| *coupling != name && !from.contains(coupling)).collect();
+        AssemblyError::Redundant { condition, name, from, couplings }
+    }
+
+    /// Names of the couplings of the bodies of these joints.
+    fn couplings_of(&self, joints: &[usize]) -> Vec<String> {
+        let all = &self.mechanism.joints;
+        let bodies: Vec<usize> = joints.iter().flat_map(|joint| all[*joint].bodies).flatten().collect();
+        let moves = |joint: usize| all[joint].bodies.into_iter().flatten().any(|body| bodies.contains(&body));
+        let concerns =
+            |coupling: &usize| self.mechanism.couplings[*coupling].on.terms.iter().any(|(joint, _)| moves(*joint));
+        let found = (0..self.mechanism.couplings.len()).filter(concerns);
+        found.map(|coupling| self.name(Condition::Coupling(coupling))).collect()
     }
 
     fn name(&self, condition: Condition) -> String {
         match condition {
             Condition::Joint(joint) => format!("joint `{}`", self.mechanism.joints[joint].name),
             Condition::Coupling(coupling) => format!("coupling `{}`", self.mechanism.couplings[coupling].name),
-            Condition::Start(joint) => format!("the start of joint `{}`", self.mechanism.joints[joint].name),
+            Condition::Start(joint) => start_name(&self.mechanism.joints[joint]),
         }
     }
 
@@ -365,7 +485,7 @@ impl<'a> Solver<'a> {
                 let sum: f64 =
                     coupling.on.terms.iter().map(|(joint, c)| c * coordinate(&joints[*joint], poses).0).sum();
                 let first = coupling.on.terms.first().map_or(JointKind::Revolute, |(joint, _)| joints[*joint].kind);
-                measure(first, (sum - coupling.on.offset).abs())
+                Measure::of(first, (sum - coupling.on.offset).abs())
             }
         }
     }
@@ -374,12 +494,8 @@ impl<'a> Solver<'a> {
     fn coordinates(&self, condition: Condition, poses: &[Pose]) -> (Measure, Measure) {
         let (Condition::Joint(joint) | Condition::Coupling(joint) | Condition::Start(joint)) = condition;
         let joint = &self.mechanism.joints[joint];
-        (measure(joint.kind, joint.start.unwrap_or(0.0)), measure(joint.kind, coordinate(joint, poses).0))
+        (Measure::of(joint.kind, joint.start.unwrap_or(0.0)), Measure::of(joint.kind, coordinate(joint, poses).0))
     }
-}
-
-fn measure(kind: JointKind, value: f64) -> Measure {
-    if kind.is_angle() { Measure::Angle(value) } else { Measure::Length(value) }
 }
 
 fn largest(rows: &[Row]) -> f64 {

@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `mirror` | mirror images: the other side of a gripper |
 //! | `outline` | outlines of bodies and their contacts |
+//! | `overlap` | overlaps of outlines and excesses of limits, as at a wrong start |
 //! | `structure` | the order in which bodies are placed: joints with coordinates, and dyads that close loops |
 //! | `tendon` | segments, wraps and lengths of cables |
 
@@ -17,6 +18,7 @@ pub mod tendon;
 mod assembly;
 mod mirror;
 mod outline;
+mod overlap;
 
 use crate::drive::{Brake, Profile};
 use crate::law::{Damping, FrictionLaw, NormalLaw};

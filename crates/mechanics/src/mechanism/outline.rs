@@ -197,6 +197,12 @@ impl Mechanism {
             _ => vec![[b, a]],
         }
     }
+
+    /// Whether two pairs of points and a face are the same contact: two outlines touch once in both directions, unless
+    /// both have corners and sides.
+    pub fn is_same_contact(&self, pair: [OutlineId; 2], [points, face]: [OutlineId; 2]) -> bool {
+        pair == [points, face] || pair == [face, points] && self.directions(pair).len() == 1
+    }
 }
 
 /// A plane area: its size, its centroid, and its polar moment about the centroid.

@@ -35,17 +35,19 @@ impl Problem {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
     /// The file cannot be read.
-    #[error("error: cannot read scene `{file}`: {reason}")]
+    #[error("error: cannot read scene `{}`: {reason}", one_line(file))]
     Read { file: String, reason: String },
     /// The file is a log of a run.
     #[error(
-        "error: {file} is the log of a run (MCAP), not a scene\n  = help: `phalanx replay {file}` shows its contents; a scene \
-         is a TOML file"
+        "error: {0} is the log of a run (MCAP), not a scene\n  = help: `phalanx replay {0}` shows its contents; a scene \
+         is a TOML file",
+        one_line(file)
     )]
     Log { file: String },
     /// The file is not text.
     #[error(
-        "error: scene is not UTF-8 text\n --> {file}:{line}:{column}\n  = help: save the file as UTF-8; a scene is a TOML file"
+        "error: scene is not UTF-8 text\n --> {}:{line}:{column}\n  = help: save the file as UTF-8; a scene is a TOML file",
+        one_line(file)
     )]
     NotUtf8 { file: String, line: usize, column: usize },
     /// The text is not a valid scene. Problems are in the order of the file.
@@ -70,6 +72,7 @@ impl SceneError {
 fn render_all(file: &str, text: &str, problems: &[Problem]) -> String {
     let shown = problems.iter().take(MAX_SHOWN_PROBLEMS).map(|problem| shortened(&render(file, text, problem)));
     let shown = shown.collect::<Vec<_>>().join("\n\n");
+    let file = one_line(file);
     let or_more = if problems.len() < MAX_PROBLEMS { "" } else { " or more" };
     match problems.len() {
         0 | 1 => shown,
@@ -95,16 +98,23 @@ pub fn shortened(text: &str) -> String {
     text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
+/// Writes the line breaks and tabs of a text as escapes: a name within a line of a report or a message must not begin a
+/// line of its own. What terminals and pages interpret in other ways, they escape themselves.
+pub fn one_line(text: &str) -> String {
+    text.replace('\n', "\\n").replace('\t', "\\t")
+}
+
 /// Maximum number of characters of a source line that are shown.
 const WIDTH: usize = 120;
 
 /// Formats a problem like rustc: message, position, source line with carets, help; without a final newline.
 fn render(file: &str, text: &str, problem: &Problem) -> String {
-    let mut out = format!("error: {}", problem.message);
+    let [file, message, label, help] = [file, &problem.message, &problem.label, &problem.help].map(one_line);
+    let mut out = format!("error: {message}");
     let Some(span) = &problem.span else {
         let _ = write!(out, "\n --> {file}");
-        if !problem.help.is_empty() {
-            let _ = write!(out, "\n  = help: {}", problem.help);
+        if !help.is_empty() {
+            let _ = write!(out, "\n  = help: {help}");
         }
         return out;
     };
@@ -126,11 +136,11 @@ fn render(file: &str, text: &str, problem: &Problem) -> String {
     let gutter = " ".repeat(number.len());
     let _ = write!(out, "\n{gutter}--> {file}:{line}:{column}\n{gutter} |\n{number} | {shown}");
     let _ = write!(out, "\n{gutter} | {}{}", " ".repeat(column - 1 - from), "^".repeat(carets));
-    if !problem.label.is_empty() {
-        let _ = write!(out, " {}", problem.label);
+    if !label.is_empty() {
+        let _ = write!(out, " {label}");
     }
-    if !problem.help.is_empty() {
-        let _ = write!(out, "\n{gutter} = help: {}", problem.help);
+    if !help.is_empty() {
+        let _ = write!(out, "\n{gutter} = help: {help}");
     }
     out
 }

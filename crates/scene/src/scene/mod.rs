@@ -42,7 +42,7 @@ pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration
 pub use builder::{FINGER_JOINTS, OpenLoop};
 pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
 pub use discs::{Disc, DiscMotion, Discs};
-pub use error::{LocatedProblem, Problem, SceneError, locate_problems};
+pub use error::{LocatedProblem, Problem, SceneError, locate_problems, one_line};
 pub use hand::{
     ContactOrder, Differential, FingerContactLaws, HalfPlane, Hand, HandContact, HandFinger, Initial, Motor, Object,
     ObjectMotion, Side,
@@ -87,6 +87,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Name for texts: without line breaks.
+    pub fn display_name(&self) -> String {
+        one_line(&self.name)
+    }
+
     /// Number of five-bar fingers.
     pub fn finger_count(&self) -> usize {
         self.hand.fingers.len()

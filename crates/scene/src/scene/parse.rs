@@ -13,12 +13,14 @@ use super::keywords::SceneKind;
 use super::quantity::Keyword;
 use super::schema::{other_schemas, schema_for, top_level};
 use super::section_input::{SceneInput, SectionInput};
+use super::sections::mechanism::start::deep_overlaps;
 use super::sections::{
     CommonLaw, DifferentialSettings, FingerLengths, SceneSettings, SizingResult, Target, bodies, drive, finger, law,
     mechanism, motion, run, start,
 };
 use super::template::{self, Template};
 use super::{Differential, FingerContactLaws, HalfPlane, Hand, HandFinger, Motor, ObjectMotion, Scene, Side};
+use crate::mechanism::assemble;
 use crate::shape;
 
 /// Parses, checks and resolves the scene of a finger; `file_name` appears in messages and gives the default name.
@@ -141,7 +143,16 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
             return section.refuse("", message, "with a moving palm", help);
         }
         match of_object.mechanism_with_object(&outline, inertia) {
-            Ok(found) => (*of_object, mechanism) = (Hand::EMPTY, Some(Some(found))),
+            Ok(found) => {
+                let section = root.subsection("object").subsection("outline");
+                let poses = assemble(&found).map(|start| start.poses).unwrap_or_default();
+                let overlaps = if poses.is_empty() { Vec::new() } else { deep_overlaps(&found, &poses) };
+                for (_, message) in overlaps {
+                    let help = "make the outline smaller, move the object, or open the fingers further";
+                    section.report("", message, "starts inside", help);
+                }
+                (*of_object, mechanism) = (Hand::EMPTY, Some(Some(found)));
+            }
             Err(error) => {
                 let help = "give other angles in [initial], or remove the section, so that they follow from the object";
                 return root.subsection("initial").refuse("", error.to_string(), "does not close", help);

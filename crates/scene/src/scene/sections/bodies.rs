@@ -8,8 +8,8 @@ use super::finger::{FingerLengths, example_base_m};
 use super::law::{CommonLaw, contact_settings};
 use super::mechanism::outline::{OutlineSettings, outline};
 use super::{FINGER, FINGERS, GRIPPER, SceneSettings, extend};
-use crate::limits::MAX_DISCS;
-use crate::mechanism::{Mechanism, OutlineShape, PrescribedMotion};
+use crate::limits::{MAX_DISCS, MAX_START_OVERLAP_M};
+use crate::mechanism::{Measure, Mechanism, OutlineShape, PrescribedMotion};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::discs::PLANE;
 use crate::scene::keys::is_name;
@@ -186,8 +186,6 @@ pub struct TableSettings {
 pub const DENSITY_KG_M3: f64 = 1070.0;
 /// Default depth of links and object, perpendicular to the plane.
 pub const DEPTH_M: f64 = 0.040;
-/// Largest allowed initial penetration of the object into palm or table.
-const MAX_PENETRATION_M: f64 = 1e-3;
 
 fn length(metres: f64) -> String {
     format(metres, Dimension::Length)
@@ -294,11 +292,12 @@ pub fn single_object(
 fn heights_m(input: &SectionInput<'_>, object: &Object) -> [f64; 2] {
     let section = input.subsection("object").subsection("outline");
     match section.is_present().then(|| section.quietly(outline)).flatten() {
-        Some(shape) => {
+        // A half plane is no object.
+        Some(shape) if shape.area().is_some() => {
             let (sin, cos) = sin_cos(object.angle_rad);
             [-1.0, 1.0].map(|to| object.centre_m[1] + to * shape.support_m([to * sin, to * cos]))
         }
-        None => [-1.0, 1.0].map(|to| object.placed().furthest_point_m([0.0, to])[1]),
+        _ => [-1.0, 1.0].map(|to| object.placed().furthest_point_m([0.0, to])[1]),
     }
 }
 
@@ -319,10 +318,9 @@ fn check_planes(input: &SectionInput<'_>, object: &Object, [palm, table]: [Optio
         ("table", table.map(|level_m| highest - level_m), &table_input, "level"),
     ];
     for (plane, depth, section, key) in planes {
-        let Some(depth) = depth.filter(|depth| *depth > MAX_PENETRATION_M) else { continue };
-        let limit = length(MAX_PENETRATION_M);
-        let message =
-            format!("the object starts {:.3} mm inside the {plane}, but at most {limit} is allowed", depth * 1e3);
+        let Some(depth) = depth.filter(|depth| *depth > MAX_START_OVERLAP_M) else { continue };
+        let [depth, limit] = Measure::distinct([depth, MAX_START_OVERLAP_M].map(Measure::Length));
+        let message = format!("the object starts {depth} inside the {plane}, but at most {limit} is allowed");
         let help = "move the object by `object.height`, or the table by `table.level`";
         section.report(key, message, "starts inside", help);
     }

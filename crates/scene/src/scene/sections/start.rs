@@ -8,11 +8,12 @@ use super::finger::{FingerLengths, geometry};
 use crate::fivebar::kinematics::{Capsule, closest_points};
 use crate::gripper::{self, Assembly, Finger, Joints, Lengths, Posture};
 use crate::law::NormalLaw;
+use crate::limits::MAX_START_OVERLAP_M;
+use crate::mechanism::Measure;
 use crate::scene::Initial;
 use crate::scene::quantity::{Angle, AngularRate, Quantity};
 use crate::scene::section_input::SectionInput;
 use crate::shape::PlacedShape;
-use crate::units::{Dimension, format};
 
 /// Initial configuration. Default: straight, 25° before the contact of the proximal phalanx with the object, at
 /// rest.
@@ -31,8 +32,6 @@ pub struct InitialSettings {
     pub qd21: Quantity<AngularRate>,
 }
 
-/// Largest allowed initial penetration of a phalanx into the object.
-const MAX_PENETRATION_M: f64 = 1e-3;
 /// Largest allowed initial angle beyond the joint limit: a torque of about 0.01 N·m with the default law.
 const LIMIT_SLACK_RAD: f64 = 1e-6;
 
@@ -128,11 +127,10 @@ fn straight(input: &SectionInput<'_>, finger_lengths: &FingerLengths, lengths: &
 fn check_limit(input: &SectionInput<'_>, key: &str, posture: &Posture, lengths: &Lengths) {
     let excess_rad = -lengths.phi22_rad - posture.q22_rad;
     if excess_rad > LIMIT_SLACK_RAD {
+        let [q22, limit] = Measure::distinct([posture.q22_rad, -lengths.phi22_rad].map(Measure::Angle));
         let message = format!(
-            "the finger starts {:.4} deg beyond its joint limit: q22 is {:.4} deg, but must be at least -phi22 = {:.4} deg",
-            excess_rad.to_degrees(),
-            posture.q22_rad.to_degrees(),
-            -lengths.phi22_rad.to_degrees()
+            "the finger starts {} beyond its joint limit: q22 is {q22}, but must be at least -phi22 = {limit}",
+            Measure::Angle(excess_rad)
         );
         let help = "raise q11, give only q21 for a straight start, or disable the limit: [limit] enabled = false";
         input.report(key, message, "bends the distal phalanx backwards", help);
@@ -143,12 +141,10 @@ fn check_penetration(input: &SectionInput<'_>, key: &str, posture: &Posture, len
     let Joints { a22_m, tip_m, .. } = gripper::joint_positions(lengths, posture);
     for (name, from, to) in [("proximal", [0.0, 0.0], a22_m), ("distal", a22_m, tip_m)] {
         let depth = -closest_points(&Capsule::between(from, to, lengths.half_width_m), object).gap;
-        if depth > MAX_PENETRATION_M {
-            let message = format!(
-                "the {name} phalanx starts {:.3} mm inside the object, but at most {} is allowed",
-                depth * 1e3,
-                format(MAX_PENETRATION_M, Dimension::Length)
-            );
+        if depth > MAX_START_OVERLAP_M {
+            let [depth, limit] = Measure::distinct([depth, MAX_START_OVERLAP_M].map(Measure::Length));
+            let message =
+                format!("the {name} phalanx starts {depth} inside the object, but at most {limit} is allowed");
             let help = "open the finger further (lower q21, raise offset), or move the object away";
             input.report(key, message, "starts inside the object", help);
         }

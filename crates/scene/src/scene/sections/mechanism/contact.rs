@@ -156,17 +156,17 @@ pub(super) fn law_for(
     Some(found.law)
 }
 
-/// Resolves all contact entries.
-pub(super) fn contacts(
-    root: &SectionInput<'_>,
+/// A contact pair, and the entry that lists it or its original.
+pub(super) type ListedPair<'a> = (ContactPair, SectionInput<'a>);
+
+/// Resolves all contact entries. Two outlines touch once, however often they are listed.
+pub(super) fn contacts<'a>(
+    root: &SectionInput<'a>,
     mechanism: &Mechanism,
     images: &Mirror<'_>,
     known: &Known<'_>,
-) -> Option<Vec<ContactPair>> {
-    let is_listed = |pair: &ContactPair, all: &[ContactPair]| {
-        all.iter().any(|other| (other.points, other.face) == (pair.points, pair.face))
-    };
-    let mut all: Vec<ContactPair> = Vec::new();
+) -> Option<Vec<ListedPair<'a>>> {
+    let mut all: Vec<ListedPair<'a>> = Vec::new();
     let mut is_valid = true;
     for section in root.list("contacts") {
         let Some(pairs) = contact_entry(&section, mechanism, known) else {
@@ -174,28 +174,51 @@ pub(super) fn contacts(
             continue;
         };
         for pair in pairs {
-            if is_listed(&pair, &all) {
-                let [points, face] = [pair.points, pair.face].map(|id| mechanism.outline_name(id));
-                let message = format!("`{}` lists `{points}` against `{face}` again", section.path(""));
-                section.report("", message, "listed twice", "remove one of the entries, whose forces would add up");
-                is_valid = false;
+            match listed(&all, &pair, mechanism) {
+                None => all.push((pair, section.clone())),
+                Some(index) if properties(&all[index].0) == properties(&pair) => {
+                    // The points of the direction that describes the whole contact.
+                    if mechanism.directions([pair.points, pair.face]).contains(&[pair.points, pair.face]) {
+                        all[index].0 = pair;
+                    }
+                }
+                Some(index) => {
+                    let [points, face] = [pair.points, pair.face].map(|id| mechanism.outline_name(id));
+                    let [entry, other] = [&section, &all[index].1].map(|entry| entry.path(""));
+                    let message = format!(
+                        "`{entry}` lists `{points}` and `{face}`, which `{other}` lists with another law, `at` or rolling resistance"
+                    );
+                    let help = format!("remove the pair from one of them, or write in `{entry}` what is in `{other}`");
+                    section.report("", message, "listed twice", help);
+                    is_valid = false;
+                }
             }
-            all.push(pair);
         }
     }
     for index in 0..all.len() {
-        let image = images.contact(&all[index]);
-        if !is_listed(&image, &all) {
-            all.push(image);
+        let image = images.contact(&all[index].0);
+        if listed(&all, &image, mechanism).is_none() {
+            all.push((image, all[index].1.clone()));
         }
     }
-    let count: usize = all.iter().map(|pair| mechanism.outline(pair.points).shape.points().len()).sum();
+    let count: usize = all.iter().map(|(pair, _)| mechanism.outline(pair.points).shape.points().len()).sum();
     if count > MAX_CONTACTS {
         let message = format!("there are {count} contacts, one for each point, but at most {MAX_CONTACTS} are allowed");
         let help = "list fewer pairs of outlines, or give outlines fewer corners";
         return root.subsection("contacts").refuse("", message, "", help);
     }
     is_valid.then_some(all)
+}
+
+/// Index of the same contact in a list.
+fn listed(all: &[ListedPair<'_>], pair: &ContactPair, mechanism: &Mechanism) -> Option<usize> {
+    let outlines = |pair: &ContactPair| [pair.points, pair.face];
+    all.iter().position(|(other, _)| mechanism.is_same_contact(outlines(other), outlines(pair)))
+}
+
+/// What an entry says about a pair.
+fn properties(pair: &ContactPair) -> (ContactLaw, Option<FrictionLaw>, ForcePoint) {
+    (pair.law, pair.rolling, pair.force_point)
 }
 
 /// Resolves a contact entry.
@@ -269,7 +292,7 @@ fn pairs_between(section: &SectionInput<'_>, between: &[String; 2], mechanism: &
     let mut pairs: Vec<[OutlineId; 2]> = Vec::new();
     for (a, b) in first.iter().flat_map(|a| second.iter().map(move |b| (*a, *b))).filter(|(a, b)| a.body != b.body) {
         for pair in mechanism.directions([a, b]) {
-            if !pairs.contains(&pair) {
+            if !pairs.iter().any(|other| mechanism.is_same_contact(*other, pair)) {
                 pairs.push(pair);
             }
         }

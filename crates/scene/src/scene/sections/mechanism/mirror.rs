@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::names::{GROUND, check_name, report_name};
+use crate::scene::keys::{closest_match, is_name};
 use crate::scene::section_input::SectionInput;
 
 /// Everything that is called `from`, or whose name begins with it and an underscore, also exists as mirror image about the
@@ -40,7 +42,26 @@ pub(super) fn mirror(section: &SectionInput<'_>) -> Option<Mirror> {
         let message = format!("`{}` and `to` are equal", section.path("from"));
         return section.refuse("to", message, "the same name", "name the other side: from = \"right\", to = \"left\"");
     }
+    // The names of all images begin with it. They are made nevertheless: other sections refer to them.
+    if !is_name(&to) {
+        report_name(section, section.span("to"), ("`mirror.to`", "to = \"left\""), &to);
+    }
     Some(Mirror { from, to })
+}
+
+/// Reports a mirror without images: its `from` is probably mistyped.
+pub(super) fn check_images(section: &SectionInput<'_>, mirror: &Mirror, lists: &[&Entries<'_>]) {
+    let written = || lists.iter().flat_map(|list| list.written()).map(|(_, name, _)| name);
+    if written().any(|name| mirror.image(name).is_some()) {
+        return;
+    }
+    let message = format!("`{}` matches no name: nothing has a mirror image", section.path("from"));
+    let beginnings: Vec<&str> = written().flat_map(|name| [name, name.split('_').next().unwrap_or(name)]).collect();
+    let label = closest_match(&mirror.from, &beginnings);
+    let label = label.map_or("no such name".to_owned(), |near| format!("did you mean `{near}`?"));
+    let help = "write the name of a body or a joint, or what comes before its first `_`: from = \"right\" stands for right, \
+                right_link, …; or remove [mirror]";
+    section.report("from", message, &label, help);
 }
 
 /// Entries of a list in the order of their names: its sections, and their mirror images.
@@ -55,10 +76,16 @@ struct Entry<'a> {
 }
 
 impl<'a> Entries<'a> {
-    pub fn new(sections: Vec<(&'a str, SectionInput<'a>)>, mirror: Option<&Mirror>) -> Self {
+    /// Reads the sections of a list with this key.
+    pub fn new(root: &SectionInput<'a>, key: &str, mirror: Option<&Mirror>) -> Self {
+        let sections = root.subsection(key).subsections();
+        sections.iter().for_each(|(name, section)| check_name(section, key, name));
         let mut all = Vec::new();
         for (name, section) in &sections {
             let Some((from, image)) = mirror.and_then(|of| Some((&of.from, of.image(name)?))) else { continue };
+            if image == GROUND {
+                check_name(&root.subsection("mirror"), key, &image);
+            }
             if let Some((_, written)) = sections.iter().find(|(other, _)| *other == image) {
                 let message = format!("`{}` is also the mirror image of `{name}`", written.path(""));
                 let help = format!("remove it, or rename `{name}`: what begins with `{from}_` has an image");

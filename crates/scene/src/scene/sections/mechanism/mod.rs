@@ -12,6 +12,7 @@
 //! | `mirror` | mirror |
 //! | `names` | no section: names by which sections refer to each other, and checks that they share |
 //! | `show` | a mechanism as sections |
+//! | `start` | no section: checks of the assembled start |
 
 mod actuator;
 mod contact;
@@ -20,6 +21,7 @@ mod mirror;
 mod names;
 pub(crate) mod outline;
 mod show;
+pub(crate) mod start;
 pub(crate) mod tendon;
 
 use schemars::JsonSchema;
@@ -28,8 +30,6 @@ use std::collections::BTreeMap;
 
 use crate::limits::MAX_BODIES;
 use crate::mechanism::{AssemblyError, Body, Condition, Mechanism, Mirror, Outline, PlaneArea, Start, assemble};
-use crate::scene::Problem;
-use crate::scene::keys::is_name;
 use crate::scene::quantity::{Angle, AngularRate, Density, Inertia, Length, Mass, Positive, Quantity, Speed};
 use crate::scene::section_input::{SectionInput, Subsection};
 use actuator::{ActuatorSettings, actuator, limit_target_rates, pulls};
@@ -38,10 +38,11 @@ use joint::{
     CouplingSettings, JointSettings, LinkageSpringSettings, RotorSettings, coupling, joint, joint_bodies, joint_kind,
     rotor, spring,
 };
-use mirror::{Entries, MirrorSettings, mirror};
-use names::{GROUND, Known};
+use mirror::{Entries, MirrorSettings, check_images, mirror};
+use names::{Known, check_name};
 use outline::{OutlineSettings, outline, si};
 pub use show::mechanism_settings;
+use start::check_start;
 use tendon::TendonSettings;
 
 /// Sections of a mechanism.
@@ -151,14 +152,13 @@ pub struct GroundSettings {
 pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mechanism> {
     let mirror_section = root.subsection("mirror");
     let mirror = mirror(&mirror_section);
-    let sections = |key: &str| {
-        let sections = root.subsection(key).subsections();
-        sections.iter().for_each(|(name, section)| check_name(section, key, name));
-        sections
-    };
     let [bodies, joints, springs, tendons, couplings, actuators, rotors] =
         ["bodies", "joints", "springs", "tendons", "couplings", "actuators", "rotors"]
-            .map(|key| Entries::new(sections(key), mirror.as_ref()));
+            .map(|key| Entries::new(root, key, mirror.as_ref()));
+    if let Some(mirror) = &mirror {
+        let lists = [&bodies, &joints, &springs, &tendons, &couplings, &actuators, &rotors];
+        check_images(&mirror_section, mirror, &lists);
+    }
     let count = bodies.names().len();
     if count == 0 {
         let help = "add at least one body: [bodies.link] with mass, inertia and guess";
@@ -170,11 +170,13 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mech
         return root.subsection("bodies").refuse("", message, "", format!("remove {}", count - MAX_BODIES));
     }
     let ground_outlines = outlines(&root.subsection("ground").subsection("outlines"));
+    let laws = root.subsection("laws").subsections();
+    laws.iter().for_each(|(name, section)| check_name(section, "laws", name));
     let known = Known {
         bodies: bodies.names(),
         joints: joints.names(),
         kinds: (0..joints.names().len()).map(|index| joint_kind(joints.section(index))).collect(),
-        laws: sections("laws").iter().map(|(name, section)| (*name, named_law(section))).collect(),
+        laws: laws.iter().map(|(name, section)| (*name, named_law(section))).collect(),
     };
     let (body_partners, joint_partners) = (bodies.partners(), joints.partners());
     let images = Mirror { body: &body_partners, joint: &joint_partners };
@@ -217,13 +219,15 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mech
         rotors: all_rotors.into_iter().collect::<Option<_>>()?,
         contacts: Vec::new(),
     };
-    mechanism.contacts = contacts(root, &mechanism, &images, &known)?;
+    let pairs = contacts(root, &mechanism, &images, &known)?;
+    mechanism.contacts = pairs.iter().map(|(pair, _)| pair.clone()).collect();
     // A start that does not fit is reported only if everything else is valid.
     if root.checker.is_clean() {
         match assemble_images(&mut mechanism, &joints) {
             Ok(start) => {
                 tendon::tension(&mut mechanism, &tendons, &start.poses);
                 limit_target_rates(&mut mechanism, &start.poses);
+                check_start(&mechanism, &start.poses, &pairs, &joints);
             }
             Err(error) => {
                 let (section, key) = match error.condition() {
@@ -245,32 +249,22 @@ fn assemble_images(mechanism: &mut Mechanism, joints: &Entries<'_>) -> Result<St
     let partners = joints.partners();
     loop {
         let result = assemble(mechanism);
-        let Err(AssemblyError::RedundantStart { condition: Condition::Start(joint), .. }) = result else {
-            return result;
+        let redundant = match &result {
+            Ok(start) => start.implied.as_slice(),
+            Err(
+                AssemblyError::RedundantStart { condition: Condition::Start(joint), .. }
+                | AssemblyError::RedundantRate { condition: Condition::Start(joint), .. },
+            ) => std::slice::from_ref(joint),
+            Err(_) => &[],
         };
-        let Some(image) = [joint, partners[joint]].into_iter().find(|joint| joints.is_image(*joint)) else {
-            return result;
-        };
+        let mut candidates = redundant.iter().flat_map(|joint| [*joint, partners[*joint]]);
+        let Some(image) = candidates.find(|joint| joints.is_image(*joint)) else { return result };
         let image = &mut mechanism.joints[image];
         if image.start.take().is_none() {
             return result;
         }
         image.start_rate = 0.0;
     }
-}
-
-/// Checks a name: names are used in topics, keys and columns.
-fn check_name(section: &SectionInput<'_>, key: &str, name: &str) {
-    let message = match name {
-        GROUND if key == "bodies" => {
-            format!("`{GROUND}` cannot be the name of a body: it is the fixed body, with outlines in [ground.outlines]")
-        }
-        _ if is_name(name) => return,
-        _ => format!("`{}` cannot be a name in [{key}]", name.escape_debug()),
-    };
-    let span = section.name_span.clone().or(section.span.clone());
-    let help = format!("use a letter followed by letters, digits and _, as in [{key}.link_2]");
-    section.checker.push(Problem::new(span, message, "invalid name", help));
 }
 
 /// Resolves a body; `is_jointed` is `None` if it is unknown.

@@ -5,11 +5,36 @@ use std::ops::Range;
 use crate::law::ContactLaw;
 use crate::mechanism::JointKind;
 use crate::scene::Problem;
-use crate::scene::keys::closest_match;
+use crate::scene::keys::{closest_match, is_name};
 use crate::scene::section_input::SectionInput;
 
 /// Name of the fixed body.
 pub(super) const GROUND: &str = "ground";
+
+/// Checks the name of a section: names are used in topics, keys and columns.
+pub(super) fn check_name(section: &SectionInput<'_>, key: &str, name: &str) {
+    if !is_name(name) || name == GROUND && key == "bodies" {
+        let span = section.name_span.clone().or(section.span.clone());
+        report_name(section, span, (&format!("[{key}]"), &format!("[{key}.link_2]")), name);
+    }
+}
+
+/// Reports a name that is not allowed in a place, with an example of one that is.
+pub(super) fn report_name(
+    section: &SectionInput<'_>,
+    span: Option<Range<usize>>,
+    (place, example): (&str, &str),
+    name: &str,
+) {
+    let message = match name {
+        GROUND => {
+            format!("`{GROUND}` cannot be the name of a body: it is the fixed body, with outlines in [ground.outlines]")
+        }
+        _ => format!("`{}` cannot be a name in {place}", name.escape_debug()),
+    };
+    let help = format!("use a letter followed by letters, digits and _, as in {example}");
+    section.checker.push(Problem::new(span, message, "invalid name", help));
+}
 
 /// Finds a name among those of a kind, or reports it at a key.
 pub(super) fn find(input: &SectionInput<'_>, key: &str, name: &str, what: &str, known: &[&str]) -> Option<usize> {
