@@ -206,7 +206,7 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
             "cannot write {figure_name}: {error}; give a file in a directory where you may write"
         ))
     })?;
-    print(&format!("wrote {figure_name}: the linkage of {} with its symbols\n", scene.name))
+    print(&format!("wrote {figure_name}: the linkage of {} with its symbols\n", scene.display_name()))
 }
 
 fn summarize(scene: &Scene) -> String {

@@ -22,7 +22,7 @@ impl ToReport for Capture {
     fn report(&self) -> Report {
         let mut text = Report::from(format!(
             "{}: {} model, palm {} mm wide, designed for errors up to ±{} mm\n\n",
-            self.scene,
+            crate::scene::one_line(&self.scene),
             self.plan.model.name(),
             resolved_mm(self.palm_width_m),
             resolved_mm(self.plan.error_m)
@@ -138,7 +138,11 @@ impl ToReport for Hold {
             Loads::Vibrations { .. } => "vibrations".to_string(),
             Loads::Move => "moves".to_string(),
         };
-        let mut text = Report::from(format!("{}: {} model, {loads}\n", self.scene, self.plan.model.name()));
+        let mut text = Report::from(format!(
+            "{}: {} model, {loads}\n",
+            crate::scene::one_line(&self.scene),
+            self.plan.model.name()
+        ));
         text.push(Report::paragraph(&format!(
             "Loads start at {}, {start}. Without a load, the object slips by {} mm in the same time. {} runs.\nResults by load and peak \
              acceleration of the palm:\n\n",
@@ -337,7 +341,8 @@ impl ToReport for FingerSizing {
         let torque = |n_m: f64| format_number(n_m * 1e3, 5);
         let end = &closing.end.posture;
         let mut text = Report::from(format!(
-            "{scene}: test trajectory of {}, q11 over {} deg, proximal contact at {}\n\n",
+            "{}: test trajectory of {}, q11 over {} deg, proximal contact at {}\n\n",
+            crate::scene::one_line(scene),
             format_duration(closing.trajectory.length_s),
             deg(closing.trajectory.stroke_rad),
             format_duration(closing.contact_s())

@@ -11,6 +11,7 @@ use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution}
 use crate::format::percent_of;
 use crate::format::quantity::ColumnFormat;
 use crate::format::report::{Report, ToReport, list, table, to_json_document};
+use crate::scene::one_line;
 use crate::study::select::{ClassCounts, Condition, Ranked, Selection, TERMS, Term};
 use crate::study::sweep::{Reason, Shard, Status, Study, Summary};
 use crate::table::{Column, Kind, Table, Value};
@@ -99,7 +100,11 @@ impl ToReport for SweepReport {
             None if summary.runs == *runs => format!("{runs} runs"),
             None => format!("{} of {runs} runs", summary.runs),
         };
-        let mut text = Report::from(format!("{study}: {model} model, {scope}, {designs} designs; in {out}\n\n"));
+        let mut text = Report::from(format!(
+            "{}: {model} model, {scope}, {designs} designs; in {}\n\n",
+            one_line(study),
+            one_line(out)
+        ));
         let line = |(name, count): &(String, u64)| vec![name.clone(), count.to_string()];
         text.push(list(&summary.by_status.iter().map(line).collect::<Vec<_>>()));
         if summary.no_class > 0 || summary.by_class.iter().any(|(_, count)| *count > 0) {
@@ -142,7 +147,7 @@ fn reasons(heading: &str, reasons: &[Reason]) -> String {
 /// Lists the axes of a study and its first `max_runs` runs.
 pub(crate) fn sweep_list(study: &Study, max_runs: u64) -> Report {
     let runs = study.runs();
-    let (name, model, designs) = (&study.name, study.model.name(), study.designs());
+    let (name, model, designs) = (one_line(&study.name), study.model.name(), study.designs());
     let mut text = Report::from(format!("{name}: {model} model, {runs} runs, {designs} designs\n\n"));
     let axes: Vec<Vec<String>> =
         study.fields().map(|(column, count)| vec![column, format!("{count} values")]).collect();

@@ -52,7 +52,8 @@ pub enum SizeError {
 
 /// Sizes spring and motor of the finger for closing on the object from its initial posture.
 pub fn size_finger(scene: &Scene, options: SizingOptions) -> Result<FingerSizing, SizeError> {
-    let object = scene.require_fingers(1)?.object().ok_or_else(|| SizeError::NoObject { scene: scene.name.clone() })?;
+    let object =
+        scene.require_fingers(1)?.object().ok_or_else(|| SizeError::NoObject { scene: scene.display_name() })?;
     let object = object.placed();
     let contact_rad =
         contact_angle_proximal(scene.finger().linkage.lengths.half_width_m, object).map_err(SizingError::from)?;

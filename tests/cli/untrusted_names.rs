@@ -91,6 +91,50 @@ fn pictures_and_pages_escape_names() {
     }
 }
 
+/// A name with line breaks does not begin a line of a report or of a message.
+#[test]
+fn line_breaks_of_names_do_not_forge_lines() {
+    let directory = test_directory("foreign_lines");
+    let text = fs::read_to_string(EXPERIMENT_95).expect("the scene");
+    let name = "a\\nforged    accurate\\n# forged\\n\\n- forged";
+    let scene =
+        &write(&directory, "scene.toml", &text.replace("name = \"experiment-95\"", &format!("name = \"{name}\"")));
+    let [log, sized] = ["run.mcap", "sized"].map(|name| path_in(&directory, name));
+    let no_object = format!("{}\n[object]\npresent = false\n", fs::read_to_string(scene).expect("the scene"));
+    let no_object = &write(&directory, "empty.toml", &no_object);
+    let broken = &write(
+        &directory,
+        "broken.toml",
+        "kind = \"mechanism\"\n[bodies.\"a\\nforged\"]\nmass = \"1\\nforged\"\n[joints.\"b\\nforged\"]\nbodies = [\"c\\nforged\", \"ground\"]\n\
+         extends = \"d\\nforged.toml\"\n",
+    );
+    let is_forged = |text: &str| {
+        text.lines().any(|line| line.trim_start().trim_start_matches(['#', '-', ' ']).starts_with("forged"))
+    };
+    for args in [
+        &["run", scene, "--log", &log][..],
+        &["replay", &log],
+        &["replay", &log, "--against", &log],
+        &["statics", scene],
+        &["size", scene, "--out", &sized],
+        &["scene", "check", scene, broken],
+        &["validate", scene, "--quick", "--set", "duration=1 ms"],
+        &["run", scene, "--set", "log.numeric_rate=\"1\\nforged\""],
+        &["statics", no_object],
+        &["size", no_object],
+        &["run", broken],
+    ] {
+        let output = phalanx(args);
+        for text in [stdout(&output), stderr(&output)] {
+            assert!(!is_forged(text), "{args:?}: {text}");
+        }
+    }
+    assert!(succeed(&["run", scene]).starts_with("a\\nforged    accurate\\n# forged"));
+    assert!(succeed_json(&["run", scene])["scene"].as_str().expect("a name").starts_with("a\nforged"));
+    let report = fs::read_to_string(Path::new(&sized).join("size.txt")).expect("a report");
+    assert!(!is_forged(&report), "{report}");
+}
+
 #[test]
 fn table_text_is_never_a_formula() {
     let directory = test_directory("foreign_tables");

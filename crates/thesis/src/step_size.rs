@@ -16,7 +16,7 @@ use crate::numeric::elementary::{ln, pow};
 use crate::plot::canvas::{Marker, THIN_LINE};
 use crate::plot::chart::{Axis, Series, series_chart};
 use crate::plot::theme::{AMBER, Colour, GREEN, ORANGE, SOFT};
-use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping};
+use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping, one_line};
 use crate::text::csv;
 use crate::trace::{Event, EventKind, Model, Outcome, RequiredData, Sample, Schema, Sink, SinkError, is_grid_point};
 
@@ -368,7 +368,8 @@ impl ToReport for StepSize {
     fn report(&self) -> Report {
         let StepSize { scene, pair, peak_n, restitution, .. } = self;
         let mut text = Report::from(format!(
-            "{scene}, {pair}: {} in contact of {} plotted, peak {} N, restitution {}\n\n",
+            "{}, {pair}: {} in contact of {} plotted, peak {} N, restitution {}\n\n",
+            one_line(scene),
             format_duration(self.contact_s),
             format_duration(self.plotted_s),
             format_number(*peak_n, 5),

@@ -7,6 +7,7 @@ use super::{ReplayReport, or_unknown};
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, or_dash, row};
 use crate::format::report::{Report, ToReport, table, table_of};
+use crate::scene::one_line;
 use crate::validate::wrap_angle;
 
 /// Comparison of two logs.
@@ -134,14 +135,14 @@ impl ToReport for LogComparisonReport {
 fn heading(report: &LogComparisonReport) -> String {
     let logs = report.labels.iter().zip(&report.logs).map(|(label, log)| {
         let [scene, model] = [&log.scene, &log.model].map(or_unknown);
-        format!("{label}: {scene}, {model} model, {} samples, read from {}", log.reading.samples, log.log)
+        format!("{label}: {scene}, {model} model, {} samples, read from {}", log.reading.samples, one_line(&log.log))
     });
     let mut lines: Vec<String> = logs.collect();
     lines.push(format!("compared up to {}", format_duration(report.compared_to_s)));
     lines.extend_from_slice(&report.notes);
     let files = report.directory.as_ref().zip(report.files.as_ref());
     lines.extend(files.map(|(directory, files)| format!("in {directory}: {}", files.join(", "))));
-    lines.extend(report.page.iter().map(|page| format!("page: {page}")));
+    lines.extend(report.page.iter().map(|page| format!("page: {}", one_line(page))));
     lines.join("\n") + "\n"
 }
 

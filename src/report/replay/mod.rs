@@ -22,7 +22,7 @@ use crate::format::report::{Report, ToReport, table};
 use crate::log::{
     ChannelContent, Difference, EntryDifference, LogSummary, QuantityTally, Solver, Verification, settings,
 };
-use crate::scene::{Engine, Integrator};
+use crate::scene::{Engine, Integrator, one_line};
 use crate::trace::{Energy, FingerState};
 
 /// Maximum number of rows of the table of a verification; the JSON document contains all.
@@ -216,10 +216,14 @@ impl ReplayReport {
         if unknown_messages > 0 {
             content += &format!(", {unknown_messages} messages of channels unknown to this version of phalanx");
         }
-        let mut lines =
-            vec![format!("{scene}: {model} model{settings}"), format!("read from {}", self.log), end, content];
-        lines.extend(self.csv.iter().map(|csv| format!("samples: {csv}")));
-        lines.extend(self.page.iter().map(|page| format!("page: {page}")));
+        let mut lines = vec![
+            format!("{scene}: {model} model{settings}"),
+            format!("read from {}", one_line(&self.log)),
+            end,
+            content,
+        ];
+        lines.extend(self.csv.iter().map(|csv| format!("samples: {}", one_line(csv))));
+        lines.extend(self.page.iter().map(|page| format!("page: {}", one_line(page))));
         lines.extend(self.reading.losses.iter().map(|loss| format!("LOST: {}", loss.description)));
         let missing = self.reading.missing.iter();
         lines.extend(missing.map(|missing| format!("MISSING: {} {}", missing.topic, missing.defect)));
@@ -231,8 +235,8 @@ impl ReplayReport {
 }
 
 /// Formats an entry of the metadata.
-fn or_unknown(entry: &Option<String>) -> &str {
-    entry.as_deref().unwrap_or("unknown")
+fn or_unknown(entry: &Option<String>) -> String {
+    one_line(entry.as_deref().unwrap_or("unknown"))
 }
 
 impl ToReport for ReplayReport {

@@ -71,7 +71,7 @@ fn heading(report: &ValidationReport) -> String {
         "{}: engine against analytic model: {}\nanalytic: {} (the reference)\nengine:   {} (the scene's settings)\n\
          compared up to {} of {}; differences are the worst of {} runs with {varied} varied in steps of \
          {MEMBER_PERTURBATION:e}\n{}",
-        scene.name,
+        scene.display_name(),
         if passed { "within all bounds" } else { "OUT OF BOUNDS" },
         setting(Model::Analytic, &validation.reference),
         setting(Model::Engine, &validation.engine),

@@ -132,7 +132,7 @@ pub enum GraspStudyError {
 /// Returns an error if the scene is of another kind or has no object, the finger cannot grasp the object, or the
 /// posture is singular.
 pub fn grasp(scene: &Scene, overrides: &GraspOverrides) -> Result<Grasp, GraspStudyError> {
-    let name = || scene.name.clone();
+    let name = || scene.display_name();
     let Some(object) = scene.require_fingers(1)?.object() else {
         return Err(GraspStudyError::NoObject { scene: name() });
     };

@@ -144,7 +144,7 @@ pub fn gripper_grasp(
     request: &GripperGraspRequest,
     keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Result<GripperGrasp, GripperGraspError> {
-    let name = || scene.name.clone();
+    let name = || scene.display_name();
     let ObjectMotion::Free { mass_kg, .. } = scene.require_fingers(2)?.hand.grasped().motion else {
         return Err(GripperGraspError::Fixed { scene: name() });
     };
@@ -196,7 +196,7 @@ pub fn gripper_grasp(
     };
     let friction_cases = mu_static.into_iter().map(|mu| friction_case(&hands, &contacts, mu, request.directions));
     Ok(GripperGrasp {
-        scene: name(),
+        scene: scene.name.clone(),
         source,
         mass_kg,
         gravity_m_s2: hands[0].gravity_m_s2,
@@ -222,7 +222,7 @@ fn run_posture(
     at_s: Option<f64>,
     keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Result<(PostureSource, Sample), GripperGraspError> {
-    let (name, end_s) = (scene.name.clone(), scene.duration_s);
+    let (name, end_s) = (scene.display_name(), scene.duration_s);
     if let Some(at_s) = at_s.filter(|at_s| *at_s > end_s) {
         return Err(GripperGraspError::AfterEnd { scene: name, end_s, at_s });
     }
@@ -246,7 +246,7 @@ fn rest_sample(scene: &Scene, angles_rad: [[f64; 2]; 2], centre_m: [f64; 2]) -> 
     for side in Side::BOTH {
         let (finger, [q11_rad, q21_rad]) = (&scene.hand.finger(side).linkage, angles_rad[side as usize]);
         let posture = close_loop(&finger.lengths, finger.assembly, q11_rad, q21_rad)
-            .map_err(|error| GripperGraspError::Statics { scene: scene.name.clone(), error: error.into() })?;
+            .map_err(|error| GripperGraspError::Statics { scene: scene.display_name(), error: error.into() })?;
         let Posture { q12_rad, q22_rad, .. } = posture;
         sample.set_finger(side as usize, &FingerState { q11_rad, q21_rad, q12_rad, q22_rad, ..FingerState::default() });
     }
@@ -338,7 +338,7 @@ fn no_contact(scene: &Scene, source: PostureSource) -> GripperGraspError {
             ("in this posture".to_string(), "give other angles, or a larger --within")
         }
     };
-    GripperGraspError::NoContact { scene: scene.name.clone(), context, hint }
+    GripperGraspError::NoContact { scene: scene.display_name(), context, hint }
 }
 
 fn with_motor_torque(hand: HandAtRest<'_>, motor_n_m: Option<f64>) -> HandAtRest<'_> {

@@ -106,7 +106,7 @@ pub fn mechanism_grasp(
 ) -> Result<MechanismGrasp, MechanismGraspError> {
     scene.require_fingers(0)?;
     let Some(mechanism) = &scene.mechanism else { return Err(MechanismGraspError::Stopped) };
-    let name = || scene.name.clone();
+    let name = || scene.display_name();
     let object = object_of(scene, mechanism, request.object.as_deref())?;
     let sample = posture(scene, request.at_s, keep_running)?;
     let states = in_sample(mechanism, &sample).bodies.into_iter();
@@ -156,7 +156,7 @@ pub fn mechanism_grasp(
     let braked = mechanism.actuators.iter().filter(|actuator| actuator.brake.is_some());
     let at_effort = braked.map(|actuator| actuator.name.clone()).chain(joints.clone()).collect();
     Ok(MechanismGrasp {
-        scene: name(),
+        scene: scene.name.clone(),
         object: body.name.clone(),
         mass_kg: body.mass_kg,
         centre_m,
@@ -174,7 +174,7 @@ pub fn mechanism_grasp(
 fn object_of(scene: &Scene, mechanism: &Mechanism, name: Option<&str>) -> Result<usize, MechanismGraspError> {
     let bodies = &mechanism.bodies;
     let names = |of: Vec<usize>| of.into_iter().map(|body| format!("`{}`", bodies[body].name)).collect();
-    let scene_name = scene.name.clone();
+    let scene_name = scene.display_name();
     if let Some(name) = name {
         let found = bodies.iter().position(|body| body.name == name);
         let all = names((0..bodies.len()).collect());
@@ -199,12 +199,12 @@ fn posture(
 ) -> Result<Sample, MechanismGraspError> {
     let end_s = scene.duration_s;
     if let Some(at_s) = at_s.filter(|at_s| *at_s > end_s) {
-        return Err(MechanismGraspError::AfterEnd { scene: scene.name.clone(), end_s, at_s });
+        return Err(MechanismGraspError::AfterEnd { scene: scene.display_name(), end_s, at_s });
     }
     let short = Scene { duration_s: at_s.unwrap_or(end_s), ..scene.clone() };
     match run(Model::Analytic, &short, &mut (), keep_running) {
         Some(Ok(outcome)) => Ok(outcome.last),
-        Some(Err(reason)) => Err(MechanismGraspError::Run { scene: scene.name.clone(), reason }),
+        Some(Err(reason)) => Err(MechanismGraspError::Run { scene: scene.display_name(), reason }),
         None => Err(MechanismGraspError::Stopped),
     }
 }

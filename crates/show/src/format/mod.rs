@@ -30,8 +30,8 @@ pub fn escape_markup(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            // HTML does not allow control characters, and parsers replace them differently.
-            c if is_unsafe_char(c) => out.push('\u{fffd}'),
+            // HTML and XML do not allow these, and parsers replace them differently.
+            c if is_unsafe_char(c) || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
             other => out.push(other),
         }
     }

@@ -13,7 +13,7 @@ use crate::criteria::{Criteria, GraspCriteria, Rebound, scene_static_grasp};
 use crate::format::numbers::{G_M_S2, format_number};
 use crate::format::{Report, ToReport, format_duration};
 use crate::scene::schema::{SettingsSection, columns};
-use crate::scene::{Engine, Integrator, Keyword, Response, Scene, Stepping};
+use crate::scene::{Engine, Integrator, Keyword, Response, Scene, Stepping, one_line};
 use crate::trace::{Energy, Model, Outcome, Schema, Work};
 
 /// One run. All results are null if the simulation failed without a partial outcome. Keys that do not apply to the kind
@@ -185,7 +185,7 @@ impl RunReport {
     fn heading(&self) -> String {
         let settings = settings_text(self.integrator.as_ref(), self.engine.as_ref(), self.has_joints);
         let mut lines = vec![
-            format!("{}: {} model{settings}", self.scene, self.model),
+            format!("{}: {} model{settings}", one_line(&self.scene), self.model),
             format!("{}{} of wall time", self.effort(), format_duration(self.wall_s)),
         ];
         lines.extend(self.palm_peak_acceleration_m_s2.flatten().map(|peak_m_s2| {
@@ -203,7 +203,7 @@ impl RunReport {
         lines.extend(self.error.as_ref().map(|error| error.text(&format_duration(self.duration_s))));
         lines.extend(self.warnings.iter().map(|warning| format!("Warning: {warning}")));
         for (name, path) in [("log", &self.log), ("samples", &self.csv), ("page", &self.page)] {
-            lines.extend(path.as_ref().map(|path| format!("{name}: {path}")));
+            lines.extend(path.as_ref().map(|path| format!("{name}: {}", one_line(path))));
         }
         lines.join("\n") + "\n"
     }

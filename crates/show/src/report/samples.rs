@@ -1,5 +1,5 @@
-//! Samples of a log as comma-separated values: one line per sample, one column per figure with its SI unit. Names
-//! contain no commas; numbers read back to the same double.
+//! Samples of a log as comma-separated values: one line per sample, one column per figure with its SI unit. Numbers read
+//! back to the same double.
 
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -11,9 +11,17 @@ pub fn cell(value: f64) -> String {
     if value.is_finite() { format!("{value:?}") } else { String::new() }
 }
 
+/// Quotes a name that contains a comma, a quote or a line end. Names of scenes do not, those of mechanisms of the library may.
+fn quoted(name: &str) -> String {
+    match name.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", name.replace('"', "\"\"")),
+        false => name.to_string(),
+    }
+}
+
 /// Writes the names of the columns.
 pub fn csv_head(out: &mut dyn Write, channels: &[Channel]) -> io::Result<()> {
-    let names: Vec<&str> = channels.iter().map(|channel| channel.name.as_str()).collect();
+    let names: Vec<String> = channels.iter().map(|channel| quoted(&channel.name)).collect();
     writeln!(out, "{}", names.join(","))
 }
 
@@ -29,4 +37,14 @@ pub fn csv_sample(out: &mut dyn Write, channels: &[Channel], sample: &Sample) ->
     }
     line.pop();
     writeln!(out, "{line}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn names_with_commas_and_quotes_are_quoted() {
+        assert_eq!(["a_m", "a,b", "a\"b", "a\nb"].map(quoted), ["a_m", "\"a,b\"", "\"a\"\"b\"", "\"a\nb\""]);
+    }
 }

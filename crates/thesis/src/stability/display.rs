@@ -123,8 +123,9 @@ impl ToReport for Stability {
     fn report(&self) -> Report {
         let Stability { scene, accuracy_rad, until_s, stiffness_si, damping_max_n_s_per_m, grid, .. } = self;
         let mut text = Report::from(format!(
-            "{scene}: engine with fixed steps against the analytic reference, up to {}\nk = {} N/m^e, c_max = {} N·s/m \
+            "{}: engine with fixed steps against the analytic reference, up to {}\nk = {} N/m^e, c_max = {} N·s/m \
              (proximal, distal), times the factors below\n",
+            crate::scene::one_line(scene),
             format_duration(*until_s),
             pair(stiffness_si),
             pair(damping_max_n_s_per_m)

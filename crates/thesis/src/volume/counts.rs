@@ -306,7 +306,7 @@ impl ToReport for VolumeReport {
         let mut text = Report::from(format!(
             "{}: grasp-state volumes of {l21} x {phi22} x {arm} points, motor and spring sized by the rule \"{}\"\nl21 {} to {} of \
              its range, phi22 {phi_from} to {phi_to} deg, arm ratio r_l {} to {}; shares in % of all points of a volume\n",
-            self.scene,
+            crate::scene::one_line(&self.scene),
             self.sizing,
             short(l21_fraction.from, 4),
             short(l21_fraction.to, 4),

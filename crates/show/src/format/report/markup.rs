@@ -4,6 +4,7 @@ use std::mem::discriminant;
 
 use super::{Block, Cell, CellStyle, Report, Table};
 use crate::format::escape_markup;
+use crate::scene::one_line;
 
 /// Blocks with their numbers among the blocks of the same kind, from 1.
 fn numbered(report: &Report) -> impl Iterator<Item = (usize, &Block)> {
@@ -14,32 +15,76 @@ fn numbered(report: &Report) -> impl Iterator<Item = (usize, &Block)> {
 }
 
 pub(super) fn markdown(report: &Report) -> String {
-    let mut text = if report.title.is_empty() { String::new() } else { format!("# {}\n", report.title) };
+    let line = |text: &str| escape_markdown(&one_line(text));
+    let mut text = if report.title.is_empty() { String::new() } else { format!("# {}\n", line(&report.title)) };
     for (number, block) in numbered(report) {
         text.push('\n');
         text.push_str(&match block {
-            Block::Heading(heading) => format!("## {heading}\n"),
+            Block::Heading(heading) => format!("## {}\n", line(heading)),
             // Two trailing spaces preserve a line end in Markdown.
-            Block::Lines(content) => format!("{}\n", content.trim().replace('\n', "  \n")),
-            Block::Paragraph(content) => format!("{}\n", content.trim()),
-            Block::Notes(notes) => notes.iter().map(|note| format!("- {note}\n")).collect(),
+            Block::Lines(content) => format!("{}\n", escape_markdown(content.trim()).replace('\n', "  \n")),
+            Block::Paragraph(content) => format!("{}\n", escape_markdown(content.trim())),
+            Block::Notes(notes) => notes.iter().map(|note| format!("- {}\n", line(note))).collect(),
             Block::Table(table) => markdown_table(table, number),
             Block::Figure(figure) => {
-                format!("![{0}](figures/{0})\n\n**Figure {number}.** {1}\n", figure.file, figure.caption)
+                format!("![{0}](figures/{0})\n\n**Figure {number}.** {1}\n", figure.file, line(&figure.caption))
             }
         });
     }
     text
 }
 
+/// Escapes what Markdown reads as markup: HTML and entities, links, code, emphasis, and headings, quotes, lists and rules at
+/// the beginning of a line.
+fn escape_markdown(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for (index, line) in text.split('\n').enumerate() {
+        if index > 0 {
+            out.push('\n');
+        }
+        let content = line.trim_start();
+        out.push_str(&line[..line.len() - content.len()]);
+        let digits = content.len() - content.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let (first, second) = (content[digits..].chars().next(), content[digits..].chars().nth(1));
+        let is_separated = second.is_none_or(char::is_whitespace);
+        let is_block = match first {
+            Some('#' | '>' | '=' | '~') => digits == 0,
+            // A sign before a number is none of these.
+            Some('-' | '+') => digits == 0 && (is_separated || second == Some('-')),
+            Some('.' | ')') => digits > 0 && is_separated,
+            _ => false,
+        };
+        let mut before = ' ';
+        let mut rest = content.chars().peekable();
+        let mut position = 0;
+        while let Some(c) = rest.next() {
+            let next = rest.peek().copied().unwrap_or(' ');
+            let is_special = match c {
+                '\\' | '`' | '*' | '[' | '<' => true,
+                '&' => next == '#' || next.is_ascii_alphabetic(),
+                // Within a word it is a letter.
+                '_' => !(before.is_alphanumeric() && next.is_alphanumeric()),
+                _ => false,
+            };
+            if is_special || is_block && position == digits {
+                out.push('\\');
+            }
+            out.push(c);
+            before = c;
+            position += 1;
+        }
+    }
+    out
+}
+
 fn markdown_table(table: &Table, number: usize) -> String {
-    let escape = |text: &str| text.trim().replace('|', "\\|").replace('\n', " ");
+    let escape = |text: &str| escape_markdown(&one_line(text.trim())).replace('|', "\\|");
     let line = |cell: &dyn Fn(usize) -> String| {
         format!("| {} |\n", (0..table.columns()).map(cell).collect::<Vec<_>>().join(" | "))
     };
     let mut text = match table.caption.as_str() {
         "" => String::new(),
-        caption => format!("**Table {number}.** {caption}\n\n"),
+        caption => format!("**Table {number}.** {}\n\n", escape_markdown(&one_line(caption))),
     };
     text += &line(&|column| escape(&table.header_text(column)));
     text += &line(&|column| if column > 0 && !table.is_prose_column(column) { "---:" } else { "---" }.to_string());
@@ -169,6 +214,36 @@ mod tests {
              |\n\n![f.svg](figures/f.svg)\n\n**Figure 1.** How.\n\none  \ntwo\n\n|  | x, mm |\n| --- | ---: |\n| whole |  |\n| a | 1 \
              |\n"
         );
+    }
+
+    /// Names in texts are no markup, and begin no lines.
+    #[test]
+    fn markdown_escapes_markup() {
+        for (text, escaped) in [
+            (
+                "<b>*a*</b> [l](u) `c` &amp; & _e_ a_b \\",
+                "\\<b>\\*a\\*\\</b> \\[l](u) \\`c\\` \\&amp; & \\_e\\_ a_b \\\\",
+            ),
+            ("# a", "\\# a"),
+            ("- a", "\\- a"),
+            ("-1 mm", "-1 mm"),
+            ("---", "\\---"),
+            ("===", "\\==="),
+            ("12. a", "12\\. a"),
+            ("12.5 mm", "12.5 mm"),
+            ("> a", "\\> a"),
+            ("a > b", "a > b"),
+            ("~~~", "\\~~~"),
+        ] {
+            assert_eq!(super::escape_markdown(text), escaped);
+            assert_eq!(super::escape_markdown(&format!("x\n  {text}")), format!("x\n  {escaped}"));
+        }
+        let mut report = Report::section("a\n# b").with_notes(vec!["a\nb".to_string()]);
+        report = report.with_table("c\nd", &["e\nf"], vec![vec![Cell::new("g\nh")]]);
+        report.title = "t\n# u".to_string();
+        let text = report.markdown();
+        assert_eq!(text.lines().filter(|line| ["# b", "b", "d", "f", "h", "# u"].contains(line)).count(), 0, "{text}");
+        assert!(!report.to_string().lines().any(|line| ["# b", "b", "d", "f", "h"].contains(&line.trim())), "{report}");
     }
 
     #[test]

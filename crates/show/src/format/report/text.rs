@@ -4,6 +4,7 @@ use comfy_table::{Cell as TextCell, CellAlignment, ColumnConstraint, ContentArra
 use textwrap::{Options, WordSeparator, WordSplitter, WrapAlgorithm, core::display_width};
 
 use super::{Block, Report, Table};
+use crate::scene::one_line;
 
 /// Spaces between two columns.
 const GAP: usize = 2;
@@ -15,13 +16,13 @@ pub(super) fn report(report: &Report, width: Option<usize>) -> String {
     let lines =
         |content: &str| content.split_inclusive('\n').map(|line| wrap_line(line, width, HANGING_INDENT)).collect();
     let render = |block: &Block| match block {
-        Block::Heading(heading) => lines(&format!("\n{heading}\n\n")),
+        Block::Heading(heading) => lines(&format!("\n{}\n\n", one_line(heading))),
         Block::Lines(content) => lines(content),
         Block::Paragraph(content) => paragraph(content, width),
-        Block::Notes(notes) => notes.iter().map(|note| lines(&format!("- {note}\n"))).collect(),
+        Block::Notes(notes) => notes.iter().map(|note| lines(&format!("- {}\n", one_line(note)))).collect(),
         Block::Table(item) if item.caption.is_empty() => table(item, width),
-        Block::Table(item) => lines(&format!("{}\n", item.caption)) + &table(item, width),
-        Block::Figure(figure) => lines(&format!("{}: {}\n", figure.file, figure.caption)),
+        Block::Table(item) => lines(&format!("{}\n", one_line(&item.caption))) + &table(item, width),
+        Block::Figure(figure) => lines(&format!("{}: {}\n", figure.file, one_line(&figure.caption))),
     };
     report.blocks.iter().map(render).collect()
 }
@@ -94,7 +95,8 @@ fn column_groups(table: &Table, width: usize) -> Vec<Vec<usize>> {
 /// Formats some columns of a table, in their natural width or within a width.
 fn grid(table: &Table, columns: &[usize], width: Option<usize>) -> String {
     let mut grid = comfy_table::Table::new();
-    let cell = |row: &[super::Cell], column: usize| TextCell::new(row.get(column).map_or("", |cell| &cell.text));
+    let cell =
+        |row: &[super::Cell], column: usize| TextCell::new(one_line(row.get(column).map_or("", |cell| &cell.text)));
     grid.load_style(TableStyle::new());
     grid.add_rows(table.rows.iter().map(|row| columns.iter().map(|column| cell(row, *column)).collect::<Vec<_>>()));
     if let Some(width) = width {

@@ -112,7 +112,7 @@ impl ToReport for StaticsReport<'_> {
     fn report(&self) -> Report {
         let Grasp { scene, drive: loads, forces: all, palm, closure, .. } = self.grasp;
         Report::join([
-            format!("{scene}: the grasp at rest\n").into(),
+            format!("{}: the grasp at rest\n", crate::scene::one_line(scene)).into(),
             posture(self.grasp),
             drive(loads).into(),
             forces(all),

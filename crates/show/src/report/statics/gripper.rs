@@ -188,7 +188,7 @@ fn slipping_brakes<'m>(limit: &Limit, motors: &[&'m str]) -> Vec<&'m str> {
 /// The complete report, with a final line end.
 impl ToReport for GripperStaticsReport<'_> {
     fn report(&self) -> Report {
-        let head = format!("{}: the grasp of its object at rest\n", self.grasp.scene).into();
+        let head = format!("{}: the grasp of its object at rest\n", crate::scene::one_line(&self.grasp.scene)).into();
         let motors = self.motors().map(motor).collect::<String>().into();
         let mut sections = vec![head, posture(self.grasp), motors, contacts(&self.grasp.contacts)];
         for (blocked, found) in &self.grasp.closures {

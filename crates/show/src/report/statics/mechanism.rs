@@ -181,7 +181,7 @@ impl ToReport for MechanismStaticsReport<'_> {
         let [x, y] = grasp.centre_m.map(millimetres);
         let head = format!(
             "{}: the grasp of `{}` at {} of the run\nmass {} g, centre of mass at ({x}, {y}) mm\n",
-            grasp.scene,
+            crate::scene::one_line(&grasp.scene),
             grasp.object,
             format_duration(grasp.sample.time_s),
             number(grasp.mass_kg * 1e3)
