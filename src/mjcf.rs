@@ -6,15 +6,17 @@
 //! coordinates of phalanx. Contacts, limits and friction are MuJoCo's own: its soft constraints do not have the laws of
 //! the scene.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
 use crate::drive::Profile;
 use crate::files::MODEL_MARK;
+use crate::format::escape_markup;
 use crate::mechanism::{
-    Actuator, AssemblyError, Command, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineId, OutlineShape,
-    Pose, Spring, SpringKind, Start, assemble,
+    Actuator, AssemblyError, Body, Command, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineId,
+    OutlineShape, Pose, Spring, SpringKind, Start, assemble,
 };
-use crate::numeric::elementary::{hypot, sin_cos};
+use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use crate::numeric::plane::{Vector, add, rotate, scale, sub};
 
 /// A model, and what it does not have.
@@ -36,16 +38,37 @@ pub enum MjcfError {
          by a revolute joint"
     )]
     PrismaticLoop(String),
+    #[error("the body {0} has joints but does not rotate, which MuJoCo does not know: give it a moment of inertia")]
+    DoesNotRotate(String),
+    #[error(
+        "the body {0} is too light for MuJoCo, in which mass and moment of inertia are at least {MIN_INERTIA:e} kg and kg·m²: \
+         give it more"
+    )]
+    TooLight(String),
 }
+
+/// Least mass, kg, and moment of inertia, kg·m², of a moving body in MuJoCo (mjMINVAL).
+const MIN_INERTIA: f64 = 1e-15;
 
 /// Half of the thickness of all geoms out of the plane, m.
 const HALF_THICKNESS_M: f64 = 0.01;
 
+/// Half of the edges of the box that stands for a half plane of a moving body, m: MuJoCo has planes of fixed bodies only.
+const PLANE_BOX_M: f64 = 1.0;
+
 /// Returns the MuJoCo model of a mechanism; commands over time are given up to `duration_s`.
 ///
 /// # Errors
-/// Returns an error for a mechanism that cannot be assembled, or with a loop of prismatic joints only.
+/// Returns an error for a mechanism that cannot be assembled, or with something that MuJoCo does not have at all.
 pub fn mujoco_model(name: &str, mechanism: &Mechanism, duration_s: f64) -> Result<MujocoModel, MjcfError> {
+    for (index, body) in mechanism.bodies.iter().enumerate().filter(|(_, body)| body.motion.is_none()) {
+        if !body.rotates() && mechanism.has_joint(Some(index)) {
+            return Err(MjcfError::DoesNotRotate(body.name.clone()));
+        }
+        if body.mass_kg.min(body.inertia_kg_m2) < MIN_INERTIA {
+            return Err(MjcfError::TooLight(body.name.clone()));
+        }
+    }
     let start = assemble(mechanism)?;
     let (tree, loops) = spanning_tree(mechanism);
     if let Some(joint) = loops.iter().map(|joint| &mechanism.joints[*joint]).find(|joint| is_prismatic(joint)) {
@@ -53,6 +76,7 @@ pub fn mujoco_model(name: &str, mechanism: &Mechanism, duration_s: f64) -> Resul
     }
     let mut writer = Writer {
         mechanism,
+        names: &Names::new(mechanism),
         start: &start,
         tree: &tree,
         duration_s,
@@ -62,7 +86,7 @@ pub fn mujoco_model(name: &str, mechanism: &Mechanism, duration_s: f64) -> Resul
         depth: 0,
     };
     writer.xml.push_str(MODEL_MARK);
-    writer.nest(&format!("mujoco model=\"{}\"", escape(name)), |writer| {
+    writer.nest(&format!("mujoco model=\"{}\"", escape_markup(name)), |writer| {
         writer.element("compiler angle=\"radian\" autolimits=\"true\"");
         let [x, y] = mechanism.gravity_m_s2;
         writer.element(&format!(
@@ -83,13 +107,100 @@ pub fn mujoco_model(name: &str, mechanism: &Mechanism, duration_s: f64) -> Resul
         writer.tendons();
         let controls = join(&writer.actuators());
         writer.commands();
-        let (positions, rates) = (join(&writer.positions), join(&writer.rates));
-        writer.nest("keyframe", |writer| {
-            let key = format!("key name=\"start\" qpos=\"{positions}\" qvel=\"{rates}\" ctrl=\"{controls}\"");
-            writer.element(&key);
-        });
+        let values = [("qpos", join(&writer.positions)), ("qvel", join(&writer.rates)), ("ctrl", controls)];
+        let given = values.iter().filter(|(_, list)| !list.is_empty());
+        let values: String = given.map(|(key, list)| format!(" {key}=\"{list}\"")).collect();
+        writer.nest("keyframe", |writer| writer.element(&format!("key name=\"start\"{values}")));
     });
-    Ok(MujocoModel { xml: writer.xml, omissions: omissions(mechanism, &loops) })
+    Ok(MujocoModel { xml: writer.xml, omissions: omissions(mechanism, &tree, &loops) })
+}
+
+/// Names in the model, escaped. MuJoCo has a namespace for each kind of element, in which names must be unique: fixed and
+/// spatial tendons share one, as do the constraints of loops and couplings.
+struct Names {
+    bodies: Vec<String>,
+    /// Outlines by body, those of the ground last.
+    geoms: Vec<Vec<String>>,
+    joints: Vec<String>,
+    /// Coordinates x, y and angle of free bodies.
+    coordinates: Vec<[String; 3]>,
+    /// Tendons.
+    couplings: Vec<String>,
+    combinations: Vec<String>,
+    springs: Vec<String>,
+    /// Both ends of a linear spring.
+    sites: Vec<[String; 2]>,
+    actuators: Vec<String>,
+    preloads: Vec<String>,
+    /// Constraints.
+    loops: Vec<String>,
+    ties: Vec<String>,
+}
+
+impl Names {
+    fn new(mechanism: &Mechanism) -> Self {
+        let Mechanism { bodies, joints, couplings, springs, actuators, .. } = mechanism;
+        // `world` is the name of MuJoCo's ground, `ground` that of the scene's.
+        let mut taken = HashSet::from(["world".to_owned(), "ground".to_owned()]);
+        let body_names: Vec<String> = bodies.iter().map(|body| unique(&mut taken, &body.name, "body")).collect();
+        let grounds = (&"ground".to_owned(), &mechanism.ground_outlines);
+        let mut taken = HashSet::new();
+        let of_bodies = body_names.iter().zip(bodies.iter().map(|body| &body.outlines));
+        let geoms = of_bodies.chain([grounds]).map(|(body, outlines)| {
+            outlines.iter().map(|outline| unique(&mut taken, &format!("{body}.{}", outline.name), "geom")).collect()
+        });
+        let geoms = geoms.collect();
+        let mut taken = HashSet::new();
+        let joint_names = joints.iter().map(|joint| unique(&mut taken, &joint.name, "joint")).collect();
+        let coordinates = body_names
+            .iter()
+            .map(|body| ["x", "y", "angle"].map(|axis| unique(&mut taken, &format!("{body}.{axis}"), "coordinate")));
+        let coordinates = coordinates.collect();
+        let mut taken = HashSet::new();
+        let tendons = [
+            couplings.iter().map(|coupling| unique(&mut taken, &coupling.name, "coupling")).collect(),
+            actuators.iter().map(|actuator| unique(&mut taken, &actuator.name, "actuator")).collect(),
+            springs.iter().map(|spring| unique(&mut taken, &spring.name, "spring")).collect::<Vec<_>>(),
+        ];
+        let mut taken = HashSet::new();
+        let ends =
+            |spring: &Spring| ["from", "to"].map(|end| unique(&mut taken, &format!("{}.{end}", spring.name), "end"));
+        let sites = springs.iter().map(ends).collect();
+        let mut taken = HashSet::new();
+        let actuator_names = actuators.iter().map(|actuator| unique(&mut taken, &actuator.name, "actuator")).collect();
+        let preloads = springs.iter().map(|spring| unique(&mut taken, &spring.name, "spring")).collect();
+        let mut taken = HashSet::new();
+        let loops = joints.iter().map(|joint| unique(&mut taken, &joint.name, "joint")).collect();
+        let ties = couplings.iter().map(|coupling| unique(&mut taken, &coupling.name, "coupling")).collect();
+        let [couplings, combinations, springs] = tendons;
+        Self {
+            bodies: body_names,
+            geoms,
+            joints: joint_names,
+            coordinates,
+            couplings,
+            combinations,
+            springs,
+            sites,
+            actuators: actuator_names,
+            preloads,
+            loops,
+            ties,
+        }
+    }
+
+    fn geom(&self, id: OutlineId) -> &str {
+        &self.geoms[id.body.unwrap_or(self.bodies.len())][id.outline]
+    }
+}
+
+/// Escapes a name, and gives it its kind or a number if it is taken.
+fn unique(taken: &mut HashSet<String>, name: &str, kind: &str) -> String {
+    // An empty name is none.
+    let name = escape_markup(if name.is_empty() { kind } else { name });
+    let numbered = (2..).map(|number| format!("{name}.{kind}{number}"));
+    let mut candidates = [name.clone(), format!("{name}.{kind}")].into_iter().chain(numbered);
+    candidates.find(|candidate| taken.insert(candidate.clone())).expect("numbers do not end")
 }
 
 fn is_prismatic(joint: &Joint) -> bool {
@@ -112,7 +223,9 @@ fn has_load(mechanism: &Mechanism, index: usize) -> bool {
 /// Splits the joints into a spanning tree of the bodies and the joints that close loops.
 fn spanning_tree(mechanism: &Mechanism) -> (Vec<usize>, Vec<usize>) {
     let ground = mechanism.bodies.len();
-    let mut component: Vec<usize> = (0..=ground).collect();
+    // Bodies with prescribed motion have no joints in MuJoCo.
+    let component = |index: usize| if mechanism.is_base(Some(index)) { ground } else { index };
+    let mut component: Vec<usize> = (0..ground).map(component).chain([ground]).collect();
     let mut order: Vec<usize> = (0..mechanism.joints.len()).collect();
     order.sort_by_key(|index| match &mechanism.joints[*index] {
         joint if is_prismatic(joint) => 0,
@@ -126,40 +239,121 @@ fn spanning_tree(mechanism: &Mechanism) -> (Vec<usize>, Vec<usize>) {
     })
 }
 
-/// Sentences on what a model lacks.
-fn omissions(mechanism: &Mechanism, loops: &[usize]) -> Vec<String> {
+/// Sentences on what a model lacks or approximates.
+fn omissions(mechanism: &Mechanism, tree: &[usize], loops: &[usize]) -> Vec<String> {
     let mut all = Vec::new();
     if !mechanism.contacts.is_empty() || !mechanism.limits().is_empty() {
         all.push(
             "contacts, limits and friction are MuJoCo's own soft constraints, without the laws of the scene".to_owned(),
         );
     }
-    for joint in loops.iter().filter(|joint| has_load(mechanism, **joint)) {
-        let name = &mechanism.joints[*joint].name;
-        all.push(format!(
-            "the joint {name} closes a loop: its damping, armature, limits, springs and actuators are missing"
-        ));
+    if !loops.is_empty() || !mechanism.couplings.is_empty() {
+        all.push("joints that close loops, and couplings, are soft constraints".to_owned());
     }
-    let mut missing = |what: &str, name: &str| all.push(format!("the {what} {name} is missing"));
-    mechanism.rotors.iter().for_each(|rotor| missing("rotor", &rotor.name));
-    mechanism.tendons.iter().for_each(|tendon| missing("tendon", &tendon.name));
-    for body in mechanism.bodies.iter().filter(|body| body.motion.is_some() || !body.rotates()) {
-        missing("prescribed or purely translational motion of the body", &body.name);
+    all.extend(omissions_of_joints(mechanism, loops));
+    let lost_joint = |on: &JointCombination| {
+        let lost = on.terms.iter().find(|(joint, _)| !tree.contains(joint));
+        lost.map(|(joint, _)| mechanism.joints[*joint].name.as_str())
+    };
+    let springs = mechanism.springs.iter().filter_map(|spring| Some(("spring", &spring.name, spring.on()?)));
+    let couplings = mechanism.couplings.iter().map(|coupling| ("coupling", &coupling.name, &coupling.on));
+    let actuators = mechanism.actuators.iter().map(|actuator| ("actuator", &actuator.name, &actuator.on));
+    for (what, name, on) in springs.chain(couplings).chain(actuators) {
+        if let Some(joint) = lost_joint(on) {
+            all.push(format!("the {what} {name} is missing, because the joint {joint} closes a loop"));
+        }
     }
-    for actuator in mechanism.actuators.iter().filter(|actuator| actuator.brake.is_some()) {
-        missing("brake of the actuator", &actuator.name);
+    all.extend(mechanism.rotors.iter().map(|rotor| format!("the rotor {} is missing", rotor.name)));
+    for tendon in &mechanism.tendons {
+        let pull = tendon.actuator.as_ref().map(|actuator| format!(" with its actuator {}", actuator.name));
+        all.push(format!("the tendon {}{} is missing", tendon.name, pull.unwrap_or_default()));
     }
-    for actuator in &mechanism.actuators {
-        let name = &actuator.name;
-        if command_times(actuator, f64::INFINITY).len() > 1 {
+    for body in mechanism.bodies.iter().filter(|body| body.motion.is_some()) {
+        let name = &body.name;
+        all.push(format!("the body {name} stays at its start, as a mocap body: its prescribed motion is missing"));
+    }
+    for actuator in mechanism.actuators.iter().filter(|actuator| lost_joint(&actuator.on).is_none()) {
+        all.extend(omissions_of_actuator(actuator));
+    }
+    for contact in mechanism.contacts.iter().filter(|contact| contact.rolling.is_some()) {
+        let [points, face] = [contact.points, contact.face].map(|id| mechanism.outline_name(id));
+        all.push(format!("the rolling resistance of {points} and {face} is missing"));
+    }
+    let is_rounded =
+        |outline: &Outline| matches!(outline.shape, OutlineShape::Polygon { radius_m, .. } if radius_m > 0.0);
+    let of_bodies = mechanism.bodies.iter().flat_map(|body| &body.outlines);
+    if of_bodies.chain(&mechanism.ground_outlines).any(is_rounded) {
+        all.push(format!("each rounded corner of a polygon has {ARC_POINTS} points"));
+    }
+    for body in &mechanism.bodies {
+        for outline in body.outlines.iter().filter(|outline| matches!(outline.shape, OutlineShape::HalfPlane { .. })) {
+            let (name, edge) = (&outline.name, 2.0 * PLANE_BOX_M);
             all.push(format!(
-                "the command of the actuator {name} changes over time: a program must set it from the numbers {name}.times and \
-                 {name}.commands"
+                "the half plane {}.{name} is a box with edges of {edge} m, because its body moves",
+                body.name
             ));
         }
-        if actuator.no_load_speed.is_some() && !matches!(actuator.command, Command::Effort(_)) {
-            all.push(format!("the no-load speed of the actuator {name} is missing"));
+    }
+    all
+}
+
+/// Sentences on joints: those that close loops, and friction.
+fn omissions_of_joints(mechanism: &Mechanism, loops: &[usize]) -> Vec<String> {
+    let mut all = Vec::new();
+    for (index, joint) in mechanism.joints.iter().enumerate() {
+        let name = &joint.name;
+        if loops.contains(&index) {
+            let losses = [
+                ("damping", joint.damping > 0.0),
+                ("armature", joint.armature > 0.0),
+                ("friction", joint.friction.is_some()),
+                ("limits", joint.limit.is_some()),
+            ];
+            let lost: Vec<&str> = losses.into_iter().filter(|(_, is_lost)| *is_lost).map(|(loss, _)| loss).collect();
+            if !lost.is_empty() {
+                all.push(format!("the joint {name} closes a loop: missing is its {}", lost.join(", ")));
+            }
+        } else if let Some(friction) = joint.friction {
+            let unit = if is_prismatic(joint) { "N" } else { "N·m" };
+            let mut lost = Vec::new();
+            if friction.mu_dynamic < friction.mu_static {
+                lost.push(format!("its smaller value in motion ({} {unit})", friction.mu_dynamic));
+            }
+            lost.push("the rates over which it changes".to_owned());
+            if friction.bristle.is_some() {
+                lost.push("its bristle".to_owned());
+            }
+            let (lost, value) = (lost.join(", "), friction.mu_static);
+            all.push(format!("the friction of the joint {name} is a constant {value} {unit}, without {lost}"));
         }
+    }
+    all
+}
+
+/// Sentences on an actuator of the model.
+fn omissions_of_actuator(actuator: &Actuator) -> Vec<String> {
+    let mut all = Vec::new();
+    let name = &actuator.name;
+    let changes = command_times(actuator, f64::INFINITY).len() > 1;
+    if actuator.brake.is_some() {
+        all.push(format!("the brake of the actuator {name} is missing"));
+    }
+    if changes {
+        all.push(format!(
+            "the command of the actuator {name} changes over time: a program must set it from the numbers {name}.times and \
+             {name}.commands"
+        ));
+    }
+    if let Command::Servo { rate_hz: Some(rate_hz), .. } = actuator.command {
+        all.push(format!("the controller of the actuator {name} is continuous: its rate of {rate_hz} Hz is missing"));
+    }
+    match actuator.command {
+        _ if actuator.no_load_speed.is_none() => {}
+        Command::Servo { .. } => all.push(format!("the no-load speed of the actuator {name} is missing")),
+        Command::Effort(_) if changes => {
+            all.push(format!("the torque of the actuator {name} falls with the speed as its largest torque does"));
+        }
+        Command::Effort(_) => {}
     }
     all
 }
@@ -183,7 +377,8 @@ fn command_times(actuator: &Actuator, end_s: f64) -> Vec<f64> {
     times
 }
 
-/// Control signal of the actuator in MuJoCo at a time: an effort, or the position that includes the rate of the target.
+/// Control signal of the actuator in MuJoCo at a time: an effort, which MuJoCo limits, or the position that includes the rate
+/// of the target.
 fn control(actuator: &Actuator, t: f64) -> f64 {
     let (value, rate) = actuator.command.profile().at(t);
     match actuator.command {
@@ -197,12 +392,9 @@ fn join(numbers: &[f64]) -> String {
     numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
 }
 
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
-}
-
 struct Writer<'a> {
     mechanism: &'a Mechanism,
+    names: &'a Names,
     start: &'a Start,
     /// Joints of the tree of bodies.
     tree: &'a [usize],
@@ -236,9 +428,12 @@ impl Writer<'_> {
     fn bodies(&mut self) {
         let mechanism = self.mechanism;
         self.nest("worldbody", |writer| {
-            mechanism.ground_outlines.iter().for_each(|outline| writer.geom("ground", outline));
+            writer.geoms(None);
             writer.sites(None);
             let mut placed = vec![false; mechanism.bodies.len()];
+            let bases = || (0..mechanism.bodies.len()).filter(|index| mechanism.is_base(Some(*index)));
+            bases().for_each(|index| placed[index] = true);
+            bases().for_each(|index| writer.body(index, None, &mut placed, |_| {}));
             writer.children(None, &mut placed);
             while let Some(body) = placed.iter().position(|placed| !placed) {
                 writer.free_body(body, &mut placed);
@@ -264,30 +459,40 @@ impl Writer<'_> {
         let body = &self.mechanism.bodies[index];
         let base = parent.map_or([0.0; 3], |parent| self.start.poses[parent]);
         let ([x, y], angle) = relative_pose(base, self.start.poses[index]);
-        let name = &body.name;
-        self.nest(&format!("body name=\"{name}\" pos=\"{x} {y} 0\" euler=\"0 0 {angle}\""), |writer| {
+        let (name, mocap) = (&self.names.bodies[index], if body.motion.is_some() { " mocap=\"true\"" } else { "" });
+        self.nest(&format!("body name=\"{name}\" pos=\"{x} {y} 0\" euler=\"0 0 {angle}\"{mocap}"), |writer| {
             joints(writer);
-            let ([x, y], mass, inertia) = (body.com_m, body.mass_kg, body.inertia_kg_m2);
-            writer.element(&format!(
-                "inertial pos=\"{x} {y} 0\" mass=\"{mass}\" diaginertia=\"{inertia} {inertia} {inertia}\""
-            ));
-            body.outlines.iter().for_each(|outline| writer.geom(name, outline));
+            if body.motion.is_none() {
+                writer.inertia(body);
+            }
+            writer.geoms(Some(index));
             writer.sites(Some(index));
             writer.children(Some(index), placed);
         });
     }
 
+    fn inertia(&mut self, body: &Body) {
+        let ([x, y], mass) = (body.com_m, body.mass_kg);
+        // The moment of inertia of a body that does not rotate has no effect.
+        let inertia = if body.rotates() { body.inertia_kg_m2 } else { mass };
+        self.element(&format!(
+            "inertial pos=\"{x} {y} 0\" mass=\"{mass}\" diaginertia=\"{inertia} {inertia} {inertia}\""
+        ));
+    }
+
     /// Writes a body without joints to placed bodies: it moves freely in the plane.
     fn free_body(&mut self, index: usize, placed: &mut Vec<bool>) {
         placed[index] = true;
-        let name = &self.mechanism.bodies[index].name;
+        let (names, axes) = (self.names, if self.mechanism.bodies[index].rotates() { 3 } else { 2 });
         let (pose, rate) = (self.start.poses[index], self.start.rates[index]);
         self.body(index, None, placed, |writer| {
-            for (axis, kind) in
-                ["slide\" axis=\"1 0 0", "slide\" axis=\"0 1 0", "hinge\" axis=\"0 0 1"].iter().enumerate()
-            {
-                let suffix = ["x", "y", "angle"][axis];
-                writer.element(&format!("joint name=\"{name}.{suffix}\" type=\"{kind}\" ref=\"{}\"", pose[axis]));
+            // Axes are in the frame of the body at the start.
+            let (sin, cos) = sin_cos(pose[2]);
+            let slides = [[cos, -sin], [sin, cos]].map(|[x, y]| format!("slide\" axis=\"{x} {y} 0"));
+            let kinds = slides.into_iter().chain(["hinge\" axis=\"0 0 1".to_owned()]);
+            for (axis, kind) in kinds.enumerate().take(axes) {
+                let name = &names.coordinates[index][axis];
+                writer.element(&format!("joint name=\"{name}\" type=\"{kind}\" ref=\"{}\"", pose[axis]));
                 writer.positions.push(pose[axis]);
                 writer.rates.push(rate[axis]);
             }
@@ -325,7 +530,7 @@ impl Writer<'_> {
         let mut text = format!(
             "joint name=\"{}\" type=\"{kind}\" pos=\"{x} {y} 0\" axis=\"{axis}\" ref=\"{position}\" damping=\"{damping}\" \
              armature=\"{}\" frictionloss=\"{friction}\"",
-            joint.name, joint.armature
+            self.names.joints[index], joint.armature
         );
         if stiffness > 0.0 {
             let _ = write!(text, " stiffness=\"{stiffness}\" springref=\"{}\"", effort_at_zero / stiffness);
@@ -337,32 +542,23 @@ impl Writer<'_> {
         self.element(&text);
     }
 
-    fn geom(&mut self, body: &str, outline: &Outline) {
-        let shape = match outline.shape {
-            OutlineShape::Disc { center_m: [x, y], radius_m } => {
-                format!("type=\"sphere\" pos=\"{x} {y} 0\" size=\"{radius_m}\"")
-            }
-            OutlineShape::Capsule { from_m: [x0, y0], to_m: [x1, y1], radius_m } => {
-                format!("type=\"capsule\" fromto=\"{x0} {y0} 0 {x1} {y1} 0\" size=\"{radius_m}\"")
-            }
-            OutlineShape::Ellipse { center_m: [x, y], semi_axes_m: [a, b], angle_rad } => {
-                format!("type=\"ellipsoid\" pos=\"{x} {y} 0\" euler=\"0 0 {angle_rad}\" size=\"{a} {b} {}\"", a.min(b))
-            }
-            OutlineShape::Polygon { .. } => format!("type=\"mesh\" mesh=\"{body}.{}\"", outline.name),
-            OutlineShape::HalfPlane { point_m: [x, y], normal: [nx, ny] } => {
-                format!("type=\"plane\" pos=\"{x} {y} 0\" zaxis=\"{nx} {ny} 0\" size=\"1 1 0.1\"")
-            }
-        };
-        self.element(&format!("geom name=\"{body}.{}\" {shape}", outline.name));
+    /// Writes the outlines of a body.
+    fn geoms(&mut self, body: Option<usize>) {
+        let outlines = body.map_or(&self.mechanism.ground_outlines, |body| &self.mechanism.bodies[body].outlines);
+        for (index, outline) in outlines.iter().enumerate() {
+            let name = self.names.geom(OutlineId { body, outline: index });
+            let shape = geom(name, &outline.shape, body.is_some());
+            self.element(&format!("geom name=\"{name}\" {shape}"));
+        }
     }
 
     /// Writes the ends of linear springs on a body.
     fn sites(&mut self, body: Option<usize>) {
-        for spring in &self.mechanism.springs {
+        for (index, spring) in self.mechanism.springs.iter().enumerate() {
             let SpringKind::Linear { bodies, points_m } = spring.kind else { continue };
             for end in (0..2).filter(|end| bodies[*end] == body) {
                 let [x, y] = points_m[end];
-                self.element(&format!("site name=\"{}\" pos=\"{x} {y} 0\"", site_name(&spring.name, end)));
+                self.element(&format!("site name=\"{}\" pos=\"{x} {y} 0\"", self.names.sites[index][end]));
             }
         }
     }
@@ -370,17 +566,18 @@ impl Writer<'_> {
     /// Writes polygons, with their rounding as the outer corners of a prism.
     fn meshes(&mut self) {
         let mechanism = self.mechanism;
-        let of_bodies = mechanism.bodies.iter().map(|body| (body.name.as_str(), &body.outlines));
-        let all: Vec<_> = of_bodies.chain([("ground", &mechanism.ground_outlines)]).collect();
+        let ids = (0..mechanism.bodies.len()).map(Some).chain([None]);
         self.nest("asset", |writer| {
-            for (body, outline) in all.iter().flat_map(|(body, outlines)| outlines.iter().map(move |each| (body, each)))
-            {
-                if let OutlineShape::Polygon { vertices_m, radius_m } = &outline.shape {
+            for body in ids {
+                let outlines = body.map_or(&mechanism.ground_outlines, |body| &mechanism.bodies[body].outlines);
+                for (index, outline) in outlines.iter().enumerate() {
+                    let OutlineShape::Polygon { vertices_m, radius_m } = &outline.shape else { continue };
                     let corners = rounded_corners(vertices_m, *radius_m);
                     let both = [-HALF_THICKNESS_M, HALF_THICKNESS_M];
                     let prism = both.into_iter().flat_map(|z| corners.iter().flat_map(move |[x, y]| [*x, *y, z]));
                     let vertices = join(&prism.collect::<Vec<_>>());
-                    writer.element(&format!("mesh name=\"{body}.{}\" vertex=\"{vertices}\"", outline.name));
+                    let name = writer.names.geom(OutlineId { body, outline: index });
+                    writer.element(&format!("mesh name=\"{name}\" vertex=\"{vertices}\""));
                 }
             }
         });
@@ -396,7 +593,7 @@ impl Writer<'_> {
                     continue;
                 }
                 written.push(pair);
-                let [first, second] = pair.map(|id| mechanism.outline_name(id));
+                let [first, second] = pair.map(|id| writer.names.geom(id));
                 let friction = contact.law.friction.map_or(0.0, |friction| friction.mu_static);
                 let condim = if friction > 0.0 { 3 } else { 1 };
                 writer.element(&format!(
@@ -406,102 +603,120 @@ impl Writer<'_> {
         });
     }
 
+    /// Whether the model has all joints of a combination.
+    fn has_joints(&self, on: &JointCombination) -> bool {
+        on.terms.iter().all(|(joint, _)| self.tree.contains(joint))
+    }
+
     /// Writes the joints that close loops, and the couplings.
     fn constraints(&mut self, loops: &[usize]) {
-        let mechanism = self.mechanism;
+        let (mechanism, names) = (self.mechanism, self.names);
         self.nest("equality", |writer| {
             for index in loops {
                 let joint = &mechanism.joints[*index];
                 let (own, other) = if joint.bodies[0].is_some() { (0, 1) } else { (1, 0) };
                 let [x, y] = joint.points_m[own];
-                let mut text =
-                    format!("connect name=\"{}\" body1=\"{}\"", joint.name, mechanism.body_name(joint.bodies[own]));
-                if joint.bodies[other].is_some() {
-                    let _ = write!(text, " body2=\"{}\"", mechanism.body_name(joint.bodies[other]));
+                let body = |side: usize| joint.bodies[side].map(|body| &names.bodies[body]);
+                let mut text = format!("connect name=\"{}\"", names.loops[*index]);
+                for (key, side) in [("body1", own), ("body2", other)] {
+                    let _ = body(side).map(|name| write!(text, " {key}=\"{name}\""));
                 }
                 writer.element(&format!("{text} anchor=\"{x} {y} 0\""));
             }
-            for coupling in &mechanism.couplings {
-                writer.element(&format!("tendon name=\"{0}\" tendon1=\"{0}\"", coupling.name));
+            for (index, coupling) in mechanism.couplings.iter().enumerate() {
+                if writer.has_joints(&coupling.on) {
+                    let (name, tendon) = (&names.ties[index], &names.couplings[index]);
+                    writer.element(&format!("tendon name=\"{name}\" tendon1=\"{tendon}\""));
+                }
             }
         });
     }
 
-    /// Writes linear springs, and the sums of joint positions that couplings keep.
+    /// Writes linear springs, and the sums of joint positions on which couplings, actuators and springs act.
     fn tendons(&mut self) {
-        let mechanism = self.mechanism;
+        let (mechanism, names) = (self.mechanism, self.names);
         self.nest("tendon", |writer| {
-            for coupling in &mechanism.couplings {
-                writer.combination(&coupling.name, &coupling.on, "");
+            for (name, coupling) in names.couplings.iter().zip(&mechanism.couplings) {
+                writer.combination(name, &coupling.on, "");
             }
-            for actuator in mechanism.actuators.iter().filter(|actuator| actuator.on.joint().is_none()) {
-                writer.combination(&actuator.name, &actuator.on, "");
-            }
-            for spring in &mechanism.springs {
-                if let Some(on) = spring.on().filter(|on| on.joint().is_none()) {
-                    let (stiffness, damping, rest) = (spring.stiffness, spring.damping, spring.rest + on.offset);
-                    let properties =
-                        format!(" stiffness=\"{stiffness}\" damping=\"{damping}\" springlength=\"{rest}\"");
-                    writer.combination(&spring.name, on, &properties);
+            for (name, actuator) in names.combinations.iter().zip(&mechanism.actuators) {
+                if actuator.on.joint().is_none() {
+                    writer.combination(name, &actuator.on, "");
                 }
             }
-            for spring in mechanism.springs.iter().filter(|spring| spring.on().is_none()) {
-                let (name, stiffness, damping, rest) = (&spring.name, spring.stiffness, spring.damping, spring.rest);
-                let text = format!(
-                    "spatial name=\"{name}\" stiffness=\"{stiffness}\" damping=\"{damping}\" springlength=\"{rest}\""
-                );
-                writer.nest(&text, |writer| {
-                    (0..2).for_each(|end| writer.element(&format!("site site=\"{}\"", site_name(name, end))));
-                });
+            for (index, spring) in mechanism.springs.iter().enumerate() {
+                let name = &names.springs[index];
+                match &spring.kind {
+                    SpringKind::Torsional { on, preload } if on.joint().is_none() => {
+                        // The preload of a spring without stiffness is an actuator.
+                        let shift = if spring.stiffness > 0.0 { preload / spring.stiffness } else { 0.0 };
+                        writer.combination(name, on, &spring_properties(spring, spring.rest + on.offset + shift));
+                    }
+                    SpringKind::Torsional { .. } => {}
+                    SpringKind::Linear { .. } => {
+                        let properties = spring_properties(spring, spring.rest);
+                        writer.nest(&format!("spatial name=\"{name}\"{properties}"), |writer| {
+                            for site in &names.sites[index] {
+                                writer.element(&format!("site site=\"{site}\""));
+                            }
+                        });
+                    }
+                }
             }
         });
     }
 
     /// Writes a sum of joint positions as a fixed tendon.
     fn combination(&mut self, name: &str, on: &JointCombination, properties: &str) {
+        if !self.has_joints(on) {
+            return;
+        }
         self.nest(&format!("fixed name=\"{name}\"{properties}"), |writer| {
             for (joint, factor) in &on.terms {
-                let name = &writer.mechanism.joints[*joint].name;
+                let name = &writer.names.joints[*joint];
                 writer.element(&format!("joint joint=\"{name}\" coef=\"{factor}\""));
             }
         });
     }
 
-    /// Attribute that names the joint or the fixed tendon on which an actuator of this name acts.
-    fn transmission(&self, name: &str, on: &JointCombination) -> String {
+    /// Attribute that names the joint, or the fixed tendon of this name, on which an actuator acts.
+    fn transmission(&self, tendon: &str, on: &JointCombination) -> String {
         match on.joint() {
-            Some(joint) => format!("joint=\"{}\"", self.mechanism.joints[joint].name),
-            None => format!("tendon=\"{name}\""),
+            Some(joint) => format!("joint=\"{}\"", self.names.joints[joint]),
+            None => format!("tendon=\"{tendon}\""),
         }
     }
 
     /// Writes all actuators and the constant torques of springs; returns the control signals at the start.
     fn actuators(&mut self) -> Vec<f64> {
-        let (mechanism, tree) = (self.mechanism, self.tree);
-        let is_in_tree = |on: &JointCombination| on.terms.iter().all(|(joint, _)| tree.contains(joint));
+        let (mechanism, names) = (self.mechanism, self.names);
         let mut controls = Vec::new();
         self.nest("actuator", |writer| {
-            for actuator in mechanism.actuators.iter().filter(|actuator| is_in_tree(&actuator.on)) {
-                let (gain, bias) = gains(actuator);
+            for (index, actuator) in mechanism.actuators.iter().enumerate() {
+                if !writer.has_joints(&actuator.on) {
+                    continue;
+                }
+                let (gain, [constant, by_position, by_rate]) = gains(actuator);
                 let mut text = format!(
-                    "general name=\"{}\" {} gaintype=\"fixed\" gainprm=\"{gain}\" biastype=\"affine\" biasprm=\"0 {} {}\"",
-                    actuator.name,
-                    writer.transmission(&actuator.name, &actuator.on),
-                    bias[0],
-                    bias[1]
+                    "general name=\"{}\" {} gaintype=\"fixed\" gainprm=\"{gain}\" biastype=\"affine\" biasprm=\"{constant} \
+                     {by_position} {by_rate}\"",
+                    names.actuators[index],
+                    writer.transmission(&names.combinations[index], &actuator.on),
                 );
                 if let Some(limit) = actuator.limit {
-                    let _ = write!(text, " forcerange=\"{} {limit}\"", -limit);
+                    // The torque of a motor is limited before it falls with the speed.
+                    let key = if matches!(actuator.command, Command::Effort(_)) { "ctrlrange" } else { "forcerange" };
+                    let _ = write!(text, " {key}=\"{} {limit}\"", -limit);
                 }
                 writer.element(&text);
                 controls.push(control(actuator, 0.0));
             }
-            for spring in mechanism.springs.iter().filter(|spring| spring.stiffness == 0.0) {
+            for (index, spring) in mechanism.springs.iter().enumerate().filter(|(_, spring)| spring.stiffness == 0.0) {
                 if let SpringKind::Torsional { on, preload } = &spring.kind
-                    && is_in_tree(on)
+                    && writer.has_joints(on)
                 {
-                    let transmission = writer.transmission(&spring.name, on);
-                    writer.element(&format!("motor name=\"{}\" {transmission}", spring.name));
+                    let transmission = writer.transmission(&names.springs[index], on);
+                    writer.element(&format!("motor name=\"{}\" {transmission}", names.preloads[index]));
                     controls.push(*preload);
                 }
             }
@@ -513,16 +728,12 @@ impl Writer<'_> {
     fn commands(&mut self) {
         let (mechanism, duration_s) = (self.mechanism, self.duration_s);
         self.nest("custom", |writer| {
-            for actuator in &mechanism.actuators {
+            for (name, actuator) in writer.names.actuators.iter().zip(&mechanism.actuators) {
                 let times = command_times(actuator, duration_s);
-                if times.len() > 1 {
+                if times.len() > 1 && writer.has_joints(&actuator.on) {
                     let controls: Vec<f64> = times.iter().map(|t| control(actuator, *t)).collect();
                     for (list, numbers) in [("times", &times), ("commands", &controls)] {
-                        writer.element(&format!(
-                            "numeric name=\"{}.{list}\" data=\"{}\"",
-                            actuator.name,
-                            join(numbers)
-                        ));
+                        writer.element(&format!("numeric name=\"{name}.{list}\" data=\"{}\"", join(numbers)));
                     }
                 }
             }
@@ -533,21 +744,49 @@ impl Writer<'_> {
 /// Bound of the side of a joint without a limit, rad or m.
 const UNLIMITED: f64 = 1e3;
 
-/// Gain on the control signal, and gains on position and rate, of an actuator.
-fn gains(actuator: &Actuator) -> (f64, [f64; 2]) {
+/// Gain on the control signal, and the constant and the gains on position and rate, of an actuator.
+fn gains(actuator: &Actuator) -> (f64, [f64; 3]) {
     match &actuator.command {
         // τ − |τ| q̇/ω₀, with the largest torque: MuJoCo's drop does not follow a torque over time.
         Command::Effort(profile) => {
-            let drop = actuator.no_load_speed.map_or(0.0, |speed| -profile.largest() / speed);
-            (1.0, [0.0, drop])
+            let largest = actuator.limit.map_or(profile.largest(), |limit| profile.largest().min(limit));
+            (1.0, [0.0, 0.0, actuator.no_load_speed.map_or(0.0, |speed| -largest / speed)])
         }
-        Command::Servo { kp: 0.0, kd, .. } => (*kd, [0.0, -kd]),
-        Command::Servo { kp, kd, .. } => (*kp, [-kp, -kd]),
+        Command::Servo { kp: 0.0, kd, .. } => (*kd, [0.0, 0.0, -kd]),
+        // MuJoCo's position is the sum without its offset.
+        Command::Servo { kp, kd, .. } => (*kp, [kp * actuator.on.offset, -kp, -kd]),
     }
 }
 
-fn site_name(spring: &str, end: usize) -> String {
-    format!("{spring}.{}", ["from", "to"][end])
+/// Attributes of a tendon with a spring of this length at rest.
+fn spring_properties(spring: &Spring, rest: f64) -> String {
+    // A length of −1 stands for that of the start.
+    let rest = if rest == -1.0 { rest.next_down() } else { rest };
+    format!(" stiffness=\"{}\" damping=\"{}\" springlength=\"{rest}\"", spring.stiffness, spring.damping)
+}
+
+/// Attributes of an outline.
+fn geom(name: &str, shape: &OutlineShape, is_of_body: bool) -> String {
+    match *shape {
+        OutlineShape::Disc { center_m: [x, y], radius_m } => {
+            format!("type=\"sphere\" pos=\"{x} {y} 0\" size=\"{radius_m}\"")
+        }
+        OutlineShape::Capsule { from_m: [x0, y0], to_m: [x1, y1], radius_m } => {
+            format!("type=\"capsule\" fromto=\"{x0} {y0} 0 {x1} {y1} 0\" size=\"{radius_m}\"")
+        }
+        OutlineShape::Ellipse { center_m: [x, y], semi_axes_m: [a, b], angle_rad } => {
+            format!("type=\"ellipsoid\" pos=\"{x} {y} 0\" euler=\"0 0 {angle_rad}\" size=\"{a} {b} {}\"", a.min(b))
+        }
+        OutlineShape::Polygon { .. } => format!("type=\"mesh\" mesh=\"{name}\""),
+        OutlineShape::HalfPlane { point_m, normal } if is_of_body => {
+            let [x, y] = sub(point_m, scale(normal, PLANE_BOX_M));
+            let (angle, half) = (atan2(normal[1], normal[0]), PLANE_BOX_M);
+            format!("type=\"box\" pos=\"{x} {y} 0\" euler=\"0 0 {angle}\" size=\"{half} {half} {half}\"")
+        }
+        OutlineShape::HalfPlane { point_m: [x, y], normal: [nx, ny] } => {
+            format!("type=\"plane\" pos=\"{x} {y} 0\" zaxis=\"{nx} {ny} 0\" size=\"1 1 0.1\"")
+        }
+    }
 }
 
 /// Pose in the frame of another pose.

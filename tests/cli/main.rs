@@ -12,6 +12,7 @@ mod limits;
 mod manual;
 mod mechanism;
 mod messages;
+mod mujoco;
 mod ownership;
 mod page;
 mod replay;
