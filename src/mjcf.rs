@@ -11,13 +11,13 @@ use std::fmt::Write as _;
 
 use crate::drive::Profile;
 use crate::files::MODEL_MARK;
-use crate::format::escape_markup;
 use crate::mechanism::{
     Actuator, AssemblyError, Body, Command, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineId,
     OutlineShape, Pose, Spring, SpringKind, Start, assemble,
 };
 use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use crate::numeric::plane::{Vector, add, rotate, scale, sub};
+use phalanx_show::format::escape_markup;
 
 /// A model, and what it does not have.
 #[derive(Clone, Debug, PartialEq)]

@@ -163,8 +163,10 @@ fn export(path: &Path, set: &SetArgs, target: &Path) -> Result<Status, Failure> 
         mujoco_model(&scene.name, &mechanism, scene.duration_s).map_err(|error| bad_input(&error.to_string()))?;
     replace_file(target, |out| out.write_all(model.xml.as_bytes()))
         .map_err(|error| Failure::bad_input(cannot_write(target, error)))?;
-    let omissions: String = model.omissions.iter().map(|omission| format!("  {omission}\n")).collect();
-    print(&format!("wrote {}: a model for MuJoCo; what it lacks:\n{omissions}", target.display()))
+    let omissions: String =
+        model.omissions.iter().map(|omission| format!("  {}\n", scene::one_line(omission))).collect();
+    let lacks = if omissions.is_empty() { "it lacks nothing" } else { "what it lacks:" };
+    print(&format!("wrote {}: a model for MuJoCo; {lacks}\n{omissions}", target.display()))
 }
 
 /// Prints summaries of the valid scenes and errors of the others.
