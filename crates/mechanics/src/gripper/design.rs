@@ -6,6 +6,7 @@
 use super::posture::{GraspError, contact_proximal};
 use super::posture::{PostureError, gamma};
 use super::{Assembly, Lengths, NumberError, positive};
+use crate::numeric::decimals;
 use crate::numeric::elementary::{cos, hypot, sin, sin_cos, tan};
 use crate::shape::PlacedShape;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -81,15 +82,15 @@ pub enum DesignError {
     #[error("the fraction of l21 is {value}, but must lie within 0 and 1: or give l21 as a length")]
     Fraction { value: f64 },
     #[error(
-        "base is {:.4} mm, but must be above {:.4} mm: below that the finger starts inside the object, so move it \
+        "base is {:.2$} mm, but must be above {:.2$} mm: below that the finger starts inside the object, so move it \
          away, or make the object or the links narrower",
-        .base_m * 1e3, .min_m * 1e3
+        .base_m * 1e3, .min_m * 1e3, decimals(&[.base_m * 1e3, .min_m * 1e3], 4)
     )]
     BaseTooSmall { base_m: f64, min_m: f64 },
     #[error(
-        "base is {:.4} mm, but must be below {:.4} mm: above that t22 touches the object at less than its \
+        "base is {:.2$} mm, but must be below {:.2$} mm: above that t22 touches the object at less than its \
          smallest contact angle, so move the finger nearer, or lower tip_contact_min",
-        .base_m * 1e3, .max_m * 1e3
+        .base_m * 1e3, .max_m * 1e3, decimals(&[.base_m * 1e3, .max_m * 1e3], 4)
     )]
     BaseTooLarge { base_m: f64, max_m: f64 },
     #[error(

@@ -7,6 +7,7 @@
 //! a disc becomes a virtual circle of radius R = r_c + w.
 
 use super::{Assembly, Lengths, NumberError, number};
+use crate::numeric::decimals;
 use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use crate::numeric::plane::{add, cross, sub, wrap_angle};
 use crate::shape::{self, PlacedShape, Tangent, second_tangent, tangent};
@@ -43,10 +44,11 @@ pub enum PostureError {
     #[error(transparent)]
     Number(#[from] NumberError),
     #[error(
-        "the loop cannot close: {links} ({:.4} and {:.4} mm) must span {:.4} mm, but can span only {:.4} to {:.4} mm: \
+        "the loop cannot close: {links} ({:.4} and {:.4} mm) must span {:.5$} mm, but can span only {:.5$} to {:.5$} mm: \
          change their lengths, or the angles of the ground links",
         .lengths_m[0] * 1e3, .lengths_m[1] * 1e3, .span_m * 1e3,
-        (.lengths_m[0] - .lengths_m[1]).abs() * 1e3, (.lengths_m[0] + .lengths_m[1]) * 1e3
+        (.lengths_m[0] - .lengths_m[1]).abs() * 1e3, (.lengths_m[0] + .lengths_m[1]) * 1e3,
+        decimals(&[.span_m * 1e3, (.lengths_m[0] - .lengths_m[1]).abs() * 1e3, (.lengths_m[0] + .lengths_m[1]) * 1e3], 4)
     )]
     CannotClose { links: &'static str, lengths_m: [f64; 2], span_m: f64 },
     #[error(
@@ -244,21 +246,21 @@ pub enum GraspError {
     #[error(transparent)]
     Number(#[from] NumberError),
     #[error(
-        "the object's centre is {:.4} mm from the ground joint, but must be more than {:.4} mm (its radius and the half \
+        "the object's centre is {:.2$} mm from the ground joint, but must be more than {:.2$} mm (its radius and the half \
          width) away: move it, or make it smaller",
-        .distance_m * 1e3, .min_m * 1e3
+        .distance_m * 1e3, .min_m * 1e3, decimals(&[.distance_m * 1e3, .min_m * 1e3], 4)
     )]
     TooNear { distance_m: f64, min_m: f64 },
     #[error(
-        "the proximal phalanx misses the object: it is {:.4} mm long, but the contact is {:.4} mm from its joint, so \
+        "the proximal phalanx misses the object: it is {:.2$} mm long, but the contact is {:.2$} mm from its joint, so \
          make l21 longer or move the object closer",
-        .l21_m * 1e3, .contact_m * 1e3
+        .l21_m * 1e3, .contact_m * 1e3, decimals(&[.l21_m * 1e3, .contact_m * 1e3], 4)
     )]
     ProximalTooShort { l21_m: f64, contact_m: f64 },
     #[error(
-        "the distal phalanx does not reach its contact: it is {:.4} mm long, but the contact is {:.4} mm from its joint, \
+        "the distal phalanx does not reach its contact: it is {:.2$} mm long, but the contact is {:.2$} mm from its joint, \
          so make t22 longer or l21 shorter",
-        .t22_m * 1e3, .contact_m * 1e3
+        .t22_m * 1e3, .contact_m * 1e3, decimals(&[.t22_m * 1e3, .contact_m * 1e3], 4)
     )]
     TipTooShort { t22_m: f64, contact_m: f64 },
     #[error(transparent)]

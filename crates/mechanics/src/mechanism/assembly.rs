@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 
 use super::{Body, Joint, JointKind, Mechanism, Pose};
+use crate::numeric::MORE_DECIMALS;
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, rotate, sub};
 
@@ -47,7 +48,7 @@ pub enum Measure {
     AngularRate(f64),
 }
 
-/// Decimals of a [`Measure`]. A double in a message has up to 17 more.
+/// Decimals of a [`Measure`].
 const DECIMALS: usize = 4;
 
 impl Measure {
@@ -64,8 +65,7 @@ impl Measure {
     /// Returns the texts of two numbers, with the digits in which they differ.
     pub fn distinct([a, b]: [Self; 2]) -> [String; 2] {
         let texts = |decimals| [a, b].map(|measure: Self| measure.with_decimals(decimals));
-        let all = (DECIMALS..=DECIMALS + 17).map(texts);
-        all.into_iter().find(|[a, b]| a != b).unwrap_or_else(|| texts(DECIMALS))
+        (DECIMALS..=DECIMALS + MORE_DECIMALS).map(texts).find(|[a, b]| a != b).unwrap_or_else(|| texts(DECIMALS))
     }
 
     /// Text with this number of decimals, or significant digits of a small number.

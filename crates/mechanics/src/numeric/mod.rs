@@ -248,9 +248,30 @@ pub fn map_same_type<T: Copy, const N: usize>(mut array: [T; N], f: impl Fn(T) -
     array
 }
 
+/// Decimals that a message adds at most to tell two numbers apart: those of a double below 1.
+pub(crate) const MORE_DECIMALS: usize = 17;
+
+/// Returns the number of decimals with which numbers that differ do so in a text, at least `least`.
+pub fn decimals(numbers: &[f64], least: usize) -> usize {
+    let is_told = |decimals: &usize| {
+        let texts: Vec<String> = numbers.iter().map(|number| format!("{number:.decimals$}")).collect();
+        let pairs = (1..numbers.len()).flat_map(|k| (0..k).map(move |other| (k, other)));
+        pairs.into_iter().all(|(a, b)| numbers[a] == numbers[b] || texts[a] != texts[b])
+    };
+    (least..least + MORE_DECIMALS).find(is_told).unwrap_or(least)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn decimals_tell_numbers_apart() {
+        assert_eq!(decimals(&[22.5, 20.0], 4), 4);
+        assert_eq!(decimals(&[22.5, 22.5], 4), 4);
+        assert_eq!(decimals(&[22.5, 22.500_000_001], 4), 9);
+        assert_eq!(decimals(&[1.0, 2.0, 1.0f64.next_up()], 3), 16);
+    }
 
     /// f(x, y) = √(x² y) / (x + 3) − sin(x y) against its closed-form gradient.
     #[test]

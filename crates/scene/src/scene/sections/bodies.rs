@@ -10,6 +10,7 @@ use super::mechanism::outline::{OutlineSettings, outline};
 use super::{FINGER, FINGERS, GRIPPER, SceneSettings, extend};
 use crate::limits::{MAX_DISCS, MAX_START_OVERLAP_M};
 use crate::mechanism::{Measure, Mechanism, OutlineShape, PrescribedMotion};
+use crate::numeric::decimals;
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::discs::PLANE;
 use crate::scene::keys::is_name;
@@ -429,7 +430,8 @@ fn is_ground_joint_clear(input: &SectionInput<'_>, side: Side, target: &Target, 
     };
     let nearest = target.object.iter().chain(&target.ends).filter_map(tangent_failure);
     let Some((distance, reach)) = nearest.min_by(|nearer, other| nearer.0.total_cmp(&other.0)) else { return true };
-    let [distance, reach] = [distance, reach].map(|value| format!("{:.3} mm", value * 1e3));
+    let decimals = decimals(&[distance * 1e3, reach * 1e3], 3);
+    let [distance, reach] = [distance, reach].map(|value| format!("{:.decimals$} mm", value * 1e3));
     let message = format!(
         "the ground joint of the {} finger is {distance} from the object's centre, but must be at least {reach} away: the \
          radius and half a link's width",
