@@ -10,6 +10,7 @@ mod decimation;
 mod examples;
 mod faults_log;
 mod faults_process;
+mod faults_subjects;
 mod live_origin;
 mod order;
 mod pictures;

@@ -217,6 +217,9 @@ fn unknown_channels_are_skipped_and_counted() {
     let run = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "analytic" };
     let metadata = mcap::write::Metadata { name: "phalanx".to_string(), metadata: phalanx::log::metadata(&run) };
     mcap.write_metadata(&metadata).expect("written");
+    let (name, media_type) = ("synthetic.toml".to_string(), "application/toml".to_string());
+    let data = scene.source.as_bytes().into();
+    mcap.attach(&mcap::Attachment { log_time: 0, create_time: 0, name, media_type, data }).expect("written");
     // The topic is known, but the schema is not.
     let schema = mcap.add_schema("other.State", "protobuf", b"").expect("added");
     for (topic, schema) in [("/joint/q11", schema), ("/chat", 0)] {

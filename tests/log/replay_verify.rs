@@ -224,12 +224,16 @@ fn compares_logs_of_other_versions() {
 fn rejects_logs_that_cannot_be_simulated_again() {
     let directory = directory("verify_refused");
     let bytes = log(FINGER_SCENE, Model::Analytic, 1e4);
+    let changes_scene = |changes: &LogEdits<'_>| (changes.scene)("[motor]").as_deref() != Some("[motor]");
     let assert_edit_rejected = |changes: &LogEdits<'_>, parts: &[&str]| {
         let path = write_bytes(&directory, "refused.mcap", &edit_log(&bytes, changes));
         assert_rejected(&["replay", path_text(&path), "--verify", "--json"], parts);
-        // The summary is still printed; an invalid duration contradicts a completed run.
-        let status = if parts[0] == "duration_s" { 1 } else { 0 };
-        assert_status(&["replay", path_text(&path)], status, &[]);
+        // The summary is still printed; an invalid duration contradicts a completed run, and a scene that cannot be used is
+        // lost.
+        let is_scene_lost = changes_scene(changes);
+        let status = i32::from(parts[0] == "duration_s" || is_scene_lost);
+        let text = assert_status(&["replay", path_text(&path)], status, if is_scene_lost { &["scene"] } else { &[] });
+        assert_eq!(stdout(&text).contains("LOST: "), is_scene_lost);
     };
     type Entries = std::collections::BTreeMap<String, String>;
     let set_entry = |key: &'static str, value: &'static str| {

@@ -208,7 +208,18 @@ fn log_contains_the_scene_and_the_settings() {
     assert_eq!(attachment.data.as_ref(), scene.source.as_bytes());
     assert_eq!((attachment.log_time, attachment.create_time), (0, 0));
 
-    assert_eq!(summary.metadata_indexes.len(), 1);
+    assert_eq!(summary.metadata_indexes.len(), 2);
+    let subjects = mcap::read::metadata(&bytes, &summary.metadata_indexes[1]).expect("readable");
+    assert_eq!(subjects.name, "phalanx-subjects");
+    let expected = "joint q11, joint q12, joint q21, joint q22, joint loop, actuator motor, contact proximal, contact distal, \
+                    limit limit, energy energy";
+    assert_eq!(subjects.metadata["subjects"], expected);
+    let kind = |topic: &str| {
+        let channel = summary.channels.values().find(|channel| channel.topic == topic).expect("a channel");
+        channel.metadata.get("kind").cloned()
+    };
+    let kinds = ["/joint/q11", "/contact/limit", "/energy", "/event"].map(kind);
+    assert_eq!(kinds, [Some("joint"), Some("limit"), Some("energy"), None].map(|kind| kind.map(String::from)));
     let record = mcap::read::metadata(&bytes, &summary.metadata_indexes[0]).expect("readable");
     assert_eq!(record.name, "phalanx");
     let info = RunInfo { scene: &scene, scene_file: "synthetic.toml", model: "analytic" };

@@ -165,8 +165,8 @@ pub struct Message {
 /// The records of a log, from which its messages can be written in another order or with other options.
 #[derive(Default)]
 pub struct LogContents {
-    metadata: Vec<mcap::write::Metadata>,
-    attachments: Vec<mcap::Attachment<'static>>,
+    pub metadata: Vec<mcap::write::Metadata>,
+    pub attachments: Vec<mcap::Attachment<'static>>,
     /// Id, name, encoding and data.
     pub schemas: Vec<(u16, String, String, Vec<u8>)>,
     pub channels: Vec<Channel>,
@@ -222,8 +222,8 @@ impl LogContents {
         }
         for message in messages {
             let channel = self.channels.iter().find(|channel| channel.id == message.channel).expect("known");
-            let Channel { id, schema_id, topic, message_encoding, .. } = channel;
-            out.add_channel_with_id(*id, *schema_id, topic, message_encoding, &BTreeMap::new()).expect("added");
+            let Channel { id, schema_id, topic, message_encoding, metadata } = channel;
+            out.add_channel_with_id(*id, *schema_id, topic, message_encoding, metadata).expect("added");
             let header = MessageHeader {
                 channel_id: *id,
                 sequence: message.sequence,

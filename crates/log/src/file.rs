@@ -129,6 +129,36 @@ impl Write for LogFile {
     }
 }
 
+/// Copies a log, see [`LogFile::open`]; the copy of a log to itself is the log.
+///
+/// # Errors
+/// Returns an error if the log cannot be read or the copy cannot be written.
+pub fn copy_log(log: &Path, copy: &Path) -> Result<(), CopyError> {
+    let mut source = File::open(log).map_err(|error| CopyError::Read { path: log.to_path_buf(), source: error })?;
+    if is_same_file(&source, copy) {
+        return Ok(());
+    }
+    let mut file = LogFile::open(copy)?;
+    let target = format!("the log {}", copy.display());
+    io::copy(&mut source, &mut file).map_err(|source| SinkError { target, source })?;
+    Ok(file.commit()?)
+}
+
+/// Error while copying a log.
+#[derive(Debug, thiserror::Error)]
+pub enum CopyError {
+    #[error("cannot read the log {path}: {source}")]
+    Read {
+        path: PathBuf,
+        #[source]
+        source: io::Error,
+    },
+    #[error(transparent)]
+    Open(#[from] LogError),
+    #[error(transparent)]
+    Write(#[from] SinkError),
+}
+
 /// Starts a log in a file, see [`LogFile::open`].
 ///
 /// # Errors

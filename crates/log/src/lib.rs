@@ -35,6 +35,11 @@
 //! at the start of the file, so a truncated log still identifies its run. A record `phalanx-check` contains the result
 //! of an accuracy check.
 //!
+//! **Subjects.** A record `phalanx-subjects` lists kind and name of every subject in the order of the samples, and the
+//! metadata of a channel contain the kind of its subject (`kind`). Samples and events are therefore read without the
+//! scene, and a missing topic is noticed without it. A log without a scene that can be read has lost it
+//! ([`LossKind::Scene`]).
+//!
 //! **Crashes.** A log grows as `NAME.mcap.partial` and is renamed when finished, so an older log is replaced only by a
 //! complete one. Every chunk is written at once and flushed, so a killed run leaves a partial log that is readable up
 //! to its last chunk. Chunks start small and grow with the log up to 256 KiB.
@@ -68,8 +73,8 @@ mod writer;
 
 pub use channels::ChannelContent;
 pub use file::{
-    FileWriter, LogError, LogFile, create, create_with_feed, ensure_replaceable, is_same_file, partial_name,
-    resolve_link,
+    CopyError, FileWriter, LogError, LogFile, copy_log, create, create_with_feed, ensure_replaceable, is_same_file,
+    partial_name, resolve_link,
 };
 pub use foxglove::messages::log::Level as Severity;
 pub use mcap_file::{CHUNK_BYTES, MessageFeed};

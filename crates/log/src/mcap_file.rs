@@ -118,11 +118,21 @@ impl<W: Write> McapFile<W> {
 
     /// Registers a channel of protobuf messages. The schema is written once for all channels that share it.
     pub fn register(&mut self, topic: &str, schema: Option<Schema>) -> Result<ChannelId, SinkError> {
+        self.register_with_metadata(topic, schema, &BTreeMap::new())
+    }
+
+    /// Registers a channel with metadata.
+    pub fn register_with_metadata(
+        &mut self,
+        topic: &str,
+        schema: Option<Schema>,
+        metadata: &BTreeMap<String, String>,
+    ) -> Result<ChannelId, SinkError> {
         let schema_id = match &schema {
             Some(schema) => self.mcap.add_schema(&schema.name, &schema.encoding, &schema.data),
             None => Ok(0),
         };
-        let id = schema_id.and_then(|schema| self.mcap.add_channel(schema, topic, ENCODING, &BTreeMap::new()));
+        let id = schema_id.and_then(|schema| self.mcap.add_channel(schema, topic, ENCODING, metadata));
         let id = self.convert_error(id)?;
         if let Some(feed) = &mut self.feed {
             feed.add_channel(topic, ENCODING, schema);

@@ -10,6 +10,10 @@ use phalanx_core::scene::{Keyword, Scene, parse_any, show};
 /// Name of the metadata record.
 pub(crate) const METADATA_NAME: &str = "phalanx";
 
+/// Name of the metadata record with the kinds and names of all subjects, in the order of the samples, and its only key. With
+/// it a reader knows which topics the log must contain, without the scene.
+pub(crate) const SUBJECTS_RECORD: (&str, &str) = ("phalanx-subjects", "subjects");
+
 /// Version of topics and messages. Logs of phalanx 0.1 do not have it.
 pub(crate) const LOG_VERSION: (&str, &str) = ("log_version", "3");
 

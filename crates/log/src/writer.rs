@@ -6,11 +6,11 @@ use std::io::Write;
 use foxglove::Encode;
 use foxglove::messages::{Log, log::Level};
 
-use super::channels::{EVENTS, LINES, topics};
+use super::channels::{EVENTS, LINES, topics, write_subjects};
 use super::lines::{GraspState, describe_event};
 use super::mcap_file::{ChannelId, McapFile, MessageFeed};
 use super::messages::{encode, encode_event, event_schema, subject_schema};
-use super::metadata::RunInfo;
+use super::metadata::{RunInfo, SUBJECTS_RECORD};
 use super::pictures::Pictures;
 use phalanx_core::drawing::Drawing;
 use phalanx_core::scene::{HandContact, LogSettings, Scene, Side};
@@ -54,11 +54,15 @@ impl<W: Write> Writer<W> {
         let mut file = McapFile::start(out, name, run, feed)?;
         let scene = run.scene.clone();
         let schema = Schema { has_joint_forces: scene.log.joint_forces, ..Schema::from_scene(&scene) };
-        let (subjects, mut channels) = (schema.subjects(), Vec::new());
-        for topic in &topics(&schema) {
+        let (subjects, topics, mut channels) = (schema.subjects(), topics(&schema), Vec::new());
+        let (record, key) = SUBJECTS_RECORD;
+        file.record(record, BTreeMap::from([(key.to_string(), write_subjects(&topics))]))?;
+        for topic in &topics {
             if let Some(subject) = topic.content.subject().map(|index| &subjects[index]) {
                 let indices = subject.independent().map(|(index, _)| index).collect();
-                channels.push((file.register(&topic.name, Some(subject_schema(subject)))?, indices));
+                let message_schema = Some(subject_schema(subject));
+                let channel = file.register_with_metadata(&topic.name, message_schema, &topic.metadata())?;
+                channels.push((channel, indices));
             }
         }
         let events = file.register(EVENTS, Some(event_schema()))?;

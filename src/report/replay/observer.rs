@@ -26,10 +26,10 @@ pub struct LogObserver {
 
 impl LogObserver {
     /// Creates an observer from the head of the log, because the criteria need the scene before the first sample. Also
-    /// returns a warning if there are no criteria.
+    /// returns a warning if the finger cannot grasp its object; a scene that cannot be read is a loss of the log.
     pub fn new(head: &LogSummary) -> (Self, Option<String>) {
         match scene_in_log(head) {
-            None => (LogObserver::default(), None),
+            None | Some(Err(_)) => (LogObserver::default(), None),
             Some(Ok(scene)) => {
                 let is_finger = scene.finger_count() == 1;
                 let object = scene.object().filter(|_| is_finger);
@@ -42,15 +42,6 @@ impl LogObserver {
                 let tracker = Some(OffGrid::new(numeric_hz, RunCriteriaTracker::for_scene(&scene)));
                 let audit = settings.map(|settings| OffGrid::new(numeric_hz, audit(&settings, &scene)));
                 (LogObserver { tracker, scene: Some(scene), audit, ..LogObserver::default() }, warning)
-            }
-            Some(Err(error)) => {
-                let missing = match head.finger_count() {
-                    0 => "the joints and bodies are unknown",
-                    1 => "no dynamic criteria",
-                    _ => "no grasp criteria",
-                };
-                let reason = "because this version of phalanx cannot read the scene in the log";
-                (LogObserver::default(), Some(format!("{missing}, {reason}: {error}")))
             }
         }
     }
@@ -106,16 +97,17 @@ pub fn scene_in_log(head: &LogSummary) -> Option<Result<Scene, SceneError>> {
 impl LogSink for LogObserver {
     fn schema(&mut self, schema: &Schema) -> Result<(), SinkError> {
         let count = schema.contacts.len();
+        // Contacts have other indices in another scene.
+        if self.scene.as_ref().is_some_and(|scene| !schema.has_subjects_of(scene)) {
+            *self = LogObserver::default();
+        }
         // The scene provides the masses for the rebounds.
         let of_scene = self.scene.as_ref().and_then(|scene| scene.mechanism.as_ref()).and_then(Rebounds::for_mechanism);
         let of_scene = of_scene.filter(|found| found.pairs().len() == count);
-        let is_unknown = self.scene.is_none() && schema.is_mechanism();
+        let is_unknown = self.scene.is_none() && schema.is_mechanism() && schema.joints.is_empty();
         self.rebounds = of_scene.or_else(|| is_unknown.then(|| Rebounds::new(count)));
         self.schema = schema.clone();
         self.outcome = Outcome { contacts: vec![ContactSummary::default(); count], ..Outcome::default() };
-        // The kind of the scene can differ from the kind of the log.
-        let finger_count = self.scene.as_ref().map_or(0, |scene| scene.finger_count());
-        self.tracker = self.tracker.take().filter(|_| schema.fingers.len() == finger_count);
         Ok(())
     }
 

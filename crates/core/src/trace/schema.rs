@@ -528,6 +528,31 @@ impl Schema {
         }
     }
 
+    /// Adds a subject after the others of its kind, unless one of its name exists. `is_limit`: a contact of a joint with its
+    /// limit. Every schema has the energies.
+    pub fn add_subject(&mut self, kind: SubjectKind, is_limit: bool, name: &str) {
+        let has_name = |names: &[JointName]| names.iter().any(|known| known.name == name);
+        let named = |is_linear| JointName { name: name.to_string(), is_linear };
+        match kind {
+            SubjectKind::Joint | SubjectKind::Slider if !has_name(&self.joints) => {
+                self.joints.push(named(kind == SubjectKind::Slider));
+            }
+            SubjectKind::Actuator | SubjectKind::LinearActuator if !has_name(&self.actuators) => {
+                self.actuators.push(named(kind == SubjectKind::LinearActuator));
+            }
+            SubjectKind::Tendon if !self.tendons.iter().any(|known| known == name) => {
+                self.tendons.push(name.to_string())
+            }
+            SubjectKind::Body if !self.bodies.iter().any(|known| known == name) => self.bodies.push(name.to_string()),
+            SubjectKind::Contact | SubjectKind::Limit if !self.contacts.iter().any(|known| known.name == name) => {
+                let index = if is_limit { self.contacts.len() } else { self.surfaces().end };
+                self.limits += usize::from(is_limit);
+                self.contacts.insert(index, ContactName { name: name.to_string(), is_angular: kind.is_angular() });
+            }
+            _ => {}
+        }
+    }
+
     /// Whether samples of a scene have these subjects.
     pub fn has_subjects_of(&self, scene: &Scene) -> bool {
         Schema { has_joint_forces: self.has_joint_forces, ..Schema::from_scene(scene) } == *self

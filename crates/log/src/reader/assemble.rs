@@ -12,13 +12,13 @@ use mcap::records::MessageHeader;
 
 use super::messages::{MAX_OPEN_BYTES, too_much_memory};
 use super::missing::{MissingTracker, has_duplicates};
-use super::scan::{MAX_RECORD_BYTES, Scan};
-use super::summary::{Defect, LogSink, LogSummary, Loss, RunEnd, Stop};
-use crate::channels::{ChannelContent, Topic, topics};
+use super::scan::Scan;
+use super::schema::read_schema;
+use super::summary::{Defect, LogSink, LogSummary, Loss, MissingData, RunEnd, Stop};
+use crate::channels::{ChannelContent, Topic, is_own_message, topics};
 use crate::lines::is_friction_line;
 use crate::messages::{decode, decode_event};
-use phalanx_core::scene::parse_any;
-use phalanx_core::trace::{ContactName, Event, EventKind, Sample, Schema};
+use phalanx_core::trace::{Event, EventKind, Sample, Schema};
 
 /// Assembles messages, which arrive in order of log time.
 pub(crate) struct Assembler {
@@ -34,6 +34,8 @@ pub(crate) struct Assembler {
     has_duplicates: bool,
     /// Subjects that the log has, in write order.
     present: Vec<usize>,
+    /// Topics with messages of phalanx that belong to no subject.
+    unreadable: Vec<String>,
     /// A sample without any message: all required values are NaN.
     missing_sample: Sample,
     sample: Sample,
@@ -82,23 +84,12 @@ impl Assembler {
     /// Creates an assembler after the first pass; takes over its summary.
     pub fn new(scan: &mut Scan) -> Self {
         let mut summary = std::mem::take(&mut scan.summary);
-        let count = summary.finger_count();
-        let scene = summary.scene.as_ref().filter(|(_, text)| text.len() < MAX_RECORD_BYTES);
-        let scene =
-            scene.and_then(|(name, text)| parse_any(text, name).ok()).filter(|scene| scene.finger_count() == count);
-        let is_known = scene.is_some();
-        let mut schema = scene.map_or_else(|| Schema::for_fingers(count), |scene| Schema::from_scene(&scene));
         let found: BTreeMap<_, _> = scan.index.channels.iter().collect();
-        match (is_known, count) {
-            (true, _) => {}
-            (false, 0) => add_disc_topics(&mut schema, found.values().map(|channel| channel.topic.as_str())),
-            (false, _) => keep_contacts(&mut schema, found.values().map(|channel| channel.topic.as_str())),
-        }
-        schema.has_joint_forces = summary.metadata.get("log_joint_forces").is_some_and(|value| value == "true");
+        let schema = read_schema(&mut summary, scan, found.values().map(|channel| &***channel));
         let mut topics = topics(&schema);
         let by_name: HashMap<String, usize> =
             topics.iter().enumerate().map(|(index, topic)| (topic.name.clone(), index)).collect();
-        let mut channels = BTreeMap::new();
+        let (mut channels, mut unreadable) = (BTreeMap::new(), Vec::new());
         for (&id, channel) in found {
             let message_schema = channel.schema.as_ref().filter(|schema| schema.encoding == "protobuf");
             let is_protobuf = channel.message_encoding == "protobuf";
@@ -112,7 +103,12 @@ impl Assembler {
                 None if ["foxglove.FrameTransforms", "foxglove.SceneUpdate"].contains(&name) => {
                     channels.insert(id, None);
                 }
-                None => summary.unknown_channels += 1,
+                None => {
+                    summary.unknown_channels += 1;
+                    if is_own_message(name) {
+                        unreadable.push(channel.topic.clone());
+                    }
+                }
             }
         }
         let subjects = schema.subjects();
@@ -135,6 +131,7 @@ impl Assembler {
             schema,
             topics,
             channels,
+            unreadable,
             present,
             missing_sample,
             summary,
@@ -154,12 +151,13 @@ impl Assembler {
 
     /// Returns the summary, including lost and missing data, after the last message.
     pub fn finish(self, scan: &Scan) -> LogSummary {
-        let Assembler { mut summary, tracker, schema, topics, channels, .. } = self;
+        let Assembler { mut summary, tracker, schema, topics, channels, unreadable, .. } = self;
         if let Some((at_byte, defect)) = &scan.damage {
             summary.losses.push(Loss::new(*at_byte, summary.bytes, defect, summary.last_s));
         }
         let known = channels.keys().filter_map(|id| Some((*id, *scan.sequences.get(id)?))).collect();
         summary.missing = tracker.missing(&summary, topics, &schema, &known);
+        summary.missing.extend(unreadable.into_iter().map(MissingData::unreadable));
         summary
     }
 
@@ -286,36 +284,6 @@ impl Assembler {
 /// Largest difference between the time of a message and its log time, which is a whole number of nanoseconds and never
 /// decreases.
 const MAX_TIME_DIFFERENCE_S: f64 = 1e-3;
-
-/// Adds the discs and pairs of discs of topics to the schema. Names that could not become a column are ignored.
-fn add_disc_topics<'a>(schema: &mut Schema, topics: impl Iterator<Item = &'a str>) {
-    let is_valid = |name: &str| {
-        name.starts_with(|first: char| first.is_ascii_alphabetic())
-            && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
-    };
-    let is_pair = |name: &str| name.split_once('-').is_some_and(|(disc, partner)| is_valid(disc) && is_valid(partner));
-    let mut known: HashSet<String> = schema.bodies.iter().cloned().collect();
-    known.extend(schema.contacts.iter().map(|contact| contact.name.clone()));
-    for topic in topics {
-        let (disc, pair) = (topic.strip_prefix("/body/"), topic.strip_prefix("/contact/"));
-        if let Some(name) = disc.filter(|name| is_valid(name) && known.insert(name.to_string())) {
-            schema.bodies.push(name.to_string());
-        }
-        if let Some(name) = pair.filter(|name| is_pair(name) && known.insert(name.to_string())) {
-            schema.contacts.push(ContactName { name: name.to_string(), is_angular: false });
-        }
-    }
-}
-
-/// Keeps those contacts of fingers that a log without a scene has.
-fn keep_contacts<'a>(schema: &mut Schema, topics: impl Iterator<Item = &'a str>) {
-    let found: HashSet<&str> = topics.filter_map(|topic| topic.strip_prefix("/contact/")).collect();
-    // A finger with an object has contacts of both phalanges, which have the first indices.
-    let is_phalanx = |name: &str| ["proximal", "distal"].contains(&name);
-    let has_object = found.iter().any(|name| is_phalanx(name));
-    schema.contacts.retain(|contact| found.contains(contact.name.as_str()) || has_object && is_phalanx(&contact.name));
-    schema.limits = schema.contacts.iter().filter(|contact| contact.is_angular).count();
-}
 
 /// Whether messages are in write order. `present` are the subjects of a sample of this log, in order.
 fn is_in_write_order(parts: &[Part], present: &[usize]) -> bool {

@@ -1,7 +1,7 @@
 //! Finds data missing in a log.
 //!
-//! A log with filtered topics is a valid MCAP file. Its expected contents follow from the attached scene and from the
-//! log itself: every sample has a message on each of its topics, sequence numbers are contiguous, every event is on `/event`
+//! A log with filtered topics is a valid MCAP file. Its expected contents follow from its list of subjects, or from the
+//! attached scene, and from the messages: every sample has a message on each of its topics, sequence numbers are contiguous, every event is on `/event`
 //! and is a line on `/events`, and the last line tells how the run ended.
 
 use std::collections::BTreeMap;
@@ -119,7 +119,7 @@ impl MissingTracker {
     fn missing_components(&self, summary: &LogSummary, subject: usize, is_empty: bool) -> Option<String> {
         // A run that stopped before its first sample has no samples; a truncated log may have none.
         let stopped = summary.run_end.as_ref().is_some_and(|run_end| run_end.stopped.is_some());
-        if is_empty && (summary.samples > 0 || !stopped && summary.is_complete()) {
+        if is_empty && (summary.samples > 0 || !stopped && summary.is_read_to_end()) {
             return Some("has no message".to_string());
         }
         let (received, first_s) = self.received[subject];
@@ -141,7 +141,7 @@ impl MissingTracker {
     /// Describes missing event lines, or a missing line about the end of the run.
     fn missing_lines(&self, summary: &LogSummary, is_empty: bool) -> Option<String> {
         if is_empty {
-            return summary.is_complete().then(|| "has no message".to_string());
+            return summary.is_read_to_end().then(|| "has no message".to_string());
         }
         let pairs = || self.events.iter().flatten().zip(self.lines.iter().flatten());
         let without_line: u64 = pairs().map(|(events, lines)| events.saturating_sub(*lines)).sum();
@@ -149,7 +149,7 @@ impl MissingTracker {
             let events: u64 = pairs().map(|(events, _)| events).sum();
             return Some(format!("lacks {without_line} of {events} events that are on other topics"));
         }
-        (summary.is_complete() && summary.run_end.is_none()).then(|| "does not say how the run ended".to_string())
+        (summary.is_read_to_end() && summary.run_end.is_none()).then(|| "does not say how the run ended".to_string())
     }
 }
 

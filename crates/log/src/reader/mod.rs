@@ -16,6 +16,7 @@
 //! |---|---|
 //! | `scan` | first pass: metadata, schemas, channels and positions of messages |
 //! | `messages` | second pass: messages in order of log time |
+//! | `schema` | subjects of the samples |
 //! | `assemble` | messages of one log time → samples and events |
 //! | `missing` | data missing in the log |
 //! | `summary` | contents and losses of a log, errors |
@@ -24,6 +25,7 @@ mod assemble;
 mod messages;
 mod missing;
 mod scan;
+mod schema;
 mod summary;
 
 use std::fs::File;

@@ -9,7 +9,7 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, parse_record};
 
 use super::summary::{Defect, LogSummary, Loss, LossKind, ReadError};
-use crate::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME};
+use crate::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME, SUBJECTS_RECORD};
 
 /// Maximum size of a record or chunk, compressed or not: sixty times what phalanx writes.
 pub const MAX_RECORD_BYTES: usize = 16 << 20;
@@ -33,6 +33,10 @@ pub(crate) struct Scan {
     pub summary: LogSummary,
     /// Whether the metadata record of phalanx was found.
     pub is_phalanx_log: bool,
+    /// List of all subjects, if the log has one.
+    pub subjects: Option<String>,
+    /// Position of the attached scene.
+    pub scene_offset: u64,
     /// Schemas, channels and chunks. A range of messages outside chunks is listed as an uncompressed chunk.
     pub index: mcap::Summary,
     /// Data offsets, as computed from the index, of the ranges of messages outside chunks.
@@ -52,6 +56,8 @@ impl Scan {
         let mut scan = Scan {
             summary: LogSummary { bytes, ..LogSummary::default() },
             is_phalanx_log: false,
+            subjects: None,
+            scene_offset: 0,
             index: mcap::Summary::default(),
             bare_ranges: HashSet::new(),
             bare_end: 0,
@@ -110,26 +116,25 @@ impl Scan {
     /// Processes a record outside chunks.
     fn record(&mut self, offset: u64, opcode: u8, data: &[u8], chunk_reader: &mut LinearReader) -> Result<(), Defect> {
         match parse(opcode, data) {
-            Ok(Record::Metadata(found)) => {
+            Ok(Record::Metadata(mut found)) => {
                 if found.name == METADATA_NAME && !self.is_phalanx_log {
                     self.is_phalanx_log = true;
                     self.summary.metadata = found.metadata;
+                } else if found.name == SUBJECTS_RECORD.0 && self.subjects.is_none() {
+                    self.subjects = found.metadata.remove(SUBJECTS_RECORD.1);
                 }
             }
             Ok(Record::Attachment { header, data, .. }) => {
                 if header.media_type == ATTACHMENT_MEDIA_TYPE && self.summary.scene.is_none() {
                     self.summary.scene = Some((header.name, String::from_utf8_lossy(&data).into_owned()));
+                    self.scene_offset = offset;
                 }
             }
             // Samples do not depend on the attachment.
-            Err(defect) if opcode == op::ATTACHMENT => self.summary.losses.push(Loss {
-                at_byte: offset,
-                kind: LossKind::Scene,
-                description: format!(
-                    "the log is damaged at byte {offset}: {}; its samples are not affected",
-                    defect.reason
-                ),
-            }),
+            Err(defect) if opcode == op::ATTACHMENT => {
+                let reason = format!("the log is damaged at byte {offset}: {}", defect.reason);
+                self.summary.losses.push(Loss::of_scene(offset, &reason));
+            }
             Ok(Record::Chunk { header, .. }) => self.chunk(offset, &header, data, chunk_reader)?,
             Ok(Record::Message { header, .. }) => {
                 self.count(&header);

@@ -87,6 +87,11 @@ impl LogSummary {
         self.losses.is_empty()
     }
 
+    /// Whether the log was read to its end: only scene, metadata or index are lost.
+    pub(super) fn is_read_to_end(&self) -> bool {
+        self.losses.iter().all(|loss| matches!(loss.kind, LossKind::Scene | LossKind::Metadata))
+    }
+
     /// Whether the log contains all data for the class of the run and the fate of the grasped object.
     pub fn supports_verdict(&self) -> bool {
         self.samples > 0 && self.is_complete() && !self.missing.iter().any(|missing| missing.is_required_for_verdict)
@@ -126,6 +131,7 @@ impl RunEnd {
 /// Missing or invalid part of a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Loss {
+    /// Position in the file; 0 for a scene that is not in the log.
     pub at_byte: u64,
     #[serde(skip)]
     pub kind: LossKind,
@@ -145,11 +151,20 @@ pub enum LossKind {
     Metadata,
     /// A chunk has an unsupported compression.
     UnsupportedCompression,
-    /// The attached scene is damaged; samples are not affected.
+    /// The attached scene is missing, damaged, or cannot be read; samples are not affected.
     Scene,
 }
 
 impl Loss {
+    /// Describes the loss of the attached scene.
+    pub(super) fn of_scene(at_byte: u64, reason: &str) -> Self {
+        let description = format!(
+            "{reason}; all samples and events are read, but the results that need the scene are omitted: class, criteria, \
+             drawings, and a new simulation"
+        );
+        Loss { at_byte, kind: LossKind::Scene, description }
+    }
+
     /// Describes a loss after samples up to `last_s`.
     pub(super) fn new(at_byte: u64, bytes: u64, defect: &Defect, last_s: Option<f64>) -> Self {
         let reason = &defect.reason;
@@ -249,6 +264,14 @@ pub struct MissingData {
     /// Whether the class of the run and the fate of the grasped object depend on it.
     #[serde(rename = "withholds_criteria")]
     pub is_required_for_verdict: bool,
+}
+
+impl MissingData {
+    /// Describes a topic with messages of phalanx that belong to no subject.
+    pub(super) fn unreadable(topic: String) -> Self {
+        let defect = "has messages of phalanx, but its name is not that of a subject; it is not read".to_string();
+        MissingData { topic, defect, content: ChannelContent::Lines, is_required_for_verdict: true }
+    }
 }
 
 /// Error while reading a log.
