@@ -10,6 +10,7 @@ mod disc_rows;
 mod finger;
 mod gripper;
 mod instances;
+mod limits;
 mod mechanism;
 mod recorder;
 mod sizes;

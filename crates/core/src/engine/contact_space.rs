@@ -8,7 +8,7 @@
 use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_rows_at};
 use super::coordinate::{BodyPose, Row, Twist};
 use super::dense;
-use super::dense::{refill, reset};
+use super::dense::{Cancellation, refill, reset};
 use super::linkage::Linkage;
 use super::plan::Plan;
 use super::support::supports;
@@ -68,7 +68,8 @@ impl ContactSpace {
         self.rows.is_empty()
     }
 
-    /// Selects the candidates that can become active within `dt`, from gap, rate and acceleration with a margin.
+    /// Selects the candidates that can become active within `dt`, from gap, rate and acceleration with a margin. Returns false
+    /// if `keep_running` does; the space is then incomplete.
     #[allow(clippy::too_many_arguments)]
     pub fn assemble(
         &mut self,
@@ -79,7 +80,8 @@ impl ContactSpace {
         velocities: &[Twist],
         accelerations: &[Twist],
         dt: f64,
-    ) {
+        keep_running: &dyn Fn() -> bool,
+    ) -> bool {
         self.active_contacts.clear();
         self.rows.clear();
         for candidate in candidates.iter().filter(|candidate| candidate.uses_contact_law) {
@@ -109,7 +111,7 @@ impl ContactSpace {
             self.rows.push(contact.candidate.normal_row.clone());
         }
         if self.rows.is_empty() {
-            return;
+            return true;
         }
         reset(&mut self.rate_resolution, self.rows.len(), 0.0);
         for contact in &self.active_contacts {
@@ -133,10 +135,11 @@ impl ContactSpace {
             velocities.len(),
             &mut self.response,
             &mut self.w,
+            &Cancellation::new(keep_running),
             |row, linkage| {
                 on_supports.extend(supports(plan).map(|support| support.reaction(linkage, row.sides().copied())));
             },
-        );
+        )
     }
 
     /// Adds the effect of curved surfaces and rotating normals, which the row accelerations do not contain, to the
@@ -223,15 +226,17 @@ fn add_scaled(response: &[Twist], impulse: f64, velocities: &mut [Twist]) {
     }
 }
 
-/// Computes the velocity response to a unit impulse along each row, body by body, and from it W row by row.
+/// Computes the velocity response to a unit impulse along each row, body by body, and from it W row by row. Returns false
+/// if the computation is cancelled.
 fn respond<'a>(
     rows: impl ExactSizeIterator<Item = &'a Row> + Clone,
     linkage: &mut Linkage,
     bodies: usize,
     response: &mut Vec<Twist>,
     w: &mut Vec<f64>,
+    cancellation: &Cancellation,
     mut after: impl FnMut(&Row, &Linkage),
-) {
+) -> bool {
     let count = rows.len();
     reset(response, count * bodies, [0.0; 3]);
     reset(w, count * count, 0.0);
@@ -241,8 +246,15 @@ fn respond<'a>(
         for (i, row) in rows.clone().enumerate() {
             w[i * count + j] = row.rate(response);
         }
+        if !cancellation.add_work(ROW_WORK * count) {
+            return false;
+        }
     }
+    true
 }
+
+/// Work of one entry of W, in multiplications: the rate of a row between two bodies, and the search for its response.
+const ROW_WORK: usize = 12;
 
 /// Index of a normal row before it is known how many rows are coupled.
 const PENDING: usize = usize::MAX;
@@ -282,15 +294,17 @@ impl RateCorrection {
         self.rows.iter().map(|row| row.index).zip(self.impulses.iter().copied())
     }
 
-    /// Solves for the impulses and applies them to the velocities.
-    pub fn solve(&mut self, linkage: &mut Linkage, velocities: &mut [Twist]) {
+    /// Solves for the impulses and applies them to the velocities. Returns false if the computation is cancelled.
+    pub fn solve(&mut self, linkage: &mut Linkage, velocities: &mut [Twist], cancellation: &Cancellation) -> bool {
         let (count, bodies) = (self.rows.len(), velocities.len());
         self.impulses.clear();
         if count == 0 {
-            return;
+            return true;
         }
         let rows = self.rows.iter().map(|row| &row.row);
-        respond(rows, linkage, bodies, &mut self.response, &mut self.w, |_, _| ());
+        if !respond(rows, linkage, bodies, &mut self.response, &mut self.w, cancellation, |_, _| ()) {
+            return false;
+        }
         // (1 + D W) p = D (target − u), with the stiffness D of each row; tangent rows add −μ times the normal impulse.
         refill(&mut self.rates, self.rows.iter().map(|row| row.row.rate(velocities)));
         self.impulses.extend(self.rates.iter().zip(&self.rows).map(|(rate, row)| row.target - rate));
@@ -302,9 +316,9 @@ impl RateCorrection {
                 matrix_row[i - 1] += row.friction_coupling;
             }
         }
-        if !dense::solve(&mut self.w, &mut self.impulses, count) {
+        if !dense::solve(&mut self.w, &mut self.impulses, count, cancellation) {
             self.impulses.fill(0.0);
-            return;
+            return cancellation.add_work(0);
         }
         for j in 0..count {
             let impulse = self.impulses[j].max(-self.rows[j].removable);
@@ -316,6 +330,7 @@ impl RateCorrection {
             }
             add_scaled(&self.response[j * bodies..(j + 1) * bodies], impulse, velocities);
         }
+        true
     }
 
     /// Returns the index of each corrected row of the contact space and the work of its impulse on the bodies: the
@@ -341,6 +356,8 @@ const MIN_RATE_SCALE: f64 = 1e-9;
 const MAX_ITERATIONS: u32 = 30;
 /// Largest number of halvings of a Newton step in the line search.
 const MAX_HALVINGS: u32 = 12;
+/// Work of an evaluation or a Jacobian per entry of W, in multiplications.
+const EVALUATION_WORK: usize = 4;
 
 /// Initial values of an implicit stage.
 pub struct Stage<'a> {
@@ -396,8 +413,14 @@ impl Workspace {
     }
 
     /// Solves a stage and returns the number of iterations. `rate` is the initial guess on entry and the solution on
-    /// return; `self.force` contains the forces there. Fails if the iteration does not converge.
-    pub fn solve(&mut self, space: &ContactSpace, stage: &Stage, rate: &mut [f64]) -> Result<u32, Diverged> {
+    /// return; `self.force` contains the forces there. Fails if the iteration does not converge, or is cancelled.
+    pub fn solve(
+        &mut self,
+        space: &ContactSpace,
+        stage: &Stage,
+        rate: &mut [f64],
+        cancellation: &Cancellation,
+    ) -> Result<u32, Diverged> {
         // Prescribed normal forces follow from the time alone.
         let starts = stage.rate.iter().zip(&space.free);
         for (rate, (start, free)) in rate.iter_mut().zip(starts).skip(space.coupled) {
@@ -405,23 +428,33 @@ impl Workspace {
         }
         // Compile-time sizes are faster; contact spaces are small.
         match space.coupled {
-            1 => self.iterate(space, stage, rate, 1),
-            2 => self.iterate(space, stage, rate, 2),
-            3 => self.iterate(space, stage, rate, 3),
-            4 => self.iterate(space, stage, rate, 4),
-            5 => self.iterate(space, stage, rate, 5),
-            6 => self.iterate(space, stage, rate, 6),
-            8 => self.iterate(space, stage, rate, 8),
-            10 => self.iterate(space, stage, rate, 10),
-            12 => self.iterate(space, stage, rate, 12),
-            14 => self.iterate(space, stage, rate, 14),
-            rows => self.iterate(space, stage, rate, rows),
+            1 => self.iterate(space, stage, rate, 1, None),
+            2 => self.iterate(space, stage, rate, 2, None),
+            3 => self.iterate(space, stage, rate, 3, None),
+            4 => self.iterate(space, stage, rate, 4, None),
+            5 => self.iterate(space, stage, rate, 5, None),
+            6 => self.iterate(space, stage, rate, 6, None),
+            8 => self.iterate(space, stage, rate, 8, None),
+            10 => self.iterate(space, stage, rate, 10, None),
+            12 => self.iterate(space, stage, rate, 12, None),
+            14 => self.iterate(space, stage, rate, 14, None),
+            rows => self.iterate(space, stage, rate, rows, Some(cancellation)),
         }
     }
 
     /// Newton's method with step halving, for the coupled rows.
     #[inline(always)]
-    fn iterate(&mut self, space: &ContactSpace, stage: &Stage, rate: &mut [f64], rows: usize) -> Result<u32, Diverged> {
+    fn iterate(
+        &mut self,
+        space: &ContactSpace,
+        stage: &Stage,
+        rate: &mut [f64],
+        rows: usize,
+        cancellation: Option<&Cancellation>,
+    ) -> Result<u32, Diverged> {
+        // Of an evaluation or of a Jacobian.
+        let is_cancelled =
+            || cancellation.is_some_and(|cancellation| !cancellation.add_work(EVALUATION_WORK * rows * rows));
         let mut residual = self.evaluate(space, stage, rate, rows);
         for iteration in 0..MAX_ITERATIONS {
             if residual <= MAX_RESIDUAL {
@@ -429,7 +462,8 @@ impl Workspace {
             }
             self.assemble_jacobian(space, stage.h, rows);
             self.step.copy_from_slice(&self.residual);
-            if !dense::eliminate(&mut self.jacobian[..rows * rows], &mut self.step[..rows], rows) {
+            let (jacobian, step) = (&mut self.jacobian[..rows * rows], &mut self.step[..rows]);
+            if is_cancelled() || !dense::eliminate(jacobian, step, rows, cancellation) {
                 break;
             }
             let before = residual;
@@ -441,7 +475,7 @@ impl Workspace {
                 let trial = std::mem::take(&mut self.trial);
                 residual = self.evaluate(space, stage, &trial, rows);
                 self.trial = trial;
-                if residual < before || before <= MAX_RESIDUAL {
+                if residual < before || before <= MAX_RESIDUAL || is_cancelled() {
                     break;
                 }
                 fraction *= 0.5;
@@ -461,9 +495,9 @@ impl Workspace {
     }
 
     /// Filters an error: e ← (1 − h W ∂F/∂u)⁻¹ e at the last solution.
-    pub fn filter(&mut self, space: &ContactSpace, h: f64, error: &mut [f64]) {
+    pub fn filter(&mut self, space: &ContactSpace, h: f64, error: &mut [f64], cancellation: &Cancellation) {
         self.assemble_jacobian(space, h, space.coupled);
-        dense::solve(&mut self.jacobian, error, space.coupled);
+        dense::solve(&mut self.jacobian, error, space.coupled, cancellation);
     }
 
     /// Evaluates forces and their derivatives; returns the residual relative to the terms of the equation.

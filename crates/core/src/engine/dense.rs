@@ -1,6 +1,8 @@
 //! Small dense linear systems, row by row, solved in place, and lists that are refilled, because engine steps must not
 //! allocate.
 
+use std::cell::Cell;
+
 /// Replaces the items of a list, reusing its allocation.
 pub(crate) fn refill<T>(list: &mut Vec<T>, items: impl IntoIterator<Item = T>) {
     list.clear();
@@ -13,28 +15,58 @@ pub(crate) fn reset<T: Clone>(list: &mut Vec<T>, count: usize, item: T) {
     list.resize(count, item);
 }
 
-/// Solves a x = b by elimination with row pivoting; `a` is destroyed, `b` becomes x. Returns false if a is singular.
-pub fn solve(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
+/// Work between two checks for cancellation, in multiplications: about a millisecond.
+pub(crate) const WORK_BETWEEN_CHECKS: usize = 1 << 20;
+
+/// Cancellation of a computation whose parts can take seconds: with a thousand contacts, one elimination has 10¹⁰
+/// multiplications.
+pub(crate) struct Cancellation<'a> {
+    keep_running: &'a dyn Fn() -> bool,
+    /// Work since the last check.
+    work: Cell<usize>,
+}
+
+impl<'a> Cancellation<'a> {
+    pub fn new(keep_running: &'a dyn Fn() -> bool) -> Self {
+        Self { keep_running, work: Cell::new(0) }
+    }
+
+    /// Adds work, in multiplications; returns false once the computation is cancelled.
+    #[inline]
+    pub fn add_work(&self, work: usize) -> bool {
+        let total = self.work.get() + work;
+        let is_running = total < WORK_BETWEEN_CHECKS || (self.keep_running)();
+        self.work.set(if is_running { total % WORK_BETWEEN_CHECKS } else { WORK_BETWEEN_CHECKS });
+        is_running
+    }
+}
+
+/// Solves a x = b by elimination with row pivoting; `a` is destroyed, `b` becomes x. Returns false if a is singular, or if
+/// the computation is cancelled.
+pub(crate) fn solve(a: &mut [f64], b: &mut [f64], size: usize, cancellation: &Cancellation) -> bool {
     let (a, b) = (&mut a[..size * size], &mut b[..size]);
     // Compile-time sizes are three times faster; contact spaces are small.
     match size {
-        1 => eliminate(a, b, 1),
-        2 => eliminate(a, b, 2),
-        3 => eliminate(a, b, 3),
-        4 => eliminate(a, b, 4),
-        5 => eliminate(a, b, 5),
-        6 => eliminate(a, b, 6),
-        8 => eliminate(a, b, 8),
-        10 => eliminate(a, b, 10),
-        _ => eliminate(a, b, size),
+        1 => eliminate(a, b, 1, None),
+        2 => eliminate(a, b, 2, None),
+        3 => eliminate(a, b, 3, None),
+        4 => eliminate(a, b, 4, None),
+        5 => eliminate(a, b, 5, None),
+        6 => eliminate(a, b, 6, None),
+        8 => eliminate(a, b, 8, None),
+        10 => eliminate(a, b, 10, None),
+        _ => eliminate(a, b, size, Some(cancellation)),
     }
 }
 
 /// Like [`solve`], but for slices of the exact lengths; inlined for compile-time sizes.
 #[inline(always)]
-pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize) -> bool {
+pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize, cancellation: Option<&Cancellation>) -> bool {
     assert!(a.len() == size * size && b.len() == size);
     for k in 0..size {
+        if cancellation.is_some_and(|cancellation| !cancellation.add_work((size - k) * (size - k))) {
+            return false;
+        }
         let mut pivot = k;
         for i in k + 1..size {
             if a[i * size + k].abs() > a[pivot * size + k].abs() {
@@ -161,16 +193,46 @@ fn substitute_sparse(factor: &[f64], first: &[usize], b: &mut [f64], size: usize
 
 #[cfg(test)]
 mod tests {
+    use super::{Cancellation, WORK_BETWEEN_CHECKS};
+    use std::cell::Cell;
+
+    #[test]
+    fn a_long_elimination_is_cancelled() {
+        let size = 300;
+        let matrix: Vec<f64> =
+            (0..size * size).map(|at| 1.0 / (1.0 + (at / size).abs_diff(at % size) as f64)).collect();
+        let work: usize = (0..size).map(|k| (size - k) * (size - k)).sum();
+        for last in [u32::MAX, 3, 1] {
+            let checks = Cell::new(0);
+            let keep_running = || {
+                checks.set(checks.get() + 1);
+                checks.get() < last
+            };
+            let cancellation = Cancellation::new(&keep_running);
+            let solved = super::solve(&mut matrix.clone(), &mut vec![1.0; size], size, &cancellation);
+            assert_eq!(solved, last == u32::MAX);
+            match solved {
+                true => assert_eq!(checks.get() as usize, work / WORK_BETWEEN_CHECKS),
+                false => {
+                    assert_eq!(checks.get(), last);
+                    // A cancelled computation stays cancelled.
+                    assert!(!cancellation.add_work(1));
+                }
+            }
+        }
+    }
+
     #[test]
     fn solves_with_a_zero_on_the_diagonal() {
+        let cancellation = &Cancellation::new(&|| true);
         let mut a = [0.0, 2.0, 1.0, 1.0, 1.0, 0.0, 3.0, 0.0, 4.0];
         let x = [1.5, -2.0, 0.25];
         let mut b: Vec<f64> = (0..3).map(|i| (0..3).map(|j| a[3 * i + j] * x[j]).sum()).collect();
-        assert!(super::solve(&mut a, &mut b, 3));
+        assert!(super::solve(&mut a, &mut b, 3, cancellation));
         for (found, expected) in b.iter().zip(x) {
             assert!((found - expected).abs() < 1e-14);
         }
-        assert!(!super::solve(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 1.0], 2));
+        assert!(!super::solve(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 1.0], 2, cancellation));
     }
 
     #[test]

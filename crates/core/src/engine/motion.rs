@@ -12,7 +12,7 @@ use rapier2d_f64::prelude::*;
 use super::candidates::{self, ContactCandidate, Source};
 use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrection};
 use super::coordinate::{Row, Twist};
-use super::dense::refill;
+use super::dense::{Cancellation, refill};
 use super::force_rates::ForceRates;
 use super::forces;
 use super::linkage::{Linkage, SingularConstraints};
@@ -204,7 +204,10 @@ impl Motion {
             self.shift_anchors(dt);
             let Self { world, plan, linkage, .. } = self;
             let candidates = (&self.candidates[..], &self.bristle_states[..]);
-            self.space.assemble(world, plan, linkage, candidates, &self.velocities, &self.step_accelerations, dt);
+            let (velocities, accelerations) = (&self.velocities, &self.step_accelerations);
+            if !self.space.assemble(world, plan, linkage, candidates, velocities, accelerations, dt, keep_running) {
+                return Err(ContactSolveError::Stopped.into());
+            }
             self.contact.solve(&self.space, dt, keep_running)?;
             self.compute_impulses(dt);
             iterations += 1;
@@ -260,7 +263,9 @@ impl Motion {
         forces::smooth_forces(&self.plan, &self.linkage, before_node, &mut self.forces);
         self.force_rates.update_in_step(&self.linkage, &self.forces, &self.candidates, dt);
         self.kick(0.5 * dt);
-        self.correct_contact_rates();
+        if !self.correct_contact_rates(keep_running) {
+            return Err(ContactSolveError::Stopped.into());
+        }
 
         // The work of a motor with a no-load speed is integrated with its torque, along its row.
         for (motor, before) in self.plan.motors.iter().zip(&self.previous_torques) {
@@ -407,7 +412,9 @@ impl Motion {
     /// as a rate that the contact cannot have. Like joints, these rows are corrected to the rate at the end of the
     /// contact's own equations, and so is the slip where friction creeps. No force may pull: late impulses are limited
     /// so that they do not become negative.
-    fn correct_contact_rates(&mut self) {
+    ///
+    /// Returns false if `keep_running` does; the rates are then not corrected.
+    fn correct_contact_rates(&mut self, keep_running: &dyn Fn() -> bool) -> bool {
         let dt = self.last_dt_s;
         let Self { space, contact, candidates, rate_correction, .. } = self;
         rate_correction.rows.clear();
@@ -468,7 +475,10 @@ impl Motion {
             let creep = (dt * after.d_slip).max(0.0);
             rate_correction.rows.push(tangent_row(tangent, candidate.slip_row.clone(), after.d_normal, creep));
         }
-        rate_correction.solve(&mut self.linkage, &mut self.velocities);
+        let cancellation = Cancellation::new(keep_running);
+        if !rate_correction.solve(&mut self.linkage, &mut self.velocities, &cancellation) {
+            return false;
+        }
         let is_motor_row = |row: usize| {
             let contacts = &space.active_contacts;
             let is_row = |contact: &ActiveContact| contact.rows().any(|other| other == row);
@@ -483,6 +493,7 @@ impl Motion {
         for (row, impulse) in rate_correction.impulses() {
             contact.late_impulse[row] += impulse;
         }
+        true
     }
 
     /// Returns the power of supports against joints and smooth forces at the node, with the accelerations at time `t`.

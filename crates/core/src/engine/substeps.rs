@@ -7,7 +7,7 @@
 
 use super::candidates::{GAP_ROUNDING, Source};
 use super::contact_space::{ActiveContact, ContactSpace, Diverged, Stage, Workspace};
-use super::dense::{refill, reset};
+use super::dense::{Cancellation, refill, reset};
 use crate::law::friction_range;
 use crate::numeric::elementary::{exp, hypot};
 use crate::scene::Stepping;
@@ -192,7 +192,8 @@ pub enum ContactSolveError {
 }
 
 impl ContactSolver {
-    /// Integrates contact over `dt` while `keep_running` returns true: a step with many contacts can take minutes.
+    /// Integrates contact over `dt` while `keep_running` returns true: a step with many contacts can take minutes, and
+    /// one solution seconds.
     pub fn solve(
         &mut self,
         space: &ContactSpace,
@@ -203,6 +204,7 @@ impl ContactSolver {
         self.buffers.dt = dt;
         let (mut now, mut h) = (0.0, dt);
         let tolerance = self.tolerance.for_step(dt);
+        let cancellation = &Cancellation::new(keep_running);
         while now < dt {
             let remaining = dt - now;
             if remaining <= MIN_STEP_FRACTION * dt {
@@ -219,7 +221,7 @@ impl ContactSolver {
             // Another contact may close within the sub-step: end the sub-step there.
             let max_length = if flight_time > MIN_STEP_FRACTION * dt { flight_time } else { remaining };
             h = h.min(max_length).min(remaining);
-            match self.substep(space, h, remaining, tolerance) {
+            match self.substep(space, h, remaining, tolerance, cancellation) {
                 Ok(error) => {
                     let ratio = (1.0 / error.max(1e-300)).sqrt();
                     if error > 1.0 && h > MIN_STEP_FRACTION * dt {
@@ -240,6 +242,7 @@ impl ContactSolver {
                         h *= (0.9 * ratio).clamp(0.3, MAX_GROWTH);
                     }
                 }
+                Err(_) if !keep_running() => return Err(ContactSolveError::Stopped),
                 Err(error) => {
                     self.repeated += 1;
                     h *= 0.25;
@@ -361,7 +364,14 @@ impl ContactSolver {
     }
 
     /// Computes both stages of a sub-step of length h; returns the error of the rates relative to the tolerance.
-    fn substep(&mut self, space: &ContactSpace, h: f64, remaining: f64, tolerance: Tolerance) -> Result<f64, Diverged> {
+    fn substep(
+        &mut self,
+        space: &ContactSpace,
+        h: f64,
+        remaining: f64,
+        tolerance: Tolerance,
+        cancellation: &Cancellation,
+    ) -> Result<f64, Diverged> {
         self.substeps += 1;
         let Buffers { first, second, first_force, base_rate, base_gap, base_bristle_state, error, .. } =
             &mut self.buffers;
@@ -369,7 +379,7 @@ impl ContactSolver {
 
         first.copy_from_slice(&self.rate);
         let stage = Stage { rate: &self.rate, gap: &self.gap, bristle_state: &self.bristle_state, h: implicit };
-        self.iterations += self.work_space.solve(space, &stage, first)?;
+        self.iterations += self.work_space.solve(space, &stage, first, cancellation)?;
         first_force.copy_from_slice(&self.work_space.force);
 
         let ratio = (1.0 - GAMMA) / GAMMA;
@@ -386,7 +396,7 @@ impl ContactSolver {
             second[i] = base_rate[i] + first[i] - self.rate[i];
         }
         let stage = Stage { rate: base_rate, gap: base_gap, bristle_state: base_bristle_state, h: implicit };
-        self.iterations += self.work_space.solve(space, &stage, second)?;
+        self.iterations += self.work_space.solve(space, &stage, second, cancellation)?;
 
         // γ h (a₂ − a₁), with the stage accelerations aᵢ; the filter removes components that decay within the sub-step.
         for i in 0..space.len() {
@@ -397,7 +407,7 @@ impl ContactSolver {
         if relative <= 1.0 && h >= remaining {
             return Ok(relative);
         }
-        self.work_space.filter(space, implicit, error);
+        self.work_space.filter(space, implicit, error, cancellation);
         Ok(relative_error(space, [&self.rate, second, &self.work_space.force], error, tolerance))
     }
 

@@ -1,7 +1,7 @@
 //! Builds the engine model of a scene, and advances it.
 
-use super::engine_reading::read_state;
-use super::engine_recorder::{EngineRecorder, EngineRecorderState};
+use super::engine_reading::{JointForces, read_state};
+use super::engine_recorder::{EngineRecorder, EngineRecorderState, describe_not_finite};
 use super::grid::RecordingOptions;
 use super::stepper::{Interruption, Stepper};
 use super::{Outcome, RunError, Sample, Sink, SinkError};
@@ -35,6 +35,12 @@ pub(super) fn build_engine(scene: &Scene, recording: RecordingOptions) -> Result
     let mut motion =
         Motion::new(plan, world).map_err(|error| RunError::rejected(error.to_string(), initial_outcome()))?;
     let recorder = EngineRecorderState::new(scene, &mut motion, recording);
+    // With the forces of joints, which the last sample of a run contains.
+    let mut start = recorder.last().clone();
+    JointForces::new(true, &mut motion).set(&motion, &mut start);
+    if let Some(reason) = describe_not_finite(scene, &start) {
+        return Err(RunError::rejected(reason, initial_outcome()));
+    }
     motion.contact.tolerance = Tolerance::from_stepping(engine.stepping);
     if let Stepping::Adaptive { tolerance_m, .. } = engine.stepping {
         motion.tolerance_m = tolerance_m;

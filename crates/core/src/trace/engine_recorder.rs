@@ -6,7 +6,7 @@ use super::engine_reading::{self as reading, JointForces, sample_contact, stored
 use super::extrema::StepExtrema;
 use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::sample::OVERLAP_ROUNDING;
-use super::{Counts, Energy, Outcome, Reach, Sample, Sink, SinkError, Work};
+use super::{Counts, Energy, Outcome, Reach, Sample, Schema, Sink, SinkError, Work};
 use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, PalmFrame, ZERO_RATE};
 use crate::scene::Scene;
 
@@ -81,6 +81,17 @@ impl EngineRecorderState {
     }
 }
 
+/// Explains which number of a sample is not finite, if there is one.
+pub(super) fn describe_not_finite(scene: &Scene, sample: &Sample) -> Option<String> {
+    let index = sample.find_not_finite()?;
+    let channels = Schema::from_scene(scene).channels();
+    let name = channels.iter().find(|channel| channel.index() == Some(index)).map_or("a quantity", |found| &found.name);
+    Some(format!(
+        "`{name}` is not a finite number: masses, lengths, stiffnesses and forces of the scene differ too much for double \
+         precision; make the extreme ones more similar"
+    ))
+}
+
 impl EngineRecorder<'_> {
     /// Emits the touch-downs of contacts that exist at the start, and the first sample.
     pub fn begin(&mut self, motion: &Motion) -> Result<(), SinkError> {
@@ -112,6 +123,11 @@ impl EngineRecorder<'_> {
         self.state.failure = self.state.consistency.check(&energy, gap_m, dt);
         read_node(motion, (self.state.last.counts(), energy), &self.state.trackers, &mut node);
         self.state.joint_forces.set(motion, &mut node);
+        // Such a step is not recorded: the run ends with the last valid sample.
+        if let Some(reason) = describe_not_finite(self.scene, &node) {
+            (self.state.failure, self.state.node) = (Some(reason), node);
+            return Ok(());
+        }
         self.record_touch_downs_between_steps(motion, end_s - dt)?;
         self.find_extrema(motion);
         let start_s = self.state.last.time_s;

@@ -168,6 +168,22 @@ impl Sample {
         &self.values
     }
 
+    /// Index of a number that is not finite, if there is one. Only the gap of a contact that does not exist is infinite.
+    pub(super) fn find_not_finite(&self) -> Option<usize> {
+        // Any such number makes the sum NaN.
+        if self.values.iter().map(|value| 0.0 * value).sum::<f64>() == 0.0 {
+            return None;
+        }
+        let contacts = self.counts.contact(0)..self.counts.energy();
+        let is_absent = |index: usize, value: f64| {
+            value == f64::INFINITY
+                && contacts.contains(&index)
+                && (index - contacts.start).is_multiple_of(ContactSample::QUANTITIES.len())
+        };
+        let invalid = |(index, value): &(usize, &f64)| !value.is_finite() && !is_absent(*index, **value);
+        self.values.iter().enumerate().find(invalid).map(|(index, _)| index)
+    }
+
     /// Returns all numbers for modification.
     pub fn values_mut(&mut self) -> &mut [f64] {
         &mut self.values

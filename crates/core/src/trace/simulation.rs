@@ -1,6 +1,7 @@
 //! A simulation that its user advances, with inputs that change: a controller in the loop.
 
 use std::cell::OnceCell;
+use std::sync::Arc;
 
 use super::grid::{RecordingOptions, Span};
 use super::sample::{Event, Sample};
@@ -25,6 +26,7 @@ const MOVING_TARGET_S: f64 = 1e4;
 ///
 /// A clone continues independently, bit for bit.
 pub struct Simulation {
+    origin: Arc<Origin>,
     schema: Schema,
     channels: Vec<Channel>,
     inputs: Vec<Input>,
@@ -39,6 +41,7 @@ pub struct Simulation {
 impl Clone for Simulation {
     fn clone(&self) -> Self {
         Self {
+            origin: Arc::clone(&self.origin),
             schema: self.schema.clone(),
             channels: self.channels.clone(),
             inputs: self.inputs.clone(),
@@ -48,6 +51,30 @@ impl Clone for Simulation {
             failure: self.failure.clone(),
             sample: self.sample.clone(),
         }
+    }
+}
+
+/// Scene and model of a simulation.
+struct Origin {
+    scene: Scene,
+    model: Model,
+}
+
+impl Origin {
+    /// Whether both have the same equations and settings of the model; name, text, duration and log may differ.
+    fn has_states_of(&self, other: &Self) -> bool {
+        let (scene, others) = (&self.scene, &other.scene);
+        let has_same_settings = match self.model {
+            Model::Analytic => scene.integrator == others.integrator,
+            Model::Engine => scene.engine == others.engine,
+        };
+        self.model == other.model
+            && has_same_settings
+            && (&scene.hand, &scene.mechanism) == (&others.hand, &others.mechanism)
+    }
+
+    fn description(&self) -> String {
+        format!("the scene \"{}\" in the {} model", self.scene.name, self.model.name())
     }
 }
 
@@ -129,7 +156,44 @@ impl Simulation {
         let begun = stepper.begin(&mut EventList { events: &mut events, keep_running: &|| true });
         begun.map_err(|error| SimulationError::Rejected(error.to_string()))?;
         let (channels, inputs) = (schema.channels(), inputs(scene));
-        Ok(Self { schema, channels, inputs, stepper, time_s: 0.0, events, failure: None, sample: OnceCell::new() })
+        let origin = Arc::new(Origin { scene: scene.clone(), model });
+        Ok(Self {
+            origin,
+            schema,
+            channels,
+            inputs,
+            stepper,
+            time_s: 0.0,
+            events,
+            failure: None,
+            sample: OnceCell::new(),
+        })
+    }
+
+    /// Checks that a state, which is a clone of a simulation, is of the same scene, model and settings.
+    ///
+    /// # Errors
+    /// Returns an error that names both scenes and models.
+    pub fn check_state(&self, state: &Simulation) -> Result<(), SimulationError> {
+        if Arc::ptr_eq(&self.origin, &state.origin) || self.origin.has_states_of(&state.origin) {
+            return Ok(());
+        }
+        let [state, own] = [&state.origin, &self.origin].map(|origin| origin.description());
+        let differences = if state == own { ", with other values or settings" } else { "" };
+        Err(SimulationError::Input(format!(
+            "the state is of {state}{differences}, but this is a simulation of {own}; give a state of this simulation, or of one \
+             of the same scene and model"
+        )))
+    }
+
+    /// Continues from a state, with the same bits.
+    ///
+    /// # Errors
+    /// See [`Simulation::check_state`]; the simulation is then unchanged.
+    pub fn restore(&mut self, state: &Simulation) -> Result<(), SimulationError> {
+        self.check_state(state)?;
+        self.clone_from(state);
+        Ok(())
     }
 
     /// Present time, s.
