@@ -6,7 +6,8 @@ pub use crate::study::sweep::{MAX_RUNS, MAX_SHARDED_RUNS};
 pub use crate::thesis::volume::MAX_POINTS;
 pub use crate::units::MAX_TIME_S;
 pub use phalanx_core::limits::{
-    MAX_BODIES, MAX_CONTACTS, MAX_CORNERS, MAX_DISCS, MAX_PICTURES, MAX_PROBLEMS, MAX_SAMPLES, MAX_SHOWN_PROBLEMS,
+    MAX_BODIES, MAX_CONTACTS, MAX_CORNERS, MAX_DISCS, MAX_JOINTS, MAX_OUTLINES, MAX_PICTURES, MAX_PLACES, MAX_PROBLEMS,
+    MAX_SAMPLES, MAX_SHOWN_PROBLEMS, MAX_TABLE_POINTS, MAX_TENDONS,
 };
 
 /// Largest scene or study file, bytes.

@@ -28,6 +28,11 @@ fn limits_page_matches_constants() {
         ("problems of such", format!("{}, of which {} are shown", limits::MAX_PROBLEMS, limits::MAX_SHOWN_PROBLEMS)),
         ("discs of a scene", limits::MAX_DISCS.to_string()),
         ("bodies of a mechanism", limits::MAX_BODIES.to_string()),
+        ("joints of a mechanism", limits::MAX_JOINTS.to_string()),
+        ("tendons of a mechanism", limits::MAX_TENDONS.to_string()),
+        ("eyelets and pulleys", limits::MAX_PLACES.to_string()),
+        ("outlines of a mechanism", limits::MAX_OUTLINES.to_string()),
+        ("points of a table over time", thousands(limits::MAX_TABLE_POINTS as u64)),
         ("corners of an outline", limits::MAX_CORNERS.to_string()),
         ("contacts of a mechanism", limits::MAX_CONTACTS.to_string()),
         ("a table (CSV or Parquet)", format!("{} MiB", limits::MAX_TABLE_BYTES >> 20)),
@@ -127,6 +132,75 @@ fn oversized_scenes_are_rejected() {
     // The suggested value is accepted.
     let high_rate = variant(&directory, "fine.toml", "[log]\nnumeric_rate = \"5e8 Hz\"\npicture_rate = \"5e7 Hz\"");
     succeed(&["scene", "check", &high_rate]);
+}
+
+/// A mechanism with one joint and these sections.
+fn mechanism(sections: &str) -> String {
+    let start = "kind = \"mechanism\"\nduration = \"1 ms\"\n[bodies.a]\nmass = \"10 g\"\ninertia = \"1e-6 kg*m^2\"\n[joints.j]\nbodies = \
+                 [\"ground\", \"a\"]\npoints = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\nstart = \"0 deg\"\n";
+    format!("{start}{sections}")
+}
+
+fn repeated(count: usize, section: impl Fn(usize) -> String) -> String {
+    (0..count).map(section).collect()
+}
+
+#[test]
+fn oversized_mechanisms_are_rejected_quickly() {
+    let directory = directory("limits_mechanisms");
+    let eyelet =
+        |k: usize| format!("{{ eyelet = \"{}\", at = [\"{k} mm\", \"{} mm\"] }}", ["ground", "a"][k % 2], k % 7 + 1);
+    let cable = |places: usize| {
+        let path: Vec<String> = (0..places).map(eyelet).collect();
+        format!("stiffness = \"1e3 N/m\"\npath = [{}]\n", path.join(", "))
+    };
+    let table = |points: usize| {
+        let times: Vec<String> = (0..points).map(|point| format!("\"{point} us\"")).collect();
+        let torques = vec!["\"0 N*m\""; points];
+        format!("[actuators.m]\njoint = \"j\"\ntimes = [{}]\ntorques = [{}]\n", times.join(", "), torques.join(", "))
+    };
+    let disc = "type = \"disc\"\nradius = \"1 mm\"\n";
+    let outlines = |of: &str, count: usize| {
+        repeated(count, |k| format!("[bodies.{of}.outlines.o{k}]\n{disc}center = [\"{k} mm\", \"0 mm\"]\n"))
+    };
+    let law = "[laws.l]\ntype = \"spring_damper\"\nstiffness = 1e6\nexponent = 1.0\ndamping = \"1 N*s/m\"\n[[contacts]]\nbetween = \
+               [\"a\", \"b\"]\nlaw = \"l\"\n[bodies.b]\nmass = \"10 g\"\ninertia = \"1e-6 kg*m^2\"\n";
+    for (sections, parts) in [
+        (repeated(101, |k| format!("[tendons.t{k}]\n{}", cable(2))), ["101 tendons", "at most 100", "remove 1"]),
+        (repeated(5000, |k| format!("[tendons.t{k}]\n{}", cable(2))), ["5000 tendons", "at most 100", "remove 4900"]),
+        (format!("[tendons.t]\n{}", cable(101)), ["`tendons.t.path` has 101", "at most 100", "remove 1"]),
+        (format!("[tendons.t]\n{}", cable(10_000)), ["`tendons.t.path` has 10000", "at most 100", "remove 9900"]),
+        (table(10_001), ["`actuators.m.times` has 10001", "at most 10000", "fewer points"]),
+        (
+            repeated(301, |k| format!("[springs.s{k}]\njoint = \"j\"\nstiffness = \"1 N*m/rad\"\n")),
+            ["301 springs", "at most 300", "remove 1"],
+        ),
+        (
+            repeated(9000, |k| format!("[rotors.r{k}]\njoints = [\"j\"]\ninertia = \"1e-6 kg*m^2\"\n")),
+            ["9000 rotors", "at most 300", "remove 8700"],
+        ),
+        (outlines("a", 1001), ["1001 outlines", "at most 1000", "remove 1"]),
+        // A quarter of a million pairs.
+        (
+            format!("{}{law}{}", outlines("a", 500), outlines("b", 500)),
+            ["more than 1000 contacts", "at most 1000", "fewer pairs"],
+        ),
+    ] {
+        let scene = write(&directory, "large.toml", &mechanism(&sections));
+        let start = Instant::now();
+        assert_rejected(&["scene", "check", &scene], &parts);
+        assert!(start.elapsed() < Duration::from_secs(20), "{parts:?}: {:?}", start.elapsed());
+    }
+    // The largest accepted ones are checked and simulated.
+    let largest = [
+        repeated(100, |k| format!("[tendons.t{k}]\n{}", cable(2))),
+        format!("[tendons.t]\n{}", cable(100)),
+        table(10_000),
+    ];
+    for sections in largest {
+        let scene = write(&directory, "largest.toml", &mechanism(&sections));
+        succeed(&["run", &scene, "--model", "engine", "--duration", "20 us", "--no-check"]);
+    }
 }
 
 #[cfg(unix)]

@@ -8,6 +8,16 @@ pub const MAX_SHOWN_PROBLEMS: usize = 20;
 pub const MAX_DISCS: usize = 100;
 /// Maximum number of bodies of a mechanism.
 pub const MAX_BODIES: usize = 100;
+/// Maximum number of joints of a mechanism, and of its springs, couplings, actuators and rotors, each.
+pub const MAX_JOINTS: usize = 300;
+/// Maximum number of tendons of a mechanism.
+pub const MAX_TENDONS: usize = 100;
+/// Maximum number of eyelets and pulleys of a tendon, and of its spools.
+pub const MAX_PLACES: usize = 100;
+/// Maximum number of outlines of a mechanism.
+pub const MAX_OUTLINES: usize = 1000;
+/// Maximum number of points of a table over time: of a motor, an actuator, or the path of a palm.
+pub const MAX_TABLE_POINTS: usize = 10_000;
 /// Maximum number of corners of an outline.
 pub const MAX_CORNERS: usize = 32;
 /// Maximum number of contacts of a mechanism: points of outlines against others.

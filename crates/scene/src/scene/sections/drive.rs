@@ -8,7 +8,7 @@ use super::bodies::Target;
 use super::finger::{FingerLengths, geometry};
 use super::law::FrictionType;
 use super::start::InitialSettings;
-use super::{GRIPPER, extend};
+use super::{GRIPPER, check_point_count, extend};
 use crate::gripper::{Finger, contact_angle_proximal};
 use crate::law::Bristle;
 use crate::scene::quantity::{
@@ -273,6 +273,7 @@ fn table_points(input: &SectionInput<'_>, settings: &MotorSettings) -> Option<Ve
         input.report_missing(key, help);
     }
     let (times, torques) = (settings.times.as_ref()?, settings.torques.as_ref()?);
+    check_point_count(input, times.len())?;
     if times.is_empty() {
         let help = "give at least one time and torque";
         return input.refuse("times", "the table of the motor is empty", "no times", help);

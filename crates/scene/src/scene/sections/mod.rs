@@ -62,12 +62,23 @@ pub use start::InitialSettings;
 
 use super::keywords::SceneKind;
 use super::quantity::{Acceleration, Length, Positive, Quantity, Time};
+use super::section_input::SectionInput;
+use crate::limits::MAX_TABLE_POINTS;
 
 /// Adds settings to others of the same section.
 pub fn extend(settings: &mut Value, more: Value) {
     if let (Value::Object(settings), Value::Object(mut more)) = (settings, more) {
         settings.append(&mut more);
     }
+}
+
+/// Checks the number of points of a table over time.
+fn check_point_count(input: &SectionInput<'_>, count: usize) -> Option<()> {
+    if count <= MAX_TABLE_POINTS {
+        return Some(());
+    }
+    let message = format!("`{}` has {count} values, but at most {MAX_TABLE_POINTS} are allowed", input.path("times"));
+    input.refuse("times", message, "too many", "give fewer points; values between them are interpolated")
 }
 
 /// Kinds of scene in `x-kinds`.

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::extend;
+use super::{check_point_count, extend};
 use crate::numeric::elementary::hypot;
 use crate::scene::keys::is_name;
 use crate::scene::quantity::{
@@ -170,6 +170,7 @@ fn moves(input: &SectionInput<'_>) -> impl Iterator<Item = Move> {
 
 fn path(input: &SectionInput<'_>) -> Option<Path> {
     let PathSettings { times, x, y, angle } = input.read();
+    check_point_count(input, times.as_ref().map_or(0, Vec::len))?;
     let (times, coordinates) = (si_values(times), [si_values(x), si_values(y), si_values(angle)]);
     let is_ordered = times.iter().all(|time| *time >= 0.0) && times.windows(2).all(|pair| pair[0] < pair[1]);
     if times.len() < 2 || !is_ordered {

@@ -14,6 +14,7 @@ use crate::scene::quantity::{
     Quantity, Time, Torque,
 };
 use crate::scene::section_input::{SectionInput, Subsection};
+use crate::scene::sections::check_point_count;
 use crate::scene::{Interpolation, Problem, Profile};
 
 /// A brake, which adds to the torque (force) of the actuator.
@@ -241,6 +242,7 @@ fn values_over_time<D, R>(
         let help = format!("add the times of `{key}`: times = [\"0 ms\", \"20 ms\"]");
         return section.refuse_missing("times", &help);
     };
+    check_point_count(section, times.len())?;
     if times.len() != values.len() || times.is_empty() {
         let message = format!("`{}` has {} values for {} times", section.path(key), values.len(), times.len());
         return section.refuse(key, message, "one value per time", "write as many values as times, at least one");

@@ -166,9 +166,18 @@ pub(super) fn contacts<'a>(
     images: &Mirror<'_>,
     known: &Known<'_>,
 ) -> Option<Vec<ListedPair<'a>>> {
+    let too_many = |count: String| {
+        let message = format!("there are {count} contacts, one for each point, but at most {MAX_CONTACTS} are allowed");
+        let help = "list fewer pairs of outlines, or give outlines fewer corners";
+        root.subsection("contacts").refuse("", message, "", help)
+    };
     let mut all: Vec<ListedPair<'a>> = Vec::new();
     let mut is_valid = true;
-    for section in root.list("contacts") {
+    let sections = root.list("contacts");
+    if sections.len() > MAX_CONTACTS {
+        return too_many(format!("{} or more", sections.len()));
+    }
+    for section in sections {
         let Some(pairs) = contact_entry(&section, mechanism, known) else {
             is_valid = false;
             continue;
@@ -193,6 +202,10 @@ pub(super) fn contacts<'a>(
                     is_valid = false;
                 }
             }
+            // Each pair has a point; a pattern can match a million pairs.
+            if all.len() > MAX_CONTACTS {
+                return too_many(format!("more than {MAX_CONTACTS}"));
+            }
         }
     }
     for index in 0..all.len() {
@@ -203,9 +216,7 @@ pub(super) fn contacts<'a>(
     }
     let count: usize = all.iter().map(|(pair, _)| mechanism.outline(pair.points).shape.points().len()).sum();
     if count > MAX_CONTACTS {
-        let message = format!("there are {count} contacts, one for each point, but at most {MAX_CONTACTS} are allowed");
-        let help = "list fewer pairs of outlines, or give outlines fewer corners";
-        return root.subsection("contacts").refuse("", message, "", help);
+        return too_many(count.to_string());
     }
     is_valid.then_some(all)
 }
@@ -295,6 +306,10 @@ fn pairs_between(section: &SectionInput<'_>, between: &[String; 2], mechanism: &
             if !pairs.iter().any(|other| mechanism.is_same_contact(*other, pair)) {
                 pairs.push(pair);
             }
+        }
+        // More are refused, and two patterns can match a million.
+        if pairs.len() > MAX_CONTACTS {
+            break;
         }
     }
     if pairs.is_empty() {

@@ -28,7 +28,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-use crate::limits::MAX_BODIES;
+use crate::limits::{MAX_BODIES, MAX_JOINTS, MAX_OUTLINES, MAX_TENDONS};
 use crate::mechanism::{AssemblyError, Body, Condition, Mechanism, Mirror, Outline, PlaneArea, Start, assemble};
 use crate::scene::quantity::{Angle, AngularRate, Density, Inertia, Length, Mass, Positive, Quantity, Speed};
 use crate::scene::section_input::{SectionInput, Subsection};
@@ -165,9 +165,26 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mech
         root.checker.report_missing_at("[bodies.NAME]", root.subsection("bodies").span, help);
         return None;
     }
-    if count > MAX_BODIES {
-        let message = format!("there are {count} bodies, but at most {MAX_BODIES} are allowed");
-        return root.subsection("bodies").refuse("", message, "", format!("remove {}", count - MAX_BODIES));
+    let counts = [
+        ("bodies", &bodies, MAX_BODIES),
+        ("joints", &joints, MAX_JOINTS),
+        ("springs", &springs, MAX_JOINTS),
+        ("couplings", &couplings, MAX_JOINTS),
+        ("actuators", &actuators, MAX_JOINTS),
+        ("rotors", &rotors, MAX_JOINTS),
+        ("tendons", &tendons, MAX_TENDONS),
+    ];
+    for (key, entries, most) in counts {
+        check_count(root, key, entries.names().len(), most)?;
+    }
+    let of_bodies = bodies.names().len();
+    let outline_counts = (0..of_bodies).map(|body| bodies.section(body).subsection("outlines").subsections().len());
+    let of_ground = root.subsection("ground").subsection("outlines").subsections().len();
+    let outline_count = outline_counts.sum::<usize>() + of_ground;
+    if outline_count > MAX_OUTLINES {
+        let message = format!("the bodies have {outline_count} outlines, but at most {MAX_OUTLINES} are allowed");
+        let help = format!("remove {}", outline_count - MAX_OUTLINES);
+        return root.subsection("bodies").refuse("", message, "", help);
     }
     let ground_outlines = outlines(&root.subsection("ground").subsection("outlines"));
     let laws = root.subsection("laws").subsections();
@@ -242,6 +259,15 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mech
         }
     }
     Some(mechanism)
+}
+
+/// Checks the number of sections of a kind.
+fn check_count(root: &SectionInput<'_>, key: &str, count: usize, most: usize) -> Option<()> {
+    if count <= most {
+        return Some(());
+    }
+    let message = format!("there are {count} {key}, but at most {most} are allowed");
+    root.subsection(key).refuse("", message, "", format!("remove {}", count - most))
 }
 
 /// Assembles a mechanism. The start of an image is removed if it follows from that of the original by a coupling.

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::mirror::Entries;
 use super::names::{GROUND, Known, find};
+use crate::limits::MAX_PLACES;
 use crate::mechanism::tendon::{center_in, length_in, wraps};
 use crate::mechanism::{JointKind, Mechanism, PathElement, Pose, Tendon};
 use crate::scene::quantity::{
@@ -83,8 +84,15 @@ pub struct SpoolEntry {
 /// Resolves a tendon without its actuator and its free length; `None` if a part is invalid.
 pub(super) fn tendon(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Tendon> {
     let TendonSettings { stiffness, damping, .. } = section.read();
-    let elements: Vec<_> = section.list("path").iter().map(|entry| element(entry, &known.bodies)).collect();
-    let spools: Vec<_> = section.list("spools").iter().map(|entry| spool(entry, known)).collect();
+    let entries = ["path", "spools"].map(|key| section.list(key));
+    for (key, count) in [("path", entries[0].len()), ("spools", entries[1].len())] {
+        if count > MAX_PLACES {
+            let message = format!("`{}` has {count} entries, but at most {MAX_PLACES} are allowed", section.path(key));
+            return section.refuse(key, message, "too many", format!("remove {}", count - MAX_PLACES));
+        }
+    }
+    let elements: Vec<_> = entries[0].iter().map(|entry| element(entry, &known.bodies)).collect();
+    let spools: Vec<_> = entries[1].iter().map(|entry| spool(entry, known)).collect();
     if stiffness.is_none() {
         section.report_unused(["damping", "pretension", "rest"], "without `stiffness`");
     }
