@@ -117,6 +117,19 @@ pub(crate) fn check_target(path: &Path, kind: FileKind) -> Result<(), String> {
     checked.map_err(|reason| cannot_write(path, reason))
 }
 
+/// Like [`check_target`] for a table with these columns, which also replaces an older table with the same columns.
+pub(crate) fn check_table_target(path: &Path, columns: &[&str]) -> Result<(), String> {
+    let has_same_columns = || read_header(path).is_ok_and(|header| header == columns.join(","));
+    check_target(path, FileKind::Table).or_else(|reason| if has_same_columns() { Ok(()) } else { Err(reason) })
+}
+
+/// Returns the first line of a file.
+fn read_header(path: &Path) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(HEAD_BYTES).read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).lines().next().unwrap_or_default().to_string())
+}
+
 /// Like [`check_target`] for a file in a directory of results, whose kind follows from its extension.
 pub(crate) fn check_result_file(path: &Path) -> Result<(), String> {
     match path.is_dir() {

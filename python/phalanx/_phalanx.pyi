@@ -282,7 +282,8 @@ class Simulation:
     def state(self) -> SimulationState:
         """The whole state.
 
-        Assigning it, also to another simulation of the same scene, continues from there with the same bits.
+        Assigning it, also to another simulation of the same scene and model, continues from there with the same bits; a
+        state of another scene or model raises SceneError. States belong to the process and cannot be pickled.
         """
 
     @state.setter
@@ -302,7 +303,7 @@ class SimulationBatch:
     """Many simulations that advance together on all cores, with arrays as inputs and outputs.
 
     scenes: one scene for each simulation; `[scene] * 100` gives 100 equal ones. A simulation that fails stays at the time
-    of its failure, and the others continue.
+    of its failure, and the others continue. After `os.fork`, a batch also advances in the child process.
     """
 
     def __new__(cls, scenes: Sequence[_SceneLike], model: _Model = "analytic") -> SimulationBatch: ...
@@ -341,7 +342,11 @@ class SimulationBatch:
         """States of all simulations, for `restore`."""
 
     def restore(self, indices: Sequence[int], states: Sequence[SimulationState]) -> None:
-        """Restores the states of the simulations with these indices; `states` has one for each."""
+        """Restores the states of the simulations with these indices; `states` has one for each.
+
+        Raises IndexError for an index without a simulation, and SceneError for a state of another scene or model; all
+        simulations are then unchanged.
+        """
 
     def __len__(self) -> int:
         """Number of simulations."""
@@ -378,7 +383,10 @@ class Table:
         """Returns all columns as an Arrow stream, for pyarrow, Polars, DuckDB and others."""
 
     def write(self, path: _Path) -> None:
-        """Writes the table as CSV or Parquet, by the suffix of the path."""
+        """Writes the table as CSV or Parquet, by the suffix of the path.
+
+        It replaces only a table of phalanx, or one with the same columns; for another file it raises StudyError.
+        """
 
     def __len__(self) -> int:
         """Returns the number of runs."""

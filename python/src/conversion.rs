@@ -1,10 +1,15 @@
 //! Converts Python values to TOML and to quantities, and JSON documents to Python.
 
+use std::ops::RangeInclusive;
+
+use phalanx::limits::{MAX_SCENE_BYTES, MAX_THREADS};
 use phalanx::scene::Keyword;
 use phalanx::units::{self, Dimension};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+
+use super::errors;
 
 /// Returns a value as the text of a field setting. A text stays unchanged, as with `--set`: it needs no quotes unless
 /// it is valid TOML.
@@ -34,47 +39,105 @@ pub fn parse_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny
 
 /// Converts the dictionary of a scene into TOML text.
 pub fn scene_text(scene: &Bound<'_, PyDict>) -> PyResult<String> {
-    let text = toml::to_string(&toml_table(scene)?);
+    let text = toml::to_string(&Converter::default().table(scene)?);
     text.map_err(|error| PyValueError::new_err(format!("the dictionary cannot be written as TOML: {error}")))
 }
 
-fn toml_table(dict: &Bound<'_, PyDict>) -> PyResult<toml::Table> {
-    dict.iter().map(|(key, value)| Ok((key.extract()?, toml_value(&value)?))).collect()
-}
-
-/// Converts a value recursively, with numbers exact to the last bit.
+/// Converts a value, with numbers exact to the last bit.
 fn toml_value(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
-    if let Ok(dict) = value.cast::<PyDict>() {
-        return Ok(toml::Value::Table(toml_table(dict)?));
-    }
-    if let Ok(text) = value.cast::<PyString>() {
-        return Ok(toml::Value::from(text.to_str()?));
-    }
-    // Before the integers, because bool is a subclass of int in Python.
-    if value.is_instance_of::<PyBool>() {
-        return Ok(toml::Value::Boolean(value.extract()?));
-    }
-    if value.is_instance_of::<PyInt>() {
-        return Ok(toml::Value::Integer(value.extract()?));
-    }
-    if value.is_instance_of::<PyFloat>() {
-        return Ok(toml::Value::Float(value.extract()?));
-    }
-    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        return value.try_iter()?.map(|item| toml_value(&item?)).collect::<PyResult<_>>().map(toml::Value::Array);
-    }
-    // Scalars and arrays of numpy.
-    if value.hasattr("tolist")? {
-        return toml_value(&value.call_method0("tolist")?);
-    }
-    Err(unsupported_type(value))
+    Converter::default().value(value)
 }
 
-fn unsupported_type(value: &Bound<'_, PyAny>) -> PyErr {
-    let type_name = value.get_type().name().map_or_else(|_| "unknown".to_string(), |name| name.to_string());
-    PyTypeError::new_err(format!(
-        "a field of a scene must be a string such as \"20 mm\", a number, True or False, or a list of these, not of type {type_name}"
-    ))
+/// Deepest nesting of dictionaries and lists: far more than that of a scene.
+const MAX_DEPTH: usize = 32;
+/// Maximum number of values: each has at least one byte, and a scene has at most a megabyte.
+const MAX_VALUES: usize = MAX_SCENE_BYTES as usize;
+
+/// Converter of Python values to TOML. Depth and number of values are limited, because a dictionary can contain itself, or the
+/// same list many times.
+#[derive(Default)]
+struct Converter {
+    depth: usize,
+    count: usize,
+}
+
+impl Converter {
+    fn table(&mut self, dict: &Bound<'_, PyDict>) -> PyResult<toml::Table> {
+        let mut table = toml::Table::new();
+        for (key, value) in dict {
+            let Ok(name) = key.cast::<PyString>() else {
+                let message = format!("the key {key} of a scene is of type {}; keys are strings", type_name(&key));
+                return Err(PyTypeError::new_err(message));
+            };
+            table.insert(name.to_str()?.to_string(), self.value(&value)?);
+        }
+        Ok(table)
+    }
+
+    fn value(&mut self, value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
+        self.count += 1;
+        let error = |message: String| Err(PyValueError::new_err(message));
+        if self.depth > MAX_DEPTH {
+            return error(format!(
+                "dictionaries and lists are nested in more than {MAX_DEPTH} levels, or contain themselves; a scene has a few levels"
+            ));
+        }
+        if self.count > MAX_VALUES {
+            return error(format!("there are more than {MAX_VALUES} values; a scene has at most {MAX_VALUES} bytes"));
+        }
+        self.depth += 1;
+        let converted = self.convert(value);
+        self.depth -= 1;
+        converted
+    }
+
+    fn convert(&mut self, value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
+        if let Ok(dict) = value.cast::<PyDict>() {
+            return Ok(toml::Value::Table(self.table(dict)?));
+        }
+        if let Ok(text) = value.cast::<PyString>() {
+            return Ok(toml::Value::from(text.to_str()?));
+        }
+        // Before the integers, because bool is a subclass of int in Python.
+        if value.is_instance_of::<PyBool>() {
+            return Ok(toml::Value::Boolean(value.extract()?));
+        }
+        if value.is_instance_of::<PyInt>() {
+            let too_large = |_| PyValueError::new_err("an integer has more than 64 bits; write it as a float");
+            return Ok(toml::Value::Integer(value.extract().map_err(too_large)?));
+        }
+        if value.is_instance_of::<PyFloat>() {
+            return Ok(toml::Value::Float(value.extract()?));
+        }
+        if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+            return value.try_iter()?.map(|item| self.value(&item?)).collect::<PyResult<_>>().map(toml::Value::Array);
+        }
+        // Scalars and arrays of numpy.
+        if value.hasattr("tolist")? {
+            return self.value(&value.call_method0("tolist")?);
+        }
+        Err(PyTypeError::new_err(format!(
+            "a field of a scene must be a string such as \"20 mm\", a number, True or False, or a list of these, not of type {}",
+            type_name(value)
+        )))
+    }
+}
+
+fn type_name(value: &Bound<'_, PyAny>) -> String {
+    value.get_type().name().map_or_else(|_| "unknown".to_string(), |name| name.to_string())
+}
+
+/// Checks a whole number of an argument.
+pub fn count(py: Python<'_>, name: &str, value: i128, allowed: RangeInclusive<u64>) -> PyResult<u64> {
+    u64::try_from(value).ok().filter(|value| allowed.contains(value)).ok_or_else(|| {
+        let (least, most) = (allowed.start(), allowed.end());
+        errors::argument(py, format!("{name} is {value}; expected a whole number from {least} to {most}"))
+    })
+}
+
+/// Checks the number of threads; 0 is one per core.
+pub fn threads(py: Python<'_>, value: i128) -> PyResult<usize> {
+    Ok(count(py, "threads", value, 0..=MAX_THREADS as u64)? as usize)
 }
 
 /// Parses one of the keywords of a scene field.

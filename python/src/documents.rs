@@ -167,7 +167,7 @@ pub fn hold<'py>(
     py: Python<'py>,
     scene: SceneLike,
     pulse: Option<&Bound<'_, PyAny>>,
-    directions: Option<usize>,
+    directions: Option<i128>,
     vibration: Option<Vec<Bound<'_, PyAny>>>,
     along: Option<Vec<String>>,
     r#move: bool,
@@ -175,13 +175,21 @@ pub fn hold<'py>(
     at: Option<&Bound<'_, PyAny>>,
     from_: Option<&Bound<'_, PyAny>>,
     to: Option<&Bound<'_, PyAny>>,
-    scan: Option<usize>,
+    scan: Option<i128>,
     tol: Option<f64>,
     model: &str,
-    threads: usize,
+    threads: i128,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
     let argument_error = |message: String| errors::argument(py, message);
+    let threads = conversion::threads(py, threads)?;
+    let whole_number = |name: &str, value: Option<i128>| -> PyResult<Option<usize>> {
+        Ok(value
+            .map(|value| conversion::count(py, name, value, 0..=u64::from(u32::MAX)))
+            .transpose()?
+            .map(|value| value as usize))
+    };
+    let (directions, scan) = (whole_number("directions", directions)?, whole_number("scan", scan)?);
     let defaults = HoldPlan::default();
     let pulses = pulse.is_some() || directions.is_some();
     if usize::from(pulses) + usize::from(vibration.is_some()) + usize::from(r#move) > 1 {
@@ -256,19 +264,19 @@ pub fn capture<'py>(
     py: Python<'py>,
     scene: SceneLike,
     to: Option<&Bound<'_, PyAny>>,
-    places: usize,
+    places: i128,
     finely: Option<&Bound<'_, PyAny>>,
     model: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
     let argument_error = |message: String| errors::argument(py, message);
-    if !(3..=1001).contains(&places) || places.is_multiple_of(2) {
+    if !(3..=1001).contains(&places) || places % 2 == 0 {
         return Err(argument_error(format!("places is {places}; expected an odd number from 3 to 1001, such as 15")));
     }
     let plan = CapturePlan {
         model: self::model(py, model)?,
         error_m: optional_positive(py, "to", to, Dimension::Length)?.unwrap_or(3.5e-3),
-        position_count: places,
+        position_count: places as usize,
         tolerance_m: optional_positive(py, "finely", finely, Dimension::Length)?.unwrap_or(1e-5),
     };
     require_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/offset.toml").map_err(argument_error)?;

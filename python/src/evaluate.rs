@@ -30,11 +30,12 @@ pub fn evaluate(
     scene: SceneLike,
     fields: &Bound<'_, PyDict>,
     model: &str,
-    threads: usize,
+    threads: i128,
     columns: Option<Vec<String>>,
     check: bool,
     filter: Option<BTreeMap<String, bool>>,
 ) -> PyResult<Table> {
+    let threads = conversion::threads(py, threads)?;
     let scene = scene.get(py)?;
     let paths = fields.keys().extract::<Vec<String>>()?;
     let names: Vec<&str> = paths.iter().map(String::as_str).collect();

@@ -5,6 +5,7 @@ use std::sync::{Arc, LazyLock};
 
 use arrow_array::{ArrayRef, RecordBatch};
 use phalanx::format::{Report, ToReport};
+use phalanx::log::copy_log;
 use phalanx::page::{Page, render_page};
 use phalanx::report::document::RunReport;
 use phalanx::report::replay::ReplayReport;
@@ -217,12 +218,7 @@ impl Result {
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         match &self.source {
             Source::Run(input) => simulate::save(py, Arc::clone(input), &path),
-            Source::Log(log, _) => {
-                let outcome = std::fs::copy(log, &path).map(drop);
-                outcome.map_err(|error| {
-                    errors::run(py, format!("cannot copy {} to {}: {error}", log.display(), path.display()), None)
-                })
-            }
+            Source::Log(log, _) => copy_log(log, &path).map_err(|error| errors::run(py, error, None)),
         }
     }
 

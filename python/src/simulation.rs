@@ -175,18 +175,17 @@ impl Simulation {
         lock(&self.simulation)?.set_target(actuator, target, rate).map_err(|error| exception(py, &error))
     }
 
-    /// The whole state. Assigning it, also to another simulation of the same scene, continues from there with the same
-    /// bits.
+    /// The whole state. Assigning it, also to another simulation of the same scene and model, continues from there with the
+    /// same bits; a state of another scene or model raises SceneError. States belong to the process and cannot be pickled.
     #[getter]
     fn state(&self) -> PyResult<SimulationState> {
         Ok(SimulationState { simulation: Mutex::new(lock(&self.simulation)?.clone()) })
     }
 
     #[setter]
-    fn set_state(&self, state: &Bound<'_, SimulationState>) -> PyResult<()> {
-        let saved = lock(&state.get().simulation)?.clone();
-        *lock(&self.simulation)? = saved;
-        Ok(())
+    fn set_state(&self, py: Python<'_>, state: &Bound<'_, SimulationState>) -> PyResult<()> {
+        let saved = lock(&state.get().simulation)?;
+        lock(&self.simulation)?.restore(&saved).map_err(|error| exception(py, &error))
     }
 
     /// Returns an independent copy.
@@ -216,7 +215,7 @@ enum Numbers {
 /// Many simulations that advance together on all cores, with arrays as inputs and outputs.
 ///
 /// scenes: one scene for each simulation; `[scene] * 100` gives 100 equal ones. A simulation that fails stays at the time
-/// of its failure, and the others continue.
+/// of its failure, and the others continue. After `os.fork`, a batch also advances in the child process.
 #[pyclass(frozen, module = "phalanx")]
 pub struct SimulationBatch {
     simulations: Mutex<Vec<trace::Simulation>>,
@@ -294,19 +293,24 @@ impl SimulationBatch {
     }
 
     /// Restores the states of the simulations with these indices; `states` has one for each.
-    fn restore(&self, indices: Vec<usize>, states: Vec<Bound<'_, SimulationState>>) -> PyResult<()> {
+    ///
+    /// Raises IndexError for an index without a simulation, and SceneError for a state of another scene or model; all
+    /// simulations are then unchanged.
+    fn restore(&self, py: Python<'_>, indices: Vec<i128>, states: Vec<Bound<'_, SimulationState>>) -> PyResult<()> {
         let mut simulations = lock(&self.simulations)?;
         let count = simulations.len();
-        if indices.len() != states.len() || indices.iter().any(|index| *index >= count) {
+        let is_index = |index: &i128| usize::try_from(*index).is_ok_and(|index| index < count);
+        if indices.len() != states.len() || !indices.iter().all(is_index) {
             let (indices, states) = (indices.len(), states.len());
             return Err(PyIndexError::new_err(format!(
-                "{indices} indices and {states} states for {count} simulations; give one state for each index below {count}"
+                "{indices} indices and {states} states for {count} simulations; give one state for each index from 0 and below {count}"
             )));
         }
-        for (index, state) in indices.iter().zip(states) {
-            simulations[*index] = lock(&state.get().simulation)?.clone();
-        }
-        Ok(())
+        let copy = |(index, state): (&i128, &Bound<'_, SimulationState>)| {
+            Ok((*index as usize, lock(&state.get().simulation)?.clone()))
+        };
+        let states = indices.iter().zip(&states).map(copy).collect::<PyResult<Vec<_>>>()?;
+        batch::restore(&mut simulations, &states).map_err(|error| exception(py, &error))
     }
 
     fn __len__(&self) -> PyResult<usize> {

@@ -56,15 +56,16 @@ pub fn run_rows(py: Python<'_>, study: &Study, threads: usize, limit: u64) -> Py
 pub fn sweep(
     py: Python<'_>,
     study: PathBuf,
-    threads: usize,
+    threads: i128,
     out: Option<PathBuf>,
     model: Option<&str>,
     check: bool,
-    limit: Option<u64>,
+    limit: Option<i128>,
     restart: bool,
 ) -> PyResult<Table> {
+    let threads = conversion::threads(py, threads)?;
+    let limit = limit.map_or(Ok(u64::MAX), |limit| conversion::count(py, "limit", limit, 0..=u64::MAX))?;
     let study = load(py, &study, model, check)?;
-    let limit = limit.unwrap_or(u64::MAX);
     let table = match out {
         None => run_rows(py, &study, threads, limit)?,
         Some(out) => run_to_file(py, &study, threads, &out, limit, restart)?,
@@ -115,14 +116,17 @@ fn run_to_file(
 pub fn sweep_shard<'py>(
     py: Python<'py>,
     study: PathBuf,
-    k: u64,
-    n: u64,
+    k: i128,
+    n: i128,
     out: PathBuf,
-    threads: usize,
+    threads: i128,
     model: Option<&str>,
     check: bool,
     restart: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let threads = conversion::threads(py, threads)?;
+    let [k, n] = [("k", k), ("n", n)].map(|(name, value)| conversion::count(py, name, value, 1..=u64::MAX));
+    let (k, n) = (k?, n?);
     let study = load(py, &study, model, check)?;
     let shard = shard(&study, k, n).map_err(|error| results_error(py, &StudyError::Unsuitable(error)))?;
     let written = interruptible::run(py, |keep_running| {

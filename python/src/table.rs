@@ -153,9 +153,10 @@ impl Table {
         columns::arrow_stream(py, &self.batch)
     }
 
-    /// Writes the table as CSV or Parquet, by the suffix of the path.
+    /// Writes the table as CSV or Parquet, by the suffix of the path. It replaces only a table of phalanx, or one with the same
+    /// columns; for another file it raises StudyError.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        table::write(&path, &to_library_table(&self.batch)).map_err(|error| errors::table(py, &error))
+        table::write_over_own(&path, &to_library_table(&self.batch)).map_err(|error| errors::table(py, &error))
     }
 
     fn __len__(&self) -> usize {

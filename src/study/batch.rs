@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::scene::Scene;
+use crate::thesis::monitor::on_all_cores;
 use crate::trace::{Model, Simulation, SimulationError};
 
 /// Creates one simulation for each scene.
@@ -11,7 +12,7 @@ use crate::trace::{Model, Simulation, SimulationError};
 /// Returns the index of a scene that the model does not simulate, and the reason.
 pub fn create(scenes: &[Scene], model: Model) -> Result<Vec<Simulation>, (usize, SimulationError)> {
     let create = |(index, scene)| Simulation::new(scene, model).map_err(|error| (index, error));
-    scenes.par_iter().enumerate().map(create).collect()
+    on_all_cores(|| scenes.par_iter().enumerate().map(create).collect())
 }
 
 /// Advances all simulations by a duration, s, as long as `keep_running` returns true. A simulation that has failed stays
@@ -32,7 +33,19 @@ pub fn advance(
 /// # Errors
 /// See [`Simulation::get`].
 pub fn read(simulations: &mut [Simulation], column: &str) -> Result<Vec<f64>, SimulationError> {
-    simulations.par_iter_mut().map(|simulation| simulation.get(column)).collect()
+    on_all_cores(|| simulations.par_iter_mut().map(|simulation| simulation.get(column)).collect())
+}
+
+/// Restores the states of the simulations with these indices.
+///
+/// # Errors
+/// Returns an error if a state is of another scene or model; all simulations are then unchanged.
+///
+/// # Panics
+/// Panics if there is no simulation with an index.
+pub fn restore(simulations: &mut [Simulation], states: &[(usize, Simulation)]) -> Result<(), SimulationError> {
+    states.iter().try_for_each(|(index, state)| simulations[*index].check_state(state))?;
+    states.iter().try_for_each(|(index, state)| simulations[*index].restore(state))
 }
 
 /// Sets an input of each simulation with a function such as [`Simulation::set_torque`]; `values` has one value for each.
@@ -52,8 +65,9 @@ fn each(
     simulations: &mut [Simulation],
     apply: impl Fn(usize, &mut Simulation) -> Result<(), SimulationError> + Sync,
 ) -> Result<(), SimulationError> {
-    simulations.par_iter_mut().enumerate().try_for_each(|(index, simulation)| match apply(index, simulation) {
+    let apply = |(index, simulation)| match apply(index, simulation) {
         Err(SimulationError::Failed(_)) => Ok(()),
         result => result,
-    })
+    };
+    on_all_cores(|| simulations.par_iter_mut().enumerate().try_for_each(apply))
 }

@@ -19,7 +19,7 @@ pub(crate) use csv_file::format_csv_line;
 pub use parquet_file::RowGroups;
 pub use value::{Kind, Value};
 
-use crate::files::{cannot_write, replace_file};
+use crate::files::{cannot_write, check_table_target, replace_file};
 use crate::scene::closest_match;
 use value::parse_cell;
 
@@ -262,6 +262,17 @@ pub fn read(path: &Path) -> Result<Table, TableError> {
 /// Returns an error if the file cannot be written, or a value is not of its column's kind.
 pub fn write(path: &Path, table: &Table) -> Result<(), TableError> {
     write_with_metadata(path, table, &[])
+}
+
+/// Like [`write()`], but replaces only a table of phalanx, or one with the same columns.
+///
+/// # Errors
+/// See [`write()`]; also returns an error for another file, which is unchanged.
+pub fn write_over_own(path: &Path, table: &Table) -> Result<(), TableError> {
+    format(path)?;
+    let columns: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
+    check_table_target(path, &columns).map_err(TableError)?;
+    write(path, table)
 }
 
 /// Like [`write()`], with keys and values in the metadata of a Parquet file.

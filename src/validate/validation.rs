@@ -14,7 +14,7 @@ use super::{
 use crate::check;
 use crate::invariants::Finding;
 use crate::scene::Scene;
-use crate::thesis::monitor::KeepRunning;
+use crate::thesis::monitor::{KeepRunning, on_all_cores};
 use crate::trace::{Cancellable, Model, RunError, run};
 
 /// A finer configuration of the engine that was run because a bound failed.
@@ -101,10 +101,9 @@ pub fn validate(full_scene: &Scene, keep_running: KeepRunning) -> Result<Validat
     let (until_s, path_bound) = (full_scene.bounds.until_s, path_bound(full_scene));
     // Trajectories are compared up to `until_s`, and so is the reference with another method.
     let checked = reference_scene(&modify(scene, |scene| scene.duration_s = until_s.min(scene.duration_s)));
-    let (reference_check, members): (_, Vec<_>) = rayon::join(
-        || check::check(Model::Analytic, &checked, keep_running),
-        || (0..ensemble_size(scene)).into_par_iter().map(|index| run_member(scene, index, keep_running)).collect(),
-    );
+    let members = || (0..ensemble_size(scene)).into_par_iter().map(|index| run_member(scene, index, keep_running));
+    let check = || check::check(Model::Analytic, &checked, keep_running);
+    let (reference_check, members): (_, Vec<_>) = on_all_cores(|| rayon::join(check, || members().collect()));
     let mut members = members.into_iter().collect::<Result<Vec<Member>, _>>()?;
     let Member { reference, engine, differences, .. } = members.remove(0);
     let differences = members.iter().fold(differences, |worst, member| worst.worst(&member.differences));

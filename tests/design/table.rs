@@ -3,7 +3,8 @@
 use std::fs;
 
 use phalanx::table::{
-    Column, Format, Kind, RowGroups, RowWriter, Table, Value, read, read_csv, write, write_with_metadata,
+    Column, Format, Kind, RowGroups, RowWriter, Table, Value, read, read_csv, write, write_over_own,
+    write_with_metadata,
 };
 use proptest::prelude::*;
 
@@ -42,6 +43,26 @@ fn both_formats_round_trip() {
             // A CSV column without values has no kind.
             assert!(reread == table || reread.rows.is_empty() && reread.columns.len() == 4, "{name}");
         }
+    }
+}
+
+#[test]
+fn a_file_of_another_program_is_not_replaced() {
+    let directory = test_directory("table_own");
+    let few = Table::new(columns()[2..].to_vec(), vec![vec![Value::from(true), Value::Missing]]);
+    for (name, foreign) in [("table.csv", "name,age\nAda,36\n"), ("table.parquet", "PAR1 of another program")] {
+        let path = directory.join(name);
+        fs::write(&path, foreign).expect("written");
+        let error = write_over_own(&path, &few).expect_err("refused").to_string();
+        assert!(error.contains("not a table written by phalanx") && error.contains(name), "{error}");
+        assert_eq!(fs::read_to_string(&path).expect("text"), foreign);
+        fs::remove_file(&path).expect("removed");
+        // A table of phalanx and one with the same columns are replaced.
+        for _ in 0..2 {
+            write_over_own(&path, &few).expect("written");
+        }
+        write(&path, &sample()).expect("written");
+        assert_eq!(write_over_own(&path, &few).is_ok(), name == "table.parquet", "run,mass_kg is no head of phalanx");
     }
 }
 

@@ -1,7 +1,7 @@
 //! Progress, interruption and parallel execution of a computation.
 
 use std::num::NonZeroUsize;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use rayon::prelude::*;
@@ -111,6 +111,32 @@ pub fn thread_pool(threads: usize, jobs: usize) -> ThreadPool {
     // Set explicitly: by default, rayon reads an environment variable first.
     let threads = if threads == 0 { all_cores() } else { threads }.min(jobs).max(1);
     ThreadPoolBuilder::new().num_threads(threads).build().expect("the system starts threads")
+}
+
+/// Runs a computation whose parallel iterators use all cores.
+///
+/// The threads belong to this process. A child process that was forked has the memory of its parent but not its threads, so
+/// that rayon's own pool would wait for ever there; the child gets other threads.
+///
+/// # Panics
+/// Panics if the system cannot start the threads.
+pub fn on_all_cores<R: Send>(compute: impl FnOnce() -> R + Send) -> R {
+    static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+    let start = || Arc::new(thread_pool(0, usize::MAX));
+    let pool = match POOL.try_lock() {
+        Ok(mut current) => match &*current {
+            Some((process, pool)) if *process == std::process::id() => Arc::clone(pool),
+            _ => {
+                let pool = start();
+                // The destructor of the parent's pool would wait for its threads.
+                std::mem::forget(current.replace((std::process::id(), Arc::clone(&pool))));
+                pool
+            }
+        },
+        // Another thread takes the pool, or took it when this process was forked.
+        Err(_) => start(),
+    };
+    pool.install(compute)
 }
 
 /// Applies `work` to the jobs on the threads of a [`thread_pool`], and returns the results in the order of the jobs.

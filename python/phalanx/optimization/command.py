@@ -98,7 +98,7 @@ def main(arguments: list[str] | None = None) -> int:
         hint = "; finished generations are stored, and the same command resumes from there" if args.out else ""
         return _fail(f"error: the search was interrupted{hint}", 3)
     except PhalanxError as error:
-        return _fail(str(error), 2)
+        return _fail(error._command_message, 2)
     except OSError as error:
         return _fail(f"error: cannot write: {error}; finished generations are stored, and the same command resumes", 3)
 
