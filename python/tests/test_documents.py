@@ -66,7 +66,7 @@ class Documents(unittest.TestCase):
         self.assert_same(phalanx.hold(HOLD, **vibration), document("hold", HOLD, *flags))
         for options, message in (
             ({"scan": 1}, "from 2"),
-            ({"from_": 5.0, "to": 1.0}, "from_ must be smaller"),
+            ({"from_": 5.0, "to": 1.0}, "`from_` must be smaller"),
             ({"move": True, "pulse": "1 ms"}, "exclude each other"),
             ({"vibration": [50, 50]}, "twice"),
             ({"vibration": [50], "along": ["z"]}, "along contains"),

@@ -182,13 +182,10 @@ class Arguments(unittest.TestCase):
             torque = "1e12 N*m"
             """
         )
-        with self.assertRaisesRegex(phalanx.RunError, "not a finite number"):
+        with self.assertRaisesRegex(phalanx.RunError, "stopped at 0 ms of 10 ms: `j_force_x_n` is not a finite number"):
             phalanx.run(scene, model="engine")
-        simulation = phalanx.Simulation(scene, model="engine")
-        with self.assertRaisesRegex(phalanx.RunError, "not a finite number") as raised:
-            simulation.advance(1e-3)
-        self.assertLess(raised.exception.time_s, 1e-3)
-        self.assertTrue(all(math.isfinite(simulation[name]) for name in simulation.columns if "force" not in name))
+        with self.assertRaisesRegex(phalanx.RunError, "not a finite number"):
+            phalanx.Simulation(scene, model="engine")
 
 
 @unittest.skipUnless(hasattr(os, "fork"), "the system has no fork")

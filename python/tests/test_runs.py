@@ -134,12 +134,12 @@ class Runs(unittest.TestCase):
         for options, message in (
             ({"model": "magic"}, "\"analytic\" or \"engine\""),
             ({"preset": "fine"}, "\"engineering\" or \"reference\""),
-            ({"step": "1 us"}, "leave --step out or use --model engine"),
-            ({"model": "engine", "rtol": 1e-6}, "leave --rtol out"),
+            ({"step": "1 us"}, 'leave `step` out or use model="engine"'),
+            ({"model": "engine", "rtol": 1e-6}, "leave `rtol` out"),
             ({"rtol": 2.0}, "between 0 and 1"),
             ({"duration": "0 ms"}, "longer than 0"),
             ({"model": "engine", "step": "1 us", "tolerance": "1 um"}, "leave one of them out"),
-            ({"numeric_rate": "9000 MHz"}, "use --numeric-rate"),
+            ({"numeric_rate": "9000 MHz"}, "use numeric_rate="),
         ):
             with self.subTest(options=options), self.assertRaisesRegex(phalanx.SceneError, message):
                 phalanx.run(ANCHOR, **options)

@@ -171,7 +171,7 @@ class Sweep(unittest.TestCase):
                 info = phalanx.sweep_shard(THESIS, k, 3, part)
                 self.assertEqual((info["made_now"], info["shard"], info["of"]), (128, k, 3))
             self.assertEqual(phalanx.sweep_shard(THESIS, 1, 3, parts[0])["made_now"], 0)
-            with self.assertRaisesRegex(phalanx.StudyError, "--shard 2/3"):
+            with self.assertRaisesRegex(phalanx.StudyError, "part 2/3"):
                 phalanx.sweep_merge(THESIS, [parts[0], parts[2]], root / "out.parquet")
             merged = phalanx.sweep_merge(THESIS, parts[::-1], root / "out.parquet")
             self.assertEqual((merged["parts"], merged["runs"]), (3, 384))

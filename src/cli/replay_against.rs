@@ -197,7 +197,9 @@ fn comparison_notes(logs: &[LogReader<'_>; 2], runs: &[(Schema, Recording); 2], 
             notes.push(format!("{label} does not begin at 0"));
         }
     }
-    if summaries[0].finger_count() == 1 && summaries.iter().all(|summary| summary.samples > 0) {
+    // The subjects of a log can contradict its metadata.
+    let are_fingers = runs.iter().all(|(schema, _)| schema.fingers.len() == 1);
+    if are_fingers && summaries.iter().all(|summary| summary.samples > 0) {
         let last = runs.each_ref().map(|(_, recording)| &recording.outcome.last);
         let objects = last.map(|sample| sample.finger_contact(FingerContact::Proximal).gap_m.is_finite());
         let limits = last.map(|sample| sample.finger_contact(FingerContact::Limit).gap_m.is_finite());
@@ -231,6 +233,8 @@ fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> V
     let mut common = first.clone();
     common.bodies.retain(|name| body(&second, name).is_some());
     common.contacts.retain(|shared| contact(&second, &shared.name).is_some());
+    let limits = &first.contacts[first.surfaces().end..];
+    common.limits = limits.iter().filter(|shared| contact(&second, &shared.name).is_some()).count();
     for (schema, recording) in runs {
         let bodies: Vec<usize> = common.bodies.iter().filter_map(|name| body(schema, name)).collect();
         let contacts: Vec<usize> = common.contacts.iter().filter_map(|each| contact(schema, &each.name)).collect();
@@ -244,7 +248,9 @@ fn retain_common(runs: &mut [(Schema, Recording); 2], labels: &[String; 2]) -> V
             event.contact = index.unwrap_or(event.contact);
             index.is_some()
         });
-        *schema = common.clone();
+        // Each run keeps its own joints, actuators and tendons.
+        let Schema { bodies, contacts, limits, .. } = common.clone();
+        *schema = Schema { bodies, contacts, limits, ..schema.clone() };
     }
     notes
 }

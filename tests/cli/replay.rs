@@ -254,6 +254,19 @@ fn compares_two_logs() {
     let report = succeed_json(&["replay", &rolling, "--against", &impact]);
     assert_contains(&report["notes"].to_string(), &["only impact.mcap has the body hammer"]);
     assert_rejected(&["replay", &closing, "--against", &impact], &["two logs of one kind"]);
+    // Two mechanisms without a common body; one has limits.
+    let [jaws, tendons] = ["jaws", "tendon-finger"].map(|name| {
+        let (log, _) =
+            run_and_log(&format!("scenes/mechanisms/{name}.toml"), &format!("{name}.mcap"), &["--duration", "1 ms"]);
+        log
+    });
+    for pair in [[&jaws, &tendons], [&tendons, &jaws]] {
+        let report = succeed_json(&["replay", pair[0], "--against", pair[1]]);
+        assert_contains(
+            &report["notes"].to_string(),
+            &["has the body distal, proximal, winch", "the contact box.skin[0]"],
+        );
+    }
     // A lost part of one log is reported with status 1.
     let bytes = fs::read(&closing).expect("the log");
     fs::write(&closing, &bytes[..bytes.len() - 5]).expect("written");
