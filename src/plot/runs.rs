@@ -6,7 +6,7 @@ use super::chart::{Axis, Panel, PlotPoint, Series, panel_chart, series_chart};
 use super::theme::{AMBER, BLUE, GREEN, INK, ORANGE, PURPLE, SERIES, SOFT};
 use crate::scene::Scene;
 use crate::trace::{ContactSample, EventKind, FingerState, Sample, Schema};
-use crate::validate::{Angle, Family, LadderRow, Recording, Validation, coordinate_errors, wrap_angle};
+use crate::validate::{Angle, Family, LadderRow, Recording, Validation, coordinate_errors};
 
 /// Maximum number of touch-downs drawn per contact; more would hide the curves.
 const MAX_TOUCHDOWNS: usize = 60;
@@ -159,9 +159,9 @@ fn panels(schema: &Schema, runs: [&Recording; 2]) -> Vec<Panel> {
     };
     if !discs {
         let angles: [JointQuantity; 3] = [
-            ("q11", |finger| wrap_angle(finger.q11_rad).to_degrees()),
-            ("q21", |finger| wrap_angle(finger.q21_rad).to_degrees()),
-            ("q22", |finger| wrap_angle(finger.q22_rad).to_degrees()),
+            ("q11", |finger| finger.q11_rad.to_degrees()),
+            ("q21", |finger| finger.q21_rad.to_degrees()),
+            ("q22", |finger| finger.q22_rad.to_degrees()),
         ];
         add("joint angle, deg", false, joints(schema, angles));
     }

@@ -1,6 +1,6 @@
 //! Differences between a run and its reference.
 
-use super::{Impact, Impacts, Recording, wrap_angle};
+use super::{Impact, Impacts, Recording};
 use crate::check::REFERENCE_LENGTH_M;
 use crate::trace::{ContactSummary, Event, FingerState, Outcome, RequiredData, Sample, Sink, SinkError};
 
@@ -330,12 +330,11 @@ impl Sink for Comparison<'_> {
     }
 }
 
-/// Returns the errors of the coordinates of a sample: q11, q21, q22 of every finger modulo a full turn, then the
-/// distances between the centres of all bodies.
+/// Returns the errors of the coordinates of a sample: q11, q21, q22 of every finger, then the distances between
+/// the centres of all bodies.
 pub(crate) fn coordinate_errors(sample: &Sample, expected: &Sample) -> impl Iterator<Item = f64> {
     let fingers = sample.fingers().zip(expected.fingers());
-    let angles =
-        fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| wrap_angle((joint.angle_rad)(&a) - (joint.angle_rad)(&b))));
+    let angles = fingers.flat_map(|(a, b)| Angle::ALL.map(|joint| (joint.angle_rad)(&a) - (joint.angle_rad)(&b)));
     let centres = sample.bodies().zip(expected.bodies()).map(|(a, b)| {
         let [x, y] = [0, 1].map(|k| a.centre_m[k] - b.centre_m[k]);
         x.hypot(y)

@@ -12,7 +12,7 @@
 //! **Criteria.** The criteria of both runs are compared as well: class, fate, time to stability, lost contacts, form
 //! closure, restitution ([`Criterion`]).
 //!
-//! **Compared quantities.** Joint angles (modulo a full turn) and rates at every step of the engine, with the reference
+//! **Compared quantities.** Joint angles and rates at every step of the engine, with the reference
 //! interpolated between its dense samples; forces at the end of the run; times of first contact; the normal impulse of
 //! every impact up to its lift-off, or in the first [`IMPACT_S`] of a lasting contact, where each model counts from its
 //! own touch-down; the opening of the engine's joints; spurious energy.
@@ -29,7 +29,6 @@ mod statistics;
 mod validation;
 mod verdict;
 
-pub use crate::numeric::plane::wrap_angle;
 pub use configuration::{
     Cost, Family, LadderRow, SolverConfiguration, Status, ladder_configurations, reference_configuration,
 };

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 use phalanx::check::{perturbed, units};
 use phalanx::scene::{Integrator, Method, Preset, Scene, Stepping};
 use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
-use phalanx::validate::wrap_angle;
 
 /// Number of grid intervals at which runs are compared.
 const POINTS: f64 = 100.0;
@@ -79,13 +78,7 @@ impl PathRecorder {
 
 impl Sink for PathRecorder {
     fn sample(&mut self, s: &Sample) -> Result<(), SinkError> {
-        // Passive angles jump by full turns.
-        let previous_point = self.path.last().cloned();
-        let angles = s.fingers().enumerate().flat_map(|(index, finger)| {
-            let previous =
-                previous_point.as_ref().and_then(|point| point.get(3 * index + 2)).copied().unwrap_or(finger.q22_rad);
-            [finger.q11_rad, finger.q21_rad, previous + wrap_angle(finger.q22_rad - previous)]
-        });
+        let angles = s.fingers().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
         let centres = s.bodies().flat_map(|disc| disc.centre_m);
         let units = self.units.clone();
         self.record_point(s.time_s, || angles.chain(centres).zip(units).map(|(value, unit)| value / unit).collect());

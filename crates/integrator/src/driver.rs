@@ -67,6 +67,8 @@ const NEAR_OBSTACLE: f64 = 0.1;
 const APPROACH_CUT: f64 = 0.25;
 /// Step size at which the reduction stops: the singularity is reached.
 const MIN_APPROACH_STEP_S: f64 = 1e-11;
+/// Reduction of a step at whose end its mode is not valid.
+const INVALID_MODE_CUT: f64 = 0.5;
 /// Reduction of a step in which a sticking contact unloads.
 const UNLOADING_CUT: f64 = 0.4;
 /// Scaled error of a partial step above which the interpolant is more accurate.
@@ -469,6 +471,14 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 h = APPROACH_CUT * size;
                 continue;
             }
+            if !system.is_mode_valid(size, &attempt.end.q, &attempt.end.v, &mode) {
+                if size < MIN_APPROACH_STEP_S {
+                    return Err(Reason::Obstacle(system.describe_obstacle(&attempt.end.q)));
+                }
+                self.counters.rejected += 1;
+                h = INVALID_MODE_CUT * size;
+                continue;
+            }
             if error_weight::unloads(&self.events.functions, &events.functions, attempt, &state, &tolerances) {
                 self.counters.rejected += 1;
                 h = self.controller.cut(size, UNLOADING_CUT);
@@ -557,11 +567,14 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             return Err(Reason::Stopped);
         }
         if accepted.event.is_none() && self.chatter.take_clamped() {
-            self.mode = system.mode_at(self.clock.now(), &self.state.q, &self.state.v);
+            self.mode = system.mode_after(self.clock.now(), &self.state.q, &self.state.v, &self.mode);
             self.update_events(system);
         } else if let Some(mode) = system.mode_after_step(&self.events.functions, &self.mode) {
             self.mode = mode;
             self.update_events(system);
+        }
+        if let Some(mode) = system.continued_mode(&self.state.q, &self.state.v, &self.mode) {
+            self.mode = mode;
         }
         Ok(())
     }
@@ -611,7 +624,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             projected.filter(|projected| self.stall_detector.should_project(projected.decay_rate, t_end - t))
         {
             (self.state.q, self.state.v) = (projected.q, projected.v);
-            self.mode = system.mode_at(t, &self.state.q, &self.state.v);
+            self.mode = system.mode_after(t, &self.state.q, &self.state.v, &self.mode);
             self.update_events(system);
             self.restart_method();
         }

@@ -217,11 +217,32 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
     /// (a released contact whose surfaces have separated).
     fn mode_after_step(&self, functions: &[EventFunction<N>; S], mode: &Self::Mode) -> Option<Self::Mode>;
 
+    /// Whether the mode at the start of a step is valid in the state at its end, a time `dt` later. A mode that counts whole
+    /// turns from an angle is not valid if the step may turn too far; the step is then repeated with half of its length.
+    #[inline(always)]
+    fn is_mode_valid(&self, _dt: f64, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> bool {
+        true
+    }
+
+    /// Returns the mode for the steps after a state, if it differs from that of the steps before it without an event and
+    /// without a change of any law: its whole turns are counted from another angle.
+    #[inline(always)]
+    fn continued_mode(&self, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> Option<Self::Mode> {
+        None
+    }
+
     /// Returns the mode in which contact `index` uses its clamped law, without events.
     fn with_clamped_law(&self, index: usize, mode: &Self::Mode) -> Self::Mode;
 
-    /// Returns the mode derived from a state alone, at the start of a run or after a step with a clamped law.
+    /// Returns the mode derived from a state alone, at the start of a run.
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Self::Mode;
+
+    /// Returns the mode derived from a state after a step with a clamped law, whose mode was `last`: only what no state
+    /// contains is kept.
+    #[inline(always)]
+    fn mode_after(&self, t: f64, q: &[f64; N], v: &[f64; N], _last: &Self::Mode) -> Self::Mode {
+        self.mode_at(t, q, v)
+    }
 
     /// First step after event `index`, if the event changes the time scale.
     fn restart_step(&self, index: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Option<f64>;

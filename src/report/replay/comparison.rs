@@ -8,7 +8,6 @@ use crate::format::format_duration;
 use crate::format::numbers::{format_number, or_dash, row};
 use crate::format::report::{Report, ToReport, table, table_of};
 use crate::scene::one_line;
-use crate::validate::wrap_angle;
 
 /// Comparison of two logs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -46,7 +45,7 @@ pub(crate) struct NumberComparison {
     #[serde(rename = "figure")]
     pub path: String,
     pub values: [Option<f64>; 2],
-    /// Second value minus first; for angles modulo a full turn.
+    /// Second value minus first.
     pub difference: Option<f64>,
     /// Absolute difference relative to the larger value.
     pub relative: Option<f64>,
@@ -116,8 +115,7 @@ fn collect_leaves<'a>(path: String, values: [&'a Value; 2], leaves: &mut Vec<(St
 
 impl NumberComparison {
     fn new(path: String, values: [Option<f64>; 2]) -> Self {
-        let is_angle = path.starts_with("final.") && path.ends_with("_rad");
-        let difference = values[0].zip(values[1]).map(|(a, b)| if is_angle { wrap_angle(b - a) } else { b - a });
+        let difference = values[0].zip(values[1]).map(|(a, b)| b - a);
         let scale = values.iter().flatten().fold(0.0, |scale, value: &f64| value.abs().max(scale));
         let relative = difference.filter(|_| scale > 0.0).map(|difference| difference.abs() / scale);
         NumberComparison { path, values, difference, relative }

@@ -18,11 +18,11 @@ use crate::format::numbers::{format_number, or_dash};
 use crate::format::report::{Report, table};
 use crate::invariants::Finding;
 use crate::scene::{Keyword, Scene};
-use crate::trace::{Channel, Energy, Model, Sample, Schema};
+use crate::trace::{Channel, Energy, Model, Schema};
 use crate::validate::{
     Angle, Differences, IMPACT_S, Impact, LadderOptions, LadderRow, MEMBER_PERTURBATION, Recording,
     SolverConfiguration, Validation, configuration_name, ensemble_size, largest, reference_configuration,
-    scene_configuration, wrap_angle,
+    scene_configuration,
 };
 
 /// Report of a validation.
@@ -358,9 +358,8 @@ const FINGER_COLUMNS: &str = "q11_rad q21_rad q22_rad qd11_rad_s qd21_rad_s qd22
 
 /// Writes both runs at every multiple of the scene's log interval and at the end.
 ///
-/// Each quantity in SI units has two columns, with the suffixes `_analytic` and `_engine`. A finger has angles between
-/// −π and π, rates, gaps, forces and energies; other scenes have all quantities of a sample. Quantities of a contact without an object are
-/// empty.
+/// Each quantity in SI units has two columns, with the suffixes `_analytic` and `_engine`. A finger has angles, rates, gaps,
+/// forces and energies; other scenes have all quantities of a sample. Quantities of a contact without an object are empty.
 pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engine]: [&Recording; 2]) -> io::Result<()> {
     let is_finger = scene.finger_count() == 1;
     // The first column is the time.
@@ -370,12 +369,6 @@ pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engin
     if is_finger {
         all.sort_by_key(position);
     }
-    let value = |column: &Channel, sample: &Sample| match column.value(sample) {
-        angle_rad if is_finger && column.name.starts_with('q') && column.name.ends_with("_rad") => {
-            wrap_angle(angle_rad)
-        }
-        value => value,
-    };
     let headers = all.iter().map(|Channel { name, .. }| format!(",{name}_analytic,{name}_engine"));
     writeln!(out, "time_s{}", headers.collect::<String>())?;
     let (numeric_hz, end_s) = (scene.log.numeric_hz, analytic.outcome.last.time_s);
@@ -386,7 +379,7 @@ pub(crate) fn write_series(out: &mut impl Write, scene: &Scene, [analytic, engin
         let (Some(analytic), Some(engine)) = samples else { break };
         write!(out, "{time_s:?}")?;
         for column in &all {
-            write!(out, ",{},{}", cell(value(column, &analytic)), cell(value(column, &engine)))?;
+            write!(out, ",{},{}", cell(column.value(&analytic)), cell(column.value(&engine)))?;
         }
         writeln!(out)?;
         if time_s >= end_s {

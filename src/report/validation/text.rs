@@ -11,7 +11,7 @@ use crate::trace::{ContactSummary, Model};
 use crate::units::Dimension;
 use crate::validate::{
     CRITERIA, Check, Cost, Criterion, LadderOptions, MEMBER_PERTURBATION, Recording, Statistics, Status, Value,
-    configuration_name, ensemble_size, wrap_angle,
+    configuration_name, ensemble_size,
 };
 
 impl ToReport for ValidationReport<'_> {
@@ -190,9 +190,7 @@ fn side_by_side(report: &ValidationReport) -> Report {
         let state = |&(name, label, scale, digits): &StateRow| {
             let channel = channels.iter().find(|channel| channel.name == format!("{prefix}{name}"))?;
             let [analytic, engine] = runs.map(|run| zero_below_resolution(channel.value(&run.last), Dimension::Length));
-            let difference = if scale == DEGREES { wrap_angle(engine - analytic) } else { engine - analytic };
-            let analytic = if scale == DEGREES { wrap_angle(analytic) } else { analytic };
-            Some(line(component, label, [analytic, difference].map(|value| value * scale), digits))
+            Some(line(component, label, [analytic, engine - analytic].map(|value| value * scale), digits))
         };
         shown.iter().filter_map(state).collect()
     };

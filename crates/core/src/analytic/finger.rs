@@ -5,14 +5,14 @@ use super::motion_bound::{MotionBound, PinnedPair, RateBound, sine_reach, smalle
 use crate::fivebar::dynamics::{AccelerationField, Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
 use crate::fivebar::joint_forces::{LinkLoads, LinkMotion, joint_forces};
 use crate::fivebar::kinematics::{
-    Capsule, ClosestPoints, Directions, PassiveBias, PassiveRates, SpringModel, closest_points, directions,
-    passive_bias, passive_rates, reference_gamma,
+    Capsule, ClosestPoints, Directions, PassiveBias, PassiveRates, PassiveTurns, SpringModel, closest_points,
+    continued_angle, directions, passive_bias, passive_rates, reference_gamma,
 };
 use crate::gripper::{Assembly, Finger, FingerContact};
 use crate::integrator::GapBound;
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{Vector, add, angle_between, cross, dot, opening_angle, perp, rotate, scale_by, sub};
+use crate::numeric::plane::{Vector, add, angle_between, cross, dot, perp, rotate, scale_by, sub};
 use crate::numeric::{Dual, Real, map_array};
 use crate::scene::{FingerContactLaws, HandFinger};
 use crate::shape::{PlacedShape, Support};
@@ -26,6 +26,7 @@ pub(crate) struct FingerModel {
     pub(super) dynamics: Dynamics,
     pub(super) spring: Option<SpringModel>,
     pub(super) limit: Option<NormalLaw>,
+    turns: PassiveTurns,
     pub(super) contacts: FingerContactLaws,
     distal: DistalShape,
     links: Finger,
@@ -48,6 +49,7 @@ impl FingerModel {
             dynamics: Dynamics::new(linkage, gamma, gravity_m_s2),
             spring: spring.map(|s| SpringModel::new(&s, &lengths, gamma, &start)),
             limit: *limit,
+            turns: PassiveTurns::new(&lengths, gamma, &start),
             contacts: *contact,
             distal: DistalShape { l21: lengths.l21_m, t22: lengths.t22_m, w: lengths.half_width_m, phi22: [cos, sin] },
             links: *linkage,
@@ -87,7 +89,7 @@ impl FingerModel {
     /// Geometry of the joint limit. Its gap is q22 + φ22, the angle from l21 to the tip phalanx.
     #[inline(always)]
     pub(super) fn limit_geometry<T: Real>(&self, pose: &Directions<T>, rates: &PassiveRates<T>) -> Geometry<T> {
-        let gap = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22));
+        let gap = self.bend(pose);
         let row = [rates.a4[0], rates.a4[1] - 1.0];
         let none = [T::zero(); 2];
         Geometry { gap, normal_row: row, tangent_row: none, normal: none, point: none, support: Support::none() }
@@ -126,6 +128,13 @@ impl FingerModel {
             FingerContact::Distal => bounds.distal.seen(centre, distance + self.distal.l21).gap(),
             FingerContact::Limit => bounds.limit.gap(),
         }
+    }
+
+    /// q22 + φ22, measured from the straight line, so that rounding is smallest at the joint limit.
+    #[inline(always)]
+    fn bend<T: Real>(&self, pose: &Directions<T>) -> T {
+        let principal = angle_between(pose.e2, rotate(pose.e4, self.distal.phi22));
+        continued_angle(principal, self.turns.near_q22(pose.q_rad) + self.dynamics.lengths.phi22_rad)
     }
 
     #[inline(always)]
@@ -216,10 +225,9 @@ impl FingerModel {
     /// Angles and rates of the passive joints (2.2), (2.8).
     pub(super) fn passive_joints(&self, (pose, rates): &FingerKinematics, q: [f64; 2], v: [f64; 2]) -> PassiveJoints {
         let [_, _, qd3, qd4] = absolute_rates(rates, v);
-        let phi22 = self.dynamics.lengths.phi22_rad;
-        // Measured from the straight line, so that q22 is continuous through the joint limit.
-        let q22 = opening_angle(pose.e2, rotate(pose.e4, self.distal.phi22)) - phi22;
-        PassiveJoints { q12: angle_between(pose.e1, pose.e3), q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
+        let q12 = continued_angle(angle_between(pose.e1, pose.e3), self.turns.near_q12(pose.q_rad));
+        let q22 = self.bend(pose) - self.dynamics.lengths.phi22_rad;
+        PassiveJoints { q12, q22, q13: q[1] + q22, qd12: qd3 - v[0], qd22: qd4 - v[1] }
     }
 }
 

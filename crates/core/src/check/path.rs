@@ -5,7 +5,6 @@ use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
 use crate::mechanism::{Body, JointKind, Mechanism, OutlinePoint, OutlineShape, SpringKind};
 use crate::numeric::elementary::hypot;
-use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::{Hand, Integrator, Keyword, Method, Scene, Stepping};
 use crate::shape::max_radius;
 use crate::trace::schema::State;
@@ -94,23 +93,21 @@ impl Sink for Measured {
 impl PathRecorder<'_> {
     fn push(&mut self, sample: &Sample) {
         if self.points.len() <= INTERVALS as usize {
-            self.points.push(coordinates(sample, self.points.last()));
+            self.points.push(coordinates(sample));
             self.energies.extend(self.measured.sink.audit.map(|_| sample.energy()));
         }
     }
 }
 
 /// Returns the compared coordinates: angles of fingers or joints of a mechanism, centres of bodies, and angles of the bodies
-/// of a mechanism. Passive angles can jump by a turn; each angle is shifted by turns to the value nearest to the previous
-/// point's angle.
-fn coordinates(sample: &Sample, previous: Option<&Vec<f64>>) -> Vec<f64> {
+/// of a mechanism.
+fn coordinates(sample: &Sample) -> Vec<f64> {
     let fingers = sample.fingers().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
     let joints = if sample.counts().fingers == 0 { sample.counts().joints } else { 0 };
     let angles = fingers.chain((0..joints).map(|joint| sample.joint_state(joint).angle_rad));
-    let unwrap = |(index, angle)| previous.map_or(angle, |previous| nearest_equivalent_angle(angle, previous[index]));
     let centres = sample.bodies().flat_map(|body| body.centre_m);
     let turns = sample.bodies().map(|body| body.angle_rad);
-    angles.enumerate().map(unwrap).chain(centres).chain(turns).collect()
+    angles.chain(centres).chain(turns).collect()
 }
 
 impl Sink for PathRecorder<'_> {
@@ -435,7 +432,7 @@ fn path(scene: &Scene, result: &Result<Outcome, RunError>, mut recorder: PathRec
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
     let forces = surfaces.iter().filter_map(|index| outcome.last.contacts().nth(*index));
     Path {
-        last: coordinates(&outcome.last, recorder.points.last()),
+        last: coordinates(&outcome.last),
         points: recorder.points,
         energies: recorder.energies,
         energy: outcome.last.energy(),

@@ -4,7 +4,7 @@
 use super::segments::Hermite;
 use crate::gripper::Lengths;
 use crate::numeric::elementary::{cos, sin, sin_cos};
-use crate::numeric::plane::{nearest_equivalent_angle, rotate};
+use crate::numeric::plane::rotate;
 use crate::scene::{PalmMotion, Scene, Side};
 use crate::trace::{FingerState, RequiredData, Sample, Sink, SinkError};
 
@@ -204,7 +204,7 @@ fn interpolate([a, b]: [&FingerState; 2], [from_s, to_s]: [f64; 2], time_s: f64)
     let angle = |of: fn(&FingerState) -> (f64, f64)| {
         let ((q0, v0), (q1, v1)) = (of(a), of(b));
         match to_s > from_s {
-            true => Hermite::new((from_s, q0, v0), (to_s, nearest_equivalent_angle(q1, q0), v1)).value(time_s),
+            true => Hermite::new((from_s, q0, v0), (to_s, q1, v1)).value(time_s),
             false => q1,
         }
     };

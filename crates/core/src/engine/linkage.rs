@@ -7,7 +7,7 @@
 //!
 //! The system is general in bodies and joints; it uses only rapier's masses and anchors.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 use super::coordinate::{BodyPose, Coordinate, Row, Twist};
@@ -16,7 +16,7 @@ use super::plan::{Plan, PlannedBody, PlannedGear, PlannedJoint, relative_angle};
 use super::world::World;
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{atan2, hypot, powi};
-use crate::numeric::plane::{dot, perp, rotate};
+use crate::numeric::plane::{dot, nearest_equivalent_angle, perp, rotate};
 
 /// Mass and moment of inertia of a body, and their inverses.
 #[derive(Clone, Copy, Debug)]
@@ -186,20 +186,21 @@ impl Linkage {
             responses: Responses::default(),
             at_node: (Vec::new(), Vec::new()),
         };
-        linkage.read_poses(world);
+        linkage.read_poses(world, 0.0);
         linkage
     }
 
-    /// Reads the poses of the bodies from rapier.
-    pub(crate) fn read_poses(&mut self, world: &World) {
+    /// Reads the poses of the bodies from rapier, after a step of this length.
+    pub(crate) fn read_poses(&mut self, world: &World, dt: f64) {
         for (pose, handle) in self.poses.iter_mut().zip(&world.bodies) {
             let body = &world.physics.bodies[*handle];
             let (com, rotation) = (body.center_of_mass(), body.rotation());
             let direction = [rotation.re, rotation.im];
-            // A step rotates by less than half a turn, so the nearest equivalent angle is the continuous one.
-            let principal = atan2(direction[1], direction[0]);
-            let turns = ((pose.angle - principal) / TAU).round();
-            *pose = BodyPose { com: [com.x, com.y], direction, angle: principal + turns * TAU };
+            // A step turns a body with forces by ω dt, which may be several turns, and a driven one by atan(ω dt).
+            let turn = body.angvel() * dt;
+            let expected = pose.angle + if body.is_dynamic() { turn } else { atan2(turn, 1.0) };
+            let angle = nearest_equivalent_angle(atan2(direction[1], direction[0]), expected);
+            *pose = BodyPose { com: [com.x, com.y], direction, angle };
         }
         for side in self.sides.iter_mut().filter(|side| side.sign != 0.0) {
             side.arm = rotate(side.local, self.poses[side.body].direction);

@@ -88,10 +88,9 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
     }
     let coordinates: Vec<Coordinate> = plan.joints.iter().map(|joint| plan.joint_coordinate(joint)).collect();
     add_couplings(&mut plan, mechanism, &coordinates);
-    add_springs_and_dampers(&mut plan, mechanism, &coordinates)?;
+    add_springs_and_dampers(&mut plan, mechanism, &coordinates);
     for actuator in &mechanism.actuators {
-        let shaft = combined(&actuator.on, &coordinates, &actuator.name)?;
-        add_actuator(&mut plan, actuator, shaft);
+        add_actuator(&mut plan, actuator, combined(&actuator.on, &coordinates));
     }
     let points = mechanism.point_contacts();
     for (channel, contact) in points.iter().enumerate() {
@@ -143,21 +142,23 @@ fn gyration_m(mechanism: &Mechanism, index: usize, body: &Body) -> f64 {
     if counts { gyration_m } else { 0.0 }
 }
 
-/// Returns a combination of joint coordinates: that of one joint, or an angle of up to two bodies.
-fn combined(on: &JointCombination, coordinates: &[Coordinate], name: &str) -> Result<Coordinate, String> {
+/// Returns a combination of joint coordinates: that of one joint, an angle of up to two bodies, or their sum.
+fn combined(on: &JointCombination, coordinates: &[Coordinate]) -> Coordinate {
     if let [(joint, 1.0)] = on.terms[..] {
-        return Ok(coordinates[joint].clone().less(on.offset));
+        return coordinates[joint].clone().less(on.offset);
     }
-    let unsupported = || {
-        format!(
-            "`{name}` acts on several joints; in the engine model these must be revolute joints, and their combination \
-             must depend on one or two bodies: choose other joints or factors"
-        )
-    };
+    angle_of_bodies(on, coordinates).unwrap_or_else(|| {
+        let terms = on.terms.iter().map(|(joint, factor)| (coordinates[*joint].clone(), *factor));
+        Coordinate::sum(terms.collect()).less(on.offset)
+    })
+}
+
+/// Returns a combination of joint angles that is an angle of one or two bodies.
+fn angle_of_bodies(on: &JointCombination, coordinates: &[Coordinate]) -> Option<Coordinate> {
     let (mut ratios, mut offset): (Vec<(usize, f64)>, f64) = (Vec::new(), on.offset);
     for (joint, factor) in &on.terms {
         let Coordinate { measure: Measure::Angle { on, against }, offset: of_joint } = &coordinates[*joint] else {
-            return Err(unsupported());
+            return None;
         };
         offset += factor * of_joint;
         for &(body, ratio) in std::iter::once(on).chain(against) {
@@ -171,9 +172,9 @@ fn combined(on: &JointCombination, coordinates: &[Coordinate], name: &str) -> Re
     let (on, against) = match ratios[..] {
         [on] => (on, None),
         [on, against] => (on, Some(against)),
-        _ => return Err(unsupported()),
+        _ => return None,
     };
-    Ok(Coordinate { measure: Measure::Angle { on, against }, offset })
+    Some(Coordinate { measure: Measure::Angle { on, against }, offset })
 }
 
 /// Adds a gear for each coupling, and a wheel for each inertia of a joint or combination of joints, which turns with its
@@ -225,7 +226,7 @@ fn own_rotor(joint: &Joint, palm: Option<usize>) -> Option<usize> {
     }
 }
 
-fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordinate]) -> Result<(), String> {
+fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordinate]) {
     for (joint, coordinate) in mechanism.joints.iter().zip(coordinates) {
         add_damper(plan, coordinate.clone(), joint.damping);
         plan.brakes.extend(joint.friction.map(|law| PlannedBrake {
@@ -237,7 +238,7 @@ fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: 
     for spring in &mechanism.springs {
         let extension = match &spring.kind {
             SpringKind::Torsional { on, preload } => {
-                let coordinate = combined(on, coordinates, &spring.name)?;
+                let coordinate = combined(on, coordinates);
                 if *preload != 0.0 {
                     let kind = gripper::SpringKind::Constant { torque_n_m: -preload };
                     plan.springs.push(PlannedSpring { extension: coordinate.clone(), kind });
@@ -256,7 +257,6 @@ fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: 
         }
         add_damper(plan, extension, spring.damping);
     }
-    Ok(())
 }
 
 fn add_damper(plan: &mut Plan, coordinate: Coordinate, damping: f64) {

@@ -237,7 +237,7 @@ impl Motion {
         self.clock.advance(dt);
         self.last_dt_s = dt;
 
-        self.linkage.read_poses(&self.world);
+        self.linkage.read_poses(&self.world, dt);
         if self.linkage.poses.iter().any(|pose| !(pose.angle + pose.com[0] + pose.com[1]).is_finite()) {
             return Err(StepError::NotFinite);
         }

@@ -8,13 +8,12 @@ use crate::drive::Profile;
 use crate::integrator::{State, System};
 use crate::mechanism::structure::StructureError;
 use crate::mechanism::{Mechanism, assemble};
-use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::Scene;
 
 /// Builds the model in the first size that fits, of coordinates, coordinates of a group, contacts and actuators.
 macro_rules! build_fitting {
     ($size:ident, $arguments:tt, $([$n:literal, $k:literal, $c:literal, $a:literal]),+) => {
-        $(if $size.fits(&MechanismSize { coordinates: $n, group: $k, contacts: $c, actuators: $a }) {
+        $(if $size.fits(&MechanismSize { coordinates: $n, group: $k, contacts: $c, actuators: $a, counts: $c }) {
             return build_sized::<$n, $k, $c, { $c + 2 }, { event_function_count($c, $a) }, U> $arguments;
         })+
     };
@@ -44,11 +43,18 @@ pub(super) fn build_mechanism<U: KernelUser>(
 }
 
 /// Largest model; also the last size of [`build_mechanism`].
-const LARGEST: MechanismSize = MechanismSize { coordinates: 48, group: 12, contacts: 64, actuators: 8 };
+const LARGEST: MechanismSize = MechanismSize { coordinates: 48, group: 12, contacts: 64, actuators: 8, counts: 64 };
 
 /// Reason for the rejection of a mechanism that exceeds the largest model, with the remedies that help.
 fn too_large(mechanism: &Mechanism, size: &MechanismSize) -> String {
-    let MechanismSize { coordinates, group, contacts, actuators } = *size;
+    let MechanismSize { coordinates, group, contacts, actuators, counts } = *size;
+    if counts > LARGEST.counts {
+        return format!(
+            "the mechanism has {counts} dyads on two pins; the analytic model counts the turns of up to {}: simulate with \
+             `--model engine`, which takes any number",
+            LARGEST.counts
+        );
+    }
     let has_bristles = mechanism.contacts.iter().any(|pair| pair.law.bristle().is_some());
     let remedies = [
         (coordinates > LARGEST.coordinates && has_bristles, "give some contacts a law of friction without bristles"),
@@ -81,57 +87,30 @@ fn build_sized<const N: usize, const K: usize, const C: usize, const Z: usize, c
     Ok(user.use_kernel::<_, N, Z, G>(Start { kernel, state, settings: scene.integrator, reach: None }))
 }
 
-/// Angles and rates of all joints, then of all bodies, at the last reading. Whole turns of dyads do not follow from a
-/// state; readings count them from one to the next.
-#[derive(Clone, Default)]
-pub(super) struct Angles {
-    time_s: f64,
-    values: Vec<(f64, f64)>,
-}
-
-impl Angles {
-    /// Returns the angle that continues the last reading of this index, at the rate of both readings.
-    fn continued(&mut self, index: usize, t: f64, angle: f64, rate: f64) -> f64 {
-        let dt = t - self.time_s;
-        match self.values.get_mut(index) {
-            Some((last, last_rate)) => {
-                let continued = nearest_equivalent_angle(angle, *last + 0.5 * dt * (*last_rate + rate));
-                (*last, *last_rate) = (continued, rate);
-                continued
-            }
-            None => {
-                self.values.push((angle, rate));
-                angle
-            }
-        }
-    }
-}
-
 impl<const N: usize, const K: usize, const C: usize, const Z: usize> Kernel<N, Z> for MechanismModel<N, K, C>
 where
     Self: System<N, Z, Mode = MechanismMode<C>>,
 {
-    type History = (Angles, JointForces);
+    type History = JointForces;
 
     fn read(
         &self,
         (state, mode): (&State<N, Z>, &MechanismMode<C>),
         start: &Energy,
         required_data: RequiredData,
-        (angles, joint_forces): &mut Self::History,
+        joint_forces: &mut Self::History,
         sample: &mut Sample,
     ) {
         let (model, t, counts, qv) = (self, sample.time_s, sample.counts(), (&state.q, &state.v));
+        model.count_turns_as(mode);
         if required_data.joint_forces {
             model.joint_forces::<Z>(t, qv, mode, joint_forces);
         }
         for index in 0..counts.joints {
-            let (coordinate, rate) = model.joint(qv, index);
-            let continued = angles.continued(index, t, coordinate, rate);
-            let angle_rad = if model.is_revolute(index) { continued } else { coordinate };
+            let (angle_rad, rate_rad_s) = model.joint(qv, index);
             let force = joint_forces.forces.get(index).copied().unwrap_or_default();
             let (force_n, moment_n_m) = (force.force_n, force.moment_n_m);
-            sample.set_joint(index, &JointState { angle_rad, rate_rad_s: rate, force_n, moment_n_m });
+            sample.set_joint(index, &JointState { angle_rad, rate_rad_s, force_n, moment_n_m });
         }
         for index in 0..counts.actuators {
             let effort = if required_data.passive { model.actuator(t, qv, mode, index) } else { 0.0 };
@@ -142,11 +121,9 @@ where
             sample.set_tendon(index, &TendonState { length_m, rate_m_s, tension_n });
         }
         for (index, body) in model.reported_bodies().enumerate() {
-            let ([x, y, angle], [vx, vy, spin_rad_s]) = model.body(qv, body);
-            let angle_rad = angles.continued(counts.joints + index, t, angle, spin_rad_s);
+            let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = model.body(qv, body);
             sample.set_body(index, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
         }
-        angles.time_s = t;
         (0..counts.contacts).for_each(|index| sample.set_contact(index, &self.contact(state, index, mode)));
         sample.set_energy(&match required_data.energies {
             true => {
@@ -167,6 +144,7 @@ where
     }
 
     fn contact(&self, state: &State<N, Z>, index: usize, mode: &MechanismMode<C>) -> ContactSample {
+        self.count_turns_as(mode);
         let reading = self.contact_reading((&state.q, &state.v), index, mode[index]);
         contact_sample(Some(&reading), state.z[index])
     }

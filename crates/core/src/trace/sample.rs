@@ -6,7 +6,6 @@ use super::schema::{
 };
 pub use crate::gripper::FingerContact;
 use crate::numeric::array_from;
-use crate::numeric::plane::nearest_equivalent_angle;
 use crate::scene::{FINGER_JOINTS, Hand, HandContact, Object};
 
 /// Places of q11, q21, q12, q22 and of the joint that closes the loop among [`FINGER_JOINTS`].
@@ -436,9 +435,6 @@ impl Subjects<'_> {
             let values = array_from(|k| match T::QUANTITIES[k].interpolation {
                 Interpolation::Linear => instant.linear(a[k], b[k]),
                 Interpolation::Cubic { rate } => instant.cubic(a[k], a[rate], b[k], b[rate]),
-                Interpolation::Angle { rate } => {
-                    instant.cubic(a[k], a[rate], nearest_equivalent_angle(b[k], a[k]), b[rate])
-                }
                 Interpolation::Derived => 0.0,
             });
             out[start..start + K].copy_from_slice(&T::from_values(values).values());

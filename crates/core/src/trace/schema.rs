@@ -21,10 +21,6 @@ pub enum Interpolation {
     Cubic {
         rate: usize,
     },
-    /// Cubic Hermite interpolation of an angle that may return as another equivalent angle (leave at π, return at −π).
-    Angle {
-        rate: usize,
-    },
     /// The quantity follows from the others of its subject ([`State::from_values`]), and logs do not contain it.
     Derived,
 }
@@ -126,7 +122,7 @@ pub struct JointState {
 
 impl State<5> for JointState {
     const QUANTITIES: [Quantity; 5] = [
-        Quantity { key: "angle_rad", unit: "rad", interpolation: Interpolation::Angle { rate: 1 } },
+        cubic("angle_rad", "rad", 1),
         linear("rate_rad_s", "rad/s"),
         linear("force_x_n", "N"),
         linear("force_y_n", "N"),

@@ -4,7 +4,7 @@
 //! Index 1 is l11, 2 is l21, 3 is l12 (absolute angle q11 + q12), 4 is l22 (absolute angle q21 + q22 = q13).
 
 use crate::gripper::{Lengths, Placement, Spring, SpringKind};
-use crate::numeric::elementary::{cos, powi, sin, sin_cos};
+use crate::numeric::elementary::{atan2, cos, powi, sin, sin_cos};
 use crate::numeric::plane::{
     Vector, add, angle_between, cross, dot, nearest_equivalent_angle, opening_angle, perp, rotate, scale, scale_by, sub,
 };
@@ -31,21 +31,23 @@ pub enum Singularity {
 /// are a thousand times the driven ones. The finger cannot return from there in its assembly mode.
 pub const SINGULAR_SINE: f64 = 1e-3;
 
-/// Unit vectors along the four links.
+/// Unit vectors along the four links, and the angles of the ground links: whole turns do not follow from directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Directions<T> {
     pub e1: Vector<T>,
     pub e2: Vector<T>,
     pub e3: Vector<T>,
     pub e4: Vector<T>,
+    /// q11 and q21.
+    pub q_rad: [f64; 2],
 }
 
 impl<T: Copy> Directions<T> {
     /// Converts every number, such as one that depends on two angles to one that depends on more coordinates.
     #[inline(always)]
     pub fn map<U: Copy + Default>(&self, f: impl Fn(T) -> U + Copy) -> Directions<U> {
-        let Directions { e1, e2, e3, e4 } = *self;
-        Directions { e1: map_array(e1, f), e2: map_array(e2, f), e3: map_array(e3, f), e4: map_array(e4, f) }
+        let Directions { e1, e2, e3, e4, q_rad } = *self;
+        Directions { e1: map_array(e1, f), e2: map_array(e2, f), e3: map_array(e3, f), e4: map_array(e4, f), q_rad }
     }
 }
 
@@ -68,7 +70,7 @@ pub fn directions<T: Real>(lengths: &Lengths, gamma: f64, q: Vector<T>) -> Direc
     let a12_to_a13 = add(scale(d, alpha), scale(perp(d), beta));
     let e3 = scale_by(a12_to_a13, 1.0 / l12);
     let e4 = scale_by(sub(a12_to_a13, d), 1.0 / l22);
-    Directions { e1, e2, e3, e4 }
+    Directions { e1, e2, e3, e4, q_rad: [q[0].value(), q[1].value()] }
 }
 
 /// Returns the singularity that is nearest to `q`.
@@ -99,7 +101,13 @@ pub fn straight_directions(lengths: &Lengths) -> Directions<f64> {
     let alpha = (distance_squared + powi(lengths.l11_m, 2) - powi(lengths.l12_m, 2)) / (2.0 * distance_squared);
     let beta = (powi(lengths.l11_m, 2) / distance_squared - alpha * alpha).max(0.0).sqrt();
     let a12 = sub(scale_by(a13, alpha), scale_by(perp(a13), beta));
-    Directions { e1: scale_by(a12, 1.0 / lengths.l11_m), e2, e3: scale_by(sub(a13, a12), 1.0 / lengths.l12_m), e4 }
+    Directions {
+        e1: scale_by(a12, 1.0 / lengths.l11_m),
+        e2,
+        e3: scale_by(sub(a13, a12), 1.0 / lengths.l12_m),
+        e4,
+        q_rad: [atan2(a12[1], a12[0]), FRAC_PI_2],
+    }
 }
 
 /// γ of (2.1) in the straight configuration: the side of the line A12→A22 on which the joint A13 lies.
@@ -132,7 +140,7 @@ impl<T: Copy> PassiveRates<T> {
 /// Solves the rate of the loop closure (2.4) for the passive links, by projection on l22 and on l12.
 #[inline(always)]
 pub fn passive_rates<T: Real>(lengths: &Lengths, pose: &Directions<T>) -> PassiveRates<T> {
-    let Directions { e1, e2, e3, e4 } = *pose;
+    let Directions { e1, e2, e3, e4, .. } = *pose;
     let inverse_sine = cross(e3, e4).recip();
     let over3 = inverse_sine * (1.0 / lengths.l12_m);
     let over4 = inverse_sine * (1.0 / lengths.l22_m);
@@ -153,7 +161,7 @@ pub struct PassiveBias<T> {
 /// Coefficients of the second-order kinematics.
 #[inline(always)]
 pub fn passive_bias<T: Real>(lengths: &Lengths, pose: &Directions<T>, rates: &PassiveRates<T>) -> PassiveBias<T> {
-    let Directions { e1, e2, e3, e4 } = *pose;
+    let Directions { e1, e2, e3, e4, .. } = *pose;
     let Lengths { l11_m: l11, l12_m: l12, l21_m: l21, l22_m: l22, .. } = *lengths;
     let i = rates.inverse_sine;
     let cos34 = dot(e3, e4);
@@ -161,6 +169,68 @@ pub fn passive_bias<T: Real>(lengths: &Lengths, pose: &Directions<T>, rates: &Pa
         b3: [dot(e1, e4) * i * (l11 / l12), dot(e2, e4) * i * (-l21 / l12), cos34 * i, i * (-l22 / l12)],
         b4: [dot(e1, e3) * i * (l11 / l22), dot(e2, e3) * i * (-l21 / l22), i * (l12 / l22), cos34 * -i],
     }
+}
+
+/// Whole turns of the passive links, counted from a pose: their angles are continuous functions of q11 and q21.
+///
+/// A13 stays on one side of the line A12→A22, so that l12 and l22 are less than a quarter of a turn from the normal on this
+/// side. The line itself is less than a quarter of a turn from the longer ground link: from l21, or from l11 turned by half
+/// a turn. Both angles are therefore less than half a turn from one that follows from the angle of this ground link.
+#[derive(Clone, Copy, Debug)]
+pub struct PassiveTurns {
+    /// The longer ground link, as an index of q_a.
+    longer: usize,
+    /// Angle of the normal at the zero of the longer ground link, if the line is along it.
+    normal_rad: f64,
+    /// Whole turns of q12 and q22.
+    turns_rad: [f64; 2],
+}
+
+impl PassiveTurns {
+    /// Counts turns so that q12 is at most half a turn in the pose `start`, and q22 is measured from the straight line
+    /// between a quarter of a turn before its stop and three quarters after it.
+    pub fn new(lengths: &Lengths, gamma: f64, start: &Directions<f64>) -> Self {
+        let longer = usize::from(lengths.l21_m >= lengths.l11_m);
+        let normal_rad = gamma * FRAC_PI_2 + if longer == 0 { PI } else { 0.0 };
+        let turns = Self { longer, normal_rad, turns_rad: [0.0; 2] };
+        let [q12_rad, q22_rad] = start_angles(lengths, start);
+        let missing = |angle: f64, near: f64| {
+            if angle.is_finite() { angle - nearest_equivalent_angle(angle, near) } else { 0.0 }
+        };
+        let turns_rad = [missing(q12_rad, turns.near_q12(start.q_rad)), missing(q22_rad, turns.near_q22(start.q_rad))];
+        Self { turns_rad, ..turns }
+    }
+
+    /// An angle that is less than half a turn from q12.
+    #[inline(always)]
+    pub fn near_q12(&self, q_rad: [f64; 2]) -> f64 {
+        q_rad[self.longer] - q_rad[0] + (self.normal_rad + self.turns_rad[0])
+    }
+
+    /// An angle that is less than half a turn from q22.
+    #[inline(always)]
+    pub fn near_q22(&self, q_rad: [f64; 2]) -> f64 {
+        q_rad[self.longer] - q_rad[1] + (self.normal_rad + self.turns_rad[1])
+    }
+
+    /// An angle that is less than half a turn from that of l12 relative to l22.
+    #[inline(always)]
+    fn near_loop(&self) -> f64 {
+        self.turns_rad[0] - self.turns_rad[1]
+    }
+}
+
+/// q12 and q22 at the start of a run.
+fn start_angles(lengths: &Lengths, pose: &Directions<f64>) -> [f64; 2] {
+    let (sin, cos) = sin_cos(lengths.phi22_rad);
+    [angle_between(pose.e1, pose.e3), opening_angle(pose.e2, rotate(pose.e4, [cos, sin])) - lengths.phi22_rad]
+}
+
+/// The equivalent of an angle that is nearest to a number.
+#[inline(always)]
+pub fn continued_angle<T: Real>(angle: T, near_rad: f64) -> T {
+    let off = angle.value() - near_rad;
+    if off.abs() <= PI { angle } else { angle + -TAU * (off / TAU).round() }
 }
 
 /// The return spring (thesis (2.30), §3.3.2.3, errata 4) with its reference angle in the straight configuration.
@@ -172,8 +242,9 @@ pub struct SpringModel {
     closing_sign: f64,
     /// (cos, sin) of −q_s in the straight configuration.
     straight: [f64; 2],
-    /// Extension opposite to the branch cut of the angle; the cut lies where no run passes.
-    centre_rad: f64,
+    /// q_s in the straight configuration.
+    straight_rad: f64,
+    turns: PassiveTurns,
 }
 
 /// Returns the two directions that enclose the angle q_s.
@@ -206,47 +277,41 @@ impl SpringModel {
         let [from, to] = directions_of(spring.placement, &pose);
         let q_s: f64 = angle_between(from, to);
         let closing = gradient(spring.placement, &passive_rates(lengths, &pose))[0];
-        let model = Self {
+        let ([q12_rad, q22_rad], [q11_rad, q21_rad]) = (start_angles(lengths, &pose), pose.q_rad);
+        let straight_rad = match spring.placement {
+            Placement::GroundLinks => q21_rad - q11_rad,
+            Placement::DrivenCoupler => q12_rad,
+            Placement::Phalanges => q22_rad,
+            Placement::CouplerDistal => q11_rad + q12_rad - (q21_rad + q22_rad),
+        };
+        Self {
             kind: spring.kind,
             placement: spring.placement,
             closing_sign: closing.signum(),
             straight: [cos(q_s), -sin(q_s)],
-            centre_rad: 0.0,
-        };
-        let first = model.principal_extension(start);
-        let first = if first.is_finite() { first } else { FRAC_PI_2 };
-        let centre = match spring.placement {
-            // A12 is always behind A22 along l21, and l22 is always on the same side of l21 by less than half a turn:
-            // the extensions that a mode can reach span less than one turn about this value.
-            Placement::Phalanges if lengths.l21_m > lengths.l11_m => {
-                let q22_rad = -gamma * reference_gamma(lengths) * FRAC_PI_2;
-                model.closing_sign * (q22_rad + lengths.phi22_rad)
-            }
-            // l12 and l22 are never in line within a mode.
-            Placement::CouplerDistal => {
-                let initial_angle: f64 = angle_between(start.e4, start.e3);
-                first + model.closing_sign * (FRAC_PI_2.copysign(initial_angle) - initial_angle)
-            }
-            // A crank may rotate fully: the branch cut is a quarter of a turn before the straight configuration.
-            _ => FRAC_PI_2,
-        };
-        Self { centre_rad: nearest_equivalent_angle(centre, first), ..model }
+            straight_rad,
+            turns: PassiveTurns::new(lengths, gamma, start),
+        }
     }
 
-    /// Extension with the branch cut a quarter of a turn before the straight configuration.
+    /// An angle that is less than half a turn from q_s.
     #[inline(always)]
-    fn principal_extension<T: Real>(&self, pose: &Directions<T>) -> T {
-        let [from, to] = directions_of(self.placement, pose);
-        let to = rotate(to, self.straight);
-        if self.closing_sign > 0.0 { opening_angle(from, to) } else { opening_angle(to, from) }
+    fn near_angle(&self, q_rad: [f64; 2]) -> f64 {
+        match self.placement {
+            Placement::GroundLinks => q_rad[1] - q_rad[0],
+            Placement::DrivenCoupler => self.turns.near_q12(q_rad),
+            Placement::Phalanges => self.turns.near_q22(q_rad),
+            Placement::CouplerDistal => self.turns.near_loop(),
+        }
     }
 
     /// Δq_s ≥ 0 in closing: deviation of q_s from the straight configuration, in rad; continuous along a run.
     #[inline(always)]
     pub fn extension<T: Real>(&self, pose: &Directions<T>) -> T {
-        let principal_extension = self.principal_extension(pose);
-        let off = principal_extension.value() - self.centre_rad;
-        if off.abs() <= PI { principal_extension } else { principal_extension + -TAU * (off / TAU).round() }
+        let [from, to] = directions_of(self.placement, pose);
+        let to = rotate(to, self.straight);
+        let principal = if self.closing_sign > 0.0 { angle_between(from, to) } else { angle_between(to, from) };
+        continued_angle(principal, self.closing_sign * (self.near_angle(pose.q_rad) - self.straight_rad))
     }
 
     /// Generalised force τ_s (2.30): −(∂q_s/∂q_a)ᵀ s T with T = k_s, or c_s (q_p + Δq_s).

@@ -69,8 +69,13 @@ pub fn static_kinematics(finger: &Finger, end: &FinalPosture) -> Result<StaticKi
 /// [`static_kinematics`] for any posture.
 pub(crate) fn static_kinematics_at(finger: &Finger, q: &Posture) -> Result<StaticKinematics> {
     let e = |angle: f64| [cos(angle), sin(angle)];
-    let pose =
-        Directions { e1: e(q.q11_rad), e2: e(q.q21_rad), e3: e(q.q11_rad + q.q12_rad), e4: e(q.q21_rad + q.q22_rad) };
+    let pose = Directions {
+        e1: e(q.q11_rad),
+        e2: e(q.q21_rad),
+        e3: e(q.q11_rad + q.q12_rad),
+        e4: e(q.q21_rad + q.q22_rad),
+        q_rad: [q.q11_rad, q.q21_rad],
+    };
     let sine = cross(pose.e3, pose.e4);
     if sine.is_nan() || sine.abs() < SINGULAR_SINE {
         return Err(StaticsError::InLine { sine });

@@ -29,7 +29,6 @@ use crate::check::perturbed;
 use crate::integrator::{Failure, Reason};
 use crate::invariants::{Finding, Invariant, Invariants};
 use crate::monitor::{Monitor, StudyError, map, require};
-use crate::numeric::plane::wrap_angle;
 use crate::scene::{Engine, Preset, Response, Scene, Stepping};
 use crate::trace::{FingerState, Model, RequiredData, RunError, Sample, Sink, SinkError, interpolate};
 
@@ -302,7 +301,7 @@ impl<'a> Observer<'a> {
         };
         let expected = angles(&interpolate(from, to, sample.time_s.min(to.time_s)));
         for (found, expected) in angles(sample).into_iter().zip(expected) {
-            let error_rad = wrap_angle(found - expected).abs();
+            let error_rad = (found - expected).abs();
             self.error_rad = if error_rad.is_nan() { f64::INFINITY } else { self.error_rad.max(error_rad) };
         }
     }

@@ -3,22 +3,178 @@
 //! which is linear.
 
 use super::motion::{
-    BodyMotion, JointMotion, Motions, axis, carried_bias, carry, column, pair, place, rate_along, triple,
+    BodyMotion, JointMotion, Motions, axis, carried_bias, carry, column, pair, place, rate_along, rotated, triple,
 };
 use crate::mechanism::structure::Attachment;
 use crate::mechanism::{Joint, JointKind, Mechanism};
 use crate::numeric::elementary::{atan2, sin_cos};
 use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, scale, scale_by, sub};
 use crate::numeric::{Real, array_from};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
-/// Assembly mode of a dyad: the sign of its root, and the coordinates of its outer joints and its inner joint at the
-/// start. Angles are the equivalents nearest to them, because whole turns do not follow from the coordinates.
+/// Assembly mode of a dyad: the sign of its root, and the ranges of the angles of its bodies.
+///
+/// Whole turns of a body do not follow from its direction. In an assembly mode, each body is within a range of half a turn
+/// or less about an angle that follows from another one. If an outer joint slides, this is the angle of the body that
+/// slides; otherwise that of the line between the pivots of the outer joints, whose turns the mode of the model counts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AssemblyMode {
     pub sign: f64,
-    pub coordinates: [f64; 3],
+    /// The middles of these ranges relative to that angle; of the line, relative to its angle at the start.
+    pub middles_rad: [f64; 2],
+    pub line: Option<PivotLine>,
     /// Whether its angles are evaluated with its positions, because forces or other bodies depend on them.
     pub has_angles: bool,
+}
+
+/// The line from the pivot of the first outer joint of a dyad to that of the second.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PivotLine {
+    /// Index of its count of turns.
+    pub count: usize,
+    /// Its direction at the start.
+    pub start: [f64; 2],
+}
+
+/// Counts per turn of a line. A state is at most a few counts away from the one before, and angles are exact while the line
+/// is less than a quarter of a turn from its count.
+const COUNTS_PER_TURN: usize = 8;
+
+/// Directions of all counts within a turn.
+const COUNT_DIRECTIONS: [[f64; 2]; COUNTS_PER_TURN] = [
+    [1.0, 0.0],
+    [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [0.0, 1.0],
+    [-FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [-1.0, 0.0],
+    [-FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
+    [0.0, -1.0],
+    [FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
+];
+
+/// Cosine of the angle beyond which the line is counted anew: 30°.
+const RECOUNT_COSINE: f64 = 0.866;
+/// Cosine of the largest angle of the line at the end of a step: 75°.
+const VALID_COSINE: f64 = 0.26;
+/// Largest motion of the pivots in a step, as a fraction of their distance: the line turns by less than 30°.
+const LINE_STEP: f64 = 0.5;
+/// The same with the speed at the end of the step: the line turns by less than 45°.
+const LINE_STEP_AT_END: f64 = 0.7;
+
+impl PivotLine {
+    /// Cosine and sine of the angle of the line relative to its count.
+    fn relative(&self, counts: &[i32], offset: [f64; 2]) -> [f64; 2] {
+        let [cos, sin] = COUNT_DIRECTIONS[counts[self.count].rem_euclid(COUNTS_PER_TURN as i32) as usize];
+        let reference = rotated(self.start, [cos, sin]);
+        let length = dot(offset, offset).sqrt();
+        [dot(reference, offset) / length, cross(reference, offset) / length]
+    }
+
+    /// The count after an accepted step, if the line has left the range of its count.
+    pub fn recounted(&self, counts: &[i32], offset: [f64; 2]) -> Option<i32> {
+        let [cos, sin] = self.relative(counts, offset);
+        (cos < RECOUNT_COSINE).then(|| {
+            counts[self.count] + (atan2(sin, cos) / TAU * COUNTS_PER_TURN as f64).round() as i32
+        })
+    }
+
+    /// Whether the count of the start of a step is valid at its end, where the pivots are at this offset and move at this
+    /// relative rate.
+    pub fn is_valid(&self, dt: f64, counts: &[i32], (offset, rate): ([f64; 2], [f64; 2])) -> bool {
+        let motion = dt * dot(rate, rate).sqrt();
+        motion <= LINE_STEP_AT_END * dot(offset, offset).sqrt() && self.relative(counts, offset)[0] >= VALID_COSINE
+    }
+
+    /// Longest step from this offset and relative rate of the pivots.
+    pub fn max_step(offset: [f64; 2], rate: [f64; 2]) -> f64 {
+        LINE_STEP * (dot(offset, offset) / dot(rate, rate)).sqrt()
+    }
+}
+
+/// Offset of the pivots of the outer joints of a dyad, and its rate.
+pub(super) fn pivot_offset<const K: usize>(
+    mechanism: &Mechanism,
+    outer: &[Attachment; 2],
+    motions: &Motions<f64, K>,
+) -> ([f64; 2], [f64; 2]) {
+    let [from, to] = pair(|k| {
+        let (at, base) = (&outer[k], motions.body(outer[k].base));
+        let arm = base.rotated(mechanism.joints[at.joint].points_m[usize::from(!at.is_second)]);
+        (add(base.origin, arm), base.rate_at(arm))
+    });
+    (sub(to.0, from.0), sub(to.1, from.1))
+}
+
+/// Middles of the ranges of the angles of both bodies of a dyad.
+pub(super) fn middles<const K: usize>(
+    mechanism: &Mechanism,
+    outer: &[Attachment; 2],
+    mode: &AssemblyMode,
+    motions: &Motions<f64, K>,
+) -> [f64; 2] {
+    let from = match mode.line {
+        Some(line) => TAU / COUNTS_PER_TURN as f64 * f64::from(motions.counts[line.count]),
+        None => sliding_angle(mechanism, outer, |base| motions.body(base).angle).map_or(0.0, |(_, angle)| angle),
+    };
+    mode.middles_rad.map(|middle| from + middle)
+}
+
+/// The first body of a dyad whose outer joint slides, and its angle.
+fn sliding_angle(
+    mechanism: &Mechanism,
+    outer: &[Attachment; 2],
+    base_angle: impl Fn(Option<usize>) -> f64,
+) -> Option<(usize, f64)> {
+    let k = outer.iter().position(|at| !mechanism.joints[at.joint].kind.is_angle())?;
+    Some((k, base_angle(outer[k].base) + outer[k].sign() * mechanism.joints[outer[k].joint].offset_rad))
+}
+
+/// Assembly mode of a dyad in its pose at the start, without the sign of its root; `count` is the next free count.
+pub(super) fn mode_at_start<const K: usize>(
+    mechanism: &Mechanism,
+    (outer, inner): (&[Attachment; 2], usize),
+    motions: &Motions<f64, K>,
+    count: usize,
+) -> AssemblyMode {
+    let joints = pair(|k| &mechanism.joints[outer[k].joint]);
+    let inner = &mechanism.joints[inner];
+    let of = inner_bodies(inner, outer);
+    let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
+    let bodies = pair(|k| &motions.bodies[outer[k].body]);
+    // The inner joint as seen from the pivot of a body, or the normal of a slide.
+    let arm = |k: usize| match inner.kind {
+        JointKind::Revolute => bodies[k].rotated(sub(points[k], joints[k].points_m[usize::from(outer[k].is_second)])),
+        JointKind::Prismatic { axis_rad } => perp(axis(axis_rad, bodies[of[0]])),
+    };
+    let angle_from = |from: [f64; 2], k: usize| atan2(cross(from, arm(k)), dot(from, arm(k)));
+    let (middles_rad, line) = match sliding_angle(mechanism, outer, |base| motions.body(base).angle) {
+        None => {
+            let (offset, _) = pivot_offset(mechanism, outer, motions);
+            // Both arms, or the normal, are on one side of the line.
+            let middle = |k: usize| {
+                let angle = angle_from(offset, k);
+                bodies[k].angle - angle + FRAC_PI_2.copysign(angle)
+            };
+            let start = scale_by(offset, 1.0 / dot(offset, offset).sqrt());
+            (pair(middle), Some(PivotLine { count, start }))
+        }
+        Some((slider, angle)) => {
+            let middle = |k: usize| match (inner.kind, joints[slider].kind) {
+                _ if k == slider => 0.0,
+                // The component of the arm along the slide keeps its sign.
+                (JointKind::Revolute, JointKind::Prismatic { axis_rad }) => {
+                    let at = &outer[slider];
+                    let along = axis(axis_rad, if at.is_second { motions.body(at.base) } else { bodies[slider] });
+                    let from = if dot(along, arm(k)) < 0.0 { scale_by(along, -1.0) } else { along };
+                    bodies[k].angle - angle_from(from, k) - angle
+                }
+                // The bodies turn together.
+                _ => bodies[k].angle - angle,
+            };
+            (pair(middle), None)
+        }
+    };
+    AssemblyMode { sign: 1.0, middles_rad, line, has_angles: true }
 }
 
 /// A dyad as it is in one pose: outer joints, and the sine and cosine of the transmission angle with its rate.
@@ -281,16 +437,17 @@ impl Locus {
     }
 }
 
-/// Angle of a body at an outer joint of a dyad, from its direction, and the coordinate of the joint.
+/// Angle of a body at an outer joint of a dyad, from its direction and the middle of its range, and the coordinate of the
+/// joint.
 pub(super) fn outer_angle(
     joint: &Joint,
     at: &Attachment,
     base_angle: f64,
     [cos, sin]: [f64; 2],
-    start: f64,
+    middle_rad: f64,
 ) -> (f64, f64) {
-    let raw = at.sign() * (atan2(sin, cos) - base_angle) - joint.offset_rad;
-    let coordinate = nearest_equivalent_angle(raw, start);
+    let coordinate_at = |angle: f64| at.sign() * (angle - base_angle) - joint.offset_rad;
+    let coordinate = nearest_equivalent_angle(coordinate_at(atan2(sin, cos)), coordinate_at(middle_rad));
     (base_angle + at.sign() * (coordinate + joint.offset_rad), coordinate)
 }
 
@@ -300,7 +457,7 @@ pub(super) fn place_dyad<const K: usize>(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
     bases: [&BodyMotion<f64, K>; 2],
-    mode: &AssemblyMode,
+    (mode, middles): (&AssemblyMode, [f64; 2]),
 ) -> ([BodyMotion<f64, 0>; 2], [f64; 2]) {
     let joints = pair(|k| &mechanism.joints[outer[k].joint]);
     let inner = &mechanism.joints[inner];
@@ -308,8 +465,12 @@ pub(super) fn place_dyad<const K: usize>(
     // Points of the inner joint, in the order of the bodies of the dyad.
     let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
     let loci = pair(|k| Locus::new(joints[k], &outer[k], bases[k], points[k]));
-    let nearest = |k: usize, raw: f64| {
-        if joints[k].kind.is_angle() { nearest_equivalent_angle(raw, mode.coordinates[k]) } else { raw }
+    let nearest = |k: usize, raw: f64| match joints[k].kind.is_angle() {
+        true => {
+            let middle = outer[k].sign() * (middles[k] - bases[k].angle) - joints[k].offset_rad;
+            nearest_equivalent_angle(raw, middle)
+        }
+        false => raw,
     };
     if let JointKind::Prismatic { axis_rad } = inner.kind {
         let raw = slide(joints, (inner, of, axis_rad), outer, bases, (&loci, mode.sign));
@@ -327,7 +488,7 @@ pub(super) fn place_dyad<const K: usize>(
                 if mode.has_angles {
                     let base_angle = bases[k].angle;
                     (body.angle, coordinates[k]) =
-                        outer_angle(joints[k], &outer[k], base_angle, body.direction, mode.coordinates[k]);
+                        outer_angle(joints[k], &outer[k], base_angle, body.direction, middles[k]);
                 }
             }
             Locus::Line { point, direction, angle } => {

@@ -601,6 +601,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
     }
 
     fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Rates<N, Z> {
+        self.count_turns_as(mode);
         let (mut a, mut g) = ([0.0; N], [0.0; Z]);
         self.with_factors((q, v), |motions, factors| {
             self.add_loads(t, v, mode, motions, &mut a, &mut g);

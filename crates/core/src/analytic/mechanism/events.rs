@@ -2,6 +2,7 @@
 //! singularities of its dyads.
 
 use super::actuator::{Ranges, margin, margin_tolerance, range, range_after};
+use super::dyad::PivotLine;
 use super::model::{MechanismMode, MechanismModel, Surfaces};
 use super::motion::Motions;
 use super::nearest::{Feature, Frame, PointOnFace};
@@ -11,7 +12,6 @@ use crate::analytic::mode::{ContactVariables, Mode, StateRef, row_dot};
 use crate::fivebar::kinematics::SINGULAR_SINE;
 use crate::integrator::{CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, RootSearch, System};
 use crate::mechanism::structure::Placement;
-use std::f64::consts::PI;
 
 /// Margin below which a cable counts as lifted in the description of an obstacle, rad: the end is not located exactly.
 const WRAP_ROUNDING: f64 = 1e-6;
@@ -180,15 +180,36 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         EventFunction { value, root_search: RootSearch::Smooth, ..EventFunction::INACTIVE }
     }
 
-    /// Revolute joints of dyads on whose coordinates a force depends, with their angles relative to the start.
-    fn dyad_angles<'a>(&'a self, motions: &'a Motions<f64, K>) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let joints = self.groups.iter().flat_map(|group| group.dyad_joints(&self.mechanism));
-        let joints = joints.filter(|(joint, _)| self.depends_on_joint[*joint]);
-        joints.map(|(joint, start)| (joint, self.joint_coordinate(motions, joint) - start))
+    /// The lines between pivots of dyads whose turns are counted, with the offset of the pivots and its rate.
+    fn pivot_lines<'a>(
+        &'a self,
+        motions: &'a Motions<f64, K>,
+    ) -> impl Iterator<Item = (&'a PivotLine, ([f64; 2], [f64; 2]))> + 'a {
+        self.groups.iter().flat_map(move |group| group.pivot_lines(&self.mechanism, motions))
     }
 
-    /// Distance of the mechanism from its nearest singular configuration, and its rate. Half a turn of a joint of a dyad
-    /// whose angle a force depends on counts as one: further turns do not follow from the coordinates.
+    /// The mode of a state, with the turns that are counted in evaluations.
+    fn mode_with_counts<const Z: usize>(
+        &self,
+        t: f64,
+        (q, v): StateRef<'_, N>,
+        counts: [i32; C],
+    ) -> MechanismMode<C> {
+        let ranges = self.ranges(t, (q, v));
+        let accelerations = |mode: &Mode<C>| {
+            let mode = MechanismMode { contacts: *mode, features: [None; C], ranges, counts };
+            <Self as System<N, Z>>::rates(self, t, q, v, &mode).a
+        };
+        let variables = |index| self.variables_at((q, v), index, None);
+        let contacts = Mode::at_state(&self.event_tolerances, variables, accelerations);
+        let mut features = [None; C];
+        for (index, feature) in features.iter_mut().enumerate().take(self.contacts.len()) {
+            *feature = self.starting_feature((q, v), &contacts, index);
+        }
+        MechanismMode { contacts, features, ranges, counts }
+    }
+
+    /// Distance of the mechanism from its nearest singular configuration, and its rate.
     fn clearance(&self, motions: &Motions<f64, K>) -> (f64, f64) {
         let mut smallest = (f64::INFINITY, 0.0);
         for (_, transmission) in self.groups.iter().flat_map(|group| group.transmissions(&self.mechanism, motions)) {
@@ -197,12 +218,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             if smallest.0 > clearance || clearance.is_nan() {
                 let rate = transmission.sine.signum() * transmission.cosine * transmission.angle_rate;
                 smallest = (clearance, rate);
-            }
-        }
-        for (joint, angle) in self.dyad_angles(motions) {
-            let clearance = 1.0 - angle.abs() / PI;
-            if clearance < smallest.0 {
-                smallest = (clearance, -angle.signum() * motions.joints[joint].rate / PI);
             }
         }
         for (_, _, [margin, rate]) in self.wrap_margins(motions) {
@@ -222,9 +237,14 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     }
 
     /// The force of a contact between bodies with prescribed motion changes no coordinate, so that the error of a step does
-    /// not contain it.
+    /// not contain it. Turns of dyads are counted from step to step.
     fn max_step(&self, _t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> f64 {
-        let mut max_dt = f64::INFINITY;
+        self.count_turns_as(mode);
+        let mut max_dt = self.with_motions((q, v), |motions| {
+            self.pivot_lines(motions).fold(f64::INFINITY, |max_dt, (_, (offset, rate))| {
+                max_dt.min(PivotLine::max_step(offset, rate))
+            })
+        });
         let Some(time) = self.time_index else { return max_dt };
         for (index, contact) in self.contacts.iter().enumerate() {
             let Surfaces::Point(pair) = &contact.surfaces else { continue };
@@ -248,7 +268,28 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
         max_dt
     }
 
+    fn is_mode_valid(&self, dt: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> bool {
+        self.count_turns_as(mode);
+        self.with_motions((q, v), |motions| {
+            self.pivot_lines(motions).all(|(line, motion)| line.is_valid(dt, &mode.counts, motion))
+        })
+    }
+
+    fn continued_mode(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Option<MechanismMode<C>> {
+        self.count_turns_as(mode);
+        let mut next = None;
+        self.with_motions((q, v), |motions| {
+            for (line, (offset, _)) in self.pivot_lines(motions) {
+                if let Some(count) = line.recounted(&mode.counts, offset) {
+                    next.get_or_insert(*mode).counts[line.count] = count;
+                }
+            }
+        });
+        next
+    }
+
     fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> EventSet<N, G> {
+        self.count_turns_as(mode);
         self.with_motions((q, v), |motions| {
             let mut functions: [EventFunction<N>; G] =
                 mode.contacts.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
@@ -264,6 +305,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     }
 
     fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, event: usize) -> EventFunction<N> {
+        self.count_turns_as(mode);
         self.with_motions((q, v), |motions| match EventOf::index::<C, G>(event) {
             EventOf::Features => self.feature_event(motions, mode),
             EventOf::Actuator(index) => self.actuator_event(motions, q, mode, index),
@@ -275,6 +317,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     }
 
     fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, requested: &[bool; G]) -> [f64; G] {
+        self.count_turns_as(mode);
         let mut values = [f64::NAN; G];
         self.with_motions((q, v), |motions| {
             for index in 0..self.contacts.len() {
@@ -309,6 +352,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     }
 
     fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> MechanismMode<C> {
+        self.count_turns_as(mode);
         let mut next = *mode;
         match EventOf::index::<C, G>(event) {
             EventOf::Features => self.with_motions((q, v), |motions| {
@@ -354,18 +398,13 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
 
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> MechanismMode<C> {
         assert!(G >= event_function_count(C, self.mechanism.actuators.len()), "event functions of all actuators");
-        let ranges = self.ranges(t, (q, v));
-        let accelerations = |mode: &Mode<C>| {
-            let mode = MechanismMode { contacts: *mode, features: [None; C], ranges };
-            <Self as System<N, Z>>::rates(self, t, q, v, &mode).a
-        };
-        let variables = |index| self.variables_at((q, v), index, None);
-        let contacts = Mode::at_state(&self.event_tolerances, variables, accelerations);
-        let mut features = [None; C];
-        for (index, feature) in features.iter_mut().enumerate().take(self.contacts.len()) {
-            *feature = self.starting_feature((q, v), &contacts, index);
-        }
-        MechanismMode { contacts, features, ranges }
+        self.count_turns_in(&[0; C]);
+        self.mode_with_counts::<Z>(t, (q, v), [0; C])
+    }
+
+    fn mode_after(&self, t: f64, q: &[f64; N], v: &[f64; N], last: &MechanismMode<C>) -> MechanismMode<C> {
+        self.count_turns_as(last);
+        self.mode_with_counts::<Z>(t, (q, v), last.counts)
     }
 
     fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Option<f64> {
@@ -387,14 +426,6 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
                 group.transmissions(&self.mechanism, motions).map(move |dyad| (&group.group.placements[dyad.0], dyad.1))
             });
             let sine = |sine: f64| if sine.is_nan() { -1.0 } else { sine.abs() };
-            let turned = self.dyad_angles(motions).find(|(_, angle)| angle.abs() > (1.0 - SINGULAR_SINE) * PI);
-            if let Some((joint, _)) = turned {
-                let name = &self.mechanism.joints[joint].name;
-                return format!(
-                    "the joint {name} has made half a turn, but it closes a loop, in which turns cannot be counted: give it a \
-                     start, which makes its coordinate independent"
-                );
-            }
             let beyond = self.wrap_margins(motions).find(|(_, _, [margin, _])| margin.is_nan() || *margin < WRAP_ROUNDING);
             if let Some((tendon, element, _)) = beyond {
                 return self.mechanism.describe_lifted(&self.cables[tendon].tendon, element);

@@ -1,7 +1,10 @@
 //! A group of connected bodies with the assembly modes of its dyads: evaluation of all its motions, placement by
 //! placement.
 
-use super::dyad::{AssemblyMode, Transmission, close_dyad, inner_motion, outer_angle, place_dyad, transmission};
+use super::dyad::{
+    AssemblyMode, PivotLine, Transmission, close_dyad, inner_bodies, inner_motion, middles, mode_at_start, outer_angle,
+    pivot_offset, place_dyad, transmission,
+};
 use super::motion::{
     BodyMotion, JointMotion, Motions, carried_bias, carry, column, joint_coordinate, joint_rate, pair, place,
 };
@@ -45,24 +48,29 @@ pub(super) struct PlacedGroup {
 }
 
 impl PlacedGroup {
-    /// Builds a group from its assembled poses at the start.
-    pub fn new<const K: usize>(mechanism: &Mechanism, group: Group, first: usize, poses: &[Pose]) -> Self {
+    /// Builds a group from its assembled poses at the start; `first_count` is its first count of turns.
+    pub fn new<const K: usize>(
+        mechanism: &Mechanism,
+        group: Group,
+        (first, first_count): (usize, usize),
+        poses: &[Pose],
+    ) -> Self {
         let mut motions = Motions::<f64, K>::new(mechanism);
         for (motion, pose) in motions.bodies.iter_mut().zip(poses) {
             *motion = BodyMotion::at(*pose, [0.0; 3]);
         }
+        let mut count = first_count;
         let mode = |placement: &Placement| {
             let Placement::Dyad { outer, inner } = placement else { return None };
             let joints = [outer[0].joint, outer[1].joint, *inner].map(|joint| &mechanism.joints[joint]);
             let coordinates = joints.map(|joint| joint_coordinate(joint, |body| motions.body(body).placed()));
             let bases = pair(|k| motions.body(outer[k].base));
+            let of_ranges = mode_at_start(mechanism, (outer, *inner), &motions, count);
+            count += usize::from(of_ranges.line.is_some());
+            let ranges = pair(|k| motions.bodies[outer[k].body].angle);
             let distance = |sign: f64| {
-                let (_, found) = place_dyad(
-                    mechanism,
-                    (outer, *inner),
-                    bases,
-                    &AssemblyMode { sign, coordinates, has_angles: true },
-                );
+                let mode = AssemblyMode { sign, ..of_ranges };
+                let (_, found) = place_dyad(mechanism, (outer, *inner), bases, (&mode, ranges));
                 let error = |k: usize| {
                     let error = (found[k] - coordinates[k]).abs();
                     if joints[k].kind.is_angle() { error } else { error / bases_length(bases, &motions, outer) }
@@ -71,9 +79,11 @@ impl PlacedGroup {
             };
             let sign = if distance(-1.0) < distance(1.0) { -1.0 } else { 1.0 };
             let is_base = |body: usize| group.placements.iter().any(|other| bases_of(other).contains(&Some(body)));
-            let has_angles = outer.iter().any(|at| is_base(at.body))
+            let both_slide = outer.iter().all(|at| !mechanism.joints[at.joint].kind.is_angle());
+            let has_angles = both_slide
+                || outer.iter().any(|at| is_base(at.body))
                 || [outer[0].joint, outer[1].joint, *inner].into_iter().any(|joint| has_force(mechanism, joint));
-            Some(AssemblyMode { sign, coordinates, has_angles })
+            Some(AssemblyMode { sign, has_angles, ..of_ranges })
         };
         let modes = group.placements.iter().map(mode).collect();
         let joints = group.placements.iter().flat_map(|placement| match placement {
@@ -206,13 +216,14 @@ impl PlacedGroup {
                 Placement::Dyad { outer, inner } => {
                     let Some(mode) = mode else { continue };
                     let bases = pair(|k| motions.body(outer[k].base));
-                    let (bodies, coordinates) = place_dyad(mechanism, (outer, *inner), bases, mode);
+                    let middles = middles(mechanism, outer, mode, motions);
+                    let (bodies, coordinates) = place_dyad(mechanism, (outer, *inner), bases, (mode, middles));
                     for (k, at) in outer.iter().enumerate() {
                         motions.bodies[at.body].place_at(&bodies[k]);
                         motions.joints[at.joint].coordinate = coordinates[k];
                     }
                     let is_needed = mode.has_angles || !mechanism.joints[*inner].kind.is_angle();
-                    let coordinate = if is_needed { inner_coordinate(mechanism, *inner, motions, mode) } else { 0.0 };
+                    let coordinate = if is_needed { inner_coordinate(mechanism, *inner, motions) } else { 0.0 };
                     motions.joints[*inner].coordinate = coordinate;
                 }
             }
@@ -228,15 +239,15 @@ impl PlacedGroup {
             else {
                 continue;
             };
-            for (at, start) in outer.iter().zip(mode.coordinates) {
+            for (at, middle) in outer.iter().zip(middles(mechanism, outer, mode, motions)) {
                 let joint = &mechanism.joints[at.joint];
                 if joint.kind.is_angle() {
                     let (base, direction) = (motions.body(at.base).angle, motions.bodies[at.body].direction);
                     (motions.bodies[at.body].angle, motions.joints[at.joint].coordinate) =
-                        outer_angle(joint, at, base, direction, start);
+                        outer_angle(joint, at, base, direction, middle);
                 }
             }
-            motions.joints[*inner].coordinate = inner_coordinate(mechanism, *inner, motions, mode);
+            motions.joints[*inner].coordinate = inner_coordinate(mechanism, *inner, motions);
         }
     }
 
@@ -251,13 +262,16 @@ impl PlacedGroup {
         let (Placement::Dyad { outer, inner }, Some(mode)) = (&self.group.placements[dyad], &self.modes[dyad]) else {
             return motions.joints[joint].coordinate;
         };
+        let middles = middles(mechanism, outer, mode, motions);
         if let Some(k) = outer.iter().position(|at| at.joint == joint) {
             let (base, direction) = (motions.body(outer[k].base).angle, motions.bodies[outer[k].body].direction);
-            return outer_angle(&mechanism.joints[joint], &outer[k], base, direction, mode.coordinates[k]).1;
+            return outer_angle(&mechanism.joints[joint], &outer[k], base, direction, middles[k]).1;
         }
-        let directions = mechanism.joints[*inner].bodies.map(|body| motions.body(body).direction);
+        let joint = &mechanism.joints[*inner];
+        let directions = joint.bodies.map(|body| motions.body(body).direction);
         let turn = atan2(cross(directions[0], directions[1]), dot(directions[0], directions[1]));
-        nearest_equivalent_angle(turn - mechanism.joints[*inner].offset_rad, mode.coordinates[2])
+        let [first, second] = inner_bodies(joint, outer).map(|k| middles[k]);
+        nearest_equivalent_angle(turn - joint.offset_rad, second - first - joint.offset_rad)
     }
 
     /// Revolute joints of dyads whose coordinates are not evaluated with their positions, with the indices of their
@@ -367,15 +381,27 @@ impl PlacedGroup {
         })
     }
 
-    /// Revolute joints of dyads, with their angles at the start.
-    pub fn dyad_joints<'a>(&'a self, mechanism: &'a Mechanism) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let dyads = self.group.placements.iter().zip(&self.modes).filter_map(|(placement, mode)| match placement {
-            Placement::Dyad { outer, inner } => Some(([outer[0].joint, outer[1].joint, *inner], (*mode)?.coordinates)),
+    /// The lines between pivots whose turns are counted, with the offset of the pivots and its rate.
+    pub fn pivot_lines<'a, const K: usize>(
+        &'a self,
+        mechanism: &'a Mechanism,
+        motions: &'a Motions<f64, K>,
+    ) -> impl Iterator<Item = (&'a PivotLine, ([f64; 2], [f64; 2]))> + 'a {
+        self.group.placements.iter().zip(&self.modes).filter_map(|of| match of {
+            (Placement::Dyad { outer, .. }, Some(AssemblyMode { line: Some(line), .. })) => {
+                Some((line, pivot_offset(mechanism, outer, motions)))
+            }
             _ => None,
-        });
-        let joints = dyads.flat_map(|(joints, starts)| joints.into_iter().zip(starts));
-        joints.filter(|(joint, _)| mechanism.joints[*joint].kind.is_angle())
+        })
     }
+}
+
+/// Number of counts of turns of a group: of dyads without an outer joint that slides.
+pub(super) fn count_of_turns(group: &Group, mechanism: &Mechanism) -> usize {
+    let is_pin = |at: &Attachment| mechanism.joints[at.joint].kind.is_angle();
+    let is_counted =
+        |placement: &&Placement| matches!(placement, Placement::Dyad { outer, .. } if outer.iter().all(is_pin));
+    group.placements.iter().filter(is_counted).count()
 }
 
 /// Coordinates and rates of a group in assembled poses.
@@ -399,11 +425,8 @@ fn inner_coordinate<const K: usize>(
     mechanism: &Mechanism,
     inner: usize,
     motions: &Motions<f64, K>,
-    mode: &AssemblyMode,
 ) -> f64 {
-    let joint = &mechanism.joints[inner];
-    let coordinate = joint_coordinate(joint, |body| motions.body(body).placed());
-    if joint.kind.is_angle() { nearest_equivalent_angle(coordinate, mode.coordinates[2]) } else { coordinate }
+    joint_coordinate(&mechanism.joints[inner], |body| motions.body(body).placed())
 }
 
 fn bases_length<const K: usize>(

@@ -7,7 +7,7 @@ use super::bounds::MechanismBounds;
 use super::cable::Cable;
 use super::factor::Factor;
 use super::free::{FreeBody, center_frame, free_body, is_round};
-use super::group::{PlacedGroup, has_force, start_of};
+use super::group::{PlacedGroup, count_of_turns, start_of};
 use super::motion::Motions;
 use super::nearest::{Face, Feature, PointOnFace};
 use crate::analytic::ContactState;
@@ -63,6 +63,8 @@ pub struct MechanismMode<const C: usize> {
     /// Feature of the face that each contact with a force is on; otherwise the nearest one.
     pub(super) features: [Option<Feature>; C],
     pub(super) ranges: Ranges,
+    /// Turns of the lines between pivots of dyads since the start, in counts.
+    pub(super) counts: [i32; C],
 }
 
 impl<const C: usize> Index<usize> for MechanismMode<C> {
@@ -126,8 +128,6 @@ pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     pub(super) palm: Option<usize>,
     /// Whether forces affect x, y and θ of each body.
     pub(super) moves_by_forces: Vec<[bool; 3]>,
-    /// Whether a force depends on the coordinate of each joint.
-    pub(super) depends_on_joint: Vec<bool>,
     used_coordinates: usize,
     pub(super) event_tolerances: EventTolerances,
     workspace: RefCell<Workspace<N, K>>,
@@ -144,6 +144,8 @@ pub struct MechanismSize {
     /// Contacts, limits, elastic tendons, and joints with friction.
     pub contacts: usize,
     pub actuators: usize,
+    /// Dyads whose turns are counted, at most as many as contacts.
+    pub counts: usize,
 }
 
 impl MechanismSize {
@@ -156,7 +158,7 @@ impl MechanismSize {
     }
 
     fn with_groups(mechanism: &Mechanism, groups: &[Group]) -> Self {
-        let linked = groups.iter().filter(|group| free_body(group).is_none());
+        let linked = || groups.iter().filter(|group| free_body(group).is_none());
         let points = mechanism.point_contacts();
         let has_bristle = |pair: usize| mechanism.contacts[pair].law.bristle().is_some();
         let bristles = points.iter().filter(|point| has_bristle(point.pair)).count()
@@ -168,12 +170,13 @@ impl MechanismSize {
         let time = usize::from(!has_time && may_depend_on_time);
         Self {
             coordinates: groups.iter().map(|group| group.coordinates.len()).sum::<usize>() + time + bristles,
-            group: linked.map(|group| group.coordinates.len()).max().unwrap_or(0),
+            group: linked().map(|group| group.coordinates.len()).max().unwrap_or(0),
             contacts: points.len()
                 + mechanism.limits().len()
                 + elastic_tendons(mechanism).count()
                 + joint_frictions(mechanism).count(),
             actuators: mechanism.actuators.len(),
+            counts: linked().map(|group| count_of_turns(group, mechanism)).sum(),
         }
     }
 
@@ -182,6 +185,7 @@ impl MechanismSize {
             && self.group <= capacity.group
             && self.contacts <= capacity.contacts
             && self.actuators <= capacity.actuators
+            && self.counts <= capacity.counts
     }
 }
 
@@ -231,7 +235,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
         let (poses, rates) = (&poses[..], &rates[..]);
         let size = MechanismSize::with_groups(&mechanism, &found);
-        let capacity = MechanismSize { coordinates: N, group: K, contacts: C, actuators: MAX_ACTUATORS };
+        let capacity = MechanismSize { coordinates: N, group: K, contacts: C, actuators: MAX_ACTUATORS, counts: C };
         assert!(size.fits(&capacity), "{size:?} exceeds {capacity:?}");
         let mut first = 0;
         let (mut groups, mut free_bodies, mut start) = (Vec::new(), Vec::new(), Vec::new());
@@ -248,7 +252,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 let is_round = reported_origins[body] == [0.0; 2] && is_round(&mechanism, body);
                 free_bodies.push(FreeBody { body, first, axes, is_round, angle_rad: poses[body][2], mobility, weight });
             } else {
-                let placed = PlacedGroup::new::<K>(&mechanism, group, first, poses);
+                let counts = groups.iter().map(|placed: &PlacedGroup| count_of_turns(&placed.group, &mechanism)).sum();
+                let placed = PlacedGroup::new::<K>(&mechanism, group, (first, counts), poses);
                 placed
                     .joints_on_demand(&mechanism)
                     .for_each(|(placement, joint)| dyad_of[joint] = Some((groups.len(), placement)));
@@ -310,11 +315,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             body.mass_kg *= f64::from(moves);
             body.inertia_kg_m2 = if rotates { body.inertia_kg_m2 } else { 0.0 };
         }
-        let limits = mechanism.limits();
-        let depends_on_joint = |joint| has_force(&mechanism, joint) || limits.iter().any(|limit| limit.joint == joint);
+        let counts = groups.iter().map(|group| count_of_turns(&group.group, &mechanism)).sum();
         let workspace = Workspace {
             state: None,
-            motions: Motions::new(&mechanism),
+            motions: Motions { counts: vec![0; counts], ..Motions::new(&mechanism) },
             has_angles: false,
             factors: Vec::with_capacity(groups.len()),
             with_derivatives: Motions::new(&mechanism),
@@ -323,7 +327,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let coordinate_count = next + usize::from(time_index == Some(next));
         let event_tolerances = if mechanism.joints.is_empty() { EventTolerances::COLLISION } else { EVENT_TOLERANCES };
         Ok(Self {
-            depends_on_joint: (0..mechanism.joints.len()).map(depends_on_joint).collect(),
             mechanism,
             groups,
             free_bodies,
@@ -359,11 +362,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         self.contacts.len()
     }
 
-    /// Whether a joint is revolute.
-    pub fn is_revolute(&self, joint: usize) -> bool {
-        self.mechanism.joints[joint].kind.is_angle()
-    }
-
     /// Replaces the effort of an actuator over time, or the target of a servo, from time `t` on. The ranges of the mode
     /// follow, and time becomes a coordinate if an event depends on it from now on.
     ///
@@ -377,6 +375,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         (q, v): (&mut [f64; N], &mut [f64; N]),
         mode: &mut MechanismMode<C>,
     ) {
+        self.count_turns_as(mode);
         *self.mechanism.actuators[index].command.profile_mut() = input;
         if self.time_index.is_none() && depends_on_time(&self.mechanism) {
             self.time_index = Some(self.used_coordinates);
@@ -411,6 +410,24 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         match self.dyad_of[joint] {
             None => motions.joints[joint].coordinate,
             Some((group, dyad)) => self.groups[group].joint_coordinate(&self.mechanism, motions, dyad, joint),
+        }
+    }
+
+    /// Counts turns as in a mode, in all evaluations until the next call. Functions with a mode call it themselves; readings
+    /// of a state need it before them.
+    #[inline(always)]
+    pub fn count_turns_as(&self, mode: &MechanismMode<C>) {
+        self.count_turns_in(&mode.counts);
+    }
+
+    #[inline(always)]
+    pub(super) fn count_turns_in(&self, counts: &[i32; C]) {
+        let mut workspace = self.workspace.borrow_mut();
+        let counted = &mut workspace.motions.counts;
+        let counts = &counts[..counted.len()];
+        if counted[..] != *counts {
+            counted.copy_from_slice(counts);
+            workspace.state = None;
         }
     }
 

@@ -186,6 +186,8 @@ pub(super) struct Motions<T, const K: usize> {
     /// Centres of mass of the bodies.
     pub centers: Vec<PointMotion<T, K>>,
     pub joints: Vec<JointMotion<T, K>>,
+    /// Counts of the turns of the lines between pivots of dyads.
+    pub counts: Vec<i32>,
 }
 
 impl<T: Real, const K: usize> Motions<T, K> {
@@ -194,6 +196,7 @@ impl<T: Real, const K: usize> Motions<T, K> {
             bodies: vec![BodyMotion::ground(); mechanism.bodies.len() + 1],
             centers: vec![BodyMotion::ground().point([0.0; 2]); mechanism.bodies.len()],
             joints: vec![JointMotion::at(T::zero()); mechanism.joints.len()],
+            counts: Vec::new(),
         }
     }
 
