@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use crate::support::laws::{disc, free, free_translation, mechanism_scene, scene, scene_on_plane, spring};
 use crate::support::mechanism_cases::mechanism_case;
 use crate::support::random::Random;
+use crate::support::random_loops::random_loop;
 use crate::support::random_mechanisms::random_mechanism;
 use crate::support::runs::{assert_below, assert_near, assert_relative, experiment_95};
 use phalanx::drive::{Interpolation, Profile};
@@ -229,6 +230,22 @@ fn derivatives_by_the_times_of_a_table_agree_with_differences() {
         // Forces at rest are rounding times the stiffness of the limit.
         assert_differences(&format!("{interpolation:?}"), &parameter(2e-3, table), 1e-3, 3e-6);
     }
+}
+
+/// A four-bar whose joints make a turn: its counts change the mode without an event.
+#[test]
+fn derivatives_continue_while_turns_are_counted() {
+    let of = random_loop(57);
+    let with_stiffness = |stiffness: f64| {
+        let mut mechanism = of.mechanism.clone();
+        mechanism.springs[0].stiffness = stiffness;
+        // Velocities of pivots are rounding.
+        mechanism.bodies.iter_mut().for_each(|body| body.is_reported = false);
+        mechanism_scene(mechanism, 0.1)
+    };
+    let stiffness = parameter(of.mechanism.springs[0].stiffness, with_stiffness);
+    assert!(end(&gradient_of(&stiffness), "a_rad") != 0.0, "{}", of.description);
+    assert_differences(&of.description, &stiffness, 1e-3, 1e-6);
 }
 
 /// A parameter of a random mechanism.

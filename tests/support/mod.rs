@@ -8,6 +8,7 @@ pub mod faults;
 pub mod laws;
 pub mod mechanism_cases;
 pub mod random;
+pub mod random_loops;
 pub mod random_mechanisms;
 pub mod reference_cases;
 pub mod replay;

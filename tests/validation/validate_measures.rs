@@ -71,13 +71,13 @@ fn a_run_does_not_differ_from_itself() {
     }
     assert_eq!(final_force[..], [Some(0.0); 2]);
     assert!(is_within_default_bounds(&comparison));
-    // A whole turn is no difference.
+    // A whole turn is a difference.
     let mut rotated = base_run(1000);
     for sample in &mut rotated.samples {
         let finger = sample.finger(0);
         sample.set_finger(0, &FingerState { q22_rad: finger.q22_rad + std::f64::consts::TAU, ..finger });
     }
-    assert!(compare(&rotated, &run, END_S).path_max() < 1e-15);
+    assert_near(compare(&rotated, &run, END_S).path_max(), std::f64::consts::TAU, 1e-15);
 }
 
 #[test]

@@ -73,9 +73,8 @@ impl PivotLine {
     /// The count after an accepted step, if the line has left the range of its count.
     pub fn recounted(&self, counts: &[i32], offset: [f64; 2]) -> Option<i32> {
         let [cos, sin] = self.relative(counts, offset);
-        (cos < RECOUNT_COSINE).then(|| {
-            counts[self.count] + (atan2(sin, cos) / TAU * COUNTS_PER_TURN as f64).round() as i32
-        })
+        (cos < RECOUNT_COSINE)
+            .then(|| counts[self.count] + (atan2(sin, cos) / TAU * COUNTS_PER_TURN as f64).round() as i32)
     }
 
     /// Whether the count of the start of a step is valid at its end, where the pivots are at this offset and move at this

@@ -189,12 +189,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// The mode of a state, with the turns that are counted in evaluations.
-    fn mode_with_counts<const Z: usize>(
-        &self,
-        t: f64,
-        (q, v): StateRef<'_, N>,
-        counts: [i32; C],
-    ) -> MechanismMode<C> {
+    fn mode_with_counts<const Z: usize>(&self, t: f64, (q, v): StateRef<'_, N>, counts: [i32; C]) -> MechanismMode<C> {
         let ranges = self.ranges(t, (q, v));
         let accelerations = |mode: &Mode<C>| {
             let mode = MechanismMode { contacts: *mode, features: [None; C], ranges, counts };
@@ -241,9 +236,8 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     fn max_step(&self, _t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> f64 {
         self.count_turns_as(mode);
         let mut max_dt = self.with_motions((q, v), |motions| {
-            self.pivot_lines(motions).fold(f64::INFINITY, |max_dt, (_, (offset, rate))| {
-                max_dt.min(PivotLine::max_step(offset, rate))
-            })
+            self.pivot_lines(motions)
+                .fold(f64::INFINITY, |max_dt, (_, (offset, rate))| max_dt.min(PivotLine::max_step(offset, rate)))
         });
         let Some(time) = self.time_index else { return max_dt };
         for (index, contact) in self.contacts.iter().enumerate() {
@@ -426,7 +420,8 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
                 group.transmissions(&self.mechanism, motions).map(move |dyad| (&group.group.placements[dyad.0], dyad.1))
             });
             let sine = |sine: f64| if sine.is_nan() { -1.0 } else { sine.abs() };
-            let beyond = self.wrap_margins(motions).find(|(_, _, [margin, _])| margin.is_nan() || *margin < WRAP_ROUNDING);
+            let beyond =
+                self.wrap_margins(motions).find(|(_, _, [margin, _])| margin.is_nan() || *margin < WRAP_ROUNDING);
             if let Some((tendon, element, _)) = beyond {
                 return self.mechanism.describe_lifted(&self.cables[tendon].tendon, element);
             }

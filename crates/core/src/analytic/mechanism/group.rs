@@ -421,11 +421,7 @@ pub(super) fn start_of(group: &Group, mechanism: &Mechanism, (poses, rates): (&[
 }
 
 /// Coordinate of the inner joint of a dyad.
-fn inner_coordinate<const K: usize>(
-    mechanism: &Mechanism,
-    inner: usize,
-    motions: &Motions<f64, K>,
-) -> f64 {
+fn inner_coordinate<const K: usize>(mechanism: &Mechanism, inner: usize, motions: &Motions<f64, K>) -> f64 {
     joint_coordinate(&mechanism.joints[inner], |body| motions.body(body).placed())
 }
 
