@@ -9,8 +9,8 @@ use crate::scene::{Hand, Integrator, Keyword, Method, Scene, Stepping};
 use crate::shape::max_radius;
 use crate::trace::schema::State;
 use crate::trace::{
-    self, BodyState, Cancellable, Energy, Event, KeepRunning, Model, OffGrid, Outcome, RequiredData, RunError, Sample,
-    Schema, Sink, SinkError,
+    self, BodyState, Cancellable, Energy, Event, EventKind, KeepRunning, Model, OffGrid, Outcome, RequiredData,
+    RunError, Sample, Schema, Sink, SinkError,
 };
 
 /// Radius of the usual object. Comparisons of both models use it to relate distances to angles.
@@ -51,6 +51,13 @@ pub struct Path {
     pub audit: Option<EnergyAudit>,
     /// A contact that is deeper than the roundings of its outlines, if there is one.
     pub deep_contact: Option<String>,
+    /// First overlap of the surfaces of a contact that is not in touch, at a point of the path or, at its end, in any step: its
+    /// index, time and depth.
+    pub unseen_overlap: Option<(usize, f64, f64)>,
+    /// Largest overlaps of the contacts, in m or rad.
+    pub depths: Vec<f64>,
+    /// Names of the contacts.
+    pub contact_names: Vec<String>,
     /// Units of the coordinates, which differences are divided by.
     pub units: Vec<f64>,
     pub steps: u64,
@@ -64,9 +71,45 @@ struct PathRecorder<'a> {
     energies: Vec<Energy>,
     /// Does not depend on whether the run has samples on a grid.
     measured: OffGrid<Measured>,
+    touches: Touches,
     sink: &'a mut dyn Sink,
     /// Whether the other sink receives all the data that it uses.
     is_complete: bool,
+}
+
+/// Overlap without a touch above which surfaces have passed through each other, m (limit: rad): 1 nm, a hundred times the
+/// tolerance of event location in the analytic model. An engine run finds a touch at the end of a step at the latest.
+const MAX_UNSEEN_OVERLAP: f64 = 1e-9;
+
+/// Which contacts are in touch according to the events and forces of a run, compared with the overlaps at the points of its
+/// path.
+#[derive(Default)]
+struct Touches {
+    /// Whether the surfaces of each contact were apart at an earlier point, and have not touched since.
+    apart: Vec<bool>,
+    unseen_overlap: Option<(usize, f64, f64)>,
+}
+
+impl Touches {
+    fn event(&mut self, event: &Event) {
+        if let (Some(apart), EventKind::TouchDown) = (self.apart.get_mut(event.contact), event.kind) {
+            *apart = false;
+        }
+    }
+
+    fn point(&mut self, sample: &Sample) {
+        self.apart.resize(sample.contacts().count(), false);
+        for (index, (contact, apart)) in sample.contacts().zip(&mut self.apart).enumerate() {
+            if contact.gap_m > MAX_UNSEEN_OVERLAP {
+                *apart = true;
+            } else if contact.normal_n > 0.0 {
+                // A step with a clamped law has no events.
+                *apart = false;
+            } else if *apart && contact.gap_m < -MAX_UNSEEN_OVERLAP {
+                self.unseen_overlap.get_or_insert((index, sample.time_s, -contact.gap_m));
+            }
+        }
+    }
 }
 
 /// What a path contains of all samples and events of a run.
@@ -113,6 +156,7 @@ fn coordinates(sample: &Sample) -> Vec<f64> {
 impl Sink for PathRecorder<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         if self.points.is_empty() {
+            self.touches.point(sample);
             self.push(sample);
         }
         self.measured.sample(sample)?;
@@ -120,12 +164,14 @@ impl Sink for PathRecorder<'_> {
     }
 
     fn point(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.touches.point(sample);
         self.push(sample);
         Ok(())
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.measured.event(event)?;
+        self.touches.event(event);
         self.sink.event(event)
     }
 
@@ -413,6 +459,7 @@ fn recorder<'a>(
         points: Vec::new(),
         energies: Vec::new(),
         measured: OffGrid::new(scene.log.numeric_hz, measured),
+        touches: Touches::default(),
         sink,
         is_complete: false,
     }
@@ -428,7 +475,8 @@ fn path(scene: &Scene, result: &Result<Outcome, RunError>, mut recorder: PathRec
     // The recorder never fails.
     let _ = recorder.measured.end();
     let Measured { audit, rebounds, speed_m_s } = recorder.measured.sink;
-    let surfaces: Vec<usize> = Schema::from_scene(scene).surfaces().collect();
+    let schema = Schema::from_scene(scene);
+    let surfaces: Vec<usize> = schema.surfaces().collect();
     let contacts = surfaces.iter().filter_map(|index| outcome.contacts.get(*index));
     let forces = surfaces.iter().filter_map(|index| outcome.last.contacts().nth(*index));
     Path {
@@ -439,6 +487,13 @@ fn path(scene: &Scene, result: &Result<Outcome, RunError>, mut recorder: PathRec
         rebounds: rebounds.iter().flat_map(Rebounds::pairs).copied().collect(),
         loop_gap_m: outcome.loop_gap_m,
         deep_contact: scene.mechanism.as_ref().and_then(|mechanism| deep_contact(mechanism, outcome)),
+        unseen_overlap: recorder.touches.unseen_overlap.or_else(|| {
+            let contacts = outcome.contacts.iter().enumerate();
+            let mut unseen = contacts.filter(|(_, contact)| contact.passed_through());
+            unseen.next().map(|(index, contact)| (index, outcome.last.time_s, contact.max_penetration_m))
+        }),
+        depths: outcome.contacts.iter().map(|contact| contact.max_penetration_m).collect(),
+        contact_names: schema.contacts.iter().map(|contact| contact.name.clone()).collect(),
         ejected: outcome.ejected_s.is_some(),
         first_s: contacts.map(|contact| contact.first_s).collect(),
         normal_n: forces.map(|contact| contact.normal_n).collect(),

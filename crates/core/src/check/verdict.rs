@@ -108,7 +108,34 @@ fn defects(comparison: &Comparison<'_>) -> Vec<String> {
     let gap = (!is_within_limit)
         .then(|| format!("a joint opens by {gap_m:.1e} m; {:.1e} m are allowed", comparison.max_loop_gap_m));
     let violation = comparison.run.audit.and_then(|audit| audit.violation()).map(|violation| violation.to_string());
-    gap.into_iter().chain(violation).chain(comparison.run.deep_contact.clone()).collect()
+    let overlap = unseen_overlap(comparison.run);
+    gap.into_iter().chain(violation).chain(comparison.run.deep_contact.clone()).chain(overlap).collect()
+}
+
+/// Describes surfaces that overlap although they are not in touch: the run has missed their contact.
+fn unseen_overlap(run: &Path) -> Option<String> {
+    let (contact, time_s, depth) = run.unseen_overlap?;
+    let name = run.contact_names.get(contact).map_or("of the run", String::as_str);
+    Some(format!(
+        "the surfaces of the contact {name} overlap by {depth:.1e} up to {:.6} ms without a touch-down; choose smaller steps or \
+         a smaller tolerance",
+        time_s * 1e3
+    ))
+}
+
+/// Overlap above which a contact is more than a grazing touch, m (limit: rad).
+const MIN_COMPARED_DEPTH: f64 = 1e-8;
+
+/// Describes the first contact that one of the runs makes and the other one does not.
+fn missed_touch(run: &Path, reference_run: &Path) -> Option<String> {
+    let pairs = run.depths.iter().zip(&reference_run.depths).enumerate();
+    let (contact, (depth, reference_depth)) = pairs.into_iter().find(|(_, (a, b))| {
+        let (less, more) = (a.min(**b), a.max(**b));
+        less <= 0.0 && more > MIN_COMPARED_DEPTH
+    })?;
+    let name = run.contact_names.get(contact).map_or("of the run", String::as_str);
+    let (depth, which) = if depth > reference_depth { (depth, "run") } else { (reference_depth, "reference run") };
+    Some(format!("only the {which} makes the contact {name}, to a depth of {depth:.1e}"))
 }
 
 /// Differences beyond their limits, except for the path.
@@ -119,7 +146,8 @@ fn differences(comparison: &Comparison<'_>) -> Vec<String> {
         format!("an energy or a work differs by {energy:.1e} of the exchanged energy; {max_energy:e} is allowed")
     });
     let restitution = (*rebound > max).then(|| format!("a restitution differs by {rebound:.1e}; {max:e} is allowed"));
-    energy.into_iter().chain(restitution).collect()
+    let touch = missed_touch(comparison.run, comparison.reference_run);
+    energy.into_iter().chain(restitution).chain(touch).collect()
 }
 
 /// A run is chaotic if the perturbation changes its path by more than this, in the unit of
