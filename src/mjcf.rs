@@ -704,9 +704,9 @@ impl Writer<'_> {
                     writer.transmission(&names.combinations[index], &actuator.on),
                 );
                 if let Some(limit) = actuator.limit {
-                    // The torque of a motor is limited before it falls with the speed.
-                    let key = if matches!(actuator.command, Command::Effort(_)) { "ctrlrange" } else { "forcerange" };
-                    let _ = write!(text, " {key}=\"{} {limit}\"", -limit);
+                    // The limit bounds an effort before it changes with the speed.
+                    let range = if matches!(actuator.command, Command::Effort(_)) { "ctrlrange" } else { "forcerange" };
+                    let _ = write!(text, " {range}=\"{} {limit}\"", -limit);
                 }
                 writer.element(&text);
                 controls.push(control(actuator, 0.0));
@@ -749,7 +749,7 @@ fn gains(actuator: &Actuator) -> (f64, [f64; 3]) {
     match &actuator.command {
         // τ − |τ| q̇/ω₀, with the largest torque: MuJoCo's drop does not follow a torque over time.
         Command::Effort(profile) => {
-            let largest = actuator.limit.map_or(profile.largest(), |limit| profile.largest().min(limit));
+            let largest = profile.largest().min(actuator.limit.unwrap_or(f64::INFINITY));
             (1.0, [0.0, 0.0, actuator.no_load_speed.map_or(0.0, |speed| -largest / speed)])
         }
         Command::Servo { kp: 0.0, kd, .. } => (*kd, [0.0, 0.0, -kd]),

@@ -196,6 +196,20 @@ fn scenes_are_exported_for_mujoco() {
     assert_rejected(&["scene", "export", FINGER, "--mjcf", &model], &["is not a model written by phalanx"]);
 }
 
+/// A limit bounds the command of a motor, before its torque changes with the speed: u − |u| q̇/ω₀ at the largest u.
+#[test]
+fn a_limit_bounds_the_control_signal_of_a_motor_in_mujoco() {
+    let directory = directory("mujoco-limit");
+    let [scene, model] = ["motor.toml", "model.xml"].map(|name| path_in(&directory, name));
+    let text = "kind = \"mechanism\"\nduration = \"1 ms\"\n[bodies.arm]\nmass = \"1 kg\"\ninertia = \"1 kg*m^2\"\n[joints.q]\n\
+                bodies = [\"ground\", \"arm\"]\npoints = [[\"0 m\", \"0 m\"], [\"0 m\", \"0 m\"]]\n[actuators.motor]\njoint = \"q\"\n\
+                torque = \"5 N*m\"\nlimit = \"2 N*m\"\nno_load_speed = \"4 rad/s\"\n";
+    fs::write(&scene, text).expect("a scene");
+    succeed(&["scene", "export", &scene, "--mjcf", &model]);
+    let xml = fs::read_to_string(&model).expect("the model");
+    assert_contains(&xml, &["biasprm=\"0 0 -0.5\" ctrlrange=\"-2 2\""]);
+}
+
 /// Each scene of a real gripper ends as its comment states: positions, angles and times of the first touch.
 #[test]
 fn real_grippers_end_as_documented() {

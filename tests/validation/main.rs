@@ -15,6 +15,7 @@ mod grippers;
 mod hard_grippers;
 mod hard_scenes;
 mod random_scenes;
+mod servos;
 mod turns;
 mod validate_command;
 mod validate_criteria;

@@ -357,6 +357,11 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         stop: f64,
         (linearised, found): (&mut Linearised<N, Z>, &mut AcceptedStep<N, Z, S>),
     ) -> Result<Pending, Reason> {
+        let t = self.clock.now();
+        if t > self.latest_time {
+            self.mode = system.mode_after_discontinuity(t, &self.state.q, &self.state.v, &self.mode);
+            self.update_events(system);
+        }
         // Written so that a NaN clearance counts as negative.
         if self.events.clearance.partial_cmp(&0.0).is_none_or(|order| order.is_lt()) {
             return Err(Reason::Obstacle(system.describe_obstacle(&self.state.q)));
@@ -364,7 +369,6 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         if self.counters.steps >= self.options.max_steps {
             return Err(Reason::Budget(self.options.max_steps));
         }
-        let t = self.clock.now();
         system.linearise_into(t, &self.state.q, &self.state.v, &self.mode, linearised);
         self.counters.jacobians += 1;
         if !linearised.rates.a.iter().all(|a| a.is_finite()) {

@@ -244,6 +244,12 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
         self.mode_at(t, q, v)
     }
 
+    /// Returns the mode at the time of a discontinuity, from the mode before it.
+    #[inline(always)]
+    fn mode_after_discontinuity(&self, _t: f64, _q: &[f64; N], _v: &[f64; N], mode: &Self::Mode) -> Self::Mode {
+        *mode
+    }
+
     /// First step after event `index`, if the event changes the time scale.
     fn restart_step(&self, index: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Option<f64>;
 

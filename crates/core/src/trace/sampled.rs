@@ -27,12 +27,9 @@ impl SampledServo {
 
     /// Effort before its limit, from the state of its joints.
     fn effort(&self, sample: &Sample) -> f64 {
-        let ([kp, kd], (mut coordinate, mut rate)) = (self.gains, (self.on.offset, 0.0));
-        for (joint, coefficient) in &self.on.terms {
-            let joint = sample.joint_state(*joint);
-            coordinate += coefficient * joint.angle_rad;
-            rate += coefficient * joint.rate_rad_s;
-        }
+        let [kp, kd] = self.gains;
+        let coordinate = self.on.value(|joint| sample.joint_state(joint).angle_rad);
+        let rate = self.on.sum(|joint| sample.joint_state(joint).rate_rad_s);
         let (target, target_rate) = self.target.at(sample.time_s);
         kp * (target - coordinate) + kd * (target_rate - rate)
     }

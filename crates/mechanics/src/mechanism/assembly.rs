@@ -284,12 +284,11 @@ impl<'a> Solver<'a> {
             let scale = if scale.is_finite() { scale } else { 1.0 };
             let mut row = Row {
                 condition: Condition::Coupling(index),
-                residual: -coupling.on.offset * scale,
+                residual: scale * coupling.on.value(|joint| coordinate(&joints[joint], poses).0),
                 gradient: vec![0.0; 3 * poses.len()],
             };
             for (joint, factor) in &coupling.on.terms {
-                let (q, terms) = coordinate(&joints[*joint], poses);
-                row.residual += factor * scale * q;
+                let (_, terms) = coordinate(&joints[*joint], poses);
                 let gradient = self.gradient(&joints[*joint], terms, factor * scale, poses.len());
                 row.gradient.iter_mut().zip(gradient).for_each(|(sum, part)| *sum += part);
             }
@@ -482,10 +481,9 @@ impl<'a> Solver<'a> {
             Condition::Coupling(coupling) => {
                 let coupling = &self.mechanism.couplings[coupling];
                 let joints = &self.mechanism.joints;
-                let sum: f64 =
-                    coupling.on.terms.iter().map(|(joint, c)| c * coordinate(&joints[*joint], poses).0).sum();
+                let value = coupling.on.value(|joint| coordinate(&joints[joint], poses).0);
                 let first = coupling.on.terms.first().map_or(JointKind::Revolute, |(joint, _)| joints[*joint].kind);
-                Measure::of(first, (sum - coupling.on.offset).abs())
+                Measure::of(first, value.abs())
             }
         }
     }

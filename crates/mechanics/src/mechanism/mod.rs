@@ -22,6 +22,7 @@ mod overlap;
 
 use crate::drive::{Brake, Profile};
 use crate::law::{Damping, FrictionLaw, NormalLaw};
+use crate::numeric::Real;
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, rotate};
 use crate::palm_motion::{self, PalmMotion};
@@ -211,15 +212,16 @@ pub struct TendonActuator {
     pub tension: Profile,
 }
 
-/// A motor: a command, then a limit, then the fall of the torque with the speed; and a brake.
+/// A motor: a command u, then a limit, then the fall of the torque with the speed; and a brake.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
     pub name: String,
     pub on: JointCombination,
     pub command: Command,
-    /// |Q| is at most this, N·m or N.
+    /// |u| is at most this, N·m or N: the largest torque or force at rest.
     pub limit: Option<f64>,
-    /// Rate at which the torque has fallen to zero: Q = u − |u| q̇/ω₀.
+    /// Rate ω₀ at which the torque has fallen to zero: Q = u − |u| q̇/ω₀, which is not clipped. A joint that turns against
+    /// its torque receives more than at rest.
     pub no_load_speed: Option<f64>,
     pub brake: Option<Brake>,
 }
@@ -325,6 +327,23 @@ impl JointCombination {
             [(joint, 1.0)] if self.offset == 0.0 => Some(joint),
             _ => None,
         }
+    }
+
+    /// The coordinate Σ cᵢ qᵢ − offset at these coordinates qᵢ of the joints.
+    #[inline(always)]
+    pub fn value<T: Real>(&self, coordinate: impl Fn(usize) -> T) -> T {
+        self.add_terms(T::constant(-self.offset), coordinate)
+    }
+
+    /// The sum Σ cᵢ xᵢ without the offset, such as the rate of the coordinate for the rates xᵢ of the joints.
+    #[inline(always)]
+    pub fn sum<T: Real>(&self, of_joint: impl Fn(usize) -> T) -> T {
+        self.add_terms(T::zero(), of_joint)
+    }
+
+    #[inline(always)]
+    fn add_terms<T: Real>(&self, start: T, of_joint: impl Fn(usize) -> T) -> T {
+        self.terms.iter().fold(start, |sum, (joint, factor)| sum + of_joint(*joint) * *factor)
     }
 
     /// Factor of a joint; 0 for a joint that is not among the terms.

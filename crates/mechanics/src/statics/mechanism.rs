@@ -256,8 +256,7 @@ impl<'a> Frame<'a> {
 
     fn coordinate(&self, on: &JointCombination) -> f64 {
         let joints = &self.at_rest.mechanism.joints;
-        let terms = on.terms.iter().map(|(joint, factor)| factor * coordinate_in(&joints[*joint], self.at_rest.poses));
-        terms.sum::<f64>() - on.offset
+        on.value(|joint| coordinate_in(&joints[joint], self.at_rest.poses))
     }
 
     /// All columns of the equations, except the driving load.

@@ -230,7 +230,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for &index in &group.actuators {
             let actuator = &self.mechanism.actuators[index];
             let motion = motions.combination(&actuator.on);
-            let mut effort = effort(actuator, mode.ranges.0[index], t, motion.coordinate, motion.rate).value;
+            let range = self.range_at(t, mode, index, motion.coordinate, motion.rate);
+            let mut effort = effort(actuator, range, t, motion.coordinate, motion.rate).value;
             g[Self::DRIVE_WORK] += effort * motion.rate;
             if let Some(brake) = self.brake_effort(t, v, index, motion.rate) {
                 g[Self::CONTACT_WORK] += brake.effort.value * motion.rate;
@@ -337,7 +338,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let actuator = &self.mechanism.actuators[index];
             let motion = motions.combination(&actuator.on);
             let (row, rate) = (&motion.row, motion.rate.value);
-            let effort = effort(actuator, mode.ranges.0[index], t, motion.coordinate.value, rate);
+            let range = self.range_at(t, mode, index, motion.coordinate.value, rate);
+            let effort = effort(actuator, range, t, motion.coordinate.value, rate);
             let brake = self.brake_effort(t, v, index, rate);
             let brake_effort = brake.map_or(Effort::default(), |brake| brake.effort);
             for (work, effort) in [(Self::DRIVE_WORK, effort), (Self::CONTACT_WORK, brake_effort)] {

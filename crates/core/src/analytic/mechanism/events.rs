@@ -49,8 +49,6 @@ const MAX_DRIVEN_STEP_S: f64 = 1.0;
 const FEATURE_MARGIN_M: f64 = 1e-12;
 /// Tolerance of locating that end, m.
 const FEATURE_TOLERANCE_M: f64 = 3e-13;
-/// Rounding error of the time as a coordinate after 10,000 steps of a run of 10 s, s.
-const TIME_ROUNDING_S: f64 = 1e-11;
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// State of a contact, with its laws; `None` beyond the last contact. The rows are 0 unless `with_rows`.
@@ -147,11 +145,16 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
     }
 
-    /// Time, coordinate and rate at an actuator. The time is a little early: a step that ends at a discontinuity of the
-    /// command must not see the command after it because of the rounding error of the time as a coordinate.
-    fn actuator_state(&self, motions: &Motions<f64, K>, q: &[f64; N], index: usize) -> (f64, f64, f64) {
-        let motion = motions.combination(&self.mechanism.actuators[index].on);
-        (self.time_index.map_or(0.0, |time| (q[time] - TIME_ROUNDING_S).max(0.0)), motion.coordinate, motion.rate)
+    /// Time, coordinate and rate at an actuator.
+    fn actuator_state(
+        &self,
+        motions: &Motions<f64, K>,
+        q: &[f64; N],
+        mode: &MechanismMode<C>,
+        index: usize,
+    ) -> (f64, f64, f64) {
+        let (motion, [first_s, last_s]) = (motions.combination(&self.mechanism.actuators[index].on), mode.times_s);
+        (self.time_index.map_or(0.0, |time| q[time].clamp(first_s, last_s)), motion.coordinate, motion.rate)
     }
 
     /// Ranges of all actuators in a state.
@@ -159,8 +162,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let mut ranges = Ranges::UNMONITORED;
         self.with_motions((q, v), |motions| {
             for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
-                let (_, coordinate, rate) = self.actuator_state(motions, q, index);
-                ranges.0[index] = range(actuator, t, coordinate, rate);
+                let motion = motions.combination(&actuator.on);
+                ranges.0[index] = range(actuator, t, motion.coordinate, motion.rate);
             }
         });
         ranges
@@ -175,7 +178,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         index: usize,
     ) -> EventFunction<N> {
         let Some(actuator) = self.mechanism.actuators.get(index) else { return EventFunction::INACTIVE };
-        let (t, coordinate, rate) = self.actuator_state(motions, q, index);
+        let (t, coordinate, rate) = self.actuator_state(motions, q, mode, index);
         let value = margin(actuator, mode.ranges.0[index], t, coordinate, rate);
         EventFunction { value, root_search: RootSearch::Smooth, ..EventFunction::INACTIVE }
     }
@@ -190,9 +193,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// The mode of a state, with the turns that are counted in evaluations.
     fn mode_with_counts<const Z: usize>(&self, t: f64, (q, v): StateRef<'_, N>, counts: [i32; C]) -> MechanismMode<C> {
-        let ranges = self.ranges(t, (q, v));
+        let (ranges, times_s) = (self.ranges(t, (q, v)), self.times_around(t));
         let accelerations = |mode: &Mode<C>| {
-            let mode = MechanismMode { contacts: *mode, features: [None; C], ranges, counts };
+            let mode = MechanismMode { contacts: *mode, features: [None; C], ranges, counts, times_s };
             <Self as System<N, Z>>::rates(self, t, q, v, &mode).a
         };
         let variables = |index| self.variables_at((q, v), index, None);
@@ -201,7 +204,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for (index, feature) in features.iter_mut().enumerate().take(self.contacts.len()) {
             *feature = self.starting_feature((q, v), &contacts, index);
         }
-        MechanismMode { contacts, features, ranges, counts }
+        MechanismMode { contacts, features, ranges, counts, times_s }
     }
 
     /// Distance of the mechanism from its nearest singular configuration, and its rate.
@@ -357,7 +360,8 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
                 }
             }),
             EventOf::Actuator(index) => {
-                let (t, coordinate, rate) = self.with_motions((q, v), |motions| self.actuator_state(motions, q, index));
+                let (t, coordinate, rate) =
+                    self.with_motions((q, v), |motions| self.actuator_state(motions, q, mode, index));
                 let range = &mut next.ranges.0[index];
                 *range = range_after(&self.mechanism.actuators[index], *range, t, coordinate, rate);
             }
@@ -399,6 +403,26 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     fn mode_after(&self, t: f64, q: &[f64; N], v: &[f64; N], last: &MechanismMode<C>) -> MechanismMode<C> {
         self.count_turns_as(last);
         self.mode_with_counts::<Z>(t, (q, v), last.counts)
+    }
+
+    /// Chooses anew the ranges of the actuators whose commands are discontinuous; the laws of contacts depend on positions
+    /// and rates, which are continuous.
+    fn mode_after_discontinuity(
+        &self,
+        t: f64,
+        q: &[f64; N],
+        v: &[f64; N],
+        mode: &MechanismMode<C>,
+    ) -> MechanismMode<C> {
+        self.count_turns_as(mode);
+        let mut next = MechanismMode { times_s: self.times_around(t), ..*mode };
+        let ranges = self.ranges(t, (q, v));
+        for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
+            if actuator.command.profile().next_discontinuity(mode.times_s[1]) <= t {
+                next.ranges.0[index] = ranges.0[index];
+            }
+        }
+        next
     }
 
     fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Option<f64> {

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::actuator::{MAX_ACTUATORS, Ranges};
+use super::actuator::{MAX_ACTUATORS, Ranges, range};
 use super::bounds::MechanismBounds;
 use super::cable::Cable;
 use super::factor::Factor;
@@ -56,7 +56,8 @@ impl Contact {
     }
 }
 
-/// Branches of the contact laws, the features of the faces, and the ranges of the actuators.
+/// Branches of the contact laws, the features of the faces, and the ranges of the actuators; and the times for which it is
+/// valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MechanismMode<const C: usize> {
     pub contacts: Mode<C>,
@@ -65,6 +66,9 @@ pub struct MechanismMode<const C: usize> {
     pub(super) ranges: Ranges,
     /// Turns of the lines between pivots of dyads since the start, in counts.
     pub(super) counts: [i32; C],
+    /// First and last time between two discontinuities of commands and prescribed motions. A step sees the commands between
+    /// them only, whatever the rounding error of the time as a coordinate.
+    pub(super) times_s: [f64; 2],
 }
 
 impl<const C: usize> Index<usize> for MechanismMode<C> {
@@ -385,6 +389,22 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             (q[time], v[time]) = (t, 1.0);
         }
         mode.ranges = self.ranges(t, (q, v));
+        mode.times_s = self.times_around(t);
+    }
+
+    /// Time `t` and the last time before the next discontinuity.
+    pub(super) fn times_around(&self, t: f64) -> [f64; 2] {
+        [t, self.next_time_discontinuity(t).next_down()]
+    }
+
+    /// Range of an actuator at time `t`. The command after a discontinuity, which a sample at its time contains, does not
+    /// belong to the range of the mode.
+    #[inline(always)]
+    pub(super) fn range_at(&self, t: f64, mode: &MechanismMode<C>, index: usize, coordinate: f64, rate: f64) -> u8 {
+        match t > mode.times_s[1] {
+            true => range(&self.mechanism.actuators[index], t, coordinate, rate),
+            false => mode.ranges.0[index],
+        }
     }
 
     /// Number of coordinates and bristle states in use.

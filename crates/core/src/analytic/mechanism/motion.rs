@@ -206,15 +206,12 @@ impl<T: Real, const K: usize> Motions<T, K> {
         if let Some(joint) = on.joint() {
             return self.joints[joint];
         }
-        let mut sum = JointMotion::at(T::constant(-on.offset));
-        for (joint, factor) in &on.terms {
-            let motion = &self.joints[*joint];
-            sum.coordinate += motion.coordinate * *factor;
-            sum.rate += motion.rate * *factor;
-            sum.bias += motion.bias * *factor;
-            (0..K).for_each(|k| sum.row[k] += motion.row[k] * *factor);
+        JointMotion {
+            coordinate: on.value(|joint| self.joints[joint].coordinate),
+            rate: on.sum(|joint| self.joints[joint].rate),
+            bias: on.sum(|joint| self.joints[joint].bias),
+            row: array_from(|k| on.sum(|joint| self.joints[joint].row[k])),
         }
-        sum
     }
 
     /// Motion of a body; `None` is the ground.

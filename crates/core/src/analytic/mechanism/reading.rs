@@ -55,7 +55,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let actuator = &self.mechanism.actuators[index];
         let motion = motions.combination(&actuator.on);
         let brake = self.brake_effort(t, v, index, motion.rate).map_or(0.0, |brake| brake.effort.value);
-        effort(actuator, mode.ranges.0[index], t, motion.coordinate, motion.rate).value + brake
+        let range = self.range_at(t, mode, index, motion.coordinate, motion.rate);
+        effort(actuator, range, t, motion.coordinate, motion.rate).value + brake
     }
 
     /// Geometry and forces of a contact as samples report them, relative to a moving palm; those of a limit are an angle and

@@ -88,9 +88,11 @@ pub struct ActuatorSettings {
     pub kd: Option<NotNegative<JointDamping>>,
     /// Rate at which the controller is computed; its torque (force) is constant in between. Default: it is continuous.
     pub rate: Option<Positive<Frequency>>,
-    /// Largest torque (force). Default: none.
+    /// Largest torque (force) at rest: bound of the command, before it changes with the speed. Without `no_load_speed` no
+    /// torque exceeds it. Default: none.
     pub limit: Option<Positive<Effort>>,
-    /// Rate at which the torque (force) has fallen to 0. Default: it does not fall.
+    /// Rate ω₀ at which the torque (force) has fallen to 0: at a rate v in its direction it is the command times 1 − v/ω₀.
+    /// It exceeds `limit` while the joint moves against it (v below 0), and brakes beyond ω₀. Default: it is the command.
     pub no_load_speed: Option<Positive<CoordinateRate>>,
     #[schemars(with = "BrakeSettings")]
     pub brake: Subsection,
@@ -190,9 +192,8 @@ fn brake(section: &SectionInput<'_>, linear: bool, of: &str) -> Option<Option<Br
 pub(super) fn limit_target_rates(mechanism: &mut Mechanism, poses: &[Pose]) {
     for actuator in &mut mechanism.actuators {
         if let Command::Servo { target, target_rate: Some(rate), .. } = &mut actuator.command {
-            let terms = actuator.on.terms.iter();
-            let start = terms.map(|(joint, factor)| factor * coordinate_in(&mechanism.joints[*joint], poses));
-            *target = target.rate_limited((0.0, start.sum::<f64>() - actuator.on.offset), *rate);
+            let start = actuator.on.value(|joint| coordinate_in(&mechanism.joints[joint], poses));
+            *target = target.rate_limited((0.0, start), *rate);
         }
     }
 }
