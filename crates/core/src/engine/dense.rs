@@ -200,7 +200,7 @@ mod tests {
     fn a_long_elimination_is_cancelled() {
         let size = 300;
         let matrix: Vec<f64> =
-            (0..size * size).map(|at| 1.0 / (1.0 + (at / size).abs_diff(at % size) as f64)).collect();
+            (0..size * size).map(|at: usize| 1.0 / (1.0 + (at / size).abs_diff(at % size) as f64)).collect();
         let work: usize = (0..size).map(|k| (size - k) * (size - k)).sum();
         for last in [u32::MAX, 3, 1] {
             let checks = Cell::new(0);
