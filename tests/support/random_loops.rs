@@ -314,14 +314,15 @@ fn add_spring(mechanism: &mut Mechanism, on: JointCombination, [stiffness, rest]
     });
 }
 
-/// A square of cranks whose pivots nearly meet: the line between them makes half a turn within a small motion.
+/// A heavy crank whose end passes the pivot of a rocker at a small distance: the line between both turns by 260° while the
+/// crank makes half a turn, most of it within a small motion. The other bodies are too light to limit steps.
 pub fn quick_line(gap_m: f64) -> Mechanism {
     let mut random = Random::for_seed(1);
     let (r, crank) = (0.03, -FRAC_PI_2);
     let (l, m) = (0.03, 0.03 + 0.5 * gap_m);
-    let (tip, pivot) = (polar(r, crank), [r + gap_m, 0.0]);
+    let (tip, pivot) = (polar(r, crank), [r - gap_m, 0.0]);
     let end = apex([tip, pivot], [l, m], 1.0);
-    let light = |body: Body| Body { mass_kg: 1e-6, inertia_kg_m2: 1e-12, ..body };
+    let light = |body: Body| Body { mass_kg: 1e-12, inertia_kg_m2: 1e-18, ..body };
     let bodies = vec![
         Body { inertia_kg_m2: 1e-3, ..body("crank", &mut random, r, [0.0, 0.0, crank]) },
         light(body("coupler", &mut random, l, [tip[0], tip[1], angle(tip, end)])),

@@ -136,24 +136,24 @@ fn many_random_loops_turn_alike_in_both_models() {
     println!("{ended} ended early, largest difference {largest:e}, at most {turns} turns");
 }
 
-/// The line between the pivots makes half a turn while the crank turns by 2°, between two steps that the equations of motion
-/// alone would allow. The angle of the coupler follows from the closed form, unwound in small steps of the crank.
+/// The line between the pivots turns by more than half a turn between two steps that the equations of motion alone would
+/// allow. The angle of the coupler follows from the closed form, unwound in small steps of the crank.
 #[test]
 fn a_line_that_turns_quickly_is_counted() {
-    for (gap_m, with_spring) in [(1e-3, false), (1e-3, true), (5e-5, false), (5e-5, true)] {
+    for (gap_m, with_spring) in [(5e-3, false), (5e-3, true), (1e-3, false), (5e-5, true)] {
         let mut mechanism = quick_line(gap_m);
         if with_spring {
             mechanism.springs.push(Spring {
                 name: "spring".to_string(),
                 kind: SpringKind::Torsional { on: JointCombination::of_joint(1), preload: 0.0 },
-                stiffness: 1e-9,
+                stiffness: 1e-14,
                 damping: 0.0,
                 rest: 0.0,
             });
         }
         let (samples, end) = run(Model::Analytic, &scene(&mechanism, 0.3));
         assert!(end.is_none(), "{end:?}");
-        let line = |crank: f64| [0.03 + gap_m - 0.03 * crank.cos(), -0.03 * crank.sin()];
+        let line = |crank: f64| [0.03 - gap_m - 0.03 * crank.cos(), -0.03 * crank.sin()];
         let coupler = |crank: f64| {
             let d = line(crank);
             let (length, l, m) = (d[0].hypot(d[1]), 0.03, 0.03 + 0.5 * gap_m);
