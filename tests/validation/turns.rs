@@ -343,7 +343,7 @@ fn fingers_count_turns_in_both_models() {
     assert!(turns > 1.5, "{turns}");
 }
 
-/// A spring on two joints of a loop, whose sum is an angle of three bodies, or of a pin and a slide.
+/// A spring on two joints of a loop, whose sum depends on the angles of three bodies.
 #[test]
 fn springs_on_any_joints_of_a_loop_act_alike() {
     let with_sum = |joints: &str, factors: &str| {
