@@ -513,16 +513,16 @@ def _base_scene(scene: str | dict[str, Any], variables: list[tuple[str, Any]], c
             table = _inserted(table, variable["field"].split("."), variable["start"])
     try:
         base = _phalanx.Scene.from_dict(table, checker.file)
-    except (OverflowError, TypeError, ValueError) as error:
-        checker.add("scene", f"a value of the base scene is invalid: {error}", "write strings, numbers, flags or lists")
-        checker.finish()
-        raise
     except SceneError as error:
         for problem in error.problems:
             if problem["file"] != checker.file:
                 raise
             where = f"scene.{problem['field']}" if problem["field"] else "scene"
             checker.add(where, problem["message"], problem["help"])
+        checker.finish()
+        raise
+    except (OverflowError, TypeError, ValueError) as error:
+        checker.add("scene", f"a value of the base scene is invalid: {error}", "write strings, numbers, flags or lists")
         checker.finish()
         raise
     if base.kind == "bodies":

@@ -198,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_long_elimination_is_cancelled() {
-        let size = 300;
+        let size: usize = 300;
         let matrix: Vec<f64> =
             (0..size * size).map(|at: usize| 1.0 / (1.0 + (at / size).abs_diff(at % size) as f64)).collect();
         let work: usize = (0..size).map(|k| (size - k) * (size - k)).sum();
