@@ -137,7 +137,7 @@ class SceneAndMetadata(unittest.TestCase):
                 self.assertEqual(run.log.statistics.message_count, len(run.log.messages))
                 self.assertEqual(run.log.statistics.attachment_count, 1)
                 self.assertEqual(run.log.statistics.metadata_count, len(run.log.metadata))
-                self.assertEqual(set(run.log.metadata), {"phalanx", "phalanx-check"})
+                self.assertEqual(set(run.log.metadata), {"phalanx", "phalanx-check", "phalanx-subjects"})
                 self.assertEqual(run.log.statistics.message_end_time, run.log.messages[-1].log_ns)
 
 
