@@ -197,6 +197,11 @@ fn starts_beyond_limits_are_refused() {
     refused(&pin(&format!("{slide}start = \"12 mm\"\nupper = \"10 mm\"")), &["2 mm beyond its upper limit"]);
     refused(&pin(&format!("{slide}start = \"9.8 mm\"\nlower = \"10 mm\"")), &["0.2 mm beyond its lower limit"]);
     parse(&pin(&format!("{slide}start = \"10 mm\"\nlower = \"10 mm\"")));
+    // An image is not reported beside its original.
+    let mirrored = format!("{}[mirror]\nfrom = \"j\"\nto = \"k\"\n", pin("start = \"1 rad\"\nupper = \"0 rad\""));
+    let mirrored = mirrored.replace("[bodies.a]", "[bodies.j]").replace("\"a\"", "\"j\"");
+    let error = refused(&mirrored, &["the joint `j` starts 57.2958 deg beyond"]);
+    assert_eq!(error.matches("beyond its").count(), 1, "{error}");
     // A joint whose coordinate follows from others.
     let four_bar = std::fs::read_to_string("scenes/mechanisms/four-bar.toml").expect("a scene");
     let limited = |limit: &str| {

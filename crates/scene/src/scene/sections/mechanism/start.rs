@@ -14,9 +14,12 @@ pub(super) fn check_start(mechanism: &Mechanism, poses: &[Pose], pairs: &[Listed
                     pair from the contacts";
         pairs[index].1.report("", message, "starts inside", help);
     }
-    for (limit, coordinate, excess) in mechanism.exceeded_limits(poses, MAX_START_EXCESS_RAD, MAX_START_EXCESS_M) {
-        // An image has the coordinate of its original.
-        if !joints.is_image(limit.joint) || joints.section(limit.joint).checker.is_clean() {
+    let exceeded = mechanism.exceeded_limits(poses, MAX_START_EXCESS_RAD, MAX_START_EXCESS_M);
+    let partners = joints.partners();
+    let is_exceeded = |joint: usize| exceeded.iter().any(|(limit, ..)| limit.joint == joint);
+    for &(limit, coordinate, excess) in &exceeded {
+        // An image has the limits of its original.
+        if !joints.is_image(limit.joint) || !is_exceeded(partners[limit.joint]) {
             report_excess(joints.section(limit.joint), &mechanism.joints[limit.joint], limit, coordinate, excess);
         }
     }
