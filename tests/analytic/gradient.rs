@@ -15,7 +15,7 @@ use phalanx::mechanism::Mechanism;
 use phalanx::scene::{DiscMotion, Scene, parse_any};
 use phalanx::trace::{Event, Model, Recording, Schema, run};
 
-fn parameter<'a>(value: f64, scene_at: impl Fn(f64) -> Scene + 'a) -> Parameter<'a> {
+pub fn parameter<'a>(value: f64, scene_at: impl Fn(f64) -> Scene + 'a) -> Parameter<'a> {
     Parameter { name: "p".to_string(), unit: "", value, scene_at: Box::new(move |value| Ok(scene_at(value))) }
 }
 
@@ -50,7 +50,7 @@ fn run_at(parameter: &Parameter<'_>, value: f64) -> (Vec<f64>, Vec<Event>) {
 
 /// Derivatives of numbers by central differences of whole runs, extrapolated from three steps, with their estimated
 /// errors.
-fn differences(
+pub fn differences(
     parameter: &Parameter<'_>,
     change: f64,
     numbers: impl Fn(&(Vec<f64>, Vec<Event>)) -> Vec<f64>,
@@ -69,7 +69,7 @@ fn differences(
     (0..a.len()).map(extrapolated).collect()
 }
 
-fn mechanism(text: &str) -> Scene {
+pub fn mechanism(text: &str) -> Scene {
     parse_any(&format!("kind = \"mechanism\"\n{text}"), "test.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -246,6 +246,24 @@ fn derivatives_continue_while_turns_are_counted() {
     let stiffness = parameter(of.mechanism.springs[0].stiffness, with_stiffness);
     assert!(end(&gradient_of(&stiffness), "a_rad") != 0.0, "{}", of.description);
     assert_differences(&of.description, &stiffness, 1e-3, 1e-6);
+}
+
+/// The command of a servo jumps at a kink of its set point, out of the range of its limit.
+#[test]
+fn derivatives_pass_kinks_of_set_points() {
+    let servo = |[kink, limit, kd]: [f64; 3]| {
+        mechanism(&format!(
+            "duration = \"60 ms\"\n[bodies.crank]\nmass = \"0.1 kg\"\ninertia = \"0.0001 kg*m^2\"\n[joints.q]\n\
+             bodies = [\"ground\", \"crank\"]\npoints = [[\"0 m\", \"0 m\"], [\"0 m\", \"0 m\"]]\nstart = \"0 rad\"\n\
+             [actuators.motor]\njoint = \"q\"\ntimes = [\"0 s\", \"{kink:?} s\", \"0.032123 s\"]\n\
+             targets = [\"0 rad\", \"1.8540 rad\", \"1.0833 rad\"]\nkp = \"1.9639 N*m/rad\"\nkd = \"{kd:?} N*m*s/rad\"\n\
+             limit = \"{limit:?} N*m\"\n"
+        ))
+    };
+    let [kink, limit, kd] = [0.023237, 0.4441, 0.02943];
+    assert_differences("limit", &parameter(limit, |limit| servo([kink, limit, kd])), 1e-3, 1e-6);
+    assert_differences("gain", &parameter(kd, |kd| servo([kink, limit, kd])), 1e-3, 1e-6);
+    assert_differences("kink", &parameter(kink, |kink| servo([kink, limit, kd])), 1e-3, 1e-6);
 }
 
 /// A parameter of a random mechanism.

@@ -24,5 +24,6 @@ mod mechanism;
 mod mechanism_stiction;
 mod newton_euler;
 mod prescribed;
+mod shipped_gradients;
 mod simulation;
 mod singularity;

@@ -74,7 +74,7 @@ impl Drive {
         };
         Self {
             is_linear,
-            damping: random.chance(0.3).then_some(0.05 * kd).unwrap_or(0.0),
+            damping: if random.chance(0.3) { 0.05 * kd } else { 0.0 },
             start,
             offset: if random.chance(0.7) { random.within(-1.0, 1.0) * amplitude } else { 0.0 },
             limit: random.chance(0.7).then(|| random.log_within(0.05, 1.5) * kp * amplitude),

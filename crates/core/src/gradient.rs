@@ -73,10 +73,14 @@ const COARSE: f64 = 10.0;
 const MAX_CHANGE: f64 = 1e-4;
 /// Relative change of a parameter that must not change the events of the run or its class.
 const NEIGHBOURHOOD: f64 = 1e-6;
-/// Relative difference of a derivative and a difference quotient, and error of the quotient as a change of the quantity per
-/// change of the parameter, that count as a contradiction.
+/// Relative difference of a derivative and a difference quotient that counts as a contradiction, beyond the error of the
+/// quotient: its error in units of the largest value of the quantity along the run per value of the parameter. A quantity
+/// that has come to rest is 0 up to such errors.
 const DIFFERENCE_TOLERANCE: f64 = 0.05;
 const DIFFERENCE_NOISE: f64 = 2e-3;
+/// Rounding error of a quantity, relative to the largest quantity of its unit along the run, in the same unit: the speed of
+/// the centre of a pin on the ground is 0 up to it.
+const ROUNDING: f64 = 1e-6;
 /// Times closer than this are equal, s.
 const SAME_TIME_S: f64 = 1e-11;
 /// Difference of an angle from the tolerance of its position that counts as its crossing, rad.
@@ -92,8 +96,8 @@ pub fn gradient(
     keep_running: KeepRunning<'_>,
 ) -> Result<Vec<Gradient>, RunError> {
     let fine = at_tolerance(scene, 1.0);
-    let (base, criteria, _) = observe(&fine, keep_running)?;
-    let tts_s = criteria.map(|criteria| criteria.tts_s).unwrap_or_default();
+    let base = observe(&fine, keep_running)?;
+    let tts_s = base.criteria.as_ref().map(|criteria| criteria.tts_s).unwrap_or_default();
     let times: Vec<f64> = tts_s.into_iter().filter(|tts_s| *tts_s > 0.0).collect();
     let runs = [1.0, COARSE].map(|factor| {
         let scenes = parameters
@@ -107,15 +111,15 @@ pub fn gradient(
             step: MAX_CHANGE * parameter.scale(),
         });
         let tangents: Vec<TangentParameter<'_>> = tangents.collect();
-        let mut sink = Observation { criteria: None, events: Vec::new(), keep_running };
+        let mut sink = Observation { criteria: None, events: Vec::new(), largest: Vec::new(), keep_running };
         run_tangent(&at_tolerance(scene, factor), &tangents, &times, &mut sink)
     });
     let [run, coarse] = runs;
     let (run, coarse) = (run?, coarse?);
     let schema = Schema::from_scene(scene);
-    let context = Context { scene: &fine, schema: &schema, run: &run, coarse: &coarse, tts_s };
+    let context = Context { scene: &fine, schema: &schema, base: &base, run: &run, coarse: &coarse, tts_s };
     let gradients = parameters.iter().enumerate().map(|(index, parameter)| {
-        let neighbours = parameter.neighbours(&base, criteria.as_ref(), &schema, keep_running);
+        let neighbours = parameter.neighbours(&base, &schema, keep_running);
         let changed = match &neighbours {
             Ok(samples) => context.contradiction(index, parameter, samples),
             Err(reason) => Some(reason.clone()),
@@ -131,15 +135,20 @@ fn at_tolerance(scene: &Scene, factor: f64) -> Scene {
     Scene { integrator: scene.integrator.with_rtol(rtol), ..scene.clone() }
 }
 
-/// Stores events, and computes criteria.
+/// Stores events and the largest magnitudes of all numbers, and computes criteria.
 struct Observation<'a> {
     criteria: Option<RunCriteriaTracker>,
     events: Vec<Event>,
+    largest: Vec<f64>,
     keep_running: KeepRunning<'a>,
 }
 
 impl Sink for Observation<'_> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.largest.resize(sample.values().len(), 0.0);
+        for (largest, value) in self.largest.iter_mut().zip(sample.values()).filter(|(_, value)| value.is_finite()) {
+            *largest = largest.max(value.abs());
+        }
         self.criteria.sample(sample)
     }
 
@@ -149,7 +158,8 @@ impl Sink for Observation<'_> {
     }
 
     fn required_data(&self) -> RequiredData {
-        self.criteria.as_ref().map_or(RequiredData::NONE, RunCriteriaTracker::required_data)
+        let of_criteria = self.criteria.as_ref().map_or(RequiredData::NONE, RunCriteriaTracker::required_data);
+        RequiredData { passive: true, ..of_criteria }
     }
 
     fn should_continue(&self) -> bool {
@@ -157,13 +167,23 @@ impl Sink for Observation<'_> {
     }
 }
 
-/// Runs a scene; returns its events, the criteria of a finger, and the last sample.
-fn observe(scene: &Scene, keep_running: KeepRunning<'_>) -> Result<(Vec<Event>, Option<Criteria>, Sample), RunError> {
+/// What is compared of two runs.
+struct Observed {
+    events: Vec<Event>,
+    /// Criteria of a finger.
+    criteria: Option<Criteria>,
+    /// Largest magnitude of each number of the samples.
+    largest: Vec<f64>,
+    last: Sample,
+}
+
+fn observe(scene: &Scene, keep_running: KeepRunning<'_>) -> Result<Observed, RunError> {
     let criteria = Some(RunCriteriaTracker::for_scene(scene));
-    let mut observation = Observation { criteria, events: Vec::new(), keep_running };
+    let mut observation = Observation { criteria, events: Vec::new(), largest: Vec::new(), keep_running };
     let outcome = run(Model::Analytic, scene, &mut observation)?;
-    let criteria = observation.criteria.and_then(|tracker| tracker.finish(true).criteria);
-    Ok((observation.events, criteria, outcome.last))
+    let Observation { criteria, events, largest, .. } = observation;
+    let criteria = criteria.and_then(|tracker| tracker.finish(true).criteria);
+    Ok(Observed { events, criteria, largest, last: outcome.last })
 }
 
 /// Number of events of each contact and kind.
@@ -185,8 +205,7 @@ impl Parameter<'_> {
     /// Returns a description if their events or class are others.
     fn neighbours(
         &self,
-        events: &[Event],
-        criteria: Option<&Criteria>,
+        base: &Observed,
         schema: &Schema,
         keep_running: KeepRunning<'_>,
     ) -> Result<Vec<Sample>, String> {
@@ -197,13 +216,12 @@ impl Parameter<'_> {
                 Ok(scene) => at_tolerance(&scene, 1.0),
                 Err(error) => return Err(format!("there is no scene at {value}: {error}")),
             };
-            let (moved, moved_criteria, last) =
-                observe(&scene, keep_running).map_err(|error| format!("the run at {value} fails: {error}"))?;
-            let [before, after] = [events, &moved].map(counts);
+            let moved = observe(&scene, keep_running).map_err(|error| format!("the run at {value} fails: {error}"))?;
+            let [before, after] = [base, &moved].map(|run| counts(&run.events));
             let key = |event: &Event| (event.contact, event.kind.name());
             let differs = |event: &&Event| before.get(&key(event)) != after.get(&key(event));
             let first = |events: &[Event]| events.iter().find(differs).copied();
-            let found = [first(events), first(&moved)].into_iter().flatten();
+            let found = [first(&base.events), first(&moved.events)].into_iter().flatten();
             if let Some(event) = found.min_by(|a, b| a.time_s.total_cmp(&b.time_s)) {
                 let name = schema.contacts.get(event.contact).map_or("", |contact| contact.name.as_str());
                 let [n, m] = [&before, &after].map(|counts| counts.get(&key(&event)).copied().unwrap_or(0));
@@ -213,10 +231,9 @@ impl Parameter<'_> {
                      {time_s} s"
                 ));
             }
-            let [class, moved_class] =
-                [criteria, moved_criteria.as_ref()].map(|criteria| criteria.map(|criteria| criteria.class));
+            let [class, moved_class] = [base, &moved].map(|run| run.criteria.as_ref().map(|criteria| criteria.class));
             match class == moved_class {
-                true => Ok(last),
+                true => Ok(moved.last),
                 false => Err(format!("the class of the grasp changes between the value and {value}")),
             }
         };
@@ -228,6 +245,7 @@ impl Parameter<'_> {
 struct Context<'a> {
     scene: &'a Scene,
     schema: &'a Schema,
+    base: &'a Observed,
     run: &'a TangentRun,
     coarse: &'a TangentRun,
     tts_s: Option<f64>,
@@ -238,11 +256,17 @@ impl Context<'_> {
     fn contradiction(&self, index: usize, parameter: &Parameter<'_>, samples: &[Sample]) -> Option<String> {
         let (Ok(derivatives), [below, above]) = (self.run.end[index].as_ref(), samples) else { return None };
         let is_motion = |channel: &Channel| ["rad", "m", "rad/s", "m/s"].contains(&channel.unit);
-        self.schema.channels().into_iter().filter(is_motion).find_map(|channel| {
+        let channels: Vec<Channel> = self.schema.channels().into_iter().filter(is_motion).collect();
+        let largest = |channel: &Channel| channel.index().map_or(0.0, |index| self.base.largest[index]);
+        let of_unit = |unit: &str| {
+            let of_unit = channels.iter().filter(|channel| channel.unit == unit);
+            of_unit.map(largest).fold(0.0, f64::max)
+        };
+        channels.iter().find_map(|channel| {
             let derivative = derivatives[channel.index()?];
+            let scale = largest(channel).max(ROUNDING * of_unit(channel.unit)) / parameter.scale();
             let difference = (channel.value(above) - channel.value(below)) / (2.0 * NEIGHBOURHOOD * parameter.scale());
-            let allowed = DIFFERENCE_TOLERANCE * (derivative.abs() + difference.abs())
-                + DIFFERENCE_NOISE * channel.value(above).abs() / parameter.scale();
+            let allowed = DIFFERENCE_TOLERANCE * (derivative.abs() + difference.abs()) + DIFFERENCE_NOISE * scale;
             let name = &channel.name;
             ((derivative - difference).abs() > allowed)
                 .then(|| format!("the derivative of {name}, {derivative:e}, contradicts a difference, {difference:e}"))

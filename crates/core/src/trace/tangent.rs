@@ -201,9 +201,8 @@ struct Neighbours<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
     /// Mode at the start, which neighbours must share.
     start_mode: M::Mode,
     levels: [OnceCell<Result<Level<M, N, Z>, String>>; LEVELS],
-    /// Derivative of the next time at which the right-hand side is discontinuous, and of the last one.
+    /// Derivative of the next time at which the right-hand side is discontinuous.
     discontinuity: f64,
-    last_discontinuity: f64,
 }
 
 /// Number of steps of difference quotients; each is a tenth of the one before.
@@ -234,10 +233,8 @@ const BACKWARD_STEP: f64 = 0.1;
 const LINEAR_RANGE: f64 = 1e-6;
 /// Fraction of the step before below which a step is too short for rates.
 const SHORT_STEP: f64 = 1e-4;
-/// Relative jump of the accelerations that counts as a discontinuity.
+/// Jump of the accelerations that counts as a discontinuity, relative to the largest acceleration so far.
 const MIN_JUMP: f64 = 1e-6;
-/// Two touch-downs with jumps of the accelerations count as simultaneous within this time, s.
-const SIMULTANEOUS_S: f64 = 1e-9;
 
 /// y + h d.
 fn along<const N: usize, const Z: usize>(y: &State<N, Z>, h: f64, d: &State<N, Z>) -> State<N, Z> {
@@ -294,8 +291,8 @@ struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize, const G: usi
     next_discontinuity_s: f64,
     /// Rates just before a discontinuity at the present time.
     before_discontinuity: Option<Rates<N, Z>>,
-    /// Time and contact of the last touch-down at which the accelerations jumped.
-    last_jump: Option<(f64, usize)>,
+    /// Largest acceleration of a coordinate so far.
+    acceleration_scale: f64,
     times: &'a [f64],
     at_times: Vec<SampleDerivatives>,
     events: Vec<(Sample, EventDerivatives)>,
@@ -359,7 +356,6 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
                 start_mode: mode,
                 levels: [const { OnceCell::new() }; LEVELS],
                 discontinuity: 0.0,
-                last_discontinuity: 0.0,
             })
             .collect();
         let column = |neighbours: &Neighbours<'a, M, N, Z>| -> Column<N, Z> {
@@ -394,7 +390,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             bounds_s: [f64::NEG_INFINITY, f64::INFINITY],
             next_discontinuity_s: f64::INFINITY,
             before_discontinuity: None,
-            last_jump: None,
+            acceleration_scale: 0.0,
             times,
             at_times: Vec::new(),
             events: Vec::new(),
@@ -783,22 +779,16 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         for contact in &opened {
             self.pass_event((step.t0, step.start), *contact, mode);
         }
-        if opened.is_empty() && is_jump(&rates.a, &next.a) {
-            // A range of an actuator that ends with a step of its input ends just after it.
-            if step.t0 - self.bounds_s[0] < SIMULTANEOUS_S {
-                self.pass_jump(&rates, &next, true);
-            } else {
-                self.refuse(&format!("the accelerations jump at {} s without an event of a contact", step.t0));
-            }
+        if opened.is_empty() && self.is_jump(&rates.a, &next.a) {
+            self.refuse(&format!("the accelerations jump at {} s without an event of a contact", step.t0));
         }
         self.mode = *mode;
     }
 
-    /// Passes a jump of the rates that moves with the last or the next discontinuity in time.
-    fn pass_jump(&mut self, before: &Rates<N, Z>, after: &Rates<N, Z>, is_after: bool) {
+    /// Passes a jump of the rates that moves with the next discontinuity in time.
+    fn pass_jump(&mut self, before: &Rates<N, Z>, after: &Rates<N, Z>) {
         for (index, column) in self.columns.iter_mut().enumerate() {
-            let Neighbours { discontinuity, last_discontinuity, .. } = &self.neighbours[index];
-            let dt = if is_after { last_discontinuity } else { discontinuity } - self.shifts[index];
+            let dt = self.neighbours[index].discontinuity - self.shifts[index];
             let Ok(column) = column else { continue };
             (0..N).for_each(|i| column.v[i] += (before.a[i] - after.a[i]) * dt);
             (0..Z).for_each(|i| column.z[i] += (before.g[i] - after.g[i]) * dt);
@@ -811,33 +801,27 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         let before = (t, state, &self.mode.clone());
         let is_touch_down = is_touch_down(self.mode[contact], mode[contact]);
         let rates = Self::rates(&self.kernel, before);
-        let jump = if is_touch_down { self.jump_at_touch_down((t, state), contact, mode) } else { None };
-        if let (Some(_), Some((last_s, last))) = (&jump, self.last_jump)
-            && last != contact
-            && t - last_s < SIMULTANEOUS_S
-        {
-            let [last, contact] = [last, contact].map(|contact| self.contact_name(contact));
-            self.refuse(&format!(
-                "the contacts {last} and {contact} touch down at the same time, {t} s, in either order"
-            ));
-        }
+        let jumps = is_touch_down && self.jumps_at_touch_down((t, state), contact, mode);
         let mut results = Vec::new();
         for index in 0..self.neighbours.len() {
             let neighbours = &self.neighbours[index];
             let shift = self.shifts[index];
-            let result = self.columns[index].clone().and_then(|column| {
+            let moved = self.columns[index].clone().and_then(|column| {
                 let dt = self.time_derivative(neighbours, before, (&rates, &column, shift), contact)?;
-                let sample = self.read_along(neighbours, before, (&column, shift), dt)?;
-                Ok((dt, sample))
+                Ok((dt, self.read_along(neighbours, before, (&column, shift), dt)))
             });
-            match &result {
-                Ok((dt, _)) => self.shift(index, (state, &rates), *dt),
-                Err(reason) => self.columns[index] = Err(reason.clone()),
+            match moved {
+                Ok((dt, sample)) => {
+                    self.shift(index, (state, &rates), dt);
+                    results.push(sample.map(|sample| (dt, sample)));
+                }
+                Err(reason) => {
+                    self.columns[index] = Err(reason.clone());
+                    results.push(Err(reason));
+                }
             }
-            results.push(result);
         }
-        if jump.is_some() {
-            self.last_jump = Some((t, contact));
+        if jumps {
             self.rates = None;
         }
         results
@@ -852,14 +836,8 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         self.shifts[index] = shift;
     }
 
-    /// Jump of accelerations and quadrature rates at a touch-down; `None` if they are continuous. The force just beyond
-    /// the touch-down is extrapolated from two small depths.
-    fn jump_at_touch_down(
-        &self,
-        (t, state): (f64, &State<N, Z>),
-        contact: usize,
-        mode: &M::Mode,
-    ) -> Option<Rates<N, Z>> {
+    /// Whether the accelerations jump at a touch-down. The force just beyond it is extrapolated from two small depths.
+    fn jumps_at_touch_down(&self, (t, state): (f64, &State<N, Z>), contact: usize, mode: &M::Mode) -> bool {
         let reading = self.contact((t, state, mode), contact);
         let duration_s = (2.0 * reading.gap_m.abs()).max(1e-12) / reading.gap_rate_m_s.abs();
         let beyond = |factor: f64| {
@@ -869,11 +847,13 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             (with, without)
         };
         let ([near, without], [far, far_without]) = (<[_; 2]>::from(beyond(1.0)), <[_; 2]>::from(beyond(2.0)));
-        let jump = Rates {
-            a: array_from(|i| 2.0 * (near.a[i] - without.a[i]) - (far.a[i] - far_without.a[i])),
-            g: array_from(|i| 2.0 * (near.g[i] - without.g[i]) - (far.g[i] - far_without.g[i])),
-        };
-        is_jump(&without.a, &array_from(|i| without.a[i] + jump.a[i])).then_some(jump)
+        let jump = |i: usize| 2.0 * (near.a[i] - without.a[i]) - (far.a[i] - far_without.a[i]);
+        self.is_jump(&without.a, &array_from(|i| without.a[i] + jump(i)))
+    }
+
+    fn is_jump(&self, before: &[f64; N], after: &[f64; N]) -> bool {
+        let largest = before.iter().chain(after).fold(self.acceleration_scale, |largest, a| largest.max(a.abs()));
+        before.iter().zip(after).any(|(before, after)| (before - after).abs() > MIN_JUMP * largest)
     }
 
     /// dt/dp of an event of the normal law of a contact.
@@ -930,8 +910,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         let Some(before) = self.before_discontinuity.take() else { return };
         let (t, state) = (self.time_s, self.state);
         let after = Self::rates(&self.kernel, (t, &state, mode));
-        self.pass_jump(&before, &after, false);
-        self.neighbours.iter_mut().for_each(|neighbours| neighbours.last_discontinuity = neighbours.discontinuity);
+        self.pass_jump(&before, &after);
         let moved = |neighbours: &Neighbours<'a, M, N, Z>| neighbours.parameter.step * neighbours.discontinuity.abs();
         let latest = t + self.neighbours.iter().map(moved).fold(0.0, f64::max);
         self.mode = *mode;
@@ -943,11 +922,6 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
 /// Whether a contact without a force begins to have one.
 fn is_touch_down(before: ContactState, after: ContactState) -> bool {
     before == ContactState::Free && after.has_force()
-}
-
-fn is_jump<const N: usize>(before: &[f64; N], after: &[f64; N]) -> bool {
-    let largest = before.iter().chain(after).fold(0.0_f64, |largest, a| largest.max(a.abs()));
-    before.iter().zip(after).any(|(before, after)| (before - after).abs() > MIN_JUMP * largest)
 }
 
 fn product<const N: usize>(row: &[f64; N], column: &[f64; N]) -> f64 {
@@ -993,9 +967,10 @@ where
 {
     fn step(&mut self, step: &Step<N, Z>, mode: &M::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
         self.enter(step, mode);
+        let rates = Self::rates(&self.kernel, (step.t0, step.start, mode));
+        self.acceleration_scale = rates.a.iter().fold(self.acceleration_scale, |largest, a| largest.max(a.abs()));
         let is_read = self.times.get(self.at_times.len()).is_some_and(|time_s| *time_s <= step.t1);
         if is_read || step.t1 == self.next_discontinuity_s {
-            let rates = Self::rates(&self.kernel, (step.t0, step.start, mode));
             for index in 0..self.neighbours.len() {
                 let shift = if is_read { 0.0 } else { self.neighbours[index].discontinuity };
                 self.shift(index, (step.start, &rates), shift);
