@@ -207,3 +207,130 @@ fn both_models_agree_on_the_forces_in_joints() {
         );
     }
 }
+
+/// Forces and moments of the joints at the end of a run, by name.
+fn forces_at_end(model: Model, text: &str, joints: &[&str]) -> Vec<[f64; 3]> {
+    let scene = scene::parse_any(text, "sliders.toml").unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let recording = record(model, &scene).unwrap_or_else(|error| panic!("{error}")).1;
+    let last = |name: String| *recording.column(&name).unwrap_or_else(|| panic!("{name}")).last().expect("a sample");
+    // A pin transmits no moment.
+    let of = |joint: &&str| {
+        let moment = format!("{joint}_moment_n_m");
+        let has_moment = recording.column(&moment).is_some();
+        let [x, y] = ["x", "y"].map(|axis| last(format!("{joint}_force_{axis}_n")));
+        [x, y, if has_moment { last(moment) } else { 0.0 }]
+    };
+    joints.iter().map(of).collect()
+}
+
+/// A slider with a spring, and its closed form: across the axis, the force of the joint balances weight and spring, and its
+/// moment about the joint balances theirs.
+#[test]
+fn a_slider_at_any_angle_transmits_the_force_across_its_axis() {
+    for degrees in (-180..=180).step_by(15) {
+        let axis = f64::from(degrees).to_radians();
+        // The axis passes through (−30, 0) mm.
+        let text = format!(
+            "kind = \"mechanism\"\nduration = \"50 ms\"\ngravity = [\"3 m/s^2\", \"-9.81 m/s^2\"]\n[bodies.left]\n\
+             mass = \"300 g\"\ninertia = \"1e5 g*mm^2\"\ncom = [\"5 mm\", \"2 mm\"]\n[joints.left]\ntype = \"prismatic\"\n\
+             bodies = [\"ground\", \"left\"]\npoints = [[\"-30 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\naxis = \"{degrees} deg\"\n\
+             start = \"-500 mm\"\ndamping = \"2 N*s/m\"\n[springs.s]\ntype = \"linear\"\nbodies = [\"ground\", \"left\"]\n\
+             points = [[\"0 mm\", \"-200 mm\"], [\"3 mm\", \"0 mm\"]]\nstiffness = \"100 N/m\"\nrest = \"100 mm\"\n"
+        );
+        let scene = scene::parse_any(&text, "slider.toml").unwrap_or_else(|error| panic!("{error}"));
+        let recording = record(Model::Analytic, &scene).unwrap_or_else(|error| panic!("{error}")).1;
+        let last = |name: &str| *recording.column(name).unwrap_or_else(|| panic!("{name}")).last().expect("a sample");
+        let q = last("left_position_m");
+        let origin = [-0.03 + q * axis.cos(), q * axis.sin()];
+        let (arm, end) = ([0.005, 0.002], [origin[0] + 0.003, origin[1]]);
+        let weight = [0.3 * 3.0, -0.3 * 9.81];
+        let between = [-end[0], -0.2 - end[1]];
+        let length = between[0].hypot(between[1]);
+        let pull = between.map(|part| 100.0 * (length - 0.1) * part / length);
+        let across = [-axis.sin(), axis.cos()];
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let force = -dot([weight[0] + pull[0], weight[1] + pull[1]], across);
+        // The body does not turn. The force along the axis acts at the joint, and its inertia at the centre of mass.
+        let damping = -2.0 * last("left_rate_m_s");
+        let along = dot([weight[0] + pull[0], weight[1] + pull[1]], [axis.cos(), axis.sin()]) + damping;
+        let inertia = [along * axis.cos(), along * axis.sin()];
+        let moment = cross(arm, inertia) - cross(arm, weight) - cross([0.003, 0.0], pull);
+        let found = ["left_force_x_n", "left_force_y_n", "left_moment_n_m"].map(last);
+        let expected = [force * across[0], force * across[1], moment];
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-9, "{degrees}: {found} {expected}");
+        }
+        if degrees == 90 {
+            assert!((found[0] + 2.483).abs() < 5e-4 && (found[2] - 0.00896).abs() < 5e-6, "{found:?}");
+        }
+    }
+}
+
+/// A slider on a slider, and a crank that drives a block along another one, turned by an angle with their gravity.
+fn turned_sliders(degrees: f64) -> String {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let at = |x: f64, y: f64| format!("[\"{:e} mm\", \"{:e} mm\"]", cos * x - sin * y, sin * x + cos * y);
+    let gravity = [cos * 3.0 + sin * 9.81, sin * 3.0 - cos * 9.81];
+    let body = |name: &str, [x, y]: [f64; 2], angle: f64, com: [f64; 2]| {
+        format!(
+            "[bodies.{name}]\nmass = \"80 g\"\ninertia = \"2e4 g*mm^2\"\ncom = [\"{} mm\", \"{} mm\"]\nguess = {{ at = {}, angle = \"{:e} deg\" }}\n",
+            com[0],
+            com[1],
+            at(x, y),
+            degrees + angle
+        )
+    };
+    let (pin, block) = ([30.0 * 0.8, 30.0 * 0.6], 30.0 * 0.8 + (80.0f64 * 80.0 - 18.0 * 18.0).sqrt());
+    let rod_angle = (-18.0f64 / 80.0).asin().to_degrees();
+    format!(
+        "kind = \"mechanism\"\nduration = \"20 ms\"\ngravity = [\"{:e} m/s^2\", \"{:e} m/s^2\"]\n{}{}{}{}{}\
+         [joints.first]\ntype = \"prismatic\"\nbodies = [\"ground\", \"first\"]\npoints = [{}, [\"0 mm\", \"0 mm\"]]\n\
+         axis = \"{degrees:e} deg\"\noffset = \"{degrees:e} deg\"\nstart = \"20 mm\"\nstart_rate = \"0.3 m/s\"\ndamping = \"2 N*s/m\"\n\
+         [joints.second]\ntype = \"prismatic\"\nbodies = [\"first\", \"second\"]\npoints = [[\"5 mm\", \"3 mm\"], [\"1 mm\", \"0 mm\"]]\n\
+         axis = \"90 deg\"\nstart = \"10 mm\"\nstart_rate = \"-0.2 m/s\"\n\
+         [springs.between]\ntype = \"linear\"\nbodies = [\"ground\", \"second\"]\npoints = [{}, [\"3 mm\", \"1 mm\"]]\n\
+         stiffness = \"200 N/m\"\nrest = \"30 mm\"\n\
+         [joints.crank]\nbodies = [\"ground\", \"crank\"]\npoints = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
+         offset = \"{degrees:e} deg\"\nstart = \"{:e} deg\"\nstart_rate = \"15 rad/s\"\n\
+         [joints.pin]\nbodies = [\"crank\", \"rod\"]\npoints = [[\"30 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
+         [joints.wrist]\nbodies = [\"rod\", \"block\"]\npoints = [[\"80 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
+         [joints.slide]\ntype = \"prismatic\"\nbodies = [\"ground\", \"block\"]\npoints = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
+         axis = \"{degrees:e} deg\"\noffset = \"{degrees:e} deg\"\n",
+        gravity[0],
+        gravity[1],
+        body("first", [220.0, 100.0], 0.0, [5.0, 2.0]),
+        body("second", [220.0, 110.0], 0.0, [2.0, 8.0]),
+        body("crank", [0.0, 0.0], 36.869897645844, [12.0, 0.0]),
+        body("rod", pin, rod_angle, [40.0, 1.0]),
+        body("block", [block, 0.0], 0.0, [3.0, 1.0]),
+        at(200.0, 100.0),
+        at(200.0, 160.0),
+        36.869897645844,
+    )
+}
+
+/// Turned mechanisms have turned forces, and those of the engine: sliders of moving bodies, and in a dyad.
+#[test]
+fn forces_of_sliders_turn_with_the_mechanism() {
+    let joints = ["first", "second", "crank", "pin", "wrist", "slide"];
+    let expected = forces_at_end(Model::Analytic, &turned_sliders(17.0), &joints);
+    let scale = expected.iter().flatten().fold(0.0f64, |largest, part| largest.max(part.abs()));
+    assert!(scale > 1.0 && expected.iter().all(|[x, y, _]| x.hypot(*y) > 0.01 * scale), "{expected:?}");
+    let mut worst = 0.0f64;
+    for degrees in (-180..=180).step_by(15).map(f64::from) {
+        let found = forces_at_end(Model::Analytic, &turned_sliders(degrees), &joints);
+        let (sin, cos) = (degrees - 17.0).to_radians().sin_cos();
+        for ([x, y, moment], found) in expected.iter().zip(found) {
+            let turned = turned([*x, *y], [cos, sin]);
+            let errors = [found[0] - turned[0], found[1] - turned[1], (found[2] - moment) / 0.03];
+            worst = errors.iter().fold(worst, |worst, error| worst.max(error.abs() / scale));
+        }
+    }
+    println!("largest relative difference: {worst:e}");
+    assert!(worst < 1e-12, "{worst:e}");
+    let [analytic, engine] =
+        [Model::Analytic, Model::Engine].map(|model| forces_at_end(model, &turned_sliders(90.0), &joints));
+    for (a, b) in analytic.iter().flatten().zip(engine.iter().flatten()) {
+        assert!((a - b).abs() < 2e-3 * scale, "{analytic:?} {engine:?}");
+    }
+}

@@ -33,9 +33,9 @@ pub struct JointForces {
     /// Coefficients of the unknowns and the right-hand side of each equation.
     matrix: Vec<f64>,
     unknowns: usize,
-    /// Equations in the order of elimination, and their largest coefficients.
+    /// Equations in the order of elimination, and the largest coefficient of each unknown.
     order: Vec<usize>,
-    scales: Vec<f64>,
+    sizes: Vec<f64>,
     solution: Vec<f64>,
     tensions: Vec<f64>,
 }
@@ -68,20 +68,34 @@ impl JointForces {
         self.add(column, bodies[0], [-force[0], -force[1]], point, -moment);
     }
 
-    /// Solves the consistent equations by elimination with the largest scaled pivot of each column. An unknown without
-    /// equation is 0.
-    fn solve(&mut self) {
+    /// Solves the consistent equations by elimination with the largest pivot of each column. An unknown without equation is
+    /// 0.
+    ///
+    /// Moments are divided by the longest lever arm, so that they compare with forces. A row is not divided by its own
+    /// largest coefficient: that of an axis across a slider is a rounding error, which would become a pivot.
+    fn solve(&mut self, joints: usize) {
         let (unknowns, width) = (self.unknowns, self.unknowns + 1);
-        let Self { matrix, order, scales, solution, .. } = self;
-        let largest = |row: &[f64]| row[..unknowns].iter().fold(f64::MIN_POSITIVE, |max, entry| max.max(entry.abs()));
-        refill(scales, matrix.chunks_exact(width).map(largest));
-        refill(order, 0..scales.len());
+        let Self { matrix, order, sizes, solution, .. } = self;
+        let arm = (0..2 * joints).fold(0.0f64, |longest, k| {
+            let largest = |part: usize| {
+                matrix.chunks_exact(width).skip(part).step_by(3).fold(0.0f64, |max, row| max.max(row[k].abs()))
+            };
+            let force = largest(0).max(largest(1));
+            if force > 0.0 { longest.max(largest(2) / force) } else { longest }
+        });
+        if arm > 0.0 {
+            let moments = matrix.chunks_exact_mut(width).skip(2).step_by(3);
+            moments.flatten().for_each(|entry| *entry /= arm);
+        }
+        let size = |k: usize| (0..matrix.len() / width).fold(0.0f64, |max, row| max.max(matrix[row * width + k].abs()));
+        refill(sizes, (0..unknowns).map(size));
+        refill(order, 0..matrix.len() / width);
         refill(solution, std::iter::repeat_n(f64::NAN, unknowns));
         let mut used = 0;
         for k in 0..unknowns {
-            let scaled = |row: usize| matrix[row * width + k].abs() / scales[row];
-            let pivot = (used..order.len()).max_by(|a, b| scaled(order[*a]).total_cmp(&scaled(order[*b])));
-            let Some(pivot) = pivot.filter(|pivot| scaled(order[*pivot]) > 0.0) else {
+            let entry = |row: usize| matrix[row * width + k].abs();
+            let pivot = (used..order.len()).max_by(|a, b| entry(order[*a]).total_cmp(&entry(order[*b])));
+            let Some(pivot) = pivot.filter(|pivot| entry(order[*pivot]) > ROUNDING * sizes[k]) else {
                 solution[k] = 0.0;
                 continue;
             };
@@ -106,6 +120,9 @@ impl JointForces {
         }
     }
 }
+
+/// A coefficient below this part of the largest one of its unknown is a rounding error of the elimination.
+const ROUNDING: f64 = 1e-13;
 
 /// Replaces the content of a list and keeps its memory.
 fn refill<T>(list: &mut Vec<T>, content: impl Iterator<Item = T>) {
@@ -136,7 +153,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 system.row(equation).fill(0.0);
             }
         }
-        system.solve();
+        system.solve(self.mechanism.joints.len());
         self.with_motions((q, v), |motions| {
             system.forces.clear();
             for joint in 0..self.mechanism.joints.len() {
