@@ -529,6 +529,7 @@ def statics(
     at: _Quantity | None = None,
     within: _Quantity | None = None,
     object: str | None = None,
+    base: str | None = None,
     every: str | None = None,
 ) -> dict[str, Any]:
     """Computes the static grasp of a scene (`phalanx statics --json`): forces, closure, and allowable acceleration.
@@ -536,7 +537,8 @@ def statics(
     mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: torque, a string such as
     "500 N*mm" or a number in N·m, for fingers and grippers. The other arguments are for grippers and mechanisms. posture: "run",
     "geometric" or angles such as "q11=2 deg, q21=65 deg", for grippers. at: time in the run. within: largest gap at which a
-    surface counts as in contact. object: held body of a mechanism, if it has several without joints. every: angle between
+    surface counts as in contact. object: held body of a mechanism, if it has several without joints. base: body of a mechanism
+    that is accelerated. every: angle between
     directions, such as "15 deg". Quantities are strings with units, or numbers in SI.
     """
 

@@ -37,10 +37,11 @@ fn optional_positive(
 /// mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: torque, a string such as
 /// "500 N*mm" or a number in N·m, for fingers and grippers. The other arguments are for grippers and mechanisms. posture: "run",
 /// "geometric" or angles such as "q11=2 deg, q21=65 deg", for grippers. at: time in the run. within: largest gap at which a
-/// surface counts as in contact. object: held body of a mechanism, if it has several without joints. every: angle between
+/// surface counts as in contact. object: held body of a mechanism, if it has several without joints. base: body of a mechanism
+/// that is accelerated. every: angle between
 /// directions, such as "15 deg". Quantities are strings with units, or numbers in SI.
 #[pyfunction]
-#[pyo3(signature = (scene, mu_static = None, motor = None, *, posture = None, at = None, within = None, object = None, every = None))]
+#[pyo3(signature = (scene, mu_static = None, motor = None, *, posture = None, at = None, within = None, object = None, base = None, every = None))]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
 pub fn statics<'py>(
     py: Python<'py>,
@@ -51,6 +52,7 @@ pub fn statics<'py>(
     at: Option<&Bound<'_, PyAny>>,
     within: Option<&Bound<'_, PyAny>>,
     object: Option<&str>,
+    base: Option<&str>,
     every: Option<&str>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
@@ -68,6 +70,7 @@ pub fn statics<'py>(
         ("at", at.is_some()),
         ("within", within.is_some()),
         ("object", object.is_some()),
+        ("base", base.is_some()),
         ("every", every.is_some()),
     ];
     let directions = parse_direction_count(every.unwrap_or("15 deg")).map_err(argument_error)?;
@@ -84,8 +87,8 @@ pub fn statics<'py>(
                     scene.file()
                 )));
             }
-            let object = object.map(str::to_owned);
-            let request = MechanismGraspRequest { at_s, within_m, object, mu_static, directions };
+            let [object, base] = [object, base].map(|name| name.map(str::to_owned));
+            let request = MechanismGraspRequest { at_s, within_m, object, base, mu_static, directions };
             let result =
                 interruptible::run(py, |keep_running| mechanism_grasp(&scene.scene, &request, &|| keep_running()))?;
             let result = result.map_err(|error| errors::run(py, error, None))?;
@@ -103,9 +106,11 @@ pub fn statics<'py>(
             conversion::parse_json(py, &StaticsReport::new(&result).json())
         }
         _ => {
-            if object.is_some() {
+            if let Some(name) =
+                [("object", object), ("base", base)].iter().find_map(|(name, given)| given.map(|_| name))
+            {
                 return Err(argument_error(format!(
-                    "object is only allowed for a mechanism, and {} is a gripper",
+                    "{name} is only allowed for a mechanism, and {} is a gripper",
                     scene.file()
                 )));
             }

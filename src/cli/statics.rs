@@ -92,7 +92,7 @@ pub(super) fn run_size(args: &SizeArgs) -> Result<Status, Failure> {
 /// balance, with blocked motors and with motors at their torque, and the cause of failure beyond it.
 ///
 /// For a mechanism, the posture is the one at the end of its run, or at --at; the results are those of a gripper, for the
-/// body named by --object and any contacts.
+/// body named by --object and any contacts. The body named by --base is accelerated; actuators that move it are blocked.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx statics scenes/experiment-95.toml\n  phalanx statics scenes/experiment-95.toml \
@@ -157,6 +157,11 @@ pub(crate) struct GripperArgs {
     /// The held body of a mechanism [default: the only body without joints that has contacts]
     #[arg(long, value_name = "BODY", help_heading = "For a mechanism")]
     object: Option<String>,
+
+    /// The body of a mechanism that is accelerated, or "ground" [default: the last body that carries all bodies of the hand
+    /// that can touch the object, such as the palm of a hand on a lift]
+    #[arg(long, value_name = "BODY", help_heading = "For a mechanism")]
+    base: Option<String>,
 }
 
 /// Accepted values in messages.
@@ -175,6 +180,7 @@ impl GripperArgs {
             (self.within.is_some(), "--within"),
             (self.every != 24, "--every"),
             (self.object.is_some(), "--object"),
+            (self.base.is_some(), "--base"),
         ];
         flags.into_iter().find(|(given, _)| *given).map(|(_, flag)| flag)
     }
@@ -200,12 +206,17 @@ fn run_finger(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
         )));
     }
     let overrides = GraspOverrides { mu_static: args.mu_static.clone(), motor_n_m: args.motor };
-    let grasp = grasp(scene, &overrides).map_err(|error| match &error {
-        GraspStudyError::Statics { error: StaticsError::Undecided { .. } | StaticsError::Program { .. }, .. } => {
-            Failure::incomplete(error)
-        }
-        _ => Failure::bad_input(error),
-    })?;
+    let grasp =
+        grasp(scene, &overrides).map_err(|error| match &error {
+            GraspStudyError::Statics {
+                error:
+                    StaticsError::Undecided { .. }
+                    | StaticsError::NeitherMotionNorMultipliers
+                    | StaticsError::Program { .. },
+                ..
+            } => Failure::incomplete(error),
+            _ => Failure::bad_input(error),
+        })?;
     let svg = args.save_picture(|| plot::grasp(scene, &grasp, plot::PictureFormat::Standalone))?;
     print_result(&StaticsReport { svg, ..StaticsReport::new(&grasp) }, args.json)
 }
@@ -215,6 +226,9 @@ fn run_gripper(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
     let interrupt = Interrupt::listen()?;
     if args.gripper.object.is_some() {
         return Err(Failure::bad_input("--object is for mechanisms; a gripper has one object: remove the flag"));
+    }
+    if args.gripper.base.is_some() {
+        return Err(Failure::bad_input("--base is for mechanisms; the base of a gripper is its palm: remove the flag"));
     }
     let refinement = refinement(args.svg.is_some(), *every);
     let request = GripperGraspRequest {
@@ -253,6 +267,7 @@ fn run_mechanism(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
         at_s: *at,
         within_m: *within,
         object: args.gripper.object.clone(),
+        base: args.gripper.base.clone(),
         mu_static: args.mu_static.clone(),
         directions: every * refinement,
     };

@@ -11,6 +11,7 @@ mod gripper_balance;
 mod gripper_design;
 mod gripper_posture;
 mod hold;
+mod mechanism_balance;
 mod mechanism_grasp;
 mod reproduce;
 mod select;

@@ -2,7 +2,7 @@
 
 use crate::support::cli::{assert_contains, assert_rejected, succeed};
 use phalanx::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
-use phalanx::grasp::mechanism::{MechanismGrasp, MechanismGraspRequest, mechanism_grasp};
+use phalanx::grasp::mechanism::{ActuatorRole, MechanismGrasp, MechanismGraspRequest, mechanism_grasp};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Hand, Scene};
 use phalanx::statics::{AccelerationLimit, Balance, ContactMotion, MechanismBalance, MechanismLimit};
@@ -18,7 +18,7 @@ fn request(directions: usize) -> MechanismGraspRequest {
 /// Largest acceleration; infinite without a limit, and negative if not even rest is balanced.
 fn of_mechanism(balance: &MechanismBalance) -> f64 {
     match balance.largest {
-        MechanismLimit::Infeasible => -1.0,
+        MechanismLimit::Infeasible { .. } => -1.0,
         MechanismLimit::Unlimited => f64::INFINITY,
         MechanismLimit::Limited { acceleration_m_s2, .. } => acceleration_m_s2,
     }
@@ -171,8 +171,10 @@ fn the_command_reports_the_grasp_of_a_mechanism() {
         "force closure with μ_s 0.6 in all contacts: closed",
     ];
     assert_contains(&text, &parts);
-    let rejected: [(&[&str], &[&str]); 4] = [
+    let rejected: [(&[&str], &[&str]); 6] = [
         (&["--object", "cube"], &["no body `cube`", "--object"]),
+        (&["--base", "cube"], &["no body `cube`", "`ground`", "--base"]),
+        (&["--base", "right_follower"], &["`right_follower`", "is not the base", "--base"]),
         (&["--at", "1 s"], &["before --at", "longer duration"]),
         (&["--motor", "1 N*m"], &["--motor", "--set"]),
         (&["--at", "1 ms"], &["no contact at 1.000000 ms", "--within"]),
@@ -180,5 +182,190 @@ fn the_command_reports_the_grasp_of_a_mechanism() {
     for (flags, expected) in rejected {
         let arguments: Vec<&str> = ["statics", "scenes/real/2f85-pinch.toml"].iter().chain(flags).copied().collect();
         assert_rejected(&arguments, expected);
+    }
+}
+
+fn parsed(text: &str) -> Scene {
+    scene::parse_any(text, "scene.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Four fingers on a disc, of which the programme once found *any* acceleration balanced.
+pub fn four_fingers() -> Scene {
+    parsed(include_str!("four_fingers.toml"))
+}
+
+fn limits(found: &MechanismGrasp, mode: usize) -> Vec<f64> {
+    found.friction_cases[0].polar[mode].iter().map(of_mechanism).collect()
+}
+
+/// Two coupled jaws hold a ball of 100 g with 20 N each, μ_s = 0.5. `more` is beside them.
+fn coupled_jaws(more: &str) -> String {
+    let jaw = |name: &str, start: &str| {
+        format!(
+            "[bodies.{name}]\nmass = \"80 g\"\ninertia = \"5000 g*mm^2\"\n[bodies.{name}.outlines.pad]\ntype = \"box\"\n\
+             size = [\"10 mm\", \"20 mm\"]\nrounding = \"1 mm\"\n[joints.{name}]\ntype = \"prismatic\"\n\
+             bodies = [\"ground\", \"{name}\"]\npoints = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n{start}"
+        )
+    };
+    let (left, right) = (jaw("left", "start = \"-21 mm\"\n"), jaw("right", ""));
+    format!(
+        "kind = \"mechanism\"\nduration = \"60 ms\"\n[bodies.ball]\nmass = \"100 g\"\ninertia = \"11250 g*mm^2\"\n\
+         [bodies.ball.outlines.skin]\ntype = \"disc\"\nradius = \"15 mm\"\n{left}{right}[couplings.mimic]\n\
+         joints = [\"left\", \"right\"]\nfactors = [1, 1]\n[actuators.grip]\njoint = \"left\"\nforce = \"40 N\"\n\
+         [laws.pad]\nstiffness = 1e7\ndamping = \"3 s/m\"\n\
+         friction = {{ mu_static = 0.5, law = \"bristle\", bristle_damping = \"100 N*s/m\" }}\n\
+         [[contacts]]\nbetween = [\"*.pad\", \"ball\"]\nlaw = \"pad\"\n{more}"
+    )
+}
+
+const SPARE: &str = r#"
+[bodies.spare]
+mass = "100 g"
+inertia = "11250 g*mm^2"
+start = { at = ["0 mm", "60 mm"] }
+[bodies.spare.outlines.skin]
+type = "disc"
+radius = "15 mm"
+[[contacts]]
+between = ["*.pad", "spare"]
+law = "pad"
+"#;
+
+/// A pendulum that cannot touch the ball.
+const PENDULUM: &str = r#"
+[bodies.pendulum]
+mass = "1 kg"
+inertia = "1e-4 kg*m^2"
+com = ["30 mm", "0 mm"]
+[joints.pendulum]
+bodies = ["ground", "pendulum"]
+points = [["200 mm", "0 mm"], ["0 mm", "0 mm"]]
+start = "0 deg"
+"#;
+
+#[test]
+fn bodies_that_nothing_connects_with_the_grasp_have_no_effect() {
+    let request = MechanismGraspRequest { object: Some("ball".to_string()), ..request(24) };
+    for (more, left_out) in [("", vec![]), (SPARE, vec!["spare"]), (PENDULUM, vec!["pendulum"])] {
+        let found = grasp(&parsed(&coupled_jaws(more)), &request);
+        assert_eq!(found.left_out, left_out);
+        assert!(limits(&found, 0).iter().all(|limit| limit.is_infinite()), "{:?}", limits(&found, 0));
+        // The sum of both normal forces is 40 N. Along x they differ by m a; friction balances the rest.
+        let at_effort = limits(&found, 1);
+        let worst = at_effort.iter().copied().fold(f64::INFINITY, f64::min);
+        assert!((worst - 20.0 / (0.1 * 1.116)).abs() < 1e-2 * worst, "{worst}");
+        for (index, limit) in at_effort.into_iter().enumerate() {
+            let (y, x) = (15.0 * index as f64).to_radians().sin_cos();
+            // Sticking: friction is shared by both, μ · 40 N, without a moment; each contact then has one half.
+            let along_x = if x.abs() > 1e-9 { 40.0 / (0.1 * x.abs()) } else { f64::INFINITY };
+            let along_y = 0.5 * 40.0 / (0.1 * (y.abs() + 0.5 * x.abs()));
+            assert!((limit - along_x.min(along_y)).abs() < 1e-6 * limit, "{index}: {limit} {along_x} {along_y}");
+        }
+        let case = &found.friction_cases[0].polar[1][6];
+        let MechanismLimit::Limited { yielding, .. } = &case.largest else { panic!("{case:?}") };
+        assert_eq!(yielding, &[0], "the force of the grip decides");
+    }
+}
+
+#[test]
+fn any_acceleration_is_certified() {
+    let found = grasp(&four_fingers(), &MechanismGraspRequest { object: Some("obj".to_string()), ..request(12) });
+    // Two blocked fingers hold the disc at any acceleration. The passive link of another finger leaves it in a half plane
+    // of directions, and is pressed against it in the other.
+    let (finite, any): (Vec<f64>, Vec<f64>) = limits(&found, 0).into_iter().partition(|limit| limit.is_finite());
+    let [least, largest] =
+        [f64::min, f64::max].map(|of: fn(f64, f64) -> f64| finite.iter().copied().reduce(of).expect("limits"));
+    assert!((least - 53.7).abs() < 0.05 && (largest - 545.0).abs() < 0.5, "{finite:?}");
+    assert_eq!((finite.len(), any.len()), (6, 6));
+    let names = found.actuators.iter().map(|actuator| (actuator.name.as_str(), actuator.role));
+    assert!(names.clone().all(|(_, role)| role == ActuatorRole::Hand) && names.count() == 4);
+    // Their efforts, in contrast, do not balance each other in any direction.
+    assert!(limits(&found, 1).iter().all(|limit| *limit < 0.0));
+    let MechanismLimit::Infeasible { motion, .. } = &found.friction_cases[0].polar[1][0].largest else {
+        panic!("rest")
+    };
+    assert!(motion.iter().any(|rates| *rates != [0.0; 3]));
+}
+
+/// An arm that a cord pulls against a ball at a wall.
+const CORD: &str = r#"
+kind = "mechanism"
+duration = "1 ms"
+[bodies.obj]
+mass = "50 g"
+inertia = "1e4 g*mm^2"
+start = { at = ["0 mm", "0 mm"] }
+[bodies.obj.outlines.skin]
+type = "disc"
+radius = "20 mm"
+[bodies.arm]
+mass = "20 g"
+inertia = "1e4 g*mm^2"
+[bodies.arm.outlines.tip]
+type = "disc"
+radius = "5 mm"
+[joints.slide]
+type = "prismatic"
+bodies = ["ground", "arm"]
+points = [["24.99 mm", "0 mm"], ["0 mm", "0 mm"]]
+start = "0 mm"
+[tendons.cord]
+path = [{ eyelet = "ground", at = ["-50 mm", "0 mm"] }, { eyelet = "arm" }]
+[actuators.pull]
+tendon = "cord"
+tension = "5 N"
+[ground.outlines.wall]
+type = "half_plane"
+point = ["-19.99 mm", "0 mm"]
+normal = [1, 0]
+[laws.pad]
+stiffness = 1e6
+damping = "1 s/m"
+friction = { mu_static = 0.5 }
+[[contacts]]
+between = ["obj", "arm"]
+law = "pad"
+[[contacts]]
+points = "obj.skin"
+face = "ground.wall"
+law = "pad"
+"#;
+
+#[test]
+fn a_cord_only_pulls() {
+    let found = grasp(&parsed(CORD), &MechanismGraspRequest { object: Some("obj".to_string()), ..request(4) });
+    // Blocked, the tension of the cord grows with the acceleration.
+    let [blocked, at_effort] = [0, 1].map(|mode| limits(&found, mode));
+    assert!(blocked.iter().all(|limit| limit.is_infinite()), "{blocked:?}");
+    // With 5 N: the arm leaves the ball at 5 N/20 g; across, friction of 2 · 0.5 · 5 N holds 50 g.
+    assert!(at_effort[0].is_infinite(), "{at_effort:?}");
+    for (index, expected) in [(1, 5.0 / 0.05), (2, 5.0 / 0.07), (3, 5.0 / 0.05)] {
+        assert!((at_effort[index] - expected).abs() < 1e-3 * expected, "{index}: {at_effort:?}");
+    }
+    let case = &found.friction_cases[0].polar[1][2];
+    let MechanismLimit::Limited { yielding, .. } = &case.largest else { panic!("{case:?}") };
+    assert_eq!(yielding.iter().map(|index| found.actuators[*index].name.as_str()).collect::<Vec<_>>(), ["pull"]);
+    // A blocked cord that runs the other way cannot push the arm against the ball.
+    let pushed = CORD.replace("-50 mm", "80 mm").replace("tension = \"5 N\"", "tension = \"0 N\"");
+    let found = grasp(&parsed(&pushed), &MechanismGraspRequest { object: Some("obj".to_string()), ..request(4) });
+    let blocked = limits(&found, 0);
+    assert!(blocked[2].abs() < 1e-6 && blocked[1].abs() < 1e-6 && blocked[0].is_infinite(), "{blocked:?}");
+}
+
+/// Hands on lifts: the base is the hand, and the lift is blocked in both cases.
+#[test]
+fn hands_on_lifts_have_results() {
+    for (name, base, duration_s) in [("2f85-lift", "palm", 0.12), ("franka-lift", "hand", 0.3)] {
+        let scene = scene::load_any(format!("scenes/real/{name}.toml")).expect("a scene");
+        let found = grasp(&scene, &MechanismGraspRequest { at_s: Some(duration_s), ..request(4) });
+        assert_eq!((found.base.as_str(), found.object.as_str()), (base, "object"));
+        let role = |actuator: &str| found.actuators.iter().find(|of| of.name == actuator).map(|of| of.role);
+        assert_eq!(role("lift"), Some(ActuatorRole::Base), "{name}");
+        for mode in [0, 1] {
+            let limits = limits(&found, mode);
+            assert!(limits.iter().all(|limit| *limit > 0.0 || mode == 1), "{name} {mode}: {limits:?}");
+        }
+        let other = MechanismGraspRequest { base: Some("ground".to_string()), at_s: Some(duration_s), ..request(1) };
+        assert_eq!(grasp(&scene, &other).base, "ground");
     }
 }

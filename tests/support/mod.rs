@@ -5,6 +5,7 @@ pub mod checked_run;
 pub mod cli;
 pub mod designs;
 pub mod faults;
+pub mod interior_point;
 pub mod laws;
 pub mod mechanism_cases;
 pub mod random;

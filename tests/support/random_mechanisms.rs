@@ -229,7 +229,7 @@ fn add_body(mechanism: &mut Mechanism, random: &mut Random, is_free: bool) {
 }
 
 /// Coordinates of a point of the world in the frame of a body.
-fn local(mechanism: &Mechanism, body: Option<usize>, [x, y]: [f64; 2]) -> [f64; 2] {
+pub fn local(mechanism: &Mechanism, body: Option<usize>, [x, y]: [f64; 2]) -> [f64; 2] {
     let [bx, by, angle] = body.map_or([0.0; 3], |body| mechanism.bodies[body].pose);
     let ([dx, dy], sin, cos) = ([x - bx, y - by], angle.sin(), angle.cos());
     [cos * dx + sin * dy, cos * dy - sin * dx]

@@ -1,16 +1,16 @@
 //! The static grasp of a mechanism: results of `phalanx statics` for a scene of that kind.
 //!
-//! The posture is that of a run at a time. The results are force closure of one body by its contacts, form closure of all
-//! bodies with the actuators blocked, and the accelerations of the base that the contacts can balance.
+//! The posture is that of a run at a time. The results are force closure of one body by its contacts, form closure of
+//! object and hand with the actuators blocked, and the accelerations of the base that the contacts can balance.
 
 use crate::drawing::states::in_sample;
-use crate::mechanism::{Body, Mechanism, OutlineShape, Pose, point_in};
+use crate::mechanism::{Body, JointCombination, Mechanism, OutlineShape, Pose, point_in};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::sub;
 use crate::scene::{Scene, WrongKind};
 use crate::statics::{
-    ContactAtRest, DriveState, FrictionContact, MechanismAtRest, MechanismBalance, MechanismClosure, StaticsError,
-    force_closure, mechanism_balance, mechanism_closure,
+    ContactAtRest, DriveState, FrictionContact, MechanismAtRest, MechanismBalance, MechanismClosure, Roles,
+    StaticsError, carries, default_base, efforts, force_closure, mechanism_balance, mechanism_closure, roles,
 };
 use crate::trace::{Model, Sample};
 
@@ -25,6 +25,9 @@ pub struct MechanismGraspRequest {
     pub within_m: Option<f64>,
     /// The held body; `None` for the only body without joints that has contacts.
     pub object: Option<String>,
+    /// The body that is accelerated, or `ground`; `None` for the last one that carries all bodies of the hand that can
+    /// touch the object.
+    pub base: Option<String>,
     /// Friction coefficients, each for all contacts; empty: the coefficients of the scene.
     pub mu_static: Vec<f64>,
     /// Number of acceleration directions, evenly spaced from x towards y.
@@ -45,12 +48,43 @@ pub struct MechanismGrasp {
     pub radius_m: f64,
     /// Names of all bodies, in the order of motions.
     pub bodies: Vec<String>,
+    /// Name of the body that is accelerated, or `ground`.
+    pub base: String,
+    /// Names of the moving bodies that nothing connects with object and hand, which are not balanced.
+    pub left_out: Vec<String>,
+    /// Names of the active contacts with the surroundings, which the base does not carry along.
+    pub surroundings: Vec<String>,
+    /// Actuators of joints, then those of tendons.
+    pub actuators: Vec<ActuatorAtRest>,
     pub contacts: Vec<HeldContact>,
-    /// Form closure of all bodies with the actuators blocked.
+    /// Form closure of object and hand with the actuators blocked.
     pub closure: Result<MechanismClosure, StaticsError>,
     /// Names of the brakes and of the joints with friction, in the order of the limits; brakes only at effort.
     pub brakes: [Vec<String>; 2],
     pub friction_cases: Vec<FrictionCase<MechanismBalance>>,
+}
+
+/// An actuator in the posture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActuatorAtRest {
+    pub name: String,
+    pub role: ActuatorRole,
+    /// Effort of its command at rest, N·m or N.
+    pub effort: f64,
+    /// Whether the effort is a torque.
+    pub is_torque: bool,
+    pub pulls_cable: bool,
+}
+
+/// What an actuator moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ActuatorRole {
+    /// Object or hand: it is blocked, or at its effort.
+    Hand,
+    /// The base, which follows the acceleration: it is blocked in both cases.
+    Base,
+    /// Bodies that are not balanced.
+    LeftOut,
 }
 
 /// An active contact.
@@ -74,12 +108,22 @@ pub enum MechanismGraspError {
         "the run of \"{scene}\" ends at {:.6} ms, before --at {:.6} ms: use an earlier time or a longer duration", .end_s * 1e3, .at_s * 1e3
     )]
     AfterEnd { scene: String, end_s: f64, at_s: f64 },
-    #[error("\"{scene}\" has no body `{object}`: name one of {} with --object", .bodies.join(", "))]
-    NoBody { scene: String, object: String, bodies: Vec<String> },
+    #[error("\"{scene}\" has no body `{body}`: name one of {} with {flag}", .bodies.join(", "))]
+    NoBody { scene: String, body: String, bodies: Vec<String>, flag: &'static str },
+    #[error(
+        "the body `{object}` of \"{scene}\" has a prescribed motion, which no force affects: name a body that moves by forces \
+         with --object"
+    )]
+    Prescribed { scene: String, object: String },
+    #[error(
+        "the body `{base}` of \"{scene}\" is not the base of the hand: joints connect other bodies that can touch the object \
+         with the ground without it; name the body that carries all of them with --base, or `ground`"
+    )]
+    NotBase { scene: String, base: String },
     #[error("\"{scene}\" has {}: name the held body with --object", which(.bodies))]
     WhichBody { scene: String, bodies: Vec<String> },
-    #[error("the body `{object}` of \"{scene}\" has no contact at {:.6} ms: give another time with --at, or a gap with --within", .time_s * 1e3)]
-    NoContact { scene: String, object: String, time_s: f64 },
+    #[error("the body `{object}` of \"{scene}\" has no contact{} at {:.6} ms: give another time with --at, or a gap with --within", with_hand(.base), .time_s * 1e3)]
+    NoContact { scene: String, object: String, base: String, time_s: f64 },
     #[error("the run of \"{scene}\" was not completed: {reason}")]
     Run { scene: String, reason: String },
     #[error("statics of the grasp of \"{scene}\" failed: {error}")]
@@ -87,6 +131,13 @@ pub enum MechanismGraspError {
     #[error("interrupted")]
     Stopped,
 }
+
+fn with_hand(base: &str) -> String {
+    if base == GROUND { String::new() } else { format!(" with the hand on `{base}`") }
+}
+
+/// Name of the ground as a base.
+const GROUND: &str = "ground";
 
 fn which(bodies: &[String]) -> String {
     match bodies {
@@ -111,10 +162,15 @@ pub fn mechanism_grasp(
     let sample = posture(scene, request.at_s, keep_running)?;
     let states = in_sample(mechanism, &sample).bodies.into_iter();
     let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
-    let contacts = active_contacts(mechanism, &sample, object, request.within_m);
+    let base = base_of(scene, mechanism, object, request.base.as_deref())?;
+    let active = active_contacts(mechanism, &sample, object, request.within_m);
+    let roles = roles(mechanism, object, base, active.iter().map(|contact| contact.at_rest.bodies));
+    let (surroundings, contacts): (Vec<HeldContact>, Vec<HeldContact>) =
+        active.into_iter().partition(|contact| roles.is_surroundings(mechanism, contact.at_rest.bodies));
+    let base = mechanism.body_name(base).to_string();
     if contacts.iter().all(|contact| contact.push.is_none()) {
         let object = mechanism.bodies[object].name.clone();
-        return Err(MechanismGraspError::NoContact { scene: name(), object, time_s: sample.time_s });
+        return Err(MechanismGraspError::NoContact { scene: name(), object, base, time_s: sample.time_s });
     }
     let body = &mechanism.bodies[object];
     let centre_m = point_in(Some(object), body.com_m, &poses);
@@ -127,7 +183,8 @@ pub fn mechanism_grasp(
             .map(|contact| ContactAtRest { mu: mu_static.unwrap_or(contact.at_rest.mu), ..contact.at_rest.clone() })
             .collect();
         let polar = |drives| {
-            let at_rest = MechanismAtRest { mechanism, poses: &poses, time_s, contacts: &at_rest, drives };
+            let at_rest =
+                MechanismAtRest { mechanism, poses: &poses, time_s, contacts: &at_rest, drives, roles: &roles };
             mechanism_balance(&at_rest, request.directions).map_err(statics_error)
         };
         let of_object: Vec<FrictionContact> = contacts
@@ -149,8 +206,11 @@ pub fn mechanism_grasp(
     };
     let friction_cases = coefficients.into_iter().map(case).collect::<Result<_, MechanismGraspError>>()?;
     let at_rest: Vec<ContactAtRest> = contacts.iter().map(|contact| contact.at_rest.clone()).collect();
-    let drives = DriveState::Blocked;
-    let closure = mechanism_closure(&MechanismAtRest { mechanism, poses: &poses, time_s, contacts: &at_rest, drives });
+    let (drives, roles) = (DriveState::Blocked, &roles);
+    let blocked = MechanismAtRest { mechanism, poses: &poses, time_s, contacts: &at_rest, drives, roles };
+    let closure = mechanism_closure(&blocked);
+    let is_left_out = |index: &usize| !(roles.is_balanced[*index] || roles.moves_with_base[*index]);
+    let left_out = (0..mechanism.bodies.len()).filter(is_left_out).map(|index| mechanism.bodies[index].name.clone());
     let with_friction = mechanism.joints.iter().filter(|joint| joint.friction.is_some());
     let joints: Vec<String> = with_friction.map(|joint| joint.name.clone()).collect();
     let braked = mechanism.actuators.iter().filter(|actuator| actuator.brake.is_some());
@@ -162,6 +222,10 @@ pub fn mechanism_grasp(
         centre_m,
         radius_m,
         bodies: mechanism.bodies.iter().map(|body| body.name.clone()).collect(),
+        base,
+        left_out: left_out.collect(),
+        surroundings: surroundings.into_iter().map(|contact| contact.name).collect(),
+        actuators: actuators(mechanism, roles, &efforts(mechanism, &poses, time_s)),
         contacts,
         closure,
         brakes: [joints, at_effort],
@@ -178,7 +242,16 @@ fn object_of(scene: &Scene, mechanism: &Mechanism, name: Option<&str>) -> Result
     if let Some(name) = name {
         let found = bodies.iter().position(|body| body.name == name);
         let all = names((0..bodies.len()).collect());
-        return found.ok_or(MechanismGraspError::NoBody { scene: scene_name, object: name.to_string(), bodies: all });
+        let found = found.ok_or(MechanismGraspError::NoBody {
+            scene: scene_name.clone(),
+            body: name.to_string(),
+            bodies: all,
+            flag: "--object",
+        })?;
+        return match bodies[found].motion {
+            None => Ok(found),
+            Some(_) => Err(MechanismGraspError::Prescribed { scene: scene_name, object: name.to_string() }),
+        };
     }
     let touches = |body: usize| {
         mechanism.contacts.iter().any(|pair| pair.points.body == Some(body) || pair.face.body == Some(body))
@@ -189,6 +262,54 @@ fn object_of(scene: &Scene, mechanism: &Mechanism, name: Option<&str>) -> Result
         [object] => Ok(object),
         _ => Err(MechanismGraspError::WhichBody { scene: scene_name, bodies: names(found) }),
     }
+}
+
+/// Finds the base; `None` is the ground.
+fn base_of(
+    scene: &Scene,
+    mechanism: &Mechanism,
+    object: usize,
+    name: Option<&str>,
+) -> Result<Option<usize>, MechanismGraspError> {
+    let base = match name {
+        None => return Ok(default_base(mechanism, object)),
+        Some(GROUND) => return Ok(None),
+        Some(name) => mechanism.bodies.iter().position(|body| body.name == name),
+    };
+    let (scene, body) = (scene.name.clone(), name.unwrap_or_default().to_string());
+    let Some(base) = base else {
+        let names = mechanism.bodies.iter().map(|body| body.name.as_str()).chain([GROUND]);
+        let bodies = names.map(|name| format!("`{name}`")).collect();
+        return Err(MechanismGraspError::NoBody { scene, body, bodies, flag: "--base" });
+    };
+    match carries(mechanism, object, base) {
+        true => Ok(Some(base)),
+        false => Err(MechanismGraspError::NotBase { scene, base: body }),
+    }
+}
+
+fn actuators(mechanism: &Mechanism, roles: &Roles, efforts: &[f64]) -> Vec<ActuatorAtRest> {
+    let role = |moves_balanced: bool, moves_base: bool| match (moves_balanced, moves_base) {
+        (true, _) => ActuatorRole::Hand,
+        (false, true) => ActuatorRole::Base,
+        (false, false) => ActuatorRole::LeftOut,
+    };
+    let of_joints = mechanism.actuators.iter().map(|actuator| {
+        let is_torque = actuator.on.terms.iter().all(|(joint, _)| mechanism.joints[*joint].kind.is_angle());
+        let role = role(roles.moves_balanced(mechanism, &actuator.on), roles.moves_base(mechanism, &actuator.on));
+        (actuator.name.clone(), role, is_torque, false)
+    });
+    let of_tendons = mechanism.tendons.iter().filter_map(|tendon| {
+        let on = JointCombination { terms: tendon.joints.clone(), offset: 0.0 };
+        let bodies = || tendon.path.iter().filter_map(|element| element.body);
+        let moves_balanced = bodies().any(|body| roles.is_balanced[body]) || roles.moves_balanced(mechanism, &on);
+        let moves_base = bodies().all(|body| roles.moves_with_base[body]) && roles.moves_base(mechanism, &on);
+        Some((tendon.actuator.as_ref()?.name.clone(), role(moves_balanced, moves_base), false, true))
+    });
+    let all = of_joints.chain(of_tendons).zip(efforts);
+    let found =
+        |((name, role, is_torque, pulls_cable), &effort)| ActuatorAtRest { name, role, effort, is_torque, pulls_cable };
+    all.map(found).collect()
 }
 
 /// Runs the scene and returns its state at a time, or at the end.

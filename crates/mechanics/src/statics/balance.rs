@@ -7,11 +7,11 @@
 //! the forces indeterminate, they depend on how the hand was closed. The result is therefore an upper bound on the
 //! acceleration that a grasp withstands without slipping.
 
-use super::balance_program::{Bound, Column, Load, Optimum, Program, power};
+use super::balance_program::{self, Column, Load, Optimum, Program, ROUNDING, power, size};
 use super::equilibrium::spring_loads;
 use super::equilibrium::static_kinematics_at;
 use super::hand::{ClosestPoint, FingerGeometry};
-use super::{GraspConfiguration, PerContact, Result, Side, StaticKinematics, StaticsError};
+use super::{GraspConfiguration, PerContact, Result, Side, StaticKinematics};
 use crate::fivebar::dynamics::{AccelerationField, InertialForces};
 use crate::gripper::{FingerContact, Spring, number};
 use crate::numeric::elementary::{hypot, sin_cos};
@@ -25,12 +25,6 @@ use std::f64::consts::TAU;
 /// mirror image), the force on the object along x and y of the palm frame, N, and the moment about the object's centre,
 /// N·m. A translating palm causes a uniform field, gravity minus its acceleration, on the object and on every link.
 const ROWS: usize = 7;
-
-/// Largest difference of accelerations from forces and from motion, relative to them or to the scale of fixed loads.
-const GAP: f64 = 1e-6;
-
-/// Rates below this fraction of the largest are rounding.
-const ROUNDING: f64 = 1e-7;
 
 /// The largest acceleration of the palm in one direction.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,7 +149,10 @@ pub(super) struct Cone {
 
 /// Largest multiple of a driving load.
 pub(super) enum Largest {
-    Infeasible,
+    /// All admissible forces have positive power in a motion, with the rate of each row as in [`Certified`].
+    Infeasible {
+        motion: Load,
+    },
     Unlimited,
     Limited(Certified),
 }
@@ -178,10 +175,6 @@ struct Scaled {
     force: f64,
     /// Unit of acceleration, m/s².
     acceleration: f64,
-}
-
-fn size(column: &[f64]) -> f64 {
-    column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()))
 }
 
 impl Cone {
@@ -227,30 +220,24 @@ fn scale_programme(equations: &Equations) -> Scaled {
 pub(super) fn largest_multiple(equations: &Equations) -> Result<Largest> {
     let scaled = scale_programme(equations);
     Ok(match scaled.program.largest()? {
-        Optimum::Infeasible => Largest::Infeasible,
+        Optimum::Infeasible { motion } => Largest::Infeasible { motion: row_rates(equations, &motion) },
         Optimum::Unbounded => Largest::Unlimited,
-        Optimum::Finite(forces) => Largest::Limited(certify(equations, &scaled, forces)?),
+        Optimum::Finite(limit) => Largest::Limited(certified(equations, &scaled, &limit)),
     })
 }
 
-fn certify(equations: &Equations, scaled: &Scaled, forces: Vec<f64>) -> Result<Certified> {
-    let program = &scaled.program;
-    let Some(found) = program.bound()? else {
-        return Err(StaticsError::Balance { reason: "no motion certifies the limit".to_string() });
-    };
-    let forces = program.exact_forces(forces);
-    let Bound { bound, motion } = program.exact_motion(&forces, found);
-    let multiple = forces[0];
-    let gap = (bound - multiple).abs() / multiple.max(1.0);
-    if gap.is_nan() || gap > GAP {
-        let reason = format!("the limit is {multiple} from forces, but {bound} from motion");
-        return Err(StaticsError::Balance { reason });
-    }
-    let rounding = ROUNDING * size(&motion);
-    let rate = |index: usize| power(&motion, &program.columns[index].load);
-    if let Some(power) = program.contact_edges().map(rate).find(|rate| *rate < -rounding) {
-        return Err(StaticsError::Balance { reason: format!("a contact force has negative power, {power}") });
-    }
+/// Rates of the rows of the equations in a motion of the programme, without rounding errors.
+fn row_rates(equations: &Equations, motion: &[f64]) -> Load {
+    let rounding = ROUNDING * size(motion);
+    let clear_rounding = |(rate, length): (&f64, &f64)| if rate.abs() <= rounding { 0.0 } else { rate / length };
+    motion.iter().zip(&equations.lengths).map(clear_rounding).collect()
+}
+
+/// The verified result of the programme in the units of the equations.
+fn certified(equations: &Equations, scaled: &Scaled, limit: &balance_program::Limit) -> Certified {
+    let (program, balance_program::Limit { forces, motion, gap }) = (&scaled.program, limit);
+    let rounding = ROUNDING * size(motion);
+    let rate = |index: usize| power(motion, &program.columns[index].load);
     let si_force = |index: usize| forces[index] * scaled.force / program.columns[index].size;
     let mut edges = program.contact_edges().map(|index| (si_force(index), rate(index) > rounding));
     let mut contact_load = |cone: &Cone| {
@@ -272,14 +259,13 @@ fn certify(equations: &Equations, scaled: &Scaled, forces: Vec<f64>) -> Result<C
         let [lo, hi] = program.columns[index].bounds;
         BrakeLoad { torque_n_m: si_force(index), slips: lo < hi && rate(index).abs() > rounding }
     });
-    let clear_rounding = |(rate, length): (&f64, &f64)| if rate.abs() <= rounding { 0.0 } else { rate / length };
-    Ok(Certified {
-        acceleration_m_s2: multiple * scaled.acceleration,
+    Certified {
+        acceleration_m_s2: forces[0] * scaled.acceleration,
         contacts,
         brakes: brakes.collect(),
-        motion: motion.iter().zip(&equations.lengths).map(clear_rounding).collect(),
-        gap,
-    })
+        motion: row_rates(equations, motion),
+        gap: *gap,
+    }
 }
 
 fn largest_acceleration(loads: &Loads, direction: [f64; 2]) -> Result<Balance> {
@@ -308,7 +294,7 @@ fn largest_acceleration(loads: &Loads, direction: [f64; 2]) -> Result<Balance> {
         gap: found.gap,
     };
     let largest = match largest_multiple(&equations)? {
-        Largest::Infeasible => AccelerationLimit::Infeasible,
+        Largest::Infeasible { .. } => AccelerationLimit::Infeasible,
         Largest::Unlimited => AccelerationLimit::Unlimited,
         Largest::Limited(found) => AccelerationLimit::Limited(limit(found)),
     };

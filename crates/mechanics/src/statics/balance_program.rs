@@ -6,15 +6,15 @@
 //! unit of a (wᵀ D ≥ 1). For any forces, a is at most the resisting power −wᵀ L + Σ max(−lo wᵀ B, −hi wᵀ B). The
 //! smallest of these bounds equals the largest a, so that forces and motion certify each other.
 //!
-//! The solver's solutions are approximate. They are refined: values close to a bound are set to it, and the others get
-//! the smallest correction that satisfies the equations.
+//! Each result has a certificate, which is verified: forces and motion of a limit; forces that grow with a; a motion in
+//! which all admissible forces have positive power, so that they cannot balance. A result without its certificate is
+//! computed again by another method, and is an error if that fails as well.
 
 use std::ops::Range;
 
-use microlp::{ComparisonOp, OptimizationDirection, Problem, Variable};
 use nalgebra::{DMatrix, DVector};
 
-use super::form_closure::{solve_program, terms};
+use super::simplex::{LinearProgram, Outcome, Rule};
 use super::{Result, StaticsError};
 
 /// Generalised forces of one load: one column of the equations.
@@ -39,35 +39,55 @@ pub struct Program {
     pub fixed: Load,
 }
 
-/// Result of the programme.
+/// Verified result of the programme.
 #[derive(Clone, Debug)]
-pub(crate) enum Optimum {
-    /// Not even the fixed load can be balanced.
-    Infeasible,
+pub(super) enum Optimum {
+    /// Not even the fixed load can be balanced: all admissible forces have positive power in the motion.
+    Infeasible { motion: Load },
     /// The size of each column; that of the driving load is the largest multiple.
-    Finite(Vec<f64>),
+    Finite(Limit),
     /// Forces exist that balance any multiple of the driving load.
     Unbounded,
 }
 
-/// A motion that certifies a bound.
+/// The largest multiple, with its forces and the motion that bounds it.
 #[derive(Clone, Debug)]
-pub struct Bound {
-    pub bound: f64,
+pub(super) struct Limit {
+    /// The size of each column; that of the driving load is the largest multiple.
+    pub forces: Vec<f64>,
     pub motion: Load,
+    /// Difference of the bounds from forces and motion, relative to the multiple or to 1.
+    pub gap: f64,
 }
+
+/// Largest difference of the bounds from forces and motion, relative to the multiple or to 1 (that of the fixed load).
+const GAP: f64 = 1e-6;
+
+/// Rates below this fraction of the largest are rounding.
+pub(super) const ROUNDING: f64 = 1e-7;
+
+/// Largest rate against a unilateral force, relative to the largest rate.
+const BACKWARD: f64 = 1e-9;
+
+/// Unbalanced remainder of forces, relative to the largest terms of a row, that counts as zero.
+const REMAINDER: f64 = 1e-7;
+
+/// The same for forces that grow without limit: rounding errors of the columns and of the sums only.
+const RAY_REMAINDER: f64 = 1e-12;
+
+/// The same relative to the driving load, which forces that balance each other may exceed by far.
+const RAY_SHARE: f64 = 1e-9;
+
+/// Singular values below this are zero (columns have size 1).
+const RANK_TOLERANCE: f64 = 1e-9;
 
 pub fn power(motion: &[f64], column: &[f64]) -> f64 {
     motion.iter().zip(column).map(|(rate, load)| rate * load).sum()
 }
 
-fn balance_error(reason: String) -> StaticsError {
-    StaticsError::Balance { reason }
-}
-
 impl Program {
     /// Indices of the unilateral forces.
-    pub(crate) fn contact_edges(&self) -> Range<usize> {
+    pub(super) fn contact_edges(&self) -> Range<usize> {
         1..1 + self.edge_count
     }
 
@@ -75,161 +95,152 @@ impl Program {
         1 + self.edge_count..self.columns.len()
     }
 
-    /// Indices of all columns; the driving load is the last.
-    fn driving_last(&self) -> impl Iterator<Item = usize> + use<> {
-        (1..self.columns.len()).chain([0])
-    }
-
-    /// Returns the forces that balance `fixed` and the largest multiple of the driving load, which is limited to the
-    /// range `multiple`; `None` if infeasible. `braking` scales the torque bounds.
-    fn forces(&self, multiple: (f64, f64), fixed: &[f64], braking: f64) -> Result<Option<Vec<f64>>> {
-        let mut problem = Problem::new(OptimizationDirection::Maximize);
-        // 0 times an infinite bound remains infinite: a blocked drive can resist any torque.
-        let bound = |bound: f64| if bound.is_finite() { braking * bound } else { bound };
-        let mut variables = vec![problem.add_var(1.0, multiple)];
-        for Column { bounds: [lo, hi], .. } in &self.columns[1..] {
-            variables.push(problem.add_var(0.0, (bound(*lo), bound(*hi))));
-        }
-        for (row, load) in fixed.iter().enumerate() {
-            let all = self.driving_last().map(|index| (variables[index], self.columns[index].load[row]));
-            let terms: Vec<(Variable, f64)> = all.filter(|(_, entry)| *entry != 0.0).collect();
-            problem.add_constraint(terms, ComparisonOp::Eq, -load);
-        }
-        let solution = solve_program(&problem, balance_error)?;
-        Ok(solution.map(|solution| variables.into_iter().map(|variable| solution.var_value(variable)).collect()))
-    }
-
-    /// Power that resists a motion, without the unilateral forces.
-    fn resisting_power(&self, motion: &[f64]) -> f64 {
-        let brake_power = self.columns[self.torques()].iter().map(|Column { load, bounds: [lo, hi], .. }| {
-            let rate = power(motion, load);
-            let power_at = |limit: f64| if limit.is_finite() { -limit * rate } else { f64::NEG_INFINITY };
-            // A blocked drive does not move and has no power.
-            Some(power_at(*lo).max(power_at(*hi))).filter(|power| power.is_finite()).unwrap_or(0.0)
-        });
-        brake_power.sum::<f64>() - power(motion, &self.fixed)
-    }
-
     /// Returns the largest multiple of the driving load, at least 0.
-    pub fn largest(&self) -> Result<Optimum> {
-        if self.forces((0.0, 0.0), &self.fixed, 1.0)?.is_none() {
-            return Ok(Optimum::Infeasible);
+    pub(super) fn largest(&self) -> Result<Optimum> {
+        let entries = self.columns.iter().flat_map(|column| &column.load).chain(&self.fixed);
+        if !entries.clone().all(|entry| entry.is_finite()) {
+            let reason = "a load is not a number: a cable or spring has no direction".to_string();
+            return Err(StaticsError::Balance { reason });
         }
-        if self.forces((1.0, 1.0), &vec![0.0; self.fixed.len()], 0.0)?.is_some() {
+        if self.fixed.is_empty() {
             return Ok(Optimum::Unbounded);
         }
-        let found = self.forces((0.0, f64::INFINITY), &self.fixed, 1.0)?;
-        let contradiction = "feasible at rest, but infeasible for the largest acceleration";
-        found.map(Optimum::Finite).ok_or_else(|| balance_error(contradiction.to_string()))
-    }
-
-    /// Returns the smallest bound on the multiple; `None` if no motion gives one.
-    pub fn bound(&self) -> Result<Option<Bound>> {
-        let mut problem = Problem::new(OptimizationDirection::Minimize);
-        let free = (f64::NEG_INFINITY, f64::INFINITY);
-        let motion: Vec<Variable> = self.fixed.iter().map(|load| problem.add_var(-load, free)).collect();
-        let terms = |column: &[f64], factor: f64| {
-            let scaled: Vec<f64> = column.iter().map(|entry| factor * entry).collect();
-            terms(&motion, scaled.iter())
+        let programme = LinearProgram {
+            matrix: DMatrix::from_fn(self.fixed.len(), self.columns.len(), |row, index| self.columns[index].load[row]),
+            right: DVector::from_iterator(self.fixed.len(), self.fixed.iter().map(|load| -load)),
+            bounds: self.columns.iter().map(|column| column.bounds).collect(),
+            objective: (0..self.columns.len()).map(|index| if index == 0 { 1.0 } else { 0.0 }).collect(),
         };
-        for column in &self.columns[self.contact_edges()] {
-            problem.add_constraint(terms(&column.load, 1.0), ComparisonOp::Ge, 0.0);
-        }
-        for Column { load, bounds: [lo, hi], .. } in &self.columns[self.torques()] {
-            let resisting_power = problem.add_var(1.0, free);
-            // A drive that is blocked in a direction does not move in it.
-            for (limit, sign) in [(*lo, ComparisonOp::Le), (*hi, ComparisonOp::Ge)] {
-                if limit.is_finite() {
-                    let mut terms = terms(load, limit);
-                    terms.push((resisting_power, 1.0));
-                    problem.add_constraint(terms, ComparisonOp::Ge, 0.0);
-                } else {
-                    problem.add_constraint(terms(load, 1.0), sign, 0.0);
-                }
-            }
-            if lo.is_infinite() && hi.is_infinite() {
-                problem.add_constraint(vec![(resisting_power, 1.0)], ComparisonOp::Ge, 0.0);
+        // A hand may need an acceleration to be balanced; it is not at rest.
+        let mut at_rest = programme.clone();
+        (at_rest.bounds[0], at_rest.objective[0]) = ([0.0; 2], 0.0);
+        let mut reason = String::new();
+        for rule in [Rule::Steepest, Rule::First] {
+            let verified = match at_rest.solve(rule) {
+                Some(Outcome::Infeasible { y }) => self.verified_contradiction(y),
+                Some(Outcome::Optimal { .. }) => match programme.solve(rule) {
+                    Some(Outcome::Optimal { x, y }) => self.verified_limit(x, y),
+                    Some(Outcome::Unbounded { x, ray }) => self.verified_ray(&x, &ray),
+                    Some(Outcome::Infeasible { .. }) => Err("feasible at rest, but for no acceleration".to_string()),
+                    None => Err("the method does not end".to_string()),
+                },
+                _ => Err("the method does not end".to_string()),
+            };
+            match verified {
+                Ok(found) => return Ok(found),
+                Err(why) => reason = why,
             }
         }
-        problem.add_constraint(terms(&self.columns[0].load, 1.0), ComparisonOp::Ge, 1.0);
-        let Some(solution) = solve_program(&problem, balance_error)? else { return Ok(None) };
-        let motion: Load = motion.into_iter().map(|rate| solution.var_value(rate)).collect();
-        Ok(Some(Bound { bound: self.resisting_power(&motion), motion }))
-    }
-}
-
-/// Distance from its bound (with loads of about 1) within which a force is on it: ten times the programme's tolerance.
-const ON_BOUND_TOLERANCE: f64 = 1e-6;
-
-/// Singular values below this are zero (columns have size 1).
-const RANK_TOLERANCE: f64 = 1e-9;
-
-/// Rounding tolerance for a corrected force beyond its bound.
-const BOUND_TOLERANCE: f64 = 1e-12;
-
-/// Returns the minimum-norm least-squares solution x of A x = b; `None` without columns.
-fn least_squares(columns: &[&Load], b: &[f64]) -> Option<DVector<f64>> {
-    if columns.is_empty() {
-        return None;
-    }
-    let matrix = DMatrix::from_fn(b.len(), columns.len(), |row, column| columns[column][row]);
-    matrix.svd(true, true).solve(&DVector::from_row_slice(b), RANK_TOLERANCE).ok()
-}
-
-fn on_bound(value: f64, [lo, hi]: [f64; 2]) -> Option<f64> {
-    [lo, hi].into_iter().find(|bound| (value - bound).abs() < ON_BOUND_TOLERANCE)
-}
-
-/// Projects a motion onto the column space: without friction, for instance, the rotation of a disc is arbitrary.
-fn project_onto_columns(columns: &[&Load], motion: &[f64]) -> Load {
-    let matrix = DMatrix::from_fn(motion.len(), columns.len(), |row, column| columns[column][row]);
-    let svd = matrix.svd(true, false);
-    let Some(u) = svd.u else { return motion.to_vec() };
-    let rank = svd.singular_values.iter().filter(|value| **value > RANK_TOLERANCE * svd.singular_values.max()).count();
-    let basis = u.columns(0, rank);
-    let within = basis * basis.tr_mul(&DVector::from_row_slice(motion));
-    within.as_slice().to_vec()
-}
-
-impl Program {
-    /// Indices of the forces that are not on a bound; the driving load is the last.
-    fn free_forces(&self, forces: &[f64]) -> Vec<usize> {
-        self.driving_last().filter(|&index| on_bound(forces[index], self.columns[index].bounds).is_none()).collect()
+        Err(StaticsError::Balance { reason })
     }
 
-    /// Forces in exact balance; the original ones if the correction would move one of them beyond its bound.
-    pub(crate) fn exact_forces(&self, found: Vec<f64>) -> Vec<f64> {
-        let on_bounds = found.iter().zip(&self.columns);
-        let mut forces: Vec<f64> =
-            on_bounds.map(|(value, column)| on_bound(*value, column.bounds).unwrap_or(*value)).collect();
-        let free = self.free_forces(&forces);
-        let missing = |(row, fixed): (usize, &f64)| {
-            let balanced = self.driving_last().map(|index| self.columns[index].load[row] * forces[index]);
-            -fixed - balanced.sum::<f64>()
+    /// Sum of the loads with these sizes in each row, with the sum of the magnitudes of all terms.
+    fn balance(&self, forces: &[f64], fixed: &[f64]) -> Vec<(f64, f64)> {
+        let row = |(row, fixed): (usize, &f64)| {
+            let terms = self.columns.iter().zip(forces).map(|(column, force)| column.load[row] * force);
+            terms.fold((*fixed, fixed.abs()), |(sum, size), term| (sum + term, size + term.abs()))
         };
-        let missing: Load = self.fixed.iter().enumerate().map(missing).collect();
-        let columns: Vec<&Load> = free.iter().map(|&index| &self.columns[index].load).collect();
-        if let Some(correction) = least_squares(&columns, &missing) {
-            free.iter().zip(correction.iter()).for_each(|(&index, by)| forces[index] += by);
+        fixed.iter().enumerate().map(row).collect()
+    }
+
+    /// Checks that forces are within their bounds and balance the fixed load.
+    fn verify_forces(&self, forces: &[f64]) -> std::result::Result<(), String> {
+        let is_within = |(force, Column { bounds: [lo, hi], .. }): (&f64, &Column)| {
+            let slack = 1e-9 * (1.0 + force.abs());
+            *force >= lo - slack && *force <= hi + slack
+        };
+        if !forces.iter().zip(&self.columns).all(is_within) {
+            return Err("a force exceeds its bounds".to_string());
         }
-        let is_within = |(value, Column { bounds: [lo, hi], .. }): (&f64, &Column)| {
-            *value >= lo - BOUND_TOLERANCE && *value <= hi + BOUND_TOLERANCE
-        };
-        if forces.iter().zip(&self.columns).all(is_within) { forces } else { found }
+        let rows = self.balance(forces, &self.fixed);
+        let size = rows.iter().map(|(_, size)| *size).fold(0.0, f64::max);
+        match rows.iter().map(|(sum, _)| sum.abs()).fold(0.0, f64::max) {
+            rest if rest <= REMAINDER * size => Ok(()),
+            rest => Err(format!("the forces leave {rest:.1e} of {size:.1e} unbalanced")),
+        }
     }
 
-    /// Returns the motion in which forces within their bounds have exactly zero power, and the driving load has 1 W.
-    pub(crate) fn exact_motion(&self, forces: &[f64], found: Bound) -> Bound {
-        let loads = self.driving_last().map(|index| &self.columns[index].load);
-        let columns: Vec<&Load> = loads.chain([&self.fixed]).collect();
-        let start = project_onto_columns(&columns, &found.motion);
-        let free = self.free_forces(forces).into_iter().filter(|index| *index != 0);
-        let mut rows: Vec<(&Load, f64)> = free.map(|index| (&self.columns[index].load, 0.0)).collect();
-        rows.push((&self.columns[0].load, 1.0));
-        let matrix = DMatrix::from_fn(rows.len(), start.len(), |i, j| rows[i].0[j]);
-        let missing = DVector::from_fn(rows.len(), |i, _| rows[i].1 - power(&start, rows[i].0));
-        let Ok(correction) = matrix.svd(true, true).solve(&missing, RANK_TOLERANCE) else { return found };
-        let motion: Load = start.iter().zip(correction.iter()).map(|(rate, by)| rate + by).collect();
-        Bound { bound: self.resisting_power(&motion), motion }
+    fn verified_limit(&self, forces: Vec<f64>, motion: Load) -> std::result::Result<Optimum, String> {
+        self.verify_forces(&forces)?;
+        let motion = self.within_columns(&motion);
+        // The remainder, which counts as zero, belongs to the fixed load.
+        let rows = self.balance(&forces, &self.fixed);
+        let fixed: Load = self.fixed.iter().zip(rows).map(|(load, (rest, _))| load - rest).collect();
+        let (multiple, driving) = (forces[0], power(&motion, &self.columns[0].load));
+        let bound = self.resisting_power(&motion, &fixed);
+        let gap = (bound - multiple).abs() / multiple.max(1.0);
+        if gap.is_nan() || gap > GAP || driving < 1.0 - GAP {
+            return Err(format!(
+                "the limit is {multiple:e} from forces, but {:e} from motion",
+                bound / driving.min(1.0)
+            ));
+        }
+        let rates = self.contact_edges().map(|index| power(&motion, &self.columns[index].load));
+        match rates.fold(0.0, f64::min) {
+            rate if rate >= -BACKWARD * size(&motion) => Ok(Optimum::Finite(Limit { forces, motion, gap })),
+            rate => Err(format!("a contact force has negative power, {rate:e}")),
+        }
     }
+
+    /// Checks forces that balance a growing multiple: they have the admissible signs, and the remainder is rounding,
+    /// with the largest rounding error of its own sum.
+    fn verified_ray(&self, forces: &[f64], ray: &[f64]) -> std::result::Result<Optimum, String> {
+        self.verify_forces(forces)?;
+        let grows = |(change, Column { bounds: [lo, hi], .. }): (&f64, &Column)| {
+            (*change >= 0.0 || lo.is_infinite()) && (*change <= 0.0 || hi.is_infinite())
+        };
+        if !(ray[0] > 0.0 && ray.iter().zip(&self.columns).all(grows)) {
+            return Err("a growing force exceeds its bounds".to_string());
+        }
+        let error = 2.0 * (self.columns.len() + 2) as f64 * f64::EPSILON;
+        let rows = self.balance(ray, &vec![0.0; self.fixed.len()]);
+        let size = rows.iter().map(|(_, size)| *size).fold(0.0, f64::max);
+        match rows.iter().map(|(sum, size)| sum.abs() + error * size).fold(0.0, f64::max) {
+            rest if rest <= RAY_REMAINDER * size && rest <= RAY_SHARE * ray[0] => Ok(Optimum::Unbounded),
+            rest => Err(format!("growing forces leave {rest:.1e} of {size:.1e} unbalanced")),
+        }
+    }
+
+    /// Checks that all admissible forces without the driving load have positive power in a motion.
+    fn verified_contradiction(&self, motion: Load) -> std::result::Result<Optimum, String> {
+        let motion = self.within_columns(&motion);
+        let unilateral = self.contact_edges().map(|index| power(&motion, &self.columns[index].load));
+        let least = unilateral.fold(0.0, f64::min);
+        let driving = -self.resisting_power(&motion, &self.fixed);
+        match driving > 0.0 && least >= -BACKWARD * size(&motion) {
+            true => Ok(Optimum::Infeasible { motion }),
+            false => Err(format!("no motion shows that the forces cannot balance ({driving:.1e}, {least:.1e})")),
+        }
+    }
+
+    /// Least power that resists a motion, without the unilateral forces.
+    fn resisting_power(&self, motion: &[f64], fixed: &[f64]) -> f64 {
+        let rounding = ROUNDING * size(motion);
+        let brake_power = self.columns[self.torques()].iter().map(|Column { load, bounds: [lo, hi], .. }| {
+            let rate = power(motion, load);
+            let bound = if rate > 0.0 { *lo } else { *hi };
+            // A blocked drive does not move and has no power.
+            if bound.is_infinite() && rate.abs() <= rounding { 0.0 } else { -bound * rate }
+        });
+        brake_power.sum::<f64>() - power(motion, fixed)
+    }
+
+    /// Projects a motion onto the space of the loads: without friction, for instance, the rotation of a disc is
+    /// arbitrary.
+    fn within_columns(&self, motion: &[f64]) -> Load {
+        let loads: Vec<&Load> = self.columns.iter().map(|column| &column.load).chain([&self.fixed]).collect();
+        let svd = DMatrix::from_fn(motion.len(), loads.len(), |row, column| loads[column][row]).svd(true, false);
+        let Some(u) = svd.u else { return motion.to_vec() };
+        let largest = svd.singular_values.max();
+        let kept: Vec<usize> =
+            (0..svd.singular_values.len()).filter(|k| svd.singular_values[*k] > RANK_TOLERANCE * largest).collect();
+        let basis = u.select_columns(&kept);
+        let within = &basis * basis.tr_mul(&DVector::from_row_slice(motion));
+        within.as_slice().to_vec()
+    }
+}
+
+/// Largest entry.
+pub(super) fn size(column: &[f64]) -> f64 {
+    column.iter().fold(0.0, |largest: f64, entry| largest.max(entry.abs()))
 }

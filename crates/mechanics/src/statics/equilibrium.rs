@@ -31,10 +31,15 @@ pub enum StaticsError {
     )]
     NoLever { lever_m: f64 },
     #[error(
-        "form closure could not be decided: neither a free motion nor the multipliers that exclude one pass their check \
-         (residuals {motion_residual:.1e} and {multiplier_residual:.1e}); the grasp is on the boundary, change it slightly"
+        "form closure could not be decided: {certificate} fails its check (the residual is {residual:.1e}, at most 1e-9 is \
+         allowed); the grasp is on the boundary, change it slightly"
     )]
-    Undecided { motion_residual: f64, multiplier_residual: f64 },
+    Undecided { certificate: &'static str, residual: f64 },
+    #[error(
+        "form closure could not be decided: there is neither a free motion nor multipliers that exclude one, within \
+         rounding; the grasp is on the boundary, change it slightly"
+    )]
+    NeitherMotionNorMultipliers,
     #[error(
         "the linear programme of form closure has no solution ({reason}); the grasp is close to singular, change it slightly"
     )]

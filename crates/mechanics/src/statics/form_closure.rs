@@ -10,12 +10,12 @@
 //! and one row more than unknowns, as for two fingers with a palm, the multipliers are unique up to a factor, and their
 //! signs decide; this takes 3 µs, including U and the certificate. A test compares both methods.
 
+use super::simplex::{LinearProgram, Outcome, Rule};
 use super::{
     Blocked, GraspConfiguration, Hand, NecessaryCount, PerContact, Result, Row, RowKind, StaticsError, Unilateral,
     Unknown, gripper_unilateral, unilateral,
 };
 use crate::gripper::{FinalPosture, Finger};
-use microlp::{ComparisonOp, Error, OptimizationDirection, Problem, Solution, SolveOutcome, Variable};
 use nalgebra::{DMatrix, DVector};
 
 /// Ratio of the smallest to the largest multiplier (of normalised rows and unknowns) above which a grasp counts as
@@ -78,6 +78,9 @@ pub fn form_closure(finger: &Finger, end: &FinalPosture) -> Result<FormClosure> 
 
 /// Form closure of any set of constraints.
 pub fn decide_form_closure(u: &Unilateral) -> Result<FormClosure> {
+    if u.unknowns.is_empty() {
+        return Ok(report_nothing_moves(u));
+    }
     let scaled = scale_constraints(u);
     let (m, n) = scaled.matrix.shape();
     let columns = basis(&scaled.matrix);
@@ -111,12 +114,21 @@ pub fn gripper_closure(
 
 /// [`decide_form_closure`], always by linear programmes.
 pub fn decide_by_linear_program(u: &Unilateral) -> Result<FormClosure> {
+    if u.unknowns.is_empty() {
+        return Ok(report_nothing_moves(u));
+    }
     let scaled = scale_constraints(u);
     let columns = basis(&scaled.matrix);
     match columns.ncols() < u.unknowns.len() {
         true => report_undetermined_motion(u, &scaled, columns.ncols()),
         false => solve_linear_program(u, &scaled, &columns),
     }
+}
+
+/// Without unknowns there is no motion, and any multipliers prove it.
+fn report_nothing_moves(u: &Unilateral) -> FormClosure {
+    let certificate = Certificate::Multipliers { values: vec![1.0; u.rows.len()], residual: 0.0 };
+    report(u, certificate, 0, None, Decision::Rank)
 }
 
 /// Reports a motion that leaves all rows at zero.
@@ -175,7 +187,7 @@ fn separations(lambda: &DVector<f64>, rows: &[Row]) -> DVector<f64> {
 fn report_multipliers(u: &Unilateral, scaled: &Scaled, lambda: &DVector<f64>, by: Decision) -> Result<FormClosure> {
     let residual = scaled.matrix.tr_mul(lambda).amax() / lambda.amax();
     if residual.is_nan() || residual > MAX_RESIDUAL {
-        return Err(StaticsError::Undecided { motion_residual: f64::NAN, multiplier_residual: residual });
+        return Err(undecided("the multipliers that exclude a free motion", residual));
     }
     // Rows were divided by their lengths, so the multipliers are, too.
     let unscaled: Vec<f64> = lambda.iter().zip(&scaled.norms).map(|(l, norm)| l / norm).collect();
@@ -183,6 +195,13 @@ fn report_multipliers(u: &Unilateral, scaled: &Scaled, lambda: &DVector<f64>, by
     let unit = motor.map_or(unscaled.iter().copied().fold(0.0, f64::max), |i| unscaled[i]);
     let certificate = Certificate::Multipliers { values: unscaled.iter().map(|l| l / unit).collect(), residual };
     Ok(report(u, certificate, u.unknowns.len(), Some(lambda.min() / lambda.amax()), by))
+}
+
+fn undecided(certificate: &'static str, residual: f64) -> StaticsError {
+    match residual.is_nan() {
+        true => StaticsError::Program { reason: "the posture is not a number".to_string() },
+        false => StaticsError::Undecided { certificate, residual },
+    }
 }
 
 fn report_motion(
@@ -194,13 +213,16 @@ fn report_motion(
     margin: Option<f64>,
 ) -> Result<FormClosure> {
     let size = motion.amax();
+    if size == 0.0 {
+        return Err(StaticsError::NeitherMotionNorMultipliers);
+    }
     let clear_rounding = |v: f64| if v.abs() <= ROUNDING_RATIO * size { 0.0 } else { v };
     let motion = motion.map(clear_rounding);
     let rates = &scaled.matrix * &motion;
     // Without rows there is no violation.
     let residual = rates.iter().fold(0.0, |worst: f64, rate| worst.max(-rate)) / size;
-    if !(residual <= MAX_RESIDUAL && size > 0.0) {
-        return Err(StaticsError::Undecided { motion_residual: residual, multiplier_residual: f64::NAN });
+    if residual.is_nan() || residual > MAX_RESIDUAL {
+        return Err(undecided("the free motion", residual));
     }
     let rates: Vec<f64> = rates.iter().zip(&scaled.norms).map(|(&rate, norm)| clear_rounding(rate) * norm).collect();
     let values: Vec<f64> = motion.iter().zip(&u.scale).map(|(w, scale)| w / scale).collect();
@@ -288,44 +310,47 @@ pub fn solve(matrix: &DMatrix<f64>, s: &DVector<f64>) -> Option<DVector<f64>> {
 ///
 /// If they exist, A ω ≥ 0 implies A ω = 0, since λ·A ω = 0 has no negative terms.
 pub fn multipliers(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>> {
-    let mut problem = Problem::new(OptimizationDirection::Minimize);
-    let lambda: Vec<Variable> = matrix.row_iter().map(|_| problem.add_var(1.0, (1.0, f64::INFINITY))).collect();
-    for column in matrix.column_iter() {
-        problem.add_constraint(terms(&lambda, column.iter()), ComparisonOp::Eq, 0.0);
-    }
-    values(&problem, &lambda)
+    let (m, n) = matrix.shape();
+    let programme = LinearProgram {
+        matrix: matrix.transpose(),
+        right: DVector::zeros(n),
+        bounds: vec![[1.0, f64::INFINITY]; m],
+        objective: vec![-1.0; m],
+    };
+    Ok(optimum(&programme)?.map(DVector::from_vec))
 }
 
 /// Returns the motion ω of the largest sum of separations A ω with 0 ≤ A ω ≤ 1.
 pub fn motion(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>> {
-    let mut problem = Problem::new(OptimizationDirection::Maximize);
-    let free = (f64::NEG_INFINITY, f64::INFINITY);
-    let omega: Vec<Variable> = matrix.column_iter().map(|column| problem.add_var(column.sum(), free)).collect();
-    for row in matrix.row_iter() {
-        let terms = terms(&omega, row.iter());
-        problem.add_constraint(terms.clone(), ComparisonOp::Ge, 0.0);
-        problem.add_constraint(terms, ComparisonOp::Le, 1.0);
+    let (m, n) = matrix.shape();
+    // A ω − s = 0.
+    let entry = |i: usize, j: usize| {
+        if j < n {
+            matrix[(i, j)]
+        } else if j - n == i {
+            -1.0
+        } else {
+            0.0
+        }
+    };
+    let free = [f64::NEG_INFINITY, f64::INFINITY];
+    let programme = LinearProgram {
+        matrix: DMatrix::from_fn(m, n + m, entry),
+        right: DVector::zeros(m),
+        bounds: (0..n + m).map(|j| if j < n { free } else { [0.0, 1.0] }).collect(),
+        objective: (0..n + m).map(|j| if j < n { 0.0 } else { 1.0 }).collect(),
+    };
+    Ok(optimum(&programme)?.map(|x| DVector::from_column_slice(&x[..n])))
+}
+
+/// Optimum of a bounded programme; `None` if it is infeasible.
+fn optimum(programme: &LinearProgram) -> Result<Option<Vec<f64>>> {
+    for rule in [Rule::Steepest, Rule::First] {
+        match programme.solve(rule) {
+            Some(Outcome::Optimal { x, .. }) => return Ok(Some(x)),
+            Some(Outcome::Infeasible { .. }) => return Ok(None),
+            Some(Outcome::Unbounded { .. }) | None => {}
+        }
     }
-    values(&problem, &omega)
-}
-
-/// Terms of a constraint; zero entries are omitted.
-pub fn terms<'a>(variables: &[Variable], entries: impl Iterator<Item = &'a f64>) -> Vec<(Variable, f64)> {
-    variables.iter().copied().zip(entries.copied()).filter(|(_, entry)| *entry != 0.0).collect()
-}
-
-fn values(problem: &Problem, of: &[Variable]) -> Result<Option<DVector<f64>>> {
-    let solution = solve_program(problem, |reason| StaticsError::Program { reason })?;
-    let read = |solution: Solution| DVector::from_iterator(of.len(), of.iter().map(|&v| solution.var_value(v)));
-    Ok(solution.map(read))
-}
-
-/// Solves a linear programme; `None` if it is infeasible.
-pub(crate) fn solve_program(problem: &Problem, error: impl Fn(String) -> StaticsError) -> Result<Option<Solution>> {
-    match problem.solve() {
-        Ok(SolveOutcome::Solution(solution)) => Ok(Some(solution)),
-        Ok(SolveOutcome::Interrupted(_)) => Err(error("interrupted".to_string())),
-        Err(Error::Infeasible) => Ok(None),
-        Err(other) => Err(error(other.to_string())),
-    }
+    Err(StaticsError::Program { reason: "the method does not end".to_string() })
 }

@@ -1,12 +1,13 @@
 //! A mechanism at rest: form closure, and the largest acceleration of its base that its contacts can balance.
 //!
-//! The velocities of all bodies that joints and couplings allow are B ν, with an orthonormal basis B of the null space of
-//! their gradients. Translations are divided by a typical length of the mechanism, so that they compare with rotations. A
-//! force with the load f on the bodies has the generalised force Bᵀ f.
+//! The velocities of the balanced bodies that joints and couplings allow are B ν, with an orthonormal basis B of the null
+//! space of their gradients; all other bodies are at rest relative to the base. Translations are divided by a typical
+//! length of the mechanism, so that they compare with rotations. A force with the load f on the bodies has the
+//! generalised force Bᵀ f.
 
 use super::balance::{BrakeLoad, Certified, Cone, ContactMotion, Equations, Largest, largest_multiple, unit_direction};
 use super::form_closure::{Certificate, decide_by_linear_program};
-use super::{FormClosure, Result, Row, Unilateral, Unknown};
+use super::{FormClosure, Result, Roles, Row, Unilateral, Unknown};
 use crate::mechanism::tendon::{center_in, length_in, segment};
 use crate::mechanism::{
     Command, JointCombination, Mechanism, Pose, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
@@ -17,8 +18,14 @@ use crate::numeric::plane::{cross, dot, scale, sub};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Squares of singular values below this part of the largest are zero.
-const RANK_TOLERANCE: f64 = 1e-13;
+/// A row of constraints follows from others if these leave less than this part of it.
+const RANK_TOLERANCE: f64 = 1e-9;
+
+/// Parts of a generalised force below this part of the load are rounding.
+const LOAD_ROUNDING: f64 = 1e-13;
+
+/// Rates of actuators below this part of the largest rate are rounding.
+const RATE_ROUNDING: f64 = 1e-7;
 
 /// A contact that can push.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,10 +38,10 @@ pub struct ContactAtRest {
     pub mu: f64,
 }
 
-/// What the actuators do.
+/// What the actuators of the hand do; those that move its base are blocked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveState {
-    /// Every actuator holds with any torque or force.
+    /// Every actuator holds with any torque or force, on a cable with any tension.
     Blocked,
     /// Every actuator has the effort of its command at rest, and its brake the limit that it has at the time.
     AtEffort,
@@ -46,8 +53,10 @@ pub struct MechanismAtRest<'a> {
     pub mechanism: &'a Mechanism,
     pub poses: &'a [Pose],
     pub time_s: f64,
+    /// Contacts that can push, without those with the surroundings.
     pub contacts: &'a [ContactAtRest],
     pub drives: DriveState,
+    pub roles: &'a Roles,
 }
 
 /// Velocity of the frame of a body.
@@ -74,7 +83,12 @@ pub struct MechanismBalance {
 #[derive(Clone, Debug, PartialEq)]
 pub enum MechanismLimit {
     /// Not even a base at rest: no forces within the cones balance weight, springs and actuators.
-    Infeasible,
+    Infeasible {
+        /// A motion in which all admissible forces together have positive power.
+        motion: Vec<BodyMotion>,
+        /// Actuators that move in it, as in `Limited`.
+        yielding: Vec<usize>,
+    },
     /// Any acceleration: the balancing forces can grow with it.
     Unlimited,
     Limited {
@@ -83,8 +97,12 @@ pub enum MechanismLimit {
         contacts: Vec<(f64, f64, ContactMotion)>,
         /// Brakes and joints with friction, in their order, and whether they slip.
         brakes: Vec<BrakeLoad>,
+        /// Tensions of the blocked cables, in the order of the tendons with an actuator; none at effort.
+        tensions_n: Vec<f64>,
         /// The motion that a larger acceleration causes.
         motion: Vec<BodyMotion>,
+        /// Actuators that move in it, in the order of [`efforts`]: their efforts decide. A blocked cable becomes slack.
+        yielding: Vec<usize>,
         /// Relative difference of the limits from forces and from motion.
         gap: f64,
     },
@@ -96,7 +114,8 @@ pub fn mechanism_closure(at_rest: &MechanismAtRest<'_>) -> Result<MechanismClosu
     let count = frame.basis.ncols();
     let unknowns = (0..count).map(|index| Unknown::Coordinate { index }).collect();
     let mut rates = Unilateral::new(unknowns, vec![1.0; count]);
-    let rows = at_rest.contacts.iter().map(|contact| frame.contact(contact)[0].clone()).chain(frame.limits());
+    let contacts = at_rest.contacts.iter().map(|contact| frame.contact(contact)[0].clone());
+    let rows = contacts.chain(frame.limits()).chain(frame.blocked_cables());
     for (index, row) in rows.enumerate() {
         rates.append(Row::Constraint { index }, &row);
     }
@@ -120,21 +139,48 @@ pub fn mechanism_balance(at_rest: &MechanismAtRest<'_>, count: usize) -> Result<
     let balance = |index: usize| {
         let direction = direction(index)?;
         let driving = frame.field(scale(direction, -1.0));
-        let limit = |found: Certified| MechanismLimit::Limited {
-            acceleration_m_s2: found.acceleration_m_s2,
-            contacts: found.contacts[..at_rest.contacts.len()].to_vec(),
-            brakes: found.brakes,
-            motion: frame.motion(&found.motion),
-            gap: found.gap,
+        let limit = |found: Certified| {
+            let count = at_rest.contacts.len();
+            let cables = found.contacts.len() - frame.blocked_cables().count();
+            MechanismLimit::Limited {
+                acceleration_m_s2: found.acceleration_m_s2,
+                contacts: found.contacts[..count].to_vec(),
+                brakes: found.brakes,
+                tensions_n: found.contacts[cables..].iter().map(|(tension_n, ..)| *tension_n).collect(),
+                motion: frame.motion(&found.motion),
+                yielding: frame.yielding(&found.motion),
+                gap: found.gap,
+            }
         };
         let largest = match largest_multiple(&Equations { driving, ..loads.clone() })? {
-            Largest::Infeasible => MechanismLimit::Infeasible,
+            Largest::Infeasible { motion } => {
+                MechanismLimit::Infeasible { motion: frame.motion(&motion), yielding: frame.yielding(&motion) }
+            }
             Largest::Unlimited => MechanismLimit::Unlimited,
             Largest::Limited(found) => limit(found),
         };
         Ok(MechanismBalance { direction, largest })
     };
     (0..count).map(balance).collect()
+}
+
+/// Efforts of all actuators at rest, without their brakes: those of joints, then those of tendons, N·m or N.
+pub fn efforts(mechanism: &Mechanism, poses: &[Pose], time_s: f64) -> Vec<f64> {
+    let of_joints = mechanism.actuators.iter().map(|actuator| {
+        let command = match &actuator.command {
+            Command::Effort(profile) => profile.at(time_s).0,
+            Command::Servo { kp, target, .. } => kp * (target.at(time_s).0 - value_of(mechanism, &actuator.on, poses)),
+        };
+        let limit = actuator.limit.unwrap_or(f64::INFINITY);
+        command.clamp(-limit, limit)
+    });
+    let of_tendons = mechanism.tendons.iter().filter_map(|tendon| tendon.actuator.as_ref());
+    of_joints.chain(of_tendons.map(|actuator| actuator.tension.at(time_s).0.max(0.0))).collect()
+}
+
+/// Value of a combination of joint coordinates.
+fn value_of(mechanism: &Mechanism, on: &JointCombination, poses: &[Pose]) -> f64 {
+    on.value(|joint| coordinate_in(&mechanism.joints[joint], poses))
 }
 
 /// The mechanism with the basis of its motions.
@@ -148,30 +194,29 @@ struct Frame<'a> {
 
 impl<'a> Frame<'a> {
     fn new(at_rest: &'a MechanismAtRest<'a>, drives: DriveState) -> Self {
-        let MechanismAtRest { mechanism, poses, contacts, .. } = at_rest;
-        let origins = poses.iter().map(|[x, y, _]| [*x, *y]);
+        let MechanismAtRest { mechanism, poses, contacts, roles, .. } = at_rest;
+        let balanced = poses.iter().zip(&roles.is_balanced).filter(|(_, is_balanced)| **is_balanced);
+        let origins = balanced.map(|([x, y, _], _)| [*x, *y]);
         let points: Vec<[f64; 2]> = contacts.iter().map(|contact| contact.point_m).chain(origins).collect();
         let first = points.first().copied().unwrap_or_default();
         let reach = points.iter().map(|point| hypot(point[0] - first[0], point[1] - first[1])).fold(0.0, f64::max);
         let length_m = if reach > 0.0 { reach } else { 1.0 };
-        let mut frame = Self { at_rest, drives, length_m, basis: DMatrix::identity(3 * poses.len(), 3 * poses.len()) };
+        let mut frame = Self { at_rest, drives, length_m, basis: DMatrix::zeros(0, 0) };
         let mut rows: Vec<DVector<f64>> = Vec::new();
+        for (index, body) in mechanism.bodies.iter().enumerate() {
+            let fixed = if !roles.is_balanced[index] { 0..3 } else { if body.rotates() { 3..3 } else { 2..3 } };
+            rows.extend(
+                fixed.map(|part| DVector::from_fn(3 * poses.len(), |row, _| f64::from(row == 3 * index + part))),
+            );
+        }
         for joint in &mechanism.joints {
             rows.extend(
                 constraint_gradients(joint, poses).map(|by_pose| frame.row(joint.bodies.into_iter().zip(by_pose))),
             );
         }
         rows.extend(mechanism.couplings.iter().map(|coupling| frame.combination(&coupling.on)));
-        for (index, body) in mechanism.bodies.iter().enumerate() {
-            let fixed = if body.motion.is_some() { 0..3 } else { if body.rotates() { 3..3 } else { 2..3 } };
-            rows.extend(
-                fixed.map(|part| DVector::from_fn(3 * poses.len(), |row, _| f64::from(row == 3 * index + part))),
-            );
-        }
         if drives == DriveState::Blocked {
             rows.extend(mechanism.actuators.iter().map(|actuator| frame.combination(&actuator.on)));
-            let pulled = mechanism.tendons.iter().filter(|tendon| tendon.actuator.is_some());
-            rows.extend(pulled.map(|tendon| frame.tendon(tendon)));
         }
         frame.basis = null_space(&rows, 3 * poses.len());
         frame
@@ -195,21 +240,29 @@ impl<'a> Frame<'a> {
             let joint = &joints[*joint];
             *factor * self.row(joint.bodies.into_iter().zip(coordinate_gradient(joint, self.at_rest.poses)))
         };
-        on.terms.iter().map(term).sum()
+        self.sum(on.terms.iter().map(term))
     }
 
     /// Gradient of the length of a tendon.
     fn tendon(&self, tendon: &Tendon) -> DVector<f64> {
         let poses = self.at_rest.poses;
-        let mut row = self.combination(&JointCombination { terms: tendon.joints.clone(), offset: 0.0 });
+        let mut terms = vec![self.combination(&JointCombination { terms: tendon.joints.clone(), offset: 0.0 })];
         for ends in tendon.path.windows(2) {
             let centers = [0, 1].map(|k: usize| center_in(&ends[k], poses));
             let along = segment([&ends[0], &ends[1]], sub(centers[1], centers[0])).direction;
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
-                row += self.force(ends[k].body, centers[k], scale(along, sign));
+                terms.push(self.force(ends[k].body, centers[k], scale(along, sign)));
             }
         }
-        row
+        self.sum(terms.into_iter())
+    }
+
+    /// Sum of loads. Parts below the rounding errors of the sum are zero: the columns of the programme are scaled, so that
+    /// a cable whose whole path is on one body would become a load of size 1.
+    fn sum(&self, terms: impl Iterator<Item = DVector<f64>>) -> DVector<f64> {
+        let none = (DVector::zeros(3 * self.at_rest.poses.len()), 0.0);
+        let (sum, size) = terms.fold(none, |(sum, size), term| (sum + &term, size + term.norm()));
+        sum.map(|part| if part.abs() <= LOAD_ROUNDING * size { 0.0 } else { part })
     }
 
     /// Load of a force at a point of a body.
@@ -219,9 +272,12 @@ impl<'a> Frame<'a> {
         self.row([(body, by_pose)].into_iter())
     }
 
-    /// Generalised force of a load.
+    /// Generalised force of a load. Parts below its rounding errors are zero, as in [`Self::sum`]: the torque of a limit on
+    /// a blocked joint has no other parts.
     fn reduced(&self, load: &DVector<f64>) -> Vec<f64> {
-        self.basis.tr_mul(load).as_slice().to_vec()
+        let rounding = LOAD_ROUNDING * load.norm();
+        let reduced = self.basis.tr_mul(load);
+        reduced.iter().map(|part| if part.abs() <= rounding { 0.0 } else { *part }).collect()
     }
 
     /// Generalised forces of a unit normal force and a unit friction force (on the face along t = (n_y, −n_x)).
@@ -229,7 +285,8 @@ impl<'a> Frame<'a> {
         let ContactAtRest { bodies: [points, face], point_m, normal, .. } = *contact;
         let [x, y] = normal;
         [normal, [-y, x]].map(|force| {
-            self.reduced(&(self.force(points, point_m, force) + self.force(face, point_m, scale(force, -1.0))))
+            let pair = [self.force(points, point_m, force), self.force(face, point_m, scale(force, -1.0))];
+            self.reduced(&self.sum(pair.into_iter()))
         })
     }
 
@@ -243,20 +300,22 @@ impl<'a> Frame<'a> {
         reached.map(|limit| self.reduced(&(-limit.side * self.combination(&JointCombination::of_joint(limit.joint)))))
     }
 
+    /// Generalised forces of unit tensions of the blocked cables, which can only pull.
+    fn blocked_cables(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
+        let pulled = self.at_rest.mechanism.tendons.iter().filter(|tendon| tendon.actuator.is_some());
+        let blocked = pulled.filter(|_| self.drives == DriveState::Blocked);
+        blocked.map(|tendon| self.reduced(&-self.tendon(tendon)))
+    }
+
     /// Generalised force of a uniform field, m/s², on all masses.
     fn field(&self, field: [f64; 2]) -> Vec<f64> {
         let mut load = DVector::zeros(3 * self.at_rest.poses.len());
-        let moving = self.at_rest.mechanism.bodies.iter().enumerate().filter(|(_, body)| body.motion.is_none());
-        for (index, body) in moving {
+        let bodies = self.at_rest.mechanism.bodies.iter().enumerate();
+        for (index, body) in bodies.filter(|(index, _)| self.at_rest.roles.is_balanced[*index]) {
             let center_m = point_in(Some(index), body.com_m, self.at_rest.poses);
             load += self.force(Some(index), center_m, scale(field, body.mass_kg));
         }
         self.reduced(&load)
-    }
-
-    fn coordinate(&self, on: &JointCombination) -> f64 {
-        let joints = &self.at_rest.mechanism.joints;
-        on.value(|joint| coordinate_in(&joints[joint], self.at_rest.poses))
     }
 
     /// All columns of the equations, except the driving load.
@@ -267,7 +326,7 @@ impl<'a> Frame<'a> {
         for spring in &mechanism.springs {
             fixed += match &spring.kind {
                 SpringKind::Torsional { on, preload } => {
-                    (preload - spring.stiffness * (self.coordinate(on) - spring.rest)) * self.combination(on)
+                    (preload - spring.stiffness * (value_of(mechanism, on, poses) - spring.rest)) * self.combination(on)
                 }
                 SpringKind::Linear { bodies, points_m } => {
                     let ends = [0, 1].map(|k: usize| point_in(bodies[k], points_m[k], poses));
@@ -278,20 +337,21 @@ impl<'a> Frame<'a> {
                 }
             };
         }
+        let efforts = efforts(mechanism, poses, *time_s);
+        let (of_joints, mut of_tendons) = (&efforts, efforts[mechanism.actuators.len()..].iter());
         for tendon in &mechanism.tendons {
+            let pull = tendon.actuator.as_ref().and_then(|_| of_tendons.next());
+            if pull.is_some() && self.drives == DriveState::Blocked {
+                continue;
+            }
             let elongation = (length_in(mechanism, tendon, poses) - tendon.rest_m).max(0.0);
-            let pull = tendon.actuator.as_ref().map_or(0.0, |of| of.tension.at(*time_s).0.max(0.0));
-            fixed += -(tendon.stiffness_n_per_m * elongation + pull) * self.tendon(tendon);
+            let tension_n = tendon.stiffness_n_per_m * elongation + pull.unwrap_or(&0.0);
+            fixed += -tension_n * self.tendon(tendon);
         }
         let mut drives = Vec::new();
-        for actuator in &mechanism.actuators {
+        for (actuator, effort) in mechanism.actuators.iter().zip(of_joints) {
             let on = self.combination(&actuator.on);
-            let command = match &actuator.command {
-                Command::Effort(profile) => profile.at(*time_s).0,
-                Command::Servo { kp, target, .. } => kp * (target.at(*time_s).0 - self.coordinate(&actuator.on)),
-            };
-            let limit = actuator.limit.unwrap_or(f64::INFINITY);
-            fixed += command.clamp(-limit, limit) * &on;
+            fixed += *effort * &on;
             if let Some(brake) = actuator.brake.filter(|_| self.drives == DriveState::AtEffort) {
                 let most = brake.torque_n_m * brake.engagement(*time_s).0;
                 drives.push((self.reduced(&on), [if brake.one_way { 0.0 } else { -most }, most]));
@@ -309,12 +369,23 @@ impl<'a> Frame<'a> {
         let coordinates = self.basis.ncols();
         let of_limit = |normal: Vec<f64>| Cone { columns: [normal, vec![0.0; coordinates]], mu: 0.0 };
         Equations {
-            contacts: cones.chain(self.limits().map(of_limit)).collect(),
+            contacts: cones.chain(self.limits().chain(self.blocked_cables()).map(of_limit)).collect(),
             drives,
             fixed,
             driving: Vec::new(),
             lengths: vec![self.length_m; coordinates],
         }
+    }
+
+    /// Actuators whose coordinates move: those of joints, then those of tendons.
+    fn yielding(&self, rates: &[f64]) -> Vec<usize> {
+        let all = &self.basis * DVector::from_column_slice(rates);
+        let mechanism = self.at_rest.mechanism;
+        let of_joints = mechanism.actuators.iter().map(|actuator| self.combination(&actuator.on));
+        let of_tendons = mechanism.tendons.iter().filter(|tendon| tendon.actuator.is_some());
+        let rows = of_joints.chain(of_tendons.map(|tendon| self.tendon(tendon))).enumerate();
+        let moving = rows.filter(|(_, row)| row.dot(&all).abs() > RATE_ROUNDING * row.norm() * all.norm());
+        moving.map(|(index, _)| index).collect()
     }
 
     /// Velocities of all bodies, with a largest translation or rotation (times the typical length) of 1 mm/s.
@@ -328,17 +399,35 @@ impl<'a> Frame<'a> {
 }
 
 /// Orthonormal basis of the vectors orthogonal to all rows, as columns.
+///
+/// Unit vectors that no row contains are columns as they are, so that the equations of free bodies are exact.
 fn null_space(rows: &[DVector<f64>], count: usize) -> DMatrix<f64> {
-    let mut square = DMatrix::zeros(count, count);
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let rest = |vector: &DVector<f64>, basis: &[DVector<f64>]| {
+        let mut rest = vector.clone();
+        // The second pass removes the rounding errors of the first.
+        for _ in 0..2 {
+            for unit in basis {
+                let part = unit.dot(&rest);
+                rest.axpy(-part, unit, 1.0);
+            }
+        }
+        rest
+    };
     for row in rows {
-        let length = row.norm();
-        if length > 0.0 {
-            let unit = row / length;
-            square += &unit * unit.transpose();
+        let (rest, size) = (rest(row, &basis), row.norm());
+        if rest.norm() > RANK_TOLERANCE * size {
+            basis.push(rest.normalize());
         }
     }
-    let found = square.symmetric_eigen();
-    let largest = found.eigenvalues.amax().max(f64::MIN_POSITIVE);
-    let free: Vec<usize> = (0..count).filter(|index| found.eigenvalues[*index] < RANK_TOLERANCE * largest).collect();
-    DMatrix::from_fn(count, free.len(), |row, column| found.eigenvectors[(row, free[column])])
+    let rank = basis.len();
+    while basis.len() < count {
+        let uncovered = |axis: usize| 1.0 - basis.iter().map(|unit| unit[axis] * unit[axis]).sum::<f64>();
+        let Some(axis) = (0..count).max_by(|a, b| uncovered(*a).total_cmp(&uncovered(*b)).then(b.cmp(a))) else {
+            break;
+        };
+        let unit = DVector::from_fn(count, |row, _| f64::from(row == axis));
+        basis.push(rest(&unit, &basis).normalize());
+    }
+    DMatrix::from_fn(count, basis.len() - rank, |row, column| basis[rank + column][row])
 }

@@ -14,6 +14,8 @@ mod force_closure;
 mod form_closure;
 mod hand;
 mod mechanism;
+mod roles;
+mod simplex;
 
 pub use balance::{
     AccelerationLimit, Balance, BrakeLoad, ContactLoad, ContactLocation, ContactMotion, Drive, HandAtRest, HandMotion,
@@ -35,8 +37,9 @@ pub use hand::{
 
 pub use mechanism::{
     BodyMotion, ContactAtRest, DriveState, MechanismAtRest, MechanismBalance, MechanismClosure, MechanismLimit,
-    mechanism_balance, mechanism_closure,
+    efforts, mechanism_balance, mechanism_closure,
 };
+pub use roles::{Roles, carries, default_base, roles};
 
 /// Result of the functions of this module.
 pub type Result<T> = std::result::Result<T, StaticsError>;

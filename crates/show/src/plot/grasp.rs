@@ -224,7 +224,7 @@ pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureForma
 pub fn mechanism_balance(scene: &Scene, found: &MechanismGrasp, picture_format: PictureFormat) -> String {
     let last = found.friction_cases.last();
     let point = |balance: &MechanismBalance| match balance.largest {
-        MechanismLimit::Infeasible => (balance.direction, None),
+        MechanismLimit::Infeasible { .. } => (balance.direction, None),
         MechanismLimit::Limited { acceleration_m_s2, .. } => (balance.direction, Some(acceleration_m_s2 / G_M_S2)),
         MechanismLimit::Unlimited => (balance.direction, Some(f64::INFINITY)),
     };

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::{closure_document, closure_text, millimetres};
+use super::{closure_document, closure_text, format_mu, millimetres};
 use crate::format::numbers::{format_number, row};
 use crate::format::report::{Report, ToReport, table, table_of};
 use crate::grasp::finger::{Drive, Forces, Grasp, SpringAtRest};
@@ -165,7 +165,8 @@ fn drive(drive: &Drive) -> String {
 }
 
 fn friction([proximal, distal]: [f64; 2]) -> String {
-    if proximal == distal { proximal.to_string() } else { format!("{proximal}, {distal}") }
+    let [proximal, distal] = [proximal, distal].map(format_mu);
+    if proximal == distal { proximal } else { format!("{proximal}, {distal}") }
 }
 
 fn forces(all: &[Forces]) -> Report {

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::{closure_document, closure_text, force_closure_text, millimetres};
+use super::{closure_document, closure_text, force_closure_text, format_mu, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
 use crate::grasp::finger::Palm;
@@ -292,7 +292,7 @@ fn contacts(all: &[ObjectContact]) -> Report {
         let ([x, y], [nx, ny]) = (contact.point.point_m.map(millimetres), contact.point.normal);
         let angle = format!("{:.2}", ny.atan2(nx).to_degrees());
         let gap = format_number(contact.point.gap_m * 1e6, 4);
-        let mut cells = row([&name, &x, &y, &angle, &gap, &contact.mu_static.to_string()]);
+        let mut cells = row([&name, &x, &y, &angle, &gap, &format_mu(contact.mu_static)]);
         let forces = contact.forces_n.into_iter().flatten();
         cells.extend(forces.map(|force_n| number(zero_below_resolution(force_n, Dimension::Force))));
         cells

@@ -3,11 +3,11 @@
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::{force_closure_text, millimetres};
+use super::{force_closure_text, format_mu, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
 use crate::grasp::gripper::FrictionCase;
-use crate::grasp::mechanism::{HeldContact, MechanismGrasp};
+use crate::grasp::mechanism::{ActuatorAtRest, ActuatorRole, HeldContact, MechanismGrasp};
 use crate::report::grasp::force_closure;
 use crate::statics::{BodyMotion, ContactMotion, MechanismBalance, MechanismLimit, StaticsError};
 use crate::units::Dimension;
@@ -43,11 +43,33 @@ impl<'a> MechanismStaticsReport<'a> {
         moving.map(|(index, _)| (index + 1).to_string()).collect()
     }
 
+    /// Names of the actuators that move at the limit.
+    fn yielding(&self, yielding: &[usize]) -> Vec<&'a str> {
+        yielding.iter().map(|index| self.grasp.actuators[*index].name.as_str()).collect()
+    }
+
+    /// Names of the actuators that pull cables.
+    fn cable_actuators(&self) -> impl Iterator<Item = &'a str> {
+        let actuators = self.grasp.actuators.iter().filter(|actuator| actuator.pulls_cable);
+        actuators.map(|actuator| actuator.name.as_str())
+    }
+
     fn balance_document(&self, balance: &'a MechanismBalance, brakes: &'a [String]) -> Object<'a> {
         match &balance.largest {
-            MechanismLimit::Infeasible => Object::default().with("balanced", "nothing"),
+            MechanismLimit::Infeasible { motion, yielding } => Object::default()
+                .with("balanced", "nothing")
+                .with("actuators_yield", self.yielding(yielding))
+                .with("motion", motion_documents(&self.grasp.bodies, motion)),
             MechanismLimit::Unlimited => Object::default().with("balanced", "any"),
-            MechanismLimit::Limited { acceleration_m_s2, contacts, brakes: loads, motion, gap } => {
+            MechanismLimit::Limited {
+                acceleration_m_s2,
+                contacts,
+                brakes: loads,
+                tensions_n,
+                motion,
+                yielding,
+                gap,
+            } => {
                 let slipping = brakes.iter().zip(loads).filter(|(_, load)| load.slips).map(|(name, _)| name.as_str());
                 let forces = self.grasp.contacts.iter().zip(contacts).map(|(contact, (normal_n, tangential_n, _))| {
                     Object::default()
@@ -55,38 +77,69 @@ impl<'a> MechanismStaticsReport<'a> {
                         .with("normal_n", *normal_n)
                         .with("tangential_n", *tangential_n)
                 });
+                let tensions = self.cable_actuators().zip(tensions_n);
+                let tensions = tensions
+                    .map(|(name, tension_n)| Object::default().with("actuator", name).with("tension_n", *tension_n));
                 Object::default()
                     .with("balanced", "up to")
                     .with("acceleration_m_s2", *acceleration_m_s2)
                     .with("slips", self.contacts_that(contacts, ContactMotion::Slips))
                     .with("leaves", self.contacts_that(contacts, ContactMotion::Separates))
                     .with("brakes_slip", slipping.collect::<Vec<_>>())
+                    .with("actuators_yield", self.yielding(yielding))
                     .with("forces", forces.collect::<Vec<_>>())
+                    .with_some("tensions", (!tensions_n.is_empty()).then(|| tensions.collect::<Vec<_>>()))
                     .with("motion", motion_documents(&self.grasp.bodies, motion))
                     .with("gap", *gap)
             }
         }
     }
 
-    /// The largest balanced acceleration, and the contacts and brakes at their limits.
+    /// The largest balanced acceleration, and the contacts, brakes and actuators at their limits; of a hand that is not at
+    /// rest, the bodies and actuators that move.
     fn limit_cells(&self, balance: &MechanismBalance, brakes: &[String]) -> [String; 2] {
-        let (acceleration_m_s2, contacts, loads) = match &balance.largest {
+        let (head, parts) = match &balance.largest {
             MechanismLimit::Unlimited => return ["any", "–"].map(String::from),
-            MechanismLimit::Infeasible => return ["not at rest", "–"].map(String::from),
-            MechanismLimit::Limited { acceleration_m_s2, contacts, brakes, .. } => {
-                (acceleration_m_s2, contacts, brakes)
+            MechanismLimit::Infeasible { motion, yielding } => {
+                let moving = self.grasp.bodies.iter().zip(motion).filter(|(_, rates)| **rates != [0.0; 3]);
+                let moving = moving.map(|(name, _)| name.as_str()).collect();
+                ("not at rest".to_string(), vec![("moves", moving), ("yields", self.yielding(yielding))])
+            }
+            MechanismLimit::Limited { acceleration_m_s2, contacts, brakes: loads, yielding, .. } => {
+                let numbers = |motion| self.numbers_that(contacts, motion).join(" ");
+                let [slip, leave] = [ContactMotion::Slips, ContactMotion::Separates].map(numbers);
+                let slipping = brakes.iter().zip(loads).filter(|(_, load)| load.slips);
+                let slipping = slipping.map(|(name, _)| name.as_str()).collect();
+                let contacts = [("slip", slip), ("leave", leave)];
+                let contacts = contacts.into_iter().filter(|(_, numbers)| !numbers.is_empty());
+                let contacts: Vec<String> = contacts.map(|(verb, numbers)| format!("{verb} {numbers}")).collect();
+                let others = [("brake", slipping), ("yields", self.yielding(yielding))];
+                let acceleration = format_number(acceleration_m_s2 / G_M_S2, 4);
+                return [acceleration, causes(contacts, others.to_vec())];
             }
         };
-        let slipping = brakes.iter().zip(loads).filter(|(_, load)| load.slips).map(|(name, _)| name.clone());
-        let parts = [
-            ("slip", self.numbers_that(contacts, ContactMotion::Slips)),
-            ("leave", self.numbers_that(contacts, ContactMotion::Separates)),
-            ("brake", slipping.collect()),
+        [head, causes(Vec::new(), parts)]
+    }
+
+    /// The base, the actuators and what they do in both cases, and what is left out.
+    fn roles(&self) -> Report {
+        let grasp = self.grasp;
+        let of_role = |role: ActuatorRole| grasp.actuators.iter().filter(move |actuator| actuator.role == role);
+        let mut text = format!("base: {}\n", grasp.base);
+        let hand: Vec<String> = of_role(ActuatorRole::Hand).map(effort).collect();
+        if !hand.is_empty() {
+            text.push_str(&format!("actuators of the hand, blocked or at effort: {}\n", hand.join(", ")));
+        }
+        let names = |role| of_role(role).map(|actuator| actuator.name.as_str()).collect::<Vec<_>>().join(", ");
+        let lines = [
+            ("actuators of the base, blocked in both cases", names(ActuatorRole::Base)),
+            ("without effect on the grasp", names(ActuatorRole::LeftOut)),
+            ("bodies that nothing connects with object and hand, left out", grasp.left_out.join(", ")),
+            ("contacts with the surroundings, left out", grasp.surroundings.join(", ")),
         ];
-        let given = parts.into_iter().filter(|(_, names)| !names.is_empty());
-        let parts: Vec<String> = given.map(|(verb, names)| format!("{verb} {}", names.join(" "))).collect();
-        let causes = if parts.is_empty() { "–".to_string() } else { parts.join(", ") };
-        [format_number(acceleration_m_s2 / G_M_S2, 4), causes]
+        let given = lines.into_iter().filter(|(_, names)| !names.is_empty());
+        text.extend(given.map(|(meaning, names)| format!("{meaning}: {names}\n")));
+        Report::from(text)
     }
 
     fn friction_case(&self, case: &'a FrictionCase<MechanismBalance>) -> Report {
@@ -103,8 +156,9 @@ impl<'a> MechanismStaticsReport<'a> {
         Report::from(format!("{closure}\nlargest acceleration of the base that contact forces can balance\n"))
         .with(table(&rows))
         .with(Report::paragraph(
-            "(0° is x, 90° is y. The limits name contacts by their numbers. Balancing forces exist; which of them occur \
-             depends on how the grasp was closed.)\n",
+            "(0° is x, 90° is y. The limits name contacts by their numbers. An actuator yields where its effort decides: it \
+             moves in the motion that a larger acceleration causes. Balancing forces exist; which of them occur depends on \
+             how the grasp was closed.)\n",
         ))
     }
 }
@@ -157,12 +211,39 @@ impl<'a> Serialize for MechanismStaticsReport<'a> {
             .with("scene", grasp.scene.as_str())
             .with("time_s", grasp.sample.time_s)
             .with("object", object)
+            .with("base", grasp.base.as_str())
+            .with("actuators", grasp.actuators.iter().map(actuator_document).collect::<Vec<_>>())
+            .with("left_out", grasp.left_out.iter().map(String::as_str).collect::<Vec<_>>())
+            .with("surroundings", grasp.surroundings.iter().map(String::as_str).collect::<Vec<_>>())
             .with("contacts", grasp.contacts.iter().map(contact).collect::<Vec<_>>())
             .with("form_closure", closure)
             .with("holds", grasp.friction_cases.iter().map(case).collect::<Vec<_>>())
             .with_some("svg", self.svg.as_ref())
             .serialize(serializer)
     }
+}
+
+fn actuator_document(actuator: &ActuatorAtRest) -> Object<'_> {
+    let role = match actuator.role {
+        ActuatorRole::Hand => "hand",
+        ActuatorRole::Base => "base",
+        ActuatorRole::LeftOut => "left out",
+    };
+    let key = if actuator.is_torque { "effort_n_m" } else { "effort_n" };
+    Object::default().with("name", actuator.name.as_str()).with("role", role).with(key, actuator.effort)
+}
+
+/// Name and effort of an actuator.
+fn effort(actuator: &ActuatorAtRest) -> String {
+    let unit = if actuator.is_torque { "N·m" } else { "N" };
+    format!("{} ({} {unit})", actuator.name, number(actuator.effort))
+}
+
+/// Joins what is at its limit.
+fn causes(mut parts: Vec<String>, names: Vec<(&str, Vec<&str>)>) -> String {
+    let given = names.into_iter().filter(|(_, names)| !names.is_empty());
+    parts.extend(given.map(|(verb, names)| format!("{verb} {}", names.join(" "))));
+    if parts.is_empty() { "–".to_string() } else { parts.join(", ") }
 }
 
 /// Velocities of the moving bodies.
@@ -186,7 +267,7 @@ impl ToReport for MechanismStaticsReport<'_> {
             format_duration(grasp.sample.time_s),
             number(grasp.mass_kg * 1e3)
         );
-        let mut sections = vec![Report::from(head), contacts(&grasp.contacts), self.closure()];
+        let mut sections = vec![Report::from(head), self.roles(), contacts(&grasp.contacts), self.closure()];
         sections.extend(grasp.friction_cases.iter().map(|case| self.friction_case(case)));
         sections.extend(self.svg.iter().map(|path| Report::from(format!("picture: {path}\n"))));
         Report::join(sections)
@@ -228,7 +309,7 @@ fn contacts(all: &[HeldContact]) -> Report {
         let angle = format!("{:.2}", ny.atan2(nx).to_degrees());
         let [normal, friction] =
             contact.forces_n.map(|force_n| number(zero_below_resolution(force_n, Dimension::Force)));
-        let (gap, mu) = (format_number(contact.gap_m * 1e6, 4), contact.at_rest.mu.to_string());
+        let (gap, mu) = (format_number(contact.gap_m * 1e6, 4), format_mu(contact.at_rest.mu));
         row([&(index + 1).to_string(), &contact.name, &x, &y, &angle, &gap, &mu, &normal, &friction])
     };
     let rows: Vec<_> = std::iter::once(head).chain(all.iter().enumerate().map(line)).collect();

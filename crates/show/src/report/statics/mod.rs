@@ -22,6 +22,13 @@ fn millimetres(length_m: f64) -> String {
     format!("{:.4}", length_m * 1e3)
 }
 
+/// A friction coefficient with at most three significant digits.
+fn format_mu(mu: f64) -> String {
+    // A short number stays as it was written.
+    let (exact, rounded) = (mu.to_string(), format_number(mu, 3));
+    if exact.len() <= rounded.len() { exact } else { rounded }
+}
+
 /// Returns the JSON object of a form closure. `palm` states whether the object rests on the palm.
 fn closure_document<'a>(found: &'a FormClosure, palm: &Palm) -> Object<'a> {
     let (palm, palm_gap_m) = match palm {
@@ -247,7 +254,8 @@ fn closure_text(found: &FormClosure, palm: &Palm, mechanism: &str, pure: Option<
 /// the weakest wrench, whose moment is divided by `divisor`.
 fn force_closure_text(mu_static: Option<f64>, closure: &ForceClosure, divisor: &str) -> String {
     let number = |value: f64| format_number(value, 4);
-    let friction = mu_static.map_or("friction of the scene".to_string(), |mu| format!("μ_s {mu} in all contacts"));
+    let friction =
+        mu_static.map_or("friction of the scene".to_string(), |mu| format!("μ_s {} in all contacts", format_mu(mu)));
     let [sum, each] = [closure.q1_l1, closure.q1_linf].map(number);
     let (verdict, weakest) = match closure.closed {
         true => {

@@ -1,0 +1,169 @@
+//! Roles of the bodies of a mechanism in a grasp: the base, which is accelerated, and the bodies that are balanced.
+//!
+//! Bodies are connected by joints, couplings, springs, cables, actuators, and contacts that can push. The ground, the base
+//! and what carries the base do not move relative to the base. The object, the bodies of the hand that can touch it, and
+//! all bodies that are connected with these otherwise have to be at rest. Other bodies have no effect on the grasp.
+
+use crate::mechanism::{JointCombination, Mechanism, SpringKind};
+
+/// Roles of all bodies in the grasp of an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Roles {
+    /// The body that is accelerated; `None` is the ground.
+    pub base: Option<usize>,
+    /// Whether each body moves with the base: the base, what carries it, and bodies with a prescribed motion.
+    pub moves_with_base: Vec<bool>,
+    /// Whether each body has to be balanced.
+    pub is_balanced: Vec<bool>,
+}
+
+/// Returns the roles in the grasp of `object`, with the pairs of bodies of the contacts that can push.
+pub fn roles(
+    mechanism: &Mechanism,
+    object: usize,
+    base: Option<usize>,
+    contacts: impl Iterator<Item = [Option<usize>; 2]>,
+) -> Roles {
+    let graph = Graph { mechanism, object };
+    let mut moves_with_base: Vec<bool> = mechanism.bodies.iter().map(|body| body.motion.is_some()).collect();
+    if let Some(base) = base.filter(|base| mechanism.bodies[*base].motion.is_none()) {
+        let carriers = graph.ground_side(base);
+        moves_with_base.iter_mut().zip(carriers).for_each(|(moves, carries)| *moves |= carries);
+        moves_with_base[base] = true;
+    }
+    let mut found = Roles { base, moves_with_base, is_balanced: Vec::new() };
+    let mut edges = graph.edges();
+    edges.extend(contacts.filter(|bodies| !found.is_surroundings(mechanism, *bodies)).map(|bodies| bodies.to_vec()));
+    let mut is_balanced = vec![false; mechanism.bodies.len()];
+    let starts = graph.touching().into_iter().chain([object]);
+    starts.filter(|body| !found.moves_with_base[*body]).for_each(|body| is_balanced[body] = true);
+    loop {
+        let before = is_balanced.clone();
+        for bodies in &edges {
+            let moving = || bodies.iter().flatten().filter(|body| !found.moves_with_base[**body]);
+            if moving().any(|body| is_balanced[*body]) {
+                moving().for_each(|body| is_balanced[*body] = true);
+            }
+        }
+        if is_balanced == before {
+            found.is_balanced = is_balanced;
+            return found;
+        }
+    }
+}
+
+/// Returns the base of the hand that holds an object; `None` is the ground.
+///
+/// The base is the last body through which every path of joints from the ground leads to the bodies that can touch the
+/// object, and from which at least two joints lead on to such bodies: the palm of a hand on a lift. A body with a
+/// prescribed motion that carries all of them is a base as well.
+pub fn default_base(mechanism: &Mechanism, object: usize) -> Option<usize> {
+    let graph = Graph { mechanism, object };
+    let touching = graph.touching();
+    let candidates = (0..mechanism.bodies.len()).filter(|body| graph.leads_to(*body, &touching) >= 2);
+    let carriers = |body: &usize| graph.ground_side(*body).into_iter().filter(|carries| *carries).count();
+    candidates.filter(|body| carries(mechanism, object, *body)).max_by_key(carriers)
+}
+
+/// Whether every path of joints from the ground to the bodies that can touch the object leads through a body.
+pub fn carries(mechanism: &Mechanism, object: usize, base: usize) -> bool {
+    let graph = Graph { mechanism, object };
+    let without = graph.ground_side(base);
+    let can_carry = mechanism.has_joint(Some(base)) && base != object;
+    can_carry && graph.touching().into_iter().all(|body| body == base || !without[body])
+}
+
+impl Roles {
+    /// Whether a contact is one with the surroundings, which the base does not carry along: with the ground or a body of
+    /// prescribed motion that is not the base.
+    pub fn is_surroundings(&self, mechanism: &Mechanism, bodies: [Option<usize>; 2]) -> bool {
+        let is_other = |body: Option<usize>| mechanism.is_base(body) && body != self.base;
+        self.base.is_some() && bodies.into_iter().any(is_other)
+    }
+
+    /// Whether a combination of joints moves the base: none of its joints moves relative to the base.
+    pub fn moves_base(&self, mechanism: &Mechanism, on: &JointCombination) -> bool {
+        let bodies = on.terms.iter().flat_map(|(joint, _)| mechanism.joints[*joint].bodies);
+        bodies.flatten().all(|body| self.moves_with_base[body])
+    }
+
+    /// Whether a combination of joints moves a body that is balanced.
+    pub fn moves_balanced(&self, mechanism: &Mechanism, on: &JointCombination) -> bool {
+        let bodies = on.terms.iter().flat_map(|(joint, _)| mechanism.joints[*joint].bodies);
+        bodies.flatten().any(|body| self.is_balanced[body])
+    }
+}
+
+/// Bodies without the object, connected by joints.
+struct Graph<'a> {
+    mechanism: &'a Mechanism,
+    object: usize,
+}
+
+impl Graph<'_> {
+    /// Bodies with joints and a contact pair with the object, without those of a prescribed motion.
+    fn touching(&self) -> Vec<usize> {
+        let Self { mechanism, object } = *self;
+        let is_touching = |body: &usize| {
+            let pairs = mechanism.contacts.iter().map(|pair| [pair.points.body, pair.face.body]);
+            let mut touches = pairs.filter(|bodies| bodies.contains(&Some(object)) && bodies.contains(&Some(*body)));
+            *body != object && mechanism.bodies[*body].motion.is_none() && touches.next().is_some()
+        };
+        (0..mechanism.bodies.len()).filter(is_touching).filter(|body| mechanism.has_joint(Some(*body))).collect()
+    }
+
+    /// Bodies that joints connect with the starts, without passing the ground, the object, or a body.
+    fn reached(&self, starts: impl Iterator<Item = usize>, without: usize) -> Vec<bool> {
+        let passes = |body: usize| body != without && body != self.object && !self.mechanism.is_base(Some(body));
+        let mut reached = vec![false; self.mechanism.bodies.len()];
+        let mut next: Vec<usize> = starts.filter(|body| passes(*body)).collect();
+        while let Some(body) = next.pop() {
+            if !std::mem::replace(&mut reached[body], true) {
+                next.extend(self.neighbours(Some(body)).flatten().filter(|body| passes(*body)));
+            }
+        }
+        reached
+    }
+
+    /// Bodies that joints connect with the ground, or with a prescribed motion, without passing a body.
+    fn ground_side(&self, without: usize) -> Vec<bool> {
+        let prescribed = (0..self.mechanism.bodies.len()).map(Some).filter(|body| self.mechanism.is_base(*body));
+        let roots = prescribed.chain([None]).filter(|body| *body != Some(without));
+        self.reached(roots.flat_map(|root| self.neighbours(root)).flatten(), without)
+    }
+
+    /// Number of joints of a body that lead on to the bodies that can touch the object.
+    fn leads_to(&self, body: usize, touching: &[usize]) -> usize {
+        let carriers = self.ground_side(body);
+        let leads = |next: usize| {
+            let reached = self.reached(std::iter::once(next), body);
+            !carriers[next] && touching.iter().any(|other| reached[*other])
+        };
+        self.neighbours(Some(body)).flatten().filter(|next| leads(*next)).count()
+    }
+
+    fn neighbours(&self, body: Option<usize>) -> impl Iterator<Item = Option<usize>> + '_ {
+        let joints = self.mechanism.joints.iter().filter(move |joint| joint.bodies.contains(&body));
+        joints.map(move |joint| if joint.bodies[0] == body { joint.bodies[1] } else { joint.bodies[0] })
+    }
+
+    /// Sets of bodies that joints and force elements connect.
+    fn edges(&self) -> Vec<Vec<Option<usize>>> {
+        let Mechanism { joints, couplings, springs, tendons, actuators, .. } = &self.mechanism;
+        let of_joints = |terms: &[(usize, f64)]| -> Vec<Option<usize>> {
+            terms.iter().flat_map(|(joint, _)| joints[*joint].bodies).collect()
+        };
+        let mut edges: Vec<_> = joints.iter().map(|joint| joint.bodies.to_vec()).collect();
+        edges.extend(couplings.iter().map(|coupling| of_joints(&coupling.on.terms)));
+        edges.extend(actuators.iter().map(|actuator| of_joints(&actuator.on.terms)));
+        edges.extend(springs.iter().map(|spring| match &spring.kind {
+            SpringKind::Torsional { on, .. } => of_joints(&on.terms),
+            SpringKind::Linear { bodies, .. } => bodies.to_vec(),
+        }));
+        edges.extend(tendons.iter().map(|tendon| {
+            let path = tendon.path.iter().map(|element| element.body);
+            path.chain(of_joints(&tendon.joints)).collect()
+        }));
+        edges
+    }
+}
