@@ -89,6 +89,7 @@ const INTEGRATOR: CrateLayers = CrateLayers {
         "control",
         "stall",
         "system",
+        "gap_search",
         "event_location",
         "method",
         "radau5",

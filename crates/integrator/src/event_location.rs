@@ -2,9 +2,9 @@
 
 use std::cell::OnceCell;
 
-use super::gap_search::{GapBound, GapSearch, Point, Unresolved};
+use super::gap_search::{GapSearch, Point, Unresolved, find_root};
 use super::state::DensePositions;
-use super::{Dense, ErrorWeight, EventFunction, EventSet, Hybrid, RootSearch, State};
+use super::{Dense, ErrorWeight, EventFunction, EventSet, GapBound, Hybrid, RootSearch, State};
 use crate::numeric::array_from;
 use crate::numeric::elementary::powi;
 
@@ -318,52 +318,6 @@ fn find_minimum(rate: &dyn Fn(f64) -> f64) -> f64 {
         if rate(middle) < 0.0 { low = middle } else { high = middle }
     }
     0.5 * (low + high)
-}
-
-/// Largest number of evaluations in the search of a root.
-const MAX_ROOT_EVALUATIONS: usize = 80;
-
-/// Returns the far end of a tight bracket of the root of `value`, which is non-negative at `low` and negative at
-/// `high`, or the root itself if an iterate hits it exactly.
-///
-/// Chandrupatla's method (Adv. Eng. Softw. 28:145, 1997): inverse quadratic interpolation where the last three points
-/// allow it, otherwise bisection, because the event function of a clamped law may jump. The first point is that of the
-/// secant.
-pub(crate) fn find_root(value: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
-    // The latest point, and the other end of the bracket.
-    let (mut a, mut at_a) = (low, value(low).max(0.0));
-    let (mut b, mut at_b) = (high, value(high));
-    let mut fraction = at_a / (at_a - at_b);
-    for _ in 0..MAX_ROOT_EVALUATIONS {
-        let at_far = if at_a < 0.0 { at_a } else { at_b };
-        let tolerance = 2.0 * f64::EPSILON * a.max(b) / (b - a).abs();
-        if tolerance >= 0.5 || at_far > -1e-300 {
-            break;
-        }
-        // A fraction that is not a number becomes a bisection.
-        let fraction_inside = if fraction.is_finite() { fraction.clamp(tolerance, 1.0 - tolerance) } else { 0.5 };
-        let x = a + fraction_inside * (b - a);
-        let at_x = value(x);
-        if at_x == 0.0 {
-            // An exact root: the far end of the bracket may still be far away.
-            return x;
-        }
-        // The point that is no longer an end of the bracket.
-        let (mut c, mut at_c) = (a, at_a);
-        if (at_x < 0.0) != (at_a < 0.0) {
-            std::mem::swap(&mut c, &mut b);
-            std::mem::swap(&mut at_c, &mut at_b);
-        }
-        (a, at_a) = (x, at_x);
-        let (xi, phi) = ((a - b) / (c - b), (at_a - at_b) / (at_c - at_b));
-        fraction = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
-            at_a / (at_b - at_a) * (at_c / (at_b - at_c))
-                + (c - a) / (b - a) * (at_a / (at_c - at_a)) * (at_b / (at_c - at_b))
-        } else {
-            0.5
-        };
-    }
-    if at_a < 0.0 { a } else { b }
 }
 
 #[cfg(test)]

@@ -7,52 +7,22 @@
 
 use std::cell::Cell;
 
-use super::event_location::find_root;
-use super::{Dense, Hybrid};
+use super::{Dense, GapBound, GapBounds, Hybrid};
 
-/// Bounds of the derivatives of a gap over a part of a step.
+/// Largest number of states at which one step is evaluated to exclude zeros between them; a step that needs more is
+/// shortened. A bar that turns five times in a step past a near peg needs 60.
+const MAX_EVALUATIONS: u32 = 400;
+
+/// A gap at a fraction of the step.
 #[derive(Clone, Copy, Debug)]
-pub struct GapBound {
-    /// V: the largest rate.
+pub(crate) struct Point {
+    pub theta: f64,
+    pub value: f64,
+    /// Rate per step.
     pub rate: f64,
-    /// A: the gap is at least each of its tangents less A τ²/2 at the distance τ. Distances of convex bodies have such a
-    /// bound although their rates jump where the nearest points pass a corner.
-    pub curvature: f64,
-}
-
-/// Bounds of all gaps over a part of a step, and how far a state is from the next singularity.
-#[derive(Clone, Copy, Debug)]
-pub struct GapBounds<const S: usize> {
-    pub gaps: [GapBound; S],
-    /// Part of the step, forwards and backwards from the state, in which the clearance stays positive; 0 if it is unknown, not
-    /// a number or negative if the state itself has none.
-    pub clearance_reach: f64,
 }
 
 impl GapBound {
-    /// Nothing is known.
-    pub const NONE: Self = Self { rate: f64::INFINITY, curvature: f64::INFINITY };
-
-    /// Part of the step beside a point, over which a gap with this value and rate there is not negative.
-    #[inline(always)]
-    pub fn reach(&self, gap: f64, rate: f64) -> f64 {
-        if gap.is_nan() || gap < 0.0 {
-            return 0.0;
-        }
-        let by_rate = if self.rate > 0.0 { gap / self.rate } else { f64::INFINITY };
-        let a = self.curvature;
-        let by_curvature = if !a.is_finite() {
-            0.0
-        } else if rate < 0.0 {
-            2.0 * gap / ((rate * rate + 2.0 * a * gap).sqrt() - rate)
-        } else if a > 0.0 {
-            (rate + (rate * rate + 2.0 * a * gap).sqrt()) / a
-        } else {
-            f64::INFINITY
-        };
-        by_rate.max(by_curvature)
-    }
-
     /// Whether a gap stays above `-tolerance` between two points.
     #[inline(always)]
     pub(crate) fn excludes_zero(&self, [left, right]: [Point; 2], tolerance: f64) -> bool {
@@ -68,24 +38,6 @@ impl GapBound {
             right.theta - self.reach(right.value + tolerance, -right.rate),
         ]
     }
-}
-
-impl<const S: usize> GapBounds<S> {
-    /// Bounds of a system without gaps and singularities.
-    pub const NONE: Self = Self { gaps: [GapBound::NONE; S], clearance_reach: f64::INFINITY };
-}
-
-/// Largest number of states at which one step is evaluated to exclude zeros between them; a step that needs more is
-/// shortened. A bar that turns five times in a step past a near peg needs 60.
-const MAX_EVALUATIONS: u32 = 400;
-
-/// A gap at a fraction of the step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Point {
-    pub theta: f64,
-    pub value: f64,
-    /// Rate per step.
-    pub rate: f64,
 }
 
 /// The first zero of a gap.
@@ -199,4 +151,50 @@ where
         let middle = from + reaches[0] + 0.5 * left;
         Ok(self.is_clear_between([from, middle])? && self.is_clear_between([middle, to])?)
     }
+}
+
+/// Largest number of evaluations in the search of a root.
+const MAX_ROOT_EVALUATIONS: usize = 80;
+
+/// Returns the far end of a tight bracket of the root of `value`, which is non-negative at `low` and negative at
+/// `high`, or the root itself if an iterate hits it exactly.
+///
+/// Chandrupatla's method (Adv. Eng. Softw. 28:145, 1997): inverse quadratic interpolation where the last three points
+/// allow it, otherwise bisection, because the event function of a clamped law may jump. The first point is that of the
+/// secant.
+pub(crate) fn find_root(value: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+    // The latest point, and the other end of the bracket.
+    let (mut a, mut at_a) = (low, value(low).max(0.0));
+    let (mut b, mut at_b) = (high, value(high));
+    let mut fraction = at_a / (at_a - at_b);
+    for _ in 0..MAX_ROOT_EVALUATIONS {
+        let at_far = if at_a < 0.0 { at_a } else { at_b };
+        let tolerance = 2.0 * f64::EPSILON * a.max(b) / (b - a).abs();
+        if tolerance >= 0.5 || at_far > -1e-300 {
+            break;
+        }
+        // A fraction that is not a number becomes a bisection.
+        let fraction_inside = if fraction.is_finite() { fraction.clamp(tolerance, 1.0 - tolerance) } else { 0.5 };
+        let x = a + fraction_inside * (b - a);
+        let at_x = value(x);
+        if at_x == 0.0 {
+            // An exact root: the far end of the bracket may still be far away.
+            return x;
+        }
+        // The point that is no longer an end of the bracket.
+        let (mut c, mut at_c) = (a, at_a);
+        if (at_x < 0.0) != (at_a < 0.0) {
+            std::mem::swap(&mut c, &mut b);
+            std::mem::swap(&mut at_c, &mut at_b);
+        }
+        (a, at_a) = (x, at_x);
+        let (xi, phi) = ((a - b) / (c - b), (at_a - at_b) / (at_c - at_b));
+        fraction = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
+            at_a / (at_b - at_a) * (at_c / (at_b - at_c))
+                + (c - a) / (b - a) * (at_a / (at_c - at_a)) * (at_b / (at_c - at_b))
+        } else {
+            0.5
+        };
+    }
+    if at_a < 0.0 { a } else { b }
 }

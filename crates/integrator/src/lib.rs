@@ -29,12 +29,12 @@ use phalanx_mechanics::numeric;
 pub use clock::Clock;
 pub use control::Tolerances;
 pub use driver::{End, Failure, Integration, Options, Reason, integrate, integrate_by};
-pub use gap_search::{GapBound, GapBounds};
 pub use method::{Attempt, Method, StepStart};
 pub use radau_or_rodas::RadauOrRodas;
 pub use radau5::{Radau5, radau5_tableau};
 pub use rodas5p::Rodas5p;
 pub use state::{CoordinateBounds, Counters, Dense, Observer, State, Step, StepTools};
 pub use system::{
-    ErrorWeight, EventFunction, EventSet, Hybrid, Linearised, QuasiStaticState, Rates, RootSearch, System,
+    ErrorWeight, EventFunction, EventSet, GapBound, GapBounds, Hybrid, Linearised, QuasiStaticState, Rates, RootSearch,
+    System,
 };

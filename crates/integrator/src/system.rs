@@ -1,6 +1,5 @@
 //! Interface between the integrator and a hybrid system.
 
-use super::gap_search::GapBounds;
 use super::{CoordinateBounds, Tolerances};
 use crate::numeric::array_from;
 
@@ -152,6 +151,55 @@ pub struct EventSet<const N: usize, const S: usize> {
     /// Not negative while the equations are valid.
     pub clearance: f64,
     pub clearance_rate: f64,
+}
+
+/// Bounds of the derivatives of a gap over a part of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct GapBound {
+    /// V: the largest rate.
+    pub rate: f64,
+    /// A: the gap is at least each of its tangents less A τ²/2 at the distance τ. Distances of convex bodies have such a
+    /// bound although their rates jump where the nearest points pass a corner.
+    pub curvature: f64,
+}
+
+/// Bounds of all gaps over a part of a step, and how far a state is from the next singularity.
+#[derive(Clone, Copy, Debug)]
+pub struct GapBounds<const S: usize> {
+    pub gaps: [GapBound; S],
+    /// Part of the step, forwards and backwards from the state, in which the clearance stays positive; 0 if it is unknown, not
+    /// a number or negative if the state itself has none.
+    pub clearance_reach: f64,
+}
+
+impl GapBound {
+    /// Nothing is known.
+    pub const NONE: Self = Self { rate: f64::INFINITY, curvature: f64::INFINITY };
+
+    /// Part of the step beside a point, over which a gap with this value and rate there is not negative.
+    #[inline(always)]
+    pub fn reach(&self, gap: f64, rate: f64) -> f64 {
+        if gap.is_nan() || gap < 0.0 {
+            return 0.0;
+        }
+        let by_rate = if self.rate > 0.0 { gap / self.rate } else { f64::INFINITY };
+        let a = self.curvature;
+        let by_curvature = if !a.is_finite() {
+            0.0
+        } else if rate < 0.0 {
+            2.0 * gap / ((rate * rate + 2.0 * a * gap).sqrt() - rate)
+        } else if a > 0.0 {
+            (rate + (rate * rate + 2.0 * a * gap).sqrt()) / a
+        } else {
+            f64::INFINITY
+        };
+        by_rate.max(by_curvature)
+    }
+}
+
+impl<const S: usize> GapBounds<S> {
+    /// Bounds of a system without gaps and singularities.
+    pub const NONE: Self = Self { gaps: [GapBound::NONE; S], clearance_reach: f64::INFINITY };
 }
 
 /// A quasi-static state: its contacts rest at the equilibrium depth of their springs.

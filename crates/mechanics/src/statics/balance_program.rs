@@ -118,7 +118,7 @@ impl Program {
         for rule in [Rule::Steepest, Rule::First] {
             let verified = match at_rest.solve(rule) {
                 Some(Outcome::Infeasible { y }) => self.verified_contradiction(y),
-                Some(Outcome::Optimal { .. }) => match programme.solve(rule) {
+                Some(Outcome::Optimal { .. }) => match programme.solve_with_smallest_multipliers(rule) {
                     Some(Outcome::Optimal { x, y }) => self.verified_limit(x, y),
                     Some(Outcome::Unbounded { x, ray }) => self.verified_ray(&x, &ray),
                     Some(Outcome::Infeasible { .. }) => Err("feasible at rest, but for no acceleration".to_string()),

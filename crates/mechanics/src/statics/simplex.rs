@@ -44,6 +44,9 @@ const FEASIBLE: f64 = 1e-8;
 const ZERO_COST: f64 = 1e-11;
 /// The same relative to the largest multiplier: terms may consist of rounding errors only.
 const ROUNDED_COST: f64 = 1e-14;
+/// Multipliers that differ by less than this part of the largest one are the same, and a variable this part of the largest one
+/// from a bound is at it.
+const SAME_MULTIPLIER: f64 = 1e-9;
 /// Bounds may be exceeded by this part of a value while a larger pivot is selected (Harris 1973).
 const SLACK: f64 = 1e-12;
 
@@ -76,6 +79,46 @@ struct Tableau {
 }
 
 impl LinearProgram {
+    /// Like [`LinearProgram::solve`]; where several multipliers are optimal, the smallest ones instead of those of a vertex, so
+    /// that ties of a symmetric hand have a symmetric result.
+    pub fn solve_with_smallest_multipliers(&self, rule: Rule) -> Option<Outcome> {
+        let found = self.solve(rule)?;
+        let Outcome::Optimal { x, y } = &found else { return Some(found) };
+        let smallest = self.smallest_multipliers(x);
+        let largest = y.iter().fold(0.0f64, |largest, y| largest.max(y.abs()));
+        match smallest {
+            Some(smallest) if y.iter().zip(&smallest).any(|(a, b)| (a - b).abs() > SAME_MULTIPLIER * largest) => {
+                Some(Outcome::Optimal { x: x.clone(), y: smallest })
+            }
+            _ => Some(found),
+        }
+    }
+
+    /// The multipliers of least norm for which the reduced costs of all variables between their bounds vanish; `None` unless
+    /// the signs of the others show that they are optimal.
+    fn smallest_multipliers(&self, x: &[f64]) -> Option<Vec<f64>> {
+        let size = x.iter().fold(0.0f64, |size, x| size.max(x.abs()));
+        let distance = |j: usize| {
+            let [lo, hi] = self.bounds[j];
+            [x[j] - lo, hi - x[j]].map(|distance| distance > SAME_MULTIPLIER * size)
+        };
+        let between: Vec<usize> = (0..x.len()).filter(|j| distance(*j) == [true; 2]).collect();
+        if between.is_empty() || self.matrix.nrows() == 0 {
+            return None;
+        }
+        let columns = self.matrix.select_columns(&between).transpose();
+        let costs = DVector::from_fn(between.len(), |k, _| self.objective[between[k]]);
+        let y = columns.svd(true, true).solve(&costs, SAME_MULTIPLIER).ok()?;
+        let is_optimal = |j: usize| {
+            let column = self.matrix.column(j);
+            let reduced = self.objective[j] - column.dot(&y);
+            let zero = SAME_MULTIPLIER * (self.objective[j].abs() + column.amax() * y.amax());
+            let [from_lower, from_upper] = distance(j);
+            (!from_upper || reduced <= zero) && (!from_lower || reduced >= -zero)
+        };
+        (0..x.len()).all(is_optimal).then(|| y.as_slice().to_vec())
+    }
+
     /// Solves the programme; `None` if the method does not end.
     pub fn solve(&self, rule: Rule) -> Option<Outcome> {
         let (m, n) = self.matrix.shape();
