@@ -273,6 +273,12 @@ fn linkage(random: &mut Random) -> Option<Case> {
         )
     };
     let free = parse_any(&text(""), "free.toml").unwrap_or_else(|error| panic!("{error}"));
+    let gap = |simulation: &Simulation| {
+        let get = |channel: &str| simulation.get(channel).unwrap_or_else(|error| panic!("{error}"));
+        let at = ["coupler_x_m", "coupler_y_m"].map(get);
+        let offset = rotated([peg[0] - at[0], peg[1] - at[1]], -get("coupler_angle_rad"));
+        distance_to_segment(offset, coupler) - pad - radius
+    };
     let mut samples = Vec::with_capacity(SAMPLES + 1);
     let mut simulation = Simulation::new(&free, Model::Analytic).ok()?;
     for i in 0..=SAMPLES {
@@ -280,13 +286,10 @@ fn linkage(random: &mut Random) -> Option<Case> {
         if i > 0 {
             simulation.advance(time - simulation.time_s()).ok()?;
         }
-        let get = |channel: &str| simulation.get(channel).unwrap_or_else(|error| panic!("{error}"));
-        let at = ["coupler_x_m", "coupler_y_m"].map(get);
-        let offset = rotated([peg[0] - at[0], peg[1] - at[1]], -get("coupler_angle_rad"));
-        samples.push(distance_to_segment(offset, coupler) - pad - radius);
+        samples.push(gap(&simulation));
     }
-    // Cubic interpolation of the samples: its error is far below the grazing gap.
-    let gap = |t: f64| {
+    // Cubic interpolation of the samples finds the touch; the motion itself locates it.
+    let interpolated = |t: f64| {
         let x = t / end_s * SAMPLES as f64;
         let first = (x.floor() as usize).clamp(1, SAMPLES - 2) - 1;
         let u = x - first as f64;
@@ -297,10 +300,94 @@ fn linkage(random: &mut Random) -> Option<Case> {
             })
             .sum()
     };
-    let expected_s = first_zero(&gap, end_s)?;
-    let rate_m_s = expected_s.map_or(0.0, |t| ((gap(t) - gap(t - 1e-7)) / 1e-7).abs());
+    let mut expected_s = first_zero(&interpolated, end_s)?;
+    let mut rate_m_s = 0.0;
+    if let Some(near_s) = &mut expected_s {
+        let sample_s = end_s / SAMPLES as f64;
+        let from_s = (*near_s - sample_s).max(0.0);
+        let mut before = Simulation::new(&free, Model::Analytic).ok()?;
+        before.advance(from_s).ok()?;
+        let exact = |t: f64| {
+            let mut simulation = before.clone();
+            simulation.advance(t - simulation.time_s()).expect("a motion without contact");
+            gap(&simulation)
+        };
+        let (mut low, mut high) = (from_s, (*near_s + sample_s).min(end_s));
+        if exact(low) <= 0.0 || exact(high) >= 0.0 {
+            return None;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if exact(middle) > 0.0 { low = middle } else { high = middle }
+        }
+        *near_s = high;
+        rate_m_s = ((exact(high) - exact(high - 1e-7)) / 1e-7).abs();
+    }
     let contact = "[[contacts]]\nbetween = [\"coupler.o\", \"ground.peg\"]\nlaw = \"l\"\n";
     Some(Case { scene: text(contact), expected_s, rate_m_s })
+}
+
+/// A four-bar whose crank turns at a constant rate, because it is heavy, and a half plane of the ground that the tip of its
+/// rocker overlaps at its dead centre: the shortest touch of a turn. The bounds of the rocker over a whole step are unknown.
+#[test]
+fn tips_of_rockers_touch_planes_at_their_dead_centres() {
+    let lengths = [0.03_f64, 0.06, 0.05, 0.07];
+    let [crank, coupler, rocker, ground] = lengths;
+    // The smallest angle of the rocker, with its tip furthest to the right: crank and coupler are in line.
+    let reach = crank + coupler;
+    let smallest =
+        std::f64::consts::PI - ((ground * ground + rocker * rocker - reach * reach) / (2.0 * ground * rocker)).acos();
+    let (sin, cos) = smallest.sin_cos();
+    let tip = [ground + rocker * cos, rocker * sin];
+    for (overlap, is_swapped) in
+        [2e-6, 2e-5, 1e-4, 5e-4].into_iter().flat_map(|overlap| [(overlap, false), (overlap, true)])
+    {
+        for start in [0.7_f64, 0.9, 1.2] {
+            let (x, y) = (crank * start.cos(), crank * start.sin());
+            let (dx, dy) = (ground - x, -y);
+            let distance = dx.hypot(dy);
+            let along = (coupler * coupler - rocker * rocker + distance * distance) / (2.0 * distance);
+            let across = (coupler * coupler - along * along).sqrt();
+            let pin = [x + (along * dx - across * dy) / distance, y + (along * dy + across * dx) / distance];
+            let (turn, angle) = ((pin[1] - y).atan2(pin[0] - x), pin[1].atan2(pin[0] - ground));
+            let radius = 1e-3;
+            let (face, pair) = match is_swapped {
+                false => (
+                    format!(
+                        "type = \"half_plane\"\npoint = [\"{:e} m\", \"0 m\"]\nnormal = [-1, 0]\n",
+                        tip[0] + radius - overlap
+                    ),
+                    "[\"rocker.tip\", \"ground.wall\"]",
+                ),
+                // A disc in the path of the tip, in place of the plane.
+                true => (
+                    format!(
+                        "type = \"disc\"\ncenter = [\"{:e} m\", \"{:e} m\"]\nradius = \"0.02 m\"\n",
+                        tip[0] + (0.02 + radius - overlap) * sin,
+                        tip[1] - (0.02 + radius - overlap) * cos
+                    ),
+                    "[\"ground.wall\", \"rocker.tip\"]",
+                ),
+            };
+            let scene = format!(
+                "kind = \"mechanism\"\nduration = \"0.13 s\"\n[bodies.crank]\nmass = \"10 g\"\ninertia = \"1 kg*m^2\"\n\
+                 [bodies.coupler]\nmass = \"10 g\"\ninertia = \"1e-5 kg*m^2\"\nguess = {{ at = [\"{x:e} m\", \"{y:e} m\"], \
+                 angle = \"{turn:e} rad\" }}\n[bodies.rocker]\nmass = \"10 g\"\ninertia = \"1e-5 kg*m^2\"\nguess = {{ at = \
+                 [\"{ground:e} m\", \"0 m\"], angle = \"{angle:e} rad\" }}\n[bodies.rocker.outlines.tip]\ntype = \"disc\"\n\
+                 center = [\"{rocker:e} m\", \"0 m\"]\nradius = \"{radius:e} m\"\n[ground.outlines.wall]\n{face}[joints.crank]\n\
+                 bodies = [\"ground\", \"crank\"]\npoints = [[\"0 m\", \"0 m\"], [\"0 m\", \"0 m\"]]\nstart = \"{start:e} rad\"\n\
+                 start_rate = \"100 rad/s\"\n[joints.a]\nbodies = [\"crank\", \"coupler\"]\npoints = [[\"{crank:e} m\", \"0 m\"], \
+                 [\"0 m\", \"0 m\"]]\n[joints.b]\nbodies = [\"coupler\", \"rocker\"]\npoints = [[\"{coupler:e} m\", \"0 m\"], \
+                 [\"{rocker:e} m\", \"0 m\"]]\n[joints.c]\nbodies = [\"ground\", \"rocker\"]\npoints = [[\"{ground:e} m\", \"0 m\"], \
+                 [\"0 m\", \"0 m\"]]\n[[contacts]]\nbetween = {pair}\nlaw = \"l\"\n{LAW}"
+            );
+            let scene = parse_any(&scene, "rocker.toml").unwrap_or_else(|error| panic!("{error}"));
+            let outcome = trace::run(Model::Analytic, &scene, &mut ()).unwrap_or_else(|error| panic!("{error}"));
+            let touches = outcome.contacts[0].touchdowns;
+            // Two turns of 63 ms.
+            assert!((2..=3).contains(&touches), "{overlap} {is_swapped} {start}: {touches} touch-downs");
+        }
+    }
 }
 
 /// Compares the first touch of a run with the expected one; `None` if they agree.
@@ -348,12 +435,12 @@ fn compare(seed: u64, count: usize) {
 
 #[test]
 fn random_motions_touch_when_their_closed_forms_do() {
-    compare(1, 60);
+    compare(1, 25);
 }
 
 #[test]
 #[ignore = "takes minutes: 2,500 motions with fresh seeds"]
-fn two_thousand_random_motions_touch_when_their_closed_forms_do() {
+fn many_random_motions_touch_when_their_closed_forms_do() {
     compare(57_000, 500);
 }
 

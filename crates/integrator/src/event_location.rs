@@ -47,12 +47,14 @@ pub fn search_step<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, 
     let dense = || dense.get_or_init(&output.0);
     let is_bounded = |index: &usize| {
         let [start, end] = [start, end].map(|events| &events.functions[*index]);
-        start.root_search == RootSearch::Bounded && start.value.min(end.value).is_finite()
+        let may_cross = start.value.is_nan() || end.value.is_nan() || start.value.min(end.value).is_finite();
+        start.root_search == RootSearch::Bounded && may_cross
     };
     let mut first = None;
-    if end.clearance.is_finite() || (0..S).any(|index| is_bounded(&index)) {
+    if end.clearance != f64::INFINITY || (0..S).any(|index| is_bounded(&index)) {
         let positions = DensePositions { start: &from.q, end: &to.q, d: (output.1)(), step_s: h };
-        let bounds = system.gap_bounds(&positions.bounds(0.0, 1.0), &to.q, &to.v, end.clearance);
+        let bounds =
+            system.gap_bounds(&positions.bounds(0.0, 1.0, system.coordinate_count()), &to.q, &to.v, end.clearance);
         let search = GapSearch::new(system, mode, dense);
         if !search.stays_clear(bounds.clearance_reach) {
             return Found::Obstacle;

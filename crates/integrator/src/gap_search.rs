@@ -70,11 +70,17 @@ where
     }
 
     /// Bounds between two fractions of the step, of which `at` is one.
+    #[inline(never)]
     fn bounds_between(&self, from: f64, to: f64, at: f64) -> GapBounds<S> {
         let dense = (self.dense)();
-        let (q, v) = dense.motion(at);
+        let (q, v) = Self::motion(dense, at);
         let clearance = self.system.eval_events(&q, &v, self.mode).clearance;
-        self.system.gap_bounds(&dense.positions().bounds(from, to), &q, &v, clearance)
+        self.system.gap_bounds(&dense.positions().bounds(from, to, self.system.coordinate_count()), &q, &v, clearance)
+    }
+
+    /// Coordinates of the dense output with their derivative, which differs from the dense output of the rates by its error.
+    fn motion(dense: &Dense<N, Z>, theta: f64) -> ([f64; N], [f64; N]) {
+        (dense.motion(theta).0, dense.derivative(theta).q)
     }
 
     /// Counts an evaluation.
@@ -87,7 +93,7 @@ where
     pub fn point(&self, index: usize, theta: f64) -> Result<Point, Unresolved> {
         self.count()?;
         let dense = (self.dense)();
-        let (q, v) = dense.motion(theta);
+        let (q, v) = Self::motion(dense, theta);
         let function = self.system.eval_event(&q, &v, self.mode, index);
         if function.value.is_nan() {
             return Err(Unresolved);

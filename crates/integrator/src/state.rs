@@ -86,14 +86,14 @@ pub(crate) struct DensePositions<'a, const N: usize> {
 }
 
 impl<const N: usize> DensePositions<'_, N> {
-    /// Largest first and second derivatives of the coordinates by Θ between two fractions of the step. A polynomial lies
-    /// within the hull of its Bernstein coefficients, so nothing is sampled.
+    /// Largest first and second derivatives of the first `count` coordinates by Θ between two fractions of the step; the others
+    /// are at rest. A polynomial lies within the hull of its Bernstein coefficients, so nothing is sampled.
     #[inline(always)]
-    pub fn bounds(&self, from: f64, to: f64) -> CoordinateBounds<N> {
+    pub fn bounds(&self, from: f64, to: f64, count: usize) -> CoordinateBounds<N> {
         let width = to - from;
         let mut bounds = CoordinateBounds { step_s: self.step_s, width, rate: [0.0; N], acceleration: [0.0; N] };
         let [a, b, c] = &self.d;
-        for n in 0..N {
+        for n in 0..count {
             // Coefficients of Θ to Θ⁴.
             let (c1, c2) = (self.end[n] - self.start[n] + a[n], b[n] - a[n]);
             let (c3, c4) = (c[n] - b[n], -c[n]);

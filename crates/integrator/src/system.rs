@@ -182,7 +182,12 @@ impl GapBound {
         if gap.is_nan() || gap < 0.0 {
             return 0.0;
         }
-        let by_rate = if self.rate > 0.0 { gap / self.rate } else { f64::INFINITY };
+        // A rate that is not a number is no bound.
+        let by_rate = match self.rate {
+            rate if rate > 0.0 => gap / rate,
+            0.0 => f64::INFINITY,
+            _ => 0.0,
+        };
         let a = self.curvature;
         let by_curvature = if !a.is_finite() {
             0.0

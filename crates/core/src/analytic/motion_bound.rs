@@ -20,6 +20,12 @@ pub(crate) struct RateBound {
     pub acceleration: f64,
 }
 
+/// Product of two bounds: zero if one of them is, even if the other one is not known.
+#[inline(always)]
+fn product(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
+}
+
 impl RateBound {
     /// Nothing is known.
     pub const NONE: Self = Self { rate: f64::INFINITY, acceleration: f64::INFINITY };
@@ -40,7 +46,7 @@ impl RateBound {
     }
 
     pub fn times(self, factor: f64) -> Self {
-        Self { rate: self.rate * factor.abs(), acceleration: self.acceleration * factor.abs() }
+        Self { rate: product(self.rate, factor.abs()), acceleration: product(self.acceleration, factor.abs()) }
     }
 
     /// Bound of a gap that changes by this coordinate.
@@ -87,8 +93,8 @@ impl MotionBound {
     #[inline(always)]
     pub fn point(&self, arm: f64) -> RateBound {
         RateBound {
-            rate: self.speed + self.spin * arm,
-            acceleration: self.acceleration + (self.spin_acceleration + self.spin * self.spin) * arm,
+            rate: self.speed + product(self.spin, arm),
+            acceleration: self.acceleration + product(self.spin_acceleration + self.spin * self.spin, arm),
         }
     }
 
@@ -103,7 +109,7 @@ impl MotionBound {
     /// `arm` the distance of its origin from the origin of this body.
     pub fn sliding(&self, slide: RateBound, arm: f64) -> Self {
         let carried = self.point(arm);
-        let coriolis = 2.0 * self.spin * slide.rate;
+        let coriolis = 2.0 * product(self.spin, slide.rate);
         let origin = carried.plus(RateBound { rate: slide.rate, acceleration: slide.acceleration + coriolis });
         Self::new(origin, self.turn())
     }
@@ -114,7 +120,7 @@ impl MotionBound {
     pub fn seen(&self, point: RateBound, distance: f64) -> RateBound {
         let base = self.point(distance);
         let rate = point.rate + base.rate;
-        RateBound { rate, acceleration: point.acceleration + base.acceleration + 2.0 * self.spin * rate }
+        RateBound { rate, acceleration: point.acceleration + base.acceleration + 2.0 * product(self.spin, rate) }
     }
 }
 

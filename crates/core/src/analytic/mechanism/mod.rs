@@ -10,6 +10,7 @@ mod dynamics;
 mod events;
 mod factor;
 mod free;
+mod gaps;
 mod group;
 mod joint_forces;
 mod model;

@@ -1,0 +1,135 @@
+//! Bounds of the gaps of contacts, limits and cables over a part of a step, from those of bodies and joints.
+
+use super::bounds::{Coordinates, MechanismBounds, length};
+use super::model::{MechanismModel, Surfaces};
+use super::motion::Motions;
+use super::nearest::PointOnFace;
+use crate::analytic::motion_bound::{RateBound, nothing_known};
+use crate::integrator::{CoordinateBounds, GapBound, GapBounds};
+use crate::mechanism::tendon::{MAX_WRAP_RAD, segment, wraps};
+use crate::mechanism::{OutlinePoint, PathElement, Tendon};
+use crate::numeric::plane::sub;
+
+/// Bounds of a segment of a cable: the relative speed of its ends and its smallest length.
+fn segment_bound<const K: usize>(
+    elements: [&PathElement; 2],
+    (step_s, width): (f64, f64),
+    motions: &Motions<f64, K>,
+    bounds: &MechanismBounds,
+) -> (RateBound, f64) {
+    let [a, b] = elements.map(|element| bounds.body(element.body).point(length(element.point_m)));
+    let [from, to] = elements.map(|element| motions.body(element.body).position(element.point_m));
+    let between = sub(to, from);
+    let rates = elements.map(|element| {
+        let body = motions.body(element.body);
+        body.rate_at(body.rotated(element.point_m))
+    });
+    let ends = a.plus(b).with_known_rate(length(sub(rates[1], rates[0])) * step_s, width);
+    // L² = d² − r², and d changes at most at the relative speed of the ends.
+    let (straight, distance) = (segment(elements, between).length, length(between));
+    let change = ends.rate * width;
+    (ends, (straight * straight - change * (2.0 * distance + change)).max(0.0).sqrt())
+}
+
+impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+    /// Bounds of all gaps, in the order of the contacts, and of the clearance.
+    pub(super) fn bound_gaps<const G: usize>(
+        &self,
+        coordinates: &CoordinateBounds<N>,
+        (q, motions, clearance): (&[f64; N], &Motions<f64, K>, f64),
+        bounds: &mut MechanismBounds,
+    ) -> GapBounds<G> {
+        bounds.clearance_reach = f64::INFINITY;
+        let CoordinateBounds { rate, acceleration, width, step_s } = coordinates;
+        let all = Coordinates { rate, acceleration, width: *width };
+        for free in &self.free_bodies {
+            bounds.bodies[free.body] = all.free_body(free.first, free.axes);
+        }
+        let time = self.time_index.map_or(0.0, |time| q[time]);
+        for group in &self.groups {
+            group.bound(&self.mechanism, (coordinates, motions), time, bounds);
+        }
+        let mut found = GapBounds::NONE;
+        for cable in &self.cables {
+            let gap = self.bound_cable(&cable.tendon, (*step_s, *width, clearance), motions, bounds);
+            cable.contact.into_iter().for_each(|contact| found.gaps[contact] = gap);
+        }
+        found.clearance_reach = bounds.clearance_reach;
+        for (gap, contact) in found.gaps.iter_mut().zip(&self.contacts) {
+            match &contact.surfaces {
+                Surfaces::Point(pair) => *gap = point_gap(pair, *width, motions, bounds),
+                Surfaces::Limit(limit) => *gap = bounds.joints[limit.joint].gap(),
+                Surfaces::Tendon(_) | Surfaces::Friction(_) => {}
+            }
+        }
+        found
+    }
+
+    /// Bound of the slack of a cable, which changes by the relative motion of the ends of its segments along them. Shortens the
+    /// reach of the clearance to the part of the step in which the cable stays on its pulleys: a segment turns at most by the
+    /// relative speed of its ends over its length.
+    fn bound_cable(
+        &self,
+        tendon: &Tendon,
+        (step_s, width, clearance): (f64, f64, f64),
+        motions: &Motions<f64, K>,
+        bounds: &mut MechanismBounds,
+    ) -> GapBound {
+        let spools = tendon.joints.iter().map(|(joint, factor)| bounds.joints[*joint].times(*factor));
+        let mut sum = spools.fold(RateBound::default(), RateBound::plus);
+        // The largest turn of a pulley's cable: that of both segments.
+        let (mut largest_turn, mut turn_before) = (0.0f64, 0.0);
+        for pair in tendon.path.windows(2) {
+            let (ends, shortest) = segment_bound([&pair[0], &pair[1]], (step_s, width), motions, bounds);
+            let turn = if ends.rate == 0.0 { 0.0 } else { ends.rate / shortest };
+            sum = sum.plus(RateBound { acceleration: ends.acceleration + turn * ends.rate, ..ends });
+            let both = turn_before + turn;
+            if pair[0].is_pulley() && (both.is_nan() || both > largest_turn) {
+                largest_turn = both;
+            }
+            turn_before = turn;
+        }
+        // The clearance is at most the margin of any wrap; the wraps themselves are evaluated where that does not suffice.
+        let mut margin = clearance;
+        if largest_turn * width > margin {
+            let center = |element: &PathElement| motions.body(element.body).position(element.point_m);
+            let margins = wraps(&tendon.path, center).map(|(_, wrap)| wrap.min(MAX_WRAP_RAD - wrap));
+            margin = margins
+                .fold(f64::INFINITY, |least, margin| if least.is_nan() || least <= margin { least } else { margin });
+        }
+        let reach = match largest_turn > 0.0 {
+            true if largest_turn.is_finite() => margin / largest_turn,
+            false if largest_turn == 0.0 => f64::INFINITY,
+            _ => nothing_known(margin),
+        };
+        if reach.is_nan() || reach < bounds.clearance_reach {
+            bounds.clearance_reach = reach;
+        }
+        sum.gap()
+    }
+}
+
+/// Bound of the gap between a point outline and a face: the point moves in the frame of the convex face.
+fn point_gap<const K: usize>(
+    pair: &PointOnFace,
+    width: f64,
+    motions: &Motions<f64, K>,
+    bounds: &MechanismBounds,
+) -> GapBound {
+    let [of_point, of_face] = pair.bodies.map(|body| bounds.body(body));
+    let center = match pair.point {
+        OutlinePoint::Vertex { point_m, .. } => point_m,
+        OutlinePoint::Ellipse { center_m, .. } => center_m,
+    };
+    let point = of_point.point(length(center));
+    let offset = sub(motions.body(pair.bodies[0]).position(center), motions.body(pair.bodies[1]).origin);
+    let distance = length(offset) + (point.rate + of_face.speed) * width;
+    let seen = of_face.seen(point, distance);
+    let OutlinePoint::Ellipse { semi_axes_m: [a, b], .. } = pair.point else { return seen.gap() };
+    // The support function of the ellipse has slopes up to its larger axis and second derivatives up to its largest radius
+    // of curvature.
+    let turn = of_point.turn().plus(of_face.turn());
+    let (long, short) = (a.max(b), a.min(b));
+    let curving = long * turn.acceleration + long * long / short * turn.rate * turn.rate;
+    GapBound { rate: seen.rate + long * turn.rate, curvature: seen.acceleration + curving }
+}
