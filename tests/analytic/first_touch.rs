@@ -408,9 +408,12 @@ fn disagreement(case: &Case) -> Option<String> {
     }
 }
 
+/// Builds a random case of a family; `None` if it is degenerate or cannot be decided.
+type Build = fn(&mut Random) -> Option<Case>;
+
 /// Compares `count` random cases of each family.
 fn compare(seed: u64, count: usize) {
-    let families: [(&str, fn(&mut Random) -> Option<Case>); 5] = [
+    let families: [(&str, Build); 5] = [
         ("jaw", |random| turning_bar(random, true)),
         ("bar", |random| turning_bar(random, false)),
         ("ball", |random| thrown(random, false)),

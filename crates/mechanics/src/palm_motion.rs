@@ -409,16 +409,12 @@ mod tests {
             let mut found = [[0.0f64; 3]; 2];
             for step in 0..=1000 {
                 let pose = motion.pose(from + (to - from) * f64::from(step) / 1000.0);
-                for axis in 0..3 {
-                    found[0][axis] = found[0][axis].max(pose.rate[axis].abs());
-                    found[1][axis] = found[1][axis].max(pose.acceleration[axis].abs());
+                for (found, values) in found.iter_mut().zip([pose.rate, pose.acceleration]) {
+                    found.iter_mut().zip(values).for_each(|(found, value)| *found = found.max(value.abs()));
                 }
             }
-            for k in 0..2 {
-                for axis in 0..3 {
-                    let (bound, found) = (bounds[k][axis], found[k][axis]);
-                    assert!(found <= bound * (1.0 + 1e-12), "{from} {to} {k} {axis}: {found} {bound}");
-                }
+            for (bound, found) in bounds.iter().flatten().zip(found.iter().flatten()) {
+                assert!(*found <= bound * (1.0 + 1e-12), "{from} {to}: {found} {bound}");
             }
         }
         // The bounds of the middle of a move and of a vibration are reached.

@@ -168,6 +168,7 @@ impl Sample {
     }
 
     /// Index of a number that is not finite, if there is one. Only the gap of a contact that does not exist is infinite.
+    #[cfg(feature = "engine")]
     pub(super) fn find_not_finite(&self) -> Option<usize> {
         // Any such number makes the sum NaN.
         if self.values.iter().map(|value| 0.0 * value).sum::<f64>() == 0.0 {
