@@ -138,9 +138,10 @@ for (const [scene, ...options] of [
       const { attachments, metadata } = readStream(log);
       assert.equal(attachments.length, 1);
       assert.deepEqual(Buffer.from(attachments[0].data), readFileSync(path.join(PROJECT, "scenes", scene)));
-      assert.deepEqual(metadata.map(({ name }) => name), ["phalanx", "phalanx-check"]);
+      assert.deepEqual(metadata.map(({ name }) => name), ["phalanx", "phalanx-subjects", "phalanx-check"]);
       assert.equal(metadata[0].metadata.get("model"), summary.model);
-      assert.equal(metadata[1].metadata.get("verdict"), summary.check.verdict);
+      assert.ok(metadata[1].metadata.size > 0);
+      assert.equal(metadata[2].metadata.get("verdict"), summary.check.verdict);
     });
   });
 }
