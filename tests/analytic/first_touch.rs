@@ -114,7 +114,7 @@ fn turning_bar(random: &mut Random, is_driven: bool) -> Option<Case> {
         (end, Box::new(angle), format!("[actuators.m]\njoint = \"j\"\ntorque = \"{torque:e} N*m\"\n"))
     } else {
         let rate = random.log_within(0.1, 1000.0) * if random.chance(0.5) { 1.0 } else { -1.0 };
-        (turns * TAU / rate.abs(), Box::new(move |t: f64| start + rate * t), format!("# {rate}\n"))
+        (turns * TAU / rate.abs(), Box::new(move |t: f64| start + rate * t), String::new())
     };
     let rate = if is_driven { 0.0 } else { (angle(end) - start) / end };
     let gap = |t: f64| distance_to_segment(rotated(place, -angle(t)), length) - bar - radius;
@@ -233,7 +233,7 @@ fn linkage(random: &mut Random) -> Option<Case> {
         let along = (coupler * coupler - rocker * rocker + distance * distance) / (2.0 * distance);
         let across = (coupler * coupler - along * along).sqrt();
         let at = [tip_x + (along * dx - across * dy) / distance, tip_y + (along * dy + across * dx) / distance];
-        (format!("# {pivot} {rocker}\n"), at)
+        (String::new(), at)
     };
     let angle = (last_at[1] - tip_y).atan2(last_at[0] - tip_x);
     if !angle.is_finite() {

@@ -189,7 +189,7 @@ fn parsed(text: &str) -> Scene {
     scene::parse_any(text, "scene.toml").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Four fingers on a disc, of which the programme once found *any* acceleration balanced.
+/// Four fingers on a disc. The programme once found that they balance *any* acceleration.
 pub fn four_fingers() -> Scene {
     parsed(include_str!("four_fingers.toml"))
 }

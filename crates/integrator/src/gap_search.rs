@@ -10,7 +10,7 @@ use std::cell::Cell;
 use super::{Dense, GapBound, GapBounds, Hybrid};
 
 /// Largest number of states at which one step is evaluated to exclude zeros between them; a step that needs more is
-/// shortened. A bar that turns five times in a step past a near peg needs 60.
+/// shortened. The value only ends the work of one step and is not tuned.
 const MAX_EVALUATIONS: u32 = 400;
 
 /// A gap at a fraction of the step.
@@ -69,7 +69,7 @@ where
         Self { system, mode, dense, evaluations: Cell::new(0) }
     }
 
-    /// Bounds between two fractions of the step, of which `at` is one.
+    /// Bounds between two fractions of the step; `at` is one of them.
     #[inline(never)]
     fn bounds_between(&self, from: f64, to: f64, at: f64) -> GapBounds<S> {
         let dense = (self.dense)();

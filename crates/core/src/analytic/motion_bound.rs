@@ -35,7 +35,7 @@ impl RateBound {
         Self { rate: bounds.rate[index], acceleration: bounds.acceleration[index] }
     }
 
-    /// The bound over a part of a step of this width, at one end of which the rate per step is known.
+    /// The bound over a part of a step of this width. The rate per step is known at one end of the part.
     #[inline(always)]
     pub fn with_known_rate(self, rate: f64, width: f64) -> Self {
         Self { rate: self.rate.min(rate + self.acceleration * width), ..self }
@@ -74,7 +74,7 @@ impl MotionBound {
         }
     }
 
-    /// The bound over a part of a step, at one end of which the rates per second of the body's pose are known. Bounds from the
+    /// The bound over a part of a step. The rates per second of the body's pose are known at one end of the part. Bounds from the
     /// lengths of links alone grow along a chain of bodies; these do not.
     #[inline(always)]
     pub fn with_known_rates(self, [x, y, turn]: [f64; 3], (step_s, width): (f64, f64)) -> Self {
@@ -149,7 +149,7 @@ impl PinnedPair {
     }
 }
 
-/// Lower bound of the sine of an angle γ over a part of a step of this width, at one end of which it is `sine`: d(sin² γ)/dΘ is
+/// Lower bound of the sine of an angle γ over a part of a step of this width; at one end it is `sine`. d(sin² γ)/dΘ is
 /// at least −2 K if |dγ/dΘ| ≤ K/sin γ. Not a number if it may vanish.
 pub(crate) fn smallest_sine(sine: f64, angle_change: f64, width: f64) -> f64 {
     (sine * sine - 2.0 * angle_change * width).sqrt()

@@ -95,7 +95,7 @@ fn add(schema: &mut Schema, subject: &DescribedSubject) {
     schema.add_subject(kind, is_limit, name);
 }
 
-/// Keeps those contacts of fingers of which a log has topics.
+/// Keeps the contacts of fingers that have topics in a log.
 fn keep_contacts<'a>(schema: &mut Schema, topics: impl Iterator<Item = &'a str>) {
     let found: HashSet<&str> = topics.filter_map(|topic| topic.strip_prefix("/contact/")).collect();
     // A finger with an object has contacts of both phalanges, which have the first indices.
