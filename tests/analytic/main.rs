@@ -20,6 +20,7 @@ mod laws_bodies;
 mod laws_bristle;
 mod laws_forces;
 mod laws_scenes;
+mod lift_off;
 mod mechanism;
 mod mechanism_stiction;
 mod newton_euler;

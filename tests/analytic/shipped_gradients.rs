@@ -191,9 +191,16 @@ fn derivatives_of_shipped_mechanisms() {
     files.sort();
     let (mut count, mut refused, mut unjudged, mut wrong) = (0, 0, 0, Vec::new());
     for file in files {
-        let scene = scene::load_any(&file).unwrap_or_else(|error| panic!("{error}"));
+        let mut scene = scene::load_any(&file).unwrap_or_else(|error| panic!("{error}"));
+        if let Ok(d) = std::env::var("PHALANX_DUR") {
+            scene.duration_s = d.parse().unwrap();
+        }
+        let only_change = std::env::var("PHALANX_CHANGE").unwrap_or_default();
         let Some(mechanism) = &scene.mechanism else { continue };
         for change in changes(mechanism) {
+            if !change.name.contains(&only_change) {
+                continue;
+            }
             let verdict = judge(&scene, &change);
             let property = format!("{}: {}", file.display(), change.name);
             count += 1;

@@ -78,9 +78,19 @@ const NEIGHBOURHOOD: f64 = 1e-6;
 /// that has come to rest is 0 up to such errors.
 const DIFFERENCE_TOLERANCE: f64 = 0.05;
 const DIFFERENCE_NOISE: f64 = 2e-3;
+/// Error of a quantity in the quotient, in changes of the quantity at a ten times larger tolerance. Where the quantity has
+/// come to rest, both are rounding errors of about the same size.
+const NOISE_MARGIN: f64 = 3.0;
 /// Rounding error of a quantity, relative to the largest quantity of its unit along the run, in the same unit: the speed of
 /// the centre of a pin on the ground is 0 up to it.
 const ROUNDING: f64 = 1e-6;
+/// A derivative is 0 if the change by the whole value of the parameter is below this fraction of the largest quantity of its
+/// unit along the run: it is rounding error.
+const ZERO_CHANGE: f64 = 1e-12;
+/// A derivative is also 0 if that change is below this fraction and the error of the derivative is as large as itself, with
+/// this margin: what has come to rest depends on no parameter.
+const SMALL_CHANGE: f64 = 1e-6;
+const ZERO_MARGIN: f64 = 10.0;
 /// Times closer than this are equal, s.
 const SAME_TIME_S: f64 = 1e-11;
 /// Difference of an angle from the tolerance of its position that counts as its crossing, rad.
@@ -241,6 +251,12 @@ impl Parameter<'_> {
     }
 }
 
+/// Whether a change by the whole value of a parameter, with its error, counts as 0 for this largest quantity of its unit.
+fn is_zero(change: f64, error: f64, largest: f64) -> bool {
+    change.abs() <= ZERO_CHANGE * largest
+        || change.abs() <= SMALL_CHANGE * largest && change.abs() <= ZERO_MARGIN * error
+}
+
 /// What the derivatives by all parameters have in common.
 struct Context<'a> {
     scene: &'a Scene,
@@ -254,30 +270,58 @@ struct Context<'a> {
 impl Context<'_> {
     /// Describes a derivative of a coordinate or a rate that contradicts the difference of two runs.
     fn contradiction(&self, index: usize, parameter: &Parameter<'_>, samples: &[Sample]) -> Option<String> {
-        let (Ok(derivatives), [below, above]) = (self.run.end[index].as_ref(), samples) else { return None };
+        let [fine, coarse] = [self.run, self.coarse].map(|run| run.end[index].as_ref());
+        let (Ok(derivatives), [below, above]) = (fine, samples) else { return None };
+        let error = |channel: usize| coarse.map_or(0.0, |coarse| (coarse[channel] - derivatives[channel]).abs());
         let is_motion = |channel: &Channel| ["rad", "m", "rad/s", "m/s"].contains(&channel.unit);
         let channels: Vec<Channel> = self.schema.channels().into_iter().filter(is_motion).collect();
-        let largest = |channel: &Channel| channel.index().map_or(0.0, |index| self.base.largest[index]);
-        let of_unit = |unit: &str| {
-            let of_unit = channels.iter().filter(|channel| channel.unit == unit);
-            of_unit.map(largest).fold(0.0, f64::max)
-        };
         channels.iter().find_map(|channel| {
-            let derivative = derivatives[channel.index()?];
-            let scale = largest(channel).max(ROUNDING * of_unit(channel.unit)) / parameter.scale();
+            let number = channel.index()?;
+            let of_unit = self.largest_of_unit(channel.unit);
+            let derivative = derivatives[number];
+            let largest = self.largest(channel).max(ROUNDING * of_unit);
+            let scale = largest / parameter.scale();
             let difference = (channel.value(above) - channel.value(below)) / (2.0 * NEIGHBOURHOOD * parameter.scale());
-            let allowed = DIFFERENCE_TOLERANCE * (derivative.abs() + difference.abs()) + DIFFERENCE_NOISE * scale;
+            let change = [derivative, error(number), difference].map(|value| value * parameter.scale());
+            if is_zero(change[0], change[1], of_unit) && change[2].abs() <= SMALL_CHANGE * of_unit {
+                return None;
+            }
+            let error = (channel.value(&self.run.outcome.last) - channel.value(&self.coarse.outcome.last)).abs();
+            let noise = NOISE_MARGIN * error / (NEIGHBOURHOOD * parameter.scale());
+            let allowed =
+                DIFFERENCE_TOLERANCE * (derivative.abs() + difference.abs()) + DIFFERENCE_NOISE * scale + noise;
             let name = &channel.name;
             ((derivative - difference).abs() > allowed)
                 .then(|| format!("the derivative of {name}, {derivative:e}, contradicts a difference, {difference:e}"))
         })
     }
 
+    /// Largest magnitude of a channel along the run.
+    fn largest(&self, channel: &Channel) -> f64 {
+        channel.index().map_or(0.0, |index| self.base.largest[index])
+    }
+
+    /// Largest magnitude of all channels of a unit along the run. Moments may all be 0 by geometry; their scale is then that of
+    /// the forces and lengths that they are computed from.
+    fn largest_of_unit(&self, unit: &str) -> f64 {
+        let of_unit = |unit: &str| {
+            let channels = self.schema.channels().into_iter().filter(|channel| channel.unit == unit);
+            channels.fold(0.0, |largest: f64, channel| largest.max(self.largest(&channel)))
+        };
+        match unit {
+            "N·m" => of_unit("N·m").max(of_unit("N") * of_unit("m")),
+            _ => of_unit(unit),
+        }
+    }
+
     fn gradient(&self, index: usize, parameter: &Parameter<'_>, changed: Option<String>) -> Gradient {
         let Self { run, coarse, .. } = self;
         let end = match &changed {
             Some(reason) => Derivatives { reason: Some(reason.clone()), ..Derivatives::default() },
-            None => self.derivatives(&run.outcome.last, run.end[index].as_ref(), coarse.end[index].as_ref()),
+            None => {
+                let [fine, coarse] = [run, coarse].map(|run| run.end[index].as_ref());
+                self.derivatives(&run.outcome.last, parameter, [fine, coarse])
+            }
         };
         let has_equal_events = run.events.len() == coarse.events.len()
             && run
@@ -287,7 +331,7 @@ impl Context<'_> {
                 .all(|(a, b)| (a.event.contact, a.event.kind) == (b.event.contact, b.event.kind));
         let event = |(position, event): (usize, &TangentEvent)| {
             let coarse = coarse.events.get(position).filter(|_| has_equal_events);
-            self.event_gradient(index, event, coarse)
+            self.event_gradient((index, parameter), event, coarse)
         };
         Gradient {
             unit: parameter.unit,
@@ -305,8 +349,8 @@ impl Context<'_> {
     fn derivatives(
         &self,
         sample: &Sample,
-        fine: Result<&Vec<f64>, &String>,
-        coarse: Result<&Vec<f64>, &String>,
+        parameter: &Parameter<'_>,
+        [fine, coarse]: [Result<&Vec<f64>, &String>; 2],
     ) -> Derivatives {
         let fine = match fine {
             Ok(fine) => fine,
@@ -314,16 +358,24 @@ impl Context<'_> {
         };
         let mut derivatives = Derivatives::default();
         let exists = |channel: &Channel| channel.value(sample).is_finite();
+        let mut scales: BTreeMap<&str, f64> = BTreeMap::new();
         for channel in self.schema.channels().into_iter().filter(exists) {
             let Some(index) = channel.index() else { continue };
             let error = coarse.map_or(f64::NAN, |coarse| (coarse[index] - fine[index]).abs());
+            let scale = *scales.entry(channel.unit).or_insert_with(|| self.largest_of_unit(channel.unit));
             derivatives.errors.insert(channel.name.clone(), error);
-            derivatives.values.insert(channel.name, fine[index]);
+            let is_zero = is_zero(fine[index] * parameter.scale(), error * parameter.scale(), scale);
+            derivatives.values.insert(channel.name, if is_zero { 0.0 } else { fine[index] });
         }
         derivatives
     }
 
-    fn event_gradient(&self, index: usize, event: &TangentEvent, coarse: Option<&TangentEvent>) -> EventGradient {
+    fn event_gradient(
+        &self,
+        (index, parameter): (usize, &Parameter<'_>),
+        event: &TangentEvent,
+        coarse: Option<&TangentEvent>,
+    ) -> EventGradient {
         let TangentEvent { event, sample, derivatives } = event;
         let missing = "the events of the run change with its tolerance".to_string();
         let coarse = coarse.map_or(Err(&missing), |event| event.derivatives[index].as_ref());
@@ -341,7 +393,7 @@ impl Context<'_> {
             contact: self.schema.contacts.get(event.contact).map_or_else(String::new, |contact| contact.name.clone()),
             kind: event.kind.name(),
             time,
-            state: self.derivatives(sample, fine.map(|(_, state)| state), coarse.map(|(_, state)| state)),
+            state: self.derivatives(sample, parameter, [fine, coarse].map(|found| found.map(|(_, state)| state))),
         }
     }
 

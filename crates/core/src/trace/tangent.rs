@@ -201,8 +201,8 @@ struct Neighbours<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
     /// Mode at the start, which neighbours must share.
     start_mode: M::Mode,
     levels: [OnceCell<Result<Level<M, N, Z>, String>>; LEVELS],
-    /// Derivative of the next time at which the right-hand side is discontinuous.
-    discontinuity: f64,
+    /// Derivatives of the last and the next time at which the right-hand side is discontinuous.
+    discontinuities: [f64; 2],
 }
 
 /// Number of steps of difference quotients; each is a tenth of the one before.
@@ -213,6 +213,9 @@ const MAX_DEPTH_CHANGE: f64 = 0.1;
 const MIN_RELEASE_DEPTH: f64 = 1e-4;
 /// Relative difference of two difference quotients at which their extrapolation is accurate.
 const QUOTIENT_TOLERANCE: f64 = 1e-6;
+/// Relative difference of two difference quotients below which one that is larger at the next step is rounding. A range of a
+/// friction law that is narrower than the change of the slip leaves larger ones at several steps.
+const MAX_ROUNDING: f64 = 1e-5;
 /// Allowed difference of one step and two half steps, relative to the largest derivative so far. The error of the half
 /// steps is a part of 1/31 of it.
 const TANGENT_TOLERANCE: f64 = 1e-8;
@@ -288,7 +291,8 @@ struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize, const G: usi
     deepest: Vec<f64>,
     /// Times before and after which all neighbours are in the same piece of their functions of time.
     bounds_s: [f64; 2],
-    next_discontinuity_s: f64,
+    /// Last and next discontinuity of the right-hand side in time.
+    discontinuities_s: [f64; 2],
     /// Rates just before a discontinuity at the present time.
     before_discontinuity: Option<Rates<N, Z>>,
     /// Largest acceleration of a coordinate so far.
@@ -355,7 +359,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
                 parameter: *parameter,
                 start_mode: mode,
                 levels: [const { OnceCell::new() }; LEVELS],
-                discontinuity: 0.0,
+                discontinuities: [0.0; 2],
             })
             .collect();
         let column = |neighbours: &Neighbours<'a, M, N, Z>| -> Column<N, Z> {
@@ -388,7 +392,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             rates: None,
             deepest: vec![0.0; contacts],
             bounds_s: [f64::NEG_INFINITY, f64::INFINITY],
-            next_discontinuity_s: f64::INFINITY,
+            discontinuities_s: [f64::NEG_INFINITY; 2],
             before_discontinuity: None,
             acceleration_scale: 0.0,
             times,
@@ -415,8 +419,9 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
     /// Finds the next discontinuity of the right-hand side after time `t`, and its derivatives.
     fn find_discontinuity(&mut self, t: f64) {
         let after = t.max(self.bounds_s[0]);
-        self.next_discontinuity_s = self.kernel.next_discontinuity(t);
-        let mut before = self.next_discontinuity_s;
+        let next = self.kernel.next_discontinuity(t);
+        self.discontinuities_s = [self.discontinuities_s[1], next];
+        let mut before = next;
         for neighbours in &mut self.neighbours {
             let level = neighbours.level(0, self.counts);
             let moved = level.map_or(0.0, |Level { pairs, h }| {
@@ -424,7 +429,8 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
                 before = before.min(times[0]).min(times[1]);
                 (times[1] - times[0]) / (2.0 * h[0])
             });
-            neighbours.discontinuity = if moved.is_finite() { moved } else { 0.0 };
+            let moved = if moved.is_finite() { moved } else { 0.0 };
+            neighbours.discontinuities = [neighbours.discontinuities[1], moved];
         }
         self.bounds_s[1] = before.next_down();
     }
@@ -437,6 +443,11 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
     #[inline(never)]
     fn linearise(kernel: &M, (t, state, mode): Instant<'_, M::Mode, N, Z>) -> Linearised<N, Z> {
         kernel.linearise(t, &state.q, &state.v, mode)
+    }
+
+    /// Change of a time that stays in the same piece of the functions of time.
+    fn room_s(&self, t: f64) -> f64 {
+        (t - self.bounds_s[0]).min(self.bounds_s[1] - t)
     }
 
     fn contact(&self, (_, state, mode): Instant<'_, M::Mode, N, Z>, contact: usize) -> ContactSample {
@@ -471,7 +482,8 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         let (mut found, mut smallest) = (Rates { a: [0.0; N], g: [0.0; Z] }, f64::INFINITY);
         for index in 0..LEVELS {
             let level = neighbours.level(index, self.counts)?;
-            if change * level.h[0] > MAX_DEPTH_CHANGE && index + 1 < LEVELS {
+            let is_too_large = change * level.h[0] > MAX_DEPTH_CHANGE && index + 1 < LEVELS;
+            if is_too_large || level.h[0] * (direction.dt - moving.1).abs() > self.room_s(t) {
                 continue;
             }
             let [full, half] = [0, 1].map(|k| {
@@ -489,7 +501,10 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             let largest = |of: &dyn Fn(usize) -> f64| (0..N).fold(0.0, |largest: f64, i| largest.max(of(i).abs()));
             let error = largest(&|i| half.a[i] - full.a[i]) / largest(&|i| half.a[i]).max(f64::MIN_POSITIVE);
             if error >= smallest {
-                break;
+                if smallest < MAX_ROUNDING {
+                    break;
+                }
+                continue;
             }
             smallest = error;
             direction.level = index;
@@ -536,8 +551,10 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         let largest = |dt: f64| contacts.iter().map(|contact| change_of(contact, dt)).fold(0.0, f64::max);
         let worst = contacts.iter().max_by(|a, b| change_of(a, 0.0).total_cmp(&change_of(b, 0.0)));
         let aligned = worst.map_or(0.0, |[_, rate, change]| -change / rate);
-        let is_better = aligned.is_finite() && largest(aligned) < 0.5 * largest(0.0);
-        let dt = if is_better && largest(0.0) * level.h[0] > MAX_DEPTH_CHANGE { aligned } else { 0.0 };
+        let is_better = largest(aligned) < 0.5 * largest(0.0);
+        let smallest_h = level.h[0] * crate::numeric::elementary::powi(0.1, LEVELS as i32 - 1);
+        let is_inside = smallest_h * aligned.abs() <= self.room_s(t);
+        let dt = if is_better && is_inside && largest(0.0) * level.h[0] > MAX_DEPTH_CHANGE { aligned } else { 0.0 };
         let flow = State { q: state.v, v: rates.a, z: rates.g };
         Ok((Direction { tangent: along(column, dt, &flow), dt: shift + dt, level: 0 }, largest(dt)))
     }
@@ -788,7 +805,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
     /// Passes a jump of the rates that moves with the next discontinuity in time.
     fn pass_jump(&mut self, before: &Rates<N, Z>, after: &Rates<N, Z>) {
         for (index, column) in self.columns.iter_mut().enumerate() {
-            let dt = self.neighbours[index].discontinuity - self.shifts[index];
+            let dt = self.neighbours[index].discontinuities[1] - self.shifts[index];
             let Ok(column) = column else { continue };
             (0..N).for_each(|i| column.v[i] += (before.a[i] - after.a[i]) * dt);
             (0..Z).for_each(|i| column.z[i] += (before.g[i] - after.g[i]) * dt);
@@ -827,8 +844,26 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         results
     }
 
+    /// How the time of a step moves. Near a discontinuity in time it moves with it: otherwise difference quotients would
+    /// cross it.
+    fn shift_of_step(&self, index: usize, step: &Step<N, Z>) -> f64 {
+        let (neighbours, shift) = (&self.neighbours[index], self.shifts[index]);
+        let ([last, next], [last_s, next_s]) = (neighbours.discontinuities, self.discontinuities_s);
+        let reach = |discontinuity: f64| neighbours.parameter.step * (shift - discontinuity).abs();
+        if step.t1 + reach(next) >= next_s {
+            next
+        } else if step.t0 - reach(last) < last_s {
+            last
+        } else {
+            shift
+        }
+    }
+
     /// Changes how the time moves at which the derivatives of a column are taken.
     fn shift(&mut self, index: usize, (state, rates): (&State<N, Z>, &Rates<N, Z>), shift: f64) {
+        if shift == self.shifts[index] {
+            return;
+        }
         let flow = State { q: state.v, v: rates.a, z: rates.g };
         if let Ok(column) = &mut self.columns[index] {
             *column = along(column, shift - self.shifts[index], &flow);
@@ -911,7 +946,8 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         let (t, state) = (self.time_s, self.state);
         let after = Self::rates(&self.kernel, (t, &state, mode));
         self.pass_jump(&before, &after);
-        let moved = |neighbours: &Neighbours<'a, M, N, Z>| neighbours.parameter.step * neighbours.discontinuity.abs();
+        let moved =
+            |neighbours: &Neighbours<'a, M, N, Z>| neighbours.parameter.step * neighbours.discontinuities[1].abs();
         let latest = t + self.neighbours.iter().map(moved).fold(0.0, f64::max);
         self.mode = *mode;
         self.bounds_s[0] = latest.next_up();
@@ -970,11 +1006,9 @@ where
         let rates = Self::rates(&self.kernel, (step.t0, step.start, mode));
         self.acceleration_scale = rates.a.iter().fold(self.acceleration_scale, |largest, a| largest.max(a.abs()));
         let is_read = self.times.get(self.at_times.len()).is_some_and(|time_s| *time_s <= step.t1);
-        if is_read || step.t1 == self.next_discontinuity_s {
-            for index in 0..self.neighbours.len() {
-                let shift = if is_read { 0.0 } else { self.neighbours[index].discontinuity };
-                self.shift(index, (step.start, &rates), shift);
-            }
+        for index in 0..self.neighbours.len() {
+            let shift = if is_read { 0.0 } else { self.shift_of_step(index, step) };
+            self.shift(index, (step.start, &rates), shift);
         }
         let mut from = 0.0;
         while let Some(time_s) = self.times.get(self.at_times.len()).filter(|time_s| **time_s <= step.t1) {
@@ -1014,7 +1048,7 @@ where
             };
             *deepest = deepest.max(depth);
         }
-        if step.t1 == self.next_discontinuity_s {
+        if step.t1 == self.discontinuities_s[1] {
             let before = (step.t1.next_down(), step.end, mode);
             self.before_discontinuity = Some(Self::rates(&self.kernel, before));
         }
