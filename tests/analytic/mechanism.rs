@@ -173,7 +173,7 @@ impl Observer<N, Z, MechanismMode<C>> for States<'_> {
 
 #[test]
 fn jacobians_match_differences_along_the_reference_cases() {
-    let on_palm = ["c_f85_link_pad", "d_tendon2", "b_swinging_slider"].map(on_a_moving_palm);
+    let on_palm = ["c_f85_link_pad", "c_f85_two_disc", "d_tendon2", "b_swinging_slider"].map(on_a_moving_palm);
     for case in all_cases().into_iter().chain([with_all_components()]).chain(on_palm) {
         let model = Model::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
         let mut states = States { model: &model, found: Vec::new() };

@@ -101,6 +101,47 @@ impl PalmMotion {
         pose
     }
 
+    /// Pose of the world in the frame of the palm at time t: with the position as a complex number p, −e^(−iΦ) p and −Φ.
+    pub fn world_pose(&self, t: f64) -> Pose {
+        let Pose { position, rate, acceleration, jerk } = self.pose(t);
+        let ([.., angle], [.., omega], [.., alpha], [.., alpha_rate]) = (position, rate, acceleration, jerk);
+        let (sin, cos) = sin_cos(angle);
+        let of = |[x, y, _]: [f64; 3]| [x, y];
+        let [p, p1, p2, p3] = [position, rate, acceleration, jerk].map(of);
+        // A sum of multiples of the derivatives of p, each also rotated by 90°.
+        let sum = |terms: &[([f64; 2], [f64; 2])]| {
+            terms.iter().fold([0.0; 2], |[x, y], ([u, v], [straight, across])| {
+                [x + straight * u - across * v, y + straight * v + across * u]
+            })
+        };
+        let in_palm = |[x, y]: [f64; 2], turn: f64| [-(cos * x + sin * y), sin * x - cos * y, turn];
+        let squared = omega * omega;
+        let first = sum(&[(p1, [1.0, 0.0]), (p, [0.0, -omega])]);
+        let second = sum(&[(p2, [1.0, 0.0]), (p1, [0.0, -2.0 * omega]), (p, [-squared, -alpha])]);
+        let third = sum(&[
+            (p3, [1.0, 0.0]),
+            (p2, [0.0, -3.0 * omega]),
+            (p1, [-3.0 * squared, -3.0 * alpha]),
+            (p, [-3.0 * omega * alpha, omega * squared - alpha_rate]),
+        ]);
+        Pose {
+            position: in_palm(p, -angle),
+            rate: in_palm(first, -omega),
+            acceleration: in_palm(second, -alpha),
+            jerk: in_palm(third, -alpha_rate),
+        }
+    }
+
+    /// Upper bounds of the rates and accelerations of [`PalmMotion::world_pose`] between two times.
+    pub fn largest_world_rates(&self, [from, to]: [f64; 2]) -> [[f64; 3]; 2] {
+        let [[vx, vy, omega], [ax, ay, alpha]] = self.largest_rates([from, to]);
+        let [x, y, _] = self.pose(from).position;
+        let (speed, acceleration) = (hypot(vx, vy), hypot(ax, ay));
+        let distance = hypot(x, y) + speed * (to - from);
+        let turning = alpha * distance + omega * (2.0 * speed + omega * distance);
+        [[speed + omega * distance, 0.0, omega], [acceleration + turning, 0.0, alpha]]
+    }
+
     /// Times at which some derivative jumps.
     #[inline]
     fn corners(&self) -> impl Iterator<Item = f64> {

@@ -8,6 +8,7 @@
 
 mod finger;
 mod finger_events;
+mod inertial_field;
 pub mod mechanism;
 mod mode;
 mod model;

@@ -96,10 +96,7 @@ impl PlacedGroup {
                     // Time is the coordinate; the part extends to either side of the state.
                     let (step_s, span_s) = (coordinates.rate[0], coordinates.rate[0] * all.width);
                     let of = &mechanism.bodies[*body];
-                    let [rate, acceleration] = of
-                        .motion
-                        .as_ref()
-                        .map_or([[0.0; 3]; 2], |motion| motion.largest_rates(of.rate, [time - span_s, time + span_s]));
+                    let [rate, acceleration] = self.largest_rates(of, [time - span_s, time + span_s]);
                     bounds.bodies[*body] = MotionBound {
                         speed: length([rate[0], rate[1]]) * step_s,
                         acceleration: length([acceleration[0], acceleration[1]]) * step_s * step_s,

@@ -12,6 +12,8 @@ use super::model::{Contact, MechanismMode, MechanismModel, Span, Surfaces};
 use super::motion::{Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;
+use super::palm_frame::{Inertia, inertial_loads, power};
+use crate::analytic::inertial_field::{InertialField, inertial_field};
 use crate::analytic::mode::ContactLaws;
 use crate::analytic::model::normal_force_on_branch;
 use crate::analytic::multibody::contact_kinematics::{
@@ -65,7 +67,7 @@ impl<const N: usize, const Z: usize> Sums<N, Z> {
 impl<const N: usize, const Z: usize> Sums<N, Z> {
     /// Adds the derivatives of the power of a force on a group; `by_v` is that of the power by the rates.
     #[inline(always)]
-    fn add_power<const K: usize>(
+    pub(super) fn add_power<const K: usize>(
         &mut self,
         work: usize,
         (first, size): (usize, usize),
@@ -128,6 +130,62 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         mass
     }
 
+    /// Inertial accelerations at time `t`, in the frame of a moving palm.
+    pub(super) fn inertial_field(&self, t: f64) -> Option<InertialField> {
+        let (_, motion) = self.world.as_ref()?;
+        Some(inertial_field(motion, self.mechanism.gravity_m_s2, t))
+    }
+
+    fn inertia_of(&self, body: usize) -> Inertia {
+        let body = &self.mechanism.bodies[body];
+        Inertia { mass: body.mass_kg, moment: body.inertia_kg_m2 }
+    }
+
+    /// Adds the inertial loads on all bodies in the frame of a moving palm. Their power is work of the palm.
+    fn add_inertial_loads<const Z: usize>(
+        &self,
+        t: f64,
+        motions: &Motions<f64, K>,
+        load: &mut [f64; N],
+        g: &mut [f64; Z],
+    ) {
+        let Some(InertialField { field, .. }) = self.inertial_field(t) else { return };
+        for (index, of_body) in inertial_loads(&self.mechanism, (&field, motions)) {
+            let (Span { first, size, is_free }, motion) = (self.spans[index], &motions.bodies[index]);
+            let center = &motions.centers[index];
+            g[Self::DRIVE_WORK] += power(of_body, center.rate, motion.rate[2]);
+            let load = &mut load[first..first + size];
+            if is_free {
+                load.iter_mut().zip(of_body).for_each(|(load, part)| *load += part);
+                continue;
+            }
+            let [x, y] = &center.jacobian;
+            for (i, load) in load.iter_mut().enumerate() {
+                *load += of_body[0] * x[i] + of_body[1] * y[i] + of_body[2] * motion.jacobian[2][i];
+            }
+        }
+    }
+
+    /// Adds the derivatives of the inertial loads.
+    fn add_inertial_derivatives<const Z: usize>(
+        &self,
+        t: f64,
+        (plain, motions): (&Motions<f64, K>, &Motions<Dual<K>, K>),
+        sums: &mut Sums<N, Z>,
+    ) {
+        let Some(field) = self.inertial_field(t) else { return };
+        for (index, Span { first, size, is_free }) in self.spans.iter().copied().enumerate() {
+            let inertia = self.inertia_of(index);
+            match is_free {
+                true => sums.add_free_inertia((first, inertia, Self::DRIVE_WORK), &field, &plain.bodies[index]),
+                false => {
+                    let motions = (&motions.centers[index], &motions.bodies[index]);
+                    sums.add_group_inertia(((first, size), inertia, Self::DRIVE_WORK), &field, motions);
+                }
+            }
+        }
+    }
+
     /// Adds all loads on the coordinates and the powers of all forces.
     fn add_loads<const Z: usize>(
         &self,
@@ -145,6 +203,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let of_group = self.group_loads(t, (group, v), mode, motions, g);
             load[group.first..].iter_mut().zip(of_group).take(group.size()).for_each(|(load, part)| *load = part);
         }
+        self.add_inertial_loads(t, motions, load, g);
         for (index, bodies, points_m) in self.linear_springs() {
             let state = pairs::spring(points_m, &Self::frames(motions, bodies));
             let rates = Self::pair_rates(motions, bodies);
@@ -620,6 +679,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z
             for group in &self.groups {
                 self.add_group_derivatives(t, (group, v, &rates.a), mode, motions, &mut sums);
             }
+            self.add_inertial_derivatives(t, (plain, motions), &mut sums);
             self.add_all_pair_derivatives(v, mode, (plain, motions), &mut sums);
             self.add_tendon_derivatives(t, v, mode, (plain, motions), &mut sums);
         });

@@ -9,7 +9,9 @@ use super::motion::{
     BodyMotion, JointMotion, Motions, carried_bias, carry, column, joint_coordinate, joint_rate, pair, place,
 };
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
-use crate::mechanism::{Actuator, Body, Command, Joint, JointCombination, Mechanism, Pose, Spring, SpringKind};
+use crate::mechanism::{
+    Actuator, Body, Command, Joint, JointCombination, Mechanism, Pose, PrescribedMotion, Spring, SpringKind,
+};
 use crate::numeric::elementary::atan2;
 use crate::numeric::plane::{cross, dot, nearest_equivalent_angle, sub};
 use crate::numeric::{Dual, Real};
@@ -45,6 +47,8 @@ pub(super) struct PlacedGroup {
     pub actuators: Vec<usize>,
     /// Index of the first coordinate of the group.
     pub first: usize,
+    /// Whether the equations are written in the frame of a moving palm, so that the prescribed motion is that of the world.
+    pub is_in_palm_frame: bool,
 }
 
 impl PlacedGroup {
@@ -127,12 +131,31 @@ impl PlacedGroup {
             joints,
             group,
             first,
+            is_in_palm_frame: false,
         }
     }
 
     /// Whether the group contains bodies with prescribed motion: its first coordinate is time.
     pub fn has_prescribed(&self) -> bool {
         self.group.coordinates.first() == Some(&Coordinate::Time)
+    }
+
+    /// Pose of a body with prescribed motion. In the frame of a moving palm, it is the world.
+    fn prescribed(&self, body: &Body, t: f64) -> scene::Pose {
+        match &body.motion {
+            Some(PrescribedMotion::Palm(motion)) if self.is_in_palm_frame => motion.world_pose(t),
+            Some(motion) => motion.at((body.pose, body.rate), t),
+            None => scene::Pose::default(),
+        }
+    }
+
+    /// Upper bounds of the rates and accelerations of a body with prescribed motion between two times.
+    pub fn largest_rates(&self, body: &Body, times: [f64; 2]) -> [[f64; 3]; 2] {
+        match &body.motion {
+            Some(PrescribedMotion::Palm(motion)) if self.is_in_palm_frame => motion.largest_world_rates(times),
+            Some(motion) => motion.largest_rates(body.rate, times),
+            None => [[0.0; 3]; 2],
+        }
     }
 
     /// Number of coordinates.
@@ -191,7 +214,7 @@ impl PlacedGroup {
                     motions.bodies[*body].place_at(&BodyMotion::at([q[*first], q[first + 1], angle], [0.0; 3]));
                 }
                 Placement::Prescribed { body } => {
-                    let pose = prescribed(&mechanism.bodies[*body], q[0]).position;
+                    let pose = self.prescribed(&mechanism.bodies[*body], q[0]).position;
                     motions.bodies[*body].place_at(&BodyMotion::at(pose, [0.0; 3]));
                 }
                 Placement::Joint { at, coordinate: source } => {
@@ -306,7 +329,7 @@ impl PlacedGroup {
                 }
                 Placement::Prescribed { body } => {
                     let scene::Pose { rate, acceleration, jerk, .. } =
-                        prescribed(&mechanism.bodies[*body], first.value());
+                        self.prescribed(&mechanism.bodies[*body], first.value());
                     let body = &mut motions.bodies[*body];
                     for axis in 0..3 {
                         body.jacobian[axis][0] = first.chain(rate[axis], acceleration[axis]);
@@ -452,11 +475,6 @@ fn bases_of(placement: &Placement) -> [Option<usize>; 2] {
         Placement::Joint { at, .. } => [at.base, None],
         Placement::Dyad { outer, .. } => [outer[0].base, outer[1].base],
     }
-}
-
-/// Pose of a body with prescribed motion.
-fn prescribed(body: &Body, t: f64) -> scene::Pose {
-    body.motion.as_ref().map_or_else(Default::default, |motion| motion.at((body.pose, body.rate), t))
 }
 
 /// Joints from which the coordinate of a coupled joint follows, with their ratios: q = (offset − Σ cᵢ qᵢ)/c.

@@ -7,6 +7,8 @@ use super::model::{MechanismMode, MechanismModel, Span, Surfaces};
 use super::motion::Motions;
 use super::nearest::PointOnFace;
 use super::pairs;
+use super::palm_frame::inertial_loads;
+use crate::analytic::inertial_field::InertialField;
 use crate::analytic::mode::StateRef;
 use crate::integrator::System;
 use crate::mechanism::{ForcePoint, JointCombination, JointKind, Limit, Mechanism};
@@ -143,7 +145,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         self.with_motions((q, v), |motions| {
             let unknowns = 2 * self.mechanism.joints.len() + self.mechanism.couplings.len();
             system.clear(motions.centers.iter().map(|center| center.position), unknowns);
-            self.add_accelerations(&a, motions, system);
+            self.add_accelerations(t, &a, motions, system);
             self.subtract_loads(t, (&a, v), mode, motions, system);
         });
         self.subtract_contacts((q, v), mode, system);
@@ -167,7 +169,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Adds the wrenches that give all bodies their accelerations.
-    fn add_accelerations(&self, a: &[f64; N], motions: &Motions<f64, K>, system: &mut JointForces) {
+    fn add_accelerations(&self, t: f64, a: &[f64; N], motions: &Motions<f64, K>, system: &mut JointForces) {
         let (gravity, right) = (self.mechanism.gravity_m_s2, system.unknowns);
         for (index, (body, center)) in self.mechanism.bodies.iter().zip(&motions.centers).enumerate() {
             let (Span { first, size, is_free }, motion) = (self.spans[index], &motions.bodies[index]);
@@ -182,6 +184,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let force = [x - gravity[0], y - gravity[1]].map(|part| body.mass_kg * part);
             let moment = body.inertia_kg_m2 * turn;
             system.add(right, Some(index), force, center.position, moment);
+        }
+        if let Some(InertialField { field, .. }) = self.inertial_field(t) {
+            for (index, [x, y, moment]) in inertial_loads(&self.mechanism, (&field, motions)) {
+                system.add(right, Some(index), [-x, -y], motions.centers[index].position, -moment);
+            }
         }
     }
 

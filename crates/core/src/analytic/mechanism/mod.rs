@@ -17,6 +17,7 @@ mod model;
 mod motion;
 mod nearest;
 mod pairs;
+mod palm_frame;
 mod reading;
 mod tendon;
 

@@ -10,6 +10,7 @@ use super::free::{FreeBody, center_frame, free_body, is_round};
 use super::group::{PlacedGroup, count_of_turns, start_of};
 use super::motion::Motions;
 use super::nearest::{Face, Feature, PointOnFace};
+use super::palm_frame::{exchange_ground, palm_of_frame};
 use crate::analytic::ContactState;
 use crate::analytic::mode::{EventTolerances, Mode};
 use crate::integrator::State;
@@ -18,7 +19,8 @@ use crate::mechanism::structure::{Coordinate, Group, StructureError, find_groups
 use crate::mechanism::{Actuator, Body, Limit, Mechanism, Pose, SpringKind};
 use crate::numeric::Dual;
 use crate::numeric::plane::scale_by;
-use crate::scene::Profile;
+use crate::scene::{PalmMotion, Profile};
+use std::borrow::Cow;
 use std::ops::Index;
 
 /// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
@@ -128,8 +130,10 @@ pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     pub(super) time_index: Option<usize>,
     /// The group of the bodies with prescribed motion, whose first coordinate is time.
     pub(super) prescribed: Option<usize>,
-    /// The moving palm, relative to which states are reported.
+    /// The moving palm, relative to which states are reported, if the equations are written in the frame of the world.
     pub(super) palm: Option<usize>,
+    /// The body that stands for the world, and the motion of the palm, if the equations are written in the frame of the palm.
+    pub(super) world: Option<(usize, PalmMotion)>,
     /// Whether forces affect x, y and θ of each body.
     pub(super) moves_by_forces: Vec<[bool; 3]>,
     used_coordinates: usize,
@@ -158,7 +162,8 @@ impl MechanismSize {
     /// # Errors
     /// Returns an error for a mechanism without independent coordinates in closed form.
     pub fn new(mechanism: &Mechanism) -> Result<Self, StructureError> {
-        Ok(Self::with_groups(mechanism, &find_groups(mechanism)?))
+        let mechanism = in_frame(mechanism);
+        Ok(Self::with_groups(&mechanism, &find_groups(&mechanism)?))
     }
 
     fn with_groups(mechanism: &Mechanism, groups: &[Group]) -> Self {
@@ -190,6 +195,18 @@ impl MechanismSize {
             && self.contacts <= capacity.contacts
             && self.actuators <= capacity.actuators
             && self.counts <= capacity.counts
+    }
+}
+
+/// The mechanism in the frame in which its equations are written: that of its moving palm, if it has one.
+fn in_frame(mechanism: &Mechanism) -> Cow<'_, Mechanism> {
+    match palm_of_frame(mechanism) {
+        None => Cow::Borrowed(mechanism),
+        Some(palm) => {
+            let mut mechanism = mechanism.clone();
+            exchange_ground(&mut mechanism, palm);
+            Cow::Owned(mechanism)
+        }
     }
 }
 
@@ -230,8 +247,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// # Panics
     /// Panics if the mechanism exceeds the capacity of the model.
     pub fn new(mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Result<Self, StructureError> {
-        let found = find_groups(mechanism)?;
-        let (mut mechanism, mut poses, mut rates) = (mechanism.clone(), poses.to_vec(), rates.to_vec());
+        let world = palm_of_frame(mechanism).zip(mechanism.palm().map(|(_, motion)| motion.clone()));
+        let (mut mechanism, mut poses, mut rates) = (in_frame(mechanism).into_owned(), poses.to_vec(), rates.to_vec());
+        let found = find_groups(&mechanism)?;
         let mut reported_origins = vec![[0.0; 2]; mechanism.bodies.len()];
         for (body, _) in found.iter().filter_map(free_body) {
             reported_origins[body] = scale_by(mechanism.bodies[body].com_m, -1.0);
@@ -257,7 +275,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 free_bodies.push(FreeBody { body, first, axes, is_round, angle_rad: poses[body][2], mobility, weight });
             } else {
                 let counts = groups.iter().map(|placed: &PlacedGroup| count_of_turns(&placed.group, &mechanism)).sum();
-                let placed = PlacedGroup::new::<K>(&mechanism, group, (first, counts), poses);
+                let mut placed = PlacedGroup::new::<K>(&mechanism, group, (first, counts), poses);
+                placed.is_in_palm_frame = world.is_some();
                 placed
                     .joints_on_demand(&mechanism)
                     .for_each(|(placement, joint)| dyad_of[joint] = Some((groups.len(), placement)));
@@ -308,7 +327,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         let brake_bristles = bristles_of_brakes(&mechanism).map(add_bristle).collect();
         let time = prescribed.map(|group: usize| groups[group].first);
         let time_index = time.or_else(|| depends_on_time(&mechanism).then_some(next));
-        let palm = mechanism.palm().map(|(body, _)| body);
+        let palm = mechanism.palm().map(|(body, _)| body).filter(|_| world.is_none());
         let moves_by_forces = mechanism.bodies.iter().map(Body::moves_by_forces).collect();
         for (body, pose) in mechanism.bodies.iter_mut().zip(poses) {
             if body.motion.is_none() {
@@ -344,6 +363,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             time_index,
             prescribed,
             palm,
+            world,
             moves_by_forces,
             used_coordinates: coordinate_count,
             event_tolerances,

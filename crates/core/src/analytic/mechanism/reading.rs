@@ -17,6 +17,10 @@ use super::pairs;
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Pose of a body and its rate, relative to a moving palm.
     pub fn body(&self, state: (&[f64; N], &[f64; N]), body: usize) -> (Pose, Pose) {
+        if self.world.as_ref().is_some_and(|(world, _)| *world == body) {
+            // In the frame of the palm, the palm itself is at rest.
+            return Default::default();
+        }
         self.with_angles(state, |motions| {
             let (palm, motion) = (motions.body(self.palm), motions.body(Some(body)));
             let origin = motion.point(self.reported_origins[body]);

@@ -6,11 +6,12 @@ use super::components::{
 };
 use super::contact_kinematics::{ContactForces, ContactKinematics, WithDerivatives, contact_forces_with_derivatives};
 use super::forces::{ActiveContact, CONTACT_WORK, DRIVE_WORK, LoadSums};
-use super::frame::{Inertia, InertialField, Inverse, inertial_force};
+use super::frame::{Inertia, Inverse, inertial_force};
 use super::model::{FingerTerms, Multibody};
 use super::{FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame, normal_force_on_branch};
 use crate::analytic::ContactState;
 use crate::analytic::finger::{FingerKinematics, FingerModel, Geometry, PassiveJoints};
+use crate::analytic::inertial_field::InertialField;
 use crate::analytic::mode::{StateRef, row_dot};
 use crate::analytic::model::{ContactReading, Energies};
 use crate::fivebar::dynamics::{AccelerationField, Terms, absolute_rates};

@@ -5,10 +5,11 @@ use super::components::{
     object_indices, object_time_indices, phalanx_indices,
 };
 use super::contact_kinematics::ContactKinematics;
-use super::frame::{Inertia, InertialField, inertial_force};
+use super::frame::{Inertia, inertial_force};
 use super::model::{FingerTerms, Multibody};
 use super::{CONTACTS, FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame};
 use crate::analytic::finger::FingerModel;
+use crate::analytic::inertial_field::InertialField;
 use crate::analytic::mode::{ContactLaws, StateRef};
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;

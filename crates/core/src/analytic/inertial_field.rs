@@ -1,0 +1,39 @@
+//! Inertial accelerations in the frame of a moving palm (Spec 6.5).
+
+use crate::fivebar::dynamics::AccelerationField;
+use crate::numeric::elementary::sin_cos;
+use crate::numeric::plane::{perp, rotate};
+use crate::scene::{PalmMotion, Pose};
+
+/// Field of inertial accelerations beyond gravity in the world's frame, and its time derivative.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct InertialField {
+    pub field: AccelerationField,
+    pub rate: AccelerationField,
+}
+
+/// Inertial field of a moving palm (Spec 6.5): inertial accelerations, and the change of gravity by the rotated frame.
+pub(crate) fn inertial_field(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> InertialField {
+    let Pose { position, rate, acceleration, jerk } = motion.pose(t);
+    let ([_, _, angle], [_, _, omega]) = (position, rate);
+    let (sin, cos) = sin_cos(angle);
+    let rotate_into_frame = |[x, y]: [f64; 2]| rotate([x, y], [cos, -sin]);
+    let [gx, gy] = gravity;
+    let total = rotate_into_frame([gx - acceleration[0], gy - acceleration[1]]);
+    let normal_to_total = perp(total);
+    let [jx, jy] = rotate_into_frame([-jerk[0], -jerk[1]]);
+    InertialField {
+        field: AccelerationField {
+            uniform: [total[0] - gx, total[1] - gy],
+            centrifugal: omega * omega,
+            coriolis: omega,
+            euler: acceleration[2],
+        },
+        rate: AccelerationField {
+            uniform: [jx - omega * normal_to_total[0], jy - omega * normal_to_total[1]],
+            centrifugal: 2.0 * omega * acceleration[2],
+            coriolis: acceleration[2],
+            euler: jerk[2],
+        },
+    }
+}
