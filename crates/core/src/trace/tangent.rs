@@ -213,9 +213,8 @@ const MAX_DEPTH_CHANGE: f64 = 0.1;
 const MIN_RELEASE_DEPTH: f64 = 1e-4;
 /// Relative difference of two difference quotients at which their extrapolation is accurate.
 const QUOTIENT_TOLERANCE: f64 = 1e-6;
-/// Relative difference of two difference quotients below which one that is larger at the next step is rounding. A range of a
-/// friction law that is narrower than the change of the slip leaves larger ones at several steps.
-const MAX_ROUNDING: f64 = 1e-5;
+/// Ratio of the errors of two levels up to which the larger step is taken, which has the smaller rounding errors.
+const LEVEL_MARGIN: f64 = 10.0;
 /// Allowed difference of one step and two half steps, relative to the largest derivative so far. The error of the half
 /// steps is a part of 1/31 of it.
 const TANGENT_TOLERANCE: f64 = 1e-8;
@@ -251,6 +250,17 @@ fn along<const N: usize, const Z: usize>(y: &State<N, Z>, h: f64, d: &State<N, Z
 /// Extrapolates two difference quotients; the second one has half the step.
 fn extrapolate([full, half]: [f64; 2]) -> f64 {
     half + (half - full) / 3.0
+}
+
+/// The first level whose quotients are about as accurate as any, from the relative differences of both quotients of each
+/// level. Two quotients that are rounding errors may agree by chance, but their errors grow tenfold from level to level.
+fn best_level(errors: &[f64; LEVELS]) -> usize {
+    let estimates: [f64; LEVELS] = array_from(|level| {
+        let next = errors.get(level + 1).filter(|error| error.is_finite());
+        errors[level].max(0.1 * next.copied().unwrap_or(0.0))
+    });
+    let smallest = estimates.iter().copied().fold(f64::INFINITY, f64::min);
+    estimates.iter().position(|estimate| *estimate <= LEVEL_MARGIN * smallest).unwrap_or(0)
 }
 
 /// A tangent of the family of runs, along which difference quotients are taken.
@@ -479,7 +489,8 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         moving: (&State<N, Z>, f64),
     ) -> Result<(Rates<N, Z>, Direction<N, Z>), String> {
         let (mut direction, change) = self.direction((t, state, mode), &lin.rates, neighbours, moving)?;
-        let (mut found, mut smallest) = (Rates { a: [0.0; N], g: [0.0; Z] }, f64::INFINITY);
+        let none = Rates { a: [0.0; N], g: [0.0; Z] };
+        let (mut found, mut errors) = ([none; LEVELS], [f64::INFINITY; LEVELS]);
         for index in 0..LEVELS {
             let level = neighbours.level(index, self.counts)?;
             let is_too_large = change * level.h[0] > MAX_DEPTH_CHANGE && index + 1 < LEVELS;
@@ -499,23 +510,17 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
                 }
             });
             let largest = |of: &dyn Fn(usize) -> f64| (0..N).fold(0.0, |largest: f64, i| largest.max(of(i).abs()));
-            let error = largest(&|i| half.a[i] - full.a[i]) / largest(&|i| half.a[i]).max(f64::MIN_POSITIVE);
-            if error >= smallest {
-                if smallest < MAX_ROUNDING {
-                    break;
-                }
-                continue;
-            }
-            smallest = error;
-            direction.level = index;
-            found = Rates {
+            errors[index] = largest(&|i| half.a[i] - full.a[i]) / largest(&|i| half.a[i]).max(f64::MIN_POSITIVE);
+            found[index] = Rates {
                 a: array_from(|i| extrapolate([full.a[i], half.a[i]])),
                 g: array_from(|i| extrapolate([full.g[i], half.g[i]])),
             };
-            if error <= QUOTIENT_TOLERANCE {
+            if errors[index] <= QUOTIENT_TOLERANCE {
                 break;
             }
         }
+        direction.level = best_level(&errors);
+        let mut found = found[direction.level];
         let dt = direction.dt - moving.1;
         if dt != 0.0 {
             for i in 0..N {
