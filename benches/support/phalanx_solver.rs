@@ -1,6 +1,6 @@
 //! The integrators of phalanx as benchmark solvers.
 
-use phalanx::analytic::{ContactState, EVENT_FUNCTIONS, FingerMode, Model, QUADRATURES};
+use phalanx::analytic::{ContactState, FingerMode, Model, QUADRATURES};
 use phalanx::integrator::{
     Counters, End, Method as Stepper, Observer, Options, RadauOrRodas, Reason, Rodas5p, State, Step, StepTools,
     Tolerances, integrate,
@@ -62,14 +62,7 @@ impl PhalanxSolver {
     {
         let options = Options { tolerances: self.tolerances, max_steps: MAX_STEPS };
         let Problem { model, start, .. } = problem;
-        integrate::<2, QUADRATURES, EVENT_FUNCTIONS, Model, K, O>(
-            model,
-            &options,
-            0.0,
-            *start,
-            problem.duration_s(),
-            observer,
-        )
+        integrate::<2, QUADRATURES, Model, K, O>(model, &options, 0.0, *start, problem.duration_s(), observer)
     }
 }
 

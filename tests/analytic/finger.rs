@@ -7,7 +7,7 @@ use crate::support::runs::{
     finger_difference, load, load_with_stiction, max_angle_error, options, reference_settings, run_dense_reference,
     run_to_end, with_reference_settings,
 };
-use phalanx::analytic::{BristleModel, ContactReading, ContactState, EVENT_FUNCTIONS, FingerMode, Model, QUADRATURES};
+use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Model, QUADRATURES};
 use phalanx::gripper::FingerContact;
 use phalanx::integrator::{self, Radau5, RadauOrRodas, Rodas5p, State, integrate};
 use phalanx::law::{Bristle, ContactLaw, bristle_force, elastic_energy};
@@ -236,8 +236,7 @@ fn both_methods_are_time_reversible() {
             let model = Model::new(&scene.hand);
             let swing = |start: SwingState| {
                 let options = options(&reference_settings());
-                let end =
-                    integrate::<2, QUADRATURES, EVENT_FUNCTIONS, _, K, _>(&model, &options, 0.0, start, span, &mut ());
+                let end = integrate::<2, QUADRATURES, _, K, _>(&model, &options, 0.0, start, span, &mut ());
                 assert!(end.result.is_ok(), "{name}: {:?}", end.result);
                 end.state
             };
@@ -388,7 +387,7 @@ struct EndContact {
 /// Runs a finger up to `time_s` and returns the contacts of both phalanges.
 fn contacts_at(scene: &Scene, time_s: f64) -> [EndContact; 2] {
     let (model, start) = (BristleModel::new(&scene.hand), BristleModel::start(&scene.hand));
-    let end = integrate::<4, QUADRATURES, EVENT_FUNCTIONS, _, RadauOrRodas<4, QUADRATURES>, _>(
+    let end = integrate::<4, QUADRATURES, _, RadauOrRodas<4, QUADRATURES>, _>(
         &model,
         &options(&reference_settings()),
         0.0,

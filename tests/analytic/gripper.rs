@@ -1,7 +1,7 @@
 //! The analytic model of a gripper against an independent program (with stiction and a moving palm too), against the
 //! model of one finger, and against conservation laws.
 
-use phalanx::analytic::multibody::{CONTACTS, EVENT_FUNCTIONS, GraspMode, Multibody, QUADRATURES};
+use phalanx::analytic::multibody::{CONTACTS, GraspMode, Multibody, QUADRATURES};
 use phalanx::analytic::{ContactReading, ContactState};
 use phalanx::integrator::{
     End, Method, Observer, RadauOrRodas, Rates, Rodas5p, State, Step, StepTools, System as Equations, integrate,
@@ -56,14 +56,7 @@ fn integrate_scene<const N: usize, K: Method<N, QUADRATURES>>(
 ) -> End<N, QUADRATURES> {
     let model = Multibody::<N>::new(&scene.hand);
     let (start, duration_s) = (model.start(&scene.hand), scene.duration_s);
-    let end = integrate::<N, QUADRATURES, EVENT_FUNCTIONS, _, K, _>(
-        &model,
-        &options(settings),
-        0.0,
-        start,
-        duration_s,
-        observer,
-    );
+    let end = integrate::<N, QUADRATURES, _, K, _>(&model, &options(settings), 0.0, start, duration_s, observer);
     assert!(end.result.is_ok(), "{}: {:?}", scene.name, end.result);
     end
 }

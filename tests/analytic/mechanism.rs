@@ -1,8 +1,8 @@
 //! The analytic model of mechanisms: reference solutions, Jacobians, the five-bar as a mechanism against its
 //! closed-form kernel, and random mechanisms.
 
-use phalanx::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize, event_function_count};
-use phalanx::analytic::{ContactState, EVENT_FUNCTIONS, Energies, FingerMode, Model as FingerKernel, QUADRATURES};
+use phalanx::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize};
+use phalanx::analytic::{ContactState, Energies, FingerMode, Model as FingerKernel, QUADRATURES};
 use phalanx::drive::{Brake, Interpolation, Profile};
 use phalanx::gripper::{Finger, FingerContact, Posture, close_loop};
 use phalanx::integrator::{
@@ -25,9 +25,7 @@ use crate::support::runs::experiment_95;
 const N: usize = 8;
 const K: usize = 4;
 const C: usize = 32;
-const ACTUATORS: usize = 8;
 const Z: usize = C + 2;
-const G: usize = event_function_count(C, ACTUATORS);
 
 type Model = MechanismModel<N, K, C>;
 
@@ -92,7 +90,7 @@ fn compare(case: &MechanismCase, method: RadauOrRodas<N, Z>, tolerances: Toleran
     let mut comparison = Comparison { model: &model, case, next: 0, balance_j: None, found: Difference::default() };
     let options = Options { tolerances, max_steps: 1_000_000 };
     let start = model.start::<Z>();
-    let end = integrate_by::<N, Z, G, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut comparison);
+    let end = integrate_by::<N, Z, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut comparison);
     end.result.unwrap_or_else(|failure| panic!("{}: {failure}", case.name));
     assert_eq!(comparison.next, case.samples.len(), "{}", case.name);
     comparison.found
@@ -134,7 +132,7 @@ fn andrews_squeezer_agrees_with_the_published_solution() {
     let tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rtol_v: 1e-12 };
     let options = Options { tolerances, max_steps: 1_000_000 };
     let method: Radau5<N, Z> = Method::new();
-    let end = integrate_by::<N, Z, G, _, _, _>(method, &model, &options, 0.0, model.start::<Z>(), 0.03, &mut ());
+    let end = integrate_by::<N, Z, _, _, _>(method, &model, &options, 0.0, model.start::<Z>(), 0.03, &mut ());
     let published = [
         ("beta", 15.81077119629904),
         ("theta", -15.75637105984298),
@@ -180,7 +178,7 @@ fn jacobians_match_differences_along_the_reference_cases() {
         let options =
             Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 1_000_000 };
         let (method, start) = (RadauOrRodas::rodas(), model.start::<Z>());
-        let end = integrate_by::<N, Z, G, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut states);
+        let end = integrate_by::<N, Z, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut states);
         end.result.unwrap_or_else(|failure| panic!("{}: {failure}", case.name));
         let stride = states.found.len().div_ceil(40);
         for (t, state, mode) in states.found.into_iter().step_by(stride) {
@@ -191,7 +189,7 @@ fn jacobians_match_differences_along_the_reference_cases() {
             if depth < 1e-8 {
                 continue;
             }
-            let next = <Model as Hybrid<N, Z, G>>::next_discontinuity(&model, t - 2e-5);
+            let next = <Model as Hybrid<N, Z>>::next_discontinuity(&model, t - 2e-5);
             let time_step = if next < t + 2e-5 { 0.0 } else { 1e-5 };
             // The friction law changes over 1e-2 m/s.
             let rate_step = if depth < 1e-2 { 2e-5 } else { 1e-3 * (1.0 + largest(&state.v)) };
@@ -304,15 +302,7 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
         let options =
             Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 100_000 };
         let method: RadauOrRodas<2, QUADRATURES> = RadauOrRodas::rodas();
-        integrate_by::<2, QUADRATURES, EVENT_FUNCTIONS, _, _, _>(
-            method,
-            &kernel,
-            &options,
-            0.0,
-            start,
-            0.012,
-            &mut closing,
-        );
+        integrate_by::<2, QUADRATURES, _, _, _>(method, &kernel, &options, 0.0, start, 0.012, &mut closing);
         let mut size = 0.0f64;
         for (t, state, finger_mode) in closing.0.into_iter().step_by(7) {
             let (mut q, mut v) = ([0.0; N], [0.0; N]);
@@ -323,7 +313,7 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
             if (angle(1) - angle(3)).sin().abs() < 0.05 {
                 continue;
             }
-            let mut mode = <Model as Hybrid<N, Z, G>>::mode_at(&model, t, &q, &v);
+            let mut mode = <Model as Hybrid<N, Z>>::mode_at(&model, t, &q, &v);
             (0..3).for_each(|index| mode.contacts[index] = finger_mode[index]);
             let found = <Model as System<N, Z>>::rates(&model, t, &q, &v, &mode);
             let Linearised { rates: expected, a_q, a_v, .. } =
@@ -355,8 +345,7 @@ fn run_random(mechanism: &Mechanism, rtol: f64) -> Result<(Vec<f64>, f64), Strin
             let start = model.start::<{ $contacts + 2 }>();
             let method = RadauOrRodas::<$coordinates, { $contacts + 2 }>::rodas();
             let before = model.energies((&start.q, &start.v));
-            const EVENTS: usize = event_function_count($contacts, ACTUATORS);
-            let end = integrate_by::<$coordinates, { $contacts + 2 }, EVENTS, _, _, _>(
+            let end = integrate_by::<$coordinates, { $contacts + 2 }, _, _, _>(
                 method,
                 &model,
                 &options,
@@ -507,7 +496,7 @@ fn combinations_brakes_and_prescribed_bodies_keep_the_energy_balance() {
     let options = Options { tolerances, max_steps: 1_000_000 };
     let (method, start) = (RadauOrRodas::<N, Z>::rodas(), model.start::<Z>());
     let mut states = States { model: &model, found: Vec::new() };
-    let end = integrate_by::<N, Z, G, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut states);
+    let end = integrate_by::<N, Z, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut states);
     end.result.unwrap_or_else(|failure| panic!("{failure}"));
     let stored = |state: &State<N, Z>| {
         let energies = model.energies((&state.q, &state.v));

@@ -11,7 +11,7 @@ use phalanx::shape::max_radius;
 use crate::equations::{Equations, InitialValueProblem};
 use crate::support::problem::TORQUE_STEP;
 
-pub use phalanx::analytic::multibody::{EVENT_FUNCTIONS as GRIPPER_EVENTS, QUADRATURES as GRIPPER_QUADRATURES};
+pub use phalanx::analytic::multibody::QUADRATURES as GRIPPER_QUADRATURES;
 
 /// Coordinates of a gripper with a free object, and with a moving palm and bristles as well.
 pub const GRIPPER: usize = 7;
@@ -93,7 +93,7 @@ pub fn cycle(member: usize) -> GripperCase<CYCLE> {
     gripper_of(&scene(include_str!("../../../scenes/gripper/cycle.toml"), member))
 }
 
-impl<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> CaseEquations<'_, M, N, Z, S> {
+impl<M: Hybrid<N, Z>, const N: usize, const Z: usize> CaseEquations<'_, M, N, Z> {
     /// The initial value problem of the published solvers.
     pub fn problem(&self) -> InitialValueProblem<'_, Self> {
         let Case { kernel, start, duration_s, coordinate_count, rates, .. } = self.case;
@@ -110,14 +110,14 @@ impl<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> CaseEqu
 }
 
 /// The equations of a case with clamped laws; counts evaluations.
-pub struct CaseEquations<'a, M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> {
+pub struct CaseEquations<'a, M: Hybrid<N, Z>, const N: usize, const Z: usize> {
     case: &'a Case<M, M::Mode, N, Z>,
     latest_time: Cell<f64>,
     pub rhs: Cell<u64>,
     pub jacobians: Cell<u64>,
 }
 
-impl<'a, M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> CaseEquations<'a, M, N, Z, S> {
+impl<'a, M: Hybrid<N, Z>, const N: usize, const Z: usize> CaseEquations<'a, M, N, Z> {
     pub fn new(case: &'a Case<M, M::Mode, N, Z>) -> Self {
         Self { case, latest_time: Cell::new(f64::INFINITY), rhs: Cell::new(0), jacobians: Cell::new(0) }
     }
@@ -136,7 +136,7 @@ impl<'a, M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> Cas
     }
 }
 
-impl<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize> Equations for CaseEquations<'_, M, N, Z, S> {
+impl<M: Hybrid<N, Z>, const N: usize, const Z: usize> Equations for CaseEquations<'_, M, N, Z> {
     fn coordinate_count(&self) -> usize {
         self.case.coordinate_count
     }

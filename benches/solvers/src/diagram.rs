@@ -116,22 +116,22 @@ impl Solver {
     }
 
     /// Integrates a case; `grid` receives the states.
-    fn run<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize>(
+    fn run<M: Hybrid<N, Z>, const N: usize, const Z: usize>(
         &self,
         case: &Case<M, M::Mode, N, Z>,
         grid: Option<&mut Grid>,
     ) -> Result<Cost, String> {
         match self {
-            Self::Phalanx(method, tolerances, _) => run_phalanx::<M, N, Z, S>(case, *method, *tolerances, grid),
+            Self::Phalanx(method, tolerances, _) => run_phalanx::<M, N, Z>(case, *method, *tolerances, grid),
             #[cfg(feature = "cvode")]
-            Self::Cvode(rtol) => run_published::<_, M, N, Z, S>(case, &crate::cvode::Cvode { rtol: *rtol }, grid),
+            Self::Cvode(rtol) => run_published::<_, M, N, Z>(case, &crate::cvode::Cvode { rtol: *rtol }, grid),
             #[cfg(feature = "diffsol")]
-            Self::Diffsol(rtol) => run_published::<_, M, N, Z, S>(case, &crate::bdf::Bdf { rtol: *rtol }, grid),
+            Self::Diffsol(rtol) => run_published::<_, M, N, Z>(case, &crate::bdf::Bdf { rtol: *rtol }, grid),
         }
     }
 }
 
-fn run_phalanx<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize>(
+fn run_phalanx<M: Hybrid<N, Z>, const N: usize, const Z: usize>(
     case: &Case<M, M::Mode, N, Z>,
     method: Method,
     tolerances: Tolerances,
@@ -144,10 +144,10 @@ fn run_phalanx<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usiz
     let options = Options { tolerances, max_steps: MAX_STEPS as u64 };
     let Case { kernel, start, duration_s, coordinate_count, .. } = case;
     let end = match grid {
-        None => integrate_by::<N, Z, S, _, _, _>(method, kernel, &options, 0.0, *start, *duration_s, &mut ()),
+        None => integrate_by::<N, Z, _, _, _>(method, kernel, &options, 0.0, *start, *duration_s, &mut ()),
         Some(grid) => {
             let mut recorder = Recorder { grid, count: *coordinate_count };
-            integrate_by::<N, Z, S, _, _, _>(method, kernel, &options, 0.0, *start, *duration_s, &mut recorder)
+            integrate_by::<N, Z, _, _, _>(method, kernel, &options, 0.0, *start, *duration_s, &mut recorder)
         }
     };
     let counters = end.counters;
@@ -156,12 +156,12 @@ fn run_phalanx<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usiz
     Ok(Cost { rhs, jacobians, steps, rejected })
 }
 
-fn run_published<G: GeneralSolver, M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize>(
+fn run_published<G: GeneralSolver, M: Hybrid<N, Z>, const N: usize, const Z: usize>(
     case: &Case<M, M::Mode, N, Z>,
     solver: &G,
     grid: Option<&mut Grid>,
 ) -> Result<Cost, String> {
-    let equations = CaseEquations::<M, N, Z, S>::new(case);
+    let equations = CaseEquations::<M, N, Z>::new(case);
     let problem = equations.problem();
     let steps = match grid {
         None => solver.solve(&problem, None),
@@ -225,14 +225,14 @@ fn spread(errors: &[f64]) -> Spread {
 }
 
 /// Measures all solvers. `rounds` is the number of timed runs of each; all solvers run once per round.
-pub fn measure<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usize>(
+pub fn measure<M: Hybrid<N, Z>, const N: usize, const Z: usize>(
     name: &str,
     members: &[Case<M, M::Mode, N, Z>],
     rounds: usize,
 ) -> Diagram {
     let record = |solver: &Solver, case: &Case<M, M::Mode, N, Z>| {
         let mut grid = Grid::new();
-        solver.run::<M, N, Z, S>(case, Some(&mut grid)).map(|cost| (grid, cost))
+        solver.run::<M, N, Z>(case, Some(&mut grid)).map(|cost| (grid, cost))
     };
     let references: Vec<[Grid; 2]> = members
         .iter()
@@ -289,7 +289,7 @@ pub fn measure<M: Hybrid<N, Z, S>, const N: usize, const Z: usize, const S: usiz
             }
             let case = &members[round % members.len()];
             let start = Instant::now();
-            black_box(solver.run::<M, N, Z, S>(black_box(case), None)).ok();
+            black_box(solver.run::<M, N, Z>(black_box(case), None)).ok();
             let elapsed = start.elapsed().as_secs_f64();
             // The first round warms up.
             if round > 0 {

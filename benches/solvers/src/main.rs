@@ -27,10 +27,10 @@ mod vector_field;
 use std::path::PathBuf;
 
 use clap::Parser;
-use phalanx::analytic::{EVENT_FUNCTIONS, QUADRATURES};
+use phalanx::analytic::QUADRATURES;
 use phalanx::scene::{Method, Preset};
 
-use case::{CYCLE, GRIPPER, GRIPPER_EVENTS, GRIPPER_QUADRATURES};
+use case::{CYCLE, GRIPPER, GRIPPER_QUADRATURES};
 use diagram::{Diagram, MEMBERS, measure};
 use support::phalanx_solver::PhalanxSolver;
 use support::table::{compare, print};
@@ -64,15 +64,15 @@ impl CaseName {
         match self {
             Self::Finger => {
                 let members: Vec<_> = members.map(case::finger).collect();
-                measure::<_, 2, QUADRATURES, EVENT_FUNCTIONS>("finger", &members, rounds)
+                measure::<_, 2, QUADRATURES>("finger", &members, rounds)
             }
             Self::Gripper => {
                 let members: Vec<_> = members.map(case::gripper).collect();
-                measure::<_, GRIPPER, GRIPPER_QUADRATURES, GRIPPER_EVENTS>("gripper", &members, rounds)
+                measure::<_, GRIPPER, GRIPPER_QUADRATURES>("gripper", &members, rounds)
             }
             Self::Cycle => {
                 let members: Vec<_> = members.map(case::cycle).collect();
-                measure::<_, CYCLE, GRIPPER_QUADRATURES, GRIPPER_EVENTS>("cycle", &members, rounds)
+                measure::<_, CYCLE, GRIPPER_QUADRATURES>("cycle", &members, rounds)
             }
         }
     }

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use super::clock::Clock;
 use super::control::{Controller, ToleranceSchedule};
-use super::event_location::{Found, may_have_passed, search_step};
+use super::event_location::{Found, SearchMemory, may_have_passed, search_step};
 use super::method::{Attempt, Method, StepStart};
 use super::stall::{Chatter, StallDetector};
 use super::state::{Observer, Step, StepTools};
@@ -77,7 +77,7 @@ const MAX_RESOLVED_ERROR: f64 = 10.0;
 const MAX_REFINED_STATES: usize = 16;
 
 /// Integrates from `t0` to `t_end` and locates every event; the method is chosen at compile time.
-pub fn integrate<const N: usize, const Z: usize, const S: usize, Y, K, O>(
+pub fn integrate<const N: usize, const Z: usize, Y, K, O>(
     system: &Y,
     options: &Options,
     t0: f64,
@@ -86,7 +86,7 @@ pub fn integrate<const N: usize, const Z: usize, const S: usize, Y, K, O>(
     observer: &mut O,
 ) -> End<N, Z>
 where
-    Y: Hybrid<N, Z, S>,
+    Y: Hybrid<N, Z>,
     K: Method<N, Z>,
     O: Observer<N, Z, Y::Mode>,
 {
@@ -94,7 +94,7 @@ where
 }
 
 /// Integrates from `t0` to `t_end` and locates every event, with a method that has no history yet.
-pub fn integrate_by<const N: usize, const Z: usize, const S: usize, Y, K, O>(
+pub fn integrate_by<const N: usize, const Z: usize, Y, K, O>(
     method: K,
     system: &Y,
     options: &Options,
@@ -104,7 +104,7 @@ pub fn integrate_by<const N: usize, const Z: usize, const S: usize, Y, K, O>(
     observer: &mut O,
 ) -> End<N, Z>
 where
-    Y: Hybrid<N, Z, S>,
+    Y: Hybrid<N, Z>,
     K: Method<N, Z>,
     O: Observer<N, Z, Y::Mode>,
 {
@@ -119,23 +119,25 @@ where
 /// pending until that time reaches its end; states before are read inside it. Therefore results do not depend on the
 /// times to which the integration advances.
 #[derive(Clone)]
-pub struct Integration<const N: usize, const Z: usize, const S: usize, M, K> {
-    run: Run<N, Z, S, M, K>,
+pub struct Integration<const N: usize, const Z: usize, M, K> {
+    run: Run<N, Z, M, K>,
     /// What follows the last committed step, if it is known.
     pending: Option<Pending>,
     /// Linearisation at the start of the pending step.
     linearised: Linearised<N, Z>,
     /// The pending step. It stays in place, because it is large for a gripper.
-    found: AcceptedStep<N, Z, S>,
+    found: AcceptedStep<N, Z>,
 }
 
-impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<N, Z>> Integration<N, Z, S, M, K> {
+impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integration<N, Z, M, K> {
     /// Starts an integration with a method that has no history yet.
     pub fn new<Y>(method: K, system: &Y, options: &Options, t0: f64, start: State<N, Z>) -> Self
     where
-        Y: Hybrid<N, Z, S, Mode = M>,
+        Y: Hybrid<N, Z, Mode = M>,
     {
         let mode = system.mode_at(t0, &start.q, &start.v);
+        let mut events = EventSet::new(system.event_count());
+        system.eval_events(&start.q, &start.v, &mode, &mut events);
         let run = Run {
             options: *options,
             controller: Controller::new(method.error_order()),
@@ -143,11 +145,12 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             method,
             clock: Clock::at(t0),
             state: start,
-            events: system.eval_events(&start.q, &start.v, &mode),
+            memory: SearchMemory::new(system.event_count()),
+            events: events.clone(),
             mode,
             latest_time: f64::INFINITY,
             h: FIRST_STEP_S,
-            chatter: Chatter::new(),
+            chatter: Chatter::new(system.event_count()),
             stall_detector: StallDetector::new(&options.tolerances, t0),
             tolerance_schedule: ToleranceSchedule::new(&options.tolerances),
             counters: Counters::default(),
@@ -155,7 +158,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         };
         let found = AcceptedStep {
             attempt: Attempt { error: 0.0, rhs: 0, end: start, error_q: [0.0; N], error_v: [0.0; N] },
-            events: run.events,
+            events,
             size: 0.0,
             resume_size: 0.0,
             event: None,
@@ -189,7 +192,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     /// Returns an error if the integration cannot reach `t`, or if the observer ends it.
     pub fn advance<Y, O>(&mut self, system: &Y, t: f64, t_end: f64, observer: &mut O) -> Result<(), Failure>
     where
-        Y: Hybrid<N, Z, S, Mode = M>,
+        Y: Hybrid<N, Z, Mode = M>,
         O: Observer<N, Z, M>,
     {
         self.step_to(system, t, (t_end, t_end), observer)
@@ -201,7 +204,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     /// See [`Integration::advance`].
     pub fn advance_exactly<Y, O>(&mut self, system: &Y, t: f64, t_end: f64, observer: &mut O) -> Result<(), Failure>
     where
-        Y: Hybrid<N, Z, S, Mode = M>,
+        Y: Hybrid<N, Z, Mode = M>,
         O: Observer<N, Z, M>,
     {
         self.advance(system, t, t_end, observer)?;
@@ -212,7 +215,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     /// Commits all steps that end before or at time `t`; a step ends at `stop`.
     fn step_to<Y, O>(&mut self, system: &Y, t: f64, (stop, t_end): (f64, f64), observer: &mut O) -> Result<(), Failure>
     where
-        Y: Hybrid<N, Z, S, Mode = M>,
+        Y: Hybrid<N, Z, Mode = M>,
         O: Observer<N, Z, M>,
     {
         let Self { run, pending, linearised, found } = self;
@@ -245,7 +248,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         read: impl FnOnce(&Step<N, Z>, &M, &mut dyn StepTools<N, Z>) -> R,
     ) -> Option<R>
     where
-        Y: Hybrid<N, Z, S, Mode = M>,
+        Y: Hybrid<N, Z, Mode = M>,
     {
         let Some(Pending { next: Next::Step, .. }) = &self.pending else { return None };
         let Self { run, linearised, found: accepted, .. } = self;
@@ -268,7 +271,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     /// Continues from the end of the last committed step with another right-hand side in the given mode.
-    pub fn restart<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y, state: State<N, Z>, mode: M) {
+    pub fn restart<Y: Hybrid<N, Z, Mode = M>>(&mut self, system: &Y, state: State<N, Z>, mode: M) {
         self.pending = None;
         (self.run.state, self.run.mode) = (state, mode);
         self.run.update_events(system);
@@ -278,7 +281,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
 
 /// State of an integration at the end of the last committed step.
 #[derive(Clone)]
-struct Run<const N: usize, const Z: usize, const S: usize, M, K> {
+struct Run<const N: usize, const Z: usize, M, K> {
     options: Options,
     method: K,
     /// Method of steps that end inside the last one.
@@ -287,12 +290,13 @@ struct Run<const N: usize, const Z: usize, const S: usize, M, K> {
     clock: Clock,
     state: State<N, Z>,
     /// Event functions of `mode` at `state`.
-    events: EventSet<N, S>,
+    events: EventSet<N>,
+    memory: SearchMemory,
     mode: M,
     /// Latest time before the next discontinuity of the right-hand side.
     latest_time: f64,
     h: f64,
-    chatter: Chatter<S>,
+    chatter: Chatter,
     stall_detector: StallDetector,
     tolerance_schedule: ToleranceSchedule,
     counters: Counters,
@@ -311,12 +315,7 @@ struct Pending {
 
 impl Pending {
     /// Whether the step ends after time `t`.
-    fn ends_after<const N: usize, const Z: usize, const S: usize>(
-        &self,
-        accepted: &AcceptedStep<N, Z, S>,
-        clock: &Clock,
-        t: f64,
-    ) -> bool {
+    fn ends_after<const N: usize, const Z: usize>(&self, accepted: &AcceptedStep<N, Z>, clock: &Clock, t: f64) -> bool {
         match self.next {
             Next::Step if accepted.reaches_stop => self.stop > t,
             Next::Step => accepted.size > clock.until(t),
@@ -333,13 +332,13 @@ enum Next {
     Event(usize),
 }
 
-impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z, S, M, K> {
+impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z, M, K> {
     fn failure(&self, reason: Reason) -> Failure {
         Failure { time_s: self.clock.now(), reason }
     }
 
     /// Start of the next step.
-    fn origin<'a, Y: Hybrid<N, Z, S, Mode = M>>(
+    fn origin<'a, Y: Hybrid<N, Z, Mode = M>>(
         &'a self,
         system: &'a Y,
         tolerances: &'a Tolerances,
@@ -351,11 +350,11 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     /// Finds the next step, at most up to `stop`, or an event at the current time.
-    fn find_next<Y: Hybrid<N, Z, S, Mode = M>>(
+    fn find_next<Y: Hybrid<N, Z, Mode = M>>(
         &mut self,
         system: &Y,
         stop: f64,
-        (linearised, found): (&mut Linearised<N, Z>, &mut AcceptedStep<N, Z, S>),
+        (linearised, found): (&mut Linearised<N, Z>, &mut AcceptedStep<N, Z>),
     ) -> Result<Pending, Reason> {
         let t = self.clock.now();
         if t > self.latest_time {
@@ -382,11 +381,11 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     /// Takes the step that was found, or handles the event at the current time.
-    fn commit<Y: Hybrid<N, Z, S, Mode = M>, O: Observer<N, Z, M>>(
+    fn commit<Y: Hybrid<N, Z, Mode = M>, O: Observer<N, Z, M>>(
         &mut self,
         system: &Y,
         pending: &Pending,
-        (linearised, accepted): (&Linearised<N, Z>, &AcceptedStep<N, Z, S>),
+        (linearised, accepted): (&Linearised<N, Z>, &mut AcceptedStep<N, Z>),
         t_end: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
@@ -394,9 +393,9 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             self.apply_event(system, event_index, observer);
             return Ok(());
         }
-        let simultaneous = accepted
-            .event
-            .map(|event| simultaneous_events(system, &self.mode, event, [&self.events, &accepted.events]));
+        let simultaneous = accepted.event.map_or_else(Vec::new, |event| {
+            simultaneous_events(system, &self.mode, event, [&self.events, &accepted.events])
+        });
         self.take_step(system, linearised, accepted, pending.stop, observer)?;
         if self.stall_detector.is_stalled(&self.counters, self.clock.now(), t_end) && accepted.event.is_none() {
             self.method.on_stall();
@@ -406,7 +405,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         }
         if let Some(event_index) = accepted.event {
             self.apply_event(system, event_index, observer);
-            for index in (0..S).filter(|index| simultaneous.is_some_and(|simultaneous| simultaneous[*index])) {
+            for index in simultaneous {
                 // The first event may have changed the other event functions.
                 if self.events.functions[index].value.abs() <= system.event_tolerance(index, &self.mode) {
                     self.apply_event(system, index, observer);
@@ -420,19 +419,19 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     /// Finds a step with an acceptable error, shortened to the first event within it.
-    fn find_step<Y: Hybrid<N, Z, S, Mode = M>>(
+    fn find_step<Y: Hybrid<N, Z, Mode = M>>(
         &mut self,
         system: &Y,
         linearised: &Linearised<N, Z>,
         stop: f64,
-        found: &mut AcceptedStep<N, Z, S>,
+        found: &mut AcceptedStep<N, Z>,
     ) -> Result<Next, Reason> {
         let (state, mode) = (self.state, self.mode);
         let mut tolerances =
             self.tolerance_schedule.tolerances(&self.options.tolerances, self.stall_detector.progress(&self.counters));
         error_weight::raise_above_noise(
             &mut tolerances,
-            &self.events.functions,
+            &self.events,
             &self.state,
             linearised,
             self.stall_detector.noise_scale(),
@@ -464,9 +463,9 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 h = self.controller.reject(size, attempt.error);
                 continue;
             }
-            found.events = system.eval_events(&attempt.end.q, &attempt.end.v, &mode);
+            system.eval_events(&attempt.end.q, &attempt.end.v, &mode, &mut found.events);
             let events = &found.events;
-            let clearance = |w: &EventSet<N, S>| (w.clearance, w.clearance_rate);
+            let clearance = |w: &EventSet<N>| (w.clearance, w.clearance_rate);
             if events.clearance.is_nan() || may_have_passed(clearance(&self.events), clearance(events), size) {
                 if size < MIN_APPROACH_STEP_S {
                     return Err(Reason::Obstacle(system.describe_obstacle(&attempt.end.q)));
@@ -483,14 +482,15 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
                 h = INVALID_MODE_CUT * size;
                 continue;
             }
-            if error_weight::unloads(&self.events.functions, &events.functions, attempt, &state, &tolerances) {
+            if error_weight::unloads(&self.events, events, attempt, &state, &tolerances) {
                 self.counters.rejected += 1;
                 h = self.controller.cut(size, UNLOADING_CUT);
                 continue;
             }
             let output = (|| self.method.dense(None), || self.method.dense_positions());
             let ends = ([&state, &attempt.end], size);
-            let crossing = match search_step(system, &mode, [&self.events, events], ends, &output) {
+            let memory = &mut self.memory;
+            let crossing = match search_step(system, &mode, [&self.events, events], ends, &output, memory) {
                 Found::Crossing(crossing) => crossing,
                 Found::Obstacle | Found::Unresolved if size >= MIN_APPROACH_STEP_S => {
                     self.counters.rejected += 1;
@@ -516,8 +516,9 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     #[inline(always)]
-    fn attempts(&mut self) -> StepAttempts<'_, K, N, S> {
-        StepAttempts { method: &mut self.method, counters: &mut self.counters, events: &self.events }
+    fn attempts(&mut self) -> StepAttempts<'_, K, N> {
+        let Self { method, counters, events, memory, .. } = self;
+        StepAttempts { method, counters, events, memory }
     }
 
     /// Half of the time in which a small clearance would vanish at its present rate.
@@ -531,11 +532,11 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     /// Advances to the end of an accepted step and notifies the observer.
-    fn take_step<Y: Hybrid<N, Z, S, Mode = M>, O: Observer<N, Z, M>>(
+    fn take_step<Y: Hybrid<N, Z, Mode = M>, O: Observer<N, Z, M>>(
         &mut self,
         system: &Y,
         linearised: &Linearised<N, Z>,
-        accepted: &AcceptedStep<N, Z, S>,
+        accepted: &mut AcceptedStep<N, Z>,
         stop: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
@@ -547,7 +548,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
             self.clock.advance(accepted.size);
         }
         self.state = accepted.attempt.end;
-        self.events = accepted.events;
+        std::mem::swap(&mut self.events, &mut accepted.events);
         self.counters.steps += 1;
         let proposed_size = self.controller.accept(accepted.size, accepted.attempt.error);
         self.h =
@@ -584,7 +585,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     /// Applies the mode change of an event at the current state and restarts the method.
-    fn apply_event<Y: Hybrid<N, Z, S, Mode = M>, O: Observer<N, Z, M>>(
+    fn apply_event<Y: Hybrid<N, Z, Mode = M>, O: Observer<N, Z, M>>(
         &mut self,
         system: &Y,
         event_index: usize,
@@ -603,7 +604,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     /// Counts and reports an event, and handles chattering.
-    fn report_event<Y: Hybrid<N, Z, S, Mode = M>, O: Observer<N, Z, M>>(
+    fn report_event<Y: Hybrid<N, Z, Mode = M>, O: Observer<N, Z, M>>(
         &mut self,
         system: &Y,
         (event_index, is_reported): (usize, bool),
@@ -620,7 +621,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
     }
 
     /// Projects oscillating contacts onto their equilibrium depth.
-    fn project_quasi_static<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y, t_end: f64) {
+    fn project_quasi_static<Y: Hybrid<N, Z, Mode = M>>(&mut self, system: &Y, t_end: f64) {
         let t = self.clock.now();
         let projected =
             system.project_quasi_static(t, (&self.state.q, &self.state.v), &self.mode, &self.options.tolerances);
@@ -634,8 +635,8 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
         }
     }
 
-    fn update_events<Y: Hybrid<N, Z, S, Mode = M>>(&mut self, system: &Y) {
-        self.events = system.eval_events(&self.state.q, &self.state.v, &self.mode);
+    fn update_events<Y: Hybrid<N, Z, Mode = M>>(&mut self, system: &Y) {
+        system.eval_events(&self.state.q, &self.state.v, &self.mode, &mut self.events);
     }
 
     fn restart_method(&mut self) {
@@ -645,7 +646,7 @@ impl<const N: usize, const Z: usize, const S: usize, M: Copy + Debug, K: Method<
 }
 
 /// Evaluates states inside the step just taken, for an observer.
-struct StepEvaluator<'a, Y: Hybrid<N, Z, S>, K, const N: usize, const Z: usize, const S: usize> {
+struct StepEvaluator<'a, Y: Hybrid<N, Z>, K, const N: usize, const Z: usize> {
     method: &'a K,
     resolver: &'a mut K,
     origin: StepStart<'a, Y, N, Z>,
@@ -655,8 +656,8 @@ struct StepEvaluator<'a, Y: Hybrid<N, Z, S>, K, const N: usize, const Z: usize, 
     refined: &'a mut Vec<(f64, State<N, Z>)>,
 }
 
-impl<Y: Hybrid<N, Z, S>, K: Method<N, Z>, const N: usize, const Z: usize, const S: usize> StepTools<N, Z>
-    for StepEvaluator<'_, Y, K, N, Z, S>
+impl<Y: Hybrid<N, Z>, K: Method<N, Z>, const N: usize, const Z: usize> StepTools<N, Z>
+    for StepEvaluator<'_, Y, K, N, Z>
 {
     fn interpolate(&mut self, theta: f64) -> State<N, Z> {
         self.dense.get_or_insert_with(|| self.method.dense(Some(self.origin.linearised))).evaluate(theta)

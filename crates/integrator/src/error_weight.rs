@@ -2,7 +2,7 @@
 //! tolerances of coordinates and rates reflect.
 
 use super::method::Attempt;
-use super::{ErrorWeight, EventFunction, Linearised, State, Tolerances};
+use super::{ErrorWeight, EventSet, Linearised, State, Tolerances};
 
 /// Fraction of its normal force that a sticking contact must retain in a step.
 const MIN_REMAINING_FORCE: f64 = 0.25;
@@ -15,16 +15,16 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Raises the tolerance of rates above `noise_scale` times the rounding noise of the rate of a stiff contact.
 #[inline(always)]
-pub(crate) fn raise_above_noise<const N: usize, const Z: usize, const S: usize>(
+pub(crate) fn raise_above_noise<const N: usize, const Z: usize>(
     tolerances: &mut Tolerances,
-    functions: &[EventFunction<N>; S],
+    events: &EventSet<N>,
     state: &State<N, Z>,
     linearised: &Linearised<N, Z>,
     noise_scale: f64,
 ) {
-    for function in functions {
+    for (_, weight) in &events.weights {
         // A damper that dominates the spring suppresses the noise.
-        let ErrorWeight::Depth { row, is_spring_dominated: true, .. } = &function.error_weight else { continue };
+        let ErrorWeight::Depth { row, is_spring_dominated: true, .. } = weight else { continue };
         let (mut stiffness, mut norm_squared, mut magnitude) = (0.0, 0.0, 0.0);
         for i in 0..N {
             // A contact depends on few coordinates.
@@ -49,8 +49,8 @@ pub(crate) fn raise_above_noise<const N: usize, const Z: usize, const S: usize>(
 /// transmit or pull a force that the law does not. Likewise a sticking range may be narrower than the tolerance of the
 /// rates.
 #[inline(always)]
-pub fn error<const N: usize, const Z: usize, const S: usize>(
-    functions: &[EventFunction<N>; S],
+pub fn error<const N: usize, const Z: usize>(
+    events: &EventSet<N>,
     attempt: &Attempt<N, Z>,
     from: &State<N, Z>,
     tolerances: &Tolerances,
@@ -58,11 +58,10 @@ pub fn error<const N: usize, const Z: usize, const S: usize>(
     let contact_tolerance = tolerances.contact_tolerance();
     let rebound_tolerances = tolerances.for_rebounds();
     let mut worst: f64 = 0.0;
-    for function in functions {
+    for (_, weight) in &events.weights {
         let (mut error, mut scale, mut magnitude) = (0.0, 0.0, 0.0);
         let mut floor = 0.0;
-        match &function.error_weight {
-            ErrorWeight::None => continue,
+        match weight {
             ErrorWeight::Depth { row, depth, is_rebounding, .. } => {
                 if *is_rebounding {
                     worst = worst.max(rebound_tolerances.rate_error_along(row, &attempt.error_v, from, &attempt.end));
@@ -91,17 +90,17 @@ pub fn error<const N: usize, const Z: usize, const S: usize>(
 /// Whether a sticking contact loses most of its normal force in a step and slips beyond the tolerance. Creep grows with
 /// the reciprocal of the force, which the polynomial of a step cannot represent and its error estimate does not reveal.
 #[inline(always)]
-pub fn unloads<const N: usize, const Z: usize, const S: usize>(
-    start: &[EventFunction<N>; S],
-    end: &[EventFunction<N>; S],
+pub fn unloads<const N: usize, const Z: usize>(
+    start: &EventSet<N>,
+    end: &EventSet<N>,
     attempt: &Attempt<N, Z>,
     from: &State<N, Z>,
     tolerances: &Tolerances,
 ) -> bool {
-    for index in 0..S {
-        let ErrorWeight::Slip { row, slip_scale, normal_force } = &start[index].error_weight else { continue };
+    for (index, weight) in &start.weights {
+        let ErrorWeight::Slip { row, slip_scale, normal_force } = weight else { continue };
         let remaining =
-            if let ErrorWeight::Slip { normal_force, .. } = &end[index].error_weight { *normal_force } else { 0.0 };
+            if let Some(ErrorWeight::Slip { normal_force, .. }) = end.weight(*index) { *normal_force } else { 0.0 };
         let mut slip_change = 0.0;
         for n in 0..N {
             slip_change += row[n] * (attempt.end.v[n] - from.v[n]);
@@ -120,14 +119,13 @@ mod tests {
     use super::*;
 
     /// Returns an active contact with this normal force, whose slip is the rate of the second coordinate.
-    fn sticking_contact(normal_force: f64) -> [EventFunction<2>; 1] {
-        [EventFunction {
-            error_weight: ErrorWeight::Slip { row: [0.0, 1.0], slip_scale: 1e-3, normal_force },
-            ..EventFunction::INACTIVE
-        }]
+    fn sticking_contact(normal_force: f64) -> EventSet<2> {
+        let mut events = EventSet::new(1);
+        events.add_weight(0, ErrorWeight::Slip { row: [0.0, 1.0], slip_scale: 1e-3, normal_force });
+        events
     }
 
-    fn unloads_to(after: [EventFunction<2>; 1], rate_change: [f64; 2]) -> bool {
+    fn unloads_to(after: EventSet<2>, rate_change: [f64; 2]) -> bool {
         let tolerances = Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 };
         let from = State { q: [0.0; 2], v: [3.0, 0.1], z: [] };
         let v = [from.v[0] + rate_change[0], from.v[1] + rate_change[1] * tolerances.contact_tolerance() * 1e-3];
@@ -138,10 +136,7 @@ mod tests {
     #[test]
     fn a_contact_unloads_if_it_loses_its_force_and_slips_beyond_the_tolerance() {
         assert!(unloads_to(sticking_contact(2.4), [0.0, 1.1]), "most of the force is lost, and the contact slips");
-        assert!(
-            unloads_to([EventFunction::INACTIVE], [0.0, -1.1]),
-            "a contact that is no longer active has lost its force"
-        );
+        assert!(unloads_to(EventSet::new(1), [0.0, -1.1]), "a contact that is no longer active has lost its force");
         assert!(!unloads_to(sticking_contact(2.6), [0.0, 1.1]), "more than a quarter of the force remains");
         assert!(!unloads_to(sticking_contact(2.4), [0.0, 0.9]), "the slip is below the tolerance");
         assert!(!unloads_to(sticking_contact(2.4), [5.0, 0.9]), "motion in another direction is not slip");

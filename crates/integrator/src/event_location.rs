@@ -1,11 +1,10 @@
 //! Locates the first event within a step.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 
 use super::gap_search::{GapSearch, Point, Unresolved, find_root};
 use super::state::DensePositions;
-use super::{Dense, ErrorWeight, EventFunction, EventSet, GapBound, Hybrid, RootSearch, State};
-use crate::numeric::array_from;
+use super::{Dense, ErrorWeight, EventFunction, EventSet, GapBound, GapBounds, Hybrid, RootSearch, State};
 use crate::numeric::elementary::powi;
 
 /// The earliest zero crossing of an event function in a step.
@@ -30,19 +29,53 @@ pub enum Found {
     Unresolved,
 }
 
+/// Memory of the search of a step, used again for the next one.
+#[derive(Clone, Debug)]
+pub struct SearchMemory {
+    /// Bounds over the whole step, and over a part of it.
+    bounds: GapBounds,
+    part: RefCell<GapBounds>,
+    samples: SampleMemory,
+}
+
+/// Memory for the functions that are sampled.
+#[derive(Clone, Debug)]
+struct SampleMemory {
+    may_cross: Vec<bool>,
+    is_gap: Vec<bool>,
+    at_half: Vec<f64>,
+    at_thirds: [Vec<f64>; 2],
+}
+
+impl SearchMemory {
+    /// Memory for this number of event functions.
+    pub fn new(count: usize) -> Self {
+        let (bounds, values) = (GapBounds::new(count), vec![f64::NAN; count]);
+        let samples = SampleMemory {
+            may_cross: vec![false; count],
+            is_gap: vec![false; count],
+            at_thirds: [values.clone(), values.clone()],
+            at_half: values,
+        };
+        Self { part: RefCell::new(bounds.clone()), bounds, samples }
+    }
+}
+
 /// Searches a step of size `h` for its first zero crossing and for a singularity, given the event functions at both ends.
 ///
 /// Gaps and the clearance are searched with bounds of their rates, so that no link passes through an object, however thin
 /// or short the contact. Other values are checked at the end; those that may be negative in between, according to their
 /// rates at the ends or their curvature, are sampled inside the step.
 #[inline(always)]
-pub fn search_step<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
+pub fn search_step<const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
     system: &Y,
     mode: &Y::Mode,
-    [start, end]: [&EventSet<N, S>; 2],
+    [start, end]: [&EventSet<N>; 2],
     ([from, to], h): ([&State<N, Z>; 2], f64),
     output: &(impl Fn() -> Dense<N, Z>, impl Fn() -> [[f64; N]; 3]),
+    memory: &mut SearchMemory,
 ) -> Found {
+    let SearchMemory { bounds, part, samples } = memory;
     let dense = OnceCell::new();
     let dense = || dense.get_or_init(&output.0);
     let is_bounded = |index: &usize| {
@@ -51,15 +84,15 @@ pub fn search_step<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, 
         start.root_search == RootSearch::Bounded && may_cross
     };
     let mut first = None;
-    if end.clearance != f64::INFINITY || (0..S).any(|index| is_bounded(&index)) {
+    if end.clearance != f64::INFINITY || (0..system.event_count()).any(|index| is_bounded(&index)) {
         let positions = DensePositions { start: &from.q, end: &to.q, d: (output.1)(), step_s: h };
-        let bounds =
-            system.gap_bounds(&positions.bounds(0.0, 1.0, system.coordinate_count()), &to.q, &to.v, end.clearance);
-        let search = GapSearch::new(system, mode, dense);
+        let motion = positions.bounds(0.0, 1.0, system.coordinate_count());
+        system.gap_bounds(&motion, (&to.q, &to.v), end.clearance, bounds);
+        let search = GapSearch::new(system, mode, dense, part);
         if !search.stays_clear(bounds.clearance_reach) {
             return Found::Obstacle;
         }
-        for index in (0..S).filter(is_bounded) {
+        for index in (0..system.event_count()).filter(is_bounded) {
             let ends = [(0.0, start), (1.0, end)].map(|(theta, events)| {
                 let EventFunction { value, rate, .. } = events.functions[index];
                 Point { theta, value, rate: h * rate }
@@ -74,25 +107,27 @@ pub fn search_step<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, 
             }
         }
     }
-    match first_sampled_crossing(system, mode, [&start.functions, &end.functions], h, &dense, first) {
+    match first_sampled_crossing(system, mode, ([start, end], h), &dense, first, samples) {
         Some(crossing) => Found::Crossing(crossing),
         None => Found::Nothing,
     }
 }
 
 /// Returns the first zero crossing of the functions that are not searched with bounds, or `first` if it is earlier.
-fn first_sampled_crossing<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
+fn first_sampled_crossing<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
     system: &Y,
     mode: &Y::Mode,
-    [start, end]: [&[EventFunction<N>; S]; 2],
-    h: f64,
+    (events, h): ([&EventSet<N>; 2], f64),
     dense: &dyn Fn() -> &'a Dense<N, Z>,
     mut first: Option<Crossing>,
+    memory: &mut SampleMemory,
 ) -> Option<Crossing> {
-    let may_cross: [bool; S] = array_from(|index| {
+    let SampleMemory { may_cross, is_gap, at_half, at_thirds } = memory;
+    let [start, end] = events.map(|events| &events.functions[..]);
+    for (index, may_cross) in may_cross.iter_mut().enumerate() {
         let is_sampled = start[index].root_search != RootSearch::Bounded;
-        is_sampled && (end[index].value < 0.0 || may_dip(&start[index], &end[index], h))
-    });
+        *may_cross = is_sampled && (end[index].value < 0.0 || may_dip(events, index, h));
+    }
     if !may_cross.contains(&true) {
         return first;
     }
@@ -102,27 +137,36 @@ fn first_sampled_crossing<'a, const N: usize, const Z: usize, const S: usize, Y:
         system.eval_event(&q, &v, mode, index)
     };
     // One call evaluates all selected functions, because most steps need no further evaluation.
-    let event_values = |theta: f64, selected: &[bool; S]| {
+    let event_values = |theta: f64, selected: &[bool], values: &mut [f64]| {
         let (q, v) = dense.motion(theta);
-        system.event_values(&q, &v, mode, selected)
+        system.event_values(&q, &v, mode, selected, values);
     };
-    let searches: [RootSearch; S] = array_from(|index| select_search(&start[index], &end[index]));
-    let gaps = || array_from(|index| may_cross[index] && searches[index] == RootSearch::Gap);
-    let (midpoint, thirds) = (OnceCell::new(), OnceCell::new());
-    let at_half = |index: usize| midpoint.get_or_init(|| event_values(0.5, &gaps()))[index];
-    let at_thirds = |index: usize| {
-        let [a, b] = thirds.get_or_init(|| [event_values(THIRDS[0], &may_cross), event_values(THIRDS[1], &may_cross)]);
-        [a[index], b[index]]
+    let search_of = |index: usize| select_search(&start[index], &end[index]);
+    let (mut has_half, mut has_thirds) = (false, false);
+    let mut at_half = |index: usize| {
+        if !std::mem::replace(&mut has_half, true) {
+            for (index, is_gap) in is_gap.iter_mut().enumerate() {
+                *is_gap = may_cross[index] && search_of(index) == RootSearch::Gap;
+            }
+            event_values(0.5, is_gap, at_half);
+        }
+        at_half[index]
     };
-    for index in (0..S).filter(|index| may_cross[*index]) {
+    let mut at_thirds = |index: usize| {
+        if !std::mem::replace(&mut has_thirds, true) {
+            (0..2).for_each(|k| event_values(THIRDS[k], may_cross, &mut at_thirds[k]));
+        }
+        [at_thirds[0][index], at_thirds[1][index]]
+    };
+    for index in (0..system.event_count()).filter(|index| may_cross[*index]) {
         let value = |theta: f64| function_at(theta, index).value;
         let is_negative_at_end = end[index].value < 0.0;
-        let bracket = match searches[index] {
+        let bracket = match search_of(index) {
             RootSearch::EndOnly | RootSearch::Bounded => is_negative_at_end.then_some((0.0, 1.0)),
             RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce => {
                 let separates = end[index].is_separated && !start[index].is_separated;
                 // The force of a separating contact has a kink, which thirds do not reveal.
-                let is_sampled = is_negative_at_end || separates && searches[index] == RootSearch::Interior;
+                let is_sampled = is_negative_at_end || separates && search_of(index) == RootSearch::Interior;
                 if is_sampled || may_dip_inside(start[index].value, end[index].value, at_thirds(index)) {
                     let separation =
                         separates.then(|| find_separation(&|theta| function_at(theta, index).is_separated));
@@ -155,8 +199,8 @@ fn first_sampled_crossing<'a, const N: usize, const Z: usize, const S: usize, Y:
 /// The first zero crossing of a gap, or `first` if it is earlier. `bound` is that of the gap over the step, with the depth
 /// below which a dip does not count.
 #[inline(always)]
-fn first_zero<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
-    search: &GapSearch<'a, Y, impl Fn() -> &'a Dense<N, Z>, N, Z, S>,
+fn first_zero<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
+    search: &GapSearch<'a, Y, impl Fn() -> &'a Dense<N, Z>, N, Z>,
     index: usize,
     [start, mut end]: [Point; 2],
     (bound, tolerance): (GapBound, f64),
@@ -175,18 +219,19 @@ fn first_zero<'a, const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z
 
 /// Whether an event function that is positive at both ends could be negative in between. A gap could if it closed at
 /// twice the larger of its end rates throughout the step; other values must be sampled inside.
-fn may_dip<const N: usize>(start: &EventFunction<N>, end: &EventFunction<N>, h: f64) -> bool {
+fn may_dip<const N: usize>(events: [&EventSet<N>; 2], index: usize, h: f64) -> bool {
+    let [start, end] = events.map(|events| &events.functions[index]);
     let lowest_end = start.value.min(end.value);
     match select_search(start, end) {
         RootSearch::EndOnly | RootSearch::Bounded => false,
         RootSearch::Interior | RootSearch::Smooth => lowest_end.is_finite(),
-        RootSearch::FadingForce => lowest_end.is_finite() && loses_depth(start, end),
+        RootSearch::FadingForce => lowest_end.is_finite() && loses_depth(events, index),
         RootSearch::Gap => start.value.is_finite() && lowest_end < 2.0 * h * start.rate.abs().max(end.rate.abs()),
     }
 }
 
 /// Root-search policy within a step: inside the step if either end requires it.
-fn select_search<const N: usize>(start: &EventFunction<N>, end: &EventFunction<N>) -> RootSearch {
+fn select_search(start: &EventFunction, end: &EventFunction) -> RootSearch {
     if matches!(start.root_search, RootSearch::Interior | RootSearch::FadingForce) {
         start.root_search
     } else {
@@ -195,9 +240,11 @@ fn select_search<const N: usize>(start: &EventFunction<N>, end: &EventFunction<N
 }
 
 /// Whether a contact loses half of its depth in a step. Shorter steps resolve the contact without sampling.
-fn loses_depth<const N: usize>(start: &EventFunction<N>, end: &EventFunction<N>) -> bool {
-    match (&start.error_weight, &end.error_weight) {
-        (ErrorWeight::Depth { depth: before, .. }, ErrorWeight::Depth { depth: after, .. }) => *after < 0.5 * before,
+fn loses_depth<const N: usize>(events: [&EventSet<N>; 2], index: usize) -> bool {
+    match events.map(|events| events.weight(index)) {
+        [Some(ErrorWeight::Depth { depth: before, .. }), Some(ErrorWeight::Depth { depth: after, .. })] => {
+            *after < 0.5 * before
+        }
         _ => true,
     }
 }
@@ -344,14 +391,26 @@ mod tests {
         }
     }
 
-    impl Hybrid<1, 0, 3> for Markers {
+    impl Hybrid<1, 0> for Markers {
+        fn event_count(&self) -> usize {
+            3
+        }
+
         fn next_discontinuity(&self, _: f64) -> f64 {
             f64::INFINITY
         }
 
-        fn eval_events(&self, q: &[f64; 1], _: &[f64; 1], (): &()) -> EventSet<1, 3> {
-            let functions = self.0.map(|marker| EventFunction { value: marker - q[0], ..EventFunction::INACTIVE });
-            EventSet { functions, clearance: f64::INFINITY, clearance_rate: 0.0 }
+        fn eval_events(&self, q: &[f64; 1], v: &[f64; 1], (): &(), events: &mut EventSet<1>) {
+            events.clear();
+            (0..3).for_each(|index| events.functions[index] = self.eval_event(q, v, &(), index));
+        }
+
+        fn clearance(&self, _: &[f64; 1], _: &[f64; 1], (): &()) -> f64 {
+            f64::INFINITY
+        }
+
+        fn eval_event(&self, q: &[f64; 1], _: &[f64; 1], (): &(), index: usize) -> EventFunction {
+            EventFunction { value: self.0[index] - q[0], ..EventFunction::INACTIVE }
         }
 
         fn event_tolerance(&self, _: usize, (): &()) -> f64 {
@@ -360,7 +419,7 @@ mod tests {
 
         fn mode_after_event(&self, _: usize, _: &[f64; 1], _: &[f64; 1], (): &()) {}
 
-        fn mode_after_step(&self, _: &[EventFunction<1>; 3], (): &()) -> Option<()> {
+        fn mode_after_step(&self, _: &[EventFunction], (): &()) -> Option<()> {
             None
         }
 
@@ -386,8 +445,13 @@ mod tests {
             [([0.3, 0.6, 2.0], 0, 0.3), ([0.6, 0.3, 0.9], 1, 0.3), ([0.9, 0.6, 0.3], 2, 0.3), ([2.0, 0.7, 0.7], 1, 0.7)]
         {
             let system = Markers(markers);
-            let [before, after] = [&start, &end].map(|state| system.eval_events(&state.q, &state.v, &()));
-            let Found::Crossing(first) = search_step(&system, &(), [&before, &after], ([&start, &end], 1.0), &output)
+            let [before, after] = [&start, &end].map(|state| {
+                let mut events = EventSet::new(3);
+                system.eval_events(&state.q, &state.v, &(), &mut events);
+                events
+            });
+            let (ends, mut memory) = (([&start, &end], 1.0), SearchMemory::new(3));
+            let Found::Crossing(first) = search_step(&system, &(), [&before, &after], ends, &output, &mut memory)
             else {
                 panic!("{markers:?}: no crossing");
             };

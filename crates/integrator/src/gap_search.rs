@@ -5,7 +5,7 @@
 //! its ends cover it; otherwise it is divided in the middle of the part that is left. All fractions, rates and bounds are
 //! those of the step: per step and per step².
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
 use super::{Dense, GapBound, GapBounds, Hybrid};
 
@@ -53,29 +53,34 @@ pub(crate) struct Zero {
 pub(crate) struct Unresolved;
 
 /// Search within one step, whose dense output is evaluated if the bounds over the whole step decide nothing.
-pub(crate) struct GapSearch<'a, Y: Hybrid<N, Z, S>, D, const N: usize, const Z: usize, const S: usize> {
+pub(crate) struct GapSearch<'a, Y: Hybrid<N, Z>, D, const N: usize, const Z: usize> {
     system: &'a Y,
     mode: &'a Y::Mode,
     dense: D,
     evaluations: Cell<u32>,
+    /// Memory for the bounds over a part of the step.
+    part: &'a RefCell<GapBounds>,
 }
 
-impl<'a, Y, D, const N: usize, const Z: usize, const S: usize> GapSearch<'a, Y, D, N, Z, S>
+impl<'a, Y, D, const N: usize, const Z: usize> GapSearch<'a, Y, D, N, Z>
 where
-    Y: Hybrid<N, Z, S>,
+    Y: Hybrid<N, Z>,
     D: Fn() -> &'a Dense<N, Z>,
 {
-    pub fn new(system: &'a Y, mode: &'a Y::Mode, dense: D) -> Self {
-        Self { system, mode, dense, evaluations: Cell::new(0) }
+    pub fn new(system: &'a Y, mode: &'a Y::Mode, dense: D, part: &'a RefCell<GapBounds>) -> Self {
+        Self { system, mode, dense, evaluations: Cell::new(0), part }
     }
 
-    /// Bounds between two fractions of the step; `at` is one of them.
+    /// Reads the bounds between two fractions of the step; `at` is one of them.
     #[inline(never)]
-    fn bounds_between(&self, from: f64, to: f64, at: f64) -> GapBounds<S> {
+    fn bounds_between<R>(&self, from: f64, to: f64, at: f64, read: impl FnOnce(&GapBounds) -> R) -> R {
         let dense = (self.dense)();
         let (q, v) = Self::motion(dense, at);
-        let clearance = self.system.eval_events(&q, &v, self.mode).clearance;
-        self.system.gap_bounds(&dense.positions().bounds(from, to, self.system.coordinate_count()), &q, &v, clearance)
+        let clearance = self.system.clearance(&q, &v, self.mode);
+        let motion = dense.positions().bounds(from, to, self.system.coordinate_count());
+        let mut part = self.part.borrow_mut();
+        self.system.gap_bounds(&motion, (&q, &v), clearance, &mut part);
+        read(&part)
     }
 
     /// Coordinates of the dense output with their derivative, which differs from the dense output of the rates by its error.
@@ -129,7 +134,7 @@ where
         }
         let [from, to] = bound.uncovered([left, right], tolerance);
         let middle = self.point(index, 0.5 * (from + to))?;
-        let part = |from: f64, to: f64| self.bounds_between(from, to, middle.theta).gaps[index];
+        let part = |from: f64, to: f64| self.bounds_between(from, to, middle.theta, |bounds| bounds.gaps[index]);
         let before = self.first_zero(index, [left, middle], part(left.theta, middle.theta), tolerance)?;
         if before.is_some() {
             return Ok(before);
@@ -145,7 +150,7 @@ where
 
     fn is_clear_between(&self, [from, to]: [f64; 2]) -> Result<bool, Unresolved> {
         self.count()?;
-        let reaches = [from, to].map(|at| self.bounds_between(from, to, at).clearance_reach);
+        let reaches = [from, to].map(|at| self.bounds_between(from, to, at, |bounds| bounds.clearance_reach));
         // A reach of 0 is that of an unknown bound, which a shorter part may have.
         if reaches.iter().any(|reach| reach.is_nan() || *reach < 0.0) {
             return Ok(false);

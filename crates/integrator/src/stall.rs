@@ -113,15 +113,16 @@ const MAX_RAPID_EVENTS: u32 = 6;
 
 /// Detects chattering, which is events that trigger each other without progress in time, from rapid events of one event
 /// function.
-#[derive(Clone, Copy, Debug)]
-pub struct Chatter<const S: usize> {
-    recent: [(f64, u32); S],
+#[derive(Clone, Debug)]
+pub struct Chatter {
+    recent: Vec<(f64, u32)>,
     is_clamped: bool,
 }
 
-impl<const S: usize> Chatter<S> {
-    pub fn new() -> Self {
-        Self { recent: [(f64::NEG_INFINITY, 0); S], is_clamped: false }
+impl Chatter {
+    /// Detects chattering of this number of event functions.
+    pub fn new(count: usize) -> Self {
+        Self { recent: vec![(f64::NEG_INFINITY, 0); count], is_clamped: false }
     }
 
     /// Records an event; returns whether the next step should use the clamped law of this contact.

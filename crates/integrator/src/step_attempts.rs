@@ -1,9 +1,8 @@
 //! Attempted steps, and steps that end on the first event within them.
 
-use super::event_location::{Crossing, Found, search_step};
+use super::event_location::{Crossing, Found, SearchMemory, search_step};
 use super::method::{Attempt, Method, StepStart};
 use super::{Counters, EventSet, Hybrid, error_weight};
-use crate::numeric::array_from;
 
 /// Below this size, a step counts as collapsed.
 pub const MIN_STEP_S: f64 = 1e-22;
@@ -16,10 +15,10 @@ const MAX_LOCATION_ATTEMPTS: usize = 12;
 
 /// A step that satisfies the tolerances.
 #[derive(Clone)]
-pub struct AcceptedStep<const N: usize, const Z: usize, const S: usize> {
+pub struct AcceptedStep<const N: usize, const Z: usize> {
     pub attempt: Attempt<N, Z>,
     /// Event functions at its end.
-    pub events: EventSet<N, S>,
+    pub events: EventSet<N>,
     pub size: f64,
     /// Acceptable size before the step was shortened; the next step starts from it.
     pub resume_size: f64,
@@ -29,8 +28,8 @@ pub struct AcceptedStep<const N: usize, const Z: usize, const S: usize> {
 }
 
 /// Result of an event location.
-pub enum EventLocation<const N: usize, const Z: usize, const S: usize> {
-    Located(AcceptedStep<N, Z, S>),
+pub enum EventLocation<const N: usize, const Z: usize> {
+    Located(AcceptedStep<N, Z>),
     /// An attempted step was not accurate enough.
     Rejected {
         size: f64,
@@ -41,45 +40,38 @@ pub enum EventLocation<const N: usize, const Z: usize, const S: usize> {
 }
 
 /// Attempts steps from one state.
-pub struct StepAttempts<'a, K, const N: usize, const S: usize> {
+pub struct StepAttempts<'a, K, const N: usize> {
     pub method: &'a mut K,
     pub counters: &'a mut Counters,
     /// Event functions at the state.
-    pub events: &'a EventSet<N, S>,
+    pub events: &'a EventSet<N>,
+    pub memory: &'a mut SearchMemory,
 }
 
-impl<const N: usize, const S: usize, K> StepAttempts<'_, K, N, S> {
+impl<const N: usize, K> StepAttempts<'_, K, N> {
     /// Attempts a step; its error includes the error weights of active contacts.
     #[inline(always)]
-    pub fn attempt<const Z: usize, Y: Hybrid<N, Z, S>>(
-        &mut self,
-        origin: &StepStart<Y, N, Z>,
-        size: f64,
-    ) -> Attempt<N, Z>
+    pub fn attempt<const Z: usize, Y: Hybrid<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, size: f64) -> Attempt<N, Z>
     where
         K: Method<N, Z>,
     {
         let mut attempt = self.method.attempt(origin, size);
         self.counters.rhs += attempt.rhs;
         if attempt.is_acceptable() {
-            attempt.error = attempt.error.max(error_weight::error(
-                &self.events.functions,
-                &attempt,
-                origin.state,
-                origin.tolerances,
-            ));
+            attempt.error =
+                attempt.error.max(error_weight::error(self.events, &attempt, origin.state, origin.tolerances));
         }
         attempt
     }
 
     /// Repeats a step of `size` until it ends on the event. If an earlier event is found on the way, locates that one
     /// instead.
-    pub fn locate_event<const Z: usize, Y: Hybrid<N, Z, S>>(
+    pub fn locate_event<const Z: usize, Y: Hybrid<N, Z>>(
         &mut self,
         origin: &StepStart<Y, N, Z>,
         mut crossing: Crossing,
         size: f64,
-    ) -> EventLocation<N, Z, S>
+    ) -> EventLocation<N, Z>
     where
         K: Method<N, Z>,
     {
@@ -103,14 +95,9 @@ impl<const N: usize, const S: usize, K> StepAttempts<'_, K, N, S> {
                 if !attempt.is_acceptable() {
                     return EventLocation::Rejected { size: target, error: attempt.error };
                 }
-                let events = system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode);
-                if error_weight::unloads(
-                    &self.events.functions,
-                    &events.functions,
-                    &attempt,
-                    origin.state,
-                    origin.tolerances,
-                ) {
+                let mut events = EventSet::new(self.events.functions.len());
+                system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode, &mut events);
+                if error_weight::unloads(self.events, &events, &attempt, origin.state, origin.tolerances) {
                     return EventLocation::Rejected { size: target, error: f64::INFINITY };
                 }
                 let value = events.functions[event_index].value;
@@ -121,7 +108,8 @@ impl<const N: usize, const S: usize, K> StepAttempts<'_, K, N, S> {
                 let dense = || self.method.dense(None);
                 let ends = [origin.state, &attempt.end];
                 let output = (dense, || self.method.dense_positions());
-                let recheck = match search_step(system, origin.mode, [self.events, &events], (ends, target), &output) {
+                let both = [self.events, &events];
+                let recheck = match search_step(system, origin.mode, both, (ends, target), &output, self.memory) {
                     Found::Nothing => None,
                     Found::Crossing(crossing) => Some(crossing),
                     Found::Obstacle | Found::Unresolved => {
@@ -176,15 +164,16 @@ impl<const N: usize, const S: usize, K> StepAttempts<'_, K, N, S> {
 
 /// Other event functions that reach zero at the end of a step, within their tolerances, as those of both fingers of a
 /// symmetric gripper.
-pub fn simultaneous_events<const N: usize, const Z: usize, const S: usize, Y: Hybrid<N, Z, S>>(
+pub fn simultaneous_events<const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
     system: &Y,
     mode: &Y::Mode,
     event_index: usize,
-    [at_start, at_end]: [&EventSet<N, S>; 2],
-) -> [bool; S] {
-    array_from(|index| {
-        let tolerance = system.event_tolerance(index, mode);
-        let values = [at_start, at_end].map(|events| events.functions[index].value);
-        index != event_index && values[0] > tolerance && values[1].abs() <= tolerance
-    })
+    [at_start, at_end]: [&EventSet<N>; 2],
+) -> Vec<usize> {
+    let is_simultaneous = |index: &usize| {
+        let tolerance = system.event_tolerance(*index, mode);
+        let values = [at_start, at_end].map(|events| events.functions[*index].value);
+        *index != event_index && values[0] > tolerance && values[1].abs() <= tolerance
+    };
+    (0..at_end.functions.len()).filter(is_simultaneous).collect()
 }

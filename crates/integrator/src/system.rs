@@ -1,7 +1,6 @@
 //! Interface between the integrator and a hybrid system.
 
 use super::{CoordinateBounds, Tolerances};
-use crate::numeric::array_from;
 
 /// Right-hand side: accelerations and rates of the quadratures.
 #[derive(Clone, Copy, Debug)]
@@ -101,27 +100,17 @@ pub enum RootSearch {
 /// and rates reflect. `row` is the derivative of the quantity with respect to the coordinates or rates.
 #[derive(Clone, Copy, Debug)]
 pub enum ErrorWeight<const N: usize> {
-    None,
     /// Penetration of an active contact, `row` over coordinates. `is_spring_dominated`: the spring is stronger than the
     /// damper. `is_rebounding`: the contact is also moving, so that an error of its rate persists.
-    Depth {
-        row: [f64; N],
-        depth: f64,
-        is_rebounding: bool,
-        is_spring_dominated: bool,
-    },
+    Depth { row: [f64; N], depth: f64, is_rebounding: bool, is_spring_dominated: bool },
     /// Slip of an active contact, `row` over rates, with the smallest slip scale of its friction law and the normal
     /// force.
-    Slip {
-        row: [f64; N],
-        slip_scale: f64,
-        normal_force: f64,
-    },
+    Slip { row: [f64; N], slip_scale: f64, normal_force: f64 },
 }
 
 /// An event function with its root-search policy. The branch of its law is valid while the value is not negative.
 #[derive(Clone, Copy, Debug)]
-pub struct EventFunction<const N: usize> {
+pub struct EventFunction {
     /// Not negative while the branch is valid.
     pub value: f64,
     /// Rate of `value` if known (a gap), otherwise 0. A sign change of the rate reveals a dip within a step.
@@ -129,28 +118,52 @@ pub struct EventFunction<const N: usize> {
     pub root_search: RootSearch,
     /// Whether the surfaces are separated, independent of the branch.
     pub is_separated: bool,
-    /// Error weight of the contact in the step error.
-    pub error_weight: ErrorWeight<N>,
 }
 
-impl<const N: usize> EventFunction<N> {
+impl EventFunction {
     /// Event function that never triggers.
-    pub const INACTIVE: Self = Self {
-        value: f64::INFINITY,
-        rate: 0.0,
-        root_search: RootSearch::EndOnly,
-        is_separated: true,
-        error_weight: ErrorWeight::None,
-    };
+    pub const INACTIVE: Self =
+        Self { value: f64::INFINITY, rate: 0.0, root_search: RootSearch::EndOnly, is_separated: true };
 }
 
 /// Values of all event functions in one state, and the clearance from the next singularity of the equations.
-#[derive(Clone, Copy, Debug)]
-pub struct EventSet<const N: usize, const S: usize> {
-    pub functions: [EventFunction<N>; S],
+#[derive(Clone, Debug)]
+pub struct EventSet<const N: usize> {
+    pub functions: Vec<EventFunction>,
+    /// Error weights of contacts in the step error, with the indices of their event functions, in ascending order.
+    pub weights: Vec<(usize, ErrorWeight<N>)>,
     /// Not negative while the equations are valid.
     pub clearance: f64,
     pub clearance_rate: f64,
+}
+
+impl<const N: usize> EventSet<N> {
+    /// `count` functions that never trigger, and an infinite clearance.
+    pub fn new(count: usize) -> Self {
+        let functions = vec![EventFunction::INACTIVE; count];
+        Self { functions, weights: Vec::new(), clearance: f64::INFINITY, clearance_rate: 0.0 }
+    }
+
+    /// Sets all functions to [`EventFunction::INACTIVE`], without weights and with an infinite clearance.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.functions.fill(EventFunction::INACTIVE);
+        self.weights.clear();
+        (self.clearance, self.clearance_rate) = (f64::INFINITY, 0.0);
+    }
+
+    /// Adds the error weight of an event function; weights may be added in any order.
+    #[inline(always)]
+    pub fn add_weight(&mut self, index: usize, weight: ErrorWeight<N>) {
+        let place = self.weights.iter().rposition(|(before, _)| *before < index).map_or(0, |before| before + 1);
+        self.weights.insert(place, (index, weight));
+    }
+
+    /// Error weight of an event function.
+    #[inline(always)]
+    pub fn weight(&self, index: usize) -> Option<&ErrorWeight<N>> {
+        self.weights.iter().find(|(of, _)| *of == index).map(|(_, weight)| weight)
+    }
 }
 
 /// Bounds of the derivatives of a gap over a part of a step.
@@ -164,9 +177,10 @@ pub struct GapBound {
 }
 
 /// Bounds of all gaps over a part of a step, and how far a state is from the next singularity.
-#[derive(Clone, Copy, Debug)]
-pub struct GapBounds<const S: usize> {
-    pub gaps: [GapBound; S],
+#[derive(Clone, Debug)]
+pub struct GapBounds {
+    /// Bounds of the event functions, by their index. Those that are not bounds of a gap are not read.
+    pub gaps: Vec<GapBound>,
     /// Part of the step, forwards and backwards from the state, in which the clearance stays positive; 0 if it is unknown, not
     /// a number or negative if the state itself has none.
     pub clearance_reach: f64,
@@ -202,9 +216,11 @@ impl GapBound {
     }
 }
 
-impl<const S: usize> GapBounds<S> {
-    /// Bounds of a system without gaps and singularities.
-    pub const NONE: Self = Self { gaps: [GapBound::NONE; S], clearance_reach: f64::INFINITY };
+impl GapBounds {
+    /// Bounds of `count` functions, without gaps and singularities.
+    pub fn new(count: usize) -> Self {
+        Self { gaps: vec![GapBound::NONE; count], clearance_reach: f64::INFINITY }
+    }
 }
 
 /// A quasi-static state: its contacts rest at the equilibrium depth of their springs.
@@ -220,7 +236,10 @@ pub struct QuasiStaticState<const N: usize> {
 }
 
 /// A system whose modes change at events.
-pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
+pub trait Hybrid<const N: usize, const Z: usize>: System<N, Z> {
+    /// Number of event functions.
+    fn event_count(&self) -> usize;
+
     /// Next time after `t` at which the right-hand side is discontinuous in time; infinite if there is none.
     fn next_discontinuity(&self, t: f64) -> f64;
 
@@ -231,27 +250,35 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
         f64::INFINITY
     }
 
-    /// Evaluates all event functions.
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> EventSet<N, S>;
+    /// Evaluates all event functions, in place: `events` contains [`Hybrid::event_count`] functions.
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, events: &mut EventSet<N>);
 
-    /// Evaluates one event function, without its error weight. Root searches within a step use this.
-    #[inline(always)]
-    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, index: usize) -> EventFunction<N> {
-        self.eval_events(q, v, mode).functions[index]
-    }
+    /// Distance from the next singularity of the equations, as [`EventSet::clearance`].
+    fn clearance(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> f64;
 
-    /// Values of the selected event functions; the other entries are unspecified.
+    /// Evaluates one event function. Root searches within a step use this.
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, index: usize) -> EventFunction;
+
+    /// Evaluates the selected event functions; the other values are unspecified.
     #[inline(always)]
-    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, _selected: &[bool; S]) -> [f64; S] {
-        let functions = self.eval_events(q, v, mode).functions;
-        array_from(|index| functions[index].value)
+    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, selected: &[bool], values: &mut [f64]) {
+        for index in (0..selected.len()).filter(|index| selected[*index]) {
+            values[index] = self.eval_event(q, v, mode, index).value;
+        }
     }
 
     /// Bounds of the gaps with the policy [`RootSearch::Bounded`], and of the clearance, over a part of a step. `motion`
     /// bounds the coordinates over the part; `q` and `v` are the state at one of its ends, with this `clearance`. The bounds
-    /// of other event functions are not read.
-    fn gap_bounds(&self, _motion: &CoordinateBounds<N>, _q: &[f64; N], _v: &[f64; N], _clearance: f64) -> GapBounds<S> {
-        GapBounds::NONE
+    /// of other event functions are not read. `bounds` has [`Hybrid::event_count`] gaps.
+    fn gap_bounds(
+        &self,
+        _motion: &CoordinateBounds<N>,
+        _state: (&[f64; N], &[f64; N]),
+        _clearance: f64,
+        bounds: &mut GapBounds,
+    ) {
+        bounds.gaps.fill(GapBound::NONE);
+        bounds.clearance_reach = f64::INFINITY;
     }
 
     /// Magnitude of the event function below which an event counts as located.
@@ -268,7 +295,7 @@ pub trait Hybrid<const N: usize, const Z: usize, const S: usize>: System<N, Z> {
 
     /// Returns the mode after a step with these event functions at its end, if the mode changes without a discontinuity
     /// (a released contact whose surfaces have separated).
-    fn mode_after_step(&self, functions: &[EventFunction<N>; S], mode: &Self::Mode) -> Option<Self::Mode>;
+    fn mode_after_step(&self, functions: &[EventFunction], mode: &Self::Mode) -> Option<Self::Mode>;
 
     /// Whether the mode at the start of a step is valid in the state at its end, a time `dt` later. A mode that counts whole
     /// turns from an angle is not valid if the step may turn too far; the step is then repeated with half of its length.

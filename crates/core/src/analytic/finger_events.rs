@@ -116,45 +116,44 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
 /// Step of the central difference of a row along the free motion, s.
 const DIFFERENCE_STEP_S: f64 = 1e-7;
 
-impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for FingerMotion<N, W> {
+impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES> for FingerMotion<N, W> {
+    #[inline(always)]
+    fn event_count(&self) -> usize {
+        EVENT_FUNCTIONS
+    }
+
     fn next_discontinuity(&self, t: f64) -> f64 {
         self.actuation.next_discontinuity(t)
     }
 
     #[inline(always)]
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> EventSet<N, EVENT_FUNCTIONS> {
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, events: &mut EventSet<N>) {
         let kinematics = self.finger.kinematics(finger_coordinates(q));
         let (pose, rates) = &kinematics;
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
         let [_, _, rate3, rate4] = absolute_rates(rates, finger_coordinates(v));
-        let functions = mode.event_functions(FingerContact::ALL.len(), &EventTolerances::GRASP, |index| {
-            self.contact_variables(&kinematics, v, FingerContact::ALL[index])
-        });
-        EventSet {
-            functions,
-            clearance: sine.abs() - SINGULAR_SINE,
-            clearance_rate: sine.signum() * cosine * (rate4 - rate3),
-        }
+        let variables = |index: usize| self.contact_variables(&kinematics, v, FingerContact::ALL[index]);
+        mode.eval_events(FingerContact::ALL.len(), &EventTolerances::GRASP, variables, events);
+        events.clearance = sine.abs() - SINGULAR_SINE;
+        events.clearance_rate = sine.signum() * cosine * (rate4 - rate3);
+    }
+
+    fn clearance(&self, q: &[f64; N], _v: &[f64; N], _mode: &FingerMode) -> f64 {
+        let (pose, _) = self.finger.kinematics(finger_coordinates(q));
+        cross(pose.e3, pose.e4).abs() - SINGULAR_SINE
     }
 
     #[inline(always)]
-    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, event: usize) -> EventFunction<N> {
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, event: usize) -> EventFunction {
         let kinematics = self.finger.kinematics(finger_coordinates(q));
         let contact = self.contact_variables(&kinematics, v, contact_of_event(event));
         mode.event_function(event, &EventTolerances::GRASP, contact)
     }
 
     #[inline(always)]
-    fn event_values(
-        &self,
-        q: &[f64; N],
-        v: &[f64; N],
-        mode: &FingerMode,
-        requested: &[bool; EVENT_FUNCTIONS],
-    ) -> [f64; EVENT_FUNCTIONS] {
+    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, requested: &[bool], values: &mut [f64]) {
         const CONTACTS: usize = FingerContact::ALL.len();
         let kinematics = self.finger.kinematics(finger_coordinates(q));
-        let mut values = [f64::NAN; EVENT_FUNCTIONS];
         for contact in FingerContact::ALL {
             let indices = [contact as usize, contact as usize + CONTACTS, contact as usize + 2 * CONTACTS];
             if indices.iter().all(|event| !requested[*event]) {
@@ -165,27 +164,19 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
                 values[event] = mode.event_function(event, &EventTolerances::GRASP, variables).value;
             }
         }
-        values
     }
 
     #[inline(always)]
-    fn gap_bounds(
-        &self,
-        motion: &CoordinateBounds<N>,
-        _q: &[f64; N],
-        _v: &[f64; N],
-        clearance: f64,
-    ) -> GapBounds<EVENT_FUNCTIONS> {
+    fn gap_bounds(&self, motion: &CoordinateBounds<N>, _state: StateRef<'_, N>, clearance: f64, found: &mut GapBounds) {
         let coordinates = [0, 1].map(|index| RateBound::of_coordinate(motion, index));
         let bounds = self.finger.bounds(clearance + SINGULAR_SINE, coordinates, motion.width);
-        let mut found = GapBounds { clearance_reach: bounds.clearance_reach, ..GapBounds::NONE };
+        found.clearance_reach = bounds.clearance_reach;
         // The object is fixed.
         let centre = self.object.map_or([0.0; 2], |object| object.centre_m);
         let centre = (RateBound::default(), dot(centre, centre).sqrt());
         for contact in FingerContact::ALL {
             found.gaps[contact as usize] = self.finger.phalanx_bound(&bounds, contact, centre);
         }
-        found
     }
 
     fn event_tolerance(&self, event: usize, mode: &FingerMode) -> f64 {
@@ -205,7 +196,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for
         event < FingerContact::ALL.len()
     }
 
-    fn mode_after_step(&self, events: &[EventFunction<N>; EVENT_FUNCTIONS], mode: &FingerMode) -> Option<FingerMode> {
+    fn mode_after_step(&self, events: &[EventFunction], mode: &FingerMode) -> Option<FingerMode> {
         mode.with_separated_contacts(events)
     }
 

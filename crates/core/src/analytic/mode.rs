@@ -2,7 +2,7 @@
 
 use std::ops::{Index, IndexMut};
 
-use crate::integrator::{ErrorWeight, EventFunction, RootSearch};
+use crate::integrator::{ErrorWeight, EventFunction, EventSet, RootSearch};
 use crate::law::{
     Bristle, Damping, FrictionLaw, FrictionRange, NormalLaw, damping, friction_cone, friction_range, is_damped,
     spring_force, unclamped_normal_force,
@@ -308,40 +308,46 @@ impl<const C: usize> Mode<C> {
     /// All event functions of the first `count` contacts: those of normal laws, then friction laws, then dampers.
     /// Contacts without a branch or friction range that can end are not evaluated.
     #[inline(always)]
-    pub(crate) fn event_functions<'a, const N: usize, const G: usize>(
+    pub(crate) fn eval_events<'a, const N: usize>(
         &self,
         count: usize,
         event_tolerances: &EventTolerances,
         contact_variables: impl Fn(usize) -> Option<ContactVariables<'a, N>>,
-    ) -> [EventFunction<N>; G] {
-        let mut functions = [EventFunction::INACTIVE; G];
+        events: &mut EventSet<N>,
+    ) {
+        events.clear();
         for index in 0..count {
             if self.contacts[index] == ContactState::Clamped && self.friction_ranges[index] == FrictionRange::Any {
                 continue;
             }
             let Some(contact) = contact_variables(index) else { continue };
             let force = contact.force();
-            functions[index] = self.normal_event(index, event_tolerances, &contact, &force);
+            events.functions[index] = self.normal_event(index, event_tolerances, &contact, &force);
             // The other functions of a contact without a force stay inactive.
             if !self.contacts[index].has_force() {
                 continue;
             }
-            functions[index + 2 * C] = self.damper_event(index, &contact);
+            events.functions[index + 2 * C] = self.damper_event(index, &contact);
+            if let Some(weight) = self.depth_weight(index, &contact, &force) {
+                events.add_weight(index, weight);
+            }
             if let Some(friction) = contact.friction {
-                functions[index + C] = self.slip_event(index, friction, &contact, &force);
+                events.functions[index + C] = self.slip_event(index, friction, &contact, &force);
+                if let Some(weight) = self.slip_weight(index, friction, &contact, &force) {
+                    events.add_weight(index + C, weight);
+                }
             }
         }
-        functions
     }
 
-    /// One event function of a contact, without its error weight; inactive if the contact does not exist.
+    /// One event function of a contact; inactive if the contact does not exist.
     #[inline(always)]
     pub(crate) fn event_function<const N: usize>(
         &self,
         event: usize,
         event_tolerances: &EventTolerances,
         contact: Option<ContactVariables<'_, N>>,
-    ) -> EventFunction<N> {
+    ) -> EventFunction {
         let Some(contact) = &contact else { return EventFunction::INACTIVE };
         let index = event % C;
         match (event / C, contact.friction) {
@@ -364,19 +370,9 @@ impl<const C: usize> Mode<C> {
         event_tolerances: &EventTolerances,
         contact: &ContactVariables<'_, N>,
         force: &SpringDamperForce,
-    ) -> EventFunction<N> {
+    ) -> EventFunction {
         let ContactVariables { law, delta, rate, .. } = *contact;
         let inactive = EventFunction::INACTIVE;
-        let error_weight = || {
-            let is_spring_dominated = force.spring > force.damper.abs();
-            let is_rebounding = is_spring_dominated && rate.abs() > MIN_REBOUND_SPEED;
-            match delta > 0.0 {
-                true => {
-                    ErrorWeight::Depth { row: contact.normal_row, depth: delta, is_rebounding, is_spring_dominated }
-                }
-                false => ErrorWeight::None,
-            }
-        };
         match self.contacts[index] {
             ContactState::Clamped => inactive,
             ContactState::Free => {
@@ -387,14 +383,14 @@ impl<const C: usize> Mode<C> {
             // Without a damper the force falls continuously to 0 with the depth, so the depth locates the separation.
             ContactState::Active if !is_damped(law) => {
                 let (value, root_search) = (if delta > 0.0 { delta } else { delta.min(-1e-290) }, RootSearch::Gap);
-                EventFunction { value, rate, root_search, is_separated: false, error_weight: error_weight() }
+                EventFunction { value, rate, root_search, is_separated: false }
             }
             ContactState::Active => {
                 // A negative depth ends the branch even if the force never became negative.
                 let value = if delta > 0.0 { force.total() } else { delta.min(-1e-290) };
                 let root_search =
                     if value < WEAK_FORCE_RATIO * force.spring { RootSearch::FadingForce } else { RootSearch::EndOnly };
-                EventFunction { value, root_search, is_separated: false, error_weight: error_weight(), ..inactive }
+                EventFunction { value, root_search, is_separated: false, ..inactive }
             }
             // The force of a released contact may return and end again within one step.
             ContactState::Released => EventFunction {
@@ -406,6 +402,24 @@ impl<const C: usize> Mode<C> {
         }
     }
 
+    /// Error weight of the depth of an active contact.
+    #[inline(always)]
+    fn depth_weight<const N: usize>(
+        &self,
+        index: usize,
+        contact: &ContactVariables<'_, N>,
+        force: &SpringDamperForce,
+    ) -> Option<ErrorWeight<N>> {
+        let is_spring_dominated = force.spring > force.damper.abs();
+        let is_rebounding = is_spring_dominated && contact.rate.abs() > MIN_REBOUND_SPEED;
+        (self.contacts[index] == ContactState::Active && contact.delta > 0.0).then_some(ErrorWeight::Depth {
+            row: contact.normal_row,
+            depth: contact.delta,
+            is_rebounding,
+            is_spring_dominated,
+        })
+    }
+
     /// Event function of the friction law of a contact.
     #[inline(always)]
     fn slip_event<const N: usize>(
@@ -414,7 +428,7 @@ impl<const C: usize> Mode<C> {
         law: &FrictionLaw,
         contact: &ContactVariables<'_, N>,
         force: &SpringDamperForce,
-    ) -> EventFunction<N> {
+    ) -> EventFunction {
         let range = self.friction_ranges[index];
         if !self.contacts[index].has_force() || range == FrictionRange::Any {
             return EventFunction::INACTIVE;
@@ -423,21 +437,34 @@ impl<const C: usize> Mode<C> {
         let value = contact.range_margin(range, law, force.total());
         // A regularised step may leave sticking and return; but a sliding step must not miss that it would have stuck.
         let root_search = if is_sticking && !has_bristle { RootSearch::EndOnly } else { RootSearch::Smooth };
-        let error_weight = match range {
-            FrictionRange::Sticking if law.bristle.is_some() => contact.sticking_error_weight(law, force.total()),
-            _ if law.bristle.is_some() => ErrorWeight::None,
-            FrictionRange::Sliding { .. } | FrictionRange::Any => ErrorWeight::None,
-            _ => ErrorWeight::Slip {
+        EventFunction { value, root_search, is_separated: false, ..EventFunction::INACTIVE }
+    }
+
+    /// Error weight of the slip of a contact with a force.
+    #[inline(always)]
+    fn slip_weight<const N: usize>(
+        &self,
+        index: usize,
+        law: &FrictionLaw,
+        contact: &ContactVariables<'_, N>,
+        force: &SpringDamperForce,
+    ) -> Option<ErrorWeight<N>> {
+        let range = self.friction_ranges[index];
+        match range {
+            _ if !self.contacts[index].has_force() => None,
+            FrictionRange::Sticking if law.bristle.is_some() => Some(contact.sticking_error_weight(law, force.total())),
+            _ if law.bristle.is_some() => None,
+            FrictionRange::Sliding { .. } | FrictionRange::Any => None,
+            _ => Some(ErrorWeight::Slip {
                 row: contact.tangent_row,
                 slip_scale: law.min_slip_scale_m_s(),
                 normal_force: force.total().max(0.0),
-            },
-        };
-        EventFunction { value, root_search, is_separated: false, error_weight, ..EventFunction::INACTIVE }
+            }),
+        }
     }
 
     #[inline(always)]
-    fn damper_event<const N: usize>(&self, index: usize, contact: &ContactVariables<'_, N>) -> EventFunction<N> {
+    fn damper_event<const N: usize>(&self, index: usize, contact: &ContactVariables<'_, N>) -> EventFunction {
         let ContactVariables { law, delta, rate, .. } = *contact;
         let [margin, margin_rate] = match self.damper_ranges[index] {
             _ if self.contacts[index] != ContactState::Active => return EventFunction::INACTIVE,
@@ -503,7 +530,7 @@ impl<const C: usize> Mode<C> {
     }
 
     /// Returns the mode after a step in which released surfaces have separated; `None` if none has.
-    pub(crate) fn with_separated_contacts<const N: usize>(&self, functions: &[EventFunction<N>]) -> Option<Self> {
+    pub(crate) fn with_separated_contacts(&self, functions: &[EventFunction]) -> Option<Self> {
         let mut next = *self;
         for (state, function) in next.contacts.iter_mut().zip(functions) {
             if *state == ContactState::Released && function.is_separated {

@@ -3,7 +3,7 @@
 use super::reading::{Kernel, KernelUser, Start, contact_sample, stored_energy};
 use super::schema::TendonState;
 use super::{BodyState, ContactSample, Energy, JointState, Outcome, RequiredData, RunError, Sample};
-use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel, MechanismSize, event_function_count};
+use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel, MechanismSize};
 use crate::drive::Profile;
 use crate::integrator::{State, System};
 use crate::mechanism::structure::StructureError;
@@ -14,7 +14,7 @@ use crate::scene::Scene;
 macro_rules! build_fitting {
     ($size:ident, $arguments:tt, $([$n:literal, $k:literal, $c:literal, $a:literal]),+) => {
         $(if $size.fits(&MechanismSize { coordinates: $n, group: $k, contacts: $c, actuators: $a, counts: $c }) {
-            return build_sized::<$n, $k, $c, { $c + 2 }, { event_function_count($c, $a) }, U> $arguments;
+            return build_sized::<$n, $k, $c, { $c + 2 }, U> $arguments;
         })+
     };
 }
@@ -74,7 +74,7 @@ fn too_large(mechanism: &Mechanism, size: &MechanismSize) -> String {
 }
 
 /// Builds the model of one size.
-fn build_sized<const N: usize, const K: usize, const C: usize, const Z: usize, const G: usize, U: KernelUser>(
+fn build_sized<const N: usize, const K: usize, const C: usize, const Z: usize, U: KernelUser>(
     scene: &Scene,
     mechanism: &Mechanism,
     user: U,
@@ -84,7 +84,7 @@ fn build_sized<const N: usize, const K: usize, const C: usize, const Z: usize, c
     let kernel = MechanismModel::<N, K, C>::new(mechanism, (&start.poses, &start.rates))
         .map_err(|error: StructureError| rejected(error.to_string()))?;
     let state = kernel.start::<Z>();
-    Ok(user.use_kernel::<_, N, Z, G>(Start { kernel, state, settings: scene.integrator, reach: None }))
+    Ok(user.use_kernel::<_, N, Z>(Start { kernel, state, settings: scene.integrator, reach: None }))
 }
 
 impl<const N: usize, const K: usize, const C: usize, const Z: usize> Kernel<N, Z> for MechanismModel<N, K, C>

@@ -65,9 +65,9 @@ pub(super) struct Start<M, const N: usize, const Z: usize> {
 pub(super) trait KernelUser {
     type Output;
 
-    fn use_kernel<M, const N: usize, const Z: usize, const G: usize>(self, start: Start<M, N, Z>) -> Self::Output
+    fn use_kernel<M, const N: usize, const Z: usize>(self, start: Start<M, N, Z>) -> Self::Output
     where
-        M: Kernel<N, Z> + Hybrid<N, Z, G>;
+        M: Kernel<N, Z> + Hybrid<N, Z>;
 }
 
 /// Converts the energies of a state to those of a sample.

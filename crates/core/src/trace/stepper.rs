@@ -45,16 +45,16 @@ pub(super) trait Stepper: Send {
 
 /// A kernel of the analytic model, its integration, and its recorder.
 #[derive(Clone)]
-pub(super) struct AnalyticStepper<M: Kernel<N, Z>, const N: usize, const Z: usize, const G: usize> {
+pub(super) struct AnalyticStepper<M: Kernel<N, Z>, const N: usize, const Z: usize> {
     kernel: M,
-    integration: Integration<N, Z, G, M::Mode, RadauOrRodas<N, Z>>,
+    integration: Integration<N, Z, M::Mode, RadauOrRodas<N, Z>>,
     recorder: RecorderState<M, N, Z>,
     duration_s: f64,
     /// Number of durations at whose end the integration ends a step.
     durations: u32,
 }
 
-impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G: usize> AnalyticStepper<M, N, Z, G> {
+impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> AnalyticStepper<M, N, Z> {
     /// Creates the stepper of a kernel at its start.
     pub fn new(start: Start<M, N, Z>, duration_s: f64, recording: RecordingOptions) -> Self {
         let Start { kernel, state, settings, reach } = start;
@@ -101,9 +101,7 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G:
     }
 }
 
-impl<M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G: usize> Stepper
-    for AnalyticStepper<M, N, Z, G>
-{
+impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Stepper for AnalyticStepper<M, N, Z> {
     fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), SinkError> {
         Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, observer: None, error: None }.begin()
     }

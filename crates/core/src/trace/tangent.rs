@@ -23,7 +23,9 @@ use super::schema::{ContactSample, Counts, Schema};
 use super::stepper::{AnalyticStepper, Interruption};
 use super::{Energy, Event, EventKind, Outcome, RequiredData, RunError, Sample, Sink};
 use crate::analytic::ContactState;
-use crate::integrator::{ErrorWeight, Hybrid, Linearised, Observer, Rates, State, Step, StepTools, radau5_tableau};
+use crate::integrator::{
+    ErrorWeight, EventSet, Hybrid, Linearised, Observer, Rates, State, Step, StepTools, radau5_tableau,
+};
 use crate::numeric::array_from;
 use crate::scene::Scene;
 
@@ -88,9 +90,9 @@ struct Erase;
 impl KernelUser for Erase {
     type Output = Box<dyn Any>;
 
-    fn use_kernel<M, const N: usize, const Z: usize, const G: usize>(self, start: Start<M, N, Z>) -> Box<dyn Any>
+    fn use_kernel<M, const N: usize, const Z: usize>(self, start: Start<M, N, Z>) -> Box<dyn Any>
     where
-        M: Kernel<N, Z> + Hybrid<N, Z, G>,
+        M: Kernel<N, Z> + Hybrid<N, Z>,
     {
         Box::new((start.kernel, start.state))
     }
@@ -106,9 +108,9 @@ struct TangentRunner<'a> {
 impl KernelUser for TangentRunner<'_> {
     type Output = Result<TangentRun, RunError>;
 
-    fn use_kernel<M, const N: usize, const Z: usize, const G: usize>(self, start: Start<M, N, Z>) -> Self::Output
+    fn use_kernel<M, const N: usize, const Z: usize>(self, start: Start<M, N, Z>) -> Self::Output
     where
-        M: Kernel<N, Z> + Hybrid<N, Z, G>,
+        M: Kernel<N, Z> + Hybrid<N, Z>,
     {
         let schema = Schema::from_scene(self.scene);
         let counts = schema.counts();
@@ -117,8 +119,8 @@ impl KernelUser for TangentRunner<'_> {
             ..RecordingOptions::of_run(self.scene, self.sink)
         };
         let times: Vec<f64> = self.times.iter().copied().chain([self.scene.duration_s]).collect();
-        let mut tangent = Tangent::<M, N, Z, G>::new(&start, &schema, self.parameters, &times);
-        let mut stepper = AnalyticStepper::<M, N, Z, G>::new(start, self.scene.duration_s, recording);
+        let mut tangent = Tangent::<M, N, Z>::new(&start, &schema, self.parameters, &times);
+        let mut stepper = AnalyticStepper::<M, N, Z>::new(start, self.scene.duration_s, recording);
         let mut sink = EventCollector { sink: self.sink, events: Vec::new() };
         super::stepper::Stepper::begin(&mut stepper, &mut sink)?;
         let at_start = sink.events.len();
@@ -276,7 +278,7 @@ struct Direction<const N: usize, const Z: usize> {
 type Column<const N: usize, const Z: usize> = Result<State<N, Z>, String>;
 
 /// State of the tangent-linear integration between two steps.
-struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize, const G: usize> {
+struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
     kernel: M,
     schema: &'a Schema,
     counts: Counts,
@@ -316,9 +318,9 @@ struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize, const G: usi
 type Instant<'a, X, const N: usize, const Z: usize> = (f64, &'a State<N, Z>, &'a X);
 
 impl<M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'_, M, N, Z> {
-    fn level<const G: usize>(&self, index: usize, counts: Counts) -> Result<&Level<M, N, Z>, String>
+    fn level(&self, index: usize, counts: Counts) -> Result<&Level<M, N, Z>, String>
     where
-        M: Hybrid<N, Z, G>,
+        M: Hybrid<N, Z>,
     {
         let built = self.levels[index].get_or_init(|| {
             let TangentParameter { scene_at, value, step } = self.parameter;
@@ -351,7 +353,7 @@ impl<M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'_, M, N, Z> {
     }
 }
 
-impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, const G: usize> Tangent<'a, M, N, Z, G> {
+impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent<'a, M, N, Z> {
     fn new(
         start: &Start<M, N, Z>,
         schema: &'a Schema,
@@ -458,6 +460,13 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
     /// Change of a time that stays in the same piece of the functions of time.
     fn room_s(&self, t: f64) -> f64 {
         (t - self.bounds_s[0]).min(self.bounds_s[1] - t)
+    }
+
+    /// All event functions of a state.
+    fn events(&self, (state, mode): (&State<N, Z>, &M::Mode)) -> EventSet<N> {
+        let mut events = EventSet::new(self.kernel.event_count());
+        self.kernel.eval_events(&state.q, &state.v, mode, &mut events);
+        events
     }
 
     fn contact(&self, (_, state, mode): Instant<'_, M::Mode, N, Z>, contact: usize) -> ContactSample {
@@ -676,7 +685,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
         halves: &[Column<N, Z>],
         (end, mode): (&State<N, Z>, &M::Mode),
     ) -> f64 {
-        let events = self.kernel.eval_events(&end.q, &end.v, mode).functions;
+        let events = self.events((end, mode));
         let mut error = 0.0_f64;
         for (index, (whole, halves)) in whole.iter().zip(halves).enumerate() {
             let (Ok(whole), Ok(halves)) = (whole, halves) else { continue };
@@ -692,9 +701,8 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             }
             let parameter = &self.neighbours[index].parameter;
             let value = parameter.value.abs().max(parameter.step);
-            for function in &events {
-                let relative = match &function.error_weight {
-                    ErrorWeight::None => 0.0,
+            for (_, weight) in &events.weights {
+                let relative = match weight {
                     ErrorWeight::Depth { row, depth, .. } => product(row, &q) * value / depth,
                     ErrorWeight::Slip { row, slip_scale, .. } => product(row, &v) * value / slip_scale,
                 };
@@ -756,7 +764,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z, G>, const N: usize, const Z: usize, cons
             let state = if theta < 1.0 { tools.resolve(theta) } else { *step.end };
             let sample = self.sample((step.t0 + theta * step.h, &state, mode));
             sums.iter_mut().zip(sample.values()).for_each(|(sum, value)| *sum += weight * value);
-            let functions = self.kernel.eval_events(&state.q, &state.v, mode).functions;
+            let functions = self.events((&state, mode)).functions;
             event_sums.iter_mut().zip(functions).for_each(|(sum, function)| *sum += weight * function.value);
         }
         let scale = 1.0 / (BACKWARD_STEP * to * step.h);
@@ -1002,9 +1010,9 @@ fn substitute(matrix: &[f64], order: &[usize], rhs: &mut Vec<f64>) {
     *rhs = x;
 }
 
-impl<M, const N: usize, const Z: usize, const G: usize> Observer<N, Z, M::Mode> for Tangent<'_, M, N, Z, G>
+impl<M, const N: usize, const Z: usize> Observer<N, Z, M::Mode> for Tangent<'_, M, N, Z>
 where
-    M: Kernel<N, Z> + Hybrid<N, Z, G>,
+    M: Kernel<N, Z> + Hybrid<N, Z>,
 {
     fn step(&mut self, step: &Step<N, Z>, mode: &M::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
         self.enter(step, mode);
@@ -1038,7 +1046,7 @@ where
             self.rates = self.rates.take().filter(|_| is_end_read);
             self.step_s = step.h;
         }
-        let events = self.kernel.eval_events(&step.end.q, &step.end.v, mode).functions;
+        let events = self.events((step.end, mode)).functions;
         let is_at_event = |index: usize| events[index].value <= self.kernel.event_tolerance(index, mode);
         if self.rates.is_none() && (0..self.contacts).any(is_at_event) {
             self.find_rates((step, mode), 1.0, tools);

@@ -127,45 +127,58 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> System<1, 2> for PointMas
     }
 }
 
-impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2, S> for PointMass<F, S> {
+impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2> for PointMass<F, S> {
+    fn event_count(&self) -> usize {
+        S
+    }
+
     fn next_discontinuity(&self, t: f64) -> f64 {
         self.discontinuities.iter().copied().find(|c| *c > t).unwrap_or(f64::INFINITY)
     }
 
-    fn eval_events(&self, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> EventSet<1, S> {
-        let functions = std::array::from_fn(|wall_index| {
+    fn eval_events(&self, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S], events: &mut EventSet<1>) {
+        events.clear();
+        events.clearance = 1.0;
+        for wall_index in 0..S {
+            events.functions[wall_index] = self.eval_event(q, v, mode, wall_index);
             let (gap, n) = self.gap(wall_index, q[0]);
             let (delta, rate, law) = (-gap, -n * v[0], &self.walls[wall_index].law);
-            let force = unclamped_normal_force(law, delta, rate).force;
-            let error_weight = if delta > 0.0 {
+            if mode[wall_index] == Active && delta > 0.0 {
                 let is_spring_dominated = spring_force(law, delta) > damping(law, delta).0 * rate.abs();
                 let is_rebounding = is_spring_dominated && rate.abs() > SLOWEST_REBOUND;
-                ErrorWeight::Depth { row: [n], depth: delta, is_rebounding, is_spring_dominated }
-            } else {
-                ErrorWeight::None
-            };
-            let separated_depth = if delta > 0.0 { delta } else { delta.min(-1e-290) };
-            let inactive = EventFunction::INACTIVE;
-            let active = EventFunction { is_separated: false, ..inactive };
-            match mode[wall_index] {
-                Clamped => inactive,
-                Free => EventFunction { value: gap, rate: -rate, root_search: RootSearch::Gap, ..inactive },
-                Active if delta <= 0.0 && rate >= 0.0 => active,
-                Active if law.damping_max() == 0.0 => {
-                    let (value, root_search) = (separated_depth, RootSearch::Gap);
-                    EventFunction { value, rate, root_search, error_weight, ..active }
-                }
-                Active => {
-                    let value = if delta > 0.0 { force } else { separated_depth };
-                    EventFunction { value, root_search: RootSearch::EndOnly, error_weight, ..active }
-                }
-                Released => {
-                    let (value, root_search) = (3.0 * FORCE_TOLERANCE - force, RootSearch::Interior);
-                    EventFunction { value, root_search, is_separated: delta < 0.0, ..inactive }
-                }
+                let weight = ErrorWeight::Depth { row: [n], depth: delta, is_rebounding, is_spring_dominated };
+                events.add_weight(wall_index, weight);
             }
-        });
-        EventSet { functions, clearance: 1.0, clearance_rate: 0.0 }
+        }
+    }
+
+    fn clearance(&self, _: &[f64; 1], _: &[f64; 1], _: &[Branch; S]) -> f64 {
+        1.0
+    }
+
+    fn eval_event(&self, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S], wall_index: usize) -> EventFunction {
+        let (gap, n) = self.gap(wall_index, q[0]);
+        let (delta, rate, law) = (-gap, -n * v[0], &self.walls[wall_index].law);
+        let force = unclamped_normal_force(law, delta, rate).force;
+        let separated_depth = if delta > 0.0 { delta } else { delta.min(-1e-290) };
+        let inactive = EventFunction::INACTIVE;
+        let active = EventFunction { is_separated: false, ..inactive };
+        match mode[wall_index] {
+            Clamped => inactive,
+            Free => EventFunction { value: gap, rate: -rate, root_search: RootSearch::Gap, ..inactive },
+            Active if delta <= 0.0 && rate >= 0.0 => active,
+            Active if law.damping_max() == 0.0 => {
+                EventFunction { value: separated_depth, rate, root_search: RootSearch::Gap, ..active }
+            }
+            Active => {
+                let value = if delta > 0.0 { force } else { separated_depth };
+                EventFunction { value, root_search: RootSearch::EndOnly, ..active }
+            }
+            Released => {
+                let (value, root_search) = (3.0 * FORCE_TOLERANCE - force, RootSearch::Interior);
+                EventFunction { value, root_search, is_separated: delta < 0.0, ..inactive }
+            }
+        }
     }
 
     fn event_tolerance(&self, wall_index: usize, mode: &[Branch; S]) -> f64 {
@@ -186,7 +199,7 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2, S> for Point
         next
     }
 
-    fn mode_after_step(&self, functions: &[EventFunction<1>; S], mode: &[Branch; S]) -> Option<[Branch; S]> {
+    fn mode_after_step(&self, functions: &[EventFunction], mode: &[Branch; S]) -> Option<[Branch; S]> {
         let next =
             std::array::from_fn(|i| if mode[i] == Released && functions[i].is_separated { Free } else { mode[i] });
         (next != *mode).then_some(next)
@@ -270,8 +283,8 @@ pub fn run<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize>(
 ) -> [(&'static str, End<1, 2>, Log); 2] {
     let [mut rodas, mut radau] = [Log::default(), Log::default()];
     let ends = [
-        ("Rodas5P", integrate::<1, 2, S, _, Rodas5p<1, 2>, _>(system, &options, start_s, start, end_s, &mut rodas)),
-        ("Radau IIA", integrate::<1, 2, S, _, Radau5<1, 2>, _>(system, &options, start_s, start, end_s, &mut radau)),
+        ("Rodas5P", integrate::<1, 2, _, Rodas5p<1, 2>, _>(system, &options, start_s, start, end_s, &mut rodas)),
+        ("Radau IIA", integrate::<1, 2, _, Radau5<1, 2>, _>(system, &options, start_s, start, end_s, &mut radau)),
     ];
     for (name, end) in &ends {
         assert!(end.result.is_ok(), "{name}: {:?}", end.result);

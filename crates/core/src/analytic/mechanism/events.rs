@@ -16,12 +16,6 @@ use crate::mechanism::structure::Placement;
 /// Margin below which a cable counts as lifted in the description of an obstacle, rad: the end is not located exactly.
 const WRAP_ROUNDING: f64 = 1e-6;
 
-/// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators, then one
-/// for the features of all faces.
-pub const fn event_function_count(contacts: usize, actuators: usize) -> usize {
-    3 * contacts + actuators + 1
-}
-
 /// What an event function belongs to, by its index.
 enum EventOf {
     Contact(usize),
@@ -30,10 +24,10 @@ enum EventOf {
 }
 
 impl EventOf {
-    /// The subject of an event function of `C` contacts and `G` functions in all.
-    fn index<const C: usize, const G: usize>(event: usize) -> Self {
+    /// The subject of an event function of `C` contacts and `count` functions in all.
+    fn index<const C: usize>(event: usize, count: usize) -> Self {
         match event {
-            _ if event + 1 == G => Self::Features,
+            _ if event + 1 == count => Self::Features,
             _ if event < 3 * C => Self::Contact(event % C),
             _ => Self::Actuator(event - 3 * C),
         }
@@ -51,6 +45,17 @@ const FEATURE_MARGIN_M: f64 = 1e-12;
 const FEATURE_TOLERANCE_M: f64 = 3e-13;
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+    /// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators, then one
+    /// for the features of all faces.
+    fn event_function_count(&self) -> usize {
+        3 * C + self.mechanism.actuators.len() + 1
+    }
+
+    /// What an event function belongs to.
+    fn subject_of(&self, event: usize) -> EventOf {
+        EventOf::index::<C>(event, self.event_function_count())
+    }
+
     /// State of a contact, with its laws; `None` beyond the last contact. The rows are 0 unless `with_rows`.
     fn contact_variables(
         &self,
@@ -129,7 +134,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Event function of the features: of the contact that is nearest to the end of its region.
-    fn feature_event(&self, motions: &Motions<f64, K>, mode: &MechanismMode<C>) -> EventFunction<N> {
+    fn feature_event(&self, motions: &Motions<f64, K>, mode: &MechanismMode<C>) -> EventFunction {
         let margins = self.contacts_on_features(motions, mode).map(|(_, pair, frames, on)| pair.margin(&frames, on));
         // A step that leaves a region and returns to it has a small error only: forces are continuous at its end.
         EventFunction { value: margins.fold(f64::INFINITY, f64::min) + FEATURE_MARGIN_M, ..EventFunction::INACTIVE }
@@ -176,7 +181,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         q: &[f64; N],
         mode: &MechanismMode<C>,
         index: usize,
-    ) -> EventFunction<N> {
+    ) -> EventFunction {
         let Some(actuator) = self.mechanism.actuators.get(index) else { return EventFunction::INACTIVE };
         let (t, coordinate, rate) = self.actuator_state(motions, q, mode, index);
         let value = margin(actuator, mode.ranges.0[index], t, coordinate, rate);
@@ -208,7 +213,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Distance of the mechanism from its nearest singular configuration, and its rate.
-    fn clearance(&self, motions: &Motions<f64, K>) -> (f64, f64) {
+    fn clearance_and_rate(&self, motions: &Motions<f64, K>) -> (f64, f64) {
         let mut smallest = (f64::INFINITY, 0.0);
         for (_, transmission) in self.groups.iter().flat_map(|group| group.transmissions(&self.mechanism, motions)) {
             let clearance = transmission.sine.abs() - SINGULAR_SINE;
@@ -227,9 +232,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 }
 
-impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: usize> Hybrid<N, Z, G>
-    for MechanismModel<N, K, C>
-{
+impl<const N: usize, const K: usize, const C: usize, const Z: usize> Hybrid<N, Z> for MechanismModel<N, K, C> {
+    fn event_count(&self) -> usize {
+        self.event_function_count()
+    }
+
     fn next_discontinuity(&self, t: f64) -> f64 {
         self.next_time_discontinuity(t)
     }
@@ -285,25 +292,28 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
         next
     }
 
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> EventSet<N, G> {
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, events: &mut EventSet<N>) {
         self.count_turns_as(mode);
         self.with_motions((q, v), |motions| {
-            let mut functions: [EventFunction<N>; G] =
-                mode.contacts.event_functions(self.contacts.len(), &self.event_tolerances, |index| {
-                    self.contact_variables(motions, v, index, mode.features[index], mode[index].has_force())
-                });
+            let variables =
+                |index: usize| self.contact_variables(motions, v, index, mode.features[index], mode[index].has_force());
+            mode.contacts.eval_events(self.contacts.len(), &self.event_tolerances, variables, events);
             for index in 0..self.mechanism.actuators.len() {
-                functions[3 * C + index] = self.actuator_event(motions, q, mode, index);
+                events.functions[3 * C + index] = self.actuator_event(motions, q, mode, index);
             }
-            functions[G - 1] = self.feature_event(motions, mode);
-            let (clearance, clearance_rate) = self.clearance(motions);
-            EventSet { functions, clearance, clearance_rate }
-        })
+            events.functions[self.event_function_count() - 1] = self.feature_event(motions, mode);
+            (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions);
+        });
     }
 
-    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, event: usize) -> EventFunction<N> {
+    fn clearance(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> f64 {
         self.count_turns_as(mode);
-        self.with_motions((q, v), |motions| match EventOf::index::<C, G>(event) {
+        self.with_motions((q, v), |motions| self.clearance_and_rate(motions).0)
+    }
+
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, event: usize) -> EventFunction {
+        self.count_turns_as(mode);
+        self.with_motions((q, v), |motions| match self.subject_of(event) {
             EventOf::Features => self.feature_event(motions, mode),
             EventOf::Actuator(index) => self.actuator_event(motions, q, mode, index),
             EventOf::Contact(index) => {
@@ -313,9 +323,15 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
         })
     }
 
-    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, requested: &[bool; G]) -> [f64; G] {
+    fn event_values(
+        &self,
+        q: &[f64; N],
+        v: &[f64; N],
+        mode: &MechanismMode<C>,
+        requested: &[bool],
+        values: &mut [f64],
+    ) {
         self.count_turns_as(mode);
-        let mut values = [f64::NAN; G];
         self.with_motions((q, v), |motions| {
             for index in 0..self.contacts.len() {
                 let events = [index, index + C, index + 2 * C];
@@ -328,17 +344,16 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
             for index in 0..self.mechanism.actuators.len() {
                 values[3 * C + index] = self.actuator_event(motions, q, mode, index).value;
             }
-            values[G - 1] = self.feature_event(motions, mode).value;
+            values[self.event_function_count() - 1] = self.feature_event(motions, mode).value;
         });
-        values
     }
 
-    fn gap_bounds(&self, motion: &CoordinateBounds<N>, q: &[f64; N], v: &[f64; N], clearance: f64) -> GapBounds<G> {
-        self.with_bounds((q, v), |motions, bounds| self.bound_gaps(motion, (q, motions, clearance), bounds))
+    fn gap_bounds(&self, motion: &CoordinateBounds<N>, (q, v): StateRef<'_, N>, clearance: f64, found: &mut GapBounds) {
+        self.with_bounds((q, v), |motions, bounds| self.bound_gaps(motion, (q, motions, clearance), bounds, found));
     }
 
     fn event_tolerance(&self, event: usize, mode: &MechanismMode<C>) -> f64 {
-        match EventOf::index::<C, G>(event) {
+        match self.subject_of(event) {
             EventOf::Features => FEATURE_TOLERANCE_M,
             EventOf::Actuator(index) => self.mechanism.actuators.get(index).map_or(0.0, margin_tolerance),
             EventOf::Contact(index) => self.contacts.get(index).map_or(0.0, |contact| {
@@ -351,7 +366,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> MechanismMode<C> {
         self.count_turns_as(mode);
         let mut next = *mode;
-        match EventOf::index::<C, G>(event) {
+        match self.subject_of(event) {
             EventOf::Features => self.with_motions((q, v), |motions| {
                 for (index, pair, frames, feature) in self.contacts_on_features(motions, mode) {
                     if pair.margin(&frames, feature) < 0.0 {
@@ -380,13 +395,13 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
         event < self.reported_contacts()
     }
 
-    fn mode_after_step(&self, functions: &[EventFunction<N>; G], mode: &MechanismMode<C>) -> Option<MechanismMode<C>> {
+    fn mode_after_step(&self, functions: &[EventFunction], mode: &MechanismMode<C>) -> Option<MechanismMode<C>> {
         mode.contacts.with_separated_contacts(functions).map(|contacts| MechanismMode { contacts, ..*mode })
     }
 
     fn with_clamped_law(&self, event: usize, mode: &MechanismMode<C>) -> MechanismMode<C> {
         let mut next = *mode;
-        match EventOf::index::<C, G>(event) {
+        match self.subject_of(event) {
             EventOf::Features => next.features = [None; C],
             EventOf::Actuator(index) => next.ranges.0[index] = super::actuator::UNMONITORED,
             EventOf::Contact(_) => next.contacts = mode.contacts.with_clamped_law(event),
@@ -395,7 +410,6 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize, const G: us
     }
 
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> MechanismMode<C> {
-        assert!(G >= event_function_count(C, self.mechanism.actuators.len()), "event functions of all actuators");
         self.count_turns_in(&[0; C]);
         self.mode_with_counts::<Z>(t, (q, v), [0; C])
     }

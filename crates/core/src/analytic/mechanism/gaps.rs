@@ -33,12 +33,13 @@ fn segment_bound<const K: usize>(
 
 impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Bounds of all gaps, in the order of the contacts, and of the clearance.
-    pub(super) fn bound_gaps<const G: usize>(
+    pub(super) fn bound_gaps(
         &self,
         coordinates: &CoordinateBounds<N>,
         (q, motions, clearance): (&[f64; N], &Motions<f64, K>, f64),
         bounds: &mut MechanismBounds,
-    ) -> GapBounds<G> {
+        found: &mut GapBounds,
+    ) {
         bounds.clearance_reach = f64::INFINITY;
         let CoordinateBounds { rate, acceleration, width, step_s } = coordinates;
         let all = Coordinates { rate, acceleration, width: *width };
@@ -49,7 +50,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for group in &self.groups {
             group.bound(&self.mechanism, (coordinates, motions), time, bounds);
         }
-        let mut found = GapBounds::NONE;
         for cable in &self.cables {
             let gap = self.bound_cable(&cable.tendon, (*step_s, *width, clearance), motions, bounds);
             cable.contact.into_iter().for_each(|contact| found.gaps[contact] = gap);
@@ -62,7 +62,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 Surfaces::Tendon(_) | Surfaces::Friction(_) => {}
             }
         }
-        found
     }
 
     /// Bound of the slack of a cable, which changes by the relative motion of the ends of its segments along them. Shortens the

@@ -21,6 +21,5 @@ mod palm_frame;
 mod reading;
 mod tendon;
 
-pub use events::event_function_count;
 pub use joint_forces::{JointForce, JointForces};
 pub use model::{MechanismMode, MechanismModel, MechanismSize};

@@ -115,7 +115,7 @@ impl<const N: usize> Multibody<N> {
 
     /// Distance of the fingers' linkages from their nearest singular configuration, and its rate.
     #[inline(always)]
-    fn clearance(&self, all_finger_kinematics: &[FingerKinematics; FINGERS], v: &[f64; N]) -> (f64, f64) {
+    fn clearance_and_rate(&self, all_finger_kinematics: &[FingerKinematics; FINGERS], v: &[f64; N]) -> (f64, f64) {
         let mut smallest = (f64::INFINITY, 0.0);
         for (finger, (pose, rates)) in all_finger_kinematics.iter().enumerate() {
             let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
@@ -130,65 +130,60 @@ impl<const N: usize> Multibody<N> {
     }
 }
 
-impl<const N: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for Multibody<N> {
+impl<const N: usize> Hybrid<N, QUADRATURES> for Multibody<N> {
+    #[inline(always)]
+    fn event_count(&self) -> usize {
+        EVENT_FUNCTIONS
+    }
+
     fn next_discontinuity(&self, t: f64) -> f64 {
         self.next_time_discontinuity(t)
     }
 
     #[inline(always)]
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> EventSet<N, EVENT_FUNCTIONS> {
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode, events: &mut EventSet<N>) {
         let all_finger_kinematics = self.all_finger_kinematics(q);
-        let functions = mode.event_functions(CONTACTS, &EventTolerances::GRASP, |index| {
+        let variables = |index: usize| {
             let finger_kinematics = |finger: usize| all_finger_kinematics[finger];
             match mode[index].has_force() {
                 true => self.contact_variables((q, v), finger_kinematics, index),
                 false => self.contact_variables_without_rows((q, v), finger_kinematics, index),
             }
-        });
-        let (clearance, clearance_rate) = self.clearance(&all_finger_kinematics, v);
-        EventSet { functions, clearance, clearance_rate }
+        };
+        mode.eval_events(CONTACTS, &EventTolerances::GRASP, variables, events);
+        (events.clearance, events.clearance_rate) = self.clearance_and_rate(&all_finger_kinematics, v);
+    }
+
+    fn clearance(&self, q: &[f64; N], v: &[f64; N], _mode: &GraspMode) -> f64 {
+        self.clearance_and_rate(&self.all_finger_kinematics(q), v).0
     }
 
     #[inline(always)]
-    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode, event: usize) -> EventFunction<N> {
+    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode, event: usize) -> EventFunction {
         let finger_kinematics = |finger: usize| self.finger_kinematics(finger, q);
         let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % CONTACTS);
         mode.event_function(event, &EventTolerances::GRASP, contact)
     }
 
     #[inline(always)]
-    fn event_values(
-        &self,
-        q: &[f64; N],
-        v: &[f64; N],
-        mode: &GraspMode,
-        requested: &[bool; EVENT_FUNCTIONS],
-    ) -> [f64; EVENT_FUNCTIONS] {
+    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode, requested: &[bool], values: &mut [f64]) {
         let all_finger_kinematics = [const { OnceCell::new() }; FINGERS];
         let finger_kinematics =
             |finger: usize| *all_finger_kinematics[finger].get_or_init(|| self.finger_kinematics(finger, q));
-        let mut values = [f64::NAN; EVENT_FUNCTIONS];
         for event in (0..EVENT_FUNCTIONS).filter(|event| requested[*event]) {
             let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % CONTACTS);
             values[event] = mode.event_function(event, &EventTolerances::GRASP, contact).value;
         }
-        values
     }
 
-    fn gap_bounds(
-        &self,
-        motion: &CoordinateBounds<N>,
-        q: &[f64; N],
-        _v: &[f64; N],
-        clearance: f64,
-    ) -> GapBounds<EVENT_FUNCTIONS> {
+    fn gap_bounds(&self, motion: &CoordinateBounds<N>, (q, _): StateRef<'_, N>, clearance: f64, found: &mut GapBounds) {
         let coordinate = |index: usize| RateBound::of_coordinate(motion, index);
         let centre = self.moving_object().map_or_else(RateBound::default, |(first, _)| {
             let [x, y] = [coordinate(first), coordinate(first + 1)];
             RateBound { rate: hypot(x.rate, y.rate), acceleration: hypot(x.acceleration, y.acceleration) }
         });
         let largest = |[x, y]: [f64; 2]| hypot(x, y) + centre.rate * motion.width;
-        let mut found: GapBounds<EVENT_FUNCTIONS> = GapBounds::NONE;
+        found.clearance_reach = f64::INFINITY;
         let fingers: [FingerBounds; FINGERS] = std::array::from_fn(|finger| {
             let coordinates = [2 * finger, 2 * finger + 1].map(coordinate);
             let bounds = self.fingers[finger].model.bounds(clearance + SINGULAR_SINE, coordinates, motion.width);
@@ -215,7 +210,6 @@ impl<const N: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for Multibody<N> {
                 }
             };
         }
-        found
     }
 
     fn event_tolerance(&self, event: usize, mode: &GraspMode) -> f64 {
@@ -233,7 +227,7 @@ impl<const N: usize> Hybrid<N, QUADRATURES, EVENT_FUNCTIONS> for Multibody<N> {
         event < CONTACTS
     }
 
-    fn mode_after_step(&self, functions: &[EventFunction<N>; EVENT_FUNCTIONS], mode: &GraspMode) -> Option<GraspMode> {
+    fn mode_after_step(&self, functions: &[EventFunction], mode: &GraspMode) -> Option<GraspMode> {
         mode.with_separated_contacts(functions)
     }
 

@@ -183,6 +183,8 @@ impl<const N: usize> Inverse<'_, N> {
 mod tests {
     use super::*;
     use crate::numeric::Dual;
+    use crate::numeric::plane::rotate;
+    use crate::scene::PalmMotion;
     use crate::scene::{Axis, Move};
 
     fn motion() -> PalmMotion {
