@@ -86,11 +86,12 @@ const NOISE_MARGIN: f64 = 3.0;
 const ROUNDING: f64 = 1e-6;
 /// A derivative is 0 if the change by the whole value of the parameter is below this fraction of the largest quantity of its
 /// unit along the run: it is rounding error.
-const ZERO_CHANGE: f64 = 1e-12;
-/// A derivative is also 0 if that change is below this fraction and the error of the derivative is as large as itself, with
-/// this margin: what has come to rest depends on no parameter.
+const ZERO_CHANGE: f64 = 1e-15;
+/// A derivative is also 0 if that change is below this fraction and the error of the derivative is as large as itself: what
+/// has come to rest depends on no parameter. It contradicts no difference of the same size if it is below its error with
+/// this margin.
 const SMALL_CHANGE: f64 = 1e-6;
-const ZERO_MARGIN: f64 = 10.0;
+const NOISE_ERRORS: f64 = 10.0;
 /// Times closer than this are equal, s.
 const SAME_TIME_S: f64 = 1e-11;
 /// Difference of an angle from the tolerance of its position that counts as its crossing, rad.
@@ -253,8 +254,7 @@ impl Parameter<'_> {
 
 /// Whether a change by the whole value of a parameter, with its error, counts as 0 for this largest quantity of its unit.
 fn is_zero(change: f64, error: f64, largest: f64) -> bool {
-    change.abs() <= ZERO_CHANGE * largest
-        || change.abs() <= SMALL_CHANGE * largest && change.abs() <= ZERO_MARGIN * error
+    change.abs() <= ZERO_CHANGE * largest || change.abs() <= SMALL_CHANGE * largest && change.abs() <= error
 }
 
 /// What the derivatives by all parameters have in common.
@@ -283,7 +283,7 @@ impl Context<'_> {
             let scale = largest / parameter.scale();
             let difference = (channel.value(above) - channel.value(below)) / (2.0 * NEIGHBOURHOOD * parameter.scale());
             let change = [derivative, error(number), difference].map(|value| value * parameter.scale());
-            if is_zero(change[0], change[1], of_unit) && change[2].abs() <= SMALL_CHANGE * of_unit {
+            if is_zero(change[0], NOISE_ERRORS * change[1], of_unit) && change[2].abs() <= SMALL_CHANGE * of_unit {
                 return None;
             }
             let error = (channel.value(&self.run.outcome.last) - channel.value(&self.coarse.outcome.last)).abs();

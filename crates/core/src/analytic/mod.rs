@@ -1,22 +1,18 @@
-//! The analytic model: closed-form Lagrange equations of the finger (thesis §2.1) under the contact laws, and in
-//! [`multibody`] the equations of two fingers with their object. [`mechanism`] has any planar mechanism.
-//!
-//! One finger that closes on a fixed object has its own kernel, [`FingerMotion`], which studies run by the thousand.
+//! The analytic model: Lagrange equations under the contact laws. [`mechanism`] has those of any planar mechanism,
+//! [`multibody`] those of two fingers with their object; the closed form of one finger (thesis §2.1) checks them.
 //!
 //! The model is independent of the engine model, which it checks: both share lengths, masses and scalar laws, nothing
 //! else.
 
-mod finger;
-mod finger_events;
+mod closed_form;
+mod contact;
 mod inertial_field;
 pub mod mechanism;
-mod mode;
-mod model;
 mod motion_bound;
 pub mod multibody;
 
-pub use finger::{DistalShape, Geometry, PassiveJoints, distal, proximal};
-pub use mode::{ContactState, Mode};
-pub use model::{
-    BristleModel, ContactReading, EVENT_FUNCTIONS, Energies, FingerMode, FingerMotion, Model, QUADRATURES,
+pub use closed_form::{
+    BristleModel, DistalShape, EVENT_FUNCTIONS, FingerMode, FingerMotion, Model, PassiveJoints, QUADRATURES, distal,
+    proximal,
 };
+pub use contact::{ContactReading, ContactState, Energies, Geometry, Mode};

@@ -13,12 +13,12 @@ use super::motion::{Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;
 use super::palm_frame::{Inertia, inertial_loads, power};
-use crate::analytic::inertial_field::{InertialField, inertial_field};
-use crate::analytic::mode::ContactLaws;
-use crate::analytic::model::normal_force_on_branch;
-use crate::analytic::multibody::contact_kinematics::{
+use crate::analytic::contact::ContactLaws;
+use crate::analytic::contact::normal_force_on_branch;
+use crate::analytic::contact::{
     ContactForces, ContactKinematics, WithDerivatives, contact_forces, contact_forces_with_derivatives,
 };
+use crate::analytic::inertial_field::{InertialField, inertial_field};
 use crate::integrator::{Linearised, Rates, System};
 use crate::law::{FrictionRange, friction_coefficient, friction_force, friction_with_state};
 use crate::numeric::{Dual, Real, array_from};

@@ -12,7 +12,7 @@ use super::motion::Motions;
 use super::nearest::{Face, Feature, PointOnFace};
 use super::palm_frame::{exchange_ground, palm_of_frame};
 use crate::analytic::ContactState;
-use crate::analytic::mode::{EventTolerances, Mode};
+use crate::analytic::contact::{EventTolerances, Mode};
 use crate::integrator::State;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
 use crate::mechanism::structure::{Coordinate, Group, StructureError, find_groups};

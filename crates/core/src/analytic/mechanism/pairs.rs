@@ -1,7 +1,7 @@
 //! Forces between two bodies, on their relative pose: contacts of a point with a face, and linear springs.
 
 use super::nearest::{Frame, Nearest, POSES, PointOnFace};
-use crate::analytic::multibody::contact_kinematics::{ContactKinematics, WithDerivatives};
+use crate::analytic::contact::{ContactKinematics, WithDerivatives};
 use crate::mechanism::{ForcePoint, Spring};
 use crate::numeric::plane::{Vector, cross, dot, perp, scale, sub};
 use crate::numeric::{Dual, Real, array_from};

@@ -1,8 +1,8 @@
 //! Constant data of fingers, object and contacts, and the coordinates that they depend on.
 
 use super::GraspMode;
-use crate::analytic::finger::FingerModel;
-use crate::analytic::mode::ContactLaws;
+use crate::analytic::closed_form::FingerModel;
+use crate::analytic::contact::ContactLaws;
 use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};

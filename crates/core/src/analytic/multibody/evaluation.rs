@@ -4,16 +4,17 @@ use super::components::{
     BrakeTorque, ContactModel, ContactPair, FingerComponent, ObjectComponent, ShaftTorque, SignedIndex, finger_indices,
     object_indices, object_time_indices, phalanx_indices, scatter,
 };
-use super::contact_kinematics::{ContactForces, ContactKinematics, WithDerivatives, contact_forces_with_derivatives};
 use super::forces::{ActiveContact, CONTACT_WORK, DRIVE_WORK, LoadSums};
 use super::frame::{Inertia, Inverse, inertial_force};
 use super::model::{FingerTerms, Multibody};
 use super::{FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame, normal_force_on_branch};
 use crate::analytic::ContactState;
-use crate::analytic::finger::{FingerKinematics, FingerModel, Geometry, PassiveJoints};
+use crate::analytic::closed_form::{FingerKinematics, FingerModel, PassiveJoints};
+use crate::analytic::contact::Geometry;
+use crate::analytic::contact::{ContactForces, ContactKinematics, WithDerivatives, contact_forces_with_derivatives};
+use crate::analytic::contact::{ContactReading, Energies};
+use crate::analytic::contact::{StateRef, row_dot};
 use crate::analytic::inertial_field::InertialField;
-use crate::analytic::mode::{StateRef, row_dot};
-use crate::analytic::model::{ContactReading, Energies};
 use crate::fivebar::dynamics::{AccelerationField, Terms, absolute_rates};
 use crate::integrator::Linearised;
 use crate::law::{FrictionRange, elastic_energy, friction_with_state};

@@ -3,13 +3,13 @@
 use std::cell::OnceCell;
 
 use super::components::{ContactModel, ContactPair};
-use super::contact_kinematics::ContactKinematics;
 use super::evaluation::ContactMotion;
 use super::model::Multibody;
 use super::{CONTACTS, EVENT_FUNCTIONS, FINGERS, GraspMode, QUADRATURES, first_impact_step};
 use crate::analytic::ContactState;
-use crate::analytic::finger::{FingerBounds, FingerKinematics};
-use crate::analytic::mode::{ContactVariables, EventTolerances, Mode, StateRef, row_dot};
+use crate::analytic::closed_form::{FingerBounds, FingerKinematics};
+use crate::analytic::contact::ContactKinematics;
+use crate::analytic::contact::{ContactVariables, EventTolerances, Mode, StateRef, row_dot};
 use crate::analytic::motion_bound::{MotionBound, RateBound};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};

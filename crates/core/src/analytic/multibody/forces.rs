@@ -4,13 +4,12 @@ use super::components::{
     BrakeTorque, ContactModel, ContactPair, FingerComponent, ObjectComponent, ShaftTorque, SignedIndex, finger_indices,
     object_indices, object_time_indices, phalanx_indices,
 };
-use super::contact_kinematics::ContactKinematics;
 use super::frame::{Inertia, inertial_force};
 use super::model::{FingerTerms, Multibody};
 use super::{CONTACTS, FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame};
-use crate::analytic::finger::FingerModel;
+use crate::analytic::closed_form::FingerModel;
+use crate::analytic::contact::{ContactKinematics, ContactLaws, StateRef, contact_forces};
 use crate::analytic::inertial_field::InertialField;
-use crate::analytic::mode::{ContactLaws, StateRef};
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
@@ -142,7 +141,7 @@ impl<const N: usize> LoadSums<N> for Loads<'_, N> {
         (rates, bristle_state): (&[f64; K], Option<f64>),
         indices: &[SignedIndex; K],
     ) {
-        let forces = contact_kinematics::contact_forces(kinematics, rates, bristle_state, laws);
+        let forces = contact_forces(kinematics, rates, bristle_state, laws);
         for (load, (row, sign)) in forces.load.iter().zip(indices) {
             if *row < N {
                 self.load[*row] += sign * load;

@@ -2,8 +2,8 @@
 
 use super::FINGERS;
 use super::components::{ObjectComponent, Plane};
-use super::contact_kinematics::ContactKinematics;
 use super::model::Multibody;
+use crate::analytic::contact::ContactKinematics;
 use crate::analytic::inertial_field::{InertialField, inertial_field};
 use crate::fivebar::dynamics::AccelerationField;
 use crate::numeric::plane::{add, dot, perp, scale, sub};

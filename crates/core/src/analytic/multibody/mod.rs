@@ -14,9 +14,9 @@ mod forces;
 mod frame;
 mod model;
 
-use crate::analytic::finger_events::first_impact_step;
-use crate::analytic::mode::Mode;
-use crate::analytic::model::normal_force_on_branch;
+use crate::analytic::contact::Mode;
+use crate::analytic::contact::first_impact_step;
+use crate::analytic::contact::normal_force_on_branch;
 use crate::scene::HandContact;
 
 pub(crate) use evaluation::kinematics_of;

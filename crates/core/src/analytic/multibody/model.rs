@@ -2,7 +2,7 @@
 
 use super::components::{ContactModel, ContactPair, Drive, FingerComponent, ObjectComponent, Plane};
 use super::{CONTACTS, FINGERS, GRASP_POSITIONS, QUADRATURES};
-use crate::analytic::finger::FingerModel;
+use crate::analytic::closed_form::FingerModel;
 use crate::fivebar::dynamics::{InertialForces, Terms};
 use crate::gripper::FingerContact;
 use crate::integrator::State;

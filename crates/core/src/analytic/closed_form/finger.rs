@@ -1,7 +1,8 @@
 //! The mechanics of one finger in its own frame: links, spring and laws. The motion of the object is prescribed by the
 //! caller.
 
-use super::motion_bound::{MotionBound, PinnedPair, RateBound, sine_reach, smallest_sine};
+use crate::analytic::contact::Geometry;
+use crate::analytic::motion_bound::{MotionBound, PinnedPair, RateBound, sine_reach, smallest_sine};
 use crate::fivebar::dynamics::{AccelerationField, Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
 use crate::fivebar::joint_forces::{LinkLoads, LinkMotion, joint_forces};
 use crate::fivebar::kinematics::{
@@ -12,7 +13,7 @@ use crate::gripper::{Assembly, Finger, FingerContact};
 use crate::integrator::GapBound;
 use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{Vector, add, angle_between, cross, dot, perp, rotate, scale_by, sub};
+use crate::numeric::plane::{add, angle_between, cross, dot, perp, rotate, scale_by, sub};
 use crate::numeric::{Dual, Real, map_array};
 use crate::scene::{FingerContactLaws, HandFinger};
 use crate::shape::{PlacedShape, Support};
@@ -23,7 +24,7 @@ pub(crate) type FingerKinematics = (Directions<f64>, PassiveRates<f64>);
 /// A finger with all constant terms precomputed.
 #[derive(Clone, Debug)]
 pub(crate) struct FingerModel {
-    pub(super) dynamics: Dynamics,
+    pub(in crate::analytic) dynamics: Dynamics,
     pub(super) spring: Option<SpringModel>,
     pub(super) limit: Option<NormalLaw>,
     turns: PassiveTurns,
@@ -59,13 +60,13 @@ impl FingerModel {
 
     /// Position-dependent terms at q_a.
     #[inline(always)]
-    pub(super) fn terms<T: Real>(&self, q: [T; 2]) -> Terms<T> {
+    pub(in crate::analytic) fn terms<T: Real>(&self, q: [T; 2]) -> Terms<T> {
         terms(&self.dynamics, directions(&self.dynamics.lengths, self.dynamics.gamma, q))
     }
 
     /// Link directions and passive rates at q_a, the part of [`FingerModel::terms`] that contact geometry needs.
     #[inline(always)]
-    pub(super) fn kinematics(&self, q: [f64; 2]) -> FingerKinematics {
+    pub(in crate::analytic) fn kinematics(&self, q: [f64; 2]) -> FingerKinematics {
         let pose = directions(&self.dynamics.lengths, self.dynamics.gamma, q);
         let rates = passive_rates(&self.dynamics.lengths, &pose);
         (pose, rates)
@@ -73,7 +74,7 @@ impl FingerModel {
 
     /// Geometry of a phalanx against an object. For the joint limit, see [`FingerModel::limit_geometry`].
     #[inline(always)]
-    pub(super) fn phalanx_geometry<T: Real>(
+    pub(in crate::analytic) fn phalanx_geometry<T: Real>(
         &self,
         pose: &Directions<T>,
         rates: &PassiveRates<T>,
@@ -88,7 +89,11 @@ impl FingerModel {
 
     /// Geometry of the joint limit. Its gap is q22 + φ22, the angle from l21 to the tip phalanx.
     #[inline(always)]
-    pub(super) fn limit_geometry<T: Real>(&self, pose: &Directions<T>, rates: &PassiveRates<T>) -> Geometry<T> {
+    pub(in crate::analytic) fn limit_geometry<T: Real>(
+        &self,
+        pose: &Directions<T>,
+        rates: &PassiveRates<T>,
+    ) -> Geometry<T> {
         let gap = self.bend(pose);
         let row = [rates.a4[0], rates.a4[1] - 1.0];
         let none = [T::zero(); 2];
@@ -98,7 +103,7 @@ impl FingerModel {
     /// Bounds of the motion of the finger over a part of a step of this width, from those of q11 and q21 and the sine of the
     /// angle between l12 and l22 at one end of the part.
     #[inline(always)]
-    pub(super) fn bounds(&self, sine: f64, [first, second]: [RateBound; 2], width: f64) -> FingerBounds {
+    pub(in crate::analytic) fn bounds(&self, sine: f64, [first, second]: [RateBound; 2], width: f64) -> FingerBounds {
         let lengths = &self.dynamics.lengths;
         let pivot = |turn: RateBound, length: f64| MotionBound::new(RateBound::default(), turn).point(length);
         let pivots = [pivot(first, lengths.l11_m), pivot(second, lengths.l21_m)];
@@ -117,7 +122,7 @@ impl FingerModel {
     /// Bound of the gap between a phalanx and a disc, whose centre has this bound and is at most at this distance from the
     /// base of the finger.
     #[inline(always)]
-    pub(super) fn phalanx_bound(
+    pub(in crate::analytic) fn phalanx_bound(
         &self,
         bounds: &FingerBounds,
         contact: FingerContact,
@@ -138,7 +143,7 @@ impl FingerModel {
     }
 
     #[inline(always)]
-    pub(super) fn normal_law(&self, contact: FingerContact) -> Option<&NormalLaw> {
+    pub(in crate::analytic) fn normal_law(&self, contact: FingerContact) -> Option<&NormalLaw> {
         match contact {
             FingerContact::Proximal => Some(&self.contacts.proximal.normal),
             FingerContact::Distal => Some(&self.contacts.distal.normal),
@@ -147,7 +152,7 @@ impl FingerModel {
     }
 
     #[inline(always)]
-    pub(super) fn friction_law(&self, contact: FingerContact) -> Option<&FrictionLaw> {
+    pub(in crate::analytic) fn friction_law(&self, contact: FingerContact) -> Option<&FrictionLaw> {
         match contact {
             FingerContact::Proximal => self.contacts.proximal.friction.as_ref(),
             FingerContact::Distal => self.contacts.distal.friction.as_ref(),
@@ -157,7 +162,7 @@ impl FingerModel {
 
     /// τ − c of (2.24) without contacts: motor, spring, gravity and velocity-dependent inertial forces of the links.
     #[inline(always)]
-    pub(super) fn load<T: Real>(&self, motor_torque: T, terms: &Terms<T>, v: [T; 2]) -> [T; 2] {
+    pub(in crate::analytic) fn load<T: Real>(&self, motor_torque: T, terms: &Terms<T>, v: [T; 2]) -> [T; 2] {
         let c = bias(terms, absolute_rates(&terms.rates, v));
         let load = [motor_torque - c[0], -c[1]];
         let Some(spring) = &self.spring else { return load };
@@ -168,7 +173,11 @@ impl FingerModel {
     /// [`FingerModel::load`] without the motor: with derivatives with respect to both angles, and separately those with
     /// respect to both rates, in which it is quadratic.
     #[inline(always)]
-    pub(super) fn load_with_derivatives(&self, terms: &Terms<Dual<2>>, v: [f64; 2]) -> ([Dual<2>; 2], [[f64; 2]; 2]) {
+    pub(in crate::analytic) fn load_with_derivatives(
+        &self,
+        terms: &Terms<Dual<2>>,
+        v: [f64; 2],
+    ) -> ([Dual<2>; 2], [[f64; 2]; 2]) {
         let rate_of = |row: [Dual<2>; 2]| row[0] * v[0] + row[1] * v[1];
         let ([a3, a4], [first, second]) = ([terms.rates.a3, terms.rates.a4], map_array(v, Dual::constant));
         let rates = [first, second, rate_of(a3), rate_of(a4)];
@@ -182,7 +191,7 @@ impl FingerModel {
     }
 
     /// Gravity and spring energy in a pose, J.
-    pub(super) fn potential_energies(&self, pose: &Directions<f64>) -> [f64; 2] {
+    pub(in crate::analytic) fn potential_energies(&self, pose: &Directions<f64>) -> [f64; 2] {
         [gravity_energy(&self.dynamics, pose), self.spring.as_ref().map_or(0.0, |spring| spring.energy(pose))]
     }
 
@@ -223,7 +232,12 @@ impl FingerModel {
     }
 
     /// Angles and rates of the passive joints (2.2), (2.8).
-    pub(super) fn passive_joints(&self, (pose, rates): &FingerKinematics, q: [f64; 2], v: [f64; 2]) -> PassiveJoints {
+    pub(in crate::analytic) fn passive_joints(
+        &self,
+        (pose, rates): &FingerKinematics,
+        q: [f64; 2],
+        v: [f64; 2],
+    ) -> PassiveJoints {
         let [_, _, qd3, qd4] = absolute_rates(rates, v);
         let q12 = continued_angle(angle_between(pose.e1, pose.e3), self.turns.near_q12(pose.q_rad));
         let q22 = self.bend(pose) - self.dynamics.lengths.phi22_rad;
@@ -233,7 +247,7 @@ impl FingerModel {
 
 /// Bounds of the motion of a finger over a part of a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FingerBounds {
+pub(crate) struct FingerBounds {
     /// The proximal phalanx, with its origin at the base of the finger.
     proximal: MotionBound,
     /// The distal phalanx, with its origin at A22.
@@ -252,23 +266,6 @@ pub struct PassiveJoints {
     pub q13: f64,
     pub qd12: f64,
     pub qd22: f64,
-}
-
-/// Geometry of one contact (thesis (B.1)–(B.2), errata 5): gap, and rows that give gap rate and slip from q̇_a.
-#[derive(Clone, Copy, Debug)]
-pub struct Geometry<T> {
-    /// Distance between the surfaces; −δ in penetration.
-    pub gap: T,
-    /// Rate of the gap = normal_row · q̇_a.
-    pub normal_row: [T; 2],
-    /// Slip velocity = tangent_row · q̇_a.
-    pub tangent_row: [T; 2],
-    /// Unit normal from the object to the phalanx.
-    pub normal: Vector<T>,
-    /// Contact point on the surface of the phalanx.
-    pub point: Vector<T>,
-    /// Support function of the object along the normal.
-    pub support: Support<T>,
 }
 
 /// Contact of l21, a body that rotates about O at q̇21.

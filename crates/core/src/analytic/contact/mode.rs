@@ -473,7 +473,7 @@ impl<const C: usize> Mode<C> {
             DamperRange::Engaged => [delta - law.depth_scale_m(), rate],
         };
         let (value, root_search) = (margin + RANGE_MARGIN * law.depth_scale_m(), RootSearch::Gap);
-        EventFunction { value, rate: margin_rate, root_search, is_separated: false, ..EventFunction::INACTIVE }
+        EventFunction { value, rate: margin_rate, root_search, is_separated: false }
     }
 
     /// Tolerance of an event function: indices below C are normal laws, below 2 C friction laws, others dampers.

@@ -3,17 +3,16 @@
 //! Coordinates are q_a = (q11, q21). If friction has bristles, the rates after theirs are the bristle states σ of both
 //! phalanges; nothing depends on the coordinates at these indices.
 
-use super::finger::{FingerKinematics, FingerModel, Geometry, PassiveJoints};
-use super::mode::ContactState;
+use super::finger::{FingerKinematics, FingerModel, PassiveJoints};
+use crate::analytic::contact::{ContactReading, ContactState, Energies, Geometry, Mode, normal_force_on_branch};
 use crate::fivebar::dynamics::{AccelerationField, Terms, kinetic_energy, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
 use crate::law::{
-    Bristle, FrictionLaw, FrictionRange, NormalForce, NormalLaw, elastic_energy, friction_force, friction_with_state,
-    normal_force, normal_over_gap, unclamped_normal_force,
+    Bristle, FrictionLaw, FrictionRange, elastic_energy, friction_force, friction_with_state, normal_over_gap,
 };
-use crate::numeric::plane::{dot, perp};
+use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array};
 use crate::scene;
 use crate::scene::{ContactOrder, Initial, Profile, Side};
@@ -26,7 +25,7 @@ pub const QUADRATURES: usize = 5;
 pub const EVENT_FUNCTIONS: usize = 9;
 
 /// Branches of all contacts, in the order of [`FingerContact::ALL`].
-pub type FingerMode = super::mode::Mode<3>;
+pub type FingerMode = Mode<3>;
 
 /// Coordinates of a finger.
 pub(super) const FINGER_COORDINATES: usize = 2;
@@ -49,37 +48,6 @@ pub type Model = FingerMotion<FINGER_COORDINATES, { 2 * FINGER_COORDINATES }>;
 
 /// The model of a scene whose friction has bristles, on the proximal and the distal phalanx.
 pub type BristleModel = FingerMotion<{ FINGER_COORDINATES + BRISTLES }, { 2 * FINGER_COORDINATES + BRISTLES }>;
-
-/// Energies of one state, in J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Energies {
-    pub kinetic: f64,
-    pub gravity: f64,
-    pub spring: f64,
-    pub elastic: f64,
-}
-
-/// Geometry, kinematics and forces of one contact in one state.
-#[derive(Clone, Copy, Debug)]
-pub struct ContactReading {
-    pub geometry: Geometry<f64>,
-    /// Penetration δ.
-    pub delta: f64,
-    pub delta_rate: f64,
-    pub slip: f64,
-    /// Normal force (limit: torque), clamped.
-    pub normal: f64,
-    /// Friction force.
-    pub tangential: f64,
-}
-
-impl ContactReading {
-    /// Force on the phalanx, N.
-    pub(super) fn force(&self) -> [f64; 2] {
-        let ([x, y], tangent) = (self.geometry.normal, perp(self.geometry.normal));
-        [self.normal * x + self.tangential * tangent[0], self.normal * y + self.tangential * tangent[1]]
-    }
-}
 
 impl<const N: usize, const W: usize> FingerMotion<N, W> {
     /// Whether friction has bristles.
@@ -347,15 +315,6 @@ pub(super) fn pad<const N: usize>(finger_coordinates: [f64; FINGER_COORDINATES])
     let mut all = [0.0; N];
     all[..FINGER_COORDINATES].copy_from_slice(&finger_coordinates);
     all
-}
-
-#[inline(always)]
-pub(super) fn normal_force_on_branch(law: &NormalLaw, state: ContactState, delta: f64, rate: f64) -> NormalForce {
-    match state {
-        ContactState::Free | ContactState::Released => NormalForce::default(),
-        ContactState::Active => unclamped_normal_force(law, delta, rate),
-        ContactState::Clamped => normal_force(law, delta, rate),
-    }
 }
 
 impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, W> {

@@ -1,18 +1,18 @@
 //! Event functions of the finger's contacts: where the branches of their laws change.
 
 use super::finger::FingerKinematics;
-use super::mode::{ContactState, ContactVariables, EventTolerances, StateRef, is_kinked};
 use super::model::{EVENT_FUNCTIONS, FingerMode, FingerMotion, QUADRATURES, finger_coordinates, pad};
-use super::motion_bound::RateBound;
+use crate::analytic::contact::{ContactState, ContactVariables, EventTolerances, StateRef, first_impact_step};
+use crate::analytic::motion_bound::RateBound;
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::gripper::FingerContact;
 use crate::integrator::{
     CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, QuasiStaticState, System, Tolerances,
 };
-use crate::law::{NormalLaw, damping};
+use crate::law::damping;
 use crate::numeric::array_from;
-use crate::numeric::elementary::{cbrt, pow, powi};
+use crate::numeric::elementary::pow;
 use crate::numeric::plane::{cross, dot};
 
 /// Returns the contact that an event function belongs to. Normal laws come first, then friction laws, then dampers.
@@ -244,35 +244,4 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES> for FingerMotion<N, 
     fn describe_obstacle(&self, q: &[f64; N]) -> String {
         format!("singular configuration: {}", nearest_singularity(&self.finger.dynamics.lengths, finger_coordinates(q)))
     }
-}
-
-/// First step of an impact, as a fraction of the time that the impact needs to stop.
-const RESTART_FRACTION: f64 = 0.05;
-/// The same fraction for an impact stopped by a spring with a kink: the first step misses (h/T)^(e+1) of its impulse.
-const KINKED_FRACTION: f64 = 0.01;
-
-/// First step of an impact at `speed` of an effective `mass`: a part of the time scale depth / speed, with the smaller
-/// of the depths at which damper or spring alone absorbs the momentum.
-///
-/// Damper alone: m v = c_max (δ³/δ_max² − …); spring alone: m v² / 2 = k δᵉ⁺¹/(e + 1).
-pub(super) fn first_impact_step(law: &NormalLaw, speed: f64, mass: f64) -> f64 {
-    let [damper, spring] = stopping_depths(law, speed, mass);
-    let fraction = if is_kinked(law) && spring < damper { KINKED_FRACTION } else { RESTART_FRACTION };
-    fraction * (damper.min(spring) / speed.max(MIN_IMPACT_SPEED))
-}
-
-/// Lower bound of the impact speed, against division by zero, m/s.
-const MIN_IMPACT_SPEED: f64 = 1e-6;
-
-/// Depths at which damper and spring, each alone, would stop an impact.
-fn stopping_depths(law: &NormalLaw, speed: f64, mass: f64) -> [f64; 2] {
-    let speed = speed.max(MIN_IMPACT_SPEED);
-    let damper_depth = if law.damping_max() > 0.0 {
-        cbrt(mass * speed * powi(law.depth_scale_m(), 2) / law.damping_max())
-    } else {
-        f64::INFINITY
-    };
-    let spring_depth =
-        pow(0.5 * (law.exponent + 1.0) * mass * speed * speed / law.stiffness_n_per_m_e, 1.0 / (law.exponent + 1.0));
-    [damper_depth, spring_depth]
 }
