@@ -82,7 +82,6 @@ TABLES = [
         row('`--tolerance "0.01 um"`', "the error is 2 to 19 times smaller", [*ENGINE, "--tolerance", "0.01 um"], ENGINE),
         row('`engine.max_step = "20 us"`', "the error is at most 11 times smaller", [*ENGINE, *settings("engine.max_step=20 us")], ENGINE),
         row('`--step "10 us"`', "equal steps, for studies of the step; the error is up to 1,500 times larger", [*ENGINE, "--step", "10 us"], ENGINE),
-        row('`--construction reduced`', "joint coordinates, to compare with; the error is 2,900 times larger", [*ENGINE, "--construction", "reduced"], ENGINE, ("finger",)),
     ]),
     ("Contact", "the same run with the other setting", [
         row("bristle friction in place of regularised, analytic model", "contacts at rest do not creep", BRISTLE, REGULARISED),

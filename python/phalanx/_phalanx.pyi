@@ -398,7 +398,6 @@ def run(
     *,
     preset: Literal["engineering", "reference"] | None = None,
     rtol: float | str | None = None,
-    construction: Literal["maximal", "reduced"] | None = None,
     step: str | None = None,
     tolerance: str | None = None,
     duration: str | None = None,
@@ -412,9 +411,9 @@ def run(
     check: True estimates the error from a second, independent resolution and detects a chaotic outcome, None does so if
     it is cheap (as `phalanx run`), False never. log: path of a log to write (MCAP).
 
-    The other arguments are the flags of `phalanx run`: preset (analytic), rtol (analytic), construction (engine), step
-    such as "1 us" (engine), tolerance such as "0.02 um" (engine), duration such as "30 ms", numeric_rate such as
-    "20 kHz", picture_rate such as "1 kHz".
+    The other arguments are the flags of `phalanx run`: preset (analytic), rtol (analytic), step such as "1 us"
+    (engine), tolerance such as "0.02 um" (engine), duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate
+    such as "1 kHz".
 
     gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`, by which the run is
     differentiated (analytic model); the result has the derivatives as `gradient`.

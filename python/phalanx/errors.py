@@ -13,7 +13,7 @@ __all__ = ["PhalanxError", "Problem", "RunError", "SceneError", "StudyError"]
 
 # Not within a word or a path.
 _FLAG = r"(?<![\w/.-])--"
-_KEYWORDS = "analytic|engine|engineering|reference|maximal|reduced|geometric"
+_KEYWORDS = "analytic|engine|engineering|reference|geometric"
 
 
 def _fields(match: re.Match[str]) -> str:

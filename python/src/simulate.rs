@@ -11,7 +11,7 @@ use phalanx::page::PlaybackRecorder;
 use phalanx::report::document::RunReport;
 use phalanx::report::replay::{LogObserver, scene_in_log};
 use phalanx::report::simulation::{CheckPolicy, SimulationOptions, report_of};
-use phalanx::scene::{Construction, Preset, Scene};
+use phalanx::scene::{Preset, Scene};
 use phalanx::study::parameter::parameters;
 use phalanx::trace::overrides::{self, Overrides};
 use phalanx::trace::{Cancellable, Event, KeepRunning, Model, Recording, Sample, Schema, Sink, SinkError};
@@ -36,7 +36,7 @@ pub struct RunInput {
 /// model: "analytic" or "engine". check: True estimates the error from a second, independent resolution and detects a
 /// chaotic outcome, None does so if it is cheap (as `phalanx run`), False never. log: path of a log to write (MCAP).
 /// The other arguments are the flags of `phalanx run`: preset "engineering" or "reference" (analytic), rtol (analytic),
-/// construction "maximal" or "reduced" (engine), step such as "1 us" (engine), tolerance such as "0.02 um" (engine),
+/// step such as "1 us" (engine), tolerance such as "0.02 um" (engine),
 /// duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate such as "1 kHz".
 ///
 /// gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`, by which the run is
@@ -45,9 +45,8 @@ pub struct RunInput {
 /// Raises SceneError for an invalid scene or argument, and RunError if the run is not completed; the `result` of the
 /// error contains the run up to its end. Other Python threads continue during the run; Ctrl-C interrupts it.
 #[pyfunction]
-#[pyo3(signature = (scene, model = "analytic", check = Some(false), *, preset = None, rtol = None, construction = None,
-                    step = None, tolerance = None, duration = None, numeric_rate = None, picture_rate = None, log = None, gradient = None),
-       text_signature = "(scene, model='analytic', check=False, *, preset=None, rtol=None, construction=None, step=None, \
+#[pyo3(signature = (scene, model = "analytic", check = Some(false), *, preset = None, rtol = None, step = None, tolerance = None, duration = None, numeric_rate = None, picture_rate = None, log = None, gradient = None),
+       text_signature = "(scene, model='analytic', check=False, *, preset=None, rtol=None, step=None, \
                          tolerance=None, duration=None, numeric_rate=None, picture_rate=None, log=None, gradient=None)")]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
 pub fn run(
@@ -57,7 +56,6 @@ pub fn run(
     check: Option<bool>,
     preset: Option<&str>,
     rtol: Option<&Bound<'_, PyAny>>,
-    construction: Option<&str>,
     step: Option<&str>,
     tolerance: Option<&str>,
     duration: Option<&str>,
@@ -80,10 +78,6 @@ pub fn run(
             .transpose()
             .map_err(argument_error)?,
         rtol: parse("rtol", rtol.transpose()?.as_deref(), overrides::rtol)?,
-        construction: construction
-            .map(|name| conversion::parse_keyword::<Construction>("construction", name))
-            .transpose()
-            .map_err(argument_error)?,
         step_s: parse("step", step, overrides::step)?,
         tolerance_m: parse("tolerance", tolerance, overrides::tolerance)?,
         duration_s: duration.map(overrides::duration).transpose().map_err(argument_error)?,

@@ -70,7 +70,6 @@ class Messages(unittest.TestCase):
             lambda: phalanx.run(anchor, step="1 us", tolerance="1 um", model="engine"),
             lambda: phalanx.run(anchor, step="1 us"),
             lambda: phalanx.run(anchor, preset="reference", model="engine"),
-            lambda: phalanx.run(GRIPPER, construction="reduced", model="engine"),
             lambda: phalanx.hold(GRIPPER, from_=5.0, to=1.0),
             lambda: phalanx.hold(GRIPPER, scan=1),
             lambda: phalanx.hold(GRIPPER, tol=2.0),

@@ -20,7 +20,7 @@ use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::PlaybackRecorder;
 use crate::report::document;
 use crate::report::simulation::report_of;
-use crate::scene::{Construction, Preset, Scene};
+use crate::scene::{Preset, Scene};
 use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
 use crate::trace::{Event, Model, RequiredData, Sample, Schema, Sink, SinkError};
 
@@ -97,11 +97,6 @@ struct Overrides {
     #[arg(long, value_name = "X", value_parser = rtol)]
     rtol: Option<f64>,
 
-    /// Coordinates of the engine model: maximal for free bodies, whose joints are all constraints; reduced for joint
-    /// coordinates of a tree, closed by one constraint [default: as in the scene]
-    #[arg(long, value_parser = choice([("maximal", "", Construction::Maximal), ("reduced", "", Construction::Reduced)]))]
-    construction: Option<Construction>,
-
     /// Use fixed steps of this size in the engine model, such as "1 us" [default: stepping of the scene]
     #[arg(long, value_name = "TIME", value_parser = step, conflicts_with = "tolerance")]
     step: Option<f64>,
@@ -126,13 +121,11 @@ struct Overrides {
 }
 
 impl Overrides {
-    /// Applies the flags to a scene. A flag that belongs to the model that is not run, or a flag for fingers for a scene
-    /// of discs, is an error.
+    /// Applies the flags to a scene. A flag that belongs to the model that is not run is an error.
     fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), Failure> {
         let overrides = overrides::Overrides {
             preset: self.preset,
             rtol: self.rtol,
-            construction: self.construction,
             step_s: self.step,
             tolerance_m: self.tolerance,
             duration_s: self.duration,

@@ -52,7 +52,7 @@ pub(crate) struct ValidateArgs {
     #[arg(long, value_name = "TIME", value_parser = duration)]
     ladder_time: Option<f64>,
 
-    /// Omit slow settings from the ladder: fixed steps below 1e-5 s and reduced coordinates
+    /// Omit slow settings from the ladder: fixed steps below 1e-5 s
     #[arg(long)]
     quick: bool,
 }

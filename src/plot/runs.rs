@@ -3,7 +3,7 @@
 
 use super::canvas::{Marker, THIN_LINE};
 use super::chart::{Axis, Panel, PlotPoint, Series, panel_chart, series_chart};
-use super::theme::{AMBER, BLUE, GREEN, INK, ORANGE, PURPLE, SERIES, SOFT};
+use super::theme::{AMBER, BLUE, GREEN, INK, ORANGE, SERIES, SOFT};
 use crate::scene::Scene;
 use crate::trace::{ContactSample, EventKind, FingerState, Sample, Schema};
 use crate::validate::{Angle, Family, LadderRow, Recording, Validation, coordinate_errors};
@@ -94,7 +94,6 @@ pub fn speed_error(scene: &str, found: &Validation) -> String {
         let (marker, colour) = match family {
             Family::EngineAdaptive => (Marker::Circle, BLUE),
             Family::EngineFixed => (Marker::Square, GREEN),
-            Family::Reduced => (Marker::Triangle, PURPLE),
             Family::Native => (Marker::Cross, AMBER),
             Family::Analytic => (Marker::Circle, ORANGE),
         };

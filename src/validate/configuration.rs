@@ -6,7 +6,7 @@ use super::Differences;
 use super::scenes::{contact_static_friction, ensemble_size, is_single_finger, modify, reference_scene};
 use crate::log::Solver;
 use crate::scene::ENGINE_MAX_STEP_S;
-use crate::scene::{Construction, Engine, Integrator, Method, Preset, Response, Scene, Stepping};
+use crate::scene::{Engine, Integrator, Method, Preset, Response, Scene, Stepping};
 use crate::trace::Model;
 
 /// Configurations with more predicted steps than this are skipped.
@@ -21,38 +21,33 @@ const MIN_QUICK_STEP_S: f64 = 0.999e-5;
 /// Configurations that differ in numerical parameters only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Maximal coordinates, contact laws of the scene, adaptive steps.
+    /// Contact laws of the scene, adaptive steps.
     EngineAdaptive,
-    /// Maximal coordinates, contact laws of the scene, fixed steps.
+    /// Contact laws of the scene, fixed steps.
     EngineFixed,
-    /// Reduced coordinates, contact laws of the scene.
-    Reduced,
     /// Contact model of rapier.
     Native,
     Analytic,
 }
 
 impl Family {
-    pub const ALL: [Family; 5] =
-        [Family::EngineAdaptive, Family::EngineFixed, Family::Reduced, Family::Native, Family::Analytic];
+    pub const ALL: [Family; 4] = [Family::EngineAdaptive, Family::EngineFixed, Family::Native, Family::Analytic];
 
     /// Name in tables and plots.
     pub fn name(self) -> &'static str {
         match self {
             Family::EngineAdaptive => "engine, adaptive steps",
             Family::EngineFixed => "engine, fixed steps",
-            Family::Reduced => "engine, reduced coordinates",
             Family::Native => "engine, native contact",
             Family::Analytic => "analytic",
         }
     }
 
     fn from_engine(engine: &Engine) -> Family {
-        match (engine.response, engine.construction, engine.stepping) {
-            (Response::Rapier { .. }, ..) => Family::Native,
-            (_, Construction::Reduced, _) => Family::Reduced,
-            (.., Stepping::Adaptive { .. }) => Family::EngineAdaptive,
-            (.., Stepping::Fixed { .. }) => Family::EngineFixed,
+        match (engine.response, engine.stepping) {
+            (Response::Rapier { .. }, _) => Family::Native,
+            (_, Stepping::Adaptive { .. }) => Family::EngineAdaptive,
+            (_, Stepping::Fixed { .. }) => Family::EngineFixed,
         }
     }
 }
@@ -161,16 +156,15 @@ pub(super) fn engine_keys(configuration: &SolverConfiguration) -> String {
 /// long.
 pub fn ladder_configurations(scene: &Scene, quick: bool) -> Vec<SolverConfiguration> {
     // The number of solver iterations is the scene's if its contact model is of the same kind.
-    let engine = |construction: Construction, response: Response, stepping: Stepping| {
+    let engine = |response: Response, stepping: Stepping| {
         let is_same_contact = matches!(response, Response::Laws) == matches!(scene.engine.response, Response::Laws);
         let iterations = if is_same_contact { scene.engine.iterations } else { Engine::default_iterations(response) };
-        Engine { construction, response, stepping, iterations, ..scene.engine }
+        Engine { response, stepping, iterations, ..scene.engine }
     };
-    let fixed = |construction: Construction, response: Response, steps_s: &[f64]| {
+    let fixed = |response: Response, steps_s: &[f64]| {
         let allowed = steps_s.iter().filter(|&&step_s| !quick || step_s >= MIN_QUICK_STEP_S);
-        allowed.map(|&step_s| engine(construction, response, Stepping::Fixed { step_s })).collect::<Vec<_>>()
+        allowed.map(|&step_s| engine(response, Stepping::Fixed { step_s })).collect::<Vec<_>>()
     };
-    let (maximal, reduced) = (Construction::Maximal, Construction::Reduced);
     // Adaptive steps are coarser and finer than the scene's, or than the default if the scene has fixed steps.
     let adaptive = match scene.engine.stepping {
         Stepping::Fixed { .. } => Engine::DEFAULT.stepping,
@@ -178,13 +172,10 @@ pub fn ladder_configurations(scene: &Scene, quick: bool) -> Vec<SolverConfigurat
     };
     let factors: &[f64] = if is_single_finger(scene) { &[100.0, 10.0, 1.0, 0.1] } else { &[100.0, 1.0, 0.01] };
     let scaled = factors.iter().map(|&factor| scaled_stepping(scene, adaptive, factor));
-    let mut engines: Vec<Engine> = scaled.map(|stepping| engine(maximal, Response::Laws, stepping)).collect();
-    engines.extend(fixed(maximal, Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7]));
-    if is_single_finger(scene) && !quick {
-        engines.extend(fixed(reduced, Response::Laws, &[1e-4, 1e-5, 1e-6]));
-    }
+    let mut engines: Vec<Engine> = scaled.map(|stepping| engine(Response::Laws, stepping)).collect();
+    engines.extend(fixed(Response::Laws, &[1e-4, 1e-5, 1e-6, 1e-7]));
     if let Some(friction) = contact_static_friction(scene) {
-        engines.extend(fixed(maximal, Response::Rapier { friction, restitution: 0.0 }, &[1e-4, 1e-5, 1e-6]));
+        engines.extend(fixed(Response::Rapier { friction, restitution: 0.0 }, &[1e-4, 1e-5, 1e-6]));
     }
     if !engines.contains(&scene.engine) {
         let family = Family::from_engine(&scene.engine);

@@ -116,7 +116,7 @@ pub(super) fn reference_path_bound(scene: &Scene) -> f64 {
     }
 }
 
-/// Whether the scene is a single finger, which the engine can also build in reduced coordinates.
+/// Whether the scene is a single finger.
 pub(super) fn is_single_finger(scene: &Scene) -> bool {
     scene.finger_count() == 1
 }

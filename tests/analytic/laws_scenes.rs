@@ -281,8 +281,6 @@ fn flags_override_the_scene_and_finger_flags_are_rejected() {
     assert_eq!((&document["end_s"], &document["integrator"]["preset"]), (&0.001.into(), &"reference".into()));
     let document = run_json(&["run", IMPACT, "--model", "engine", "--step", "50 us", "--json"]);
     assert_eq!((&document["steps"], &document["engine"]["step_s"]), (&300.into(), &5e-5.into()));
-    let reason = "available for one finger only";
-    assert_rejected(&["run", IMPACT, "--model", "engine", "--construction", "reduced"], &[reason]);
     // The analytic model has no fixed step.
     assert_rejected(&["run", IMPACT, "--step", "1 us"], &[]);
 }

@@ -41,7 +41,7 @@ fn invalid_arguments_are_rejected_with_the_allowed_values() {
     for (args, parts) in cases {
         assert_rejected(args, parts);
     }
-    let run_cases: [(&[&str], &[&str]); 25] = [
+    let run_cases: [(&[&str], &[&str]); 24] = [
         (&["--jason"], &["--jason", "--json"]),
         // A flag is not accepted as the name of a file.
         (&["--log", "--json"], &["--log"]),
@@ -64,7 +64,6 @@ fn invalid_arguments_are_rejected_with_the_allowed_values() {
         (&["--model", "engine", "--step", "1"], &["--step", "1"]),
         (&["--model", "engine", "--step", "1 us", "--tolerance", "1 um"], &["--tolerance"]),
         // Settings of the other model.
-        (&["--construction", "reduced"], &["--construction", "analytic model runs", "--model engine"]),
         (&["--step", "1 us"], &["--step", "analytic model runs", "--model engine"]),
         (&["--tolerance", "1 um"], &["--tolerance", "analytic model runs", "--model engine"]),
         (&["--model", "engine", "--preset", "reference"], &["--preset", "engine model runs", "--model analytic"]),

@@ -22,7 +22,7 @@ fn replay_report_equals_run_report() {
     let directory = directory("cli_replay");
     let log = directory.join("run.mcap");
     let finger = ["experiment-95: ", "completed, 20 ms", "2.0887", "4.5013", "stable"];
-    let (analytic, engine) = ("rodas5p (rtol 1e-5, engineering preset)", "maximal construction");
+    let (analytic, engine) = ("rodas5p (rtol 1e-5, engineering preset)", "2 sweeps");
     for (scene, model, parts, part) in [
         (EXPERIMENT_95, "analytic", &finger[..], analytic),
         (EXPERIMENT_95, "engine", &finger, engine),

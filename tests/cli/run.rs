@@ -134,7 +134,6 @@ fn engine_runs_experiment_95() {
         [
             ("/model", json!("engine")),
             ("/integrator", Value::Null),
-            ("/engine/construction", json!("maximal")),
             ("/engine/law", json!("scene")),
             ("/engine/stepping", json!("adaptive")),
             ("/engine/step_s", Value::Null),
@@ -150,7 +149,7 @@ fn engine_runs_experiment_95() {
     assert_near(&run["contacts"]["distal"]["first_s"], 6.883746e-3, 5e-7);
 
     let settings = settings(log);
-    assert_eq!((&*settings["model"], &*settings["engine_construction"]), ("engine", "maximal"));
+    assert_eq!(&*settings["model"], "engine");
     let tolerance_m = run["engine"]["tolerance_m"].as_f64().expect("a length");
     assert_eq!(settings["engine_tolerance_m"], format!("{tolerance_m:?}"));
     assert!(!settings.contains_key("integrator_preset"));
@@ -159,19 +158,14 @@ fn engine_runs_experiment_95() {
 #[test]
 fn the_engine_takes_its_settings_from_the_command_line() {
     let engine = ["run", EXPERIMENT_95, "--model", "engine"];
-    let run = succeed_json(&[&engine[..], &["--construction", "reduced", "--step", "20 us"]].concat());
+    let run = succeed_json(&[&engine[..], &["--step", "20 us"]].concat());
     assert_values(
         &run,
-        [
-            ("/engine/construction", json!("reduced")),
-            ("/engine/stepping", json!("fixed")),
-            ("/engine/tolerance_m", Value::Null),
-            ("/steps", json!(1000)),
-        ],
+        [("/engine/stepping", json!("fixed")), ("/engine/tolerance_m", Value::Null), ("/steps", json!(1000))],
     );
     assert_near(&run["engine"]["step_s"], 20e-6, 1e-20);
     let text = succeed(&[&engine[..], &["--tolerance", "1 um"]].concat());
-    assert_contains(&text, &["engine model, maximal construction", "1.00e-6 m per step", "joints open by at most"]);
+    assert_contains(&text, &["engine model, joints within 1.00e-6 m per step", "2 sweeps", "joints open by at most"]);
 }
 
 #[test]

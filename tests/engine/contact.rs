@@ -10,7 +10,7 @@ use phalanx::trace::FingerContact;
 
 fn motion(scene: &Scene, plan: &Plan) -> Motion {
     let settings = &scene.engine;
-    let world = engine::build_world(plan, settings.construction, settings.response, settings.iterations);
+    let world = engine::build_world(plan, settings.response, settings.iterations);
     Motion::new(plan.clone(), world).expect("a world")
 }
 

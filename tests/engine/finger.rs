@@ -8,7 +8,7 @@ use crate::support::runs::{
     impact_impulse, load, load_with_stiction, max_angle_error, run_dense_reference, run_engine,
 };
 use phalanx::log::{self, RunInfo};
-use phalanx::scene::{Construction, Profile, Response, Scene, Stepping};
+use phalanx::scene::{Profile, Response, Scene, Stepping};
 use phalanx::trace::{Model, Sample};
 
 /// Experiment 95 with perturbations of its torque in the ninth digit, which show the scatter of the errors.
@@ -128,17 +128,6 @@ fn stiction_agrees_in_both_models_and_the_difference_falls_with_the_tolerance() 
     }
 }
 
-/// Stiction works with reduced coordinates too, with first-order accuracy.
-#[test]
-fn reduced_coordinates_support_stiction() {
-    let mut scene = load_with_stiction("experiment-95");
-    let (_, reference) = run_dense_reference(&scene);
-    scene.engine.construction = Construction::Reduced;
-    let difference =
-        [2e-6, 1e-6].map(|step_s| max_angle_error(&run_engine(&with_fixed_step(scene.clone(), step_s)).1, &reference));
-    assert!(difference[1] < 2e-3 && difference[1] < 0.7 * difference[0], "{difference:?}");
-}
-
 /// The engine with the thesis parameters at several fixed steps: no artificial rebound, no created energy, and the
 /// invariants of every run. The geometry is constant over a step, so the tolerances are of second order in the step. The
 /// run with the smallest steps, 100,000 in 10 ms, includes both impacts.
@@ -194,9 +183,8 @@ fn free_motion() -> Scene {
 }
 
 /// Errors of the engine at four step sizes, each half of the one before, and the observed orders of convergence.
-fn errors_and_orders(mut scene: Scene, construction: Construction, coarsest_s: f64) -> ([f64; 4], [f64; 3]) {
+fn errors_and_orders(scene: Scene, coarsest_s: f64) -> ([f64; 4], [f64; 3]) {
     let (_, reference) = run_dense_reference(&scene);
-    scene.engine.construction = construction;
     let errors = [1.0, 0.5, 0.25, 0.125].map(|factor| {
         let scene = with_fixed_step(scene.clone(), factor * coarsest_s);
         let (outcome, run) = run_engine(&scene);
@@ -208,8 +196,8 @@ fn errors_and_orders(mut scene: Scene, construction: Construction, coarsest_s: f
 
 /// An active joint limit is a stiff, plastic contact; it must not reduce the order.
 #[test]
-fn motion_in_maximal_coordinates_is_third_order() {
-    let (errors, orders) = errors_and_orders(free_motion(), Construction::Maximal, 2e-4);
+fn free_motion_is_third_order() {
+    let (errors, orders) = errors_and_orders(free_motion(), 2e-4);
     assert!(orders.iter().all(|order| *order >= 2.95), "{orders:?}");
     assert!(errors[3] < 1e-7, "{errors:?}");
     let against_limit = experiment_95_with(|scene| {
@@ -217,7 +205,7 @@ fn motion_in_maximal_coordinates_is_third_order() {
         scene.hand.object = None;
     });
     // The error of the finest steps is close to that of the reference.
-    let (errors, orders) = errors_and_orders(against_limit, Construction::Maximal, 1e-4);
+    let (errors, orders) = errors_and_orders(against_limit, 1e-4);
     assert!(orders.iter().all(|order| *order >= 2.7), "{orders:?}");
     assert!(errors[3] < 1e-9, "{errors:?}");
 }
@@ -233,7 +221,7 @@ fn hard_scene(name: &str) -> Scene {
 /// not.
 #[test]
 fn undamped_contact_with_friction_is_second_order() {
-    let (errors, orders) = errors_and_orders(hard_scene("hard/damper-none"), Construction::Maximal, 1e-5);
+    let (errors, orders) = errors_and_orders(hard_scene("hard/damper-none"), 1e-5);
     assert!(orders.iter().sum::<f64>() / 3.0 >= 1.8, "{orders:?}");
     assert!(errors[3] < 2e-6, "{errors:?}");
 }
@@ -242,15 +230,8 @@ fn undamped_contact_with_friction_is_second_order() {
 /// impulses must include their friction; without it the method is of first order and errors are forty times as large.
 #[test]
 fn sliding_on_a_stiff_contact_is_accurate() {
-    let (errors, _) = errors_and_orders(hard_scene("hard/end-cap"), Construction::Maximal, 1e-5);
+    let (errors, _) = errors_and_orders(hard_scene("hard/end-cap"), 1e-5);
     assert!(errors[0] < 4e-4 && errors[3] < 4e-5, "{errors:?}");
-}
-
-/// rapier's multibody integrates joint rates by semi-implicit Euler, so it is of first order, as documented.
-#[test]
-fn reduced_coordinates_are_first_order() {
-    let (_, orders) = errors_and_orders(free_motion(), Construction::Reduced, 2e-5);
-    assert!(orders.iter().all(|order| (0.9..1.3).contains(order)), "{orders:?}");
 }
 
 /// Adaptive steps keep the order until the error is close to that of the reference; the tolerance is proportional to dt².

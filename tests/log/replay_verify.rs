@@ -49,7 +49,6 @@ fn recorded_settings_reproduce_the_same_bytes() {
         (FINGER_SCENE, &engine, 0),
         (FINGER_SCENE, &["--model", "engine", "--step", "33 us"], 0),
         (FINGER_SCENE, &["--model", "engine", "--tolerance", "0.37 um", "--duration", "9 ms"], 0),
-        (FINGER_SCENE, &["--model", "engine", "--construction", "reduced", "--step", "50 us"], 0),
         (&rapier, &["--model", "engine", "--step", "50 us"], 0),
         (&rates, &[], 0),
         (&budget, &[], 3),

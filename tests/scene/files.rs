@@ -94,7 +94,7 @@ fn every_variant_round_trips_exactly() {
         "[limit]\nenabled = false",
         "[contact.friction]\nmu_static = 0.3\n[contact.distal.friction]\nmu_static = 0.0",
         "[object]\nradius = \"19 mm\"\ncentre = [\"-15 mm\", \"21 mm\"]\n[integrator]\npreset = \"reference\"",
-        "[engine]\nconstruction = \"reduced\"\nlaw = \"rapier\"\nrestitution = 0.1\nstepping = \"fixed\"\n\
+        "[engine]\nlaw = \"rapier\"\nrestitution = 0.1\nstepping = \"fixed\"\n\
          step = \"3.3 us\"\n[contact.friction]\nmu_static = 0.7",
         "[engine]\nlaw = \"rapier\"\nfriction = 0\ntolerance = \"0.07 um\"\nmax_step = \"1 s\"\n\
          iterations = 1\nmax_steps = 1\n[validate]\nangle = \"0.1 deg\"\ncontact_time = \"3 us\"\nfinal_force = 0.07\nimpulse = 1\n\
@@ -381,7 +381,7 @@ proptest! {
             "0", "-1", "1e300", "nan", "inf", "\"\"", "\"1e-300 mm\"", "\"1e300 mm\"", "\"1e308 deg\"", "\"-0 s\"", "true",
             "[]", "{}", "[[]]", "[\"1 m\", 2]", "{ mass = 1 }", "1979-05-27T07:32:00Z", "9223372036854775808",
             "\"1e-300 N*m\"", "\"1e300 N*m\"", "\"5e-324 kg\"", "5e-324", "1.7e308", "\"1e300 kg\"",
-            "[\"1e300 m\", \"1e300 m\"]", "\"driven\"", "\"fixed\"", "\"finger\"", "\"reduced\"", "[\"nan m/s\", \"0 m/s\"]",
+            "[\"1e300 m\", \"1e300 m\"]", "\"driven\"", "\"fixed\"", "\"finger\"", "\"rapier\"", "[\"nan m/s\", \"0 m/s\"]",
         ];
         let mut scenes = shipped_texts();
         // Half of all cases.

@@ -4,8 +4,8 @@ use phalanx::gripper::{self, Design, ProximalLength};
 use phalanx::law::{Bristle, FrictionLaw, NormalLaw};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
-    self, Bounds, Construction, Engine, Integrator, Interpolation, Method, Placement, Preset, Profile, Response, Scene,
-    SpringKind, Stepping,
+    self, Bounds, Engine, Integrator, Interpolation, Method, Placement, Preset, Profile, Response, Scene, SpringKind,
+    Stepping,
 };
 use phalanx::shape::max_radius;
 
@@ -36,8 +36,8 @@ fn a_short_scene_has_the_parameters_of_table_3_2() {
     assert_eq!((spring.kind, spring.placement), (SpringKind::Constant { torque_n_m: 0.1326 }, Placement::Phalanges));
     assert_eq!(scene.integrator, Integrator::preset(Preset::Engineering));
     assert_eq!((scene.engine, scene.bounds), (Engine::DEFAULT, Bounds::defaults_for_run(SceneKind::Finger, 0.02)));
-    let Engine { construction, response, stepping, iterations, max_steps } = Engine::DEFAULT;
-    assert_eq!((construction, response), (Construction::Maximal, Response::Laws));
+    let Engine { response, stepping, iterations, max_steps } = Engine::DEFAULT;
+    assert_eq!(response, Response::Laws);
     assert_eq!(stepping, Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: 6e-5 });
     assert_eq!((iterations, max_steps), (2, 10_000_000));
     assert_eq!((scene.log.numeric_hz, scene.log.picture_hz), (1e4, 5e3));
@@ -218,8 +218,7 @@ fn every_engine_key_is_applied() {
         Engine { response, iterations: Engine::default_iterations(response), ..base }
     };
     for (contact, keys, expected) in [
-        ("", "construction = \"maximal\"\nlaw = \"scene\"\nstepping = \"adaptive\"", base),
-        ("", "construction = \"reduced\"", Engine { construction: Construction::Reduced, ..base }),
+        ("", "law = \"scene\"\nstepping = \"adaptive\"", base),
         ("", "stepping = \"fixed\"\nstep = \"10 us\"", Engine { stepping: fixed, ..base }),
         ("", "tolerance = \"1e-3 mm\"\nmax_step = \"20 us\"", Engine { stepping: adaptive, ..base }),
         ("", "iterations = 1", Engine { iterations: 1, ..base }),

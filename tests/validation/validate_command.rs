@@ -95,7 +95,6 @@ fn a_ladder_reports_speed_and_error_of_every_setting() {
         ("engine, adaptive steps", 4),
         // Short steps are omitted.
         ("engine, fixed steps", 2),
-        ("engine, reduced coordinates", 0),
         ("engine, native contact", 2),
         ("analytic", 7),
     ] {

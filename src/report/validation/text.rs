@@ -308,8 +308,7 @@ fn settings(report: &ValidationReport, options: LadderOptions) -> Report {
         "largest differences from the reference over the runs; * the scene's settings; median wall time without a log\n",
     );
     if options.quick {
-        let reduced = if report.finger_count() == 1 { ", reduced coordinates" } else { "" };
-        text.push_str(&format!("omitted by --quick: fixed steps below 1e-5 s{reduced}\n"));
+        text.push_str("omitted by --quick: fixed steps below 1e-5 s\n");
     }
     if ladder.iter().any(|setting| setting.status == Status::NoTime) {
         let limit = format_duration(options.time_s);

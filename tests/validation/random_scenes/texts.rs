@@ -148,12 +148,8 @@ fn integrator(rng: &mut Random, text: &mut String, reference_share: f64) {
 /// Writes settings of the engine.
 fn engine(rng: &mut Random, text: &mut String, has_joints: bool) {
     let _ = writeln!(text, "[engine]\nmax_steps = {}", super::MAX_STEPS);
-    // Joints open further if steps are longer than the adaptive ones, or of first order.
+    // Joints open further if steps are longer than the adaptive ones.
     let mut coarse = false;
-    if has_joints && rng.chance(0.15) {
-        text.push_str("construction = \"reduced\"\n");
-        coarse = true;
-    }
     if rng.chance(0.3) {
         coarse = true;
         let _ = writeln!(text, "stepping = \"fixed\"\nstep = {}", quantity(rng.log_within(1e-6, 2e-4), "s"));

@@ -55,7 +55,6 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         let motion = of.motion.clone()?;
         Some(PlannedDrive { body, motion })
     });
-    let mut is_attached = vec![false; mechanism.bodies.len()];
     let joints = mechanism.joints.iter().map(|joint| {
         let (mut bodies, mut anchors_m, mut offset_rad) = (joint.bodies, joint.points_m, joint.offset_rad);
         let [first, second] = bodies.map(|body| (!mechanism.is_base(body), body));
@@ -66,13 +65,7 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
             anchors_m.reverse();
             offset_rad = -offset_rad;
         }
-        let closes_loop = match bodies {
-            [base, Some(body)] if base.is_none_or(|base| is_attached[base]) => {
-                std::mem::replace(&mut is_attached[body], true)
-            }
-            _ => true,
-        };
-        PlannedJoint { kind: joint.kind, bodies, anchors_m, offset_rad, is_reversed, closes_loop }
+        PlannedJoint { kind: joint.kind, bodies, anchors_m, offset_rad, is_reversed }
     });
     let mut plan = Plan {
         gravity_m_s2: mechanism.gravity_m_s2,

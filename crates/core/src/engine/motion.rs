@@ -27,7 +27,6 @@ use crate::law::friction_coefficient;
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::{cos, exp, hypot, sin};
 use crate::numeric::plane::{add, dot, sub};
-use crate::scene::Construction;
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
@@ -79,8 +78,7 @@ pub struct Motion {
     pub linkage: Linkage,
     pub clock: Clock,
     pub velocities: Vec<Twist>,
-    /// Bodies that move by forces and whose rotation is completed after rapier's step; empty for a multibody, whose links
-    /// rapier turns exactly.
+    /// Bodies that move by forces and whose rotation is completed after rapier's step.
     dynamic_bodies: Vec<RigidBodyHandle>,
     /// Accelerations without contact at the node.
     pub accelerations: Vec<Twist>,
@@ -125,7 +123,7 @@ pub struct Motion {
     rate_correction: RateCorrection,
     /// Normals of the candidates before the step.
     previous_normals: Vec<([f64; 2], Row)>,
-    /// Poses before the step, from which the mean velocities of a multibody are computed.
+    /// Poses before the step, from which the rotations of shafts are computed.
     previous_poses: Vec<[f64; 3]>,
     /// Motor torques before the step.
     previous_torques: Vec<f64>,
@@ -136,9 +134,8 @@ impl Motion {
     pub fn new(plan: Plan, world: World) -> Result<Self, StepError> {
         let linkage = Linkage::new(&world, &plan);
         let (bodies, elements) = (plan.bodies.len(), plan.first_servo() + plan.servos.len());
-        let is_reduced = world.construction == Construction::Reduced;
         let is_driven = |body: usize| plan.drives.iter().any(|drive| drive.body == body);
-        let dynamic = (0..bodies).filter(|body| !is_reduced && !is_driven(*body));
+        let dynamic = (0..bodies).filter(|body| !is_driven(*body));
         let dynamic_bodies = dynamic.map(|body| world.bodies[body]).collect();
         let mut motion = Self {
             dynamic_bodies,
@@ -325,12 +322,11 @@ impl Motion {
         }
     }
 
-    /// Whether the next step is of third order: no body is driven or a link of a multibody, and no contact or stop exerts
-    /// a force at the end of the last step.
+    /// Whether the next step is of third order: no body is driven, and no contact or stop exerts a force at the end
+    /// of the last step.
     pub(crate) fn is_smooth(&self) -> bool {
         let is_loaded = |active: &ActiveContact| active.candidate.has_gap() && self.contact.force[active.normal] > 0.0;
-        self.world.construction == Construction::Maximal
-            && self.plan.drives.is_empty()
+        self.plan.drives.is_empty()
             && !self.space.active_contacts.iter().any(is_loaded)
             && self.rapier_contacts.iter().all(|contact| contact.normal == 0.0)
     }
@@ -573,9 +569,7 @@ impl Motion {
         let corrected = linkage.openings().zip(&*overshoot).map(|(open, overshoot)| add(open, *overshoot));
         refill(open, corrected);
         for ((planned, joint), overshoot) in self.plan.joints.iter().zip(&self.world.joints).zip(&self.overshoot) {
-            let Some(joint) = joint.and_then(|handle| self.world.physics.impulse_joints.get_mut(handle, false)) else {
-                continue;
-            };
+            let Some(joint) = self.world.physics.impulse_joints.get_mut(*joint, false) else { continue };
             let [first, _] = planned.bodies;
             let shift = match planned.kind {
                 JointKind::Revolute => {
@@ -653,18 +647,9 @@ impl Motion {
 
     /// Reads the mean velocities of the last step from rapier.
     fn read_mean_velocities(&mut self) {
-        let dt = self.last_dt_s;
-        for (i, v) in self.mean_velocities.iter_mut().enumerate() {
-            let body = &self.world.physics.bodies[self.world.bodies[i]];
-            *v = match self.world.construction {
-                // The links of a multibody report the velocities of the preceding step.
-                Construction::Reduced if dt > 0.0 => {
-                    let (pose, before) = (&self.linkage.poses[i], &self.previous_poses[i]);
-                    let mean = |now: f64, before: f64| (now - before) / dt;
-                    [mean(pose.com[0], before[0]), mean(pose.com[1], before[1]), mean(pose.angle, before[2])]
-                }
-                _ => [body.linvel().x, body.linvel().y, body.angvel()],
-            };
+        for (v, handle) in self.mean_velocities.iter_mut().zip(&self.world.bodies) {
+            let body = &self.world.physics.bodies[*handle];
+            *v = [body.linvel().x, body.linvel().y, body.angvel()];
         }
     }
 }

@@ -94,8 +94,6 @@ pub struct PlannedJoint {
     pub offset_rad: f64,
     /// Whether its bodies have the opposite order in the mechanism, so that its coordinate has the opposite sign.
     pub is_reversed: bool,
-    /// Whether this joint closes a loop of the joints before it.
-    pub closes_loop: bool,
 }
 
 /// A motor: a torque or force over time along its shaft.

@@ -6,7 +6,7 @@ use rapier2d_f64::prelude::*;
 use super::plan::{Capsule, Plan, PlannedContact, PlannedJoint, PlannedSurface, Shape, SurfaceId};
 use crate::mechanism::JointKind;
 use crate::numeric::elementary::hypot;
-use crate::scene::{Construction, Response};
+use crate::scene::Response;
 use crate::shape::max_radius;
 
 /// A rapier world, with the handles of the components of a plan.
@@ -15,15 +15,14 @@ pub struct World {
     pub bodies: Vec<RigidBodyHandle>,
     /// Colliders of each contact of the plan: of its body, and of the other surface.
     pub contacts: Vec<[ColliderHandle; 2]>,
-    /// Joint constraint of each joint of the plan; `None` if a multibody coordinate replaces it.
-    pub joints: Vec<Option<ImpulseJointHandle>>,
-    pub construction: Construction,
+    /// Joint constraint of each joint of the plan.
+    pub joints: Vec<ImpulseJointHandle>,
     pub response: Response,
 }
 
 impl Clone for World {
     fn clone(&self) -> Self {
-        let Self { physics, bodies, contacts, joints, construction, response } = self;
+        let Self { physics, bodies, contacts, joints, response } = self;
         let physics = PhysicsWorld {
             gravity: physics.gravity,
             integration_parameters: physics.integration_parameters,
@@ -33,14 +32,13 @@ impl Clone for World {
             bodies: physics.bodies.clone(),
             colliders: physics.colliders.clone(),
             impulse_joints: physics.impulse_joints.clone(),
-            multibody_joints: physics.multibody_joints.clone(),
             soft_bodies: physics.soft_bodies.clone(),
             ccd_solver: physics.ccd_solver.clone(),
             // The pipelines are working memory of a step.
             ..PhysicsWorld::new()
         };
         let (bodies, contacts, joints) = (bodies.clone(), contacts.clone(), joints.clone());
-        Self { physics, bodies, contacts, joints, construction: *construction, response: *response }
+        Self { physics, bodies, contacts, joints, response: *response }
     }
 }
 
@@ -65,7 +63,7 @@ const PREDICTION_RADII: f64 = 0.5;
 const SHARP_PREDICTION_M: f64 = 1e-3;
 
 /// Builds the world. With [`Response::Laws`] every contact pair carries the hook.
-pub fn build_world(plan: &Plan, construction: Construction, response: Response, iterations: u32) -> World {
+pub fn build_world(plan: &Plan, response: Response, iterations: u32) -> World {
     let mut physics = PhysicsWorld::new();
     // Gravity is applied as a force on each body, so that it can be halved when the step size changes.
     physics.gravity = Vector::ZERO;
@@ -94,42 +92,19 @@ pub fn build_world(plan: &Plan, construction: Construction, response: Response, 
         })
         .collect();
 
-    let mut joints = Vec::new();
-    for planned in &plan.joints {
+    let insert_joint = |planned: &PlannedJoint| {
         let [first, second] = planned.bodies.map(|body| body.map_or(ground, |body| bodies[body]));
-        let joint = joint(plan, planned);
-        match construction {
-            Construction::Reduced if !planned.closes_loop => {
-                let handle = physics.insert_multibody_joint(first, second, joint);
-                let handle = handle.expect("the tree joints of a plan form no loop");
-                if let Some((multibody, _)) = physics.multibody_joints.get_mut(handle) {
-                    // By default, revolute joints of a multibody have a damping of 0.1 N·m·s.
-                    multibody.damping_mut().fill(0.0);
-                }
-                joints.push(None);
-            }
-            _ => {
-                joints.push(Some(physics.insert_impulse_joint(first, second, joint)));
-            }
-        }
-    }
+        physics.insert_impulse_joint(first, second, joint(plan, planned))
+    };
+    let joints = plan.joints.iter().map(insert_joint).collect();
 
-    let mut world = World { physics, bodies, contacts: Vec::new(), joints, construction, response };
+    let mut world = World { physics, bodies, contacts: Vec::new(), joints, response };
     add_colliders(&mut world, plan, response);
-    refresh(&mut world);
-    if construction == Construction::Reduced {
-        // The multibody only knows after a step that its root is fixed.
-        set_joint_coordinates(&mut world, plan);
-        refresh(&mut world);
-    }
-    set_rates(&mut world, plan);
-    world
-}
-
-/// Takes a step of zero length, which updates world mass properties and contact pairs.
-fn refresh(world: &mut World) {
+    // A step of zero length updates world mass properties and contact pairs.
     world.physics.integration_parameters.dt = 0.0;
     world.physics.step_with_events(&LawContactHook, &());
+    set_rates(&mut world, plan);
+    world
 }
 
 fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationParameters {
@@ -272,32 +247,5 @@ fn set_rates(world: &mut World, plan: &Plan) {
         let [vx, vy] = planned.velocity_m_s;
         body.set_linvel(Vector::new(vx, vy) + arm.perp() * planned.rate_rad_s, true);
         body.set_angvel(planned.rate_rad_s, true);
-    }
-}
-
-/// Sets joint angles and rates of a multibody, which start at zero; the poses of its bodies are derived from them.
-fn set_joint_coordinates(world: &mut World, plan: &Plan) {
-    let physics = &mut world.physics;
-    let mut angles = vec![0.0; plan.bodies.len()];
-    let mut multibody_index = None;
-    for joint in plan.joints.iter().filter(|joint| !joint.closes_loop) {
-        let [first, Some(second)] = joint.bodies else { continue };
-        let Some(id) = physics.multibody_joints.rigid_body_link(world.bodies[second]).copied() else { continue };
-        // The fixed root has no degree of freedom; every other link has one, in the order of insertion.
-        let (Some(coordinate), Some(multibody)) =
-            (id.id.checked_sub(1), physics.multibody_joints.get_multibody_mut(id.multibody))
-        else {
-            continue;
-        };
-        let (first, second) = (first.map(|i| &plan.bodies[i]), &plan.bodies[second]);
-        angles[coordinate] = second.angle_rad - first.map_or(0.0, |body| body.angle_rad);
-        multibody.generalized_velocity_mut()[coordinate] =
-            second.rate_rad_s - first.map_or(0.0, |body| body.rate_rad_s);
-        multibody_index = Some(id.multibody);
-    }
-    if let Some(multibody) = multibody_index.and_then(|index| physics.multibody_joints.get_multibody_mut(index)) {
-        multibody.apply_displacements(&angles);
-        multibody.forward_kinematics(&physics.bodies, false);
-        multibody.update_rigid_bodies(&mut physics.bodies, true);
     }
 }

@@ -8,7 +8,7 @@ use super::{Outcome, RunError, Sample, Sink, SinkError};
 use crate::drive::Profile;
 use crate::engine::{Motion, StepError, Tolerance, build_plan, build_world, next_step};
 use crate::integrator::{Failure, Reason};
-use crate::scene::{Construction, Engine, Scene, Stepping};
+use crate::scene::{Engine, Scene, Stepping};
 
 /// Contact sub-steps allowed per step of the budget. A step with hard contacts can take 100,000 sub-steps, so a budget
 /// of steps alone would not bound the computing time. Ordinary runs need one to four.
@@ -31,7 +31,7 @@ pub(super) fn build_engine(scene: &Scene, recording: RecordingOptions) -> Result
     let plan = reason.map_or_else(|| build_plan(scene), Err);
     let plan = plan.map_err(|reason| RunError::rejected(reason, initial_outcome()))?;
     let engine = &scene.engine;
-    let world = build_world(&plan, engine.construction, engine.response, engine.iterations);
+    let world = build_world(&plan, engine.response, engine.iterations);
     let mut motion =
         Motion::new(plan, world).map_err(|error| RunError::rejected(error.to_string(), initial_outcome()))?;
     let recorder = EngineRecorderState::new(scene, &mut motion, recording);
@@ -50,19 +50,10 @@ pub(super) fn build_engine(scene: &Scene, recording: RecordingOptions) -> Result
 
 /// Returns why the engine model does not simulate the scene.
 fn unsupported(scene: &Scene) -> Option<&'static str> {
-    let is_reduced = scene.engine.construction == Construction::Reduced;
-    match (&scene.mechanism, scene.finger_count()) {
-        (None, 2..) if is_reduced => {
-            Some("joint coordinates (construction \"reduced\") are for one finger, not for grippers")
-        }
-        (Some(_), _) if is_reduced => {
-            Some("joint coordinates (construction \"reduced\") are for one finger, not for mechanisms")
-        }
-        (Some(_), _) if !scene.engine.uses_laws() && scene.has_joints() => {
-            Some("rapier's own contact (law \"rapier\") is for fingers and free bodies, not for mechanisms with joints")
-        }
-        _ => None,
-    }
+    let has_unsupported_contact = scene.mechanism.is_some() && scene.has_joints() && !scene.engine.uses_laws();
+    has_unsupported_contact.then_some(
+        "rapier's own contact (law \"rapier\") is for fingers and free bodies, not for mechanisms with joints",
+    )
 }
 
 /// The engine model of a scene, and its recorder. Its steps end at the times to which it advances.

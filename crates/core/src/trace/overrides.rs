@@ -1,7 +1,7 @@
 //! Settings that override those of a scene, such as the flags of `phalanx run`. Settings without effect are rejected.
 
 use super::Model;
-use crate::scene::{Construction, ENGINE_MAX_STEP_S, Preset, Scene, Stepping};
+use crate::scene::{ENGINE_MAX_STEP_S, Preset, Scene, Stepping};
 use crate::units::{self, Dimension};
 
 /// Settings of a run that replace those of its scene.
@@ -11,8 +11,6 @@ pub struct Overrides {
     pub preset: Option<Preset>,
     /// Relative tolerance of the analytic model; absolute tolerances are scaled with it.
     pub rtol: Option<f64>,
-    /// Coordinates of the engine model.
-    pub construction: Option<Construction>,
     /// Fixed step of the engine model.
     pub step_s: Option<f64>,
     /// Adaptive steps of the engine model: largest joint opening per step.
@@ -29,22 +27,13 @@ impl Overrides {
     /// Applies the settings to a scene.
     ///
     /// # Errors
-    /// Returns an error if a setting belongs to the other model or to another kind of scene, or requests more samples
-    /// than a run may have.
+    /// Returns an error if a setting belongs to the other model, or requests more samples than a run may have.
     pub fn apply(&self, model: Model, scene: &mut Scene) -> Result<(), String> {
-        if self.construction == Some(Construction::Reduced) && scene.finger_count() != 1 {
-            let reason = "--construction reduced uses joint coordinates, and they are available for one finger only; leave the \
-                          flag out: every body moves freely in the engine";
-            return Err(reason.to_string());
-        }
         self.reject_unused(model)?;
         if let Some(preset) = self.preset {
             scene.apply_preset(preset);
         }
         let Scene { duration_s: scene_duration_s, log, integrator, engine, .. } = scene;
-        if let Some(construction) = self.construction {
-            engine.construction = construction;
-        }
         if let Some(rtol) = self.rtol {
             *integrator = integrator.with_rtol(rtol);
         }
@@ -78,17 +67,10 @@ impl Overrides {
             return Err("--step sets a fixed step and --tolerance adapts the step: leave one of them out".to_string());
         }
         let (flags, other) = match model {
-            Model::Analytic => (
-                [
-                    ("--construction", self.construction.is_some()),
-                    ("--step", self.step_s.is_some()),
-                    ("--tolerance", self.tolerance_m.is_some()),
-                ],
-                Model::Engine,
-            ),
-            Model::Engine => {
-                ([("--preset", self.preset.is_some()), ("--rtol", self.rtol.is_some()), ("", false)], Model::Analytic)
+            Model::Analytic => {
+                ([("--step", self.step_s.is_some()), ("--tolerance", self.tolerance_m.is_some())], Model::Engine)
             }
+            Model::Engine => ([("--preset", self.preset.is_some()), ("--rtol", self.rtol.is_some())], Model::Analytic),
         };
         match flags.iter().find(|(_, is_given)| *is_given) {
             Some((flag, _)) => Err(format!(

@@ -53,8 +53,8 @@ pub use parse::{parse, parse_any, parse_template};
 pub use quantity::Keyword;
 pub use schema::schema;
 pub use sections::{
-    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogSettings, Method, Preset, Response,
-    Stepping, Thresholds,
+    Bounds, ENGINE_MAX_STEP_S, Engine, Integrator, LogExcess, LogSettings, Method, Preset, Response, Stepping,
+    Thresholds,
 };
 pub use show::{show, show_written};
 pub use template::Template;

@@ -247,9 +247,6 @@ pub fn settings_text(integrator: Option<&Integrator>, engine: Option<&Engine>, h
         ),
     };
     let law = if matches!(settings.response, Response::Rapier { .. }) { ", rapier's own contact" } else { "" };
-    let (construction, iterations) = (settings.construction.keyword(), settings.iterations);
-    match has_joints {
-        true => format!(", {construction} construction ({stepping}, {iterations} sweeps{law})"),
-        false => format!(", {stepping}{law}"),
-    }
+    let sweeps = if has_joints { format!(", {} sweeps", settings.iterations) } else { String::new() };
+    format!(", {stepping}{sweeps}{law}")
 }

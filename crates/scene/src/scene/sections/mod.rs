@@ -55,8 +55,8 @@ pub use law::{CommonLaw, ContactSettings, LimitSettings};
 pub use mechanism::MechanismSettings;
 pub use motion::{MoveSettings, PathSettings, VibrationSettings};
 pub use run::{
-    Bounds, Construction, ENGINE_MAX_STEP_S, Engine, EngineSettings, Integrator, LogExcess, LogSettings, Method,
-    Preset, Response, Stepping, Thresholds,
+    Bounds, ENGINE_MAX_STEP_S, Engine, EngineSettings, Integrator, LogExcess, LogSettings, Method, Preset, Response,
+    Stepping, Thresholds,
 };
 pub use start::InitialSettings;
 

@@ -10,7 +10,7 @@ use crate::numeric::elementary::{log10, powi};
 use crate::scene::Hand;
 use crate::scene::keywords::SceneKind;
 use crate::scene::quantity::{
-    Angle, AngularRate, Force, Frequency, Length, NotNegative, Plain, Positive, Quantity, Time, Word, keyword_enum,
+    Angle, AngularRate, Force, Frequency, Length, NotNegative, Plain, Positive, Quantity, Time, keyword_enum,
 };
 use crate::scene::section_input::SectionInput;
 use crate::units::{self, Dimension};
@@ -97,11 +97,10 @@ impl Integrator {
     }
 }
 
-/// Construction, contact law and stepping of the engine model.
+/// Contact law and stepping of the engine model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(with = "EngineSettings")]
 pub struct Engine {
-    pub construction: Construction,
     #[serde(flatten)]
     pub response: Response,
     #[serde(flatten)]
@@ -111,16 +110,6 @@ pub struct Engine {
     pub iterations: u32,
     /// Step budget; a run that needs more steps ends with an error, and its log is kept.
     pub max_steps: u64,
-}
-
-keyword_enum! {
-    /// Coordinates of the engine model.
-    pub enum Construction {
-        /// Three coordinates per body; every joint is a constraint between two bodies. Of third order in free motion.
-        Maximal = "maximal",
-        /// Joint coordinates of a tree of bodies; one constraint closes the loop. First-order accurate.
-        Reduced = "reduced",
-    }
 }
 
 /// Contact forces of the engine model.
@@ -164,7 +153,6 @@ pub const ENGINE_MAX_STEP_S: f64 = 6e-5;
 
 impl Engine {
     pub const DEFAULT: Self = Self {
-        construction: Construction::Maximal,
         response: Response::Laws,
         stepping: Stepping::Adaptive { tolerance_m: 1e-7, max_step_s: ENGINE_MAX_STEP_S },
         iterations: Self::default_iterations(Response::Laws),
@@ -187,14 +175,10 @@ impl Engine {
     }
 }
 
-/// Construction, contact law and stepping of the engine model.
+/// Contact law and stepping of the engine model.
 // The keys of an `Engine` in a file, for the schema.
 #[derive(JsonSchema)]
 pub struct EngineSettings {
-    /// "maximal": every body moves freely, and every joint is a constraint; "reduced": a tree of joints in joint
-    /// coordinates, closed by one constraint (for a single finger only).
-    #[schemars(extend("default" = "maximal"))]
-    pub construction: Word<Construction>,
     /// Contact law: "scene": the laws of [contact]; "rapier": rapier's own rigid contact.
     #[schemars(extend("default" = "scene", "enum" = ["scene", "rapier"]))]
     pub law: String,
@@ -414,15 +398,6 @@ pub fn engine(input: &SectionInput<'_>, hand: Option<&Hand>, law: Option<Contact
         (&mut engine.stepping, hand, input.has("tolerance"))
     {
         *tolerance_m *= SHORT_LINK_M.min(hand.shortest_link_m()) / SHORT_LINK_M;
-    }
-    if engine.construction == Construction::Reduced && input.kind != SceneKind::Finger {
-        let (reason, label, what) = match input.kind {
-            SceneKind::Bodies => ("a scene of discs has no joints", "no joints", "disc"),
-            _ => ("joint coordinates are supported for one finger only", "one finger only", "body"),
-        };
-        let message = format!("`engine.construction` is \"reduced\", but {reason}");
-        let help = format!("remove it: every {what} then has its own coordinates");
-        input.report("construction", message, label, help);
     }
     engine
 }
