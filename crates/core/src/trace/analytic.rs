@@ -42,7 +42,7 @@ pub(super) fn build_analytic(scene: &Scene, recording: RecordingOptions) -> Resu
 ///
 /// # Errors
 /// Returns an error if a mechanism exceeds the largest model, or if the hand has too many bristles.
-pub(super) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
+pub(crate) fn with_kernel<U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     if let Some(mechanism) = &scene.mechanism {
         return build_mechanism(scene, mechanism, user);
     }

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 
 /// Duration and sampling rate of a run.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span {
+pub(crate) struct Span {
     pub end_s: f64,
     /// Samples per second on the grid; 0 without a grid.
     pub numeric_hz: f64,
@@ -34,7 +34,7 @@ impl Span {
 
 /// What a run records.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RecordingOptions {
+pub(crate) struct RecordingOptions {
     pub counts: Counts,
     pub span: Span,
     /// Whether the run ends where the object leaves the reach of the fingers.

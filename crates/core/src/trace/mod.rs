@@ -28,12 +28,11 @@ pub mod schema;
 mod simulation;
 mod sink;
 mod stepper;
-pub(crate) mod tangent;
 
 pub use decimator::{Decimated, OffGrid};
 pub use grid::is_grid_point;
+use model::build;
 pub use model::{Model, run, run_analytic};
-use model::{build, check_supported};
 pub use outcome::{ContactSummary, Outcome, RunError, Work};
 pub use reach::Reach;
 pub use recording::{Recording, record};
@@ -41,3 +40,11 @@ pub use sample::{Event, EventKind, FingerContact, Sample, interpolate};
 pub use schema::{BodyState, Channel, ContactName, ContactSample, Counts, Energy, FingerState, JointState, Schema};
 pub use simulation::{Simulation, SimulationError};
 pub use sink::{Cancellable, KeepRunning, RequiredData, Sink, SinkError};
+
+// What the derivatives of a run need of it.
+pub(crate) use analytic::with_kernel;
+pub(crate) use grid::{RecordingOptions, Span};
+pub(crate) use model::check_supported;
+pub(crate) use reading::{Kernel, KernelUser, Start};
+pub(crate) use sampled::has_sampled_servos;
+pub(crate) use stepper::{AnalyticStepper, Interruption, Stepper};

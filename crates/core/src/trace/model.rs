@@ -67,7 +67,7 @@ pub fn run_analytic(scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunEr
 }
 
 /// Returns an error for a system that neither model simulates, whose samples have no schema.
-pub(super) fn check_supported(scene: &Scene) -> Result<(), RunError> {
+pub(crate) fn check_supported(scene: &Scene) -> Result<(), RunError> {
     let reason = if scene.mechanism.is_some() { None } else { scene.hand.unsupported() };
     reason.map_or(Ok(()), |reason| Err(RunError::rejected(reason.to_string(), Outcome::default())))
 }

@@ -122,7 +122,7 @@ pub enum RunError {
 
 impl RunError {
     /// Error for a scene rejected before the first step.
-    pub(super) fn rejected(reason: String, outcome: Outcome) -> Self {
+    pub(crate) fn rejected(reason: String, outcome: Outcome) -> Self {
         let failure = Failure { time_s: 0.0, reason: Reason::Obstacle(reason) };
         RunError::Simulation { failure, partial_outcome: Box::new(outcome) }
     }

@@ -12,7 +12,7 @@ use crate::numeric::plane::scale;
 use crate::scene::{Integrator, Side};
 
 /// A kernel of the analytic model, as runs use it: its states become samples, and its inputs can change.
-pub(super) trait Kernel<const N: usize, const Z: usize>:
+pub(crate) trait Kernel<const N: usize, const Z: usize>:
     System<N, Z, Mode: Index<usize, Output = ContactState> + PartialEq + Send> + Clone + Send + 'static
 {
     /// What a sample needs of earlier ones.
@@ -54,7 +54,7 @@ pub(super) trait Kernel<const N: usize, const Z: usize>:
 }
 
 /// A scene in its kernel of the analytic model, at its start.
-pub(super) struct Start<M, const N: usize, const Z: usize> {
+pub(crate) struct Start<M, const N: usize, const Z: usize> {
     pub kernel: M,
     pub state: State<N, Z>,
     pub settings: Integrator,
@@ -62,7 +62,7 @@ pub(super) struct Start<M, const N: usize, const Z: usize> {
 }
 
 /// A use of the kernel of a scene, whose type depends on the scene.
-pub(super) trait KernelUser {
+pub(crate) trait KernelUser {
     type Output;
 
     fn use_kernel<M, const N: usize, const Z: usize>(self, start: Start<M, N, Z>) -> Self::Output

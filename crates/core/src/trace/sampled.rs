@@ -54,7 +54,7 @@ fn sampled_servos(mechanism: &Mechanism) -> Vec<SampledServo> {
 }
 
 /// Whether a mechanism has servos that are computed at a rate.
-pub(super) fn has_sampled_servos(mechanism: &Mechanism) -> bool {
+pub(crate) fn has_sampled_servos(mechanism: &Mechanism) -> bool {
     !sampled_servos(mechanism).is_empty()
 }
 

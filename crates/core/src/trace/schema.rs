@@ -719,7 +719,7 @@ impl Counts {
     }
 
     /// Returns the number of numbers in a sample.
-    pub(super) fn values(self) -> usize {
+    pub(crate) fn values(self) -> usize {
         self.energy() + Energy::QUANTITIES.len()
     }
 }

@@ -10,7 +10,7 @@ use crate::scene::{Integrator, Method};
 
 /// Reason why a stepper did not advance.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum Interruption {
+pub(crate) enum Interruption {
     #[error(transparent)]
     Failure(#[from] Failure),
     #[error(transparent)]
@@ -19,7 +19,7 @@ pub(super) enum Interruption {
 
 /// A model of a scene whose run is advanced in pieces. Between two calls its steps may end later than the time to which
 /// it has advanced; see [`Integration`].
-pub(super) trait Stepper: Send {
+pub(crate) trait Stepper: Send {
     /// Emits the events and the sample of the start.
     fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), SinkError>;
 
@@ -45,7 +45,7 @@ pub(super) trait Stepper: Send {
 
 /// A kernel of the analytic model, its integration, and its recorder.
 #[derive(Clone)]
-pub(super) struct AnalyticStepper<M: Kernel<N, Z>, const N: usize, const Z: usize> {
+pub(crate) struct AnalyticStepper<M: Kernel<N, Z>, const N: usize, const Z: usize> {
     kernel: M,
     integration: Integration<N, Z, M::Mode, RadauOrRodas<N, Z>>,
     recorder: RecorderState<M, N, Z>,

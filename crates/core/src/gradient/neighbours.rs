@@ -1,0 +1,149 @@
+//! Models beside a parameter, and difference quotients between them.
+
+use std::any::Any;
+use std::cell::OnceCell;
+
+use crate::integrator::{Hybrid, State};
+use crate::numeric::array_from;
+use crate::numeric::elementary::powi;
+use crate::scene::Scene;
+use crate::trace::{Counts, Energy, Kernel, KernelUser, RequiredData, Sample, Start, with_kernel};
+
+/// A parameter of a scene.
+#[derive(Clone, Copy)]
+pub(super) struct TangentParameter<'a> {
+    /// Returns the scene at a value of the parameter.
+    pub scene_at: &'a dyn Fn(f64) -> Result<Scene, String>,
+    pub value: f64,
+    /// Largest change of the value in difference quotients.
+    pub step: f64,
+}
+
+/// Number of steps of difference quotients; each is a tenth of the one before.
+pub(super) const LEVELS: usize = 6;
+/// Ratio of the errors of two levels up to which the larger step is taken, which has the smaller rounding errors.
+const LEVEL_MARGIN: f64 = 10.0;
+
+/// The kernel at one value of a parameter, and its start.
+pub(super) struct Neighbour<M, const N: usize, const Z: usize> {
+    pub kernel: M,
+    pub start: State<N, Z>,
+    pub start_energy: Energy,
+}
+
+/// Kernels at p ± h and p ± h/2, with the exact half differences of p.
+pub(super) struct Level<M, const N: usize, const Z: usize> {
+    pub pairs: [[Neighbour<M, N, Z>; 2]; 2],
+    pub h: [f64; 2],
+}
+
+/// A parameter with its neighbours at decreasing steps, built when they are first used.
+pub(super) struct Neighbours<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
+    pub parameter: TangentParameter<'a>,
+    /// Mode at the start, which neighbours must share.
+    pub start_mode: M::Mode,
+    pub levels: [OnceCell<Result<Level<M, N, Z>, String>>; LEVELS],
+    /// Derivatives of the last and the next time at which the right-hand side is discontinuous.
+    pub discontinuities: [f64; 2],
+}
+
+/// Takes the kernel of a scene in whatever type it has.
+struct Erase;
+
+impl KernelUser for Erase {
+    type Output = Box<dyn Any>;
+
+    fn use_kernel<M, const N: usize, const Z: usize>(self, start: Start<M, N, Z>) -> Box<dyn Any>
+    where
+        M: Kernel<N, Z> + Hybrid<N, Z>,
+    {
+        Box::new((start.kernel, start.state))
+    }
+}
+
+impl<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'a, M, N, Z> {
+    pub fn new(parameter: TangentParameter<'a>, start_mode: M::Mode) -> Self {
+        let levels = [const { OnceCell::new() }; LEVELS];
+        Self { parameter, start_mode, levels, discontinuities: [0.0; 2] }
+    }
+
+    /// Returns the neighbours at a step.
+    ///
+    /// # Errors
+    /// Returns the reason why there are none.
+    pub fn level(&self, index: usize, counts: Counts) -> Result<&Level<M, N, Z>, String>
+    where
+        M: Hybrid<N, Z>,
+    {
+        let built = self.levels[index].get_or_init(|| {
+            let TangentParameter { scene_at, value, step } = self.parameter;
+            let step = step * powi(0.1, index as i32);
+            let neighbour = |value: f64| -> Result<Neighbour<M, N, Z>, String> {
+                let other = || format!("the structure of the model changes at a value of {value}");
+                let erased = with_kernel(&scene_at(value)?, Erase).map_err(|error| error.to_string())?;
+                let built = erased.downcast::<(M, State<N, Z>)>().map_err(|_| other())?;
+                let (kernel, start) = *built;
+                let start_mode = kernel.mode_at(0.0, &start.q, &start.v);
+                if (0..counts.contacts)
+                    .map(|contact| kernel.contact_index(contact))
+                    .any(|index| start_mode[index] != self.start_mode[index])
+                {
+                    return Err(format!("a contact opens or closes at the start for a value of {value}"));
+                }
+                let mut sample = Sample::new(0.0, counts);
+                let (none, mut history) = (Energy::default(), M::History::default());
+                kernel.read((&start, &start_mode), &none, RequiredData::EVALUATION, &mut history, &mut sample);
+                Ok(Neighbour { kernel, start, start_energy: sample.energy() })
+            };
+            let pair = |h: f64| -> Result<_, String> {
+                let [below, above] = [value - h, value + h];
+                Ok(([neighbour(below)?, neighbour(above)?], 0.5 * (above - below)))
+            };
+            let ((full, h), (half, half_h)) = (pair(step)?, pair(0.5 * step)?);
+            Ok(Level { pairs: [full, half], h: [h, half_h] })
+        });
+        built.as_ref().map_err(Clone::clone)
+    }
+}
+
+impl<M: Kernel<N, Z>, const N: usize, const Z: usize> Level<M, N, Z> {
+    /// Difference quotients at the full and the half step of a level.
+    pub fn quotients<const R: usize>(
+        &self,
+        (t, state): (f64, &State<N, Z>),
+        (direction, dt): (&State<N, Z>, f64),
+        f: impl Fn(&M, f64, &State<N, Z>) -> [f64; R],
+    ) -> [[f64; R]; 2] {
+        [0, 1].map(|k| {
+            let ([below, above], h) = (&self.pairs[k], self.h[k]);
+            let below = f(&below.kernel, t - h * dt, &along(state, -h, direction));
+            let above = f(&above.kernel, t + h * dt, &along(state, h, direction));
+            array_from(|i| (above[i] - below[i]) / (2.0 * h))
+        })
+    }
+}
+
+/// y + h d.
+pub(super) fn along<const N: usize, const Z: usize>(y: &State<N, Z>, h: f64, d: &State<N, Z>) -> State<N, Z> {
+    State {
+        q: array_from(|i| y.q[i] + h * d.q[i]),
+        v: array_from(|i| y.v[i] + h * d.v[i]),
+        z: array_from(|i| y.z[i] + h * d.z[i]),
+    }
+}
+
+/// The first level whose quotients are about as accurate as any, from the relative differences of both quotients of each
+/// level. Two quotients that are rounding errors may agree by chance, but their errors grow tenfold from level to level.
+pub(super) fn best_level(errors: &[f64; LEVELS]) -> usize {
+    let estimates: [f64; LEVELS] = array_from(|level| {
+        let next = errors.get(level + 1).filter(|error| error.is_finite());
+        errors[level].max(0.1 * next.copied().unwrap_or(0.0))
+    });
+    let smallest = estimates.iter().copied().fold(f64::INFINITY, f64::min);
+    estimates.iter().position(|estimate| *estimate <= LEVEL_MARGIN * smallest).unwrap_or(0)
+}
+
+/// Extrapolates two difference quotients; the second one has half the step.
+pub(super) fn extrapolate([full, half]: [f64; 2]) -> f64 {
+    half + (half - full) / 3.0
+}
