@@ -192,7 +192,7 @@ fn the_engine_does_not_depend_on_the_analytic_model() {
 #[test]
 fn the_analytic_model_does_not_depend_on_the_engine() {
     let other_model = ["rapier", "parry", "engine"];
-    let allowed = ["scene", "gripper", "fivebar", "law", "mechanism", "numeric", "shape", "integrator"];
+    let allowed = ["scene", "gripper", "fivebar", "drive", "law", "mechanism", "numeric", "shape", "integrator"];
     check(CORE.root, "analytic", &allowed, &other_model);
     check(MECHANICS.root, "fivebar", &["gripper", "numeric", "shape"], &other_model);
     check(

@@ -195,6 +195,17 @@ pub struct Brake {
     pub bristle: Option<Bristle>,
 }
 
+/// The torque of a brake at one instant, and its effect on the state of its bristle.
+#[derive(Clone, Copy, Debug)]
+pub struct BrakeTorque {
+    /// Torque, N·m, and its derivatives with respect to the rate of the shaft and time.
+    pub torque: [f64; 3],
+    /// Derivative of the torque with respect to the state of the bristle; 0 without one.
+    pub by_bristle: f64,
+    /// Rate of the state of the bristle per torque, which acts on it in the opposite direction; 0 without one.
+    pub gain: f64,
+}
+
 impl Brake {
     /// Engagement, 0…1, and its rate.
     #[inline]
@@ -215,10 +226,20 @@ impl Brake {
         first_after(t, from.flat_map(|from| [from, from + self.rise_s]))
     }
 
+    /// Torque at a rate of the shaft and a state of the bristle. Without a state, it follows the regularised law.
+    #[inline(always)]
+    pub fn torque(&self, t: f64, rate: f64, bristle_state: Option<f64>) -> BrakeTorque {
+        let Some((bristle, state)) = self.bristle.as_ref().zip(bristle_state) else {
+            return BrakeTorque { torque: self.regularised_torque(t, rate), by_bristle: 0.0, gain: 0.0 };
+        };
+        let torque = self.bristle_torque(t, rate + state, bristle);
+        BrakeTorque { torque, by_bristle: torque[1], gain: -bristle.stretch_gain() }
+    }
+
     /// Torque of the bristle, N·m, and its derivatives with respect to `rate` and time; `rate` is the sum of the rate
     /// of the shaft and the internal state of the bristle.
     #[inline]
-    pub fn bristle_torque(&self, t: f64, rate: f64, bristle: &Bristle) -> [f64; 3] {
+    fn bristle_torque(&self, t: f64, rate: f64, bristle: &Bristle) -> [f64; 3] {
         let (engagement, engagement_rate) = self.engagement(t);
         let (limit, limit_rate) = (self.torque_n_m * engagement, self.torque_n_m * engagement_rate);
         let torque = bristle.damping_n_s_per_m * rate;
@@ -235,7 +256,7 @@ impl Brake {
 
     /// Torque at a rate of the shaft, N·m, and its derivatives with respect to rate and time.
     #[inline]
-    pub fn torque(&self, t: f64, rate: f64) -> [f64; 3] {
+    fn regularised_torque(&self, t: f64, rate: f64) -> [f64; 3] {
         let (grip, grip_rate) = self.engagement(t);
         if grip == 0.0 && grip_rate == 0.0 || self.one_way && rate >= 0.0 {
             return [0.0; 3];
@@ -358,18 +379,19 @@ mod tests {
             v_static_rad_s: 0.01,
             bristle: None,
         };
-        assert_eq!(brake.torque(9e-3, 5.0), [0.0; 3]);
-        assert_eq!(brake.torque(0.02, 5.0)[0], -2.0);
-        assert_eq!(brake.torque(0.02, -5.0)[0], 2.0);
-        assert!((brake.torque(0.0105, 5.0)[0] + 1.0).abs() < 1e-12);
-        assert!((brake.torque(0.02, 0.0)[1] + 300.0).abs() < 1e-9, "1.5 T/v_s");
-        assert_eq!(brake.torque(0.06, 5.0)[0], 0.0);
+        let torque = |brake: &Brake, t: f64, rate: f64| brake.torque(t, rate, None).torque;
+        assert_eq!(torque(&brake, 9e-3, 5.0), [0.0; 3]);
+        assert_eq!(torque(&brake, 0.02, 5.0)[0], -2.0);
+        assert_eq!(torque(&brake, 0.02, -5.0)[0], 2.0);
+        assert!((torque(&brake, 0.0105, 5.0)[0] + 1.0).abs() < 1e-12);
+        assert!((torque(&brake, 0.02, 0.0)[1] + 300.0).abs() < 1e-9, "1.5 T/v_s");
+        assert_eq!(torque(&brake, 0.06, 5.0)[0], 0.0);
         let ratchet = Brake { one_way: true, ..brake };
-        assert_eq!((ratchet.torque(0.02, 5.0)[0], ratchet.torque(0.02, -5.0)[0]), (0.0, 2.0));
+        assert_eq!((torque(&ratchet, 0.02, 5.0)[0], torque(&ratchet, 0.02, -5.0)[0]), (0.0, 2.0));
         let (t, rate, h) = (0.0107, 0.004, 1e-7);
-        let [_, by_rate, by_time] = brake.torque(t, rate);
+        let [_, by_rate, by_time] = torque(&brake, t, rate);
         let slope = |a: [f64; 3], b: [f64; 3]| (a[0] - b[0]) / (2.0 * h);
-        assert!((by_rate - slope(brake.torque(t, rate + h), brake.torque(t, rate - h))).abs() < 1e-3);
-        assert!((by_time - slope(brake.torque(t + h, rate), brake.torque(t - h, rate))).abs() < 1e-3);
+        assert!((by_rate - slope(torque(&brake, t, rate + h), torque(&brake, t, rate - h))).abs() < 1e-3);
+        assert!((by_time - slope(torque(&brake, t + h, rate), torque(&brake, t - h, rate))).abs() < 1e-3);
     }
 }

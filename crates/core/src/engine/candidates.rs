@@ -277,7 +277,7 @@ pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64
         let torques = match candidate.source {
             Source::Brake(index) => times.map(|t| plan.brakes[index].kind.normal_force(t)),
             Source::Motor(index) => {
-                let torques = times.map(|t| plan.motors[index].characteristic(t).0);
+                let torques = times.map(|t| plan.motors[index].stall_torque(t));
                 candidate.motor = candidate.motor.map(|motor| MotorSlope { sign: torques[1].signum(), ..motor });
                 torques.map(f64::abs)
             }

@@ -23,7 +23,7 @@ pub(crate) fn smooth_forces(plan: &Plan, linkage: &Linkage, t: f64, out: &mut [T
         *force = [inertia.mass * gx, inertia.mass * gy, 0.0];
     }
     for motor in plan.motors.iter().filter(|motor| motor.no_load_speed_rad_s.is_none()) {
-        motor.shaft.row(&linkage.poses).add_to(out, motor.characteristic(t).0);
+        motor.shaft.row(&linkage.poses).add_to(out, motor.stall_torque(t));
     }
     if let Some((_, motion)) = plan.palm().filter(|_| !plan.rotors.is_empty()) {
         let palm_acceleration = motion.pose(t).acceleration[2];

@@ -229,7 +229,7 @@ impl Motion {
             *before = [pose.com[0], pose.com[1], pose.angle];
         }
         let now = self.clock.now();
-        refill(&mut self.previous_torques, self.plan.motors.iter().map(|motor| motor.characteristic(now).0));
+        refill(&mut self.previous_torques, self.plan.motors.iter().map(|motor| motor.stall_torque(now)));
         self.step_rapier(dt);
         self.clock.advance(dt);
         self.last_dt_s = dt;
@@ -268,7 +268,7 @@ impl Motion {
         for (motor, before) in self.plan.motors.iter().zip(&self.previous_torques) {
             if motor.no_load_speed_rad_s.is_none() {
                 let shaft_rotation = motor.shaft.change(&self.previous_poses, &self.linkage.poses);
-                self.motor_work_j += 0.5 * (before + motor.characteristic(before_node).0) * shaft_rotation;
+                self.motor_work_j += 0.5 * (before + motor.stall_torque(before_node)) * shaft_rotation;
             }
         }
         let power_after = forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());

@@ -437,14 +437,9 @@ pub(crate) fn relative_angle(joint: &PlannedJoint) -> Coordinate {
 }
 
 impl PlannedMotor {
-    fn stall_torque(&self, t: f64) -> f64 {
+    /// Returns the stall torque at time `t`, N·m.
+    pub(crate) fn stall_torque(&self, t: f64) -> f64 {
         self.actuation.at(t).0.clamp(-self.limit, self.limit)
-    }
-
-    /// Returns the stall torque at time `t`, N·m, and the torque lost per shaft rate, N·m·s/rad.
-    pub(crate) fn characteristic(&self, t: f64) -> (f64, f64) {
-        let stall_torque = self.stall_torque(t);
-        (stall_torque, self.no_load_speed_rad_s.map_or(0.0, |speed| stall_torque.abs() / speed))
     }
 
     /// Returns the shaft torque at time `t`, N·m: τ − |τ| ω/ω₀ at the shaft rate ω.

@@ -1,6 +1,7 @@
 //! Torques and forces of actuators: the command, its limit, and the fall of the torque with the speed, in ranges that
 //! end where one of them has a kink.
 
+use crate::drive::BrakeTorque;
 use crate::mechanism::{Actuator, Command};
 
 /// Largest number of actuators of a mechanism.
@@ -151,13 +152,8 @@ pub(super) struct BrakeEffort {
 /// Effort of the brake of an actuator at the state of its bristle.
 pub(super) fn brake_effort(actuator: &Actuator, t: f64, rate: f64, state: Option<(usize, f64)>) -> Option<BrakeEffort> {
     let brake = actuator.brake.as_ref()?;
-    let found = |[value, by_rate, by_time]: [f64; 3]| Effort { value, by_rate, by_time, by_coordinate: 0.0 };
-    Some(match brake.bristle.as_ref().zip(state) {
-        Some((bristle, (index, state))) => {
-            let effort = found(brake.bristle_torque(t, rate + state, bristle));
-            let gain = -bristle.stretch_gain();
-            BrakeEffort { effort, bristle: Some(index), by_bristle: effort.by_rate, gain }
-        }
-        None => BrakeEffort { effort: found(brake.torque(t, rate)), bristle: None, by_bristle: 0.0, gain: 0.0 },
-    })
+    let (index, state) = state.unzip();
+    let BrakeTorque { torque: [value, by_rate, by_time], by_bristle, gain } = brake.torque(t, rate, state);
+    let effort = Effort { value, by_rate, by_time, by_coordinate: 0.0 };
+    Some(BrakeEffort { effort, bristle: brake.bristle.and(index), by_bristle, gain })
 }

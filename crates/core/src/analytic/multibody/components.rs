@@ -3,6 +3,7 @@
 use super::GraspMode;
 use crate::analytic::closed_form::FingerModel;
 use crate::analytic::contact::ContactLaws;
+use crate::drive::BrakeTorque;
 use crate::fivebar::dynamics::InertialForces;
 use crate::gripper::FingerContact;
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
@@ -155,17 +156,6 @@ pub(crate) struct ShaftTorque {
     pub by_time: f64,
 }
 
-/// The torque of a brake at one instant, and its effect on the state of its bristle.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct BrakeTorque {
-    pub shaft: ShaftTorque,
-    /// Derivative of the torque with respect to the bristle state.
-    pub by_bristle: f64,
-    /// Contribution to the rate of the bristle state: `gain` times the torque.
-    pub bristle_rate: f64,
-    pub gain: f64,
-}
-
 impl Drive {
     pub fn new(motor: &Motor, weights: [f64; 2]) -> Self {
         let Motor { actuation, no_load_speed_rad_s, brake, .. } = motor;
@@ -177,24 +167,18 @@ impl Drive {
         self.weights[0] * driven_rates[0] + self.weights[1] * driven_rates[1]
     }
 
-    /// Torque of the brake, if the drive has one.
+    /// Torque of the brake on the shaft, if the drive has one.
     #[inline(always)]
-    pub fn brake_torque(&self, t: f64, driven_rates: [f64; 2], bristle_state: Option<f64>) -> Option<BrakeTorque> {
+    pub fn brake_torque(
+        &self,
+        t: f64,
+        driven_rates: [f64; 2],
+        bristle_state: Option<f64>,
+    ) -> Option<(ShaftTorque, BrakeTorque)> {
         let (brake, rate) = (self.brake.as_ref()?, self.rate(driven_rates));
-        let Some((bristle, bristle_state)) = brake.bristle.as_ref().zip(bristle_state) else {
-            let [torque, by_rate, by_time] = brake.torque(t, rate);
-            let shaft = ShaftTorque { rate, torque, by_rate, by_time };
-            return Some(BrakeTorque { shaft, by_bristle: 0.0, bristle_rate: 0.0, gain: 0.0 });
-        };
-        let [torque, by_rate, by_time] = brake.bristle_torque(t, rate + bristle_state, bristle);
-        // The torque acts on the bristle state in the opposite direction.
-        let gain = -bristle.stretch_gain();
-        Some(BrakeTorque {
-            shaft: ShaftTorque { rate, torque, by_rate, by_time },
-            by_bristle: by_rate,
-            bristle_rate: gain * torque,
-            gain,
-        })
+        let brake = brake.torque(t, rate, bristle_state);
+        let [torque, by_rate, by_time] = brake.torque;
+        Some((ShaftTorque { rate, torque, by_rate, by_time }, brake))
     }
 
     /// Motor torque τ − |τ| q̇/q̇0, for both directions of rotation.

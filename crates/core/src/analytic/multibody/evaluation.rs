@@ -1,7 +1,7 @@
 //! Kinematics and forces of the contacts, and the energies, in one state, without derivatives.
 
 use super::components::{
-    BrakeTorque, ContactModel, ContactPair, FingerComponent, ObjectComponent, ShaftTorque, SignedIndex, finger_indices,
+    ContactModel, ContactPair, FingerComponent, ObjectComponent, ShaftTorque, SignedIndex, finger_indices,
     object_indices, object_time_indices, phalanx_indices, scatter,
 };
 use super::forces::{ActiveContact, CONTACT_WORK, DRIVE_WORK, LoadSums};
@@ -10,11 +10,12 @@ use super::model::{FingerTerms, Multibody};
 use super::{FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame, normal_force_on_branch};
 use crate::analytic::ContactState;
 use crate::analytic::closed_form::{FingerKinematics, FingerModel, PassiveJoints};
-use crate::analytic::contact::Geometry;
-use crate::analytic::contact::{ContactForces, ContactKinematics, WithDerivatives, contact_forces_with_derivatives};
-use crate::analytic::contact::{ContactReading, Energies};
-use crate::analytic::contact::{StateRef, row_dot};
+use crate::analytic::contact::{
+    ContactForces, ContactKinematics, ContactReading, Energies, Geometry, StateRef, WithDerivatives,
+    contact_forces_with_derivatives, row_dot,
+};
 use crate::analytic::inertial_field::InertialField;
+use crate::drive::BrakeTorque;
 use crate::fivebar::dynamics::{AccelerationField, Terms, absolute_rates};
 use crate::integrator::Linearised;
 use crate::law::{FrictionRange, elastic_energy, friction_with_state};
@@ -424,14 +425,19 @@ impl<const N: usize> LoadSums<N> for DerivativeSums<'_, N> {
         }
     }
 
-    fn add_brake_bristle(&mut self, brake: &BrakeTorque, weights: [f64; FINGERS], bristle: usize) {
-        self.0.rates.a[bristle] += brake.bristle_rate;
-        self.0.a_t[bristle] += brake.gain * brake.shaft.by_time;
+    fn add_brake_bristle(
+        &mut self,
+        (shaft, brake): (&ShaftTorque, &BrakeTorque),
+        weights: [f64; FINGERS],
+        bristle: usize,
+    ) {
+        self.0.rates.a[bristle] += brake.gain * shaft.torque;
+        self.0.a_t[bristle] += brake.gain * shaft.by_time;
         self.0.a_v[bristle][bristle] += brake.gain * brake.by_bristle;
-        self.0.g_v[CONTACT_WORK][bristle] += brake.by_bristle * brake.shaft.rate;
+        self.0.g_v[CONTACT_WORK][bristle] += brake.by_bristle * shaft.rate;
         for (i, weight) in weights.into_iter().enumerate() {
             self.0.a_v[2 * i][bristle] += weight * brake.by_bristle;
-            self.0.a_v[bristle][2 * i] += weight * brake.gain * brake.shaft.by_rate;
+            self.0.a_v[bristle][2 * i] += weight * brake.gain * shaft.by_rate;
         }
     }
 

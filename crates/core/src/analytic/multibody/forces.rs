@@ -1,7 +1,7 @@
 //! Accelerations of a hand. Every finger and contact contributes in the few coordinates it depends on.
 
 use super::components::{
-    BrakeTorque, ContactModel, ContactPair, FingerComponent, ObjectComponent, ShaftTorque, SignedIndex, finger_indices,
+    ContactModel, ContactPair, FingerComponent, ObjectComponent, ShaftTorque, SignedIndex, finger_indices,
     object_indices, object_time_indices, phalanx_indices,
 };
 use super::frame::{Inertia, inertial_force};
@@ -10,6 +10,7 @@ use super::{CONTACTS, FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame
 use crate::analytic::closed_form::FingerModel;
 use crate::analytic::contact::{ContactKinematics, ContactLaws, StateRef, contact_forces};
 use crate::analytic::inertial_field::InertialField;
+use crate::drive::BrakeTorque;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Linearised, Rates, State, System};
@@ -63,7 +64,7 @@ pub(super) trait LoadSums<const N: usize> {
     fn add_shaft_torque(&mut self, shaft: &ShaftTorque, weights: [f64; FINGERS], work: usize);
 
     /// Adds the rate of the bristle state of a brake, and the effect of that state on the brake's torque.
-    fn add_brake_bristle(&mut self, brake: &BrakeTorque, weights: [f64; FINGERS], bristle: usize);
+    fn add_brake_bristle(&mut self, brake: (&ShaftTorque, &BrakeTorque), weights: [f64; FINGERS], bristle: usize);
 
     /// Adds the work of the palm's drive against the loads on the table, which moves with the coordinate `time`.
     fn add_table_work(&mut self, time: usize);
@@ -161,8 +162,8 @@ impl<const N: usize> LoadSums<N> for Loads<'_, N> {
     }
 
     #[inline(always)]
-    fn add_brake_bristle(&mut self, brake: &BrakeTorque, _: [f64; FINGERS], bristle: usize) {
-        self.load[bristle] += brake.bristle_rate;
+    fn add_brake_bristle(&mut self, (shaft, brake): (&ShaftTorque, &BrakeTorque), _: [f64; FINGERS], bristle: usize) {
+        self.load[bristle] += brake.gain * shaft.torque;
     }
 
     #[inline(always)]
@@ -229,9 +230,9 @@ impl<const N: usize, S: LoadSums<N>> Assembly<'_, N, S> {
             let (driven, bristle_index) = (drive.weights, model.brake_bristle(index));
             self.sums.add_shaft_torque(&drive.motor_torque(t, driven_rates), driven, DRIVE_WORK);
             let brake_torque = drive.brake_torque(t, driven_rates, bristle_index.map(|index| v[index]));
-            let Some(brake) = brake_torque else { continue };
-            self.sums.add_shaft_torque(&brake.shaft, driven, CONTACT_WORK);
-            bristle_index.iter().for_each(|bristle| self.sums.add_brake_bristle(&brake, driven, *bristle));
+            let Some((shaft, brake)) = brake_torque else { continue };
+            self.sums.add_shaft_torque(&shaft, driven, CONTACT_WORK);
+            bristle_index.iter().for_each(|bristle| self.sums.add_brake_bristle((&shaft, &brake), driven, *bristle));
         }
         if S::UNROLLED {
             self.add_plane_contact(HandContact::Palm.index());

@@ -181,7 +181,7 @@ impl<const N: usize> Multibody<N> {
         let (index, driven_rates) = (self.actuators[actuator], self.driven_rates(v));
         let drive = &self.drives[index];
         let brake = drive.brake_torque(t, driven_rates, self.brake_bristle(index).map(|index| v[index]));
-        drive.motor_torque(t, driven_rates).torque + brake.map_or(0.0, |brake| brake.shaft.torque)
+        drive.motor_torque(t, driven_rates).torque + brake.map_or(0.0, |(shaft, _)| shaft.torque)
     }
 
     /// Replaces the torque of an actuator of the mechanism over time.
