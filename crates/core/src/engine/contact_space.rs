@@ -5,15 +5,16 @@
 //! λ = W (∂F/∂δ̇ + h ∂F/∂δ), of any rate error. The correction removes that fraction from all rows at once; soft
 //! contacts keep their rates, and the scheme its order.
 
+use super::cancellation::Cancellation;
 use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_rows_at};
 use super::coordinate::{BodyPose, Row, Twist};
-use super::dense;
-use super::dense::{Cancellation, refill, reset};
 use super::linkage::Linkage;
+use super::lists::{refill, reset};
 use super::plan::Plan;
 use super::support::supports;
 use super::world::World;
 use crate::law::friction_coefficient;
+use crate::numeric::dense;
 
 /// A contact that can become active within the step.
 #[derive(Clone, Debug)]
@@ -316,7 +317,7 @@ impl RateCorrection {
                 matrix_row[i - 1] += row.friction_coupling;
             }
         }
-        if !dense::solve(&mut self.w, &mut self.impulses, count, cancellation) {
+        if !dense::solve(&mut self.w, &mut self.impulses, count, |work| cancellation.add_work(work)) {
             self.impulses.fill(0.0);
             return cancellation.add_work(0);
         }
@@ -463,7 +464,8 @@ impl Workspace {
             self.assemble_jacobian(space, stage.h, rows);
             self.step.copy_from_slice(&self.residual);
             let (jacobian, step) = (&mut self.jacobian[..rows * rows], &mut self.step[..rows]);
-            if is_cancelled() || !dense::eliminate(jacobian, step, rows, cancellation) {
+            let add_work = |work| cancellation.is_none_or(|cancellation| cancellation.add_work(work));
+            if is_cancelled() || !dense::eliminate(jacobian, step, rows, add_work) {
                 break;
             }
             let before = residual;
@@ -497,7 +499,7 @@ impl Workspace {
     /// Filters an error: e ← (1 − h W ∂F/∂u)⁻¹ e at the last solution.
     pub fn filter(&mut self, space: &ContactSpace, h: f64, error: &mut [f64], cancellation: &Cancellation) {
         self.assemble_jacobian(space, h, space.coupled);
-        dense::solve(&mut self.jacobian, error, space.coupled, cancellation);
+        dense::solve(&mut self.jacobian, error, space.coupled, |work| cancellation.add_work(work));
     }
 
     /// Evaluates forces and their derivatives; returns the residual relative to the terms of the equation.

@@ -14,9 +14,9 @@
 use super::candidates::{self, ContactCandidate};
 use super::contact_space::ContactSpace;
 use super::coordinate::{BodyPose, Row, Twist};
-use super::dense::refill;
 use super::forces::smooth_forces;
 use super::linkage::Linkage;
+use super::lists::refill;
 use super::plan::Plan;
 use super::world::World;
 use crate::numeric::elementary::hypot;

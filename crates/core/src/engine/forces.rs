@@ -7,8 +7,8 @@
 use rapier2d_f64::prelude::{Pose as RapierPose, RigidBodyHandle, RigidBodySet, Rotation, Vector};
 
 use super::coordinate::{BodyPose, Twist};
-use super::dense::refill;
 use super::linkage::{Inertia, Linkage};
+use super::lists::refill;
 use super::plan::{Plan, PlannedBody, PlannedDrive, PlannedRotor, PlannedSpring};
 use crate::mechanism::PrescribedMotion;
 use crate::numeric::elementary::{atan2, cos, sin, sin_cos, tan};

@@ -11,10 +11,11 @@ use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
 use super::coordinate::{BodyPose, Coordinate, Row, Twist};
-use super::dense;
+use super::lists::refill;
 use super::plan::{Plan, PlannedBody, PlannedGear, PlannedJoint, relative_angle};
 use super::world::World;
 use crate::mechanism::JointKind;
+use crate::numeric::dense;
 use crate::numeric::elementary::{atan2, hypot, powi};
 use crate::numeric::plane::{dot, nearest_equivalent_angle, perp, rotate};
 
@@ -241,7 +242,7 @@ impl Linkage {
                 }
             }
             unused_rows.iter().for_each(|row| factor[row * size + row] = 1.0);
-            if !dense::factorise(factor, first_columns) {
+            if !dense::factor_cholesky(factor, first_columns) {
                 return Err(SingularConstraints);
             }
         }
@@ -360,7 +361,7 @@ impl Linkage {
     /// Keeps the rows of all sides and the multipliers at a node, after a call of [`Linkage::accelerations`].
     pub(crate) fn save_reactions(&mut self) {
         let (rows, multipliers) = &mut self.at_node;
-        dense::refill(rows, self.sides.iter().map(|side| side.rows));
+        refill(rows, self.sides.iter().map(|side| side.rows));
         multipliers.clone_from(&self.multipliers);
     }
 
@@ -483,7 +484,7 @@ impl Linkage {
             if multipliers.iter().all(|b| *b == 0.0) {
                 continue;
             }
-            dense::solve_factorised(&block.factor, &block.first_columns, multipliers);
+            dense::solve_cholesky(&block.factor, &block.first_columns, multipliers);
             for side in sides {
                 let inertia = &self.inertias[side.body];
                 let b = &self.multipliers[2 * side.pair..2 * side.pair + 2];

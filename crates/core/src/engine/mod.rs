@@ -3,14 +3,15 @@
 //! `src/docs/engine.md` describes how it drives rapier and the limits of rapier. The engine is independent of the
 //! analytic model: both share only the scene, lengths, masses and scalar laws.
 
+mod cancellation;
 mod candidates;
 mod closest;
 mod contact_space;
 mod coordinate;
-mod dense;
 mod force_rates;
 mod forces;
 mod linkage;
+mod lists;
 mod mechanism;
 mod motion;
 mod plan;

@@ -9,13 +9,14 @@
 
 use rapier2d_f64::prelude::*;
 
+use super::cancellation::Cancellation;
 use super::candidates::{self, ContactCandidate, Source};
 use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrection};
 use super::coordinate::{Row, Twist};
-use super::dense::{Cancellation, refill};
 use super::force_rates::ForceRates;
 use super::forces;
 use super::linkage::{Linkage, SingularConstraints};
+use super::lists::refill;
 use super::plan::Plan;
 use super::rapier_contact::{RapierContact, read_rapier_impulses};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};

@@ -5,9 +5,10 @@
 //! rows, split so that the engine's leapfrog is centred: the *early* part moves the bodies within this step, the *late*
 //! part from the next step on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
 
+use super::cancellation::Cancellation;
 use super::candidates::{GAP_ROUNDING, Source};
 use super::contact_space::{ActiveContact, ContactSpace, Diverged, Stage, Workspace};
-use super::dense::{Cancellation, refill, reset};
+use super::lists::{refill, reset};
 use crate::law::friction_range;
 use crate::numeric::elementary::{exp, hypot};
 use crate::scene::Stepping;

@@ -4,6 +4,7 @@ use super::neighbours::{Neighbours, along};
 use super::tangent::{Column, Tangent, product};
 use crate::integrator::{ErrorWeight, Hybrid, Linearised, Rates, State, Step, StepTools, radau5_tableau};
 use crate::numeric::array_from;
+use crate::numeric::dense::{factor_lu, solve_lu};
 use crate::trace::Kernel;
 
 /// Allowed difference of one step and two half steps, relative to the largest derivative so far. The error of the half
@@ -77,7 +78,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
                 matrix[(i * n + row) * size + j * n + column] = entry;
             }
         }
-        let order = factor(&mut matrix, size);
+        let order = factor_lu(&mut matrix, size);
         let advance =
             |((neighbours, column), shift): ((&Neighbours<'a, M, N, Z>, &Column<N, Z>), &f64)| -> Column<N, Z> {
                 let start = column.as_ref().map_err(Clone::clone)?;
@@ -96,7 +97,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
                         start.v[row] - stages[i].v[row] + h * (0..3).map(|j| a[i][j] * loads[j].a[row]).sum::<f64>()
                     };
                     let mut solution: Vec<f64> = (0..size).map(|index| residual(index / n, index % n)).collect();
-                    substitute(&matrix, &order, &mut solution);
+                    solve_lu(&matrix, &order, &mut solution);
                     let corrections: [State<N, Z>; 3] = [0, 1, 2].map(|j| State {
                         q: array_from(|i| match i < n {
                             true => h * (0..3).map(|k| a[j][k] * solution[k * n + i]).sum::<f64>(),
@@ -159,37 +160,4 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
         }
         error
     }
-}
-
-/// LU factorisation with row pivoting; returns the order of the rows.
-fn factor(matrix: &mut [f64], size: usize) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..size).collect();
-    for k in 0..size {
-        let magnitude = |row: &usize| matrix[row * size + k].abs();
-        let pivot = (k..size).max_by(|a, b| magnitude(a).total_cmp(&magnitude(b))).unwrap_or(k);
-        order.swap(k, pivot);
-        (0..size).for_each(|j| matrix.swap(k * size + j, pivot * size + j));
-        for i in k + 1..size {
-            let multiple = matrix[i * size + k] / matrix[k * size + k];
-            matrix[i * size + k] = multiple;
-            if multiple != 0.0 {
-                (k + 1..size).for_each(|j| matrix[i * size + j] -= multiple * matrix[k * size + j]);
-            }
-        }
-    }
-    order
-}
-
-/// Solves a factored system.
-fn substitute(matrix: &[f64], order: &[usize], rhs: &mut Vec<f64>) {
-    let size = order.len();
-    let mut x: Vec<f64> = order.iter().map(|row| rhs[*row]).collect();
-    for i in 0..size {
-        x[i] -= (0..i).map(|j| matrix[i * size + j] * x[j]).sum::<f64>();
-    }
-    for i in (0..size).rev() {
-        x[i] -= (i + 1..size).map(|j| matrix[i * size + j] * x[j]).sum::<f64>();
-        x[i] /= matrix[i * size + i];
-    }
-    *rhs = x;
 }

@@ -1,5 +1,7 @@
-//! Numbers with derivatives, for which one formula gives the value and its exact Jacobian, and elementary functions.
+//! Numbers with derivatives, for which one formula gives the value and its exact Jacobian; dense linear systems, plane
+//! algebra and elementary functions.
 
+pub mod dense;
 pub mod elementary;
 pub mod plane;
 

@@ -1,70 +1,31 @@
-//! Small dense linear systems, row by row, solved in place, and lists that are refilled, because engine steps must not
-//! allocate.
+//! Small dense linear systems over slices, row by row: elimination for one right-hand side, factors for several.
 
-use std::cell::Cell;
-
-/// Replaces the items of a list, reusing its allocation.
-pub(crate) fn refill<T>(list: &mut Vec<T>, items: impl IntoIterator<Item = T>) {
-    list.clear();
-    list.extend(items);
-}
-
-/// Sets a list to `count` equal items, reusing its allocation.
-pub(crate) fn reset<T: Clone>(list: &mut Vec<T>, count: usize, item: T) {
-    list.clear();
-    list.resize(count, item);
-}
-
-/// Work between two checks for cancellation, in multiplications: about a millisecond.
-pub(crate) const WORK_BETWEEN_CHECKS: usize = 1 << 20;
-
-/// Cancellation of a computation whose parts can take seconds: with a thousand contacts, one elimination has 10¹⁰
-/// multiplications.
-pub(crate) struct Cancellation<'a> {
-    keep_running: &'a dyn Fn() -> bool,
-    /// Work since the last check.
-    work: Cell<usize>,
-}
-
-impl<'a> Cancellation<'a> {
-    pub fn new(keep_running: &'a dyn Fn() -> bool) -> Self {
-        Self { keep_running, work: Cell::new(0) }
-    }
-
-    /// Adds work, in multiplications; returns false once the computation is cancelled.
-    #[inline]
-    pub fn add_work(&self, work: usize) -> bool {
-        let total = self.work.get() + work;
-        let is_running = total < WORK_BETWEEN_CHECKS || (self.keep_running)();
-        self.work.set(if is_running { total % WORK_BETWEEN_CHECKS } else { WORK_BETWEEN_CHECKS });
-        is_running
-    }
-}
-
-/// Solves a x = b by elimination with row pivoting; `a` is destroyed, `b` becomes x. Returns false if a is singular, or if
-/// the computation is cancelled.
-pub(crate) fn solve(a: &mut [f64], b: &mut [f64], size: usize, cancellation: &Cancellation) -> bool {
+/// Solves A x = b by elimination with row pivoting; `a` is destroyed, `b` becomes x. `add_work` is told the work of each
+/// column of a large matrix, in multiplications, and returns false to cancel. Returns false if A is singular, or if the
+/// computation is cancelled.
+#[inline]
+pub fn solve(a: &mut [f64], b: &mut [f64], size: usize, add_work: impl Fn(usize) -> bool) -> bool {
     let (a, b) = (&mut a[..size * size], &mut b[..size]);
-    // Compile-time sizes are three times faster; contact spaces are small.
+    // Compile-time sizes are three times faster.
     match size {
-        1 => eliminate(a, b, 1, None),
-        2 => eliminate(a, b, 2, None),
-        3 => eliminate(a, b, 3, None),
-        4 => eliminate(a, b, 4, None),
-        5 => eliminate(a, b, 5, None),
-        6 => eliminate(a, b, 6, None),
-        8 => eliminate(a, b, 8, None),
-        10 => eliminate(a, b, 10, None),
-        _ => eliminate(a, b, size, Some(cancellation)),
+        1 => eliminate(a, b, 1, |_| true),
+        2 => eliminate(a, b, 2, |_| true),
+        3 => eliminate(a, b, 3, |_| true),
+        4 => eliminate(a, b, 4, |_| true),
+        5 => eliminate(a, b, 5, |_| true),
+        6 => eliminate(a, b, 6, |_| true),
+        8 => eliminate(a, b, 8, |_| true),
+        10 => eliminate(a, b, 10, |_| true),
+        _ => eliminate(a, b, size, add_work),
     }
 }
 
 /// Like [`solve`], but for slices of the exact lengths; inlined for compile-time sizes.
 #[inline(always)]
-pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize, cancellation: Option<&Cancellation>) -> bool {
+pub fn eliminate(a: &mut [f64], b: &mut [f64], size: usize, add_work: impl Fn(usize) -> bool) -> bool {
     assert!(a.len() == size * size && b.len() == size);
     for k in 0..size {
-        if cancellation.is_some_and(|cancellation| !cancellation.add_work((size - k) * (size - k))) {
+        if !add_work((size - k) * (size - k)) {
             return false;
         }
         let mut pivot = k;
@@ -87,7 +48,7 @@ pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize, cancellation:
         let (above, below) = a.split_at_mut((k + 1) * size);
         let (pivot_row, b_pivot, b_below) = (&above[k * size + k + 1..], b[k], &mut b[k + 1..]);
         for (row, b) in below.chunks_exact_mut(size).zip(b_below) {
-            // Parts of the mechanism that do not touch are not coupled.
+            // Parts of a mechanism that do not touch are not coupled.
             if row[k] == 0.0 {
                 continue;
             }
@@ -109,9 +70,10 @@ pub(crate) fn eliminate(a: &mut [f64], b: &mut [f64], size: usize, cancellation:
 /// Computes the Cholesky factor L of a symmetric positive definite matrix and stores it in the matrix's lower triangle,
 /// with 1/Lᵢᵢ on the diagonal. Row i is zero before column `first[i]` in the matrix and in the factor; the array must
 /// contain these zeros. Returns false if the matrix is not positive definite.
-pub(crate) fn factorise(a: &mut [f64], first: &[usize]) -> bool {
+#[inline]
+pub fn factor_cholesky(a: &mut [f64], first: &[usize]) -> bool {
     match first.len() {
-        // Five pins are the usual case: unrolled, and processing zeros is cheaper than skipping them.
+        // The five pins of a finger are the usual case: unrolled, and processing zeros is cheaper than skipping them.
         10 => cholesky(a, 10, |_| 0),
         size => cholesky(a, size, |row| first[row]),
     }
@@ -139,8 +101,9 @@ fn cholesky(a: &mut [f64], size: usize, first: impl Fn(usize) -> usize) -> bool 
     true
 }
 
-/// Solves L Lᵀ x = b with the factor of [`factorise`]; `b` becomes x.
-pub(crate) fn solve_factorised(factor: &[f64], first: &[usize], b: &mut [f64]) {
+/// Solves L Lᵀ x = b with the factor of [`factor_cholesky`]; `b` becomes x.
+#[inline]
+pub fn solve_cholesky(factor: &[f64], first: &[usize], b: &mut [f64]) {
     match first.len() {
         10 => substitute(factor, b, 10),
         size => substitute_sparse(factor, first, b, size),
@@ -166,7 +129,7 @@ fn substitute(factor: &[f64], b: &mut [f64], size: usize) {
     }
 }
 
-/// Skips the zeros of the factor, and those of `b` that belong to parts of the mechanism on which nothing acts.
+/// Skips the zeros of the factor, and those of `b` that belong to parts of a mechanism on which nothing acts.
 fn substitute_sparse(factor: &[f64], first: &[usize], b: &mut [f64], size: usize) {
     let mut nonzero_end = 0;
     for i in 0..size {
@@ -191,48 +154,57 @@ fn substitute_sparse(factor: &[f64], first: &[usize], b: &mut [f64], size: usize
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::{Cancellation, WORK_BETWEEN_CHECKS};
-    use std::cell::Cell;
-
-    #[test]
-    fn a_long_elimination_is_cancelled() {
-        let size: usize = 300;
-        let matrix: Vec<f64> =
-            (0..size * size).map(|at: usize| 1.0 / (1.0 + (at / size).abs_diff(at % size) as f64)).collect();
-        let work: usize = (0..size).map(|k| (size - k) * (size - k)).sum();
-        for last in [u32::MAX, 3, 1] {
-            let checks = Cell::new(0);
-            let keep_running = || {
-                checks.set(checks.get() + 1);
-                checks.get() < last
-            };
-            let cancellation = Cancellation::new(&keep_running);
-            let solved = super::solve(&mut matrix.clone(), &mut vec![1.0; size], size, &cancellation);
-            assert_eq!(solved, last == u32::MAX);
-            match solved {
-                true => assert_eq!(checks.get() as usize, work / WORK_BETWEEN_CHECKS),
-                false => {
-                    assert_eq!(checks.get(), last);
-                    // A cancelled computation stays cancelled.
-                    assert!(!cancellation.add_work(1));
-                }
+/// Factors a matrix in place, P A = L U, with row pivoting; returns the order of the rows. A singular matrix yields numbers
+/// that are not finite. It divides by the pivots, where [`eliminate`] multiplies by their reciprocals.
+pub fn factor_lu(matrix: &mut [f64], size: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..size).collect();
+    for k in 0..size {
+        let magnitude = |row: &usize| matrix[row * size + k].abs();
+        let pivot = (k..size).max_by(|a, b| magnitude(a).total_cmp(&magnitude(b))).unwrap_or(k);
+        order.swap(k, pivot);
+        (0..size).for_each(|j| matrix.swap(k * size + j, pivot * size + j));
+        for i in k + 1..size {
+            let multiple = matrix[i * size + k] / matrix[k * size + k];
+            matrix[i * size + k] = multiple;
+            if multiple != 0.0 {
+                (k + 1..size).for_each(|j| matrix[i * size + j] -= multiple * matrix[k * size + j]);
             }
         }
     }
+    order
+}
+
+/// Solves A x = b with the factors of [`factor_lu`]; `b` becomes x.
+pub fn solve_lu(matrix: &[f64], order: &[usize], b: &mut [f64]) {
+    let size = order.len();
+    let mut x: Vec<f64> = order.iter().map(|row| b[*row]).collect();
+    for i in 0..size {
+        x[i] -= (0..i).map(|j| matrix[i * size + j] * x[j]).sum::<f64>();
+    }
+    for i in (0..size).rev() {
+        x[i] -= (i + 1..size).map(|j| matrix[i * size + j] * x[j]).sum::<f64>();
+        x[i] /= matrix[i * size + i];
+    }
+    b.copy_from_slice(&x);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
 
     #[test]
     fn solves_with_a_zero_on_the_diagonal() {
-        let cancellation = &Cancellation::new(&|| true);
         let mut a = [0.0, 2.0, 1.0, 1.0, 1.0, 0.0, 3.0, 0.0, 4.0];
         let x = [1.5, -2.0, 0.25];
         let mut b: Vec<f64> = (0..3).map(|i| (0..3).map(|j| a[3 * i + j] * x[j]).sum()).collect();
-        assert!(super::solve(&mut a, &mut b, 3, cancellation));
-        for (found, expected) in b.iter().zip(x) {
+        let (mut lu, mut by_lu) = (a, b.clone());
+        let order = factor_lu(&mut lu, 3);
+        solve_lu(&lu, &order, &mut by_lu);
+        assert!(solve(&mut a, &mut b, 3, |_| true));
+        for (found, expected) in b.iter().chain(&by_lu).zip(x.iter().chain(&x)) {
             assert!((found - expected).abs() < 1e-14);
         }
-        assert!(!super::solve(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 1.0], 2, cancellation));
+        assert!(!solve(&mut [1.0, 2.0, 2.0, 4.0], &mut [1.0, 1.0], 2, |_| true));
     }
 
     #[test]
@@ -241,12 +213,12 @@ mod tests {
         let x = [0.3, -1.0, 2.0];
         let mut b: Vec<f64> = (0..3).map(|i| (0..3).map(|j| a[3 * i + j] * x[j]).sum()).collect();
         let mut factor = a;
-        assert!(super::factorise(&mut factor, &[0, 0, 0]));
-        super::solve_factorised(&factor, &[0, 0, 0], &mut b);
+        assert!(factor_cholesky(&mut factor, &[0, 0, 0]));
+        solve_cholesky(&factor, &[0, 0, 0], &mut b);
         for (found, expected) in b.iter().zip(x) {
             assert!((found - expected).abs() < 1e-14);
         }
-        assert!(!super::factorise(&mut [1.0, 0.0, 2.0, 1.0], &[0, 0]));
-        assert!(!super::factorise(&mut [f64::NAN, 0.0, 0.0, 1.0], &[0, 0]));
+        assert!(!factor_cholesky(&mut [1.0, 0.0, 2.0, 1.0], &[0, 0]));
+        assert!(!factor_cholesky(&mut [f64::NAN, 0.0, 0.0, 1.0], &[0, 0]));
     }
 }
