@@ -8,8 +8,8 @@ use super::chart::{Axis, PlotPoint, Series, series_chart};
 use super::theme::{BLUE, Colour, GREEN, ORANGE, SERIES, SOFT};
 use crate::scene;
 use crate::statics::AccelerationLimit;
-use crate::study::capture::{Capture, Placement};
-use crate::study::hold::{Evaluation, Hold, Limit, LoadCase, LoadResult, Loads, axis_name};
+use crate::study::capture::{Capture, ObjectPlacement};
+use crate::study::hold::{Evaluation, Hold, LoadBracket, LoadCase, LoadResult, Loads, axis_name};
 
 /// Minimum number of directions or frequencies of a curve.
 const MIN_CURVE_POINTS: usize = 3;
@@ -17,7 +17,7 @@ const HEIGHT: f64 = 560.0;
 
 /// Draws the results of a capture study; objects that do not move are on the grey line.
 pub fn capture(found: &Capture) -> String {
-    let ended = |placement: &Placement| placement.x_m.map(|x_m| x_m * 1e3);
+    let ended = |placement: &ObjectPlacement| placement.x_m.map(|x_m| x_m * 1e3);
     let reach = found.plan.error_m * 1e3;
     let captured = found.placements.iter().filter(|placement| placement.is_captured());
     let x = Axis::from_range("object at the start, mm from the middle", -1.1 * reach, 1.1 * reach);
@@ -51,7 +51,7 @@ pub fn hold(found: &Hold) -> String {
     }
 }
 
-type LimitOf = fn(&LoadResult) -> Limit;
+type LimitOf = fn(&LoadResult) -> LoadBracket;
 
 /// Draws the largest acceleration held in each direction as a polar plot.
 fn polar(found: &Hold) -> String {
@@ -72,16 +72,16 @@ fn polar(found: &Hold) -> String {
     series.push(Series::key(Marker::Circle, ORANGE, "is not dropped"));
     let is_balanced = found.results.iter().any(|result| at_rest(result).held.is_some());
     series.extend(is_balanced.then(|| Series::key(Marker::Circle, GREEN, "is balanced at rest")));
-    let simulated: Vec<Limit> = found.results.iter().flat_map(|result| [result.slips, result.drops]).collect();
+    let simulated: Vec<LoadBracket> = found.results.iter().flat_map(|result| [result.slips, result.drops]).collect();
     series.extend(limit_keys(&simulated));
     // At this height, the frame is square.
     series_chart(&format!("{}: acceleration held, by direction", found.scene), 710.0, &x, &y, &series)
 }
 
 /// Balanced acceleration at rest, as a limit; without values unless it is finite.
-fn at_rest(result: &LoadResult) -> Limit {
+fn at_rest(result: &LoadResult) -> LoadBracket {
     let balanced = result.static_limit.as_ref().and_then(AccelerationLimit::acceleration_m_s2);
-    Limit { held: balanced, failed: balanced, ..Limit::default() }
+    LoadBracket { held: balanced, failed: balanced, ..LoadBracket::default() }
 }
 
 /// A closed curve of limits with their markers, interrupted at directions without a limit.
@@ -92,7 +92,7 @@ fn polar_curve(found: &Hold, colour: Colour, limit: LimitOf) -> Vec<Series> {
         let (sin, cos) = direction_rad.sin_cos();
         limit.held.or(limit.failed).map(|radius| ((radius * cos, radius * sin), limit))
     };
-    let all: Vec<Option<(PlotPoint, Limit)>> = found.results.iter().map(point_at).collect();
+    let all: Vec<Option<(PlotPoint, LoadBracket)>> = found.results.iter().map(point_at).collect();
     let pairs = all.iter().zip(all.iter().cycle().skip(1));
     let lines = pairs.filter_map(|(from, to)| Some([from.as_ref()?.0, to.as_ref()?.0]));
     let mut series: Vec<Series> = lines.map(|ends| Series::new(Marker::Line { width: 2.0 }, colour, ends)).collect();
@@ -101,7 +101,7 @@ fn polar_curve(found: &Hold, colour: Colour, limit: LimitOf) -> Vec<Series> {
 }
 
 /// Markers of a limit: whether it is bracketed by loads that are held and that fail, and whether it is not monotone.
-fn limit_markers(colour: Colour, position: PlotPoint, limit: Limit) -> impl Iterator<Item = Series> {
+fn limit_markers(colour: Colour, position: PlotPoint, limit: LoadBracket) -> impl Iterator<Item = Series> {
     let marker = match (limit.held, limit.failed) {
         (Some(_), Some(_)) => Marker::Circle,
         (Some(_), None) => Marker::Triangle,
@@ -112,8 +112,8 @@ fn limit_markers(colour: Colour, position: PlotPoint, limit: Limit) -> impl Iter
 }
 
 /// Legend of the markers that occur.
-fn limit_keys(limits: &[Limit]) -> impl Iterator<Item = Series> {
-    let any = |condition: fn(&Limit) -> bool| limits.iter().any(condition);
+fn limit_keys(limits: &[LoadBracket]) -> impl Iterator<Item = Series> {
+    let any = |condition: fn(&LoadBracket) -> bool| limits.iter().any(condition);
     let keys = [
         (any(|limit| limit.failed.is_none()), Marker::Triangle, "at least"),
         (any(|limit| limit.held.is_none()), Marker::Cross, "less than"),
@@ -133,7 +133,7 @@ fn frequency(found: &Hold) -> String {
             let peak_m_s2 = limit.held.filter(|_| axis == along)?;
             Some(((frequency_hz, 1e3 * peak_m_s2 / (TAU * frequency_hz).powi(2)), limit))
         };
-        let curve: Vec<(PlotPoint, Limit)> = found.results.iter().filter_map(held).collect();
+        let curve: Vec<(PlotPoint, LoadBracket)> = found.results.iter().filter_map(held).collect();
         if curve.is_empty() {
             continue;
         }

@@ -10,11 +10,11 @@ use super::tables::milliseconds;
 use crate::format::format_duration;
 use crate::format::numbers::{G_M_S2, format_number, or_dash, row, zero_below_resolution};
 use crate::format::report::{Report, Table, ToReport, table};
-use crate::gripper::Placement as SpringPlacement;
+use crate::gripper::Placement;
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing};
 use crate::statics::AccelerationLimit;
-use crate::study::capture::{Capture, Edge, Placement};
-use crate::study::hold::{Hold, Limit, LoadCase, LoadResult, LoadSize, Loads, StartReason, axis_name};
+use crate::study::capture::{Capture, Edge, ObjectPlacement};
+use crate::study::hold::{Hold, LoadBracket, LoadCase, LoadResult, LoadSize, Loads, StartReason, axis_name};
 use crate::study::size::FingerSizing;
 use crate::units::Dimension;
 
@@ -49,7 +49,7 @@ impl ToReport for Capture {
         for line in [captured_range(self), centring(self), form_closure(self)] {
             text.push(Report::paragraph(&format!("\n{line}\n")));
         }
-        for Placement { offset_m, reason, .. } in &self.placements {
+        for ObjectPlacement { offset_m, reason, .. } in &self.placements {
             if let Some(reason) = reason {
                 text.push_str(&format!("at {} mm: {reason}\n", signed_mm(*offset_m)));
             }
@@ -104,7 +104,7 @@ fn centring(study: &Capture) -> String {
 /// Reports whether grasps that are not form-closed become so, which is a question of the thesis.
 fn form_closure(study: &Capture) -> String {
     let held = study.placements.iter().filter(|placement| placement.is_captured());
-    let is_closed = |it: &&Placement| it.form_closed == Some(true);
+    let is_closed = |it: &&ObjectPlacement| it.form_closed == Some(true);
     let initially_open = held.clone().filter(|placement| placement.geometric_form_closed != Some(true));
     format!(
         "Form closure: {} of {} held objects start where no form-closed grasp with all phalanges exists; {} of them \
@@ -176,7 +176,7 @@ fn millimetres(metres: f64) -> String {
 
 fn describe_load(load: &LoadResult, study: &Hold) -> String {
     let bound = millimetres(study.plan.slip_m);
-    let up_to = |limit: &Limit, size: &str| {
+    let up_to = |limit: &LoadBracket, size: &str| {
         let mark = if limit.held_above.is_none() && limit.unknown == 0 { "" } else { " *" };
         let largest = if limit.failed.is_none() { ", the largest load" } else { "" };
         limit.held.map(|held| format!("up to {}{mark}{largest}", peak(held, size)))
@@ -372,7 +372,7 @@ impl ToReport for FingerSizing {
         ));
 
         let mut rows = vec![row(["spring at", "k_s, N·mm", "relative to q22"])];
-        for (placement, n_m) in SpringPlacement::ALL.into_iter().zip(profile.placements_n_m) {
+        for (placement, n_m) in Placement::ALL.into_iter().zip(profile.placements_n_m) {
             let ratio = format_number(n_m / profile.rigid.spring_n_m, 3);
             rows.push(row([placement.name(), &torque(n_m), &ratio]));
         }
@@ -417,7 +417,7 @@ impl Serialize for FingerSizing {
             .with("end_q11_rad", end.q11_rad)
             .with("end_q21_rad", end.q21_rad)
             .with("end_q22_rad", end.q22_rad);
-        let placements = SpringPlacement::ALL.into_iter().zip(profile.placements_n_m).map(|(placement, spring_n_m)| {
+        let placements = Placement::ALL.into_iter().zip(profile.placements_n_m).map(|(placement, spring_n_m)| {
             Object::default().with("placement", placement.name()).with("spring_n_m", spring_n_m)
         });
         let spring_type = |name: &'static str, stiffness: f64, preload_rad: Option<f64>, [peak, rms]: [f64; 2]| {

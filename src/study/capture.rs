@@ -37,7 +37,7 @@ pub struct Capture {
     pub plan: Plan,
     pub palm_width_m: f64,
     /// Placements from left to right.
-    pub placements: Vec<Placement>,
+    pub placements: Vec<ObjectPlacement>,
     /// The range about the middle in which the object is captured; `None` if it is not captured in the middle.
     pub captured_range: Option<[Edge; 2]>,
 }
@@ -53,7 +53,7 @@ pub struct Edge {
 
 /// A position of the object and the outcome of its run. The figures are missing if the run was not completed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Placement {
+pub struct ObjectPlacement {
     /// x of the centre of the object at the start, m.
     pub offset_m: f64,
     /// Whether the grasp of the object at this position by all four phalanges and the palm is form-closed; `None` if
@@ -76,7 +76,7 @@ pub struct Placement {
     pub reason: Option<String>,
 }
 
-impl Placement {
+impl ObjectPlacement {
     /// Whether the object is held at the end.
     pub(crate) fn is_captured(&self) -> bool {
         self.fate == Some(Fate::Held.name())
@@ -159,8 +159,8 @@ pub fn capture(plan: Plan, source: &SceneSource, monitor: &Monitor<'_>) -> Resul
     let middle_index = placements.len() / 2;
     let mut captured_range = None;
     if placements[middle_index].is_captured() {
-        let left: Vec<&Placement> = placements[..=middle_index].iter().rev().collect();
-        let right: Vec<&Placement> = placements[middle_index..].iter().collect();
+        let left: Vec<&ObjectPlacement> = placements[..=middle_index].iter().rev().collect();
+        let right: Vec<&ObjectPlacement> = placements[middle_index..].iter().collect();
         captured_range = Some([find_edge(&plan, &left, source, monitor)?, find_edge(&plan, &right, source, monitor)?]);
     }
     Ok(Capture { scene: middle.name, plan, palm_width_m: middle.hand.palm_width_m, placements, captured_range })
@@ -169,7 +169,7 @@ pub fn capture(plan: Plan, source: &SceneSource, monitor: &Monitor<'_>) -> Resul
 /// Locates one edge of the captured range from placements ordered outward from the middle, where the object is captured.
 fn find_edge(
     plan: &Plan,
-    outward: &[&Placement],
+    outward: &[&ObjectPlacement],
     source: &SceneSource,
     monitor: &Monitor<'_>,
 ) -> Result<Edge, StudyError> {
@@ -192,11 +192,15 @@ fn simulate_placement(
     offset_m: f64,
     source: &SceneSource,
     monitor: &Monitor<'_>,
-) -> Result<Placement, StudyError> {
+) -> Result<ObjectPlacement, StudyError> {
     let scene = match source.load_at_offset(plan, offset_m) {
         Ok(scene) => scene,
         Err(error) => {
-            return Ok(Placement { offset_m, reason: Some(problem_messages(&error)), ..Placement::default() });
+            return Ok(ObjectPlacement {
+                offset_m,
+                reason: Some(problem_messages(&error)),
+                ..ObjectPlacement::default()
+            });
         }
     };
     let mut tracker = GraspTracker::for_scene(&scene);
@@ -206,10 +210,15 @@ fn simulate_placement(
     let (criteria, outcome) = match found {
         Ok(found) => found,
         Err(reason) => {
-            return Ok(Placement { offset_m, geometric_form_closed, reason: Some(reason), ..Placement::default() });
+            return Ok(ObjectPlacement {
+                offset_m,
+                geometric_form_closed,
+                reason: Some(reason),
+                ..ObjectPlacement::default()
+            });
         }
     };
-    Ok(Placement {
+    Ok(ObjectPlacement {
         offset_m,
         geometric_form_closed,
         fate: Some(criteria.fate.name()),

@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::support::cli::{EXPERIMENT_95, assert_rejected, directory, succeed_silently, write};
-use phalanx::drawing::{BodyRole, Drawing, Pose, Shape};
+use phalanx::drawing::{BodyRole, Drawing, FramePose, Shape};
 use phalanx::gripper::{Posture, joint_positions};
 use phalanx::plot::{Linkage, linkage};
 use phalanx::scene::{self, Scene};
@@ -20,7 +20,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Distance of a point from the surface of a shape at a pose.
-fn distance_from_surface(shape: &Shape, pose: &Pose, point: [f64; 2]) -> f64 {
+fn distance_from_surface(shape: &Shape, pose: &FramePose, point: [f64; 2]) -> f64 {
     match shape {
         Shape::Capsule { from_m, to_m, radius_m } => {
             let (a, b) = (pose.apply(*from_m), pose.apply(*to_m));

@@ -1,7 +1,7 @@
 //! Contents of the page with the moving bodies, read back from its bytes.
 
 use base64::prelude::{BASE64_STANDARD, Engine};
-use phalanx::drawing::{Drawing, Pose};
+use phalanx::drawing::{Drawing, FramePose};
 use phalanx::page::{MAX_SAMPLES, Note, Page, Picture, Playback, PlaybackRecorder, build_playback, render_page};
 use phalanx::scene::{self, Scene};
 use phalanx::trace::{ContactSample, FingerContact, Model, Sink};
@@ -58,7 +58,7 @@ fn bits(values: impl IntoIterator<Item = f64>) -> Vec<u64> {
 
 /// Asserts that the bodies of a run have these poses, bit for bit.
 #[track_caller]
-fn assert_poses(run: &Value, poses: &[Vec<Pose>]) {
+fn assert_poses(run: &Value, poses: &[Vec<FramePose>]) {
     for (index, body) in list(&run["bodies"]).iter().enumerate() {
         assert_eq!(bits(column(run, &body["x_m"])), bits(poses.iter().map(|all| all[index].position_m[0])));
         assert_eq!(bits(column(run, &body["y_m"])), bits(poses.iter().map(|all| all[index].position_m[1])));

@@ -549,7 +549,7 @@ fn single_values_replace_those_of_a_mechanism() {
 }
 
 /// Checks that every drawn body has a pose, and that its velocity is the rate of that pose; returns names and poses.
-fn drawn_poses(scene: &Scene) -> (Vec<String>, Vec<drawing::Pose>) {
+fn drawn_poses(scene: &Scene) -> (Vec<String>, Vec<drawing::FramePose>) {
     let of = scene.mechanism.as_ref().expect("a mechanism");
     let counts = Schema::from_scene(scene).counts();
     let at = |time_s: f64| {
@@ -594,7 +594,7 @@ fn drawings_follow_the_bodies() {
 }
 
 /// A drawn body of a scene, by its name.
-fn drawn_body(path: &str, name: &str) -> drawing::Body {
+fn drawn_body(path: &str, name: &str) -> drawing::DrawnBody {
     let scene = scene::load_any(path).expect("a scene");
     let bodies = Drawing::from_scene(&scene).bodies;
     bodies.into_iter().find(|body| body.name == name).expect("a body")

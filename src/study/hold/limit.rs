@@ -50,7 +50,7 @@ impl Serialize for Evaluation {
 
 /// Bracket of the first failure among the evaluated loads.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Limit {
+pub struct LoadBracket {
     /// Largest load below the first failure that is held; `None` if the smallest load fails.
     pub held: Option<f64>,
     /// Smallest load that fails; `None` if no load fails.
@@ -61,7 +61,7 @@ pub struct Limit {
     pub unknown: usize,
 }
 
-impl Limit {
+impl LoadBracket {
     /// Returns the limit from loads in any order and whether each is held; `None`: the run was not completed.
     pub(super) fn from_loads(all: impl Iterator<Item = (f64, Option<bool>)> + Clone) -> Self {
         let loads = |held: Option<bool>| all.clone().filter(move |(_, found)| *found == held).map(|(load, _)| load);
@@ -69,7 +69,7 @@ impl Limit {
         let below = |load: &f64| failed.is_none_or(|failed| *load < failed);
         let held = loads(Some(true)).filter(below).reduce(f64::max);
         let above = |load: &f64| held.is_none_or(|held| *load > held);
-        Limit {
+        LoadBracket {
             held,
             failed,
             held_above: loads(Some(true)).filter(|load| !below(load)).reduce(f64::max),
@@ -95,8 +95,8 @@ pub struct LoadResult {
     pub static_limit: Option<AccelerationLimit>,
     /// Evaluations, sorted by load.
     pub evaluations: Vec<Evaluation>,
-    pub slips: Limit,
-    pub drops: Limit,
+    pub slips: LoadBracket,
+    pub drops: LoadBracket,
 }
 
 impl LoadResult {
@@ -105,12 +105,12 @@ impl LoadResult {
     }
 
     /// Returns the size of the largest load below the first failure.
-    pub(crate) fn held_size(&self, limit: &Limit) -> Option<LoadSize> {
+    pub(crate) fn held_size(&self, limit: &LoadBracket) -> Option<LoadSize> {
         Some(self.evaluation_at(limit.held?)?.size)
     }
 
     /// Returns how the object fails at the limit: `slip`, or its fate; `None` if no load fails.
-    pub fn ended_by(&self, limit: &Limit) -> Option<&'static str> {
+    pub fn ended_by(&self, limit: &LoadBracket) -> Option<&'static str> {
         let run = self.evaluation_at(limit.failed?)?;
         let fate = run.outcome.as_ref().ok()?.fate;
         Some(if run.is_held() == Some(true) { "slip" } else { fate.name() })
@@ -120,14 +120,15 @@ impl LoadResult {
     pub(super) fn with_evaluations(mut self, evaluations: Vec<Evaluation>, slip_m: f64) -> Self {
         self.evaluations.extend(evaluations);
         self.evaluations.sort_by(|a, b| a.peak_m_s2.total_cmp(&b.peak_m_s2));
-        self.slips = Limit::from_loads(self.evaluations.iter().map(|run| (run.peak_m_s2, run.is_held_within(slip_m))));
-        self.drops = Limit::from_loads(self.evaluations.iter().map(|run| (run.peak_m_s2, run.is_held())));
+        self.slips =
+            LoadBracket::from_loads(self.evaluations.iter().map(|run| (run.peak_m_s2, run.is_held_within(slip_m))));
+        self.drops = LoadBracket::from_loads(self.evaluations.iter().map(|run| (run.peak_m_s2, run.is_held())));
         self
     }
 
     /// Largest number of runs that the refinement of both limits takes.
     pub(super) fn max_bisections(&self, tolerance: f64) -> u64 {
-        let bisections = |limit: &Limit| match limit.held.zip(limit.failed) {
+        let bisections = |limit: &LoadBracket| match limit.held.zip(limit.failed) {
             Some((held, failed)) => log2(ln(failed / held) / tolerance).ceil().max(0.0),
             None => 0.0,
         };
@@ -145,7 +146,7 @@ impl Serialize for LoadResult {
             Some(AccelerationLimit::Limited(limit)) => (Some("up to"), Some(limit.acceleration_m_s2)),
             Some(AccelerationLimit::Unlimited) => (Some("any"), None),
         };
-        let limit = |limit: &Limit| {
+        let limit = |limit: &LoadBracket| {
             Object::default()
                 .with("held_m_s2", limit.held)
                 .with("failed_m_s2", limit.failed)
@@ -178,12 +179,12 @@ mod tests {
     use super::*;
 
     /// Scans and bisects a predicate. Returns the limit and the number of evaluations.
-    fn search(scan: &[f64], tolerance: f64, evaluate: impl Fn(f64) -> Option<bool>) -> (Limit, usize) {
+    fn search(scan: &[f64], tolerance: f64, evaluate: impl Fn(f64) -> Option<bool>) -> (LoadBracket, usize) {
         let mut evaluations: Vec<(f64, Option<bool>)> = scan.iter().map(|load| (*load, evaluate(*load))).collect();
-        while let Some(load) = Limit::from_loads(evaluations.iter().copied()).next_load(tolerance) {
+        while let Some(load) = LoadBracket::from_loads(evaluations.iter().copied()).next_load(tolerance) {
             evaluations.push((load, evaluate(load)));
         }
-        (Limit::from_loads(evaluations.iter().copied()), evaluations.len())
+        (LoadBracket::from_loads(evaluations.iter().copied()), evaluations.len())
     }
 
     fn octaves() -> Vec<f64> {

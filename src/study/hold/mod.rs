@@ -30,7 +30,7 @@ use crate::units::MAX_TIME_S;
 
 use prepare::PreparedScene;
 
-pub use limit::{Evaluation, Limit, LoadResult};
+pub use limit::{Evaluation, LoadBracket, LoadResult};
 pub(crate) use load::axis_name;
 pub use load::{Load, LoadCase, LoadSetup, LoadSize};
 pub(crate) use plan::SETTLING_S;
@@ -115,7 +115,7 @@ pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, Ho
     let scanned = map(plan.threads, &jobs, |(case, load)| evaluate(case, *load))?;
     let result = |((case, to_m_s2), evaluations): ((&LoadCase, f64), &[Evaluation])| {
         let static_limit = prepare::static_limit(&prepared, &at_start, case);
-        let [slips, drops] = [Limit::default(); 2];
+        let [slips, drops] = [LoadBracket::default(); 2];
         let unknown = LoadResult { case: *case, to_m_s2, static_limit, evaluations: Vec::new(), slips, drops };
         unknown.with_evaluations(evaluations.to_vec(), plan.slip_m)
     };

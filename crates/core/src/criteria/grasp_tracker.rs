@@ -2,7 +2,7 @@
 
 use super::configuration::{friction_coefficients, selected_force_closure};
 use super::segments::{Hermite, Segment, SegmentObserver, SegmentSplitter};
-use crate::drawing::Pose;
+use crate::drawing::FramePose;
 use crate::gripper::FingerContact;
 use crate::numeric::elementary::hypot;
 use crate::scene::{Cycle, HandContact, Scene, Thresholds};
@@ -250,7 +250,7 @@ impl Setup {
 
 impl History {
     /// Extends all travels to a later pose.
-    fn update_travel(&mut self, pose: &Pose) {
+    fn update_travel(&mut self, pose: &FramePose) {
         let start = self.start.iter_mut().map(|(_, since_start)| since_start);
         let contacts = self.contacts.iter_mut().filter_map(|contact| contact.active_since.as_mut());
         start.chain(&mut self.motion_travel).chain(contacts).for_each(|since| since.update_travel(pose));
@@ -259,7 +259,7 @@ impl History {
 
 impl TrackerState {
     /// Updates the slip of the brakes and the travel of the object since the palm began to move.
-    fn update_motion(&mut self, segment: &Segment<CONTACT_COUNT>, [from, to]: &[Pose; 2]) {
+    fn update_motion(&mut self, segment: &Segment<CONTACT_COUNT>, [from, to]: &[FramePose; 2]) {
         if self.setup.cycle.motion_start_s.is_some_and(|start| segment.from_s >= start) {
             self.history.motion_travel.get_or_insert(TravelSince::new(segment.from_s, *from)).update_travel(to);
         }
@@ -378,7 +378,7 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
 
     fn begin(&mut self, first: &Sample) {
         let object = self.setup.object(first);
-        let pose = Pose { position_m: object.centre_m, angle_rad: object.angle_rad };
+        let pose = FramePose { position_m: object.centre_m, angle_rad: object.angle_rad };
         self.history.start = Some((object, TravelSince::new(first.time_s, pose)));
         self.history.is_in_reach = self.setup.reach.is_some_and(|reach| !reach.is_outside(&object));
     }
@@ -400,7 +400,7 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
 
     fn observe(&mut self, [x, y, angle]: &[Hermite; 3], segment: &Segment<CONTACT_COUNT>) {
         let times = [segment.from_s, segment.to_s];
-        let pose = |time| Pose { position_m: [x.value(time), y.value(time)], angle_rad: angle.value(time) };
+        let pose = |time| FramePose { position_m: [x.value(time), y.value(time)], angle_rad: angle.value(time) };
         let poses = times.map(pose);
         self.history.start.iter_mut().for_each(|(_, since_start)| since_start.update_travel(&poses[1]));
         self.update_ejection(segment);
@@ -436,17 +436,17 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
 #[derive(Clone, Copy, Debug)]
 struct TravelSince {
     time_s: f64,
-    pose: Pose,
+    pose: FramePose,
     travel: Travel,
 }
 
 impl TravelSince {
-    fn new(time_s: f64, pose: Pose) -> Self {
+    fn new(time_s: f64, pose: FramePose) -> Self {
         TravelSince { time_s, pose, travel: Travel::default() }
     }
 
     /// Extends the travel to a later pose.
-    fn update_travel(&mut self, pose: &Pose) {
+    fn update_travel(&mut self, pose: &FramePose) {
         let Travel { displacement_m, rotation_rad } = &mut self.travel;
         let [dx, dy] = [0, 1].map(|axis| pose.position_m[axis] - self.pose.position_m[axis]);
         *displacement_m = displacement_m.max(hypot(dx, dy));
@@ -474,7 +474,7 @@ impl ContactHistory {
         &mut self,
         (has_touched, is_active): (bool, bool),
         [from_s, to_s]: [f64; 2],
-        [from, to]: &[Pose; 2],
+        [from, to]: &[FramePose; 2],
         loss_time_s: f64,
     ) {
         if has_touched {

@@ -18,7 +18,7 @@ pub use states::poses_at_start;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     /// Half planes and outlines of the ground first, so that bodies are drawn over them.
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<DrawnBody>,
     /// Names of the contacts between surfaces, in the order of samples.
     pub contacts: Vec<String>,
     /// Arrow length per newton.
@@ -32,7 +32,7 @@ pub struct Drawing {
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Body {
+pub struct DrawnBody {
     /// Name of a body of the mechanism, of an outline of the ground, or of a half plane with its body.
     pub name: String,
     #[serde(rename = "part")]
@@ -88,12 +88,12 @@ impl Shape {
 
 /// Pose of a body's frame in the world.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pose {
+pub struct FramePose {
     pub position_m: [f64; 2],
     pub angle_rad: f64,
 }
 
-impl Pose {
+impl FramePose {
     /// Transforms a point of the body to the world.
     pub fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let (s, c) = sin_cos(self.angle_rad);
@@ -119,22 +119,22 @@ impl Drawing {
     }
 
     /// Poses of the bodies in a sample, in their order.
-    pub fn poses(&self, sample: &Sample) -> Vec<Pose> {
+    pub fn poses(&self, sample: &Sample) -> Vec<FramePose> {
         parts::poses(&self.mechanism, &states::in_sample(&self.mechanism, sample))
     }
 
     /// Time derivatives of [`Drawing::poses`]: velocities and angular velocities instead of positions and angles.
-    pub fn velocities(&self, sample: &Sample) -> Vec<Pose> {
+    pub fn velocities(&self, sample: &Sample) -> Vec<FramePose> {
         parts::velocities(&self.mechanism, &states::in_sample(&self.mechanism, sample))
     }
 
     /// Poses of the bodies at the start.
-    pub fn poses_at_start(&self) -> Vec<Pose> {
+    pub fn poses_at_start(&self) -> Vec<FramePose> {
         parts::poses(&self.mechanism, &states::at_start(&self.mechanism))
     }
 
     /// Poses of the bodies with the fingers in these postures and everything else at its start.
-    pub fn poses_for_postures(&self, scene: &Scene, postures: &[Posture]) -> Vec<Pose> {
+    pub fn poses_for_postures(&self, scene: &Scene, postures: &[Posture]) -> Vec<FramePose> {
         let mut sample = Sample::new(0.0, Schema::from_scene(scene).counts());
         let bodies = states::at_start(&self.mechanism).bodies;
         let reported = self.mechanism.reported_bodies();

@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use super::states::{States, at_start};
-use super::{Body, BodyRole, Drawing, Pose, Shape};
+use super::{BodyRole, Drawing, DrawnBody, FramePose, Shape};
 use crate::law::NormalLaw;
 use crate::mechanism::tendon::{Segment, center_in, segment};
 use crate::mechanism::{
@@ -24,8 +24,8 @@ const CIRCLE_CORNERS: usize = 32;
 /// A drawn body: the body that it is fixed to (`None`: the ground), and its pose in that body.
 struct Part {
     body: Option<usize>,
-    pose: Pose,
-    drawn: Body,
+    pose: FramePose,
+    drawn: DrawnBody,
 }
 
 /// Builds the drawing of a mechanism.
@@ -90,14 +90,14 @@ fn lever_m(mechanism: &Mechanism, joint: usize, default_m: f64) -> f64 {
 }
 
 /// Poses of the drawn bodies.
-pub(super) fn poses(mechanism: &Mechanism, states: &States) -> Vec<Pose> {
+pub(super) fn poses(mechanism: &Mechanism, states: &States) -> Vec<FramePose> {
     let cables = cables(mechanism, states).into_iter().map(|bar| bar.pose);
     placements(mechanism).map(|(body, local)| in_world(states.of(body).pose(), local)).chain(cables).collect()
 }
 
 /// Velocities and angular rates of the drawn bodies.
-pub(super) fn velocities(mechanism: &Mechanism, states: &States) -> Vec<Pose> {
-    let velocity = |(body, local): (Option<usize>, Pose)| {
+pub(super) fn velocities(mechanism: &Mechanism, states: &States) -> Vec<FramePose> {
+    let velocity = |(body, local): (Option<usize>, FramePose)| {
         let state = states.of(body);
         pose(state.point(local.position_m).1, state.spin_rad_s)
     };
@@ -108,8 +108,8 @@ pub(super) fn velocities(mechanism: &Mechanism, states: &States) -> Vec<Pose> {
 /// A bar of a drawn cable with its motion, and its ends along it per length of its segment at the start.
 struct CableBar {
     name: String,
-    pose: Pose,
-    rate: Pose,
+    pose: FramePose,
+    rate: FramePose,
     ends: [f64; 2],
     segment_m: f64,
 }
@@ -146,11 +146,11 @@ fn cables(mechanism: &Mechanism, states: &States) -> Vec<CableBar> {
     bars
 }
 
-fn pose(position_m: [f64; 2], angle_rad: f64) -> Pose {
-    Pose { position_m, angle_rad }
+fn pose(position_m: [f64; 2], angle_rad: f64) -> FramePose {
+    FramePose { position_m, angle_rad }
 }
 
-fn in_world(body: Pose, local: Pose) -> Pose {
+fn in_world(body: FramePose, local: FramePose) -> FramePose {
     pose(body.apply(local.position_m), body.angle_rad + local.angle_rad)
 }
 
@@ -173,18 +173,18 @@ fn is_half_plane(shape: &OutlineShape) -> bool {
 }
 
 /// Pose in its body of the frame of an outline that is a part of its own.
-fn outline_frame(shape: &OutlineShape) -> Pose {
+fn outline_frame(shape: &OutlineShape) -> FramePose {
     match shape {
         OutlineShape::HalfPlane { point_m, normal: [x, y] } => pose(*point_m, atan2(*y, *x) - FRAC_PI_2),
         OutlineShape::Disc { center_m, .. } | OutlineShape::Ellipse { center_m, .. } => pose(*center_m, 0.0),
-        OutlineShape::Capsule { .. } | OutlineShape::Polygon { .. } => Pose::default(),
+        OutlineShape::Capsule { .. } | OutlineShape::Polygon { .. } => FramePose::default(),
     }
 }
 
 /// Bodies and poses of the parts: the outlines that are parts of their own, the ground, and the bodies.
-fn placements(mechanism: &Mechanism) -> impl Iterator<Item = (Option<usize>, Pose)> + '_ {
+fn placements(mechanism: &Mechanism) -> impl Iterator<Item = (Option<usize>, FramePose)> + '_ {
     let single = single_outlines(mechanism).map(|(body, outline)| (body, outline_frame(&outline.shape)));
-    single.chain(outlined(mechanism).map(|(body, _)| (body, Pose::default())))
+    single.chain(outlined(mechanism).map(|(body, _)| (body, FramePose::default())))
 }
 
 /// Draws an outline.
@@ -205,8 +205,8 @@ fn parts(mechanism: &Mechanism, start: &States) -> Vec<Part> {
     let is_fixed = |body: Option<usize>| body.is_none() && !ground_moves;
     let single = single_outlines(mechanism).map(|(body, outline)| {
         let is_body = mechanism.bodies.iter().any(|other| other.name == outline.name);
-        let Pose { position_m: [x, y], .. } = outline_frame(&outline.shape);
-        Body {
+        let FramePose { position_m: [x, y], .. } = outline_frame(&outline.shape);
+        DrawnBody {
             // The name of the outline alone, unless a body has the same name.
             name: match body {
                 None if !is_body => outline.name.clone(),
@@ -240,13 +240,17 @@ fn parts(mechanism: &Mechanism, start: &States) -> Vec<Part> {
             (BodyRole::Object, Some(body)) => vec![mechanism.bodies[body].com_m],
             _ => pins,
         };
-        Body { name: mechanism.body_name(body).to_owned(), role, fixed: is_fixed(body), shapes, marks_m }
+        DrawnBody { name: mechanism.body_name(body).to_owned(), role, fixed: is_fixed(body), shapes, marks_m }
     });
     let drawn = single.chain(bodies);
     let cable = |CableBar { name, pose, ends, segment_m, .. }: CableBar| {
         let [from_m, to_m] = ends.map(|end| [end * segment_m, 0.0]);
         let shapes = vec![bar(from_m, to_m, 0.2 * pin_m)];
-        Part { body: None, pose, drawn: Body { name, role: BodyRole::Coupler, fixed: false, shapes, marks_m: vec![] } }
+        Part {
+            body: None,
+            pose,
+            drawn: DrawnBody { name, role: BodyRole::Coupler, fixed: false, shapes, marks_m: vec![] },
+        }
     };
     let cables = cables(mechanism, start).into_iter().map(cable);
     placements(mechanism).zip(drawn).map(|((body, pose), drawn)| Part { body, pose, drawn }).chain(cables).collect()
@@ -472,7 +476,7 @@ fn bar(from_m: [f64; 2], to_m: [f64; 2], half_width_m: f64) -> Shape {
 fn extent(mechanism: &Mechanism, start: &States, parts: &[Part]) -> [[f64; 2]; 2] {
     let (mut at_start, mut turned) = (Vec::new(), Vec::new());
     for Part { body, pose: local, drawn } in parts {
-        let pose = in_world(body.map_or(Pose::default(), |body| start.bodies[body].pose()), *local);
+        let pose = in_world(body.map_or(FramePose::default(), |body| start.bodies[body].pose()), *local);
         let pivot = mechanism.joints.iter().find_map(|joint| {
             let base = [0, 1]
                 .into_iter()

@@ -1,6 +1,6 @@
 //! States of all bodies of a mechanism: reported by a sample, or computed from its joints.
 
-use super::Pose;
+use super::FramePose;
 use crate::mechanism::{JointKind, Mechanism, assemble};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, perp, rotate, scale, sub};
@@ -26,8 +26,8 @@ impl BodyState {
         (add(self.centre_m, arm), add(self.velocity_m_s, scale(perp(arm), self.spin_rad_s)))
     }
 
-    pub(super) fn pose(&self) -> Pose {
-        Pose { position_m: self.centre_m, angle_rad: self.angle_rad }
+    pub(super) fn pose(&self) -> FramePose {
+        FramePose { position_m: self.centre_m, angle_rad: self.angle_rad }
     }
 }
 

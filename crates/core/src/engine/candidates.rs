@@ -50,12 +50,12 @@ pub struct ContactCandidate {
     /// Whether friction acts only against negative slip.
     pub one_way: bool,
     /// The component of the plan that defines the gap.
-    pub source: Source,
+    pub element: Element,
 }
 
 /// Component of the plan behind a candidate, by its index among components of its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum Element {
     Stop(usize),
     Contact(usize),
     /// A brake: friction under a prescribed normal force.
@@ -80,7 +80,7 @@ pub(crate) const ZERO_RATE: f64 = 1e-12;
 
 impl ContactCandidate {
     /// A candidate with a zero gap, without friction, and not subject to its law.
-    fn new(index: usize, source: Source, law: NormalLaw, [normal_row, slip_row]: [Row; 2]) -> Self {
+    fn new(index: usize, element: Element, law: NormalLaw, [normal_row, slip_row]: [Row; 2]) -> Self {
         Self {
             index,
             law,
@@ -100,7 +100,7 @@ impl ContactCandidate {
             uses_contact_law: false,
             is_motor: false,
             one_way: false,
-            source,
+            element,
         }
     }
 
@@ -155,17 +155,17 @@ impl ContactCandidate {
 
     /// Whether the candidate has a gap, as surfaces and stops do.
     pub(crate) fn has_gap(&self) -> bool {
-        matches!(self.source, Source::Stop(_) | Source::Contact(_))
+        matches!(self.element, Element::Stop(_) | Element::Contact(_))
     }
 
     /// Whether the normal force is prescribed, as of brakes and motors.
     pub(crate) fn has_prescribed_normal(&self) -> bool {
-        matches!(self.source, Source::Brake(_) | Source::Motor(_))
+        matches!(self.element, Element::Brake(_) | Element::Motor(_))
     }
 
     /// Whether the force acts along the normal row in both directions and at any gap.
     pub(crate) fn is_servo(&self) -> bool {
-        matches!(self.source, Source::Servo(_))
+        matches!(self.element, Element::Servo(_))
     }
 
     /// Whether the gap exceeds rounding.
@@ -175,7 +175,7 @@ impl ContactCandidate {
 
     /// Whether the candidate is a pair of surfaces, whose normal rotates with the bodies; a stop's gap is an angle.
     pub(crate) fn is_between_surfaces(&self) -> bool {
-        matches!(self.source, Source::Contact(_))
+        matches!(self.element, Element::Contact(_))
     }
 }
 
@@ -192,7 +192,7 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
             gap: stop.gap.value(&linkage.poses),
             rounding: f64::EPSILON * TAU,
             uses_contact_law: true,
-            ..ContactCandidate::new(index, Source::Stop(index), stop.law, [normal_row, Row::none()])
+            ..ContactCandidate::new(index, Element::Stop(index), stop.law, [normal_row, Row::none()])
         });
     }
     for (index, contact) in plan.contacts.iter().enumerate() {
@@ -213,7 +213,7 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
             normal,
             point: points.at(contact.point_convention)[0],
             uses_contact_law: world.response == Response::Laws && in_reach(),
-            ..ContactCandidate::new(plan.stops.len() + index, Source::Contact(index), contact.law.normal, rows)
+            ..ContactCandidate::new(plan.stops.len() + index, Element::Contact(index), contact.law.normal, rows)
         });
     }
     candidates.extend((0..plan.brakes.len()).map(|index| brake_candidate(plan, index, &linkage.poses)));
@@ -231,7 +231,7 @@ fn brake_candidate(plan: &Plan, index: usize, poses: &[BodyPose]) -> ContactCand
     ContactCandidate {
         friction: Some(kind.law()),
         one_way: kind.is_one_way(),
-        ..shaft_candidate(plan.first_brake() + index, Source::Brake(index), shaft.row(poses))
+        ..shaft_candidate(plan.first_brake() + index, Element::Brake(index), shaft.row(poses))
     }
 }
 
@@ -240,7 +240,7 @@ fn motor_candidate(plan: &Plan, index: usize, no_load_speed_rad_s: f64, poses: &
     ContactCandidate {
         is_motor: true,
         motor: Some(MotorSlope { sign: 1.0, slope: no_load_speed_rad_s.recip() }),
-        ..shaft_candidate(plan.first_motor() + index, Source::Motor(index), plan.motors[index].shaft.row(poses))
+        ..shaft_candidate(plan.first_motor() + index, Element::Motor(index), plan.motors[index].shaft.row(poses))
     }
 }
 
@@ -254,17 +254,17 @@ fn servo_candidate(plan: &Plan, index: usize, servo: &PlannedServo, poses: &[Bod
         servo: Some(servo.law),
         is_motor: servo.is_motor,
         uses_contact_law: true,
-        ..ContactCandidate::new(plan.first_servo() + index, Source::Servo(index), law, [normal_row, Row::none()])
+        ..ContactCandidate::new(plan.first_servo() + index, Element::Servo(index), law, [normal_row, Row::none()])
     }
 }
 
 /// Returns a candidate along the slip row of a shaft. No body changes its penetration, which together with the stiffness
 /// of its law defines the normal force.
-fn shaft_candidate(index: usize, source: Source, slip_row: Row) -> ContactCandidate {
+fn shaft_candidate(index: usize, element: Element, slip_row: Row) -> ContactCandidate {
     ContactCandidate {
         gap: -1.0,
         rounding: f64::EPSILON,
-        ..ContactCandidate::new(index, source, NormalLaw::constant_force(0.0), [Row::none(), slip_row])
+        ..ContactCandidate::new(index, element, NormalLaw::constant_force(0.0), [Row::none(), slip_row])
     }
 }
 
@@ -274,14 +274,14 @@ pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64
     // Discontinuities at both ends belong to adjacent steps.
     let times = [1e-9, 0.5, 1.0 - 1e-9].map(|fraction| t + fraction * dt);
     for candidate in candidates {
-        let torques = match candidate.source {
-            Source::Brake(index) => times.map(|t| plan.brakes[index].kind.normal_force(t)),
-            Source::Motor(index) => {
+        let torques = match candidate.element {
+            Element::Brake(index) => times.map(|t| plan.brakes[index].kind.normal_force(t)),
+            Element::Motor(index) => {
                 let torques = times.map(|t| plan.motors[index].stall_torque(t));
                 candidate.motor = candidate.motor.map(|motor| MotorSlope { sign: torques[1].signum(), ..motor });
                 torques.map(f64::abs)
             }
-            Source::Servo(index) => {
+            Element::Servo(index) => {
                 let PlannedServo { coordinate, target, law, .. } = &plan.servos[index];
                 let [(start, start_rate), _, (_, end_rate)] = times.map(|t| target.at(t));
                 candidate.gap = coordinate.value(poses) - start;
@@ -289,7 +289,7 @@ pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64
                 candidate.prescribed_gap_motion = [start_rate, (end_rate - start_rate) / dt];
                 continue;
             }
-            Source::Stop(_) | Source::Contact(_) => continue,
+            Element::Stop(_) | Element::Contact(_) => continue,
         };
         let max_torque = torques.into_iter().fold(0.0, f64::max);
         candidate.law = NormalLaw::constant_force(max_torque);
@@ -353,12 +353,12 @@ pub(crate) fn gap_and_rows_at(
 ) -> Option<(f64, [Row; 2])> {
     let along = |row: Row| (candidate.gap, [row, Row::none()]);
     let across = |row: Row| (candidate.gap, [Row::none(), row]);
-    Some(match candidate.source {
-        Source::Stop(index) => along(plan.stops[index].gap.row(poses)),
-        Source::Servo(index) => along(plan.servos[index].coordinate.row(poses)),
-        Source::Brake(index) => across(plan.brakes[index].shaft.row(poses)),
-        Source::Motor(index) => across(plan.motors[index].shaft.row(poses)),
-        Source::Contact(index) => {
+    Some(match candidate.element {
+        Element::Stop(index) => along(plan.stops[index].gap.row(poses)),
+        Element::Servo(index) => along(plan.servos[index].coordinate.row(poses)),
+        Element::Brake(index) => across(plan.brakes[index].shaft.row(poses)),
+        Element::Motor(index) => across(plan.motors[index].shaft.row(poses)),
+        Element::Contact(index) => {
             let points = closest_points(world, plan, index, poses)?;
             (points.gap, surface_rows(plan, index, poses, &points))
         }

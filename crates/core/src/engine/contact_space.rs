@@ -6,7 +6,7 @@
 //! contacts keep their rates, and the scheme its order.
 
 use super::cancellation::Cancellation;
-use super::candidates::{ContactCandidate, Source, ZERO_RATE, gap_and_rows_at};
+use super::candidates::{ContactCandidate, Element, ZERO_RATE, gap_and_rows_at};
 use super::coordinate::{BodyPose, Row, Twist};
 use super::linkage::Linkage;
 use super::lists::{refill, reset};
@@ -122,8 +122,8 @@ impl ContactSpace {
         refill(&mut self.free, self.rows.iter().map(|row| row.rate(accelerations)));
         for contact in self.active_contacts.iter().filter(|contact| !contact.candidate.has_gap()) {
             let ([rate, acceleration], n) = (contact.candidate.prescribed_gap_motion, contact.normal);
-            (self.rate[n], self.free[n]) = match contact.candidate.source {
-                Source::Servo(_) => (self.rate[n] - rate, self.free[n] - acceleration),
+            (self.rate[n], self.free[n]) = match contact.candidate.element {
+                Element::Servo(_) => (self.rate[n] - rate, self.free[n] - acceleration),
                 _ => (rate, acceleration),
             };
         }
@@ -152,11 +152,11 @@ impl ContactSpace {
         let interval_s = dt.max(MIN_CURVATURE_STEP_S);
         refill(&mut self.poses, linkage.poses.iter().zip(velocities).map(|(pose, v)| pose.after(interval_s, v)));
         for contact in &self.active_contacts {
-            let (row, coordinate) = match (contact.candidate.source, contact.tangent) {
-                (Source::Stop(index), _) => (contact.normal, &plan.stops[index].gap),
-                (Source::Servo(index), _) => (contact.normal, &plan.servos[index].coordinate),
-                (Source::Motor(index), Some(tangent)) => (tangent, &plan.motors[index].shaft),
-                (Source::Brake(index), Some(tangent)) => (tangent, &plan.brakes[index].shaft),
+            let (row, coordinate) = match (contact.candidate.element, contact.tangent) {
+                (Element::Stop(index), _) => (contact.normal, &plan.stops[index].gap),
+                (Element::Servo(index), _) => (contact.normal, &plan.servos[index].coordinate),
+                (Element::Motor(index), Some(tangent)) => (tangent, &plan.motors[index].shaft),
+                (Element::Brake(index), Some(tangent)) => (tangent, &plan.brakes[index].shaft),
                 _ => continue,
             };
             self.free[row] += coordinate.second_rate(&linkage.poses, velocities);

@@ -10,7 +10,7 @@
 use rapier2d_f64::prelude::*;
 
 use super::cancellation::Cancellation;
-use super::candidates::{self, ContactCandidate, Source};
+use super::candidates::{self, ContactCandidate, Element};
 use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrection};
 use super::coordinate::{Row, Twist};
 use super::force_rates::ForceRates;
@@ -430,13 +430,13 @@ impl Motion {
                 friction_coupling: mu,
             };
             let at_end = candidates::find(candidates, active.candidate.index);
-            if let (Source::Brake(_) | Source::Motor(_), Some(tangent)) = (active.candidate.source, active.tangent) {
+            if let (Element::Brake(_) | Element::Motor(_), Some(tangent)) = (active.candidate.element, active.tangent) {
                 let creep = dt * friction(&active.candidate, tangent).d_slip;
                 let slip_row = at_end.unwrap_or(&active.candidate).slip_row.clone();
                 rate_correction.rows.push(tangent_row(tangent, slip_row, 0.0, creep));
                 continue;
             }
-            if let (Source::Servo(_), Some(at_end)) = (active.candidate.source, at_end) {
+            if let (Element::Servo(_), Some(at_end)) = (active.candidate.element, at_end) {
                 let law = active.candidate.normal_force(contact.gap[index], contact.rate[normal]);
                 let [target_rate, target_acceleration] = active.candidate.prescribed_gap_motion;
                 rate_correction.rows.push(CorrectedRow {
@@ -532,7 +532,7 @@ impl Motion {
         forces::add_speed_dependent_forces(&self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
         forces::driven_accelerations(&self.plan, now, &mut self.driven);
         let mut loads = std::mem::take(&mut self.impulse);
-        for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.source, Source::Brake(_))) {
+        for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.element, Element::Brake(_))) {
             candidate.slip_row.add_to(&mut loads, self.forces(candidate.index).1);
         }
         for candidate in self.plan.tendons.iter().filter_map(|tendon| self.candidate(tendon.stop?)) {

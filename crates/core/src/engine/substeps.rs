@@ -6,7 +6,7 @@
 //! part from the next step on. With Q = ∫₀ᵈᵗ (dt − s) F ds: early = Q/dt, late = ∫F ds − Q/dt.
 
 use super::cancellation::Cancellation;
-use super::candidates::{GAP_ROUNDING, Source};
+use super::candidates::{Element, GAP_ROUNDING};
 use super::contact_space::{ActiveContact, ContactSpace, Diverged, Stage, Workspace};
 use super::lists::{refill, reset};
 use crate::law::friction_range;
@@ -457,15 +457,15 @@ impl ContactSolver {
         for contact in &space.active_contacts {
             let total_work = if contact.candidate.is_motor { &mut self.motor_work } else { &mut self.work };
             let n = contact.normal;
-            match contact.candidate.source {
-                Source::Stop(_) | Source::Contact(_) => *total_work += work(n),
-                Source::Servo(_) => {
+            match contact.candidate.element {
+                Element::Stop(_) | Element::Contact(_) => *total_work += work(n),
+                Element::Servo(_) => {
                     let target_rate = contact.candidate.servo.map_or(0.0, |law| law.target_rate);
                     let impulse = h * ((1.0 - GAMMA) * first_force[n] + GAMMA * second_force[n]);
                     *total_work += work(n) + target_rate * impulse;
                 }
                 // The normal row of a brake or a motor does no work.
-                Source::Brake(_) | Source::Motor(_) => {}
+                Element::Brake(_) | Element::Motor(_) => {}
             }
             contact.tangent.into_iter().chain(contact.rolling).for_each(|row| *total_work += work(row));
         }

@@ -24,7 +24,7 @@ pub struct Grasp {
     pub end: FinalPosture,
     /// Contacts of the proximal and the distal phalanx.
     pub contacts: [Contact; 2],
-    pub drive: Drive,
+    pub drive: DriveAtRest,
     /// Forces for each requested pair of friction coefficients.
     pub forces: Vec<Forces>,
     pub palm: Palm,
@@ -49,7 +49,7 @@ pub struct Contact {
 
 /// Torques of motor and spring in the final posture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Drive {
+pub struct DriveAtRest {
     pub motor_n_m: f64,
     pub spring: Option<SpringAtRest>,
     /// Generalised forces τ_a + τ_s on (q11, q21).
@@ -179,7 +179,12 @@ fn solve_grasp(
     })
 }
 
-fn drive(finger: &Finger, end: &FinalPosture, motor_n_m: f64, spring: Option<&Spring>) -> Result<Drive, StaticsError> {
+fn drive(
+    finger: &Finger,
+    end: &FinalPosture,
+    motor_n_m: f64,
+    spring: Option<&Spring>,
+) -> Result<DriveAtRest, StaticsError> {
     let loads_n_m = drive_loads(finger, end, motor_n_m, spring)?;
     let StaticKinematics { rates, tip_slope: [slope, _], .. } = static_kinematics(finger, end)?;
     let spring = spring.map(|&spring| {
@@ -191,7 +196,7 @@ fn drive(finger: &Finger, end: &FinalPosture, motor_n_m: f64, spring: Option<&Sp
     });
     let spring_n_m = spring.map_or(0.0, |spring| -spring.loads_n_m[0]);
     let motor_min_n_m = (slope > 0.0).then_some(spring_n_m);
-    Ok(Drive { motor_n_m, spring, loads_n_m, motor_min_n_m })
+    Ok(DriveAtRest { motor_n_m, spring, loads_n_m, motor_min_n_m })
 }
 
 fn contacts(finger: &Finger, object: &PlacedShape, end: &FinalPosture) -> [Contact; 2] {

@@ -1,8 +1,8 @@
 //! State of a run at one instant, and events between instants.
 
 use super::schema::{
-    ActuatorState, BodyState, Channel, ContactSample, Counts, Energy, FingerState, Interpolation, JointState, Source,
-    State, TendonState,
+    ActuatorState, BodyState, Channel, ContactSample, Counts, Energy, FingerState, Interpolation, JointState, State,
+    TendonState, ValueSource,
 };
 pub use crate::gripper::FingerContact;
 use crate::numeric::array_from;
@@ -404,10 +404,10 @@ impl Channel {
     /// Returns the number in a sample; NaN for contacts that do not exist, whose gap is infinite.
     pub fn value(&self, sample: &Sample) -> f64 {
         match self.source {
-            Source::Time => sample.time_s,
-            Source::Value(index) => sample.values()[index],
-            Source::Contact(_, gap) if !sample.values()[gap].is_finite() => f64::NAN,
-            Source::Contact(index, _) => sample.values()[index],
+            ValueSource::Time => sample.time_s,
+            ValueSource::Value(index) => sample.values()[index],
+            ValueSource::Contact(_, gap) if !sample.values()[gap].is_finite() => f64::NAN,
+            ValueSource::Contact(index, _) => sample.values()[index],
         }
     }
 }

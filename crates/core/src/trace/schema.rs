@@ -376,8 +376,8 @@ impl Subject {
         let Self { kind, column, first, .. } = self;
         self.quantities().map(move |(index, quantity)| {
             let source = match kind {
-                SubjectKind::Contact | SubjectKind::Limit => Source::Contact(index, *first),
-                _ => Source::Value(index),
+                SubjectKind::Contact | SubjectKind::Limit => ValueSource::Contact(index, *first),
+                _ => ValueSource::Value(index),
             };
             (quantity, Channel { name: column_name(*kind, column, quantity.key), unit: quantity.unit, source })
         })
@@ -391,22 +391,22 @@ pub struct Channel {
     pub name: String,
     /// SI unit, such as `m/s`.
     pub unit: &'static str,
-    pub(super) source: Source,
+    pub(super) source: ValueSource,
 }
 
 impl Channel {
     /// Index of its number in the numbers of a sample; `None` for the time.
     pub(crate) fn index(&self) -> Option<usize> {
         match self.source {
-            Source::Time => None,
-            Source::Value(index) | Source::Contact(index, _) => Some(index),
+            ValueSource::Time => None,
+            ValueSource::Value(index) | ValueSource::Contact(index, _) => Some(index),
         }
     }
 }
 
 /// Where the number of a channel is in a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Source {
+pub(super) enum ValueSource {
     Time,
     Value(usize),
     /// A number of a contact, and the index of its gap.
@@ -611,7 +611,7 @@ impl Schema {
 
     /// Returns all channels, the time first and the energies last.
     pub fn channels(&self) -> Vec<Channel> {
-        let mut channels = vec![Channel { name: TIME.to_string(), unit: "s", source: Source::Time }];
+        let mut channels = vec![Channel { name: TIME.to_string(), unit: "s", source: ValueSource::Time }];
         for subject in self.subjects() {
             channels.extend(subject.channels().map(|(_, channel)| channel));
         }

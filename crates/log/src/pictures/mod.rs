@@ -19,7 +19,7 @@ use foxglove::messages::{FrameTransform, FrameTransforms, SceneUpdate, Vector3};
 
 use self::arrows::{Arrows, WORLD, rotation_about_z};
 use super::mcap_file::{ChannelId, McapFile, to_timestamp};
-use phalanx_core::drawing::{Drawing, Pose};
+use phalanx_core::drawing::{Drawing, FramePose};
 use phalanx_core::trace::{ContactSample, SinkError};
 
 /// Change of an arrow that triggers a new picture within an impact, relative to the longest arrow.
@@ -39,7 +39,7 @@ pub struct Pictures {
     view_m: f64,
     /// Names of the bodies that move; `None` for fixed ones.
     moving: Vec<Option<String>>,
-    last_poses: Vec<Pose>,
+    last_poses: Vec<FramePose>,
     arrows: Arrows,
     /// Shapes not yet written: a frame needs a pose before shapes can be drawn in it.
     shapes: Option<(ChannelId, SceneUpdate)>,
@@ -50,7 +50,7 @@ impl Pictures {
     pub fn register<W: Write>(
         out: &mut McapFile<W>,
         drawing: &Drawing,
-        start: &[Pose],
+        start: &[FramePose],
         picture_hz: f64,
     ) -> Result<Option<Self>, SinkError> {
         if picture_hz <= 0.0 {
@@ -85,7 +85,7 @@ impl Pictures {
         &mut self,
         out: &mut McapFile<W>,
         time_s: f64,
-        poses: impl FnOnce() -> Vec<Pose>,
+        poses: impl FnOnce() -> Vec<FramePose>,
         contacts: impl Iterator<Item = ContactSample> + Clone,
     ) -> Result<(), SinkError> {
         let is_due = time_s >= self.next_s;
@@ -119,7 +119,7 @@ impl Pictures {
     }
 
     /// Whether a body has moved visibly since the last picture.
-    fn has_moved(&self, poses: &[Pose]) -> bool {
+    fn has_moved(&self, poses: &[FramePose]) -> bool {
         poses.iter().zip(&self.last_poses).any(|(pose, last_pose)| {
             let [dx, dy] = [0, 1].map(|k| (pose.position_m[k] - last_pose.position_m[k]).abs());
             let rotation_rad = (pose.angle_rad - last_pose.angle_rad).abs();
@@ -129,8 +129,8 @@ impl Pictures {
 }
 
 /// Returns the frames of the named bodies.
-fn transforms(names: &[Option<String>], poses: &[Pose], log_time_ns: u64) -> FrameTransforms {
-    let transform = |(name, pose): (&String, &Pose)| FrameTransform {
+fn transforms(names: &[Option<String>], poses: &[FramePose], log_time_ns: u64) -> FrameTransforms {
+    let transform = |(name, pose): (&String, &FramePose)| FrameTransform {
         timestamp: Some(to_timestamp(log_time_ns)),
         parent_frame_id: WORLD.to_string(),
         child_frame_id: name.clone(),

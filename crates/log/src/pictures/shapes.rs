@@ -7,7 +7,7 @@ use foxglove::messages::{
     Color, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, TriangleListPrimitive, Vector3,
 };
 
-use phalanx_core::drawing::{Body, BodyRole, Drawing, Shape};
+use phalanx_core::drawing::{BodyRole, Drawing, DrawnBody, Shape};
 use phalanx_core::numeric::elementary::{atan2, sin_cos};
 
 /// Number of corners of a full circle.
@@ -24,7 +24,7 @@ pub fn scene(drawing: &Drawing) -> SceneUpdate {
     SceneUpdate { deletions: Vec::new(), entities }
 }
 
-fn entity(body: &Body, drawing: &Drawing, view_m: f64) -> SceneEntity {
+fn entity(body: &DrawnBody, drawing: &Drawing, view_m: f64) -> SceneEntity {
     let (colour, layer) = style(body.role);
     let z = layer * LAYER_SPACING * view_m;
     let (mut triangles, mut lines) = (Vec::new(), Vec::new());

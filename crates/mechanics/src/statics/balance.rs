@@ -234,8 +234,8 @@ fn row_rates(equations: &Equations, motion: &[f64]) -> Load {
 }
 
 /// The verified result of the programme in the units of the equations.
-fn certified(equations: &Equations, scaled: &Scaled, limit: &balance_program::Limit) -> Certified {
-    let (program, balance_program::Limit { forces, motion, gap }) = (&scaled.program, limit);
+fn certified(equations: &Equations, scaled: &Scaled, limit: &balance_program::ProgramLimit) -> Certified {
+    let (program, balance_program::ProgramLimit { forces, motion, gap }) = (&scaled.program, limit);
     let rounding = ROUNDING * size(motion);
     let rate = |index: usize| power(motion, &program.columns[index].load);
     let si_force = |index: usize| forces[index] * scaled.force / program.columns[index].size;
@@ -357,7 +357,7 @@ pub enum ContactLocation {
 
 /// An active contact with the object, or an active joint limit, which has a torque instead of a force, and no friction.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct ActiveContact {
+pub(super) struct ContactColumns {
     pub location: ContactLocation,
     /// Point on the surface of phalanx or palm; `None` for a joint limit.
     pub point_m: Option<[f64; 2]>,
@@ -371,7 +371,7 @@ pub(super) struct ActiveContact {
 /// All columns of the equations.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Loads {
-    pub contacts: Vec<ActiveContact>,
+    pub contacts: Vec<ContactColumns>,
     /// Column of a unit torque of each drive, with the range of its brake torque.
     pub drives: Vec<(Load, [f64; 2])>,
     /// Column of springs, motors and weight.
@@ -407,7 +407,7 @@ pub(super) fn loads(hand: &HandAtRest<'_>) -> Result<Loads> {
         let mut columns = [vec![0.0; ROWS], vec![0.0; ROWS]];
         (columns[0][X + 1], columns[0][MOMENT]) = (1.0, lowest - x);
         (columns[1][X], columns[1][MOMENT]) = (-1.0, -y);
-        loads.contacts.push(ActiveContact {
+        loads.contacts.push(ContactColumns {
             location: ContactLocation::Palm,
             point_m: Some([lowest, 0.0]),
             normal: [0.0, 1.0],
@@ -476,7 +476,7 @@ fn add_finger(hand: &HandAtRest<'_>, side: Side, loads: &mut Loads) -> Result<()
             column
         });
         let (point_m, normal) = (Some(hand.configuration.in_palm_frame(side, point)), [mirror * nx, ny]);
-        loads.contacts.push(ActiveContact {
+        loads.contacts.push(ContactColumns {
             location: ContactLocation::Finger(side, contact),
             point_m,
             normal,
@@ -489,7 +489,7 @@ fn add_finger(hand: &HandAtRest<'_>, side: Side, loads: &mut Loads) -> Result<()
         (column[first], column[second]) = (tip_slope[0], tip_slope[1]);
         let location = ContactLocation::Finger(side, FingerContact::Limit);
         let columns = [column, vec![0.0; ROWS]];
-        loads.contacts.push(ActiveContact {
+        loads.contacts.push(ContactColumns {
             location,
             point_m: None,
             normal: [0.0; 2],
@@ -519,7 +519,7 @@ mod tests {
             (columns[0][2 * side as usize], columns[0][4]) = (-R, -mirror);
             (columns[1][5], columns[1][6]) = (-1.0, -mirror * R);
             let (location, point_m) = (ContactLocation::Finger(side, FingerContact::Proximal), Some([mirror * R, 0.0]));
-            ActiveContact { location, point_m, normal: [-mirror, 0.0], cone: Cone { columns, mu } }
+            ContactColumns { location, point_m, normal: [-mirror, 0.0], cone: Cone { columns, mu } }
         };
         let drive = |row: usize| {
             let mut column = vec![0.0; ROWS];

@@ -45,14 +45,14 @@ pub(super) enum Optimum {
     /// Not even the fixed load can be balanced: all admissible forces have positive power in the motion.
     Infeasible { motion: Load },
     /// The size of each column; that of the driving load is the largest multiple.
-    Finite(Limit),
+    Finite(ProgramLimit),
     /// Forces exist that balance any multiple of the driving load.
     Unbounded,
 }
 
 /// The largest multiple, with its forces and the motion that bounds it.
 #[derive(Clone, Debug)]
-pub(super) struct Limit {
+pub(super) struct ProgramLimit {
     /// The size of each column; that of the driving load is the largest multiple.
     pub forces: Vec<f64>,
     pub motion: Load,
@@ -177,7 +177,7 @@ impl Program {
         }
         let rates = self.contact_edges().map(|index| power(&motion, &self.columns[index].load));
         match rates.fold(0.0, f64::min) {
-            rate if rate >= -BACKWARD * size(&motion) => Ok(Optimum::Finite(Limit { forces, motion, gap })),
+            rate if rate >= -BACKWARD * size(&motion) => Ok(Optimum::Finite(ProgramLimit { forces, motion, gap })),
             rate => Err(format!("a contact force has negative power, {rate:e}")),
         }
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::contacts::{ShownContact, display_name, shown_contacts};
 use super::decimate::{MAX_SAMPLES, select_samples};
 use super::panels::{PanelPlan, Scale, panels};
-use crate::drawing::{self, Drawing, Pose};
+use crate::drawing::{Drawing, DrawnBody, FramePose};
 use crate::format::Report;
 use crate::format::object::Named;
 use crate::scene::Scene;
@@ -31,7 +31,7 @@ pub struct Playback {
     pub recorded: usize,
     /// Times of the samples, ascending; two samples may have the same time.
     pub time_s: Column,
-    pub bodies: Vec<Body>,
+    pub bodies: Vec<PlayedBody>,
     pub contacts: Vec<ContactSeries>,
     pub panels: Vec<Panel>,
     #[serde(rename = "events")]
@@ -53,9 +53,9 @@ pub struct Playback {
 /// A body, and the columns of the pose of its frame (`x_m`, `y_m`, `angle_rad`) and of its time derivatives, for
 /// interpolation between samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Body {
+pub struct PlayedBody {
     #[serde(flatten)]
-    pub body: drawing::Body,
+    pub body: DrawnBody,
     #[serde(flatten)]
     pub columns: Named<Column>,
 }
@@ -112,7 +112,7 @@ pub struct EventMarker {
 const NOT_SHOWN: [&str; 3] = ["slip_m_s", "impulse_n_s", "sliding_power_w"];
 
 /// Key of a coordinate of a pose, and the function that extracts it.
-type Coordinate = (&'static str, fn(&Pose) -> f64);
+type Coordinate = (&'static str, fn(&FramePose) -> f64);
 
 const POSITIONS: [Coordinate; 3] =
     [("x_m", |pose| pose.position_m[0]), ("y_m", |pose| pose.position_m[1]), ("angle_rad", |pose| pose.angle_rad)];
@@ -160,15 +160,15 @@ pub fn build_playback(
     let mut table = ColumnTable::default();
     let time_s = table.push(selected.iter().map(|sample| sample.time_s));
     let drawing = Drawing::from_scene(scene);
-    let poses: Vec<Vec<Pose>> = selected.iter().map(|sample| drawing.poses(sample)).collect();
-    let rates: Vec<Vec<Pose>> = selected.iter().map(|sample| drawing.velocities(sample)).collect();
-    let body = |(index, body): (usize, drawing::Body)| {
+    let poses: Vec<Vec<FramePose>> = selected.iter().map(|sample| drawing.poses(sample)).collect();
+    let rates: Vec<Vec<FramePose>> = selected.iter().map(|sample| drawing.velocities(sample)).collect();
+    let body = |(index, body): (usize, DrawnBody)| {
         let quantities =
             POSITIONS.iter().map(|quantity| (quantity, &poses)).chain(RATES.iter().map(|rate| (rate, &rates)));
-        let column = |((key, value), all): (&Coordinate, &Vec<Vec<Pose>>)| {
+        let column = |((key, value), all): (&Coordinate, &Vec<Vec<FramePose>>)| {
             (key.to_string(), table.push(all.iter().map(|poses| value(&poses[index]))))
         };
-        Body { body, columns: quantities.map(column).collect() }
+        PlayedBody { body, columns: quantities.map(column).collect() }
     };
     let bodies = drawing.bodies.into_iter().enumerate().map(body).collect();
     let contact = |contact: &ShownContact| {

@@ -19,7 +19,7 @@ pub mod json;
 mod panels;
 mod recorder;
 
-pub use build::{Body, Column, ContactSeries, EventMarker, Panel, Playback, Series, build_playback};
+pub use build::{Column, ContactSeries, EventMarker, Panel, Playback, PlayedBody, Series, build_playback};
 pub use decimate::MAX_SAMPLES;
 pub use panels::Scale;
 pub use recorder::PlaybackRecorder;

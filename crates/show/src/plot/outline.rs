@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::canvas::text_centred;
 use super::svg::{Paint, Pixel, Svg};
 use super::theme::{COUPLER, Colour, DISTAL, DRIVER, OBJECT, PALM, PROXIMAL, SOFT};
-use crate::drawing::{Body, BodyRole, Pose, Shape};
+use crate::drawing::{BodyRole, DrawnBody, FramePose, Shape};
 
 pub type Point = [f64; 2];
 
@@ -46,7 +46,7 @@ impl View {
 }
 
 /// Returns the outline of a shape of a body; empty for a half plane.
-pub fn outline(shape: &Shape, pose: &Pose) -> Vec<Point> {
+pub fn outline(shape: &Shape, pose: &FramePose) -> Vec<Point> {
     match shape {
         Shape::Polygon { corners_m } => corners_m.iter().map(|corner| pose.apply(*corner)).collect(),
         Shape::Disc { radius_m } => circle(pose.position_m, *radius_m),
@@ -63,8 +63,8 @@ pub fn outline(shape: &Shape, pose: &Pose) -> Vec<Point> {
 }
 
 /// Outlines of links and objects with their colours; planes have none.
-pub fn outlines(bodies: &[Body], poses: &[Pose]) -> Vec<(Vec<Point>, Colour)> {
-    let colours = |(body, pose): (&Body, &Pose)| {
+pub fn outlines(bodies: &[DrawnBody], poses: &[FramePose]) -> Vec<(Vec<Point>, Colour)> {
+    let colours = |(body, pose): (&DrawnBody, &FramePose)| {
         let fill = match body.role {
             BodyRole::Driver => DRIVER,
             BodyRole::Coupler => COUPLER,

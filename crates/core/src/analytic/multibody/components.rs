@@ -136,7 +136,7 @@ pub fn scatter<const N: usize>(row: &mut [f64; N], indices: &[SignedIndex], deri
 
 /// A motor with its brake. `weights` are the parts of its torque that act on the driven links (right, left).
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct HandDrive {
     actuation: Profile,
     pub weights: [f64; 2],
     no_load_speed: Option<f64>,
@@ -156,7 +156,7 @@ pub(crate) struct ShaftTorque {
     pub by_time: f64,
 }
 
-impl Drive {
+impl HandDrive {
     pub fn new(motor: &Motor, weights: [f64; 2]) -> Self {
         let Motor { actuation, no_load_speed_rad_s, brake, .. } = motor;
         Self { actuation: actuation.clone(), weights, no_load_speed: *no_load_speed_rad_s, brake: *brake }

@@ -4,7 +4,7 @@ use super::components::{
     ContactModel, ContactPair, FingerComponent, ObjectComponent, ShaftTorque, SignedIndex, finger_indices,
     object_indices, object_time_indices, phalanx_indices, scatter,
 };
-use super::forces::{ActiveContact, CONTACT_WORK, DRIVE_WORK, LoadSums};
+use super::forces::{CONTACT_WORK, ContactWithLaws, DRIVE_WORK, LoadSums};
 use super::frame::{Inertia, Inverse, inertial_force};
 use super::model::{FingerTerms, Multibody};
 use super::{FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame, normal_force_on_branch};
@@ -383,7 +383,7 @@ impl<const N: usize> LoadSums<N> for DerivativeSums<'_, N> {
     #[inline(never)]
     fn add_contact<const P: usize, const K: usize>(
         &mut self,
-        (index, contact, laws): ActiveContact<'_>,
+        (index, contact, laws): ContactWithLaws<'_>,
         kinematics: &ContactKinematics<Dual<P>, K>,
         (rates, bristle_state): (&[f64; K], Option<f64>),
         indices: &[SignedIndex; K],

@@ -54,7 +54,7 @@ pub(super) trait LoadSums<const N: usize> {
     /// Adds a contact with the coordinates `indices` at their rates; `bristle_state` is `None` without a bristle.
     fn add_contact<const P: usize, const K: usize>(
         &mut self,
-        contact: ActiveContact<'_>,
+        contact: ContactWithLaws<'_>,
         kinematics: &ContactKinematics<Self::Positions<P>, K>,
         state: (&[f64; K], Option<f64>),
         indices: &[SignedIndex; K],
@@ -85,7 +85,7 @@ pub(super) trait LoadSums<const N: usize> {
 }
 
 /// A contact with a force: its index, its data, and its laws.
-pub(super) type ActiveContact<'a> = (usize, &'a ContactModel, ContactLaws<'a>);
+pub(super) type ContactWithLaws<'a> = (usize, &'a ContactModel, ContactLaws<'a>);
 
 /// Loads on all coordinates and rates of all quadratures.
 struct Loads<'a, const N: usize> {
@@ -137,7 +137,7 @@ impl<const N: usize> LoadSums<N> for Loads<'_, N> {
     #[inline(always)]
     fn add_contact<const P: usize, const K: usize>(
         &mut self,
-        (index, contact, laws): ActiveContact<'_>,
+        (index, contact, laws): ContactWithLaws<'_>,
         kinematics: &ContactKinematics<f64, K>,
         (rates, bristle_state): (&[f64; K], Option<f64>),
         indices: &[SignedIndex; K],

@@ -1,6 +1,6 @@
 //! The constant data of a hand, and the layout of its coordinates.
 
-use super::components::{ContactModel, ContactPair, Drive, FingerComponent, ObjectComponent, Plane};
+use super::components::{ContactModel, ContactPair, FingerComponent, HandDrive, ObjectComponent, Plane};
 use super::{CONTACTS, FINGERS, GRASP_POSITIONS, QUADRATURES};
 use crate::analytic::closed_form::FingerModel;
 use crate::fivebar::dynamics::{InertialForces, Terms};
@@ -21,7 +21,7 @@ pub struct Multibody<const N: usize> {
     object: Option<ObjectComponent>,
     /// Contacts in the order of [`HandContact::ALL`]; `None` where the scene has no such surface.
     pub(super) contacts: [Option<ContactModel>; CONTACTS],
-    pub(super) drives: Vec<Drive>,
+    pub(super) drives: Vec<HandDrive>,
     /// Index of the brake's bristle among the rates, for each drive.
     pub(super) brake_bristles: Vec<Option<usize>>,
     /// All bristles, with their indices among the rates.
@@ -94,12 +94,12 @@ impl<const N: usize> Multibody<N> {
         let mut drives = Vec::new();
         for (side, finger) in hand.fingers_by_side() {
             let weights = if side == Side::Right { [1.0, 0.0] } else { [0.0, 1.0] };
-            drives.push(Drive::new(&finger.motor, weights));
+            drives.push(HandDrive::new(&finger.motor, weights));
             rotor_inertia[side as usize] = finger.motor.inertia_kg_m2;
         }
         let mut coupling = 0.0;
         if let Some(differential) = &hand.differential {
-            drives.push(Drive::new(&differential.motor, [0.5, 0.5]));
+            drives.push(HandDrive::new(&differential.motor, [0.5, 0.5]));
             let (input, seesaw) = (differential.motor.inertia_kg_m2, differential.seesaw_inertia_kg_m2);
             rotor_inertia.iter_mut().for_each(|inertia| *inertia += (input + seesaw) / 4.0);
             coupling = (input - seesaw) / 4.0;

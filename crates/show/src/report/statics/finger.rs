@@ -6,7 +6,7 @@ use super::super::named::Object;
 use super::{closure_document, closure_text, format_mu, millimetres};
 use crate::format::numbers::{format_number, row};
 use crate::format::report::{Report, ToReport, table, table_of};
-use crate::grasp::finger::{Drive, Forces, Grasp, SpringAtRest};
+use crate::grasp::finger::{DriveAtRest, Forces, Grasp, SpringAtRest};
 use crate::gripper::{Posture, SpringKind};
 use crate::statics::{Ejection, Equilibrium};
 
@@ -144,7 +144,7 @@ fn posture(Grasp { end, contacts: [proximal, distal], .. }: &Grasp) -> Report {
     Report::from(format!("final posture: {}\n", angles.join(", "))).with(table)
 }
 
-fn drive(drive: &Drive) -> String {
+fn drive(drive: &DriveAtRest) -> String {
     let milli = |torque_n_m: f64| number(torque_n_m * 1e3);
     let spring = drive.spring.map_or("no spring".to_string(), |at_rest| {
         let [kind, placement] = spring_names(&at_rest);
