@@ -186,7 +186,7 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
     }
 
     /// Commits all steps that end before or at time `t`, at most `t_end`. A step ends at `t_end`, the end of the run,
-    /// which must not change while a step is pending.
+    /// which must not change while a step is pending. Returns earlier if the observer suspends the advance.
     ///
     /// # Errors
     /// Returns an error if the integration cannot reach `t`, or if the observer ends it.
@@ -231,6 +231,9 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
             let result = run.commit(system, next, (linearised, found), t_end, observer);
             *pending = None;
             result.map_err(|reason| run.failure(reason))?;
+            if observer.suspends(&run.state, &run.mode, run.events.clearance) {
+                break;
+            }
         }
         Ok(())
     }
@@ -466,9 +469,11 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
             system.eval_events(&attempt.end.q, &attempt.end.v, &mode, &mut found.events);
             let events = &found.events;
             let clearance = |w: &EventSet<N>| (w.clearance, w.clearance_rate);
+            // A state beyond a singularity may not exist.
+            let nearest = if events.clearance.is_nan() { &state.q } else { &attempt.end.q };
             if events.clearance.is_nan() || may_have_passed(clearance(&self.events), clearance(events), size) {
                 if size < MIN_APPROACH_STEP_S {
-                    return Err(Reason::Obstacle(system.describe_obstacle(&attempt.end.q)));
+                    return Err(Reason::Obstacle(system.describe_obstacle(nearest)));
                 }
                 self.counters.rejected += 1;
                 h = APPROACH_CUT * size;
@@ -476,7 +481,7 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
             }
             if !system.is_mode_valid(size, &attempt.end.q, &attempt.end.v, &mode) {
                 if size < MIN_APPROACH_STEP_S {
-                    return Err(Reason::Obstacle(system.describe_obstacle(&attempt.end.q)));
+                    return Err(Reason::Obstacle(system.describe_obstacle(nearest)));
                 }
                 self.counters.rejected += 1;
                 h = INVALID_MODE_CUT * size;
@@ -497,7 +502,7 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
                     h = APPROACH_CUT * size;
                     continue;
                 }
-                Found::Obstacle => return Err(Reason::Obstacle(system.describe_obstacle(&found.attempt.end.q))),
+                Found::Obstacle => return Err(Reason::Obstacle(system.describe_obstacle(nearest))),
                 Found::Nothing | Found::Unresolved => {
                     found.resume_size = if reaches_stop { requested_size } else { size };
                     (found.size, found.event, found.reaches_stop) = (size, None, reaches_stop);

@@ -152,6 +152,14 @@ pub trait Observer<const N: usize, const Z: usize, M> {
     /// Called for each event, at the end of the step just reported. Several events may occur at the same time. `mode`
     /// is the mode after the event.
     fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &M);
+
+    /// Called before the next step, in the state, mode and clearance (of [`EventSet`](super::EventSet)) from which it starts.
+    /// Returning `true` suspends the advance, so that other equations can take over by
+    /// [`Integration::restart`](super::Integration::restart).
+    #[inline(always)]
+    fn suspends(&mut self, _state: &State<N, Z>, _mode: &M, _clearance: f64) -> bool {
+        false
+    }
 }
 
 impl<const N: usize, const Z: usize, M> Observer<N, Z, M> for () {
