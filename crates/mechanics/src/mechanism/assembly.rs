@@ -207,6 +207,12 @@ fn start_name(joint: &Joint) -> String {
     format!("the start of joint `{}`", joint.name)
 }
 
+/// Gradients of all joints and couplings by the scaled poses of all bodies.
+pub(super) fn all_gradients(mechanism: &Mechanism, poses: &[Pose]) -> Vec<(Condition, Vec<f64>)> {
+    let rows = Solver::new(mechanism).rows(poses).into_iter().map(|row| (row.condition, row.gradient));
+    rows.filter(|(condition, _)| !matches!(condition, Condition::Start(_))).collect()
+}
+
 /// Assembles a mechanism whose starts are independent of each other.
 fn assemble_independent(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
     let solver = Solver::new(mechanism);

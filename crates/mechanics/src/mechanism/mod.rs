@@ -16,6 +16,7 @@ pub mod structure;
 pub mod tendon;
 
 mod assembly;
+mod fold;
 mod mirror;
 mod outline;
 mod overlap;
@@ -30,6 +31,7 @@ use crate::palm_motion::{self, PalmMotion};
 pub use assembly::{
     AssemblyError, Condition, Measure, Start, assemble, constraint_gradients, coordinate_gradient, coordinate_in,
 };
+pub use fold::folded_joints;
 pub use mirror::Mirror;
 pub use outline::{
     ContactPair, ForcePoint, Outline, OutlineId, OutlinePoint, OutlineShape, PlaneArea, PointContact, rounded_core,

@@ -5,7 +5,11 @@
 //! group. All bodies with prescribed motion are in one group, whose first coordinate is time. Within a group, an
 //! independent coordinate opens a joint, a coupling gives the coordinate of a joint from other joints, and a dyad (two
 //! bodies with three joints) is placed by the intersection of two circles or lines. Nearly every planar linkage is a row
-//! of dyads after its driven joints. The search tries joints with a start, an actuator, a spring or a limit first.
+//! of dyads after its driven joints. The search tries joints with a start, an actuator, a spring or a limit first. Where
+//! these coordinates fail, because the joints of a dyad come into line, [`regroup`] searches others.
+
+use std::cell::{Cell, RefCell};
+use std::collections::HashSet;
 
 use super::{Mechanism, PrescribedMotion, Spring};
 
@@ -17,6 +21,13 @@ pub struct Group {
     pub placements: Vec<Placement>,
     /// Independent coordinates.
     pub coordinates: Vec<Coordinate>,
+}
+
+impl Group {
+    /// Number of dyads, which does not depend on the choice of the coordinates.
+    pub fn count_of_dyads(&self) -> usize {
+        self.placements.iter().filter(|placement| matches!(placement, Placement::Dyad { .. })).count()
+    }
 }
 
 /// An independent coordinate of a group.
@@ -107,6 +118,19 @@ pub fn find_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> 
     }
 }
 
+/// Largest number of partial placements that [`regroup`] extends: a group of twelve independent loops has about a hundred.
+const MAX_EXTENSIONS: usize = 2000;
+
+/// Returns a group with other coordinates, all of whose placements are accepted; `None` if there is none. Its coordinates
+/// are those of the group as far as possible, then as of [`find_groups`]. Number and layout of the coordinates are the same.
+pub fn regroup(mechanism: &Mechanism, group: &Group, accepts: &dyn Fn(&Placement) -> bool) -> Option<Group> {
+    let search =
+        Search { kept: &group.coordinates, accepts, ..Search::new(mechanism, |body| group.bodies.contains(&body)) };
+    let found = search.run().ok()?;
+    (found.coordinates.len() == group.coordinates.len() && found.count_of_dyads() == group.count_of_dyads())
+        .then_some(found)
+}
+
 /// Returns the first body of the group of each body.
 fn connected_bodies(mechanism: &Mechanism) -> Vec<usize> {
     let mut group_of: Vec<usize> = (0..mechanism.bodies.len()).collect();
@@ -135,6 +159,12 @@ struct Search<'a> {
     bodies: Vec<usize>,
     joints: Vec<usize>,
     couplings: Vec<usize>,
+    /// Coordinates that are tried first.
+    kept: &'a [Coordinate],
+    accepts: &'a dyn Fn(&Placement) -> bool,
+    /// Sets of placed joints that lead to no placement of all bodies.
+    failed: RefCell<HashSet<Vec<usize>>>,
+    extensions: Cell<usize>,
 }
 
 /// Part of a group that is placed so far.
@@ -155,6 +185,10 @@ impl<'a> Search<'a> {
             couplings: (0..mechanism.couplings.len())
                 .filter(|coupling| mechanism.couplings[*coupling].on.terms.iter().any(|(joint, _)| has_member(*joint)))
                 .collect(),
+            kept: &[],
+            accepts: &|_| true,
+            failed: RefCell::default(),
+            extensions: Cell::new(0),
         }
     }
 
@@ -181,6 +215,9 @@ impl<'a> Search<'a> {
     /// Places all bodies, from a part that is placed; `None` if this part leads to no placement of all.
     fn extend(&self, mut partial: Partial, furthest: &mut Partial) -> Option<Group> {
         while let Some(placement) = self.determined(&partial) {
+            if !(self.accepts)(&placement) {
+                return None;
+            }
             partial.add(placement);
         }
         if partial.joints.len() >= furthest.joints.len() {
@@ -202,7 +239,8 @@ impl<'a> Search<'a> {
         }
         let mut open: Vec<Attachment> =
             self.joints.iter().filter_map(|joint| self.attachment(&partial, *joint)).collect();
-        open.sort_by_key(|at| self.rank(at.joint));
+        let is_new = |at: &Attachment| !self.kept.contains(&Coordinate::Joint(at.joint));
+        open.sort_by_key(|at| (is_new(at), self.rank(at.joint)));
         if open.is_empty() {
             let index = *self.bodies.iter().find(|body| !partial.is_placed(Some(**body)))?;
             let (first, body) = (partial.group.coordinates.len(), &self.mechanism.bodies[index]);
@@ -211,12 +249,24 @@ impl<'a> Search<'a> {
             partial.add(Placement::Free { body: index, first, axes });
             return self.extend(partial, furthest);
         }
-        open.into_iter().find_map(|at| {
+        // The order in which joints were placed has no effect on what is left.
+        let mut placed = partial.joints.clone();
+        placed.sort_unstable();
+        if !self.kept.is_empty() && (self.failed.borrow().contains(&placed) || self.extensions.get() >= MAX_EXTENSIONS)
+        {
+            return None;
+        }
+        self.extensions.set(self.extensions.get() + 1);
+        let found = open.into_iter().find_map(|at| {
             let mut next = partial.clone();
             next.group.coordinates.push(Coordinate::Joint(at.joint));
             next.add(Placement::Joint { at, coordinate: Source::Coordinate(next.group.coordinates.len() - 1) });
             self.extend(next, furthest)
-        })
+        });
+        if found.is_none() {
+            self.failed.borrow_mut().insert(placed);
+        }
+        found
     }
 
     /// Returns the group, if the placement of every body that does not rotate keeps its angle.
