@@ -40,7 +40,8 @@ pub(super) struct Level<M, const N: usize, const Z: usize> {
 /// A parameter with its neighbours at decreasing steps, built when they are first used.
 pub(super) struct Neighbours<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
     pub parameter: TangentParameter<'a>,
-    /// Mode at the start, which neighbours must share.
+    /// Kernel and mode at the start; neighbours must have the same coordinates and mode.
+    pub kernel: M,
     pub start_mode: M::Mode,
     pub levels: [OnceCell<Result<Level<M, N, Z>, String>>; LEVELS],
     /// Derivatives of the last and the next time at which the right-hand side is discontinuous.
@@ -62,9 +63,9 @@ impl KernelUser for Erase {
 }
 
 impl<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'a, M, N, Z> {
-    pub fn new(parameter: TangentParameter<'a>, start_mode: M::Mode) -> Self {
+    pub fn new(parameter: TangentParameter<'a>, kernel: M, start_mode: M::Mode) -> Self {
         let levels = [const { OnceCell::new() }; LEVELS];
-        Self { parameter, start_mode, levels, discontinuities: [0.0; 2] }
+        Self { parameter, kernel, start_mode, levels, discontinuities: [0.0; 2] }
     }
 
     /// Returns the neighbours at a step.
@@ -83,6 +84,9 @@ impl<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'a, M, N, Z
                 let erased = with_kernel(&scene_at(value)?, Erase).map_err(|error| error.to_string())?;
                 let built = erased.downcast::<(M, State<N, Z>)>().map_err(|_| other())?;
                 let (kernel, start) = *built;
+                if !kernel.has_coordinates_of(&self.kernel) {
+                    return Err(other());
+                }
                 let start_mode = kernel.mode_at(0.0, &start.q, &start.v);
                 if (0..counts.contacts)
                     .map(|contact| kernel.contact_index(contact))

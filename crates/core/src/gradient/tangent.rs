@@ -94,7 +94,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
         let (mut sample, mut history) = (Sample::new(0.0, counts), M::History::default());
         kernel.read((&state, &mode), &Energy::default(), RequiredData::EVALUATION, &mut history, &mut sample);
         let neighbours: Vec<Neighbours<'a, M, N, Z>> =
-            parameters.iter().map(|parameter| Neighbours::new(*parameter, mode)).collect();
+            parameters.iter().map(|parameter| Neighbours::new(*parameter, start.kernel.clone(), mode)).collect();
         let column = |neighbours: &Neighbours<'a, M, N, Z>| -> Column<N, Z> {
             let Level { pairs, h } = neighbours.level(0, counts)?;
             let quotient = |of: &dyn Fn(&State<N, Z>) -> f64| {

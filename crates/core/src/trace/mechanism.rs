@@ -50,7 +50,7 @@ fn too_large(mechanism: &Mechanism, size: &MechanismSize) -> String {
     let MechanismSize { coordinates, group, contacts, actuators, counts } = *size;
     if counts > LARGEST.counts {
         return format!(
-            "the mechanism has {counts} dyads on two pins; the analytic model counts the turns of up to {}: simulate with \
+            "the mechanism has {counts} dyads; the analytic model counts the turns of up to {}: simulate with \
              `--model engine`, which takes any number",
             LARGEST.counts
         );
@@ -157,5 +157,18 @@ where
         (state, mode): (&mut State<N, Z>, &mut MechanismMode<C>),
     ) {
         self.set_input(index, input, t, (&mut state.q, &mut state.v), mode);
+    }
+
+    fn conditioning(&self, state: &State<N, Z>, mode: &MechanismMode<C>) -> f64 {
+        self.conditioning((&state.q, &state.v), mode)
+    }
+
+    fn exchanged(&self, state: &State<N, Z>, mode: &MechanismMode<C>) -> Option<(Self, State<N, Z>, MechanismMode<C>)> {
+        let (kernel, (q, v), mode) = self.exchanged((&state.q, &state.v), mode)?;
+        Some((kernel, State { q, v, ..*state }, mode))
+    }
+
+    fn has_coordinates_of(&self, other: &Self) -> bool {
+        self.has_coordinates_of(other)
     }
 }

@@ -51,6 +51,23 @@ pub(crate) trait Kernel<const N: usize, const Z: usize>:
 
     /// Replaces the input of an actuator from time `t` on; state and mode follow where they depend on inputs.
     fn set_input(&mut self, index: usize, input: Profile, t: f64, state: (&mut State<N, Z>, &mut Self::Mode));
+
+    /// How well the coordinates are conditioned in a state: at most 1, and 0 where they fail. At least the clearance of the
+    /// integrator.
+    fn conditioning(&self, _state: &State<N, Z>, _mode: &Self::Mode) -> f64 {
+        f64::INFINITY
+    }
+
+    /// The kernel in coordinates that are much better conditioned in a state, with this state and its mode; `None` if there
+    /// are none.
+    fn exchanged(&self, _state: &State<N, Z>, _mode: &Self::Mode) -> Option<(Self, State<N, Z>, Self::Mode)> {
+        None
+    }
+
+    /// Whether the states of another kernel of the same type have the same coordinates.
+    fn has_coordinates_of(&self, _other: &Self) -> bool {
+        true
+    }
 }
 
 /// A scene in its kernel of the analytic model, at its start.

@@ -8,6 +8,7 @@ use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::reading::Kernel;
 use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
+use crate::analytic::mechanism::EXCHANGE_SINE;
 use crate::integrator::{Observer, State, Step, StepTools, System};
 
 /// Interior of one step: its mode, states inside it, and the normal impulses at the last sample.
@@ -110,6 +111,10 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     threshold_n: Option<f64>,
     peaks: StepExtrema<Reason>,
     history: R::History,
+    /// Conditioning of the coordinates below which others are searched.
+    exchange_below: f64,
+    /// Whether the advance is suspended, so that other coordinates can take over.
+    is_suspended: bool,
 }
 
 impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
@@ -143,7 +148,26 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
             threshold_n,
             peaks: StepExtrema::default(),
             history,
+            exchange_below: EXCHANGE_SINE,
+            is_suspended: false,
         }
+    }
+
+    /// Whether the advance is suspended; it continues with this call.
+    pub fn take_suspended(&mut self) -> bool {
+        std::mem::take(&mut self.is_suspended)
+    }
+
+    /// Continues in other coordinates, in which this is the state at the end of the last step.
+    pub fn exchange(&mut self, state: &State<N, Z>, mode: R::Mode) {
+        (self.last_state, self.last_mode, self.mode) = (*state, mode, mode);
+        self.exchange_below = EXCHANGE_SINE;
+    }
+
+    /// Continues in the same coordinates, because no others are much better; others are searched again at half of this
+    /// conditioning.
+    pub fn keep(&mut self, conditioning: f64) {
+        self.exchange_below = 0.5 * conditioning;
     }
 
     /// Reads a state inside a step at time `t`, with all its data.
@@ -460,5 +484,18 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
         if let Err(error) = self.sink.event(&event.at(t, contact)) {
             self.error.get_or_insert(error);
         }
+    }
+
+    #[inline(always)]
+    fn suspends(&mut self, state: &State<N, Z>, mode: &R::Mode, clearance: f64) -> bool {
+        // Nearly always; the conditioning is at least the clearance.
+        if clearance >= EXCHANGE_SINE {
+            self.state.exchange_below = EXCHANGE_SINE;
+            return false;
+        }
+        // Derivatives are not carried over.
+        self.state.is_suspended =
+            self.observer.is_none() && self.kernel.conditioning(state, mode) < self.state.exchange_below;
+        self.state.is_suspended
     }
 }

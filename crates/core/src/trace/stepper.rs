@@ -5,7 +5,7 @@ use super::reading::{Kernel, Start};
 use super::recorder::{Recorder, RecorderState, StepObserver};
 use super::{Outcome, Sample, Sink, SinkError, Work};
 use crate::drive::Profile;
-use crate::integrator::{self, Counters, Failure, Hybrid, Integration, Options, RadauOrRodas, Tolerances};
+use crate::integrator::{self, Counters, Failure, Hybrid, Integration, Options, RadauOrRodas, Reason, Tolerances};
 use crate::scene::{Integrator, Method};
 
 /// Reason why a stepper did not advance.
@@ -81,10 +81,18 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> AnalyticSte
         sink: &mut dyn Sink,
         observer: Option<&mut StepObserver<'_, M, N, Z>>,
     ) -> Result<(), Interruption> {
-        let mut recorder = Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, observer, error: None };
+        let has_observer = observer.is_some();
+        let mut observer = observer;
         loop {
             let end_s = f64::from(self.durations) * self.duration_s;
             let until_s = t.min(end_s);
+            let mut recorder = Recorder {
+                kernel: &self.kernel,
+                sink: &mut *sink,
+                state: &mut self.recorder,
+                observer: observer.as_deref_mut(),
+                error: None,
+            };
             let result = match exact {
                 true => self.integration.advance_exactly(&self.kernel, until_s, end_s, &mut recorder),
                 false => self.integration.advance(&self.kernel, until_s, end_s, &mut recorder),
@@ -92,14 +100,45 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> AnalyticSte
             if let Some(error) = recorder.error.take() {
                 return Err(error.into());
             }
-            result?;
+            result.map_err(|failure| if has_observer { self.without_exchange(failure) } else { failure })?;
+            if self.recorder.take_suspended() {
+                self.exchange();
+                continue;
+            }
             if t <= end_s {
                 return Ok(());
             }
             self.durations += 1;
         }
     }
+
+    /// Continues from the end of the last step in other coordinates, if some are much better conditioned there.
+    fn exchange(&mut self) {
+        let (state, mode) = (self.integration.state(), self.integration.mode());
+        match self.kernel.exchanged(state, mode) {
+            None => self.recorder.keep(self.kernel.conditioning(state, mode)),
+            Some((kernel, state, mode)) => {
+                self.kernel = kernel;
+                self.recorder.exchange(&state, mode);
+                self.integration.restart(&self.kernel, state, mode);
+            }
+        }
+    }
+
+    /// The failure of a run with derivatives, which are not carried over to other coordinates.
+    fn without_exchange(&self, failure: Failure) -> Failure {
+        let is_obstacle = matches!(failure.reason, Reason::Obstacle(_));
+        if is_obstacle && self.kernel.exchanged(self.integration.state(), self.integration.mode()).is_some() {
+            let reason = Reason::Obstacle(format!("{NO_DERIVATIVES} ({})", failure.reason));
+            return Failure { reason, ..failure };
+        }
+        failure
+    }
 }
+
+/// Why a run with derivatives ends where another one goes on.
+const NO_DERIVATIVES: &str = "derivatives end where the model exchanges its coordinates: give a joint a `start` whose \
+     coordinate lasts for the whole run, or shorten the run";
 
 impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Stepper for AnalyticStepper<M, N, Z> {
     fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), SinkError> {

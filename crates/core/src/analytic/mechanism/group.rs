@@ -16,6 +16,7 @@ use crate::numeric::elementary::atan2;
 use crate::numeric::plane::{cross, dot, nearest_equivalent_angle, sub};
 use crate::numeric::{Dual, Real};
 use crate::scene;
+use std::ops::Range;
 
 /// Stiffness, damping and inertia on a combination of joint coordinates: Q = preload − k (q − rest) − d q̇ − I q̈.
 #[derive(Clone, Debug)]
@@ -49,6 +50,8 @@ pub(super) struct PlacedGroup {
     pub first: usize,
     /// Whether the equations are written in the frame of a moving palm, so that the prescribed motion is that of the world.
     pub is_in_palm_frame: bool,
+    /// Index of the first count of turns of the group, which has one for each dyad.
+    first_count: usize,
 }
 
 impl PlacedGroup {
@@ -59,10 +62,7 @@ impl PlacedGroup {
         (first, first_count): (usize, usize),
         poses: &[Pose],
     ) -> Self {
-        let mut motions = Motions::<f64, K>::new(mechanism);
-        for (motion, pose) in motions.bodies.iter_mut().zip(poses) {
-            *motion = BodyMotion::at(*pose, [0.0; 3]);
-        }
+        let motions = motions_at::<K>(mechanism, poses);
         let mut count = first_count;
         let mode = |placement: &Placement| {
             let Placement::Dyad { outer, inner } = placement else { return None };
@@ -70,7 +70,7 @@ impl PlacedGroup {
             let coordinates = joints.map(|joint| joint_coordinate(joint, |body| motions.body(body).placed()));
             let bases = pair(|k| motions.body(outer[k].base));
             let of_ranges = mode_at_start(mechanism, (outer, *inner), &motions, count);
-            count += usize::from(of_ranges.line.is_some());
+            count += 1;
             let ranges = pair(|k| motions.bodies[outer[k].body].angle);
             let distance = |sign: f64| {
                 let mode = AssemblyMode { sign, ..of_ranges };
@@ -132,7 +132,13 @@ impl PlacedGroup {
             group,
             first,
             is_in_palm_frame: false,
+            first_count,
         }
+    }
+
+    /// Indices of the counts of turns of the group.
+    pub fn counts(&self) -> Range<usize> {
+        self.first_count..self.first_count + self.group.count_of_dyads()
     }
 
     /// Whether the group contains bodies with prescribed motion: its first coordinate is time.
@@ -419,12 +425,13 @@ impl PlacedGroup {
     }
 }
 
-/// Number of counts of turns of a group: of dyads without an outer joint that slides.
-pub(super) fn count_of_turns(group: &Group, mechanism: &Mechanism) -> usize {
-    let is_pin = |at: &Attachment| mechanism.joints[at.joint].kind.is_angle();
-    let is_counted =
-        |placement: &&Placement| matches!(placement, Placement::Dyad { outer, .. } if outer.iter().all(is_pin));
-    group.placements.iter().filter(is_counted).count()
+/// Motions of bodies at rest in these poses.
+pub(super) fn motions_at<const K: usize>(mechanism: &Mechanism, poses: &[Pose]) -> Motions<f64, K> {
+    let mut motions = Motions::<f64, K>::new(mechanism);
+    for (motion, pose) in motions.bodies.iter_mut().zip(poses) {
+        *motion = BodyMotion::at(*pose, [0.0; 3]);
+    }
+    motions
 }
 
 /// Coordinates and rates of a group in assembled poses.

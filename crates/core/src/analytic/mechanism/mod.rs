@@ -5,9 +5,11 @@
 mod actuator;
 mod bounds;
 mod cable;
+mod conditioning;
 mod dyad;
 mod dynamics;
 mod events;
+mod exchange;
 mod factor;
 mod free;
 mod gaps;
@@ -21,5 +23,6 @@ mod palm_frame;
 mod reading;
 mod tendon;
 
+pub(crate) use conditioning::EXCHANGE_SINE;
 pub use joint_forces::{JointForce, JointForces};
 pub use model::{MechanismMode, MechanismModel, MechanismSize};

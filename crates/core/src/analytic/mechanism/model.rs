@@ -5,9 +5,10 @@ use std::cell::RefCell;
 use super::actuator::{MAX_ACTUATORS, Ranges, range};
 use super::bounds::MechanismBounds;
 use super::cable::Cable;
+use super::conditioning::conditioned_groups;
 use super::factor::Factor;
 use super::free::{FreeBody, center_frame, free_body, is_round};
-use super::group::{PlacedGroup, count_of_turns, start_of};
+use super::group::{PlacedGroup, start_of};
 use super::motion::Motions;
 use super::nearest::{Face, Feature, PointOnFace};
 use super::palm_frame::{exchange_ground, palm_of_frame};
@@ -152,7 +153,7 @@ pub struct MechanismSize {
     /// Contacts, limits, elastic tendons, and joints with friction.
     pub contacts: usize,
     pub actuators: usize,
-    /// Dyads whose turns are counted, at most as many as contacts.
+    /// Dyads, each with a count of its turns; at most as many as contacts. It does not depend on the coordinates.
     pub counts: usize,
 }
 
@@ -185,7 +186,7 @@ impl MechanismSize {
                 + elastic_tendons(mechanism).count()
                 + joint_frictions(mechanism).count(),
             actuators: mechanism.actuators.len(),
-            counts: linked().map(|group| count_of_turns(group, mechanism)).sum(),
+            counts: linked().map(Group::count_of_dyads).sum(),
         }
     }
 
@@ -256,6 +257,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             center_frame(&mut mechanism, body, (&mut poses, &mut rates));
         }
         let (poses, rates) = (&poses[..], &rates[..]);
+        let found = conditioned_groups::<K>(&mechanism, found, poses);
         let size = MechanismSize::with_groups(&mechanism, &found);
         let capacity = MechanismSize { coordinates: N, group: K, contacts: C, actuators: MAX_ACTUATORS, counts: C };
         assert!(size.fits(&capacity), "{size:?} exceeds {capacity:?}");
@@ -274,7 +276,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 let is_round = reported_origins[body] == [0.0; 2] && is_round(&mechanism, body);
                 free_bodies.push(FreeBody { body, first, axes, is_round, angle_rad: poses[body][2], mobility, weight });
             } else {
-                let counts = groups.iter().map(|placed: &PlacedGroup| count_of_turns(&placed.group, &mechanism)).sum();
+                let counts = groups.last().map_or(0, |placed: &PlacedGroup| placed.counts().end);
                 let mut placed = PlacedGroup::new::<K>(&mechanism, group, (first, counts), poses);
                 placed.is_in_palm_frame = world.is_some();
                 placed
@@ -338,7 +340,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             body.mass_kg *= f64::from(moves);
             body.inertia_kg_m2 = if rotates { body.inertia_kg_m2 } else { 0.0 };
         }
-        let counts = groups.iter().map(|group| count_of_turns(&group.group, &mechanism)).sum();
+        let counts = groups.last().map_or(0, |placed| placed.counts().end);
         let workspace = Workspace {
             state: None,
             motions: Motions { counts: vec![0; counts], ..Motions::new(&mechanism) },
@@ -384,6 +386,19 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     pub fn contact_count(&self) -> usize {
         self.contacts.len()
+    }
+
+    /// Replaces a group by one with other coordinates, in poses in which its turns are counted anew.
+    pub(super) fn replace_group(&mut self, index: usize, group: Group, poses: &[Pose]) {
+        let old = &self.groups[index];
+        old.joints.iter().for_each(|joint| self.dyad_of[*joint] = None);
+        let mut placed = PlacedGroup::new::<K>(&self.mechanism, group, (old.first, old.counts().start), poses);
+        placed.is_in_palm_frame = self.world.is_some();
+        for (placement, joint) in placed.joints_on_demand(&self.mechanism) {
+            self.dyad_of[joint] = Some((index, placement));
+        }
+        self.groups[index] = placed;
+        self.workspace.get_mut().state = None;
     }
 
     /// Replaces the effort of an actuator over time, or the target of a servo, from time `t` on. The ranges of the mode

@@ -1,0 +1,109 @@
+//! Exchange of coordinates. The coordinates of a group fail where the joints of a dyad come into line, although the
+//! mechanism may be regular in others: a crank that is driven from its slider passes its dead centre. Then others take over.
+
+use super::conditioning::{better_group, smallest_sine};
+use super::group::PlacedGroup;
+use super::model::{MechanismMode, MechanismModel};
+use super::motion::Motions;
+use crate::mechanism::structure::{Coordinate, Group};
+use crate::mechanism::{Mechanism, Pose, folded_joints};
+use crate::numeric::elementary::atan2;
+
+/// Coordinates and rates of the model with other coordinates, and its mode.
+type Exchanged<M, const N: usize, const C: usize> = (M, ([f64; N], [f64; N]), MechanismMode<C>);
+
+impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+    /// Smallest |sine| of the transmission angles of all dyads.
+    pub fn conditioning(&self, state: (&[f64; N], &[f64; N]), mode: &MechanismMode<C>) -> f64 {
+        self.count_turns_as(mode);
+        self.with_motions(state, |motions| {
+            let sines = self.groups.iter().map(|group| smallest_sine(&self.mechanism, &group.group, motions));
+            sines.fold(f64::INFINITY, f64::min)
+        })
+    }
+
+    /// The mechanism with the infinite inertia of bodies that do not rotate, which the model replaces.
+    fn as_described(&self) -> Mechanism {
+        let mut mechanism = self.mechanism.clone();
+        for (body, moves) in mechanism.bodies.iter_mut().zip(&self.moves_by_forces) {
+            if body.motion.is_none() && !moves[2] {
+                body.inertia_kg_m2 = f64::INFINITY;
+            }
+        }
+        mechanism
+    }
+
+    /// Describes the singularity of a dyad: a fold of the mechanism, or a failure of all choices of coordinates. `bends` is
+    /// the inner joint of the dyad, and `in_line` its joints.
+    pub(super) fn describe_singularity(
+        &self,
+        motions: &Motions<f64, K>,
+        (in_line, bends): ([usize; 3], usize),
+    ) -> String {
+        let bodies = motions.bodies[..self.mechanism.bodies.len()].iter();
+        let pose = |[x, y]: [f64; 2], [cos, sin]: [f64; 2]| [x, y, atan2(sin, cos)];
+        let poses: Vec<Pose> = bodies.map(|body| pose(body.origin, body.direction)).collect();
+        let name = |joint: &usize| &self.mechanism.joints[*joint].name[..];
+        let list = |joints: &[usize]| match joints {
+            [joints @ .., last] if !joints.is_empty() => {
+                format!("{} and {}", joints.iter().map(name).collect::<Vec<_>>().join(", "), name(last))
+            }
+            joints => joints.iter().map(name).collect(),
+        };
+        match folded_joints(&self.as_described(), &poses) {
+            Some(folded) => format!(
+                "singular configuration: the joints {} are in line, and the mechanism can go on in two ways: {} bends to either \
+                 side. Give one of these joints a stop (`lower` or `upper`) before this posture, start with a motion that does \
+                 not reach it, or simulate with `--model engine`, which takes one of both ways",
+                list(&folded),
+                name(&bends)
+            ),
+            None => format!(
+                "singular configuration: the joints {} are in line, and the loop is no row of dyads in other coordinates: \
+                 simulate with `--model engine`, or give one of these joints a stop (`lower` or `upper`) before this posture",
+                list(&in_line)
+            ),
+        }
+    }
+
+    /// Whether both models have the same coordinates.
+    pub fn has_coordinates_of(&self, other: &Self) -> bool {
+        self.groups.len() == other.groups.len()
+            && self.groups.iter().zip(&other.groups).all(|(own, other)| own.group == other.group)
+    }
+
+    /// The model in coordinates that are much better conditioned in a state, with coordinates, rates and mode of that state.
+    /// Bristle states and the laws of contacts and actuators stay as they are; turns are counted from here on.
+    pub fn exchanged(&self, (q, v): (&[f64; N], &[f64; N]), mode: &MechanismMode<C>) -> Option<Exchanged<Self, N, C>> {
+        self.count_turns_as(mode);
+        let mechanism = self.as_described();
+        let (found, joints, poses) = self.with_angles((q, v), |motions| {
+            let better = |(index, placed): (usize, &PlacedGroup)| {
+                Some((index, better_group(&mechanism, &placed.group, motions)?))
+            };
+            let found: Vec<(usize, Group)> = self.groups.iter().enumerate().filter_map(better).collect();
+            let joints: Vec<(f64, f64)> = motions.joints.iter().map(|joint| (joint.coordinate, joint.rate)).collect();
+            let bodies = motions.bodies.iter();
+            let poses: Vec<Pose> = bodies.map(|body| [body.origin[0], body.origin[1], body.angle]).collect();
+            (found, joints, poses)
+        });
+        if found.is_empty() {
+            return None;
+        }
+        let (mut next, mut next_mode, mut state) = (self.clone(), *mode, (*q, *v));
+        for (index, group) in found {
+            let old = &self.groups[index];
+            for (i, coordinate) in group.coordinates.iter().enumerate() {
+                let kept = old.group.coordinates.iter().position(|other| other == coordinate);
+                (state.0[old.first + i], state.1[old.first + i]) = match (coordinate, kept) {
+                    (_, Some(kept)) => (q[old.first + kept], v[old.first + kept]),
+                    (Coordinate::Joint(joint), None) => joints[*joint],
+                    (Coordinate::Body(..) | Coordinate::Time, None) => return None,
+                };
+            }
+            next_mode.counts[old.counts()].fill(0);
+            next.replace_group(index, group, &poses);
+        }
+        Some((next, state, next_mode))
+    }
+}
