@@ -188,6 +188,64 @@ fn five_bar(random: &mut Random, crank: f64) -> Mechanism {
     Mechanism { bodies, joints, ..Mechanism::default() }
 }
 
+/// A four-bar with two more bodies between the ground and its rocker (Watt's six-bar) or its coupler (Stephenson's), the
+/// second one a link or a slider. Where both come into line, the crank may turn back.
+fn six_bar(random: &mut Random, crank: f64) -> (&'static str, Mechanism) {
+    let mut mechanism = four_bar(random, crank);
+    let is_watt = random.chance(0.5);
+    let base = if is_watt { 2 } else { 1 };
+    let [x, y, turn] = mechanism.bodies[base].pose;
+    let point = [random.within(0.02, 0.05), random.within(-0.02, 0.02)];
+    let from = [x + point[0] * turn.cos() - point[1] * turn.sin(), y + point[0] * turn.sin() + point[1] * turn.cos()];
+    let (a, b) = (random.within(0.06, 0.1), random.within(0.06, 0.1));
+    let distance = random.within(0.4, 0.8) * (a + b);
+    let [dx, dy] = polar(distance, random.within(-PI, PI));
+    let pivot = [from[0] + dx, from[1] + dy];
+    let end = apex([from, pivot], [a, b], random.choose(&[1.0, -1.0]));
+    let link = mechanism.bodies.len();
+    mechanism.bodies.push(body("link", random, a, [from[0], from[1], angle(from, end)]));
+    let pin = JointKind::Revolute;
+    mechanism.joints.push(joint("knee", pin, [Some(base), Some(link)], [point, [0.0; 2]]));
+    if random.chance(0.3) {
+        // The axis is at least 60° off the link.
+        let axis_rad = angle(from, end) + random.within(-PI, PI) / 3.0;
+        mechanism.bodies.push(Body { com_m: [0.0; 2], ..body("output", random, 0.02, [end[0], end[1], 0.0]) });
+        mechanism.joints.push(joint("wrist", pin, [Some(link), Some(link + 1)], [[a, 0.0], [0.0; 2]]));
+        let slide = JointKind::Prismatic { axis_rad };
+        mechanism.joints.push(joint("output", slide, [None, Some(link + 1)], [end, [0.0; 2]]));
+    } else {
+        mechanism.bodies.push(body("output", random, b, [pivot[0], pivot[1], angle(pivot, end)]));
+        mechanism.joints.push(joint("wrist", pin, [Some(link), Some(link + 1)], [[a, 0.0], [b, 0.0]]));
+        mechanism.joints.push(joint("output", pin, [None, Some(link + 1)], [pivot, [0.0; 2]]));
+    }
+    (if is_watt { "six-bar of Watt" } else { "six-bar of Stephenson" }, mechanism)
+}
+
+/// Returns a slider-crank, a four-bar or a six-bar, assembled, without a start, and the rate of its crank.
+pub fn random_linkage(seed: u64) -> (&'static str, Mechanism, f64) {
+    let mut random = Random::for_seed(seed ^ 0x5eed);
+    let crank = random.within(-PI, PI);
+    let (kind, mut mechanism) = match seed % 3 {
+        0 => ("slider-crank", slider_crank(&mut random, crank)),
+        1 => ("four-bar", four_bar(&mut random, crank)),
+        _ => six_bar(&mut random, crank),
+    };
+    let rate = random.within(20.0, 60.0) * random.choose(&[1.0, -1.0]);
+    let started = with_start(&mechanism, 0, crank, rate);
+    let start = assemble(&started).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+    for (body, pose) in mechanism.bodies.iter_mut().zip(&start.poses) {
+        body.pose = *pose;
+    }
+    (kind, mechanism, rate)
+}
+
+/// A mechanism with a start of a joint.
+pub fn with_start(mechanism: &Mechanism, joint: usize, value: f64, rate: f64) -> Mechanism {
+    let mut mechanism = mechanism.clone();
+    (mechanism.joints[joint].start, mechanism.joints[joint].start_rate) = (Some(value), rate);
+    mechanism
+}
+
 /// Number of joints on which the loops of [`random_loop`] can have their start and their component.
 const JOINTS: usize = 4;
 

@@ -10,6 +10,7 @@ mod budget;
 mod campaign;
 mod check;
 mod criteria;
+mod exchange;
 mod fates;
 mod grippers;
 mod hard_grippers;
