@@ -10,7 +10,7 @@ use phalanx::mechanism::{JointKind, Mechanism, assemble};
 use phalanx::scene::{Integrator, Method, Preset, Scene, parse_any};
 use phalanx::trace::{self, Model, Sample, Simulation};
 
-/// A crank that is driven from its slider, at 60 rad/s; it passes its dead centres every 52 ms.
+/// A crank that is driven from its slider, at 40 rad/s; it passes its dead centres every 79 ms.
 const DRIVEN_FROM_SLIDER: &str = r#"
 kind = "mechanism"
 duration = "400 ms"
@@ -102,7 +102,7 @@ fn a_crank_that_is_driven_from_its_slider_turns_as_one_with_its_own_start() {
     let joints = &mut own.mechanism.as_mut().expect("a mechanism").joints;
     for joint in joints.iter_mut() {
         let is_crank = joint.name == "crank";
-        (joint.start, joint.start_rate) = (is_crank.then_some(0.3), if is_crank { 60.0 } else { 0.0 });
+        (joint.start, joint.start_rate) = (is_crank.then_some(0.3), if is_crank { 40.0 } else { 0.0 });
     }
     let ends = [&scene, &own].map(crank_at_end);
     // The rate of the slider in the scene has 16 digits, its angle to the crank 1e-14.
@@ -130,7 +130,7 @@ fn bristles_and_energies_are_carried_over() {
     let own = {
         let text = DRIVEN_FROM_SLIDER
             .replace("start = \"128.26632453269496 mm\"\nstart_rate = \"-0.4566616861689646 m/s\"\n", "");
-        let crank = "[joints.crank]\nstart = \"0.3 rad\"\nstart_rate = \"60 rad/s\"\n";
+        let crank = "[joints.crank]\nstart = \"0.3 rad\"\nstart_rate = \"40 rad/s\"\n";
         with_friction(parse(&text.replace("[joints.crank]\n", crank)))
     };
     let [with_slider, with_crank] = [&scene, &own].map(run_to_end);
@@ -146,7 +146,8 @@ fn bristles_and_energies_are_carried_over() {
 #[test]
 fn simulations_and_their_copies_exchange_coordinates() {
     let scene = parse(DRIVEN_FROM_SLIDER);
-    let last = run_to_end(&scene).0.last;
+    let (_, run) = run_to_end(&scene);
+    let last = run.samples.last().expect("a sample");
     let mut simulation = Simulation::new(&scene, Model::Analytic).unwrap_or_else(|error| panic!("{error}"));
     let mut saved = simulation.clone();
     for piece in 1..=200 {
@@ -155,11 +156,11 @@ fn simulations_and_their_copies_exchange_coordinates() {
             saved = simulation.clone();
         }
     }
-    assert_eq!(simulation.sample(), &last);
+    assert_eq!(simulation.sample(), last);
     simulation.restore(&saved).unwrap_or_else(|error| panic!("{error}"));
     assert!(simulation.time_s() < 0.15);
     simulation.advance_to(0.4).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(simulation.sample(), &last);
+    assert_eq!(simulation.sample(), last);
 }
 
 #[test]

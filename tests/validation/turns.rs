@@ -68,20 +68,16 @@ struct Found {
     jump: f64,
     /// Largest number of turns of a joint.
     turns: f64,
-    end: Option<String>,
 }
 
-/// Compares both models of a loop at all samples up to the end of the analytic one; one that ends at a dead centre is
-/// compared before it.
+/// Compares both models of a loop at all samples.
 fn compare(of: &RandomLoop) -> Found {
     let scene = scene(&of.mechanism, of.duration_s);
     let (analytic, end) = run(Model::Analytic, &scene);
     let (engine, engine_end) = run(Model::Engine, &scene);
-    assert!(engine_end.is_none(), "{}: {engine_end:?}", of.description);
-    let last_s = analytic.last().map_or(0.0, |sample| sample.time_s);
-    let until_s = if end.is_some() { 0.9 * last_s } else { last_s };
+    assert!(end.is_none() && engine_end.is_none(), "{}: {end:?}, engine {engine_end:?}", of.description);
     let mut difference = 0.0f64;
-    for sample in analytic.iter().filter(|sample| sample.time_s <= until_s) {
+    for sample in &analytic {
         let index = engine.partition_point(|other| other.time_s < sample.time_s - 1e-9);
         let Some(other) = engine.get(index).filter(|other| other.time_s < sample.time_s + 1e-9) else { continue };
         let of_joints = [sample, other].map(|sample| coordinates(&of.mechanism, sample));
@@ -94,21 +90,16 @@ fn compare(of: &RandomLoop) -> Found {
         difference,
         jump: largest_jump(&of.mechanism, &analytic).max(largest_jump(&of.mechanism, &engine)),
         turns: largest_difference(&first, &last) / TAU,
-        end,
     }
 }
 
-/// Compares loops with these seeds; returns how many ended early, and the largest difference and turns.
-fn compare_all(seeds: impl Iterator<Item = u64>) -> (usize, f64, f64) {
-    let (mut ended, mut largest, mut turns) = (0, 0.0f64, 0.0f64);
+/// Compares loops with these seeds; returns the largest difference and turns.
+fn compare_all(seeds: impl Iterator<Item = u64>) -> (f64, f64) {
+    let (mut largest, mut turns) = (0.0f64, 0.0f64);
     let mut failures = Vec::new();
     for seed in seeds {
         let of = random_loop(seed);
         let found = compare(&of);
-        if let Some(end) = &found.end {
-            assert!(end.contains("singular configuration"), "seed {seed}, {}: {end}", of.description);
-            ended += 1;
-        }
         if !(found.difference < 2e-3 && found.jump < 1.0) {
             let Found { difference, jump, .. } = found;
             failures.push(format!("seed {seed}, {}: {difference:e}, jump {jump:e}", of.description));
@@ -116,14 +107,14 @@ fn compare_all(seeds: impl Iterator<Item = u64>) -> (usize, f64, f64) {
         (largest, turns) = (largest.max(found.difference), turns.max(found.turns));
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
-    (ended, largest, turns)
+    (largest, turns)
 }
 
 /// Slider-cranks, four-bars, swinging guides and five-bars, with stops, springs, couplings, spools and servos.
 #[test]
 fn random_loops_turn_alike_in_both_models() {
-    let (ended, _, turns) = compare_all((0..20).map(|k| 29 * k));
-    assert!(ended < 10 && turns > 2.0, "{ended} ended early, {turns} turns");
+    let (_, turns) = compare_all((0..20).map(|k| 29 * k));
+    assert!(turns > 2.0, "{turns} turns");
 }
 
 /// 500 of them; `PHALANX_SEEDS` is the range of seeds.
@@ -132,8 +123,8 @@ fn random_loops_turn_alike_in_both_models() {
 fn many_random_loops_turn_alike_in_both_models() {
     let range = std::env::var("PHALANX_SEEDS").unwrap_or_else(|_| "0..500".to_string());
     let seeds: Vec<u64> = range.split("..").map(|end| end.parse().expect("a seed")).collect();
-    let (ended, largest, turns) = compare_all(seeds[0]..seeds[1]);
-    println!("{ended} ended early, largest difference {largest:e}, at most {turns} turns");
+    let (largest, turns) = compare_all(seeds[0]..seeds[1]);
+    println!("largest difference {largest:e}, at most {turns} turns");
 }
 
 /// The line between the pivots turns by more than half a turn between two steps that the equations of motion alone would

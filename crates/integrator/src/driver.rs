@@ -8,7 +8,9 @@ use super::event_location::{Found, SearchMemory, may_have_passed, search_step};
 use super::method::{Attempt, Method, StepStart};
 use super::stall::{Chatter, StallDetector};
 use super::state::{Observer, Step, StepTools};
-use super::step_attempts::{AcceptedStep, EventLocation, MIN_STEP_S, StepAttempts, simultaneous_events};
+use super::step_attempts::{
+    ATTEMPTED_EVENTS, AcceptedStep, EventLocation, MIN_STEP_S, StepAttempts, simultaneous_events,
+};
 use super::{Counters, EventSet, Hybrid, Linearised, State, Tolerances, error_weight};
 
 /// Options of an integration.
@@ -146,6 +148,8 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
             clock: Clock::at(t0),
             state: start,
             memory: SearchMemory::new(system.event_count()),
+            attempted_events: std::array::from_fn(|_| EventSet::new(system.event_count())),
+            simultaneous: Vec::with_capacity(system.event_count()),
             events: events.clone(),
             mode,
             latest_time: f64::INFINITY,
@@ -295,6 +299,9 @@ struct Run<const N: usize, const Z: usize, M, K> {
     /// Event functions of `mode` at `state`.
     events: EventSet<N>,
     memory: SearchMemory,
+    attempted_events: [EventSet<N>; ATTEMPTED_EVENTS],
+    /// Other events at the end of the last step, for reuse of the allocation.
+    simultaneous: Vec<usize>,
     mode: M,
     /// Latest time before the next discontinuity of the right-hand side.
     latest_time: f64,
@@ -396,9 +403,10 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
             self.apply_event(system, event_index, observer);
             return Ok(());
         }
-        let simultaneous = accepted.event.map_or_else(Vec::new, |event| {
-            simultaneous_events(system, &self.mode, event, [&self.events, &accepted.events])
-        });
+        if let Some(event) = accepted.event {
+            let events = [&self.events, &accepted.events];
+            simultaneous_events(system, &self.mode, event, events, &mut self.simultaneous);
+        }
         self.take_step(system, linearised, accepted, pending.stop, observer)?;
         if self.stall_detector.is_stalled(&self.counters, self.clock.now(), t_end) && accepted.event.is_none() {
             self.method.on_stall();
@@ -408,7 +416,8 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
         }
         if let Some(event_index) = accepted.event {
             self.apply_event(system, event_index, observer);
-            for index in simultaneous {
+            for place in 0..self.simultaneous.len() {
+                let index = self.simultaneous[place];
                 // The first event may have changed the other event functions.
                 if self.events.functions[index].value.abs() <= system.event_tolerance(index, &self.mode) {
                     self.apply_event(system, index, observer);
@@ -509,11 +518,8 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
                     return Ok(Next::Step);
                 }
             };
-            match self.attempts().locate_event(&origin, crossing, size) {
-                EventLocation::Located(accepted) => {
-                    *found = accepted;
-                    return Ok(Next::Step);
-                }
+            match self.attempts().locate_event(&origin, crossing, size, found) {
+                EventLocation::Located => return Ok(Next::Step),
                 EventLocation::AtStart(event_index) => return Ok(Next::Event(event_index)),
                 EventLocation::Rejected { size, error } => h = self.controller.reject(size, error),
             }
@@ -522,8 +528,8 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
 
     #[inline(always)]
     fn attempts(&mut self) -> StepAttempts<'_, K, N> {
-        let Self { method, counters, events, memory, .. } = self;
-        StepAttempts { method, counters, events, memory }
+        let Self { method, counters, events, memory, attempted_events, .. } = self;
+        StepAttempts { method, counters, events, memory, attempted_events }
     }
 
     /// Half of the time in which a small clearance would vanish at its present rate.

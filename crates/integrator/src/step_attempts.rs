@@ -27,9 +27,22 @@ pub struct AcceptedStep<const N: usize, const Z: usize> {
     pub reaches_stop: bool,
 }
 
+/// Number of attempts to locate an event whose event functions are kept: the last one, and the best ones that end before and
+/// after the event.
+pub const ATTEMPTED_EVENTS: usize = 3;
+
+/// An attempt to locate an event.
+struct Candidate<const N: usize, const Z: usize> {
+    attempt: Attempt<N, Z>,
+    /// Index of its event functions.
+    events: usize,
+    size: f64,
+    event: Option<usize>,
+}
+
 /// Result of an event location.
-pub enum EventLocation<const N: usize, const Z: usize> {
-    Located(AcceptedStep<N, Z>),
+pub enum EventLocation {
+    Located,
     /// An attempted step was not accurate enough.
     Rejected {
         size: f64,
@@ -46,6 +59,8 @@ pub struct StepAttempts<'a, K, const N: usize> {
     /// Event functions at the state.
     pub events: &'a EventSet<N>,
     pub memory: &'a mut SearchMemory,
+    /// Memory for the event functions of attempts to locate an event.
+    pub attempted_events: &'a mut [EventSet<N>; ATTEMPTED_EVENTS],
 }
 
 impl<const N: usize, K> StepAttempts<'_, K, N> {
@@ -64,14 +79,15 @@ impl<const N: usize, K> StepAttempts<'_, K, N> {
         attempt
     }
 
-    /// Repeats a step of `size` until it ends on the event. If an earlier event is found on the way, locates that one
-    /// instead.
+    /// Repeats a step of `size` until it ends on the event, and stores it in `found`. If an earlier event is found on the way,
+    /// locates that one instead.
     pub fn locate_event<const Z: usize, Y: Hybrid<N, Z>>(
         &mut self,
         origin: &StepStart<Y, N, Z>,
         mut crossing: Crossing,
         size: f64,
-    ) -> EventLocation<N, Z>
+        found: &mut AcceptedStep<N, Z>,
+    ) -> EventLocation
     where
         K: Method<N, Z>,
     {
@@ -83,7 +99,7 @@ impl<const N: usize, K> StepAttempts<'_, K, N> {
             let (mut low, mut high) = (0.0, crossing.negative_at * full_size);
             let mut target = crossing.theta * full_size;
             // The earliest step found that ends past the event, and the last one that ends before it.
-            let (mut after_event, mut before_event) = (None, None);
+            let (mut after_event, mut before_event): (Option<Candidate<N, Z>>, Option<Candidate<N, Z>>) = (None, None);
             let mut last_size = 0.0;
             for _ in 0..MAX_LOCATION_ATTEMPTS {
                 if target < MIN_STEP_S {
@@ -95,20 +111,23 @@ impl<const N: usize, K> StepAttempts<'_, K, N> {
                 if !attempt.is_acceptable() {
                     return EventLocation::Rejected { size: target, error: attempt.error };
                 }
-                let mut events = EventSet::new(self.events.functions.len());
-                system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode, &mut events);
-                if error_weight::unloads(self.events, &events, &attempt, origin.state, origin.tolerances) {
+                let is_kept = |index: usize| {
+                    [&after_event, &before_event].into_iter().flatten().any(|candidate| candidate.events == index)
+                };
+                let free = (0..ATTEMPTED_EVENTS - 1).find(|index| !is_kept(*index)).unwrap_or(ATTEMPTED_EVENTS - 1);
+                let events = &mut self.attempted_events[free];
+                system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode, events);
+                if error_weight::unloads(self.events, events, &attempt, origin.state, origin.tolerances) {
                     return EventLocation::Rejected { size: target, error: f64::INFINITY };
                 }
                 let value = events.functions[event_index].value;
                 let is_within_tolerance = value.abs() <= tolerance;
                 let event = (is_within_tolerance || value < 0.0).then_some(event_index);
-                let (resume_size, reaches_stop) = (size, false);
                 // The shortened step may contain the crossing, or an earlier crossing of another event function.
                 let dense = || self.method.dense(None);
                 let ends = [origin.state, &attempt.end];
                 let output = (dense, || self.method.dense_positions());
-                let both = [self.events, &events];
+                let both = [self.events, &*events];
                 let recheck = match search_step(system, origin.mode, both, (ends, target), &output, self.memory) {
                     Found::Nothing => None,
                     Found::Crossing(crossing) => Some(crossing),
@@ -123,7 +142,7 @@ impl<const N: usize, K> StepAttempts<'_, K, N> {
                         continue 'crossing;
                     }
                 }
-                let candidate = Some(AcceptedStep { attempt, events, size: target, resume_size, event, reaches_stop });
+                let candidate = Some(Candidate { attempt, events: free, size: target, event });
                 match recheck.filter(|c| c.event_index == event_index && event.is_none()) {
                     // The step ends after a dip.
                     Some(dip) => (low, high) = (0.0, dip.negative_at * target),
@@ -157,23 +176,28 @@ impl<const N: usize, K> StepAttempts<'_, K, N> {
                 self.method.attempt(origin, accepted.size);
                 self.counters.rhs += accepted.attempt.rhs;
             }
-            return EventLocation::Located(accepted);
+            std::mem::swap(&mut found.events, &mut self.attempted_events[accepted.events]);
+            (found.attempt, found.size, found.event) = (accepted.attempt, accepted.size, accepted.event);
+            (found.resume_size, found.reaches_stop) = (size, false);
+            return EventLocation::Located;
         }
     }
 }
 
-/// Other event functions that reach zero at the end of a step, within their tolerances, as those of both fingers of a
+/// Collects the other event functions that reach zero at the end of a step, within their tolerances, as those of both fingers of a
 /// symmetric gripper.
 pub fn simultaneous_events<const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
     system: &Y,
     mode: &Y::Mode,
     event_index: usize,
     [at_start, at_end]: [&EventSet<N>; 2],
-) -> Vec<usize> {
+    found: &mut Vec<usize>,
+) {
     let is_simultaneous = |index: &usize| {
         let tolerance = system.event_tolerance(*index, mode);
         let values = [at_start, at_end].map(|events| events.functions[*index].value);
         *index != event_index && values[0] > tolerance && values[1].abs() <= tolerance
     };
-    (0..at_end.functions.len()).filter(is_simultaneous).collect()
+    found.clear();
+    found.extend((0..at_end.functions.len()).filter(is_simultaneous));
 }

@@ -141,7 +141,7 @@ impl<const N: usize> EventSet<N> {
     /// `count` functions that never trigger, and an infinite clearance.
     pub fn new(count: usize) -> Self {
         let functions = vec![EventFunction::INACTIVE; count];
-        Self { functions, weights: Vec::new(), clearance: f64::INFINITY, clearance_rate: 0.0 }
+        Self { functions, weights: Vec::with_capacity(count), clearance: f64::INFINITY, clearance_rate: 0.0 }
     }
 
     /// Sets all functions to [`EventFunction::INACTIVE`], without weights and with an infinite clearance.

@@ -54,6 +54,34 @@ pub fn folded_joints(mechanism: &Mechanism, poses: &[Pose]) -> Option<Vec<usize>
     Some(joints)
 }
 
+impl Mechanism {
+    /// Describes a posture in which the joints of a dyad, the inner one in the middle, are in line and no other coordinates of
+    /// the analytic model are regular: a fold of the mechanism, or a loop that is no row of dyads in the regular ones.
+    pub fn describe_singularity(&self, poses: &[Pose], joints: [usize; 3]) -> String {
+        let name = |joint: &usize| &self.joints[*joint].name[..];
+        let list = |joints: &[usize]| match joints {
+            [others @ .., last] if !others.is_empty() => {
+                format!("{} and {}", others.iter().map(name).collect::<Vec<_>>().join(", "), name(last))
+            }
+            joints => joints.iter().map(name).collect(),
+        };
+        match folded_joints(self, poses) {
+            Some(folded) => format!(
+                "singular configuration: the joints {} are in line, and the mechanism can go on in two ways: {} bends to either \
+                 side. Give one of these joints a stop (`lower` or `upper`) before this posture, start with a motion that does \
+                 not reach it, or simulate with `--model engine`, which may go on in one of them",
+                list(&folded),
+                name(&joints[1])
+            ),
+            None => format!(
+                "singular configuration: the joints {} are in line, and the loop is no row of dyads in other coordinates: \
+                 simulate with `--model engine`, or give one of these joints a stop (`lower` or `upper`) before this posture",
+                list(&joints)
+            ),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

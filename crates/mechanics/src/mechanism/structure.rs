@@ -118,7 +118,8 @@ pub fn find_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> 
     }
 }
 
-/// Largest number of partial placements that [`regroup`] extends: a group of twelve independent loops has about a hundred.
+/// Largest number of partial placements that [`regroup`] extends: a limit of its time only. A placement without dead ends
+/// extends one for each coordinate, and a mechanism has at most 300 joints.
 const MAX_EXTENSIONS: usize = 2000;
 
 /// Returns a group with other coordinates, all of whose placements are accepted; `None` if there is none. Its coordinates

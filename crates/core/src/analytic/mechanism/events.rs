@@ -465,7 +465,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> Hybrid<N, Z
             }
             match dyads.min_by(|a, b| sine(a.1.sine).total_cmp(&sine(b.1.sine))) {
                 Some((Placement::Dyad { outer, inner }, _)) => {
-                    self.describe_singularity(motions, ([outer[0].joint, *inner, outer[1].joint], *inner))
+                    self.describe_singularity(motions, [outer[0].joint, *inner, outer[1].joint])
                 }
                 _ => "the nearest points of two outlines are not defined".to_string(),
             }

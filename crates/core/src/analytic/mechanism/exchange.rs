@@ -6,7 +6,7 @@ use super::group::PlacedGroup;
 use super::model::{MechanismMode, MechanismModel};
 use super::motion::Motions;
 use crate::mechanism::structure::{Coordinate, Group};
-use crate::mechanism::{Mechanism, Pose, folded_joints};
+use crate::mechanism::{Mechanism, Pose};
 use crate::numeric::elementary::atan2;
 
 /// Coordinates and rates of the model with other coordinates, and its mode.
@@ -33,37 +33,12 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         mechanism
     }
 
-    /// Describes the singularity of a dyad: a fold of the mechanism, or a failure of all choices of coordinates. `bends` is
-    /// the inner joint of the dyad, and `in_line` its joints.
-    pub(super) fn describe_singularity(
-        &self,
-        motions: &Motions<f64, K>,
-        (in_line, bends): ([usize; 3], usize),
-    ) -> String {
+    /// Describes the singularity of a dyad with these joints, the inner one in the middle.
+    pub(super) fn describe_singularity(&self, motions: &Motions<f64, K>, joints: [usize; 3]) -> String {
         let bodies = motions.bodies[..self.mechanism.bodies.len()].iter();
         let pose = |[x, y]: [f64; 2], [cos, sin]: [f64; 2]| [x, y, atan2(sin, cos)];
         let poses: Vec<Pose> = bodies.map(|body| pose(body.origin, body.direction)).collect();
-        let name = |joint: &usize| &self.mechanism.joints[*joint].name[..];
-        let list = |joints: &[usize]| match joints {
-            [joints @ .., last] if !joints.is_empty() => {
-                format!("{} and {}", joints.iter().map(name).collect::<Vec<_>>().join(", "), name(last))
-            }
-            joints => joints.iter().map(name).collect(),
-        };
-        match folded_joints(&self.as_described(), &poses) {
-            Some(folded) => format!(
-                "singular configuration: the joints {} are in line, and the mechanism can go on in two ways: {} bends to either \
-                 side. Give one of these joints a stop (`lower` or `upper`) before this posture, start with a motion that does \
-                 not reach it, or simulate with `--model engine`, which takes one of both ways",
-                list(&folded),
-                name(&bends)
-            ),
-            None => format!(
-                "singular configuration: the joints {} are in line, and the loop is no row of dyads in other coordinates: \
-                 simulate with `--model engine`, or give one of these joints a stop (`lower` or `upper`) before this posture",
-                list(&in_line)
-            ),
-        }
+        self.as_described().describe_singularity(&poses, joints)
     }
 
     /// Whether both models have the same coordinates.

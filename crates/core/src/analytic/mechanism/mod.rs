@@ -14,6 +14,7 @@ mod factor;
 mod free;
 mod gaps;
 mod group;
+mod inertia;
 mod joint_forces;
 mod model;
 mod motion;
