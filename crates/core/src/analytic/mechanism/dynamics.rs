@@ -13,10 +13,9 @@ use super::motion::{Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;
 use super::palm_frame::{Inertia, inertial_loads, power};
-use crate::analytic::contact::ContactLaws;
-use crate::analytic::contact::normal_force_on_branch;
 use crate::analytic::contact::{
-    ContactForces, ContactKinematics, WithDerivatives, contact_forces, contact_forces_with_derivatives,
+    ContactForces, ContactKinematics, ContactLaws, WithDerivatives, contact_forces, contact_forces_with_derivatives,
+    normal_force_on_branch,
 };
 use crate::analytic::inertial_field::{InertialField, inertial_field};
 use crate::integrator::{Linearised, Rates, System};

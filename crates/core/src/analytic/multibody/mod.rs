@@ -14,9 +14,7 @@ mod forces;
 mod frame;
 mod model;
 
-use crate::analytic::contact::Mode;
-use crate::analytic::contact::first_impact_step;
-use crate::analytic::contact::normal_force_on_branch;
+use crate::analytic::contact::{Mode, first_impact_step, normal_force_on_branch};
 use crate::scene::HandContact;
 
 pub(crate) use evaluation::kinematics_of;
