@@ -1,8 +1,8 @@
 //! Small dense linear systems over slices, row by row: elimination for one right-hand side, factors for several.
 
-/// Solves A x = b by elimination with row pivoting; `a` is destroyed, `b` becomes x. `add_work` is told the work of each
-/// column of a large matrix, in multiplications, and returns false to cancel. Returns false if A is singular, or if the
-/// computation is cancelled.
+/// Solves A x = b by elimination with row pivoting; `a` is destroyed, `b` becomes x. `add_work` receives the work of
+/// each column of a large matrix, in multiplications, and returns false to cancel. Returns false if A is singular, or if
+/// the computation is cancelled.
 #[inline]
 pub fn solve(a: &mut [f64], b: &mut [f64], size: usize, add_work: impl Fn(usize) -> bool) -> bool {
     let (a, b) = (&mut a[..size * size], &mut b[..size]);

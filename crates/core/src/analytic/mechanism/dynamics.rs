@@ -135,11 +135,6 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         Some(inertial_field(motion, self.mechanism.gravity_m_s2, t))
     }
 
-    fn inertia_of(&self, body: usize) -> Inertia {
-        let body = &self.mechanism.bodies[body];
-        Inertia { mass: body.mass_kg, moment: body.inertia_kg_m2 }
-    }
-
     /// Adds the inertial loads on all bodies in the frame of a moving palm. Their power is work of the palm.
     fn add_inertial_loads<const Z: usize>(
         &self,
@@ -174,7 +169,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     ) {
         let Some(field) = self.inertial_field(t) else { return };
         for (index, Span { first, size, is_free }) in self.spans.iter().copied().enumerate() {
-            let inertia = self.inertia_of(index);
+            let inertia = Inertia::of(&self.mechanism.bodies[index]);
             match is_free {
                 true => sums.add_free_inertia((first, inertia, Self::DRIVE_WORK), &field, &plain.bodies[index]),
                 false => {

@@ -5,7 +5,7 @@
 
 use super::motion::Motions;
 use crate::fivebar::dynamics::AccelerationField;
-use crate::mechanism::{Mechanism, SpringKind};
+use crate::mechanism::{Body, Mechanism, SpringKind};
 use crate::numeric::Real;
 use crate::numeric::plane::{Vector, dot};
 
@@ -54,6 +54,10 @@ pub(super) struct Inertia {
 }
 
 impl Inertia {
+    pub fn of(body: &Body) -> Self {
+        Self { mass: body.mass_kg, moment: body.inertia_kg_m2 }
+    }
+
     /// Force and moment of a field on a body in this motion.
     pub fn load<T: Real>(&self, field: &AccelerationField, position: Vector<T>, rate: Vector<T>) -> [T; 3] {
         let [x, y] = acceleration_at(field, position, rate);
@@ -71,8 +75,10 @@ pub(super) fn inertial_loads<'a, const K: usize>(
     mechanism: &'a Mechanism,
     (field, motions): (&'a AccelerationField, &'a Motions<f64, K>),
 ) -> impl Iterator<Item = (usize, [f64; 3])> + 'a {
-    mechanism.bodies.iter().zip(&motions.centers).enumerate().map(|(index, (body, center))| {
-        let inertia = Inertia { mass: body.mass_kg, moment: body.inertia_kg_m2 };
-        (index, inertia.load(field, center.position, center.rate))
-    })
+    mechanism
+        .bodies
+        .iter()
+        .zip(&motions.centers)
+        .enumerate()
+        .map(|(index, (body, center))| (index, Inertia::of(body).load(field, center.position, center.rate)))
 }
