@@ -1,6 +1,7 @@
 //! Error norm and step-size control.
 
 use super::State;
+use super::layout::{Layout, VectorOf};
 use crate::numeric::elementary::{ln, pow};
 
 /// Angles have only an absolute tolerance: penetrations of 1e-8 rad occur together with angles of 1 rad, and a relative
@@ -60,15 +61,15 @@ impl Tolerances {
 
     /// Scaled error of the rate along a row.
     #[inline(always)]
-    pub(crate) fn rate_error_along<const N: usize, const Z: usize>(
+    pub(crate) fn rate_error_along<L: Layout>(
         &self,
-        row: &[f64; N],
-        error_v: &[f64; N],
-        from: &State<N, Z>,
-        to: &State<N, Z>,
+        row: &VectorOf<L>,
+        error_v: &VectorOf<L>,
+        from: &State<L>,
+        to: &State<L>,
     ) -> f64 {
         let (mut error, mut scale) = (0.0, 0.0);
-        for i in 0..N {
+        for i in 0..row.as_ref().len() {
             error += row[i] * error_v[i];
             scale += row[i].abs() * (self.atol_v + self.rtol_v * from.v[i].abs().max(to.v[i].abs()));
         }
@@ -78,14 +79,14 @@ impl Tolerances {
     /// Root mean square of the scaled errors of the first `coordinate_count` coordinates and their rates; at most 1 is
     /// acceptable.
     #[inline(always)]
-    pub fn norm<const N: usize, const Z: usize>(
+    pub fn norm<L: Layout>(
         &self,
-        (error_q, error_v): (&[f64; N], &[f64; N]),
-        (from, to): (&State<N, Z>, &State<N, Z>),
+        (error_q, error_v): (&VectorOf<L>, &VectorOf<L>),
+        (from, to): (&State<L>, &State<L>),
         coordinate_count: usize,
     ) -> f64 {
         let mut sum = 0.0;
-        for i in 0..coordinate_count.min(N) {
+        for i in 0..coordinate_count.min(error_q.as_ref().len()) {
             let scaled_q = error_q[i] / self.atol_q;
             let scale_v = self.atol_v + self.rtol_v * from.v[i].abs().max(to.v[i].abs());
             let scaled_v = error_v[i] / scale_v;

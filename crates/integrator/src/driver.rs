@@ -5,13 +5,14 @@ use std::fmt::Debug;
 use super::clock::Clock;
 use super::control::{Controller, ToleranceSchedule};
 use super::event_location::{Found, SearchMemory, may_have_passed, search_step};
+use super::layout::{Layout, copy};
 use super::method::{Attempt, Method, StepStart};
 use super::stall::{Chatter, StallDetector};
 use super::state::{Observer, Step, StepTools};
 use super::step_attempts::{
-    ATTEMPTED_EVENTS, AcceptedStep, EventLocation, MIN_STEP_S, StepAttempts, simultaneous_events,
+    AcceptedStep, EventLocation, KEPT_ATTEMPTS, LocationAttempt, MIN_STEP_S, StepAttempts, simultaneous_events,
 };
-use super::{Counters, EventSet, Hybrid, Linearised, State, Tolerances, error_weight};
+use super::{Counters, Dense, EventSet, Hybrid, Linearised, State, Tolerances, error_weight};
 
 /// Options of an integration.
 #[derive(Clone, Copy, Debug)]
@@ -52,9 +53,9 @@ pub struct Failure {
 
 /// Result of an integration.
 #[derive(Clone, Debug)]
-pub struct End<const N: usize, const Z: usize> {
+pub struct End<L: Layout> {
     pub time_s: f64,
-    pub state: State<N, Z>,
+    pub state: State<L>,
     pub counters: Counters,
     pub result: Result<(), Failure>,
 }
@@ -79,40 +80,40 @@ const MAX_RESOLVED_ERROR: f64 = 10.0;
 const MAX_REFINED_STATES: usize = 16;
 
 /// Integrates from `t0` to `t_end` and locates every event; the method is chosen at compile time.
-pub fn integrate<const N: usize, const Z: usize, Y, K, O>(
+pub fn integrate<Y, K, O>(
     system: &Y,
     options: &Options,
     t0: f64,
-    start: State<N, Z>,
+    start: State<Y::Layout>,
     t_end: f64,
     observer: &mut O,
-) -> End<N, Z>
+) -> End<Y::Layout>
 where
-    Y: Hybrid<N, Z>,
-    K: Method<N, Z>,
-    O: Observer<N, Z, Y::Mode>,
+    Y: Hybrid,
+    K: Method<Y::Layout>,
+    O: Observer<Y::Layout, Y::Mode>,
 {
-    integrate_by(K::new(), system, options, t0, start, t_end, observer)
+    integrate_by(K::new(system.layout()), system, options, t0, start, t_end, observer)
 }
 
 /// Integrates from `t0` to `t_end` and locates every event, with a method that has no history yet.
-pub fn integrate_by<const N: usize, const Z: usize, Y, K, O>(
+pub fn integrate_by<Y, K, O>(
     method: K,
     system: &Y,
     options: &Options,
     t0: f64,
-    start: State<N, Z>,
+    start: State<Y::Layout>,
     t_end: f64,
     observer: &mut O,
-) -> End<N, Z>
+) -> End<Y::Layout>
 where
-    Y: Hybrid<N, Z>,
-    K: Method<N, Z>,
-    O: Observer<N, Z, Y::Mode>,
+    Y: Hybrid,
+    K: Method<Y::Layout>,
+    O: Observer<Y::Layout, Y::Mode>,
 {
     let mut integration = Integration::new(method, system, options, t0, start);
     let result = integration.advance(system, t_end, t_end, observer);
-    End { time_s: integration.time_s(), state: *integration.state(), counters: *integration.counters(), result }
+    End { time_s: integration.time_s(), state: integration.state().clone(), counters: *integration.counters(), result }
 }
 
 /// An integration in progress. Its system is a parameter of its functions, the same in every call.
@@ -121,24 +122,25 @@ where
 /// pending until that time reaches its end; states before are read inside it. Therefore results do not depend on the
 /// times to which the integration advances.
 #[derive(Clone)]
-pub struct Integration<const N: usize, const Z: usize, M, K> {
-    run: Run<N, Z, M, K>,
+pub struct Integration<L: Layout, M, K> {
+    run: Run<L, M, K>,
     /// What follows the last committed step, if it is known.
     pending: Option<Pending>,
     /// Linearisation at the start of the pending step.
-    linearised: Linearised<N, Z>,
+    linearised: Linearised<L>,
     /// The pending step. It stays in place, because it is large for a gripper.
-    found: AcceptedStep<N, Z>,
+    found: AcceptedStep<L>,
 }
 
-impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integration<N, Z, M, K> {
+impl<L: Layout, M: Clone + Debug, K: Method<L>> Integration<L, M, K> {
     /// Starts an integration with a method that has no history yet.
-    pub fn new<Y>(method: K, system: &Y, options: &Options, t0: f64, start: State<N, Z>) -> Self
+    pub fn new<Y>(method: K, system: &Y, options: &Options, t0: f64, start: State<L>) -> Self
     where
-        Y: Hybrid<N, Z, Mode = M>,
+        Y: Hybrid<Layout = L, Mode = M>,
     {
         let mode = system.mode_at(t0, &start.q, &start.v);
-        let mut events = EventSet::new(system.event_count());
+        let layout = system.layout();
+        let mut events = EventSet::new(layout, system.event_count());
         system.eval_events(&start.q, &start.v, &mode, &mut events);
         let run = Run {
             options: *options,
@@ -146,9 +148,10 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
             resolver: method.clone(),
             method,
             clock: Clock::at(t0),
+            start: start.clone(),
             state: start,
-            memory: SearchMemory::new(system.event_count()),
-            attempted_events: std::array::from_fn(|_| EventSet::new(system.event_count())),
+            memory: SearchMemory::new(layout, system.event_count()),
+            kept: std::array::from_fn(|_| LocationAttempt::new(layout, &events)),
             simultaneous: Vec::with_capacity(system.event_count()),
             events: events.clone(),
             mode,
@@ -159,16 +162,18 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
             tolerance_schedule: ToleranceSchedule::new(&options.tolerances),
             counters: Counters::default(),
             refined: Vec::with_capacity(MAX_REFINED_STATES),
+            dense: Dense::new(layout),
+            resolved: Attempt::new(layout),
         };
         let found = AcceptedStep {
-            attempt: Attempt { error: 0.0, rhs: 0, end: start, error_q: [0.0; N], error_v: [0.0; N] },
+            attempt: Attempt::new(layout),
             events,
             size: 0.0,
             resume_size: 0.0,
             event: None,
             reaches_stop: false,
         };
-        Self { run, pending: None, linearised: Linearised::ZERO, found }
+        Self { run, pending: None, linearised: Linearised::zero(layout), found }
     }
 
     /// Time at the end of the last committed step, s.
@@ -177,7 +182,7 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
     }
 
     /// State at the end of the last committed step.
-    pub fn state(&self) -> &State<N, Z> {
+    pub fn state(&self) -> &State<L> {
         &self.run.state
     }
 
@@ -196,8 +201,8 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
     /// Returns an error if the integration cannot reach `t`, or if the observer ends it.
     pub fn advance<Y, O>(&mut self, system: &Y, t: f64, t_end: f64, observer: &mut O) -> Result<(), Failure>
     where
-        Y: Hybrid<N, Z, Mode = M>,
-        O: Observer<N, Z, M>,
+        Y: Hybrid<Layout = L, Mode = M>,
+        O: Observer<L, M>,
     {
         self.step_to(system, t, (t_end, t_end), observer)
     }
@@ -208,8 +213,8 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
     /// See [`Integration::advance`].
     pub fn advance_exactly<Y, O>(&mut self, system: &Y, t: f64, t_end: f64, observer: &mut O) -> Result<(), Failure>
     where
-        Y: Hybrid<N, Z, Mode = M>,
-        O: Observer<N, Z, M>,
+        Y: Hybrid<Layout = L, Mode = M>,
+        O: Observer<L, M>,
     {
         self.advance(system, t, t_end, observer)?;
         self.pending = None;
@@ -219,8 +224,8 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
     /// Commits all steps that end before or at time `t`; a step ends at `stop`.
     fn step_to<Y, O>(&mut self, system: &Y, t: f64, (stop, t_end): (f64, f64), observer: &mut O) -> Result<(), Failure>
     where
-        Y: Hybrid<N, Z, Mode = M>,
-        O: Observer<N, Z, M>,
+        Y: Hybrid<Layout = L, Mode = M>,
+        O: Observer<L, M>,
     {
         let Self { run, pending, linearised, found } = self;
         while run.clock.until(t) > MIN_STEP_S {
@@ -252,10 +257,10 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
     pub fn read_pending<Y, R>(
         &self,
         system: &Y,
-        read: impl FnOnce(&Step<N, Z>, &M, &mut dyn StepTools<N, Z>) -> R,
+        read: impl FnOnce(&Step<L>, &M, &mut dyn StepTools<L>) -> R,
     ) -> Option<R>
     where
-        Y: Hybrid<N, Z, Mode = M>,
+        Y: Hybrid<Layout = L, Mode = M>,
     {
         let Some(Pending { next: Next::Step, .. }) = &self.pending else { return None };
         let Self { run, linearised, found: accepted, .. } = self;
@@ -272,13 +277,21 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
         let mut resolver = run.method.clone();
         resolver.accept_step();
         let origin = run.origin(system, &run.options.tolerances, linearised);
-        let (method, resolver, refined) = (&run.method, &mut resolver, &mut Vec::new());
-        let mut tools = StepEvaluator { method, resolver, origin, size: accepted.size, dense: None, refined };
+        let mut tools = StepEvaluator {
+            method: &run.method,
+            resolver: &mut resolver,
+            origin,
+            size: accepted.size,
+            dense: &mut run.dense.clone(),
+            has_dense: false,
+            attempt: &mut run.resolved.clone(),
+            refined: &mut Vec::new(),
+        };
         Some(read(&step, &run.mode, &mut tools))
     }
 
     /// Continues from the end of the last committed step with another right-hand side in the given mode.
-    pub fn restart<Y: Hybrid<N, Z, Mode = M>>(&mut self, system: &Y, state: State<N, Z>, mode: M) {
+    pub fn restart<Y: Hybrid<Layout = L, Mode = M>>(&mut self, system: &Y, state: State<L>, mode: M) {
         self.pending = None;
         (self.run.state, self.run.mode) = (state, mode);
         self.run.update_events(system);
@@ -288,18 +301,20 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Integrati
 
 /// State of an integration at the end of the last committed step.
 #[derive(Clone)]
-struct Run<const N: usize, const Z: usize, M, K> {
+struct Run<L: Layout, M, K> {
     options: Options,
     method: K,
     /// Method of steps that end inside the last one.
     resolver: K,
     controller: Controller,
     clock: Clock,
-    state: State<N, Z>,
+    state: State<L>,
+    /// State at the start of the last step.
+    start: State<L>,
     /// Event functions of `mode` at `state`.
-    events: EventSet<N>,
-    memory: SearchMemory,
-    attempted_events: [EventSet<N>; ATTEMPTED_EVENTS],
+    events: EventSet<L>,
+    memory: SearchMemory<L>,
+    kept: [LocationAttempt<L>; KEPT_ATTEMPTS],
     /// Other events at the end of the last step, for reuse of the allocation.
     simultaneous: Vec<usize>,
     mode: M,
@@ -310,8 +325,10 @@ struct Run<const N: usize, const Z: usize, M, K> {
     stall_detector: StallDetector,
     tolerance_schedule: ToleranceSchedule,
     counters: Counters,
-    /// States inside the last step, for reuse of the allocation.
-    refined: Vec<(f64, State<N, Z>)>,
+    /// Memory for states inside the last step.
+    refined: Vec<(f64, State<L>)>,
+    dense: Dense<L>,
+    resolved: Attempt<L>,
 }
 
 /// What follows the last committed step.
@@ -325,7 +342,7 @@ struct Pending {
 
 impl Pending {
     /// Whether the step ends after time `t`.
-    fn ends_after<const N: usize, const Z: usize>(&self, accepted: &AcceptedStep<N, Z>, clock: &Clock, t: f64) -> bool {
+    fn ends_after<L: Layout>(&self, accepted: &AcceptedStep<L>, clock: &Clock, t: f64) -> bool {
         match self.next {
             Next::Step if accepted.reaches_stop => self.stop > t,
             Next::Step => accepted.size > clock.until(t),
@@ -342,33 +359,33 @@ enum Next {
     Event(usize),
 }
 
-impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z, M, K> {
+impl<L: Layout, M: Clone + Debug, K: Method<L>> Run<L, M, K> {
     fn failure(&self, reason: Reason) -> Failure {
         Failure { time_s: self.clock.now(), reason }
     }
 
     /// Start of the next step.
-    fn origin<'a, Y: Hybrid<N, Z, Mode = M>>(
+    fn origin<'a, Y: Hybrid<Layout = L, Mode = M>>(
         &'a self,
         system: &'a Y,
         tolerances: &'a Tolerances,
-        linearised: &'a Linearised<N, Z>,
-    ) -> StepStart<'a, Y, N, Z> {
+        linearised: &'a Linearised<L>,
+    ) -> StepStart<'a, Y> {
         let Self { mode, latest_time, state, .. } = self;
         let (t, latest_time) = (self.clock.now(), *latest_time);
         StepStart { system, mode, linearised, tolerances, t, latest_time, state }
     }
 
     /// Finds the next step, at most up to `stop`, or an event at the current time.
-    fn find_next<Y: Hybrid<N, Z, Mode = M>>(
+    fn find_next<Y: Hybrid<Layout = L, Mode = M>>(
         &mut self,
         system: &Y,
         stop: f64,
-        (linearised, found): (&mut Linearised<N, Z>, &mut AcceptedStep<N, Z>),
+        (linearised, found): (&mut Linearised<L>, &mut AcceptedStep<L>),
     ) -> Result<Pending, Reason> {
         let t = self.clock.now();
         if t > self.latest_time {
-            self.mode = system.mode_after_discontinuity(t, &self.state.q, &self.state.v, &self.mode);
+            system.pass_discontinuity(t, &self.state.q, &self.state.v, &mut self.mode);
             self.update_events(system);
         }
         // Written so that a NaN clearance counts as negative.
@@ -378,9 +395,9 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
         if self.counters.steps >= self.options.max_steps {
             return Err(Reason::Budget(self.options.max_steps));
         }
-        system.linearise_into(t, &self.state.q, &self.state.v, &self.mode, linearised);
+        system.linearise(t, &self.state.q, &self.state.v, &self.mode, linearised);
         self.counters.jacobians += 1;
-        if !linearised.rates.a.iter().all(|a| a.is_finite()) {
+        if !linearised.rates.a.as_ref().iter().all(|a| a.is_finite()) {
             return Err(Reason::NotFinite);
         }
         let discontinuity = system.next_discontinuity(t);
@@ -391,11 +408,11 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
     }
 
     /// Takes the step that was found, or handles the event at the current time.
-    fn commit<Y: Hybrid<N, Z, Mode = M>, O: Observer<N, Z, M>>(
+    fn commit<Y: Hybrid<Layout = L, Mode = M>, O: Observer<L, M>>(
         &mut self,
         system: &Y,
         pending: &Pending,
-        (linearised, accepted): (&Linearised<N, Z>, &mut AcceptedStep<N, Z>),
+        (linearised, accepted): (&Linearised<L>, &mut AcceptedStep<L>),
         t_end: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
@@ -431,14 +448,13 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
     }
 
     /// Finds a step with an acceptable error, shortened to the first event within it.
-    fn find_step<Y: Hybrid<N, Z, Mode = M>>(
+    fn find_step<Y: Hybrid<Layout = L, Mode = M>>(
         &mut self,
         system: &Y,
-        linearised: &Linearised<N, Z>,
+        linearised: &Linearised<L>,
         stop: f64,
-        found: &mut AcceptedStep<N, Z>,
+        found: &mut AcceptedStep<L>,
     ) -> Result<Next, Reason> {
-        let (state, mode) = (self.state, self.mode);
         let mut tolerances =
             self.tolerance_schedule.tolerances(&self.options.tolerances, self.stall_detector.progress(&self.counters));
         error_weight::raise_above_noise(
@@ -448,18 +464,15 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
             linearised,
             self.stall_detector.noise_scale(),
         );
-        let origin = StepStart {
-            system,
-            mode: &mode,
-            linearised,
-            tolerances: &tolerances,
-            t: self.clock.now(),
-            latest_time: self.latest_time,
-            state: &state,
-        };
+        let approach_limit = self.approach_limit();
+        let Self { state, mode, events, method, counters, memory, kept, controller, .. } = self;
+        let (state, mode, events, tolerances) = (&*state, &*mode, &*events, &tolerances);
+        let (t, latest_time) = (self.clock.now(), self.latest_time);
+        let origin = StepStart { system, mode, linearised, tolerances, t, latest_time, state };
+        let mut attempts = StepAttempts { method, counters, events, memory, kept };
         let requested_size = self.h;
-        let max_step = system.max_step(origin.t, &state.q, &state.v, &mode);
-        let mut h = requested_size.min(self.approach_limit()).min(max_step);
+        let max_step = system.max_step(t, &state.q, &state.v, mode);
+        let mut h = requested_size.min(approach_limit).min(max_step);
         let remaining = self.clock.until(stop);
         loop {
             // A step that would end just short of the stop is extended to it.
@@ -468,46 +481,45 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
             if size < MIN_STEP_S && !reaches_stop {
                 return Err(Reason::StepUnderflow { h_s: size });
             }
-            found.attempt = self.attempts().attempt(&origin, size);
+            attempts.attempt(&origin, size, &mut found.attempt);
             let attempt = &found.attempt;
             if !attempt.is_acceptable() {
-                self.counters.rejected += 1;
-                h = self.controller.reject(size, attempt.error);
+                attempts.counters.rejected += 1;
+                h = controller.reject(size, attempt.error);
                 continue;
             }
-            system.eval_events(&attempt.end.q, &attempt.end.v, &mode, &mut found.events);
-            let events = &found.events;
-            let clearance = |w: &EventSet<N>| (w.clearance, w.clearance_rate);
+            system.eval_events(&attempt.end.q, &attempt.end.v, mode, &mut found.events);
+            let at_end = &found.events;
+            let clearance = |w: &EventSet<L>| (w.clearance, w.clearance_rate);
             // A state beyond a singularity may not exist.
-            let nearest = if events.clearance.is_nan() { &state.q } else { &attempt.end.q };
-            if events.clearance.is_nan() || may_have_passed(clearance(&self.events), clearance(events), size) {
+            let nearest = if at_end.clearance.is_nan() { &state.q } else { &attempt.end.q };
+            if at_end.clearance.is_nan() || may_have_passed(clearance(events), clearance(at_end), size) {
                 if size < MIN_APPROACH_STEP_S {
                     return Err(Reason::Obstacle(system.describe_obstacle(nearest)));
                 }
-                self.counters.rejected += 1;
+                attempts.counters.rejected += 1;
                 h = APPROACH_CUT * size;
                 continue;
             }
-            if !system.is_mode_valid(size, &attempt.end.q, &attempt.end.v, &mode) {
+            if !system.is_mode_valid(size, &attempt.end.q, &attempt.end.v, mode) {
                 if size < MIN_APPROACH_STEP_S {
                     return Err(Reason::Obstacle(system.describe_obstacle(nearest)));
                 }
-                self.counters.rejected += 1;
+                attempts.counters.rejected += 1;
                 h = INVALID_MODE_CUT * size;
                 continue;
             }
-            if error_weight::unloads(&self.events, events, attempt, &state, &tolerances) {
-                self.counters.rejected += 1;
-                h = self.controller.cut(size, UNLOADING_CUT);
+            if error_weight::unloads(events, at_end, attempt, state, tolerances) {
+                attempts.counters.rejected += 1;
+                h = controller.cut(size, UNLOADING_CUT);
                 continue;
             }
-            let output = (|| self.method.dense(None), || self.method.dense_positions());
-            let ends = ([&state, &attempt.end], size);
-            let memory = &mut self.memory;
-            let crossing = match search_step(system, &mode, [&self.events, events], ends, &output, memory) {
+            let ends = ([state, &attempt.end], size);
+            let of_step = (system, mode, &*attempts.method);
+            let crossing = match search_step(of_step, [events, at_end], ends, attempts.memory) {
                 Found::Crossing(crossing) => crossing,
                 Found::Obstacle | Found::Unresolved if size >= MIN_APPROACH_STEP_S => {
-                    self.counters.rejected += 1;
+                    attempts.counters.rejected += 1;
                     h = APPROACH_CUT * size;
                     continue;
                 }
@@ -518,18 +530,12 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
                     return Ok(Next::Step);
                 }
             };
-            match self.attempts().locate_event(&origin, crossing, size, found) {
+            match attempts.locate_event(&origin, crossing, size, found) {
                 EventLocation::Located => return Ok(Next::Step),
                 EventLocation::AtStart(event_index) => return Ok(Next::Event(event_index)),
-                EventLocation::Rejected { size, error } => h = self.controller.reject(size, error),
+                EventLocation::Rejected { size, error } => h = controller.reject(size, error),
             }
         }
-    }
-
-    #[inline(always)]
-    fn attempts(&mut self) -> StepAttempts<'_, K, N> {
-        let Self { method, counters, events, memory, attempted_events, .. } = self;
-        StepAttempts { method, counters, events, memory, attempted_events }
     }
 
     /// Half of the time in which a small clearance would vanish at its present rate.
@@ -543,29 +549,30 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
     }
 
     /// Advances to the end of an accepted step and notifies the observer.
-    fn take_step<Y: Hybrid<N, Z, Mode = M>, O: Observer<N, Z, M>>(
+    fn take_step<Y: Hybrid<Layout = L, Mode = M>, O: Observer<L, M>>(
         &mut self,
         system: &Y,
-        linearised: &Linearised<N, Z>,
-        accepted: &mut AcceptedStep<N, Z>,
+        linearised: &Linearised<L>,
+        accepted: &mut AcceptedStep<L>,
         stop: f64,
         observer: &mut O,
     ) -> Result<(), Reason> {
-        let (t0, start) = (self.clock.now(), self.state);
+        let t0 = self.clock.now();
         self.method.accept_step();
         if accepted.reaches_stop {
             self.clock = Clock::at(stop);
         } else {
             self.clock.advance(accepted.size);
         }
-        self.state = accepted.attempt.end;
+        self.start.copy_from(&self.state);
+        self.state.copy_from(&accepted.attempt.end);
         std::mem::swap(&mut self.events, &mut accepted.events);
         self.counters.steps += 1;
         let proposed_size = self.controller.accept(accepted.size, accepted.attempt.error);
         self.h =
             if accepted.size < accepted.resume_size { proposed_size.max(accepted.resume_size) } else { proposed_size };
 
-        let step = Step { t0, t1: self.clock.now(), h: accepted.size, start: &start, end: &self.state };
+        let step = Step { t0, t1: self.clock.now(), h: accepted.size, start: &self.start, end: &self.state };
         let origin = StepStart {
             system,
             mode: &self.mode,
@@ -573,36 +580,41 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
             tolerances: &self.options.tolerances,
             t: t0,
             latest_time: self.latest_time,
-            state: &start,
+            state: &self.start,
         };
         self.refined.clear();
         self.resolver.follow(&self.method);
-        let (method, resolver, refined) = (&self.method, &mut self.resolver, &mut self.refined);
-        let mut tools = StepEvaluator { method, resolver, origin, size: accepted.size, dense: None, refined };
+        let mut tools = StepEvaluator {
+            method: &self.method,
+            resolver: &mut self.resolver,
+            origin,
+            size: accepted.size,
+            dense: &mut self.dense,
+            has_dense: false,
+            attempt: &mut self.resolved,
+            refined: &mut self.refined,
+        };
         if !observer.step(&step, &self.mode, &mut tools) {
             return Err(Reason::Stopped);
         }
         if accepted.event.is_none() && self.chatter.take_clamped() {
             self.mode = system.mode_after(self.clock.now(), &self.state.q, &self.state.v, &self.mode);
             self.update_events(system);
-        } else if let Some(mode) = system.mode_after_step(&self.events.functions, &self.mode) {
-            self.mode = mode;
+        } else if system.pass_step(&self.events.functions, &mut self.mode) {
             self.update_events(system);
         }
-        if let Some(mode) = system.continued_mode(&self.state.q, &self.state.v, &self.mode) {
-            self.mode = mode;
-        }
+        system.count_turns(&self.state.q, &self.state.v, &mut self.mode);
         Ok(())
     }
 
     /// Applies the mode change of an event at the current state and restarts the method.
-    fn apply_event<Y: Hybrid<N, Z, Mode = M>, O: Observer<N, Z, M>>(
+    fn apply_event<Y: Hybrid<Layout = L, Mode = M>, O: Observer<L, M>>(
         &mut self,
         system: &Y,
         event_index: usize,
         observer: &mut O,
     ) {
-        self.mode = system.mode_after_event(event_index, &self.state.q, &self.state.v, &self.mode);
+        system.pass_event(event_index, &self.state.q, &self.state.v, &mut self.mode);
         let is_reported = system.is_reported(event_index);
         self.report_event(system, (event_index, is_reported), observer);
         if !is_reported {
@@ -615,7 +627,7 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
     }
 
     /// Counts and reports an event, and handles chattering.
-    fn report_event<Y: Hybrid<N, Z, Mode = M>, O: Observer<N, Z, M>>(
+    fn report_event<Y: Hybrid<Layout = L, Mode = M>, O: Observer<L, M>>(
         &mut self,
         system: &Y,
         (event_index, is_reported): (usize, bool),
@@ -626,27 +638,28 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
             observer.event(self.clock.now(), &self.state, event_index, &self.mode);
         }
         if self.chatter.record(event_index, self.clock.now()) {
-            self.mode = system.with_clamped_law(event_index, &self.mode);
+            system.clamp_law(event_index, &mut self.mode);
         }
         self.update_events(system);
     }
 
     /// Projects oscillating contacts onto their equilibrium depth.
-    fn project_quasi_static<Y: Hybrid<N, Z, Mode = M>>(&mut self, system: &Y, t_end: f64) {
+    fn project_quasi_static<Y: Hybrid<Layout = L, Mode = M>>(&mut self, system: &Y, t_end: f64) {
         let t = self.clock.now();
         let projected =
             system.project_quasi_static(t, (&self.state.q, &self.state.v), &self.mode, &self.options.tolerances);
         if let Some(projected) =
             projected.filter(|projected| self.stall_detector.should_project(projected.decay_rate, t_end - t))
         {
-            (self.state.q, self.state.v) = (projected.q, projected.v);
+            copy(&mut self.state.q, &projected.q);
+            copy(&mut self.state.v, &projected.v);
             self.mode = system.mode_after(t, &self.state.q, &self.state.v, &self.mode);
             self.update_events(system);
             self.restart_method();
         }
     }
 
-    fn update_events<Y: Hybrid<N, Z, Mode = M>>(&mut self, system: &Y) {
+    fn update_events<Y: Hybrid<Layout = L, Mode = M>>(&mut self, system: &Y) {
         system.eval_events(&self.state.q, &self.state.v, &self.mode, &mut self.events);
     }
 
@@ -657,40 +670,53 @@ impl<const N: usize, const Z: usize, M: Copy + Debug, K: Method<N, Z>> Run<N, Z,
 }
 
 /// Evaluates states inside the step just taken, for an observer.
-struct StepEvaluator<'a, Y: Hybrid<N, Z>, K, const N: usize, const Z: usize> {
+struct StepEvaluator<'a, Y: Hybrid, K> {
     method: &'a K,
     resolver: &'a mut K,
-    origin: StepStart<'a, Y, N, Z>,
+    origin: StepStart<'a, Y>,
     size: f64,
-    dense: Option<super::Dense<N, Z>>,
+    dense: &'a mut Dense<Y::Layout>,
+    has_dense: bool,
+    /// Memory for steps that end inside the last one.
+    attempt: &'a mut Attempt<Y::Layout>,
     /// States refined so far, with their fractions of the step: the searches of several contacts begin alike.
-    refined: &'a mut Vec<(f64, State<N, Z>)>,
+    refined: &'a mut Vec<(f64, State<Y::Layout>)>,
 }
 
-impl<Y: Hybrid<N, Z>, K: Method<N, Z>, const N: usize, const Z: usize> StepTools<N, Z>
-    for StepEvaluator<'_, Y, K, N, Z>
-{
-    fn interpolate(&mut self, theta: f64) -> State<N, Z> {
-        self.dense.get_or_insert_with(|| self.method.dense(Some(self.origin.linearised))).evaluate(theta)
+impl<Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'_, Y, K> {
+    fn dense(&mut self) -> &Dense<Y::Layout> {
+        if !std::mem::replace(&mut self.has_dense, true) {
+            self.method.dense(Some(self.origin.linearised), self.dense);
+        }
+        self.dense
+    }
+}
+
+impl<Y: Hybrid, K: Method<Y::Layout>> StepTools<Y::Layout> for StepEvaluator<'_, Y, K> {
+    fn interpolate(&mut self, theta: f64) -> State<Y::Layout> {
+        self.dense().evaluate(theta)
     }
 
-    fn refine(&mut self, theta: f64) -> State<N, Z> {
+    fn refine(&mut self, theta: f64) -> State<Y::Layout> {
         if let Some((_, state)) = self.refined.iter().find(|(refined, _)| *refined == theta) {
-            return *state;
+            return state.clone();
         }
-        let dense = self.dense.get_or_insert_with(|| self.method.dense(Some(self.origin.linearised)));
-        let refined = self.method.refine(&self.origin, dense, theta);
+        self.dense();
+        let refined = self.method.refine(&self.origin, self.dense, theta);
         let state = refined.unwrap_or_else(|| self.resolve(theta));
         if self.refined.len() < MAX_REFINED_STATES {
-            self.refined.push((theta, state));
+            self.refined.push((theta, state.clone()));
         }
         state
     }
 
-    fn resolve(&mut self, theta: f64) -> State<N, Z> {
-        let attempt = self.resolver.attempt(&self.origin, theta * self.size);
+    fn resolve(&mut self, theta: f64) -> State<Y::Layout> {
+        self.resolver.attempt(&self.origin, theta * self.size, self.attempt);
         // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
         // size equals the reciprocal of a growth rate.
-        if attempt.error <= MAX_RESOLVED_ERROR { attempt.end } else { self.interpolate(theta) }
+        match self.attempt.error <= MAX_RESOLVED_ERROR {
+            true => self.attempt.end.clone(),
+            false => self.interpolate(theta),
+        }
     }
 }

@@ -1,8 +1,9 @@
 //! Error weights of active contacts: step errors in quantities to which the contact laws are more sensitive than the
 //! tolerances of coordinates and rates reflect.
 
+use super::layout::Layout;
 use super::method::Attempt;
-use super::{ErrorWeight, EventSet, Linearised, State, Tolerances};
+use super::{EventSet, Linearised, State, Tolerances, WeightedQuantity};
 
 /// Fraction of its normal force that a sticking contact must retain in a step.
 const MIN_REMAINING_FORCE: f64 = 0.25;
@@ -15,23 +16,24 @@ const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Raises the tolerance of rates above `noise_scale` times the rounding noise of the rate of a stiff contact.
 #[inline(always)]
-pub(crate) fn raise_above_noise<const N: usize, const Z: usize>(
+pub(crate) fn raise_above_noise<L: Layout>(
     tolerances: &mut Tolerances,
-    events: &EventSet<N>,
-    state: &State<N, Z>,
-    linearised: &Linearised<N, Z>,
+    events: &EventSet<L>,
+    state: &State<L>,
+    linearised: &Linearised<L>,
     noise_scale: f64,
 ) {
-    for (_, weight) in &events.weights {
+    for weight in events.weights() {
         // A damper that dominates the spring suppresses the noise.
-        let ErrorWeight::Depth { row, is_spring_dominated: true, .. } = weight else { continue };
+        let WeightedQuantity::Depth { is_spring_dominated: true, .. } = weight.quantity else { continue };
+        let (row, size) = (&weight.row, weight.row.as_ref().len());
         let (mut stiffness, mut norm_squared, mut magnitude) = (0.0, 0.0, 0.0);
-        for i in 0..N {
+        for i in 0..size {
             // A contact depends on few coordinates.
             if row[i] == 0.0 {
                 continue;
             }
-            for j in 0..N {
+            for j in 0..size {
                 stiffness -= row[i] * linearised.a_q[i][j] * row[j];
             }
             norm_squared += row[i] * row[i];
@@ -49,37 +51,38 @@ pub(crate) fn raise_above_noise<const N: usize, const Z: usize>(
 /// transmit or pull a force that the law does not. Likewise a sticking range may be narrower than the tolerance of the
 /// rates.
 #[inline(always)]
-pub fn error<const N: usize, const Z: usize>(
-    events: &EventSet<N>,
-    attempt: &Attempt<N, Z>,
-    from: &State<N, Z>,
+pub fn error<L: Layout>(
+    events: &EventSet<L>,
+    attempt: &Attempt<L>,
+    from: &State<L>,
     tolerances: &Tolerances,
 ) -> f64 {
     let contact_tolerance = tolerances.contact_tolerance();
     let rebound_tolerances = tolerances.for_rebounds();
     let mut worst: f64 = 0.0;
-    for (_, weight) in &events.weights {
+    for weight in events.weights() {
+        let (row, size) = (&weight.row, weight.row.as_ref().len());
         let (mut error, mut scale, mut magnitude) = (0.0, 0.0, 0.0);
         let mut floor = 0.0;
-        match weight {
-            ErrorWeight::Depth { row, depth, is_rebounding, .. } => {
-                if *is_rebounding {
+        match weight.quantity {
+            WeightedQuantity::Depth { depth, is_rebounding, .. } => {
+                if is_rebounding {
                     worst = worst.max(rebound_tolerances.rate_error_along(row, &attempt.error_v, from, &attempt.end));
                 }
-                for n in 0..N {
+                for n in 0..size {
                     error += row[n] * attempt.error_q[n];
                     scale -= row[n] * (attempt.end.q[n] - from.q[n]);
                     magnitude += (row[n] * from.q[n]).abs();
                 }
-                scale = (depth + scale).max(*depth);
+                scale = (depth + scale).max(depth);
                 floor = MIN_DEPTH_ERROR;
             }
-            ErrorWeight::Slip { row, slip_scale, .. } => {
-                for n in 0..N {
+            WeightedQuantity::Slip { slip_scale, .. } => {
+                for n in 0..size {
                     error += row[n] * attempt.error_v[n];
                     magnitude += (row[n] * from.v[n]).abs();
                 }
-                scale = *slip_scale;
+                scale = slip_scale;
             }
         }
         worst = worst.max(error.abs() / (contact_tolerance * scale).max(floor + ROUNDING * magnitude));
@@ -90,19 +93,22 @@ pub fn error<const N: usize, const Z: usize>(
 /// Whether a sticking contact loses most of its normal force in a step and slips beyond the tolerance. Creep grows with
 /// the reciprocal of the force, which the polynomial of a step cannot represent and its error estimate does not reveal.
 #[inline(always)]
-pub fn unloads<const N: usize, const Z: usize>(
-    start: &EventSet<N>,
-    end: &EventSet<N>,
-    attempt: &Attempt<N, Z>,
-    from: &State<N, Z>,
+pub fn unloads<L: Layout>(
+    start: &EventSet<L>,
+    end: &EventSet<L>,
+    attempt: &Attempt<L>,
+    from: &State<L>,
     tolerances: &Tolerances,
 ) -> bool {
-    for (index, weight) in &start.weights {
-        let ErrorWeight::Slip { row, slip_scale, normal_force } = weight else { continue };
-        let remaining =
-            if let Some(ErrorWeight::Slip { normal_force, .. }) = end.weight(*index) { *normal_force } else { 0.0 };
+    for weight in start.weights() {
+        let WeightedQuantity::Slip { slip_scale, normal_force } = weight.quantity else { continue };
+        let remaining = match end.weight(weight.index) {
+            Some(WeightedQuantity::Slip { normal_force, .. }) => *normal_force,
+            _ => 0.0,
+        };
+        let (row, size) = (&weight.row, weight.row.as_ref().len());
         let mut slip_change = 0.0;
-        for n in 0..N {
+        for n in 0..size {
             slip_change += row[n] * (attempt.end.v[n] - from.v[n]);
         }
         if remaining < MIN_REMAINING_FORCE * normal_force
@@ -117,26 +123,28 @@ pub fn unloads<const N: usize, const Z: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::Fixed;
 
     /// Returns an active contact with this normal force, whose slip is the rate of the second coordinate.
-    fn sticking_contact(normal_force: f64) -> EventSet<2> {
-        let mut events = EventSet::new(1);
-        events.add_weight(0, ErrorWeight::Slip { row: [0.0, 1.0], slip_scale: 1e-3, normal_force });
+    fn sticking_contact(normal_force: f64) -> EventSet<Fixed<2, 0>> {
+        let mut events = EventSet::new(Fixed, 1);
+        *events.add_weight(0, WeightedQuantity::Slip { slip_scale: 1e-3, normal_force }) = [0.0, 1.0];
         events
     }
 
-    fn unloads_to(after: EventSet<2>, rate_change: [f64; 2]) -> bool {
+    fn unloads_to(after: EventSet<Fixed<2, 0>>, rate_change: [f64; 2]) -> bool {
         let tolerances = Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 };
         let from = State { q: [0.0; 2], v: [3.0, 0.1], z: [] };
-        let v = [from.v[0] + rate_change[0], from.v[1] + rate_change[1] * tolerances.contact_tolerance() * 1e-3];
-        let attempt = Attempt { error: 0.5, rhs: 8, end: State { v, ..from }, error_q: [0.0; 2], error_v: [0.0; 2] };
+        let mut attempt = Attempt::new(Fixed);
+        attempt.end.v =
+            [from.v[0] + rate_change[0], from.v[1] + rate_change[1] * tolerances.contact_tolerance() * 1e-3];
         unloads(&sticking_contact(10.0), &after, &attempt, &from, &tolerances)
     }
 
     #[test]
     fn a_contact_unloads_if_it_loses_its_force_and_slips_beyond_the_tolerance() {
         assert!(unloads_to(sticking_contact(2.4), [0.0, 1.1]), "most of the force is lost, and the contact slips");
-        assert!(unloads_to(EventSet::new(1), [0.0, -1.1]), "a contact that is no longer active has lost its force");
+        assert!(unloads_to(EventSet::new(Fixed, 1), [0.0, -1.1]), "a contact that is no longer active has lost its force");
         assert!(!unloads_to(sticking_contact(2.6), [0.0, 1.1]), "more than a quarter of the force remains");
         assert!(!unloads_to(sticking_contact(2.4), [0.0, 0.9]), "the slip is below the tolerance");
         assert!(!unloads_to(sticking_contact(2.4), [5.0, 0.9]), "motion in another direction is not slip");

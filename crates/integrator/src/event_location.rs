@@ -1,10 +1,14 @@
 //! Locates the first event within a step.
 
-use std::cell::{OnceCell, RefCell};
+use std::cell::{Cell, OnceCell, RefCell};
 
-use super::gap_search::{GapSearch, Point, Unresolved, find_root};
+use super::gap_search::{GapSearch, Part, Point, Unresolved, find_root};
+use super::layout::{Layout, VectorOf};
 use super::state::DensePositions;
-use super::{Dense, ErrorWeight, EventFunction, EventSet, GapBound, GapBounds, Hybrid, RootSearch, State};
+use super::{
+    CoordinateBounds, Dense, EventFunction, EventSet, GapBound, GapBounds, Hybrid, Method, RootSearch, State,
+    WeightedQuantity,
+};
 use crate::numeric::elementary::powi;
 
 /// The earliest zero crossing of an event function in a step.
@@ -31,10 +35,14 @@ pub enum Found {
 
 /// Memory of the search of a step, used again for the next one.
 #[derive(Clone, Debug)]
-pub struct SearchMemory {
+pub struct SearchMemory<L: Layout> {
     /// Bounds over the whole step, and over a part of it.
     bounds: GapBounds,
-    part: RefCell<GapBounds>,
+    motion: CoordinateBounds<L>,
+    part: RefCell<Part<L>>,
+    positions: [VectorOf<L>; 3],
+    dense: Dense<L>,
+    state: RefCell<[VectorOf<L>; 2]>,
     samples: SampleMemory,
 }
 
@@ -47,9 +55,9 @@ struct SampleMemory {
     at_thirds: [Vec<f64>; 2],
 }
 
-impl SearchMemory {
+impl<L: Layout> SearchMemory<L> {
     /// Memory for this number of event functions.
-    pub fn new(count: usize) -> Self {
+    pub fn new(layout: L, count: usize) -> Self {
         let (bounds, values) = (GapBounds::new(count), vec![f64::NAN; count]);
         let samples = SampleMemory {
             may_cross: vec![false; count],
@@ -57,27 +65,100 @@ impl SearchMemory {
             at_thirds: [values.clone(), values.clone()],
             at_half: values,
         };
-        Self { part: RefCell::new(bounds.clone()), bounds, samples }
+        let (motion, zero) = (CoordinateBounds::at_rest(layout), || layout.vector(0.0));
+        Self {
+            part: RefCell::new(Part { bounds: bounds.clone(), motion: motion.clone() }),
+            bounds,
+            motion,
+            positions: [zero(), zero(), zero()],
+            dense: Dense::new(layout),
+            state: RefCell::new([zero(), zero()]),
+            samples,
+        }
     }
 }
 
-/// Searches a step of size `h` for its first zero crossing and for a singularity, given the event functions at both ends.
+/// Event functions inside a step, whose dense output is evaluated when it is first used.
+pub(crate) struct Interior<'a, Y: Hybrid, K> {
+    pub system: &'a Y,
+    pub mode: &'a Y::Mode,
+    method: &'a K,
+    dense: OnceCell<&'a Dense<Y::Layout>>,
+    memory: Cell<Option<&'a mut Dense<Y::Layout>>>,
+    /// Memory for coordinates and rates.
+    state: &'a RefCell<[VectorOf<Y::Layout>; 2]>,
+}
+
+impl<'a, Y: Hybrid, K: Method<Y::Layout>> Interior<'a, Y, K> {
+    fn new(
+        (system, mode, method): (&'a Y, &'a Y::Mode, &'a K),
+        memory: &'a mut Dense<Y::Layout>,
+        state: &'a RefCell<[VectorOf<Y::Layout>; 2]>,
+    ) -> Self {
+        Self { system, mode, method, dense: OnceCell::new(), memory: Cell::new(Some(memory)), state }
+    }
+
+    /// Dense output of the step.
+    pub fn dense(&self) -> &'a Dense<Y::Layout> {
+        self.dense.get_or_init(|| {
+            let dense = self.memory.take().expect("the dense output is evaluated once");
+            self.method.dense(None, dense);
+            dense
+        })
+    }
+
+    /// An event function at a fraction of the step.
+    pub fn function(&self, index: usize, theta: f64) -> EventFunction {
+        let [q, v] = &mut *self.state.borrow_mut();
+        self.dense().motion(theta, q, v);
+        self.system.eval_event(q, v, self.mode, index)
+    }
+
+    /// Values of the selected event functions at a fraction of the step: most steps need no further evaluation.
+    fn values(&self, theta: f64, selected: &[bool], values: &mut [f64]) {
+        let [q, v] = &mut *self.state.borrow_mut();
+        self.dense().motion(theta, q, v);
+        self.system.event_values(q, v, self.mode, selected, values);
+    }
+
+    /// Reads the coordinates at a fraction of the step with their derivative, which differs from the dense output of the rates
+    /// by its error.
+    pub fn at_derivative<R>(
+        &self,
+        theta: f64,
+        read: impl FnOnce(&VectorOf<Y::Layout>, &VectorOf<Y::Layout>) -> R,
+    ) -> R {
+        let [q, v] = &mut *self.state.borrow_mut();
+        self.dense().coordinates_with_derivative(theta, q, v);
+        read(q, v)
+    }
+}
+
+/// An event function at a fraction of the last attempt of a method.
+pub(crate) fn function_inside<Y: Hybrid, K: Method<Y::Layout>>(
+    (system, mode, method): (&Y, &Y::Mode, &K),
+    index: usize,
+    theta: f64,
+    memory: &mut SearchMemory<Y::Layout>,
+) -> EventFunction {
+    Interior::new((system, mode, method), &mut memory.dense, &memory.state).function(index, theta)
+}
+
+/// Searches a step of size `h`, the last attempt of the method, for its first zero crossing and for a singularity, given the
+/// event functions at both ends.
 ///
 /// Gaps and the clearance are searched with bounds of their rates, so that no link passes through an object, however thin
 /// or short the contact. Other values are checked at the end; those that may be negative in between, according to their
 /// rates at the ends or their curvature, are sampled inside the step.
 #[inline(always)]
-pub fn search_step<const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
-    system: &Y,
-    mode: &Y::Mode,
-    [start, end]: [&EventSet<N>; 2],
-    ([from, to], h): ([&State<N, Z>; 2], f64),
-    output: &(impl Fn() -> Dense<N, Z>, impl Fn() -> [[f64; N]; 3]),
-    memory: &mut SearchMemory,
+pub fn search_step<Y: Hybrid, K: Method<Y::Layout>>(
+    (system, mode, method): (&Y, &Y::Mode, &K),
+    [start, end]: [&EventSet<Y::Layout>; 2],
+    ([from, to], h): ([&State<Y::Layout>; 2], f64),
+    memory: &mut SearchMemory<Y::Layout>,
 ) -> Found {
-    let SearchMemory { bounds, part, samples } = memory;
-    let dense = OnceCell::new();
-    let dense = || dense.get_or_init(&output.0);
+    let SearchMemory { bounds, motion, part, positions, dense, state, samples } = memory;
+    let interior = Interior::new((system, mode, method), dense, state);
     let is_bounded = |index: &usize| {
         let [start, end] = [start, end].map(|events| &events.functions[*index]);
         let may_cross = start.value.is_nan() || end.value.is_nan() || start.value.min(end.value).is_finite();
@@ -85,10 +166,13 @@ pub fn search_step<const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
     };
     let mut first = None;
     if end.clearance != f64::INFINITY || (0..system.event_count()).any(|index| is_bounded(&index)) {
-        let positions = DensePositions { start: &from.q, end: &to.q, d: (output.1)(), step_s: h };
-        let motion = positions.bounds(0.0, 1.0, system.coordinate_count());
-        system.gap_bounds(&motion, (&to.q, &to.v), end.clearance, bounds);
-        let search = GapSearch::new(system, mode, dense, part);
+        method.dense_positions(positions);
+        let [a, b, c] = &*positions;
+        let d = [a.as_ref(), b.as_ref(), c.as_ref()];
+        let positions = DensePositions { start: from.q.as_ref(), end: to.q.as_ref(), d, step_s: h };
+        positions.bounds([0.0, 1.0], system.coordinate_count(), motion);
+        system.gap_bounds(motion, (&to.q, &to.v), end.clearance, bounds);
+        let search = GapSearch::new(&interior, part);
         if !search.stays_clear(bounds.clearance_reach) {
             return Found::Obstacle;
         }
@@ -107,18 +191,16 @@ pub fn search_step<const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
             }
         }
     }
-    match first_sampled_crossing(system, mode, ([start, end], h), &dense, first, samples) {
+    match first_sampled_crossing(&interior, ([start, end], h), first, samples) {
         Some(crossing) => Found::Crossing(crossing),
         None => Found::Nothing,
     }
 }
 
 /// Returns the first zero crossing of the functions that are not searched with bounds, or `first` if it is earlier.
-fn first_sampled_crossing<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
-    system: &Y,
-    mode: &Y::Mode,
-    (events, h): ([&EventSet<N>; 2], f64),
-    dense: &dyn Fn() -> &'a Dense<N, Z>,
+fn first_sampled_crossing<Y: Hybrid, K: Method<Y::Layout>>(
+    interior: &Interior<Y, K>,
+    (events, h): ([&EventSet<Y::Layout>; 2], f64),
     mut first: Option<Crossing>,
     memory: &mut SampleMemory,
 ) -> Option<Crossing> {
@@ -131,16 +213,6 @@ fn first_sampled_crossing<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
     if !may_cross.contains(&true) {
         return first;
     }
-    let dense = dense();
-    let function_at = |theta: f64, index: usize| {
-        let (q, v) = dense.motion(theta);
-        system.eval_event(&q, &v, mode, index)
-    };
-    // One call evaluates all selected functions, because most steps need no further evaluation.
-    let event_values = |theta: f64, selected: &[bool], values: &mut [f64]| {
-        let (q, v) = dense.motion(theta);
-        system.event_values(&q, &v, mode, selected, values);
-    };
     let search_of = |index: usize| select_search(&start[index], &end[index]);
     let (mut has_half, mut has_thirds) = (false, false);
     let mut at_half = |index: usize| {
@@ -148,18 +220,18 @@ fn first_sampled_crossing<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
             for (index, is_gap) in is_gap.iter_mut().enumerate() {
                 *is_gap = may_cross[index] && search_of(index) == RootSearch::Gap;
             }
-            event_values(0.5, is_gap, at_half);
+            interior.values(0.5, is_gap, at_half);
         }
         at_half[index]
     };
     let mut at_thirds = |index: usize| {
         if !std::mem::replace(&mut has_thirds, true) {
-            (0..2).for_each(|k| event_values(THIRDS[k], may_cross, &mut at_thirds[k]));
+            (0..2).for_each(|k| interior.values(THIRDS[k], may_cross, &mut at_thirds[k]));
         }
         [at_thirds[0][index], at_thirds[1][index]]
     };
-    for index in (0..system.event_count()).filter(|index| may_cross[*index]) {
-        let value = |theta: f64| function_at(theta, index).value;
+    for index in (0..may_cross.len()).filter(|index| may_cross[*index]) {
+        let value = |theta: f64| interior.function(index, theta).value;
         let is_negative_at_end = end[index].value < 0.0;
         let bracket = match search_of(index) {
             RootSearch::EndOnly | RootSearch::Bounded => is_negative_at_end.then_some((0.0, 1.0)),
@@ -169,7 +241,7 @@ fn first_sampled_crossing<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
                 let is_sampled = is_negative_at_end || separates && search_of(index) == RootSearch::Interior;
                 if is_sampled || may_dip_inside(start[index].value, end[index].value, at_thirds(index)) {
                     let separation =
-                        separates.then(|| find_separation(&|theta| function_at(theta, index).is_separated));
+                        separates.then(|| find_separation(&|theta| interior.function(index, theta).is_separated));
                     first_dip(start[index].value, end[index].value, separation, &value)
                 } else {
                     None
@@ -178,7 +250,7 @@ fn first_sampled_crossing<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
             RootSearch::Gap if at_half(index) < 0.0 => Some((0.0, 0.5)),
             RootSearch::Gap if is_negative_at_end => Some((0.5, 1.0)),
             RootSearch::Gap if start[index].rate < 0.0 && end[index].rate > 0.0 => {
-                let lowest = find_minimum(&|theta| function_at(theta, index).rate);
+                let lowest = find_minimum(&|theta| interior.function(index, theta).rate);
                 (value(lowest) < 0.0).then_some((0.0, lowest))
             }
             RootSearch::Gap => None,
@@ -199,8 +271,8 @@ fn first_sampled_crossing<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
 /// The first zero crossing of a gap, or `first` if it is earlier. `bound` is that of the gap over the step, with the depth
 /// below which a dip does not count.
 #[inline(always)]
-fn first_zero<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
-    search: &GapSearch<'a, Y, impl Fn() -> &'a Dense<N, Z>, N, Z>,
+fn first_zero<Y: Hybrid, K: Method<Y::Layout>>(
+    search: &GapSearch<Y, K>,
     index: usize,
     [start, mut end]: [Point; 2],
     (bound, tolerance): (GapBound, f64),
@@ -219,7 +291,7 @@ fn first_zero<'a, const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
 
 /// Whether an event function that is positive at both ends could be negative in between. A gap could if it closed at
 /// twice the larger of its end rates throughout the step; other values must be sampled inside.
-fn may_dip<const N: usize>(events: [&EventSet<N>; 2], index: usize, h: f64) -> bool {
+fn may_dip<L: Layout>(events: [&EventSet<L>; 2], index: usize, h: f64) -> bool {
     let [start, end] = events.map(|events| &events.functions[index]);
     let lowest_end = start.value.min(end.value);
     match select_search(start, end) {
@@ -240,9 +312,9 @@ fn select_search(start: &EventFunction, end: &EventFunction) -> RootSearch {
 }
 
 /// Whether a contact loses half of its depth in a step. Shorter steps resolve the contact without sampling.
-fn loses_depth<const N: usize>(events: [&EventSet<N>; 2], index: usize) -> bool {
+fn loses_depth<L: Layout>(events: [&EventSet<L>; 2], index: usize) -> bool {
     match events.map(|events| events.weight(index)) {
-        [Some(ErrorWeight::Depth { depth: before, .. }), Some(ErrorWeight::Depth { depth: after, .. })] => {
+        [Some(WeightedQuantity::Depth { depth: before, .. }), Some(WeightedQuantity::Depth { depth: after, .. })] => {
             *after < 0.5 * before
         }
         _ => true,
@@ -372,26 +444,33 @@ fn find_minimum(rate: &dyn Fn(f64) -> f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::state::State;
+    use crate::layout::Fixed;
+    use crate::method::{Attempt, StepStart};
     use crate::system::{EventSet, Linearised, Rates, System};
+
+    type One = Fixed<1, 0>;
 
     /// A point that moves past markers at a constant rate, with a single mode.
     struct Markers([f64; 3]);
 
-    impl System<1, 0> for Markers {
+    impl System for Markers {
+        type Layout = One;
         type Mode = ();
 
-        fn rates(&self, _: f64, _: &[f64; 1], _: &[f64; 1], (): &()) -> Rates<1, 0> {
-            Rates { a: [0.0], g: [] }
+        fn layout(&self) -> One {
+            Fixed
         }
 
-        fn linearise(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &()) -> Linearised<1, 0> {
-            let rates = self.rates(t, q, v, mode);
-            Linearised { rates, a_q: [[0.0]], a_v: [[0.0]], a_t: [0.0], g_q: [], g_v: [], g_t: [] }
+        fn rates(&self, _: f64, _: &[f64; 1], _: &[f64; 1], (): &(), rates: &mut Rates<One>) {
+            rates.a = [0.0];
+        }
+
+        fn linearise(&self, _: f64, _: &[f64; 1], _: &[f64; 1], (): &(), linearised: &mut Linearised<One>) {
+            linearised.clear();
         }
     }
 
-    impl Hybrid<1, 0> for Markers {
+    impl Hybrid for Markers {
         fn event_count(&self) -> usize {
             3
         }
@@ -400,8 +479,7 @@ mod tests {
             f64::INFINITY
         }
 
-        fn eval_events(&self, q: &[f64; 1], v: &[f64; 1], (): &(), events: &mut EventSet<1>) {
-            events.clear();
+        fn eval_events(&self, q: &[f64; 1], v: &[f64; 1], (): &(), events: &mut EventSet<One>) {
             (0..3).for_each(|index| events.functions[index] = self.eval_event(q, v, &(), index));
         }
 
@@ -417,13 +495,13 @@ mod tests {
             0.0
         }
 
-        fn mode_after_event(&self, _: usize, _: &[f64; 1], _: &[f64; 1], (): &()) {}
+        fn pass_event(&self, _: usize, _: &[f64; 1], _: &[f64; 1], (): &mut ()) {}
 
-        fn mode_after_step(&self, _: &[EventFunction], (): &()) -> Option<()> {
-            None
+        fn pass_step(&self, _: &[EventFunction], (): &mut ()) -> bool {
+            false
         }
 
-        fn with_clamped_law(&self, _: usize, (): &()) {}
+        fn clamp_law(&self, _: usize, (): &mut ()) {}
 
         fn mode_at(&self, _: f64, _: &[f64; 1], _: &[f64; 1]) {}
 
@@ -436,22 +514,52 @@ mod tests {
         }
     }
 
+    /// The exact motion of the point, from 0 to 1.
+    #[derive(Clone)]
+    struct ConstantRate;
+
+    impl Method<One> for ConstantRate {
+        fn new(_: One) -> Self {
+            Self
+        }
+
+        fn error_order(&self) -> f64 {
+            1.0
+        }
+
+        fn restart(&mut self) {}
+
+        fn accept_step(&mut self) {}
+
+        fn follow(&mut self, _: &Self) {}
+
+        fn attempt<Y: System<Layout = One>>(&mut self, _: &StepStart<Y>, _: f64, _: &mut Attempt<One>) {}
+
+        fn dense(&self, _: Option<&Linearised<One>>, dense: &mut Dense<One>) {
+            (dense.h, dense.start.v, dense.end.q, dense.end.v) = (1.0, [1.0], [1.0], [1.0]);
+        }
+
+        fn dense_positions(&self, d: &mut [[f64; 1]; 3]) {
+            *d = [[0.0]; 3];
+        }
+    }
+
     #[test]
     fn finds_the_first_of_several_crossings_in_any_order_of_event_functions() {
         let state = |q: f64| State { q: [q], v: [1.0], z: [] };
-        let (start, end, still) = (state(0.0), state(1.0), State { q: [0.0], v: [0.0], z: [] });
-        let output = (|| Dense { t0: 0.0, h: 1.0, start, end, d: [still; 3] }, || [[0.0]; 3]);
+        let (start, end) = (state(0.0), state(1.0));
         for (markers, event_index, theta) in
             [([0.3, 0.6, 2.0], 0, 0.3), ([0.6, 0.3, 0.9], 1, 0.3), ([0.9, 0.6, 0.3], 2, 0.3), ([2.0, 0.7, 0.7], 1, 0.7)]
         {
             let system = Markers(markers);
             let [before, after] = [&start, &end].map(|state| {
-                let mut events = EventSet::new(3);
+                let mut events = EventSet::new(Fixed, 3);
                 system.eval_events(&state.q, &state.v, &(), &mut events);
                 events
             });
-            let (ends, mut memory) = (([&start, &end], 1.0), SearchMemory::new(3));
-            let Found::Crossing(first) = search_step(&system, &(), [&before, &after], ends, &output, &mut memory)
+            let (ends, mut memory) = (([&start, &end], 1.0), SearchMemory::new(Fixed, 3));
+            let Found::Crossing(first) =
+                search_step((&system, &(), &ConstantRate), [&before, &after], ends, &mut memory)
             else {
                 panic!("{markers:?}: no crossing");
             };

@@ -7,7 +7,9 @@
 
 use std::cell::{Cell, RefCell};
 
-use super::{Dense, GapBound, GapBounds, Hybrid};
+use super::event_location::Interior;
+use super::layout::Layout;
+use super::{CoordinateBounds, GapBound, GapBounds, Hybrid, Method};
 
 /// Largest number of states at which one step is evaluated to exclude zeros between them; a step that needs more is
 /// shortened. The value only ends the work of one step and is not tuned.
@@ -52,40 +54,37 @@ pub(crate) struct Zero {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Unresolved;
 
-/// Search within one step, whose dense output is evaluated if the bounds over the whole step decide nothing.
-pub(crate) struct GapSearch<'a, Y: Hybrid<N, Z>, D, const N: usize, const Z: usize> {
-    system: &'a Y,
-    mode: &'a Y::Mode,
-    dense: D,
-    evaluations: Cell<u32>,
-    /// Memory for the bounds over a part of the step.
-    part: &'a RefCell<GapBounds>,
+/// Bounds over a part of a step.
+#[derive(Clone, Debug)]
+pub(crate) struct Part<L: Layout> {
+    pub bounds: GapBounds,
+    pub motion: CoordinateBounds<L>,
 }
 
-impl<'a, Y, D, const N: usize, const Z: usize> GapSearch<'a, Y, D, N, Z>
-where
-    Y: Hybrid<N, Z>,
-    D: Fn() -> &'a Dense<N, Z>,
-{
-    pub fn new(system: &'a Y, mode: &'a Y::Mode, dense: D, part: &'a RefCell<GapBounds>) -> Self {
-        Self { system, mode, dense, evaluations: Cell::new(0), part }
+/// Search within one step, whose dense output is evaluated if the bounds over the whole step decide nothing.
+pub(crate) struct GapSearch<'a, Y: Hybrid, K> {
+    interior: &'a Interior<'a, Y, K>,
+    evaluations: Cell<u32>,
+    /// Memory for the bounds over a part of the step.
+    part: &'a RefCell<Part<Y::Layout>>,
+}
+
+impl<'a, Y: Hybrid, K: Method<Y::Layout>> GapSearch<'a, Y, K> {
+    pub fn new(interior: &'a Interior<'a, Y, K>, part: &'a RefCell<Part<Y::Layout>>) -> Self {
+        Self { interior, evaluations: Cell::new(0), part }
     }
 
     /// Reads the bounds between two fractions of the step; `at` is one of them.
     #[inline(never)]
     fn bounds_between<R>(&self, from: f64, to: f64, at: f64, read: impl FnOnce(&GapBounds) -> R) -> R {
-        let dense = (self.dense)();
-        let (q, v) = Self::motion(dense, at);
-        let clearance = self.system.clearance(&q, &v, self.mode);
-        let motion = dense.positions().bounds(from, to, self.system.coordinate_count());
-        let mut part = self.part.borrow_mut();
-        self.system.gap_bounds(&motion, (&q, &v), clearance, &mut part);
-        read(&part)
-    }
-
-    /// Coordinates of the dense output with their derivative, which differs from the dense output of the rates by its error.
-    fn motion(dense: &Dense<N, Z>, theta: f64) -> ([f64; N], [f64; N]) {
-        (dense.motion(theta).0, dense.derivative(theta).q)
+        let Interior { system, mode, .. } = self.interior;
+        let Part { bounds, motion } = &mut *self.part.borrow_mut();
+        self.interior.dense().positions().bounds([from, to], system.coordinate_count(), motion);
+        self.interior.at_derivative(at, |q, v| {
+            let clearance = system.clearance(q, v, mode);
+            system.gap_bounds(motion, (q, v), clearance, bounds);
+        });
+        read(bounds)
     }
 
     /// Counts an evaluation.
@@ -97,13 +96,12 @@ where
     /// A gap at a fraction of the step.
     pub fn point(&self, index: usize, theta: f64) -> Result<Point, Unresolved> {
         self.count()?;
-        let dense = (self.dense)();
-        let (q, v) = Self::motion(dense, theta);
-        let function = self.system.eval_event(&q, &v, self.mode, index);
+        let Interior { system, mode, .. } = self.interior;
+        let function = self.interior.at_derivative(theta, |q, v| system.eval_event(q, v, mode, index));
         if function.value.is_nan() {
             return Err(Unresolved);
         }
-        Ok(Point { theta, value: function.value, rate: function.rate * dense.h })
+        Ok(Point { theta, value: function.value, rate: function.rate * self.interior.dense().h })
     }
 
     /// The first zero of a gap between two points. Dips to less than `tolerance` below zero do not count.
@@ -118,10 +116,7 @@ where
             return Ok(Some(Zero { theta: left.theta.max(f64::EPSILON * right.theta), negative_at: right.theta }));
         }
         if right.value < 0.0 {
-            let value = |theta: f64| {
-                let (q, v) = (self.dense)().motion(theta);
-                self.system.eval_event(&q, &v, self.mode, index).value
-            };
+            let value = |theta: f64| self.interior.function(index, theta).value;
             let middle = 0.5 * (left.theta + right.theta);
             let (low, high) = if value(middle) < 0.0 { (left.theta, middle) } else { (middle, right.theta) };
             let theta = find_root(&value, low, high);

@@ -1,11 +1,10 @@
 //! Stiff integration of small hybrid second-order systems q̇ = v, v̇ = a(t, q, v).
 //!
-//! Sizes are constants; within a step there is no allocation and no dynamic dispatch. `N` is the number of coordinates,
-//! `Z` the number of quadratures (ż = g(t, q, v), integrated but never fed back), and `S` the number of event
-//! functions.
+//! A [`Layout`] gives the number of coordinates and of quadratures (ż = g(t, q, v), integrated but never fed back): constants
+//! of its type, or numbers at run time. Within a step there is no allocation and no dynamic dispatch.
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests compare results with other libraries"))]
-// Kernels index several arrays of the same constant size in parallel; iterators would obscure that.
+// Kernels index several arrays of the same size in parallel; iterators would obscure that.
 #![allow(clippy::needless_range_loop)]
 
 mod clock;
@@ -14,6 +13,7 @@ mod driver;
 mod error_weight;
 mod event_location;
 mod gap_search;
+mod layout;
 mod linear;
 mod method;
 mod radau5;
@@ -29,6 +29,7 @@ use phalanx_mechanics::numeric;
 pub use clock::Clock;
 pub use control::Tolerances;
 pub use driver::{End, Failure, Integration, Options, Reason, integrate, integrate_by};
+pub use layout::{Dynamic, DynamicMatrix, Entry, Fixed, FixedMatrix, Layout, Matrix, Vector, VectorOf};
 pub use method::{Attempt, Method, StepStart};
 pub use radau_or_rodas::RadauOrRodas;
 pub use radau5::{Radau5, radau5_tableau};
@@ -36,5 +37,5 @@ pub use rodas5p::Rodas5p;
 pub use state::{CoordinateBounds, Counters, Dense, Observer, State, Step, StepTools};
 pub use system::{
     ErrorWeight, EventFunction, EventSet, GapBound, GapBounds, Hybrid, Linearised, QuasiStaticState, Rates, RootSearch,
-    System,
+    System, WeightedQuantity,
 };

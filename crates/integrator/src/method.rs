@@ -1,21 +1,28 @@
 //! Interface between one-step methods and the integration loop.
 
+use super::layout::{Layout, VectorOf};
 use super::{Dense, Linearised, State, System, Tolerances};
 
 /// Result of one attempted step.
-#[derive(Clone, Copy, Debug)]
-pub struct Attempt<const N: usize, const Z: usize> {
+#[derive(Clone, Debug)]
+pub struct Attempt<L: Layout> {
     /// Scaled error; at most 1 is acceptable. NaN if the step failed.
     pub error: f64,
     /// Number of right-hand-side evaluations.
     pub rhs: u64,
-    pub end: State<N, Z>,
+    pub end: State<L>,
     /// Estimated errors of coordinates and rates.
-    pub error_q: [f64; N],
-    pub error_v: [f64; N],
+    pub error_q: VectorOf<L>,
+    pub error_v: VectorOf<L>,
 }
 
-impl<const N: usize, const Z: usize> Attempt<N, Z> {
+impl<L: Layout> Attempt<L> {
+    /// Memory for an attempt.
+    pub(crate) fn new(layout: L) -> Self {
+        let (error_q, error_v) = (layout.vector(0.0), layout.vector(0.0));
+        Self { error: 0.0, rhs: 0, end: State::zero(layout), error_q, error_v }
+    }
+
     /// Whether the error is acceptable; a failed step is not.
     pub(crate) fn is_acceptable(&self) -> bool {
         self.error <= 1.0
@@ -23,20 +30,20 @@ impl<const N: usize, const Z: usize> Attempt<N, Z> {
 }
 
 /// Start of a step: everything that stays the same when the step is repeated with another size.
-pub struct StepStart<'a, Y: System<N, Z>, const N: usize, const Z: usize> {
+pub struct StepStart<'a, Y: System> {
     pub system: &'a Y,
     pub mode: &'a Y::Mode,
-    pub linearised: &'a Linearised<N, Z>,
+    pub linearised: &'a Linearised<Y::Layout>,
     pub tolerances: &'a Tolerances,
     pub t: f64,
     /// Latest time at which the right-hand side may be evaluated: just before a discontinuity, which belongs to the
     /// next step.
     pub latest_time: f64,
-    pub state: &'a State<N, Z>,
+    pub state: &'a State<Y::Layout>,
 }
 
-pub trait Method<const N: usize, const Z: usize>: Clone {
-    fn new() -> Self;
+pub trait Method<L: Layout>: Clone {
+    fn new(layout: L) -> Self;
 
     /// Order of the error estimate's leading term in h.
     fn error_order(&self) -> f64;
@@ -53,22 +60,24 @@ pub trait Method<const N: usize, const Z: usize>: Clone {
     /// Notifies the method that the run has stalled.
     fn on_stall(&mut self) {}
 
-    fn attempt<Y: System<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, h: f64) -> Attempt<N, Z>;
+    /// Attempts a step of size `h`.
+    fn attempt<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64, attempt: &mut Attempt<L>);
 
     /// Corrects the dense output of the last attempt at the fraction `theta` of its step, so that it gives the forces of stiff
     /// contacts; `None` if a step that ends there is required.
-    fn refine<Y: System<N, Z>>(
+    fn refine<Y: System<Layout = L>>(
         &self,
-        _origin: &StepStart<Y, N, Z>,
-        _dense: &Dense<N, Z>,
+        _origin: &StepStart<Y>,
+        _dense: &Dense<L>,
         _theta: f64,
-    ) -> Option<State<N, Z>> {
+    ) -> Option<State<L>> {
         None
     }
 
-    /// Dense output of the last attempt, which had this linearisation; without it the quadratures are not interpolated.
-    fn dense(&self, linearised: Option<&Linearised<N, Z>>) -> Dense<N, Z>;
+    /// Writes the dense output of the last attempt, which had this linearisation; without it the quadratures are not
+    /// interpolated.
+    fn dense(&self, linearised: Option<&Linearised<L>>, dense: &mut Dense<L>);
 
-    /// The coordinates of the terms d of [`Method::dense`].
-    fn dense_positions(&self) -> [[f64; N]; 3];
+    /// Writes the coordinates of the terms d of [`Method::dense`].
+    fn dense_positions(&self, d: &mut [VectorOf<L>; 3]);
 }

@@ -3,10 +3,10 @@
 
 use num_complex::Complex64;
 
-use super::linear::ShiftedSolver;
+use super::layout::{Layout, VectorOf, add, add_scaled, copy};
+use super::linear::{ShiftedSolver, Sizes};
 use super::method::{Attempt, Method, StepStart};
 use super::{Dense, Linearised, Rates, State, System};
-use crate::numeric::array_from;
 use crate::numeric::elementary::{cbrt, powi};
 
 const MAX_NEWTON: usize = 12;
@@ -90,76 +90,257 @@ fn inverse3(m: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     std::array::from_fn(|i| std::array::from_fn(|j| minor(j, i) / det))
 }
 
-/// Increments of a stage relative to the state at the start of the step: coordinates, then rates.
-type Stage<const N: usize> = ([f64; N], [f64; N]);
+/// Coordinates and rates of one stage: increments relative to the state at the start of the step, or their derivatives.
+#[derive(Clone, Debug)]
+struct Stage<L: Layout> {
+    q: VectorOf<L>,
+    v: VectorOf<L>,
+}
+
 /// The three stages of a step.
-type Stages<const N: usize> = [Stage<N>; 3];
+type Stages<L> = [Stage<L>; 3];
+
+fn zero_stages<L: Layout>(layout: L) -> Stages<L> {
+    std::array::from_fn(|_| Stage { q: layout.vector(0.0), v: layout.vector(0.0) })
+}
 
 /// Radau IIA with the stages of the last step, which give the initial guess of the next ones.
 #[derive(Clone)]
-pub struct Radau5<const N: usize, const Z: usize> {
+pub struct Radau5<L: Layout> {
     coefficients: Coefficients,
-    last: Option<Dense<N, Z>>,
-    candidate: Dense<N, Z>,
+    /// The last accepted step, if `has_last`.
+    last: Dense<L>,
+    has_last: bool,
+    candidate: Dense<L>,
     is_restarted: bool,
+    memory: Memory<L>,
+}
+
+/// Memory of an attempt.
+#[derive(Clone)]
+struct Memory<L: Layout> {
+    real: ShiftedSolver<f64, L>,
+    pair: ShiftedSolver<Complex64, L>,
+    /// Increments of the stages, and their transformed values.
+    z: Stages<L>,
+    w: Stages<L>,
+    /// Corrections of the transformed values.
+    dw: Stages<L>,
+    /// Right-hand sides at the stages: rates of the coordinates and of the rates, and of the quadratures.
+    f: Stages<L>,
+    rates: [Rates<L>; 3],
+    /// Transformed right-hand sides.
+    tf: Stages<L>,
+    complex_q: L::Vector<Complex64>,
+    complex_v: L::Vector<Complex64>,
+    complex_scratch: L::Vector<Complex64>,
+    scratch: VectorOf<L>,
+    /// A state.
+    q: VectorOf<L>,
+    v: VectorOf<L>,
 }
 
 /// w₁ a + w₂ b + w₃ c.
 #[inline(always)]
-fn weighted_sum<const N: usize>(w: &[f64; 3], [a, b, c]: [&[f64; N]; 3]) -> [f64; N] {
-    array_from(|n| w[0] * a[n] + w[1] * b[n] + w[2] * c[n])
+fn weighted_sum(w: &[f64; 3], [a, b, c]: [&[f64]; 3], sum: &mut [f64]) {
+    let n = sum.len();
+    let (a, b, c) = (&a[..n], &b[..n], &c[..n]);
+    for i in 0..n {
+        sum[i] = w[0] * a[i] + w[1] * b[i] + w[2] * c[i];
+    }
 }
 
 #[inline]
-fn weighted_stages<const N: usize>(w: &[f64; 3], [a, b, c]: &Stages<N>) -> Stage<N> {
-    (weighted_sum(w, [&a.0, &b.0, &c.0]), weighted_sum(w, [&a.1, &b.1, &c.1]))
+fn weighted_stages<L: Layout>(w: &[f64; 3], [a, b, c]: &Stages<L>, sum: &mut Stage<L>) {
+    weighted_sum(w, [a.q.as_ref(), b.q.as_ref(), c.q.as_ref()], sum.q.as_mut());
+    weighted_sum(w, [a.v.as_ref(), b.v.as_ref(), c.v.as_ref()], sum.v.as_mut());
 }
 
-fn transform<const N: usize>(m: &[[f64; 3]; 3], z: &Stages<N>) -> Stages<N> {
-    [weighted_stages(&m[0], z), weighted_stages(&m[1], z), weighted_stages(&m[2], z)]
+fn transform<L: Layout>(m: &[[f64; 3]; 3], z: &Stages<L>, transformed: &mut Stages<L>) {
+    m.iter().zip(transformed).for_each(|(row, sum)| weighted_stages(row, z, sum));
 }
 
-#[inline(always)]
-fn add<const N: usize>(a: &[f64; N], b: &[f64; N]) -> [f64; N] {
-    array_from(|n| a[n] + b[n])
-}
-
-impl<const N: usize, const Z: usize> Radau5<N, Z> {
+impl<L: Layout> Radau5<L> {
     /// Initial guess of the stages: extrapolation of the last step's collocation polynomial.
-    fn predict(&self, from: &State<N, Z>, t: f64, h: f64) -> Stages<N> {
-        let mut stages = [([0.0; N], [0.0; N]); 3];
-        let Some(last) = &self.last else { return stages };
-        for (c, stage) in self.coefficients.c.iter().zip(&mut stages) {
+    fn predict(&mut self, from: &State<L>, t: f64, h: f64) {
+        let Self { coefficients, last, has_last, memory, .. } = self;
+        for (c, stage) in coefficients.c.iter().zip(&mut memory.z) {
             let theta = (t + c * h - last.t0) / last.h;
-            if theta <= 6.0 {
-                let guess = last.evaluate(theta);
-                *stage = (array_from(|n| guess.q[n] - from.q[n]), array_from(|n| guess.v[n] - from.v[n]));
+            if *has_last && theta <= 6.0 {
+                last.motion(theta, &mut stage.q, &mut stage.v);
+                add_scaled(stage.q.as_mut(), -1.0, from.q.as_ref());
+                add_scaled(stage.v.as_mut(), -1.0, from.v.as_ref());
+            } else {
+                stage.q.as_mut().fill(0.0);
+                stage.v.as_mut().fill(0.0);
             }
         }
-        stages
     }
 
-    /// Right-hand sides at the stages.
-    fn evaluate<Y: System<N, Z>>(
-        &self,
-        origin: &StepStart<Y, N, Z>,
-        h: f64,
-        z: &Stages<N>,
-    ) -> [(Rates<N, Z>, [f64; N]); 3] {
-        let at = |i: usize| {
-            let (q, v) = (add(&origin.state.q, &z[i].0), add(&origin.state.v, &z[i].1));
+    /// Evaluates the right-hand sides at the stages.
+    fn evaluate<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64) {
+        let Memory { z, f, rates, q, .. } = &mut self.memory;
+        for (i, stage) in z.iter().enumerate() {
+            copy(q, &origin.state.q);
+            copy(&mut f[i].q, &origin.state.v);
+            add(q.as_mut(), stage.q.as_ref());
+            add(f[i].q.as_mut(), stage.v.as_ref());
             let time = (origin.t + self.coefficients.c[i] * h).min(origin.latest_time);
-            (origin.system.rates(time, &q, &v, origin.mode), v)
+            origin.system.rates(time, q, &f[i].q, origin.mode, &mut rates[i]);
+            copy(&mut f[i].v, &rates[i].a);
+        }
+    }
+
+    /// Corrects the transformed stages by one Newton iteration from the right-hand sides; returns the size of the correction.
+    #[inline(always)]
+    fn correct<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, (gamma, shift): (f64, Complex64), sizes: Sizes) -> f64 {
+        let StepStart { linearised, tolerances, state: from, .. } = *origin;
+        let Memory { real, pair, w, dw, f, tf, complex_q, complex_v, complex_scratch, scratch, .. } = &mut self.memory;
+        transform(&self.coefficients.ti, f, tf);
+        let [first, second, third] = dw;
+        let n = scratch.as_ref().len();
+        for i in 0..n {
+            first.q[i] = tf[0].q[i] - gamma * w[0].q[i];
+            first.v[i] = tf[0].v[i] - gamma * w[0].v[i];
+            complex_q[i] = Complex64::new(tf[1].q[i], tf[2].q[i]) - shift * Complex64::new(w[1].q[i], w[2].q[i]);
+            complex_v[i] = Complex64::new(tf[1].v[i], tf[2].v[i]) - shift * Complex64::new(w[1].v[i], w[2].v[i]);
+        }
+        real.solve(&linearised.a_q, sizes, (&mut first.q, &mut first.v), scratch);
+        pair.solve(&linearised.a_q, sizes, (complex_q, complex_v), complex_scratch);
+        for i in 0..n {
+            (second.q[i], third.q[i]) = (complex_q[i].re, complex_q[i].im);
+            (second.v[i], third.v[i]) = (complex_v[i].re, complex_v[i].im);
+        }
+        let size = |stage: &Stage<L>| powi(tolerances.norm((&stage.q, &stage.v), (from, from), sizes[1]), 2);
+        ((size(first) + size(second) + size(third)) / 3.0).sqrt()
+    }
+
+    /// Size of the rounding errors of a state.
+    fn rounding<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, coordinates: usize) -> f64 {
+        let Memory { q, v, .. } = &mut self.memory;
+        let from = origin.state;
+        for i in 0..q.as_ref().len() {
+            q[i] = 16.0 * f64::EPSILON * from.q[i].abs();
+            v[i] = 4.0 * f64::EPSILON * from.v[i].abs();
+        }
+        origin.tolerances.norm((q, v), (from, from), coordinates)
+    }
+
+    /// Solves the stages by Newton's method. Returns whether it converges, with the number of evaluations.
+    #[inline(always)]
+    fn solve_stages<Y: System<Layout = L>>(
+        &mut self,
+        origin: &StepStart<Y>,
+        h: f64,
+        shifts: (f64, Complex64),
+        sizes: Sizes,
+    ) -> (bool, u64) {
+        self.predict(origin.state, origin.t, h);
+        transform(&self.coefficients.ti, &self.memory.z, &mut self.memory.w);
+        let floor = self.rounding(origin, sizes[1]);
+        let (mut previous, mut contraction): (f64, f64) = (0.0, 0.0);
+        let mut rhs = 0;
+        for iteration in 0..MAX_NEWTON {
+            self.evaluate(origin, h);
+            rhs += 3;
+            let size = self.correct(origin, shifts, sizes);
+            if !size.is_finite() {
+                return (false, rhs);
+            }
+            if iteration > 0 {
+                let rate = size / previous;
+                contraction = if iteration == 1 { rate } else { (rate * contraction).sqrt() };
+                if contraction >= 0.99 && size > floor.max(NEWTON_TOLERANCE) {
+                    return (false, rhs);
+                }
+            }
+            previous = size;
+            let Memory { w, dw, z, .. } = &mut self.memory;
+            for (stage, change) in w.iter_mut().zip(&*dw) {
+                add(stage.q.as_mut(), change.q.as_ref());
+                add(stage.v.as_mut(), change.v.as_ref());
+            }
+            transform(&self.coefficients.t, w, z);
+            let remaining = if iteration == 0 { size } else { size * contraction / (1.0 - contraction).max(0.01) };
+            if size == 0.0 || size <= floor || (iteration > 0 && remaining <= NEWTON_TOLERANCE) {
+                return (true, rhs);
+            }
+        }
+        (false, rhs)
+    }
+
+    /// Writes the error (γ/h − J)⁻¹ (f₀ + Σ eᵢ zᵢ/h) over f₀.
+    #[inline(always)]
+    fn estimate_error(
+        &mut self,
+        (a_q, sizes, h): (&L::Square<f64>, Sizes, f64),
+        (error_q, error_v): (&mut VectorOf<L>, &mut VectorOf<L>),
+    ) {
+        let Memory { real, z, dw, scratch, .. } = &mut self.memory;
+        let ez = &mut dw[0];
+        weighted_stages(&self.coefficients.e, z, ez);
+        for i in 0..scratch.as_ref().len() {
+            error_q[i] += ez.q[i] / h;
+            error_v[i] += ez.v[i] / h;
+        }
+        real.solve(a_q, sizes, (error_q, error_v), scratch);
+    }
+
+    /// Stores the cubic through the start and the three stages, in the common form of dense output (d₃ = 0).
+    fn store_candidate(&mut self, t0: f64, h: f64, from: &State<L>, end: &State<L>) {
+        let Self { coefficients: Coefficients { c, a: weights, .. }, candidate, memory: Memory { z, rates, .. }, .. } = self;
+        (candidate.t0, candidate.h) = (t0, h);
+        candidate.start.copy_from(from);
+        candidate.end.copy_from(end);
+        // At c₁ and c₂: bump · (d₁ + c d₂) = offset − c · offset₃.
+        let reduced = |i: usize, x: f64, last: f64| (x - c[i] * last) / (c[i] * (1.0 - c[i]));
+        let solve = |x: [f64; 3]| {
+            let (r1, r2) = (reduced(0, x[0], x[2]), reduced(1, x[1], x[2]));
+            let d2 = (r2 - r1) / (c[1] - c[0]);
+            [r1 - c[0] * d2, d2]
         };
-        [at(0), at(1), at(2)]
+        let [first, second, _] = &mut candidate.d;
+        for n in 0..from.q.as_ref().len() {
+            [first.q[n], second.q[n]] = solve([z[0].q[n], z[1].q[n], z[2].q[n]]);
+            [first.v[n], second.v[n]] = solve([z[0].v[n], z[1].v[n], z[2].v[n]]);
+        }
+        for m in 0..from.z.as_ref().len() {
+            let offset = |w: &[f64; 3]| h * (w[0] * rates[0].g[m] + w[1] * rates[1].g[m] + w[2] * rates[2].g[m]);
+            [first.z[m], second.z[m]] = solve([offset(&weights[0]), offset(&weights[1]), offset(&weights[2])]);
+        }
     }
 }
 
-impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
-    fn new() -> Self {
-        let zero = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
-        let candidate = Dense { t0: 0.0, h: 0.0, start: zero, end: zero, d: [zero; 3] };
-        Self { coefficients: Coefficients::new(), last: None, candidate, is_restarted: true }
+/// The Newton iteration ends when its remaining error is this part of the tolerance, or at the level of rounding.
+const NEWTON_TOLERANCE: f64 = 1e-5;
+
+impl<L: Layout> Method<L> for Radau5<L> {
+    fn new(layout: L) -> Self {
+        let stages = || zero_stages(layout);
+        let complex = || layout.vector(Complex64::ZERO);
+        Self {
+            coefficients: Coefficients::new(),
+            last: Dense::new(layout),
+            has_last: false,
+            candidate: Dense::new(layout),
+            is_restarted: true,
+            memory: Memory {
+                real: ShiftedSolver::zero(layout),
+                pair: ShiftedSolver::zero(layout),
+                z: stages(),
+                w: stages(),
+                dw: stages(),
+                f: stages(),
+                rates: std::array::from_fn(|_| Rates::zero(layout)),
+                tf: stages(),
+                complex_q: complex(),
+                complex_v: complex(),
+                complex_scratch: complex(),
+                scratch: layout.vector(0.0),
+                q: layout.vector(0.0),
+                v: layout.vector(0.0),
+            },
+        }
     }
 
     /// Order of the filtered error estimate: 4 (Hairer & Wanner IV.8.20).
@@ -168,153 +349,79 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Radau5<N, Z> {
     }
 
     fn restart(&mut self) {
-        self.last = None;
+        self.has_last = false;
         self.is_restarted = true;
     }
 
     fn follow(&mut self, other: &Self) {
-        (self.last, self.is_restarted) = (other.last, other.is_restarted);
+        self.last.copy_from(&other.last);
+        (self.has_last, self.is_restarted) = (other.has_last, other.is_restarted);
     }
 
     fn accept_step(&mut self) {
-        self.last = Some(self.candidate);
+        self.last.copy_from(&self.candidate);
+        self.has_last = true;
         self.is_restarted = false;
     }
 
-    fn attempt<Y: System<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, h: f64) -> Attempt<N, Z> {
+    fn attempt<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64, attempt: &mut Attempt<L>) {
         let StepStart { system, mode, linearised: lin, tolerances, t, state: from, .. } = *origin;
-        let (k, coordinates) = (self.coefficients, system.coordinate_count());
-        let (gamma, shift) = (k.gamma / h, Complex64::new(k.alpha / h, k.beta / h));
-        let matrices = (&lin.a_q, &lin.a_v);
-        let sizes = [Y::SECOND_ORDER, coordinates];
-        let (real, pair) = (ShiftedSolver::new(gamma, matrices, sizes), ShiftedSolver::new(shift, matrices, sizes));
-        let mut rhs = 0;
-        let failed = |rhs| Attempt { error: f64::NAN, rhs, end: *from, error_q: [0.0; N], error_v: [0.0; N] };
-
-        let mut z = self.predict(from, t, h);
-        let mut w = transform(&k.ti, &z);
-        // The Newton iteration ends when its remaining error is far below the tolerance, or at the level of rounding.
-        let newton_tolerance = 1e-5;
-        let floor = {
-            let eps_q = array_from(|n| 16.0 * f64::EPSILON * from.q[n].abs());
-            let eps_v = array_from(|n| 4.0 * f64::EPSILON * from.v[n].abs());
-            tolerances.norm((&eps_q, &eps_v), (from, from), coordinates)
-        };
-        let (mut previous, mut contraction): (f64, f64) = (0.0, 0.0);
-        let mut converged = false;
-        for iteration in 0..MAX_NEWTON {
-            let f = self.evaluate(origin, h, &z);
-            rhs += 3;
-            let tf = transform(&k.ti, &[(f[0].1, f[0].0.a), (f[1].1, f[1].0.a), (f[2].1, f[2].0.a)]);
-            let residual_q = array_from(|n| tf[0].0[n] - gamma * w[0].0[n]);
-            let residual_v = array_from(|n| tf[0].1[n] - gamma * w[0].1[n]);
-            let (dq1, dv1) = real.solve(&lin.a_q, sizes, (residual_q, residual_v));
-            let complex = |a: &[f64; N], b: &[f64; N], wa: &[f64; N], wb: &[f64; N]| -> [Complex64; N] {
-                array_from(|n| Complex64::new(a[n], b[n]) - shift * Complex64::new(wa[n], wb[n]))
-            };
-            let residual_q = complex(&tf[1].0, &tf[2].0, &w[1].0, &w[2].0);
-            let residual_v = complex(&tf[1].1, &tf[2].1, &w[1].1, &w[2].1);
-            let (dq2, dv2) = pair.solve(&lin.a_q, sizes, (residual_q, residual_v));
-            let (re, im) = (|x: &[Complex64; N]| array_from(|n| x[n].re), |x: &[Complex64; N]| array_from(|n| x[n].im));
-            let dw: Stages<N> = [(dq1, dv1), (re(&dq2), re(&dv2)), (im(&dq2), im(&dv2))];
-            let size = |(q, v): &Stage<N>| powi(tolerances.norm((q, v), (from, from), coordinates), 2);
-            let size = ((size(&dw[0]) + size(&dw[1]) + size(&dw[2])) / 3.0).sqrt();
-            if !size.is_finite() {
-                return failed(rhs);
-            }
-            if iteration > 0 {
-                let rate = size / previous;
-                contraction = if iteration == 1 { rate } else { (rate * contraction).sqrt() };
-                if contraction >= 0.99 && size > floor.max(newton_tolerance) {
-                    return failed(rhs);
-                }
-            }
-            previous = size;
-            for i in 0..3 {
-                for n in 0..N {
-                    w[i].0[n] += dw[i].0[n];
-                    w[i].1[n] += dw[i].1[n];
-                }
-            }
-            z = transform(&k.t, &w);
-            let remaining = if iteration == 0 { size } else { size * contraction / (1.0 - contraction).max(0.01) };
-            if size == 0.0 || size <= floor || (iteration > 0 && remaining <= newton_tolerance) {
-                converged = true;
-                break;
-            }
-        }
+        let (gamma, alpha, beta) = (self.coefficients.gamma, self.coefficients.alpha, self.coefficients.beta);
+        let (gamma, shift) = (gamma / h, Complex64::new(alpha / h, beta / h));
+        let sizes = [system.second_order_count(), system.coordinate_count()];
+        self.memory.real.factor(gamma, (&lin.a_q, &lin.a_v), sizes);
+        self.memory.pair.factor(shift, (&lin.a_q, &lin.a_v), sizes);
+        let (converged, evaluations) = self.solve_stages(origin, h, (gamma, shift), sizes);
+        (attempt.error, attempt.rhs) = (f64::NAN, evaluations);
         if !converged {
-            return failed(rhs);
+            return;
         }
-
-        let stages = self.evaluate(origin, h, &z);
-        rhs += 3;
-        let offset = |i: usize| {
-            let sums = weighted_sum(&k.a[i], [&stages[0].0.g, &stages[1].0.g, &stages[2].0.g]);
-            State { q: z[i].0, v: z[i].1, z: array_from(|m| h * sums[m]) }
-        };
-        let offsets: [State<N, Z>; 3] = [offset(0), offset(1), offset(2)];
-        let last = &offsets[2];
-        let end = State { q: add(&from.q, &last.q), v: add(&from.v, &last.v), z: add(&from.z, &last.z) };
+        self.evaluate(origin, h);
+        attempt.rhs += 3;
+        let Memory { z, rates, .. } = &self.memory;
+        let end = &mut attempt.end;
+        end.copy_from(from);
+        add(end.q.as_mut(), z[2].q.as_ref());
+        add(end.v.as_mut(), z[2].v.as_ref());
+        let weights = &self.coefficients.a[2];
+        for m in 0..end.z.as_ref().len() {
+            end.z[m] += h * (weights[0] * rates[0].g[m] + weights[1] * rates[1].g[m] + weights[2] * rates[2].g[m]);
+        }
         if !end.is_finite() {
-            return failed(rhs);
+            return;
         }
 
-        // Error (γ/h − J)⁻¹ (f₀ + Σ eᵢ zᵢ/h), filtered a second time if it is too large after a restart.
-        let ez = weighted_stages(&k.e, &z);
-        let estimate = |v0: &[f64; N], a0: &[f64; N]| {
-            real.solve(&lin.a_q, sizes, (array_from(|n| v0[n] + ez.0[n] / h), array_from(|n| a0[n] + ez.1[n] / h)))
-        };
-        let (mut eq, mut ev) = estimate(&from.v, &lin.rates.a);
-        let mut error = tolerances.norm((&eq, &ev), (from, &end), coordinates);
+        // The error is filtered a second time if it is too large after a restart.
+        let Attempt { end, error_q, error_v, .. } = attempt;
+        copy(error_q, &from.v);
+        copy(error_v, &lin.rates.a);
+        self.estimate_error((&lin.a_q, sizes, h), (error_q, error_v));
+        let mut error = tolerances.norm((error_q, error_v), (from, end), sizes[1]);
+        self.store_candidate(t, h, from, end);
         if error >= 1.0 && self.is_restarted {
-            let (q, v) = (add(&from.q, &eq), add(&from.v, &ev));
-            let shifted = system.rates(t, &q, &v, mode);
-            rhs += 1;
-            (eq, ev) = estimate(&v, &shifted.a);
-            error = tolerances.norm((&eq, &ev), (from, &end), coordinates);
+            let Memory { q, f, rates, .. } = &mut self.memory;
+            copy(q, &from.q);
+            copy(&mut f[0].q, &from.v);
+            add(q.as_mut(), error_q.as_ref());
+            add(f[0].q.as_mut(), error_v.as_ref());
+            system.rates(t, q, &f[0].q, mode, &mut rates[0]);
+            attempt.rhs += 1;
+            copy(error_q, &f[0].q);
+            copy(error_v, &rates[0].a);
+            self.estimate_error((&lin.a_q, sizes, h), (error_q, error_v));
+            error = tolerances.norm((error_q, error_v), (from, end), sizes[1]);
         }
-        self.candidate = collocation(t, h, from, end, &offsets, &k.c);
-        Attempt { error, rhs, end, error_q: eq, error_v: ev }
+        attempt.error = error;
     }
 
-    fn dense(&self, _: Option<&Linearised<N, Z>>) -> Dense<N, Z> {
-        self.candidate
+    fn dense(&self, _: Option<&Linearised<L>>, dense: &mut Dense<L>) {
+        dense.copy_from(&self.candidate);
     }
 
     #[inline(always)]
-    fn dense_positions(&self) -> [[f64; N]; 3] {
-        let [a, b, c] = &self.candidate.d;
-        [a.q, b.q, c.q]
+    fn dense_positions(&self, d: &mut [VectorOf<L>; 3]) {
+        d.iter_mut().zip(&self.candidate.d).for_each(|(to, from)| copy(to, &from.q));
     }
-}
-
-/// Returns the cubic through the start and the three stages, in the common form of dense output (d₃ = 0).
-fn collocation<const N: usize, const Z: usize>(
-    t0: f64,
-    h: f64,
-    from: &State<N, Z>,
-    end: State<N, Z>,
-    offsets: &[State<N, Z>; 3],
-    c: &[f64; 3],
-) -> Dense<N, Z> {
-    // At c₁ and c₂: bump · (d₁ + c d₂) = offset − c · offset₃.
-    let reduced = |i: usize, x: f64, last: f64| (x - c[i] * last) / (c[i] * (1.0 - c[i]));
-    let solve = |x: [f64; 3]| {
-        let (r1, r2) = (reduced(0, x[0], x[2]), reduced(1, x[1], x[2]));
-        let d2 = (r2 - r1) / (c[1] - c[0]);
-        [r1 - c[0] * d2, d2]
-    };
-    let mut d = [State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] }; 3];
-    let [a, b, last] = offsets;
-    for n in 0..N {
-        [d[0].q[n], d[1].q[n]] = solve([a.q[n], b.q[n], last.q[n]]);
-        [d[0].v[n], d[1].v[n]] = solve([a.v[n], b.v[n], last.v[n]]);
-    }
-    for m in 0..Z {
-        [d[0].z[m], d[1].z[m]] = solve([a.z[m], b.z[m], last.z[m]]);
-    }
-    Dense { t0, h, start: *from, end, d }
 }
 
 #[cfg(test)]

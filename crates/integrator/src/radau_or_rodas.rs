@@ -1,5 +1,6 @@
 //! Method of a run: Rodas5P, or Radau IIA with a switch to Rodas5P.
 
+use super::layout::{Layout, VectorOf};
 use super::method::{Attempt, Method, StepStart};
 use super::{Dense, Linearised, Radau5, Rodas5p, State, System};
 
@@ -10,26 +11,26 @@ use super::{Dense, Linearised, Radau5, Rodas5p, State, System};
 /// noise, so that steps of Radau IIA are rejected. Rodas5P has no iteration and takes a tenth of the time there at the
 /// same tolerances.
 #[derive(Clone)]
-pub struct RadauOrRodas<const N: usize, const Z: usize> {
-    radau: Radau5<N, Z>,
-    rodas: Rodas5p<N, Z>,
+pub struct RadauOrRodas<L: Layout> {
+    radau: Radau5<L>,
+    rodas: Rodas5p<L>,
     /// Error order of the initial method; for Radau IIA followed by Rodas5P it is the lower of the two.
     error_order: f64,
     uses_radau: bool,
 }
 
-impl<const N: usize, const Z: usize> RadauOrRodas<N, Z> {
+impl<L: Layout> RadauOrRodas<L> {
     /// Creates the method with Rodas5P from the start.
-    pub fn rodas() -> Self {
-        let (radau, rodas) = (Radau5::new(), Rodas5p::new());
+    pub fn rodas(layout: L) -> Self {
+        let (radau, rodas) = (Radau5::new(layout), Rodas5p::new(layout));
         Self { error_order: rodas.error_order(), radau, rodas, uses_radau: false }
     }
 }
 
-impl<const N: usize, const Z: usize> Method<N, Z> for RadauOrRodas<N, Z> {
+impl<L: Layout> Method<L> for RadauOrRodas<L> {
     /// Creates the method with Radau IIA at the start.
-    fn new() -> Self {
-        let (radau, rodas) = (Radau5::new(), Rodas5p::new());
+    fn new(layout: L) -> Self {
+        let (radau, rodas) = (Radau5::new(layout), Rodas5p::new(layout));
         Self { error_order: radau.error_order(), radau, rodas, uses_radau: true }
     }
 
@@ -60,32 +61,32 @@ impl<const N: usize, const Z: usize> Method<N, Z> for RadauOrRodas<N, Z> {
 
     /// Not inlined: the loop attempts steps in four places, and an attempt is most of the code to compile.
     #[inline(never)]
-    fn attempt<Y: System<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, h: f64) -> Attempt<N, Z> {
+    fn attempt<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64, attempt: &mut Attempt<L>) {
         match self.uses_radau {
-            true => self.radau.attempt(origin, h),
-            false => self.rodas.attempt(origin, h),
+            true => self.radau.attempt(origin, h, attempt),
+            false => self.rodas.attempt(origin, h, attempt),
         }
     }
 
     #[inline(never)]
-    fn refine<Y: System<N, Z>>(
+    fn refine<Y: System<Layout = L>>(
         &self,
-        origin: &StepStart<Y, N, Z>,
-        dense: &Dense<N, Z>,
+        origin: &StepStart<Y>,
+        dense: &Dense<L>,
         theta: f64,
-    ) -> Option<State<N, Z>> {
+    ) -> Option<State<L>> {
         if self.uses_radau { None } else { self.rodas.refine(origin, dense, theta) }
     }
 
-    fn dense(&self, linearised: Option<&Linearised<N, Z>>) -> Dense<N, Z> {
+    fn dense(&self, linearised: Option<&Linearised<L>>, dense: &mut Dense<L>) {
         match self.uses_radau {
-            true => self.radau.dense(linearised),
-            false => self.rodas.dense(linearised),
+            true => self.radau.dense(linearised, dense),
+            false => self.rodas.dense(linearised, dense),
         }
     }
 
     #[inline(always)]
-    fn dense_positions(&self) -> [[f64; N]; 3] {
-        if self.uses_radau { self.radau.dense_positions() } else { self.rodas.dense_positions() }
+    fn dense_positions(&self, d: &mut [VectorOf<L>; 3]) {
+        if self.uses_radau { self.radau.dense_positions(d) } else { self.rodas.dense_positions(d) }
     }
 }

@@ -1,20 +1,23 @@
 //! Rodas5P: linearly implicit, L-stable, stiffly accurate, order 5(4). Coefficients: G. Steinebach, BIT Numer. Math.
 //! 63:27 (2023), in the form (1/(hγ) − J) kᵢ = f(t + cᵢh, y + Σ aᵢⱼ kⱼ) + Σ Cᵢⱼ/h kⱼ + h dᵢ ∂f/∂t.
 
+use super::layout::{Layout, VectorOf, add, add_scaled, copy};
 use super::linear::{ShiftedSolver, dot};
 use super::method::{Attempt, Method, StepStart};
-use super::{Dense, Linearised, State, System};
+use super::{Dense, Linearised, Rates, State, System};
 
 /// Rodas5P with the stages of its last attempt, for dense output; it has no other history.
 #[derive(Clone)]
-pub struct Rodas5p<const N: usize, const Z: usize> {
+pub struct Rodas5p<L: Layout> {
     t0: f64,
     h: f64,
-    start: State<N, Z>,
-    end: State<N, Z>,
+    start: State<L>,
+    end: State<L>,
     /// Increments of coordinates and rates, and the rates of the quadratures.
-    k: [State<N, Z>; STAGES],
-    solver: ShiftedSolver<f64, N>,
+    k: [State<L>; STAGES],
+    solver: ShiftedSolver<f64, L>,
+    rates: Rates<L>,
+    scratch: VectorOf<L>,
 }
 
 /// Maximum number of corrections of a state of the dense output. In a cycle of a gripper, 8 of 1,900 states need more.
@@ -25,41 +28,46 @@ const REFINED_ERROR: f64 = 1e-3;
 /// steps have 1e-5 to 1e-4 at the default tolerances.
 const REFINED_FORCE_ERROR: f64 = 1e-6;
 
-impl<const N: usize, const Z: usize> Rodas5p<N, Z> {
-    /// Increments of the quadratures over a step of size `h`: the sum of their rates with these weights. The rates are
-    /// linear in the increments of the state, so their derivatives are applied once, to the sum of these increments.
-    #[inline(always)]
-    fn quadratures(&self, h: f64, lin: &Linearised<N, Z>, weights: &[f64; STAGES]) -> [f64; Z] {
-        let mut sum = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
-        let mut time_weight = 0.0;
-        for i in 0..STAGES {
-            axpy(&mut sum, weights[i], &self.k[i]);
-            time_weight += weights[i] * D[i];
-        }
-        let State { q, v, mut z } = sum;
-        for m in 0..Z {
-            let by_state = dot(&lin.g_q[m], &q, N) + dot(&lin.g_v[m], &v, N);
-            z[m] = h * (z[m] + h * time_weight * lin.g_t[m] + by_state);
-        }
-        z
-    }
-}
-
+/// Writes the increments of the quadratures over a step of size `h`: the sum of their rates with these weights. The rates are
+/// linear in the increments of the state, so their derivatives are applied once, to the sum of these increments, for which the
+/// rest of `sum` is memory.
 #[inline(always)]
-fn axpy<const N: usize, const Z: usize>(y: &mut State<N, Z>, weight: f64, k: &State<N, Z>) {
-    for i in 0..N {
-        y.q[i] += weight * k.q[i];
-        y.v[i] += weight * k.v[i];
+fn quadratures<L: Layout>(
+    stages: &[State<L>; STAGES],
+    h: f64,
+    lin: &Linearised<L>,
+    weights: &[f64; STAGES],
+    sum: &mut State<L>,
+) {
+    let State { q, v, z } = sum;
+    q.as_mut().fill(0.0);
+    v.as_mut().fill(0.0);
+    z.as_mut().fill(0.0);
+    let mut time_weight = 0.0;
+    for (i, k) in stages.iter().enumerate() {
+        add_scaled(q.as_mut(), weights[i], k.q.as_ref());
+        add_scaled(v.as_mut(), weights[i], k.v.as_ref());
+        add_scaled(z.as_mut(), weights[i], k.z.as_ref());
+        time_weight += weights[i] * D[i];
     }
-    for i in 0..Z {
-        y.z[i] += weight * k.z[i];
+    for m in 0..z.as_ref().len() {
+        let by_state = dot(&lin.g_q[m], q.as_ref()) + dot(&lin.g_v[m], v.as_ref());
+        z[m] = h * (z[m] + h * time_weight * lin.g_t[m] + by_state);
     }
 }
 
-impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
-    fn new() -> Self {
-        let zero = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
-        Self { t0: 0.0, h: 0.0, start: zero, end: zero, k: [zero; STAGES], solver: ShiftedSolver::zero() }
+impl<L: Layout> Method<L> for Rodas5p<L> {
+    fn new(layout: L) -> Self {
+        Self {
+            t0: 0.0,
+            h: 0.0,
+            start: State::zero(layout),
+            end: State::zero(layout),
+            k: std::array::from_fn(|_| State::zero(layout)),
+            solver: ShiftedSolver::zero(layout),
+            rates: Rates::zero(layout),
+            scratch: layout.vector(0.0),
+        }
     }
 
     fn error_order(&self) -> f64 {
@@ -73,106 +81,108 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
     fn follow(&mut self, _: &Self) {}
 
     #[inline(always)]
-    fn attempt<Y: System<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, h: f64) -> Attempt<N, Z> {
+    fn attempt<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64, attempt: &mut Attempt<L>) {
         let StepStart { system, mode, linearised: lin, tolerances, t, latest_time, state: from } = *origin;
         let shift = 1.0 / (h * GAMMA);
-        let coordinates = system.coordinate_count();
-        let Self { k, solver, .. } = self;
-        let sizes = [Y::SECOND_ORDER, coordinates];
+        let Self { k, solver, rates, scratch, .. } = self;
+        let sizes = [system.second_order_count(), system.coordinate_count()];
+        let m = sizes[0];
         solver.factor(shift, (&lin.a_q, &lin.a_v), sizes);
-        let (mut q, mut v) = (from.q, from.v);
+        let Attempt { end: State { q, v, .. }, .. } = &mut *attempt;
+        copy(q, &from.q);
+        copy(v, &from.v);
         for i in 0..STAGES {
             if (1..=5).contains(&i) {
-                (q, v) = (from.q, from.v);
+                copy(q, &from.q);
+                copy(v, &from.v);
                 for (j, increment) in k.iter().enumerate().take(i.min(5)) {
-                    for n in 0..Y::SECOND_ORDER {
-                        q[n] += A[i][j] * increment.q[n];
-                    }
-                    for n in 0..N {
-                        v[n] += A[i][j] * increment.v[n];
-                    }
+                    add_scaled(&mut q.as_mut()[..m], A[i][j], increment.q.as_ref());
+                    add_scaled(v.as_mut(), A[i][j], increment.v.as_ref());
                 }
             } else if i > 5 {
-                for n in 0..Y::SECOND_ORDER {
-                    q[n] += k[i - 1].q[n];
-                }
-                for n in 0..N {
-                    v[n] += k[i - 1].v[n];
-                }
+                add(&mut q.as_mut()[..m], k[i - 1].q.as_ref());
+                add(v.as_mut(), k[i - 1].v.as_ref());
             }
             let time = (t + NODES[i] * h).min(latest_time);
-            let rates = if i == 0 { lin.rates } else { system.rates(time, &q, &v, mode) };
-            let (mut r_q, mut r_v) = (v, rates.a);
-            for (j, increment) in k.iter().enumerate().take(i) {
+            let rates = if i == 0 {
+                &lin.rates
+            } else {
+                system.rates(time, q, v, mode, rates);
+                &*rates
+            };
+            let (before, stage) = k.split_at_mut(i);
+            let stage = &mut stage[0];
+            copy(&mut stage.q, v);
+            copy(&mut stage.v, &rates.a);
+            copy(&mut stage.z, &rates.g);
+            for (j, increment) in before.iter().enumerate() {
                 let weight = C[i][j] / h;
-                for n in 0..Y::SECOND_ORDER {
-                    r_q[n] += weight * increment.q[n];
-                }
-                for n in 0..N {
-                    r_v[n] += weight * increment.v[n];
-                }
+                add_scaled(&mut stage.q.as_mut()[..m], weight, increment.q.as_ref());
+                add_scaled(stage.v.as_mut(), weight, increment.v.as_ref());
             }
             if D[i] != 0.0 {
-                for n in 0..N {
-                    r_v[n] += h * D[i] * lin.a_t[n];
-                }
+                add_scaled(stage.v.as_mut(), h * D[i], lin.a_t.as_ref());
             }
-            let (dq, dv) = solver.solve(&lin.a_q, sizes, (r_q, r_v));
-            k[i] = State { q: dq, v: dv, z: rates.g };
+            solver.solve(&lin.a_q, sizes, (&mut stage.q, &mut stage.v), scratch);
         }
         // Stiffly accurate: the last stage plus its increment is the result, and the increment is the error estimate.
-        for n in 0..N {
-            q[n] += k[7].q[n];
-            v[n] += k[7].v[n];
-        }
-        let [error_q, error_v] = [k[7].q, k[7].v];
-        let mut end = State { q, v, z: self.quadratures(h, lin, &Z_WEIGHTS[0]) };
-        for m in 0..Z {
-            end.z[m] += from.z[m];
-        }
-        let error = tolerances.norm((&error_q, &error_v), (from, &end), coordinates);
-        let error = if end.is_finite() { error } else { f64::NAN };
-        (self.t0, self.h, self.start, self.end) = (t, h, *from, end);
-        Attempt { error, rhs: STAGES as u64 - 1, end, error_q, error_v }
+        add(q.as_mut(), k[7].q.as_ref());
+        add(v.as_mut(), k[7].v.as_ref());
+        copy(&mut attempt.error_q, &k[7].q);
+        copy(&mut attempt.error_v, &k[7].v);
+        // The end of the step is memory for the sum of increments.
+        quadratures(&self.k, h, lin, &Z_WEIGHTS[0], &mut self.end);
+        copy(&mut attempt.end.z, &self.end.z);
+        add(attempt.end.z.as_mut(), from.z.as_ref());
+        let Attempt { end, error_q, error_v, .. } = &mut *attempt;
+        let error = tolerances.norm((error_q, error_v), (from, end), sizes[1]);
+        (self.t0, self.h) = (t, h);
+        self.start.copy_from(from);
+        self.end.copy_from(end);
+        attempt.error = if attempt.end.is_finite() { error } else { f64::NAN };
+        attempt.rhs = STAGES as u64 - 1;
     }
 
     /// Solves (y − u)/τ = f(y) − u̇ for the dense output u, with τ = γ h: then y differs from u by the error of stiff
     /// components, whose forces are large multiples of their rates, and hardly otherwise. The matrix of the corrections is
     /// that of the step.
     #[inline(always)]
-    fn refine<Y: System<N, Z>>(
+    fn refine<Y: System<Layout = L>>(
         &self,
-        origin: &StepStart<Y, N, Z>,
-        dense: &Dense<N, Z>,
+        origin: &StepStart<Y>,
+        dense: &Dense<L>,
         theta: f64,
-    ) -> Option<State<N, Z>> {
+    ) -> Option<State<L>> {
         let StepStart { system, mode, linearised: lin, tolerances, t, latest_time, state: from } = *origin;
         let (shift, time) = (1.0 / (self.h * GAMMA), (t + theta * self.h).min(latest_time));
-        let sizes = [Y::SECOND_ORDER, system.coordinate_count()];
-        let (start, slope) = (dense.evaluate(theta), dense.derivative(theta));
-        let mut state = start;
+        let sizes = [system.second_order_count(), system.coordinate_count()];
+        let (m, n) = (sizes[0], self.scratch.as_ref().len());
+        let start = dense.evaluate(theta);
+        let (mut state, mut slope) = (start.clone(), start.clone());
+        dense.derivative(theta, &mut slope);
+        let (mut rates, mut scratch) = (self.rates.clone(), self.scratch.clone());
+        let (mut q, mut v) = (start.q.clone(), start.v.clone());
         let mut previous = f64::INFINITY;
         for _ in 0..MAX_REFINEMENTS {
-            let rates = system.rates(time, &state.q, &state.v, mode);
-            let (mut r_q, mut r_v) = (state.v, rates.a);
-            for n in 0..Y::SECOND_ORDER {
-                r_q[n] -= slope.q[n] + shift * (state.q[n] - start.q[n]);
+            system.rates(time, &state.q, &state.v, mode, &mut rates);
+            copy(&mut q, &state.v);
+            copy(&mut v, &rates.a);
+            for i in 0..m {
+                q[i] -= slope.q[i] + shift * (state.q[i] - start.q[i]);
             }
-            for n in 0..N {
-                r_v[n] -= slope.v[n] + shift * (state.v[n] - start.v[n]);
+            for i in 0..n {
+                v[i] -= slope.v[i] + shift * (state.v[i] - start.v[i]);
             }
-            let (q, v) = self.solver.solve(&lin.a_q, sizes, (r_q, r_v));
-            for n in 0..N {
-                state.q[n] += q[n];
-                state.v[n] += v[n];
-            }
+            self.solver.solve(&lin.a_q, sizes, (&mut q, &mut v), &mut scratch);
+            add(state.q.as_mut(), q.as_ref());
+            add(state.v.as_mut(), v.as_ref());
             let (mut largest, mut change) = (f64::MIN_POSITIVE, 0.0_f64);
-            for m in 0..Z {
-                largest = largest.max(rates.g[m].abs());
-                let by_state = dot(&lin.g_q[m], &q, N) + dot(&lin.g_v[m], &v, N);
+            for i in 0..state.z.as_ref().len() {
+                largest = largest.max(rates.g[i].abs());
+                let by_state = dot(&lin.g_q[i], q.as_ref()) + dot(&lin.g_v[i], v.as_ref());
                 change = change.max(by_state.abs());
                 // Quadratures follow the same equation, so that impulses stay equal to changes of momentum.
-                state.z[m] = start.z[m] + (rates.g[m] + by_state - slope.z[m]) / shift;
+                state.z[i] = start.z[i] + (rates.g[i] + by_state - slope.z[i]) / shift;
             }
             let norm = tolerances.norm((&q, &v), (from, &state), sizes[1]);
             let error = (norm / REFINED_ERROR).max(change / (REFINED_FORCE_ERROR * largest));
@@ -186,31 +196,33 @@ impl<const N: usize, const Z: usize> Method<N, Z> for Rodas5p<N, Z> {
         None
     }
 
-    fn dense(&self, linearised: Option<&Linearised<N, Z>>) -> Dense<N, Z> {
-        let mut d = [State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] }; 3];
+    fn dense(&self, linearised: Option<&Linearised<L>>, dense: &mut Dense<L>) {
+        (dense.t0, dense.h) = (self.t0, self.h);
+        dense.start.copy_from(&self.start);
+        dense.end.copy_from(&self.end);
         for i in 0..3 {
-            for j in 0..STAGES {
-                for n in 0..N {
-                    d[i].q[n] += H[i][j] * self.k[j].q[n];
-                    d[i].v[n] += H[i][j] * self.k[j].v[n];
-                }
+            let d = &mut dense.d[i];
+            match linearised {
+                Some(linearised) => quadratures(&self.k, self.h, linearised, &Z_WEIGHTS[i + 1], d),
+                None => d.z.as_mut().fill(0.0),
             }
-            if let Some(linearised) = linearised {
-                d[i].z = self.quadratures(self.h, linearised, &Z_WEIGHTS[i + 1]);
+            d.q.as_mut().fill(0.0);
+            d.v.as_mut().fill(0.0);
+            for j in 0..STAGES {
+                add_scaled(d.q.as_mut(), H[i][j], self.k[j].q.as_ref());
+                add_scaled(d.v.as_mut(), H[i][j], self.k[j].v.as_ref());
             }
         }
-        Dense { t0: self.t0, h: self.h, start: self.start, end: self.end, d }
     }
 
     #[inline(always)]
-    fn dense_positions(&self) -> [[f64; N]; 3] {
-        let mut d = [[0.0; N]; 3];
+    fn dense_positions(&self, d: &mut [VectorOf<L>; 3]) {
         for i in 0..3 {
+            d[i].as_mut().fill(0.0);
             for j in 0..STAGES {
-                (0..N).for_each(|n| d[i][n] += H[i][j] * self.k[j].q[n]);
+                add_scaled(d[i].as_mut(), H[i][j], self.k[j].q.as_ref());
             }
         }
-        d
     }
 }
 

@@ -1,73 +1,147 @@
 //! Coordinates and rates, their dense output within a step, observers and the cost of an integration.
 
-use crate::numeric::array_from;
+use super::layout::{Layout, VectorOf, add_scaled, copy};
 
 /// Coordinates, their rates, and quadratures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct State<const N: usize, const Z: usize> {
-    pub q: [f64; N],
-    pub v: [f64; N],
-    pub z: [f64; Z],
+#[derive(Clone, Debug, PartialEq)]
+pub struct State<L: Layout> {
+    pub q: VectorOf<L>,
+    pub v: VectorOf<L>,
+    pub z: L::Quadratures,
 }
 
-impl<const N: usize, const Z: usize> State<N, Z> {
+impl<L: Layout> State<L> {
+    /// The state with all numbers 0.
+    pub fn zero(layout: L) -> Self {
+        Self { q: layout.vector(0.0), v: layout.vector(0.0), z: layout.zero_quadratures() }
+    }
+
+    /// Copies another state, without allocation.
+    #[inline(always)]
+    pub fn copy_from(&mut self, other: &Self) {
+        copy(&mut self.q, &other.q);
+        copy(&mut self.v, &other.v);
+        copy(&mut self.z, &other.z);
+    }
+
+    /// Adds a multiple of another state.
+    #[inline(always)]
+    pub fn add_scaled(&mut self, factor: f64, other: &Self) {
+        add_scaled(self.q.as_mut(), factor, other.q.as_ref());
+        add_scaled(self.v.as_mut(), factor, other.v.as_ref());
+        add_scaled(self.z.as_mut(), factor, other.z.as_ref());
+    }
+
     pub fn is_finite(&self) -> bool {
         // On slices, so that it is compiled once.
         let finite = |all: &[f64]| all.iter().all(|x| x.is_finite());
-        finite(&self.q) && finite(&self.v) && finite(&self.z)
+        finite(self.q.as_ref()) && finite(self.v.as_ref()) && finite(self.z.as_ref())
     }
 }
 
 /// y(Θ) = y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ d₃)) on t₀ + Θ h, Θ in 0…1.
-#[derive(Clone, Copy, Debug)]
-pub struct Dense<const N: usize, const Z: usize> {
+#[derive(Clone, Debug)]
+pub struct Dense<L: Layout> {
     pub t0: f64,
     pub h: f64,
-    pub start: State<N, Z>,
-    pub end: State<N, Z>,
-    pub d: [State<N, Z>; 3],
+    pub start: State<L>,
+    pub end: State<L>,
+    pub d: [State<L>; 3],
 }
 
-impl<const N: usize, const Z: usize> Dense<N, Z> {
-    /// State at the fraction `theta` of the step.
-    #[inline(always)]
-    pub fn evaluate(&self, theta: f64) -> State<N, Z> {
-        let (q, v) = self.motion(theta);
-        let [a, b, c] = &self.d;
-        let z = array_from(|i| blend(theta, self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]]));
-        State { q, v, z }
+impl<L: Layout> Dense<L> {
+    /// Memory for a dense output.
+    pub(crate) fn new(layout: L) -> Self {
+        let zero = || State::zero(layout);
+        Self { t0: 0.0, h: 0.0, start: zero(), end: zero(), d: [zero(), zero(), zero()] }
     }
 
-    /// Coordinates and rates at the fraction `theta` of the step.
+    /// Copies another dense output, without allocation.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        (self.t0, self.h) = (other.t0, other.h);
+        self.start.copy_from(&other.start);
+        self.end.copy_from(&other.end);
+        self.d.iter_mut().zip(&other.d).for_each(|(to, from)| to.copy_from(from));
+    }
+
+    /// State at the fraction `theta` of the step.
     #[inline(always)]
-    pub(crate) fn motion(&self, theta: f64) -> ([f64; N], [f64; N]) {
+    pub fn evaluate(&self, theta: f64) -> State<L> {
+        let mut state = self.start.clone();
+        self.motion(theta, &mut state.q, &mut state.v);
         let [a, b, c] = &self.d;
-        (
-            array_from(|i| blend(theta, self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]])),
-            array_from(|i| blend(theta, self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]])),
-        )
+        for i in 0..state.z.as_ref().len() {
+            state.z[i] = blend(theta, self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]]);
+        }
+        state
+    }
+
+    /// Writes the coordinates and rates at the fraction `theta` of the step.
+    #[inline(always)]
+    pub(crate) fn motion(&self, theta: f64, q: &mut VectorOf<L>, v: &mut VectorOf<L>) {
+        let [a, b, c] = &self.d;
+        for i in 0..q.as_ref().len() {
+            q[i] = blend(theta, self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]]);
+        }
+        for i in 0..v.as_ref().len() {
+            v[i] = blend(theta, self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]]);
+        }
+    }
+
+    /// Writes the coordinates at the fraction `theta` of the step, and their derivative, which differs from the dense output
+    /// of the rates by its error.
+    pub(crate) fn coordinates_with_derivative(&self, theta: f64, q: &mut VectorOf<L>, v: &mut VectorOf<L>) {
+        let [a, b, c] = &self.d;
+        let slope = Slope::new(theta, self.h);
+        for i in 0..q.as_ref().len() {
+            q[i] = blend(theta, self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]]);
+            v[i] = slope.of(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]]);
+        }
+    }
+
+    /// Writes the time derivative of the state at the fraction `theta` of the step.
+    #[inline(always)]
+    pub(crate) fn derivative(&self, theta: f64, state: &mut State<L>) {
+        let slope = Slope::new(theta, self.h);
+        let [a, b, c] = &self.d;
+        for i in 0..state.q.as_ref().len() {
+            state.q[i] = slope.of(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]]);
+        }
+        for i in 0..state.v.as_ref().len() {
+            state.v[i] = slope.of(self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]]);
+        }
+        for i in 0..state.z.as_ref().len() {
+            state.z[i] = slope.of(self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]]);
+        }
     }
 
     /// Coordinates over the step.
-    pub(crate) fn positions(&self) -> DensePositions<'_, N> {
+    pub(crate) fn positions(&self) -> DensePositions<'_> {
         let [a, b, c] = &self.d;
-        DensePositions { start: &self.start.q, end: &self.end.q, d: [a.q, b.q, c.q], step_s: self.h }
+        let d = [a.q.as_ref(), b.q.as_ref(), c.q.as_ref()];
+        DensePositions { start: self.start.q.as_ref(), end: self.end.q.as_ref(), d, step_s: self.h }
+    }
+}
+
+/// Factors of the time derivative of a dense output.
+struct Slope {
+    theta: f64,
+    bump: f64,
+    slope: f64,
+    inverse: f64,
+}
+
+impl Slope {
+    #[inline(always)]
+    fn new(theta: f64, h: f64) -> Self {
+        Self { theta, bump: theta * (1.0 - theta), slope: 1.0 - 2.0 * theta, inverse: 1.0 / h }
     }
 
-    /// Time derivative of the state at the fraction `theta` of the step.
     #[inline(always)]
-    pub(crate) fn derivative(&self, theta: f64) -> State<N, Z> {
-        let (bump, slope, inverse) = (theta * (1.0 - theta), 1.0 - 2.0 * theta, 1.0 / self.h);
-        let blend = |y0: f64, y1: f64, d: [f64; 3]| {
-            let bumps = slope * (d[0] + theta * (d[1] + theta * d[2])) + bump * (d[1] + 2.0 * theta * d[2]);
-            inverse * ((y1 - y0) + bumps)
-        };
-        let [a, b, c] = &self.d;
-        State {
-            q: array_from(|i| blend(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]])),
-            v: array_from(|i| blend(self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]])),
-            z: array_from(|i| blend(self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]])),
-        }
+    fn of(&self, y0: f64, y1: f64, d: [f64; 3]) -> f64 {
+        let Self { theta, bump, slope, inverse } = *self;
+        let bumps = slope * (d[0] + theta * (d[1] + theta * d[2])) + bump * (d[1] + 2.0 * theta * d[2]);
+        inverse * ((y1 - y0) + bumps)
     }
 }
 
@@ -78,20 +152,20 @@ fn blend(theta: f64, y0: f64, y1: f64, d: [f64; 3]) -> f64 {
 }
 
 /// The coordinates of [`Dense`] alone.
-pub(crate) struct DensePositions<'a, const N: usize> {
-    pub start: &'a [f64; N],
-    pub end: &'a [f64; N],
-    pub d: [[f64; N]; 3],
+pub(crate) struct DensePositions<'a> {
+    pub start: &'a [f64],
+    pub end: &'a [f64],
+    pub d: [&'a [f64]; 3],
     pub step_s: f64,
 }
 
-impl<const N: usize> DensePositions<'_, N> {
+impl DensePositions<'_> {
     /// Largest first and second derivatives of the first `count` coordinates by Θ between two fractions of the step; the others
     /// are at rest. A polynomial lies within the hull of its Bernstein coefficients, so nothing is sampled.
     #[inline(always)]
-    pub fn bounds(&self, from: f64, to: f64, count: usize) -> CoordinateBounds<N> {
+    pub fn bounds<L: Layout>(&self, [from, to]: [f64; 2], count: usize, bounds: &mut CoordinateBounds<L>) {
         let width = to - from;
-        let mut bounds = CoordinateBounds { step_s: self.step_s, width, rate: [0.0; N], acceleration: [0.0; N] };
+        (bounds.step_s, bounds.width) = (self.step_s, width);
         let [a, b, c] = &self.d;
         for n in 0..count {
             // Coefficients of Θ to Θ⁴.
@@ -105,71 +179,77 @@ impl<const N: usize> DensePositions<'_, N> {
             bounds.rate[n] = r0.abs().max(r1.abs()).max(r2.abs().max(r3.abs()));
             bounds.acceleration[n] = a0.abs().max(a1.abs()).max(a2.abs());
         }
-        bounds
     }
 }
 
 /// Upper bounds of the first and second derivatives of the coordinates by Θ, over a part of a step.
-#[derive(Clone, Copy, Debug)]
-pub struct CoordinateBounds<const N: usize> {
+#[derive(Clone, Debug)]
+pub struct CoordinateBounds<L: Layout> {
     /// Length of the step, s.
     pub step_s: f64,
     /// Length of the part, as a fraction of the step.
     pub width: f64,
-    pub rate: [f64; N],
-    pub acceleration: [f64; N],
+    pub rate: VectorOf<L>,
+    pub acceleration: VectorOf<L>,
+}
+
+impl<L: Layout> CoordinateBounds<L> {
+    /// Bounds of a system at rest.
+    pub fn at_rest(layout: L) -> Self {
+        Self { step_s: 0.0, width: 0.0, rate: layout.vector(0.0), acceleration: layout.vector(0.0) }
+    }
 }
 
 /// An accepted step from `t0` to `t1`.
 #[derive(Clone, Copy, Debug)]
-pub struct Step<'a, const N: usize, const Z: usize> {
+pub struct Step<'a, L: Layout> {
     pub t0: f64,
     pub t1: f64,
     /// Step size, exact even if t1 − t0 cancels completely.
     pub h: f64,
-    pub start: &'a State<N, Z>,
-    pub end: &'a State<N, Z>,
+    pub start: &'a State<L>,
+    pub end: &'a State<L>,
 }
 
 /// States inside a step.
-pub trait StepTools<const N: usize, const Z: usize> {
+pub trait StepTools<L: Layout> {
     /// Returns the dense output at the fraction `theta` of the step: accurate for angles and rates.
-    fn interpolate(&mut self, theta: f64) -> State<N, Z>;
+    fn interpolate(&mut self, theta: f64) -> State<L>;
 
     /// Returns the dense output, corrected so that it gives contact forces as accurately.
-    fn refine(&mut self, theta: f64) -> State<N, Z>;
+    fn refine(&mut self, theta: f64) -> State<L>;
 
     /// Returns the end of a separate step from the same start, the most accurate state. The force of a stiff damper requires this accuracy,
     /// since it is a large multiple of a tiny rate.
-    fn resolve(&mut self, theta: f64) -> State<N, Z>;
+    fn resolve(&mut self, theta: f64) -> State<L>;
 }
 
 /// Observer of an integration. `()` ignores everything.
-pub trait Observer<const N: usize, const Z: usize, M> {
+pub trait Observer<L: Layout, M> {
     /// Called after each accepted step, taken in `mode`. Returning `false` ends the integration.
-    fn step(&mut self, step: &Step<N, Z>, mode: &M, tools: &mut dyn StepTools<N, Z>) -> bool;
+    fn step(&mut self, step: &Step<L>, mode: &M, tools: &mut dyn StepTools<L>) -> bool;
 
     /// Called for each event, at the end of the step just reported. Several events may occur at the same time. `mode`
     /// is the mode after the event.
-    fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &M);
+    fn event(&mut self, t: f64, state: &State<L>, index: usize, mode: &M);
 
     /// Called before the next step, in the state, mode and clearance (of [`EventSet`](super::EventSet)) from which it starts.
     /// Returning `true` suspends the advance, so that other equations can take over by
     /// [`Integration::restart`](super::Integration::restart).
     #[inline(always)]
-    fn suspends(&mut self, _state: &State<N, Z>, _mode: &M, _clearance: f64) -> bool {
+    fn suspends(&mut self, _state: &State<L>, _mode: &M, _clearance: f64) -> bool {
         false
     }
 }
 
-impl<const N: usize, const Z: usize, M> Observer<N, Z, M> for () {
+impl<L: Layout, M> Observer<L, M> for () {
     #[inline(always)]
-    fn step(&mut self, _: &Step<N, Z>, _: &M, _: &mut dyn StepTools<N, Z>) -> bool {
+    fn step(&mut self, _: &Step<L>, _: &M, _: &mut dyn StepTools<L>) -> bool {
         true
     }
 
     #[inline(always)]
-    fn event(&mut self, _: f64, _: &State<N, Z>, _: usize, _: &M) {}
+    fn event(&mut self, _: f64, _: &State<L>, _: usize, _: &M) {}
 }
 
 /// Cost of an integration.

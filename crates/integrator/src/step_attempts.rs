@@ -1,6 +1,7 @@
 //! Attempted steps, and steps that end on the first event within them.
 
-use super::event_location::{Crossing, Found, SearchMemory, search_step};
+use super::event_location::{Crossing, Found, SearchMemory, function_inside, search_step};
+use super::layout::Layout;
 use super::method::{Attempt, Method, StepStart};
 use super::{Counters, EventSet, Hybrid, error_weight};
 
@@ -15,10 +16,10 @@ const MAX_LOCATION_ATTEMPTS: usize = 12;
 
 /// A step that satisfies the tolerances.
 #[derive(Clone)]
-pub struct AcceptedStep<const N: usize, const Z: usize> {
-    pub attempt: Attempt<N, Z>,
+pub struct AcceptedStep<L: Layout> {
+    pub attempt: Attempt<L>,
     /// Event functions at its end.
-    pub events: EventSet<N>,
+    pub events: EventSet<L>,
     pub size: f64,
     /// Acceptable size before the step was shortened; the next step starts from it.
     pub resume_size: f64,
@@ -27,15 +28,28 @@ pub struct AcceptedStep<const N: usize, const Z: usize> {
     pub reaches_stop: bool,
 }
 
-/// Number of attempts to locate an event whose event functions are kept: the last one, and the best ones that end before and
-/// after the event.
-pub const ATTEMPTED_EVENTS: usize = 3;
+/// Number of attempts to locate an event that are kept: the last one, and the best ones that end before and after the event.
+pub const KEPT_ATTEMPTS: usize = 3;
 
-/// An attempt to locate an event.
-struct Candidate<const N: usize, const Z: usize> {
-    attempt: Attempt<N, Z>,
-    /// Index of its event functions.
-    events: usize,
+/// An attempt to locate an event, with the event functions at its end.
+#[derive(Clone)]
+pub struct LocationAttempt<L: Layout> {
+    attempt: Attempt<L>,
+    events: EventSet<L>,
+}
+
+impl<L: Layout> LocationAttempt<L> {
+    /// Memory for an attempt, with event functions like these.
+    pub fn new(layout: L, events: &EventSet<L>) -> Self {
+        Self { attempt: Attempt::new(layout), events: events.clone() }
+    }
+}
+
+/// An attempt that is kept.
+#[derive(Clone, Copy)]
+struct Candidate {
+    /// Index of the attempt.
+    index: usize,
     size: f64,
     event: Option<usize>,
 }
@@ -53,44 +67,32 @@ pub enum EventLocation {
 }
 
 /// Attempts steps from one state.
-pub struct StepAttempts<'a, K, const N: usize> {
+pub struct StepAttempts<'a, K, L: Layout> {
     pub method: &'a mut K,
     pub counters: &'a mut Counters,
     /// Event functions at the state.
-    pub events: &'a EventSet<N>,
-    pub memory: &'a mut SearchMemory,
-    /// Memory for the event functions of attempts to locate an event.
-    pub attempted_events: &'a mut [EventSet<N>; ATTEMPTED_EVENTS],
+    pub events: &'a EventSet<L>,
+    pub memory: &'a mut SearchMemory<L>,
+    /// Memory for attempts to locate an event.
+    pub kept: &'a mut [LocationAttempt<L>; KEPT_ATTEMPTS],
 }
 
-impl<const N: usize, K> StepAttempts<'_, K, N> {
+impl<L: Layout, K: Method<L>> StepAttempts<'_, K, L> {
     /// Attempts a step; its error includes the error weights of active contacts.
     #[inline(always)]
-    pub fn attempt<const Z: usize, Y: Hybrid<N, Z>>(&mut self, origin: &StepStart<Y, N, Z>, size: f64) -> Attempt<N, Z>
-    where
-        K: Method<N, Z>,
-    {
-        let mut attempt = self.method.attempt(origin, size);
-        self.counters.rhs += attempt.rhs;
-        if attempt.is_acceptable() {
-            attempt.error =
-                attempt.error.max(error_weight::error(self.events, &attempt, origin.state, origin.tolerances));
-        }
-        attempt
+    pub fn attempt<Y: Hybrid<Layout = L>>(&mut self, origin: &StepStart<Y>, size: f64, attempt: &mut Attempt<L>) {
+        attempt_step(self.method, self.counters, self.events, origin, size, attempt);
     }
 
     /// Repeats a step of `size` until it ends on the event, and stores it in `found`. If an earlier event is found on the way,
     /// locates that one instead.
-    pub fn locate_event<const Z: usize, Y: Hybrid<N, Z>>(
+    pub fn locate_event<Y: Hybrid<Layout = L>>(
         &mut self,
-        origin: &StepStart<Y, N, Z>,
+        origin: &StepStart<Y>,
         mut crossing: Crossing,
         size: f64,
-        found: &mut AcceptedStep<N, Z>,
-    ) -> EventLocation
-    where
-        K: Method<N, Z>,
-    {
+        found: &mut AcceptedStep<L>,
+    ) -> EventLocation {
         let system = origin.system;
         let mut full_size = size;
         'crossing: loop {
@@ -99,36 +101,34 @@ impl<const N: usize, K> StepAttempts<'_, K, N> {
             let (mut low, mut high) = (0.0, crossing.negative_at * full_size);
             let mut target = crossing.theta * full_size;
             // The earliest step found that ends past the event, and the last one that ends before it.
-            let (mut after_event, mut before_event): (Option<Candidate<N, Z>>, Option<Candidate<N, Z>>) = (None, None);
+            let (mut after_event, mut before_event): (Option<Candidate>, Option<Candidate>) = (None, None);
             let mut last_size = 0.0;
             for _ in 0..MAX_LOCATION_ATTEMPTS {
                 if target < MIN_STEP_S {
                     break;
                 }
-                let attempt = self.attempt(origin, target);
+                let is_kept = |index: usize| {
+                    [after_event, before_event].into_iter().flatten().any(|candidate| candidate.index == index)
+                };
+                let free = (0..KEPT_ATTEMPTS - 1).find(|index| !is_kept(*index)).unwrap_or(KEPT_ATTEMPTS - 1);
+                let LocationAttempt { attempt, events } = &mut self.kept[free];
+                attempt_step(self.method, self.counters, self.events, origin, target, attempt);
                 last_size = target;
                 self.counters.rejected += 1;
                 if !attempt.is_acceptable() {
                     return EventLocation::Rejected { size: target, error: attempt.error };
                 }
-                let is_kept = |index: usize| {
-                    [&after_event, &before_event].into_iter().flatten().any(|candidate| candidate.events == index)
-                };
-                let free = (0..ATTEMPTED_EVENTS - 1).find(|index| !is_kept(*index)).unwrap_or(ATTEMPTED_EVENTS - 1);
-                let events = &mut self.attempted_events[free];
                 system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode, events);
-                if error_weight::unloads(self.events, events, &attempt, origin.state, origin.tolerances) {
+                if error_weight::unloads(self.events, events, attempt, origin.state, origin.tolerances) {
                     return EventLocation::Rejected { size: target, error: f64::INFINITY };
                 }
                 let value = events.functions[event_index].value;
                 let is_within_tolerance = value.abs() <= tolerance;
                 let event = (is_within_tolerance || value < 0.0).then_some(event_index);
                 // The shortened step may contain the crossing, or an earlier crossing of another event function.
-                let dense = || self.method.dense(None);
                 let ends = [origin.state, &attempt.end];
-                let output = (dense, || self.method.dense_positions());
-                let both = [self.events, &*events];
-                let recheck = match search_step(system, origin.mode, both, (ends, target), &output, self.memory) {
+                let of_step = (system, origin.mode, &*self.method);
+                let recheck = match search_step(of_step, [self.events, &*events], (ends, target), self.memory) {
                     Found::Nothing => None,
                     Found::Crossing(crossing) => Some(crossing),
                     Found::Obstacle | Found::Unresolved => {
@@ -142,7 +142,7 @@ impl<const N: usize, K> StepAttempts<'_, K, N> {
                         continue 'crossing;
                     }
                 }
-                let candidate = Some(Candidate { attempt, events: free, size: target, event });
+                let candidate = Some(Candidate { index: free, size: target, event });
                 match recheck.filter(|c| c.event_index == event_index && event.is_none()) {
                     // The step ends after a dip.
                     Some(dip) => (low, high) = (0.0, dip.negative_at * target),
@@ -159,8 +159,8 @@ impl<const N: usize, K> StepAttempts<'_, K, N> {
                 target = match recheck {
                     Some(crossing) => crossing.theta * target,
                     None => {
-                        let (q, v) = dense().motion(1.0 - LAST_PART);
-                        let before = system.eval_event(&q, &v, origin.mode, event_index).value;
+                        let of_step = (system, origin.mode, &*self.method);
+                        let before = function_inside(of_step, event_index, 1.0 - LAST_PART, self.memory).value;
                         let next = target * (1.0 + OVERSHOOT * LAST_PART * value / (before - value));
                         if before > value && next < middle { next } else { middle }
                     }
@@ -173,24 +173,43 @@ impl<const N: usize, K> StepAttempts<'_, K, N> {
             };
             if accepted.size != last_size {
                 // The method stores its last attempt; repeat the accepted one.
-                self.method.attempt(origin, accepted.size);
-                self.counters.rhs += accepted.attempt.rhs;
+                self.method.attempt(origin, accepted.size, &mut found.attempt);
+                self.counters.rhs += found.attempt.rhs;
             }
-            std::mem::swap(&mut found.events, &mut self.attempted_events[accepted.events]);
-            (found.attempt, found.size, found.event) = (accepted.attempt, accepted.size, accepted.event);
+            let LocationAttempt { attempt, events } = &mut self.kept[accepted.index];
+            std::mem::swap(&mut found.attempt, attempt);
+            std::mem::swap(&mut found.events, events);
+            (found.size, found.event) = (accepted.size, accepted.event);
             (found.resume_size, found.reaches_stop) = (size, false);
             return EventLocation::Located;
         }
     }
 }
 
+/// Attempts a step; its error includes the error weights of active contacts at its start.
+#[inline(always)]
+fn attempt_step<Y: Hybrid, K: Method<Y::Layout>>(
+    method: &mut K,
+    counters: &mut Counters,
+    events: &EventSet<Y::Layout>,
+    origin: &StepStart<Y>,
+    size: f64,
+    attempt: &mut Attempt<Y::Layout>,
+) {
+    method.attempt(origin, size, attempt);
+    counters.rhs += attempt.rhs;
+    if attempt.is_acceptable() {
+        attempt.error = attempt.error.max(error_weight::error(events, attempt, origin.state, origin.tolerances));
+    }
+}
+
 /// Collects the other event functions that reach zero at the end of a step, within their tolerances, as those of both fingers of a
 /// symmetric gripper.
-pub fn simultaneous_events<const N: usize, const Z: usize, Y: Hybrid<N, Z>>(
+pub fn simultaneous_events<Y: Hybrid>(
     system: &Y,
     mode: &Y::Mode,
     event_index: usize,
-    [at_start, at_end]: [&EventSet<N>; 2],
+    [at_start, at_end]: [&EventSet<Y::Layout>; 2],
     found: &mut Vec<usize>,
 ) {
     let is_simultaneous = |index: &usize| {

@@ -1,78 +1,104 @@
 //! Interface between the integrator and a hybrid system.
 
+use std::fmt::Debug;
+
+use super::layout::{Layout, Matrix, VectorOf};
 use super::{CoordinateBounds, Tolerances};
 
 /// Right-hand side: accelerations and rates of the quadratures.
-#[derive(Clone, Copy, Debug)]
-pub struct Rates<const N: usize, const Z: usize> {
-    pub a: [f64; N],
-    pub g: [f64; Z],
+#[derive(Clone, Debug)]
+pub struct Rates<L: Layout> {
+    pub a: VectorOf<L>,
+    pub g: L::Quadratures,
+}
+
+impl<L: Layout> Rates<L> {
+    pub fn zero(layout: L) -> Self {
+        Self { a: layout.vector(0.0), g: layout.zero_quadratures() }
+    }
 }
 
 /// The right-hand side with its exact derivatives.
-#[derive(Clone, Copy, Debug)]
-pub struct Linearised<const N: usize, const Z: usize> {
-    pub rates: Rates<N, Z>,
+#[derive(Clone, Debug)]
+pub struct Linearised<L: Layout> {
+    pub rates: Rates<L>,
     /// ∂a/∂q, ∂a/∂v, ∂a/∂t.
-    pub a_q: [[f64; N]; N],
-    pub a_v: [[f64; N]; N],
-    pub a_t: [f64; N],
+    pub a_q: L::Square<f64>,
+    pub a_v: L::Square<f64>,
+    pub a_t: VectorOf<L>,
     /// ∂g/∂q, ∂g/∂v, ∂g/∂t.
-    pub g_q: [[f64; N]; Z],
-    pub g_v: [[f64; N]; Z],
-    pub g_t: [f64; Z],
+    pub g_q: L::QuadratureRows,
+    pub g_v: L::QuadratureRows,
+    pub g_t: L::Quadratures,
 }
 
-impl<const N: usize, const Z: usize> Linearised<N, Z> {
-    pub const ZERO: Self = Self {
-        rates: Rates { a: [0.0; N], g: [0.0; Z] },
-        a_q: [[0.0; N]; N],
-        a_v: [[0.0; N]; N],
-        a_t: [0.0; N],
-        g_q: [[0.0; N]; Z],
-        g_v: [[0.0; N]; Z],
-        g_t: [0.0; Z],
-    };
+impl<L: Layout> Linearised<L> {
+    pub fn zero(layout: L) -> Self {
+        Self {
+            rates: Rates::zero(layout),
+            a_q: layout.square(0.0),
+            a_v: layout.square(0.0),
+            a_t: layout.vector(0.0),
+            g_q: layout.zero_quadrature_rows(),
+            g_v: layout.zero_quadrature_rows(),
+            g_t: layout.zero_quadratures(),
+        }
+    }
 
-    /// Sets all numbers to 0, except those that stay 0 if only the first `second_order` coordinates have an effect.
+    /// Sets all numbers to 0.
     #[inline(always)]
-    pub fn clear(&mut self, second_order: usize) {
-        for row in self.a_q.iter_mut().chain(&mut self.g_q) {
-            row[..second_order].fill(0.0);
-        }
-        for row in self.a_v.iter_mut().chain(&mut self.g_v) {
-            row.fill(0.0);
-        }
-        self.rates = Rates { a: [0.0; N], g: [0.0; Z] };
-        (self.a_t, self.g_t) = ([0.0; N], [0.0; Z]);
+    pub fn clear(&mut self) {
+        self.rates.a.as_mut().fill(0.0);
+        self.rates.g.as_mut().fill(0.0);
+        self.a_q.fill(0.0);
+        self.a_v.fill(0.0);
+        self.a_t.as_mut().fill(0.0);
+        self.g_q.fill(0.0);
+        self.g_v.fill(0.0);
+        self.g_t.as_mut().fill(0.0);
     }
 }
 
 /// A smooth second-order system within one mode (one frozen set of branches).
-pub trait System<const N: usize, const Z: usize> {
-    type Mode: Copy + std::fmt::Debug;
+pub trait System {
+    type Layout: Layout;
+    type Mode: Clone + Debug;
+
+    fn layout(&self) -> Self::Layout;
 
     /// Number of coordinates with equations of second order, which come first. The rates after them are first-order
     /// states, such as those of bristles: the rate of each depends on the coordinates and rates before them and on itself
     /// only. Nothing depends on their coordinates, which stay at 0.
-    const SECOND_ORDER: usize = N;
+    #[inline(always)]
+    fn second_order_count(&self) -> usize {
+        self.layout().coordinates()
+    }
 
-    /// Number of coordinates in use, up to N. The remaining ones stay at 0 and have no effect.
+    /// Number of coordinates in use. The remaining ones stay at 0 and have no effect.
     #[inline(always)]
     fn coordinate_count(&self) -> usize {
-        N
+        self.layout().coordinates()
     }
 
-    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Rates<N, Z>;
+    /// Writes the right-hand side.
+    fn rates(
+        &self,
+        t: f64,
+        q: &VectorOf<Self::Layout>,
+        v: &VectorOf<Self::Layout>,
+        mode: &Self::Mode,
+        rates: &mut Rates<Self::Layout>,
+    );
 
-    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Linearised<N, Z>;
-
-    /// Like [`System::linearise`], in place, for systems with large matrices. `linearised` is [`Linearised::ZERO`] or the
-    /// result of an earlier call.
-    #[inline(always)]
-    fn linearise_into(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, linearised: &mut Linearised<N, Z>) {
-        *linearised = self.linearise(t, q, v, mode);
-    }
+    /// Writes the right-hand side and its derivatives. `linearised` is [`Linearised::zero`] or the result of an earlier call.
+    fn linearise(
+        &self,
+        t: f64,
+        q: &VectorOf<Self::Layout>,
+        v: &VectorOf<Self::Layout>,
+        mode: &Self::Mode,
+        linearised: &mut Linearised<Self::Layout>,
+    );
 }
 
 /// How the zero crossings of an event function are searched within a step.
@@ -97,15 +123,25 @@ pub enum RootSearch {
 }
 
 /// Error weight of a contact: a quantity to which its force law is more sensitive than the tolerances of coordinates
-/// and rates reflect. `row` is the derivative of the quantity with respect to the coordinates or rates.
+/// and rates reflect.
 #[derive(Clone, Copy, Debug)]
-pub enum ErrorWeight<const N: usize> {
-    /// Penetration of an active contact, `row` over coordinates. `is_spring_dominated`: the spring is stronger than the
+pub enum WeightedQuantity {
+    /// Penetration of an active contact; its row is over coordinates. `is_spring_dominated`: the spring is stronger than the
     /// damper. `is_rebounding`: the contact is also moving, so that an error of its rate persists.
-    Depth { row: [f64; N], depth: f64, is_rebounding: bool, is_spring_dominated: bool },
-    /// Slip of an active contact, `row` over rates, with the smallest slip scale of its friction law and the normal
+    Depth { depth: f64, is_rebounding: bool, is_spring_dominated: bool },
+    /// Slip of an active contact, its row over rates, with the smallest slip scale of its friction law and the normal
     /// force.
-    Slip { row: [f64; N], slip_scale: f64, normal_force: f64 },
+    Slip { slip_scale: f64, normal_force: f64 },
+}
+
+/// Error weight of an event function.
+#[derive(Clone, Debug)]
+pub struct ErrorWeight<L: Layout> {
+    /// Index of the event function.
+    pub index: usize,
+    pub quantity: WeightedQuantity,
+    /// Derivative of the quantity by the coordinates or rates.
+    pub row: VectorOf<L>,
 }
 
 /// An event function with its root-search policy. The branch of its law is valid while the value is not negative.
@@ -128,41 +164,63 @@ impl EventFunction {
 
 /// Values of all event functions in one state, and the clearance from the next singularity of the equations.
 #[derive(Clone, Debug)]
-pub struct EventSet<const N: usize> {
+pub struct EventSet<L: Layout> {
     pub functions: Vec<EventFunction>,
-    /// Error weights of contacts in the step error, with the indices of their event functions, in ascending order.
-    pub weights: Vec<(usize, ErrorWeight<N>)>,
+    /// Memory of error weights; the first `weight_count` are in use, in ascending order of their event functions.
+    weights: Vec<ErrorWeight<L>>,
+    weight_count: usize,
+    layout: L,
     /// Not negative while the equations are valid.
     pub clearance: f64,
     pub clearance_rate: f64,
 }
 
-impl<const N: usize> EventSet<N> {
+impl<L: Layout> EventSet<L> {
     /// `count` functions that never trigger, and an infinite clearance.
-    pub fn new(count: usize) -> Self {
-        let functions = vec![EventFunction::INACTIVE; count];
-        Self { functions, weights: Vec::with_capacity(count), clearance: f64::INFINITY, clearance_rate: 0.0 }
+    pub fn new(layout: L, count: usize) -> Self {
+        Self {
+            functions: vec![EventFunction::INACTIVE; count],
+            weights: Vec::new(),
+            weight_count: 0,
+            layout,
+            clearance: f64::INFINITY,
+            clearance_rate: 0.0,
+        }
     }
 
     /// Sets all functions to [`EventFunction::INACTIVE`], without weights and with an infinite clearance.
     #[inline(always)]
     pub fn clear(&mut self) {
         self.functions.fill(EventFunction::INACTIVE);
-        self.weights.clear();
+        self.weight_count = 0;
         (self.clearance, self.clearance_rate) = (f64::INFINITY, 0.0);
     }
 
-    /// Adds the error weight of an event function; weights may be added in any order.
+    /// Adds the error weight of an event function, and returns its row, which the caller fills. Weights may be added in any
+    /// order.
     #[inline(always)]
-    pub fn add_weight(&mut self, index: usize, weight: ErrorWeight<N>) {
-        let place = self.weights.iter().rposition(|(before, _)| *before < index).map_or(0, |before| before + 1);
-        self.weights.insert(place, (index, weight));
+    pub fn add_weight(&mut self, index: usize, quantity: WeightedQuantity) -> &mut VectorOf<L> {
+        let count = self.weight_count;
+        if count == self.weights.len() {
+            self.weights.push(ErrorWeight { index, quantity, row: self.layout.vector(0.0) });
+        }
+        (self.weights[count].index, self.weights[count].quantity) = (index, quantity);
+        let place = self.weights[..count].iter().rposition(|before| before.index < index).map_or(0, |before| before + 1);
+        self.weight_count += 1;
+        self.weights[place..=count].rotate_right(1);
+        &mut self.weights[place].row
     }
 
-    /// Error weight of an event function.
+    /// Error weights of contacts in the step error, in ascending order of their event functions.
     #[inline(always)]
-    pub fn weight(&self, index: usize) -> Option<&ErrorWeight<N>> {
-        self.weights.iter().find(|(of, _)| *of == index).map(|(_, weight)| weight)
+    pub fn weights(&self) -> &[ErrorWeight<L>] {
+        &self.weights[..self.weight_count]
+    }
+
+    /// Weighted quantity of an event function.
+    #[inline(always)]
+    pub fn weight(&self, index: usize) -> Option<&WeightedQuantity> {
+        self.weights().iter().find(|weight| weight.index == index).map(|weight| &weight.quantity)
     }
 }
 
@@ -227,16 +285,16 @@ impl GapBounds {
 ///
 /// A stiff, weakly damped contact that is loaded suddenly oscillates about that depth: by 1e-12 rad at 1e9 rad/s, ten
 /// thousand times in a closing motion and without effect on it. Resolving these oscillations takes minutes.
-#[derive(Clone, Copy, Debug)]
-pub struct QuasiStaticState<const N: usize> {
-    pub q: [f64; N],
-    pub v: [f64; N],
+#[derive(Clone, Debug)]
+pub struct QuasiStaticState<L: Layout> {
+    pub q: VectorOf<L>,
+    pub v: VectorOf<L>,
     /// Decay rate of the slowest of these oscillations, 1/s.
     pub decay_rate: f64,
 }
 
 /// A system whose modes change at events.
-pub trait Hybrid<const N: usize, const Z: usize>: System<N, Z> {
+pub trait Hybrid: System {
     /// Number of event functions.
     fn event_count(&self) -> usize;
 
@@ -246,22 +304,41 @@ pub trait Hybrid<const N: usize, const Z: usize>: System<N, Z> {
     /// Upper bound on the next step from this state, for effects that the error estimate does not see because only
     /// quadratures depend on them.
     #[inline(always)]
-    fn max_step(&self, _t: f64, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> f64 {
+    fn max_step(&self, _t: f64, _q: &VectorOf<Self::Layout>, _v: &VectorOf<Self::Layout>, _mode: &Self::Mode) -> f64 {
         f64::INFINITY
     }
 
     /// Evaluates all event functions, in place: `events` contains [`Hybrid::event_count`] functions.
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, events: &mut EventSet<N>);
+    fn eval_events(
+        &self,
+        q: &VectorOf<Self::Layout>,
+        v: &VectorOf<Self::Layout>,
+        mode: &Self::Mode,
+        events: &mut EventSet<Self::Layout>,
+    );
 
     /// Distance from the next singularity of the equations, as [`EventSet::clearance`].
-    fn clearance(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> f64;
+    fn clearance(&self, q: &VectorOf<Self::Layout>, v: &VectorOf<Self::Layout>, mode: &Self::Mode) -> f64;
 
     /// Evaluates one event function. Root searches within a step use this.
-    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, index: usize) -> EventFunction;
+    fn eval_event(
+        &self,
+        q: &VectorOf<Self::Layout>,
+        v: &VectorOf<Self::Layout>,
+        mode: &Self::Mode,
+        index: usize,
+    ) -> EventFunction;
 
     /// Evaluates the selected event functions; the other values are unspecified.
     #[inline(always)]
-    fn event_values(&self, q: &[f64; N], v: &[f64; N], mode: &Self::Mode, selected: &[bool], values: &mut [f64]) {
+    fn event_values(
+        &self,
+        q: &VectorOf<Self::Layout>,
+        v: &VectorOf<Self::Layout>,
+        mode: &Self::Mode,
+        selected: &[bool],
+        values: &mut [f64],
+    ) {
         for index in (0..selected.len()).filter(|index| selected[*index]) {
             values[index] = self.eval_event(q, v, mode, index).value;
         }
@@ -272,8 +349,8 @@ pub trait Hybrid<const N: usize, const Z: usize>: System<N, Z> {
     /// of other event functions are not read. `bounds` has [`Hybrid::event_count`] gaps.
     fn gap_bounds(
         &self,
-        _motion: &CoordinateBounds<N>,
-        _state: (&[f64; N], &[f64; N]),
+        _motion: &CoordinateBounds<Self::Layout>,
+        _state: (&VectorOf<Self::Layout>, &VectorOf<Self::Layout>),
         _clearance: f64,
         bounds: &mut GapBounds,
     ) {
@@ -284,8 +361,14 @@ pub trait Hybrid<const N: usize, const Z: usize>: System<N, Z> {
     /// Magnitude of the event function below which an event counts as located.
     fn event_tolerance(&self, index: usize, mode: &Self::Mode) -> f64;
 
-    /// Returns the mode after event `index`, in the state at which the event was located.
-    fn mode_after_event(&self, index: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Self::Mode;
+    /// Changes the mode by event `index`, in the state at which the event was located.
+    fn pass_event(
+        &self,
+        index: usize,
+        q: &VectorOf<Self::Layout>,
+        v: &VectorOf<Self::Layout>,
+        mode: &mut Self::Mode,
+    );
 
     /// Whether event `index` is reported to observers, counted, and restarts the method. Other events only prevent
     /// steps from skipping a segment of a law.
@@ -293,58 +376,79 @@ pub trait Hybrid<const N: usize, const Z: usize>: System<N, Z> {
         true
     }
 
-    /// Returns the mode after a step with these event functions at its end, if the mode changes without a discontinuity
-    /// (a released contact whose surfaces have separated).
-    fn mode_after_step(&self, functions: &[EventFunction], mode: &Self::Mode) -> Option<Self::Mode>;
+    /// Changes the mode after a step with these event functions at its end, where it changes without a discontinuity (a
+    /// released contact whose surfaces have separated); returns whether it does.
+    fn pass_step(&self, functions: &[EventFunction], mode: &mut Self::Mode) -> bool;
 
     /// Whether the mode at the start of a step is valid in the state at its end, a time `dt` later. A mode that counts whole
     /// turns from an angle is not valid if the step may turn too far; the step is then repeated with half of its length.
     #[inline(always)]
-    fn is_mode_valid(&self, _dt: f64, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> bool {
+    fn is_mode_valid(
+        &self,
+        _dt: f64,
+        _q: &VectorOf<Self::Layout>,
+        _v: &VectorOf<Self::Layout>,
+        _mode: &Self::Mode,
+    ) -> bool {
         true
     }
 
-    /// Returns the mode for the steps after a state, if it differs from that of the steps before it without an event and
+    /// Changes the mode for the steps after a state, where it differs from that of the steps before it without an event and
     /// without a change of any law: its whole turns are counted from another angle.
     #[inline(always)]
-    fn continued_mode(&self, _q: &[f64; N], _v: &[f64; N], _mode: &Self::Mode) -> Option<Self::Mode> {
-        None
-    }
+    fn count_turns(&self, _q: &VectorOf<Self::Layout>, _v: &VectorOf<Self::Layout>, _mode: &mut Self::Mode) {}
 
-    /// Returns the mode in which contact `index` uses its clamped law, without events.
-    fn with_clamped_law(&self, index: usize, mode: &Self::Mode) -> Self::Mode;
+    /// Changes the mode so that contact `index` uses its clamped law, without events.
+    fn clamp_law(&self, index: usize, mode: &mut Self::Mode);
 
     /// Returns the mode derived from a state alone, at the start of a run.
-    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> Self::Mode;
+    fn mode_at(&self, t: f64, q: &VectorOf<Self::Layout>, v: &VectorOf<Self::Layout>) -> Self::Mode;
 
     /// Returns the mode derived from a state after a step with a clamped law, whose mode was `last`: only what no state
     /// contains is kept.
     #[inline(always)]
-    fn mode_after(&self, t: f64, q: &[f64; N], v: &[f64; N], _last: &Self::Mode) -> Self::Mode {
+    fn mode_after(
+        &self,
+        t: f64,
+        q: &VectorOf<Self::Layout>,
+        v: &VectorOf<Self::Layout>,
+        _last: &Self::Mode,
+    ) -> Self::Mode {
         self.mode_at(t, q, v)
     }
 
-    /// Returns the mode at the time of a discontinuity, from the mode before it.
+    /// Changes the mode at the time of a discontinuity.
     #[inline(always)]
-    fn mode_after_discontinuity(&self, _t: f64, _q: &[f64; N], _v: &[f64; N], mode: &Self::Mode) -> Self::Mode {
-        *mode
+    fn pass_discontinuity(
+        &self,
+        _t: f64,
+        _q: &VectorOf<Self::Layout>,
+        _v: &VectorOf<Self::Layout>,
+        _mode: &mut Self::Mode,
+    ) {
     }
 
     /// First step after event `index`, if the event changes the time scale.
-    fn restart_step(&self, index: usize, q: &[f64; N], v: &[f64; N], mode: &Self::Mode) -> Option<f64>;
+    fn restart_step(
+        &self,
+        index: usize,
+        q: &VectorOf<Self::Layout>,
+        v: &VectorOf<Self::Layout>,
+        mode: &Self::Mode,
+    ) -> Option<f64>;
 
     /// Projects oscillating stiff contacts onto their equilibrium depth; `None` if there are none. See
     /// [`QuasiStaticState`].
     fn project_quasi_static(
         &self,
         _t: f64,
-        _state: (&[f64; N], &[f64; N]),
+        _state: (&VectorOf<Self::Layout>, &VectorOf<Self::Layout>),
         _mode: &Self::Mode,
         _tolerances: &Tolerances,
-    ) -> Option<QuasiStaticState<N>> {
+    ) -> Option<QuasiStaticState<Self::Layout>> {
         None
     }
 
     /// Describes the singularity that a state without clearance has reached.
-    fn describe_obstacle(&self, q: &[f64; N]) -> String;
+    fn describe_obstacle(&self, q: &VectorOf<Self::Layout>) -> String;
 }

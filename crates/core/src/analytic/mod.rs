@@ -15,4 +15,4 @@ pub use closed_form::{
     BristleModel, DistalShape, EVENT_FUNCTIONS, FingerMode, FingerMotion, Model, PassiveJoints, QUADRATURES, distal,
     proximal,
 };
-pub use contact::{ContactReading, ContactState, Energies, Geometry, Mode};
+pub use contact::{ContactMode, ContactReading, ContactState, Energies, Geometry, Mode};

@@ -2,7 +2,7 @@
 //! move at most, without evaluating them. All bounds are per step and per step².
 
 use crate::fivebar::kinematics::SINGULAR_SINE;
-use crate::integrator::{CoordinateBounds, GapBound};
+use crate::integrator::{CoordinateBounds, GapBound, Layout};
 
 /// Bounds of the motion of a body: of the origin of its frame, and of its angle.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,7 +31,7 @@ impl RateBound {
     pub const NONE: Self = Self { rate: f64::INFINITY, acceleration: f64::INFINITY };
 
     /// Bound of a coordinate.
-    pub fn of_coordinate<const N: usize>(bounds: &CoordinateBounds<N>, index: usize) -> Self {
+    pub fn of_coordinate<L: Layout>(bounds: &CoordinateBounds<L>, index: usize) -> Self {
         Self { rate: bounds.rate[index], acceleration: bounds.acceleration[index] }
     }
 

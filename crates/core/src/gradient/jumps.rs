@@ -1,10 +1,9 @@
 //! Events and discontinuities: how their times move, and how the derivatives of the state jump at them.
 
 use super::neighbours::{Neighbours, along, extrapolate};
-use super::tangent::{EventDerivatives, Instant, Tangent};
+use super::tangent::{EventDerivatives, Instant, Tangent, flow};
 use crate::analytic::ContactState;
 use crate::integrator::{Hybrid, Rates, State, Step};
-use crate::numeric::array_from;
 use crate::trace::Kernel;
 
 /// Depth at which a contact is released, as a fraction of its largest one, below which it is released by separation.
@@ -14,11 +13,11 @@ const LINEAR_RANGE: f64 = 1e-6;
 /// Jump of the accelerations that counts as a discontinuity, relative to the largest acceleration so far.
 const MIN_JUMP: f64 = 1e-6;
 
-impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent<'a, M, N, Z> {
+impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
     /// Applies the mode of a step at its start, if no event has reported its changes.
-    pub fn enter(&mut self, step: &Step<N, Z>, mode: &M::Mode) {
+    pub fn enter(&mut self, step: &Step<M::Layout>, mode: &M::Mode) {
         let contacts = 0..self.contacts;
-        if (self.state.q, self.state.v) != (step.start.q, step.start.v) {
+        if (&self.state.q, &self.state.v) != (&step.start.q, &step.start.v) {
             self.refuse(&format!("a contact that oscillates is set to its equilibrium at {} s", step.t0));
         }
         if let Some(contact) = contacts.clone().find(|contact| mode[*contact] == ContactState::Clamped) {
@@ -36,15 +35,15 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
         for contact in &opened {
             self.pass_event((step.t0, step.start), *contact, mode);
         }
-        if opened.is_empty() && self.is_jump(&rates.a, &next.a) {
+        if opened.is_empty() && self.is_jump(rates.a.as_ref(), next.a.as_ref()) {
             self.refuse(&format!("the accelerations jump at {} s without an event of a contact", step.t0));
         }
-        self.mode = *mode;
+        self.mode.clone_from(mode);
     }
 
     /// Passes an event of the normal law of a contact: returns the derivatives of its time and its sample, and applies
     /// the jump of the derivatives of the state.
-    pub fn pass_event(&mut self, (t, state): (f64, &State<N, Z>), contact: usize, mode: &M::Mode) -> EventDerivatives {
+    pub fn pass_event(&mut self, (t, state): (f64, &State<M::Layout>), contact: usize, mode: &M::Mode) -> EventDerivatives {
         let before = (t, state, &self.mode.clone());
         let is_touch_down = is_touch_down(self.mode[contact], mode[contact]);
         let rates = Self::rates(&self.kernel, before);
@@ -77,20 +76,20 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     /// Passes a discontinuity of the right-hand side in time, at the present time, in the mode that follows it.
     pub fn pass_discontinuity(&mut self, mode: &M::Mode) {
         let Some(before) = self.before_discontinuity.take() else { return };
-        let (t, state) = (self.time_s, self.state);
+        let (t, state) = (self.time_s, self.state.clone());
         let after = Self::rates(&self.kernel, (t, &state, mode));
         self.pass_jump(&before, &after);
         let moved =
-            |neighbours: &Neighbours<'a, M, N, Z>| neighbours.parameter.step * neighbours.discontinuities[1].abs();
+            |neighbours: &Neighbours<'a, M>| neighbours.parameter.step * neighbours.discontinuities[1].abs();
         let latest = t + self.neighbours.iter().map(moved).fold(0.0, f64::max);
-        self.mode = *mode;
+        self.mode.clone_from(mode);
         self.bounds_s[0] = latest.next_up();
         self.find_discontinuity(t);
     }
 
     /// How the time of a step moves. Near a discontinuity in time it moves with it: otherwise difference quotients would
     /// cross it.
-    pub fn shift_of_step(&self, index: usize, step: &Step<N, Z>) -> f64 {
+    pub fn shift_of_step(&self, index: usize, step: &Step<M::Layout>) -> f64 {
         let (neighbours, shift) = (&self.neighbours[index], self.shifts[index]);
         let ([last, next], [last_s, next_s]) = (neighbours.discontinuities, self.discontinuities_s);
         let reach = |discontinuity: f64| neighbours.parameter.step * (shift - discontinuity).abs();
@@ -104,43 +103,45 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     }
 
     /// Changes how the time moves at which the derivatives of a column are taken.
-    pub fn shift(&mut self, index: usize, (state, rates): (&State<N, Z>, &Rates<N, Z>), shift: f64) {
+    pub fn shift(&mut self, index: usize, (state, rates): (&State<M::Layout>, &Rates<M::Layout>), shift: f64) {
         if shift == self.shifts[index] {
             return;
         }
-        let flow = State { q: state.v, v: rates.a, z: rates.g };
         if let Ok(column) = &mut self.columns[index] {
-            *column = along(column, shift - self.shifts[index], &flow);
+            column.add_scaled(shift - self.shifts[index], &flow(state, rates));
         }
         self.shifts[index] = shift;
     }
 
     /// Passes a jump of the rates that moves with the next discontinuity in time.
-    fn pass_jump(&mut self, before: &Rates<N, Z>, after: &Rates<N, Z>) {
+    fn pass_jump(&mut self, before: &Rates<M::Layout>, after: &Rates<M::Layout>) {
         for (index, column) in self.columns.iter_mut().enumerate() {
             let dt = self.neighbours[index].discontinuities[1] - self.shifts[index];
             let Ok(column) = column else { continue };
-            (0..N).for_each(|i| column.v[i] += (before.a[i] - after.a[i]) * dt);
-            (0..Z).for_each(|i| column.z[i] += (before.g[i] - after.g[i]) * dt);
+            (0..column.v.as_ref().len()).for_each(|i| column.v[i] += (before.a[i] - after.a[i]) * dt);
+            (0..column.z.as_ref().len()).for_each(|i| column.z[i] += (before.g[i] - after.g[i]) * dt);
         }
     }
 
     /// Whether the accelerations jump at a touch-down. The force just beyond it is extrapolated from two small depths.
-    fn jumps_at_touch_down(&self, (t, state): (f64, &State<N, Z>), contact: usize, mode: &M::Mode) -> bool {
+    fn jumps_at_touch_down(&self, (t, state): (f64, &State<M::Layout>), contact: usize, mode: &M::Mode) -> bool {
         let reading = self.contact((t, state, mode), contact);
         let duration_s = (2.0 * reading.gap_m.abs()).max(1e-12) / reading.gap_rate_m_s.abs();
         let beyond = |factor: f64| {
-            let mut state = *state;
-            (0..N).for_each(|i| state.q[i] += (factor * duration_s) * state.v[i]);
+            let mut state = state.clone();
+            for i in 0..state.q.as_ref().len() {
+                state.q[i] += (factor * duration_s) * state.v[i];
+            }
             let [with, without] = [mode, &self.mode].map(|mode| Self::rates(&self.kernel, (t, &state, mode)));
             (with, without)
         };
         let ([near, without], [far, far_without]) = (<[_; 2]>::from(beyond(1.0)), <[_; 2]>::from(beyond(2.0)));
         let jump = |i: usize| 2.0 * (near.a[i] - without.a[i]) - (far.a[i] - far_without.a[i]);
-        self.is_jump(&without.a, &array_from(|i| without.a[i] + jump(i)))
+        let with: Vec<f64> = (0..without.a.as_ref().len()).map(|i| without.a[i] + jump(i)).collect();
+        self.is_jump(without.a.as_ref(), &with)
     }
 
-    fn is_jump(&self, before: &[f64; N], after: &[f64; N]) -> bool {
+    fn is_jump(&self, before: &[f64], after: &[f64]) -> bool {
         let largest = before.iter().chain(after).fold(self.acceleration_scale, |largest, a| largest.max(a.abs()));
         before.iter().zip(after).any(|(before, after)| (before - after).abs() > MIN_JUMP * largest)
     }
@@ -148,17 +149,17 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     /// dt/dp of an event of the normal law of a contact.
     fn time_derivative(
         &self,
-        neighbours: &Neighbours<'a, M, N, Z>,
-        (t, state, mode): Instant<'_, M::Mode, N, Z>,
-        (rates, column, shift): (&Rates<N, Z>, &State<N, Z>, f64),
+        neighbours: &Neighbours<'a, M>,
+        (t, state, mode): Instant<'_, M>,
+        (rates, column, shift): (&Rates<M::Layout>, &State<M::Layout>, f64),
         contact: usize,
     ) -> Result<f64, String> {
         let level = neighbours.level(0, self.counts)?;
-        let gap = |kernel: &M, _: f64, state: &State<N, Z>| [kernel.contact(state, contact, mode).gap_m];
+        let gap = |kernel: &M, _: f64, state: &State<M::Layout>| [kernel.contact(state, contact, mode).gap_m];
         let reading = self.contact((t, state, mode), contact);
         let [[full], [half]] = level.quotients((t, state), (column, shift), gap);
         let gap_derivative = extrapolate([full, half]);
-        let flow = State { q: state.v, v: rates.a, z: rates.g };
+        let flow = flow(state, rates);
         // The force of a contact without a damper ends at zero depth, located at a small force.
         let from_gap = shift - gap_derivative / reading.gap_rate_m_s;
         if mode[contact] == ContactState::Free || -reading.gap_m < MIN_RELEASE_DEPTH * self.deepest[contact] {
@@ -181,7 +182,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
         let lin = Self::linearise(&self.kernel, (t, state, mode));
         let (_, direction) = self.differentiate(neighbours, (t, state, mode), &lin, (column, shift))?;
         let force =
-            |kernel: &M, _: f64, state: &State<N, Z>| [kernel.eval_event(&state.q, &state.v, mode, contact).value];
+            |kernel: &M, _: f64, state: &State<M::Layout>| [kernel.eval_event(&state.q, &state.v, mode, contact).value];
         let level = neighbours.level(direction.level, self.counts)?;
         let [[full], [half]] = level.quotients((t, state), (&direction.tangent, direction.dt), force);
         // Along the direction, time moves by its own part.

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::cell::OnceCell;
 
-use crate::integrator::{Hybrid, State};
+use crate::integrator::{Hybrid, Layout, State, System};
 use crate::numeric::array_from;
 use crate::numeric::elementary::powi;
 use crate::scene::Scene;
@@ -25,25 +25,25 @@ pub(super) const LEVELS: usize = 6;
 const LEVEL_MARGIN: f64 = 10.0;
 
 /// The kernel at one value of a parameter, and its start.
-pub(super) struct Neighbour<M, const N: usize, const Z: usize> {
+pub(super) struct Neighbour<M: System> {
     pub kernel: M,
-    pub start: State<N, Z>,
+    pub start: State<M::Layout>,
     pub start_energy: Energy,
 }
 
 /// Kernels at p ± h and p ± h/2, with the exact half differences of p.
-pub(super) struct Level<M, const N: usize, const Z: usize> {
-    pub pairs: [[Neighbour<M, N, Z>; 2]; 2],
+pub(super) struct Level<M: System> {
+    pub pairs: [[Neighbour<M>; 2]; 2],
     pub h: [f64; 2],
 }
 
 /// A parameter with its neighbours at decreasing steps, built when they are first used.
-pub(super) struct Neighbours<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
+pub(super) struct Neighbours<'a, M: Kernel> {
     pub parameter: TangentParameter<'a>,
     /// Kernel and mode at the start; neighbours must have the same coordinates and mode.
     pub kernel: M,
     pub start_mode: M::Mode,
-    pub levels: [OnceCell<Result<Level<M, N, Z>, String>>; LEVELS],
+    pub levels: [OnceCell<Result<Level<M>, String>>; LEVELS],
     /// Derivatives of the last and the next time at which the right-hand side is discontinuous.
     pub discontinuities: [f64; 2],
 }
@@ -54,15 +54,12 @@ struct Erase;
 impl KernelUser for Erase {
     type Output = Box<dyn Any>;
 
-    fn use_kernel<M, const N: usize, const Z: usize>(self, start: Start<M, N, Z>) -> Box<dyn Any>
-    where
-        M: Kernel<N, Z> + Hybrid<N, Z>,
-    {
+    fn use_kernel<M: Kernel + Hybrid>(self, start: Start<M>) -> Box<dyn Any> {
         Box::new((start.kernel, start.state))
     }
 }
 
-impl<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'a, M, N, Z> {
+impl<'a, M: Kernel> Neighbours<'a, M> {
     pub fn new(parameter: TangentParameter<'a>, kernel: M, start_mode: M::Mode) -> Self {
         let levels = [const { OnceCell::new() }; LEVELS];
         Self { parameter, kernel, start_mode, levels, discontinuities: [0.0; 2] }
@@ -72,19 +69,22 @@ impl<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'a, M, N, Z
     ///
     /// # Errors
     /// Returns the reason why there are none.
-    pub fn level(&self, index: usize, counts: Counts) -> Result<&Level<M, N, Z>, String>
+    pub fn level(&self, index: usize, counts: Counts) -> Result<&Level<M>, String>
     where
-        M: Hybrid<N, Z>,
+        M: Hybrid,
     {
         let built = self.levels[index].get_or_init(|| {
             let TangentParameter { scene_at, value, step } = self.parameter;
             let step = step * powi(0.1, index as i32);
-            let neighbour = |value: f64| -> Result<Neighbour<M, N, Z>, String> {
+            let neighbour = |value: f64| -> Result<Neighbour<M>, String> {
                 let other = || format!("the structure of the model changes at a value of {value}");
                 let erased = with_kernel(&scene_at(value)?, Erase).map_err(|error| error.to_string())?;
-                let built = erased.downcast::<(M, State<N, Z>)>().map_err(|_| other())?;
+                let built = erased.downcast::<(M, State<M::Layout>)>().map_err(|_| other())?;
                 let (kernel, start) = *built;
-                if !kernel.has_coordinates_of(&self.kernel) {
+                let [own, others] = [self.kernel.layout(), kernel.layout()];
+                let has_sizes =
+                    (own.coordinates(), own.quadratures()) == (others.coordinates(), others.quadratures());
+                if !has_sizes || !kernel.has_coordinates_of(&self.kernel) {
                     return Err(other());
                 }
                 let start_mode = kernel.mode_at(0.0, &start.q, &start.v);
@@ -110,13 +110,13 @@ impl<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> Neighbours<'a, M, N, Z
     }
 }
 
-impl<M: Kernel<N, Z>, const N: usize, const Z: usize> Level<M, N, Z> {
+impl<M: Kernel> Level<M> {
     /// Difference quotients at the full and the half step of a level.
     pub fn quotients<const R: usize>(
         &self,
-        (t, state): (f64, &State<N, Z>),
-        (direction, dt): (&State<N, Z>, f64),
-        f: impl Fn(&M, f64, &State<N, Z>) -> [f64; R],
+        (t, state): (f64, &State<M::Layout>),
+        (direction, dt): (&State<M::Layout>, f64),
+        f: impl Fn(&M, f64, &State<M::Layout>) -> [f64; R],
     ) -> [[f64; R]; 2] {
         [0, 1].map(|k| {
             let ([below, above], h) = (&self.pairs[k], self.h[k]);
@@ -128,12 +128,10 @@ impl<M: Kernel<N, Z>, const N: usize, const Z: usize> Level<M, N, Z> {
 }
 
 /// y + h d.
-pub(super) fn along<const N: usize, const Z: usize>(y: &State<N, Z>, h: f64, d: &State<N, Z>) -> State<N, Z> {
-    State {
-        q: array_from(|i| y.q[i] + h * d.q[i]),
-        v: array_from(|i| y.v[i] + h * d.v[i]),
-        z: array_from(|i| y.z[i] + h * d.z[i]),
-    }
+pub(super) fn along<L: Layout>(y: &State<L>, h: f64, d: &State<L>) -> State<L> {
+    let mut moved = y.clone();
+    moved.add_scaled(h, d);
+    moved
 }
 
 /// The first level whose quotients are about as accurate as any, from the relative differences of both quotients of each

@@ -9,8 +9,8 @@ use crate::trace::{Kernel, RequiredData, Sample};
 const BACKWARD_WEIGHTS: [f64; 5] = [25.0 / 12.0, -4.0, 3.0, -4.0 / 3.0, 0.25];
 const BACKWARD_STEP: f64 = 0.1;
 
-impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent<'a, M, N, Z> {
-    pub fn sample(&self, (t, state, mode): Instant<'_, M::Mode, N, Z>) -> Sample {
+impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
+    pub fn sample(&self, (t, state, mode): Instant<'_, M>) -> Sample {
         let mut sample = Sample::new(t, self.counts);
         let mut history = self.history.clone();
         self.kernel.read((state, mode), &self.start_energy, RequiredData::ALL, &mut history, &mut sample);
@@ -20,9 +20,9 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     /// Derivatives of the numbers of a sample that moves by `dt`.
     pub fn read_along(
         &self,
-        neighbours: &Neighbours<'a, M, N, Z>,
-        (t, state, mode): Instant<'_, M::Mode, N, Z>,
-        moving: (&State<N, Z>, f64),
+        neighbours: &Neighbours<'a, M>,
+        (t, state, mode): Instant<'_, M>,
+        moving: (&State<M::Layout>, f64),
         dt: f64,
     ) -> Result<Vec<f64>, String> {
         let lin = Self::linearise(&self.kernel, (t, state, mode));
@@ -31,7 +31,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
         let mut history = self.history.clone();
         let mut sample = Sample::new(t, self.counts);
         self.kernel.read((state, mode), &self.start_energy, RequiredData::ALL, &mut history, &mut sample);
-        let read = |Neighbour { kernel, start_energy, .. }: &Neighbour<M, N, Z>, h: f64| {
+        let read = |Neighbour { kernel, start_energy, .. }: &Neighbour<M>, h: f64| {
             let Direction { tangent, dt, .. } = &direction;
             let (state, mut sample) = (along(state, h, tangent), Sample::new(t + h * dt, self.counts));
             kernel.read((&state, mode), start_energy, RequiredData::ALL, &mut history.clone(), &mut sample);
@@ -57,7 +57,7 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     /// Derivatives of the sample at the end of the last step.
     pub fn sample_derivatives(&self) -> Vec<Result<Vec<f64>, String>> {
         let at_end = (self.time_s, &self.state, &self.mode);
-        let of_column = |((neighbours, column), shift): ((&Neighbours<'a, M, N, Z>, &Column<N, Z>), &f64)| {
+        let of_column = |((neighbours, column), shift): ((&Neighbours<'a, M>, &Column<M::Layout>), &f64)| {
             self.read_along(neighbours, at_end, (column.as_ref().map_err(Clone::clone)?, *shift), 0.0)
         };
         self.neighbours.iter().zip(&self.columns).zip(&self.shifts).map(of_column).collect()
@@ -71,11 +71,11 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
 
     /// Finds the rates at a fraction of a step. The force of a stiff damper has no accurate rate along the accelerations of
     /// a state, which are small differences of large forces.
-    pub fn find_rates(&mut self, (step, mode): (&Step<N, Z>, &M::Mode), to: f64, tools: &mut dyn StepTools<N, Z>) {
+    pub fn find_rates(&mut self, (step, mode): (&Step<M::Layout>, &M::Mode), to: f64, tools: &mut dyn StepTools<M::Layout>) {
         let (mut sums, mut event_sums) = (vec![0.0; self.counts.values()], vec![0.0; self.contacts]);
         for (index, weight) in BACKWARD_WEIGHTS.into_iter().enumerate() {
             let theta = to * (1.0 - BACKWARD_STEP * index as f64);
-            let state = if theta < 1.0 { tools.resolve(theta) } else { *step.end };
+            let state = if theta < 1.0 { tools.resolve(theta) } else { step.end.clone() };
             let sample = self.sample((step.t0 + theta * step.h, &state, mode));
             sums.iter_mut().zip(sample.values()).for_each(|(sum, value)| *sum += weight * value);
             let functions = self.events((&state, mode)).functions;

@@ -62,10 +62,7 @@ struct TangentRunner<'a> {
 impl KernelUser for TangentRunner<'_> {
     type Output = Result<TangentRun, RunError>;
 
-    fn use_kernel<M, const N: usize, const Z: usize>(self, start: Start<M, N, Z>) -> Self::Output
-    where
-        M: Kernel<N, Z> + Hybrid<N, Z>,
-    {
+    fn use_kernel<M: Kernel + Hybrid>(self, start: Start<M>) -> Self::Output {
         let schema = Schema::from_scene(self.scene);
         let counts = schema.counts();
         let recording = RecordingOptions {
@@ -73,8 +70,8 @@ impl KernelUser for TangentRunner<'_> {
             ..RecordingOptions::of_run(self.scene, self.sink)
         };
         let times: Vec<f64> = self.times.iter().copied().chain([self.scene.duration_s]).collect();
-        let mut tangent = Tangent::<M, N, Z>::new(&start, &schema, self.parameters, &times);
-        let mut stepper = AnalyticStepper::<M, N, Z>::new(start, self.scene.duration_s, recording);
+        let mut tangent = Tangent::new(&start, &schema, self.parameters, &times);
+        let mut stepper = AnalyticStepper::new(start, self.scene.duration_s, recording);
         let mut sink = EventCollector { sink: self.sink, events: Vec::new() };
         Stepper::begin(&mut stepper, &mut sink)?;
         let at_start = sink.events.len();
@@ -138,14 +135,11 @@ impl Sink for EventCollector<'_> {
     }
 }
 
-impl<M, const N: usize, const Z: usize> Observer<N, Z, M::Mode> for Tangent<'_, M, N, Z>
-where
-    M: Kernel<N, Z> + Hybrid<N, Z>,
-{
-    fn step(&mut self, step: &Step<N, Z>, mode: &M::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
+impl<M: Kernel + Hybrid> Observer<M::Layout, M::Mode> for Tangent<'_, M> {
+    fn step(&mut self, step: &Step<M::Layout>, mode: &M::Mode, tools: &mut dyn StepTools<M::Layout>) -> bool {
         self.enter(step, mode);
         let rates = Self::rates(&self.kernel, (step.t0, step.start, mode));
-        self.acceleration_scale = rates.a.iter().fold(self.acceleration_scale, |largest, a| largest.max(a.abs()));
+        self.acceleration_scale = rates.a.as_ref().iter().fold(self.acceleration_scale, |largest, a| largest.max(a.abs()));
         let is_read = self.times.get(self.at_times.len()).is_some_and(|time_s| *time_s <= step.t1);
         for index in 0..self.neighbours.len() {
             let shift = if is_read { 0.0 } else { self.shift_of_step(index, step) };
@@ -157,8 +151,8 @@ where
             if to > from {
                 self.advance([from, to], (step, mode), tools, (0, f64::INFINITY));
             }
-            let state = if to < 1.0 { tools.resolve(to) } else { *step.end };
-            (self.time_s, self.state, from) = (*time_s, state, to);
+            let state = if to < 1.0 { tools.resolve(to) } else { step.end.clone() };
+            (self.time_s, self.state, from) = (*time_s, state.clone(), to);
             self.find_rates((step, mode), to, tools);
             let sample = self.sample((*time_s, &state, mode));
             self.at_times.push((sample, self.sample_derivatives()));
@@ -166,7 +160,7 @@ where
         if from < 1.0 {
             self.advance([from, 1.0], (step, mode), tools, (0, f64::INFINITY));
         }
-        (self.time_s, self.state) = (step.t1, *step.end);
+        (self.time_s, self.state) = (step.t1, step.end.clone());
         // Rounding in a step between events at nearly the same time exceeds its changes.
         let is_short = step.h < SHORT_STEP * self.step_s;
         if !is_short {
@@ -196,11 +190,11 @@ where
         true
     }
 
-    fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &M::Mode) {
+    fn event(&mut self, t: f64, state: &State<M::Layout>, index: usize, mode: &M::Mode) {
         self.pass_discontinuity(&self.mode.clone());
         let sample = self.sample((t, state, &self.mode));
         let derivatives = self.pass_event((t, state), index, mode);
         self.events.push((sample, derivatives));
-        self.mode = *mode;
+        self.mode.clone_from(mode);
     }
 }

@@ -1,9 +1,10 @@
 //! Integration of the tangent equation along a step of the run.
 
-use super::neighbours::{Neighbours, along};
+use super::neighbours::Neighbours;
 use super::tangent::{Column, Tangent, product};
-use crate::integrator::{ErrorWeight, Hybrid, Linearised, Rates, State, Step, StepTools, radau5_tableau};
-use crate::numeric::array_from;
+use crate::integrator::{
+    ErrorWeight, Hybrid, Layout, Linearised, Rates, State, Step, StepTools, WeightedQuantity, radau5_tableau,
+};
 use crate::numeric::dense::{factor_lu, solve_lu};
 use crate::trace::Kernel;
 
@@ -21,13 +22,13 @@ const MIN_HALVINGS: u32 = 3;
 /// Ratio of the errors of a half and of the whole above which the error is rounding; at a kink it is 1/2.
 const MIN_DECREASE: f64 = 0.8;
 
-impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent<'a, M, N, Z> {
+impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
     /// Advances all derivatives over a part of a step, in halves until their error is small.
     pub fn advance(
         &mut self,
         [from, to]: [f64; 2],
-        (step, mode): (&Step<N, Z>, &M::Mode),
-        tools: &mut dyn StepTools<N, Z>,
+        (step, mode): (&Step<M::Layout>, &M::Mode),
+        tools: &mut dyn StepTools<M::Layout>,
         (halvings, error_before): (u32, f64),
     ) {
         if self.columns.iter().all(Result::is_err) {
@@ -53,20 +54,22 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     #[inline(never)]
     fn collocate(
         &self,
-        columns: &[Column<N, Z>],
+        columns: &[Column<M::Layout>],
         [from, to]: [f64; 2],
-        (step, mode): (&Step<N, Z>, &M::Mode),
-        tools: &mut dyn StepTools<N, Z>,
-    ) -> (Vec<Column<N, Z>>, State<N, Z>) {
+        (step, mode): (&Step<M::Layout>, &M::Mode),
+        tools: &mut dyn StepTools<M::Layout>,
+    ) -> (Vec<Column<M::Layout>>, State<M::Layout>) {
         let (n, h) = (self.kernel.coordinate_count(), (to - from) * step.h);
+        let layout = self.kernel.layout();
         let (c, a) = radau5_tableau();
         let mut node = |c: f64| {
             let theta = from + c * (to - from);
-            let state = if theta < 1.0 { tools.resolve(theta) } else { *step.end };
+            let state = if theta < 1.0 { tools.resolve(theta) } else { step.end.clone() };
             let t = (step.t0 + theta * step.h).max(self.bounds_s[0]).min(self.bounds_s[1]);
-            (t, state, Self::linearise(&self.kernel, (t, &state, mode)))
+            let linearised = Self::linearise(&self.kernel, (t, &state, mode));
+            (t, state, linearised)
         };
-        let nodes: Vec<(f64, State<N, Z>, Linearised<N, Z>)> = c.into_iter().map(&mut node).collect();
+        let nodes: Vec<(f64, State<M::Layout>, Linearised<M::Layout>)> = c.into_iter().map(&mut node).collect();
         // V_i = V₀ + h Σ a_ij (A_v V_j + A_q Q_j + ∂a/∂p), Q_j = Q₀ + h Σ a_jk V_k.
         let size = 3 * n;
         let mut matrix = vec![0.0; size * size];
@@ -80,16 +83,16 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
         }
         let order = factor_lu(&mut matrix, size);
         let advance =
-            |((neighbours, column), shift): ((&Neighbours<'a, M, N, Z>, &Column<N, Z>), &f64)| -> Column<N, Z> {
+            |((neighbours, column), shift): ((&Neighbours<'a, M>, &Column<M::Layout>), &f64)| -> Column<M::Layout> {
                 let start = column.as_ref().map_err(Clone::clone)?;
-                let mut stages = [*start; 3];
-                let mut end = *start;
+                let mut stages = [start.clone(), start.clone(), start.clone()];
+                let mut end = start.clone();
                 for (stage, c) in stages.iter_mut().zip(c) {
-                    (0..N).for_each(|i| stage.q[i] += c * h * start.v[i]);
+                    (0..layout.coordinates()).for_each(|i| stage.q[i] += c * h * start.v[i]);
                 }
                 // Newton's method on a linear system: the second iteration takes difference quotients along the solution.
                 for _ in 0..ITERATIONS {
-                    let mut loads = [Rates { a: [0.0; N], g: [0.0; Z] }; 3];
+                    let mut loads: [Rates<M::Layout>; 3] = std::array::from_fn(|_| Rates::zero(layout));
                     for ((load, (t, state, lin)), stage) in loads.iter_mut().zip(&nodes).zip(&stages) {
                         (*load, _) = self.differentiate(neighbours, (*t, state, mode), lin, (stage, *shift))?;
                     }
@@ -98,22 +101,22 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
                     };
                     let mut solution: Vec<f64> = (0..size).map(|index| residual(index / n, index % n)).collect();
                     solve_lu(&matrix, &order, &mut solution);
-                    let corrections: [State<N, Z>; 3] = [0, 1, 2].map(|j| State {
-                        q: array_from(|i| match i < n {
-                            true => h * (0..3).map(|k| a[j][k] * solution[k * n + i]).sum::<f64>(),
-                            false => 0.0,
-                        }),
-                        v: array_from(|i| if i < n { solution[j * n + i] } else { 0.0 }),
-                        z: [0.0; Z],
+                    let corrections: [State<M::Layout>; 3] = [0, 1, 2].map(|j| {
+                        let mut correction = State::zero(layout);
+                        for i in 0..n {
+                            correction.q[i] = h * (0..3).map(|k| a[j][k] * solution[k * n + i]).sum::<f64>();
+                            correction.v[i] = solution[j * n + i];
+                        }
+                        correction
                     });
                     for (stage, correction) in stages.iter_mut().zip(&corrections) {
-                        *stage = along(stage, 1.0, correction);
+                        stage.add_scaled(1.0, correction);
                     }
-                    end = stages[2];
-                    for m in 0..Z {
+                    end.copy_from(&stages[2]);
+                    for m in 0..layout.quadratures() {
                         let rate = |j: usize| {
                             let (lin, State { q, v, .. }) = (&nodes[j].2, &corrections[j]);
-                            loads[j].g[m] + product(&lin.g_q[m], q) + product(&lin.g_v[m], v)
+                            loads[j].g[m] + product(&lin.g_q[m], q.as_ref()) + product(&lin.g_v[m], v.as_ref())
                         };
                         end.z[m] = start.z[m] + h * (0..3).map(|j| a[2][j] * rate(j)).sum::<f64>();
                     }
@@ -123,37 +126,39 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
                     false => Err(format!("the derivatives are not finite at {} s", step.t0)),
                 }
             };
-        (self.neighbours.iter().zip(columns).zip(&self.shifts).map(advance).collect(), nodes[2].1)
+        (self.neighbours.iter().zip(columns).zip(&self.shifts).map(advance).collect(), nodes[2].1.clone())
     }
 
     /// Largest relative difference of two approximations of all derivatives at the same state.
     #[inline(never)]
     fn difference(
         &mut self,
-        whole: &[Column<N, Z>],
-        halves: &[Column<N, Z>],
-        (end, mode): (&State<N, Z>, &M::Mode),
+        whole: &[Column<M::Layout>],
+        halves: &[Column<M::Layout>],
+        (end, mode): (&State<M::Layout>, &M::Mode),
     ) -> f64 {
         let events = self.events((end, mode));
         let mut error = 0.0_f64;
         for (index, (whole, halves)) in whole.iter().zip(halves).enumerate() {
             let (Ok(whole), Ok(halves)) = (whole, halves) else { continue };
-            let [q, v]: [[f64; N]; 2] =
-                [array_from(|i| whole.q[i] - halves.q[i]), array_from(|i| whole.v[i] - halves.v[i])];
+            let mut change = whole.clone();
+            change.add_scaled(-1.0, halves);
+            let State { q, v, .. } = &change;
+            let size = q.as_ref().len();
             for (scale, difference, halves) in
-                self.scales[index].iter_mut().zip([&q, &v]).zip([&halves.q, &halves.v]).map(|((a, b), c)| (a, b, c))
+                self.scales[index].iter_mut().zip([q, v]).zip([&halves.q, &halves.v]).map(|((a, b), c)| (a, b, c))
             {
-                (0..N).for_each(|i| scale[i] = scale[i].max(halves[i].abs()));
-                let largest = scale.iter().fold(0.0_f64, |a, b| a.max(*b));
+                (0..size).for_each(|i| scale[i] = scale[i].max(halves[i].abs()));
+                let largest = scale.as_ref().iter().fold(0.0_f64, |a, b| a.max(*b));
                 let relative = |i: usize| difference[i].abs() / scale[i].max(1e-3 * largest);
-                error = (0..N).map(relative).filter(|x| x.is_finite()).fold(error, f64::max);
+                error = (0..size).map(relative).filter(|x| x.is_finite()).fold(error, f64::max);
             }
             let parameter = &self.neighbours[index].parameter;
             let value = parameter.value.abs().max(parameter.step);
-            for (_, weight) in &events.weights {
-                let relative = match weight {
-                    ErrorWeight::Depth { row, depth, .. } => product(row, &q) * value / depth,
-                    ErrorWeight::Slip { row, slip_scale, .. } => product(row, &v) * value / slip_scale,
+            for ErrorWeight { quantity, row, .. } in events.weights() {
+                let relative = match quantity {
+                    WeightedQuantity::Depth { depth, .. } => product(row.as_ref(), q.as_ref()) * value / depth,
+                    WeightedQuantity::Slip { slip_scale, .. } => product(row.as_ref(), v.as_ref()) * value / slip_scale,
                 };
                 error = error.max(CONTACT_WEIGHT * relative.abs());
             }

@@ -13,8 +13,7 @@
 //! changes, so that h can be large and rounding is small.
 
 use super::neighbours::{LEVELS, Level, Neighbours, TangentParameter, along, best_level, extrapolate};
-use crate::integrator::{EventSet, Hybrid, Linearised, Rates, State};
-use crate::numeric::array_from;
+use crate::integrator::{EventSet, Hybrid, Layout, Linearised, Rates, State, System, VectorOf};
 use crate::numeric::elementary::powi;
 use crate::trace::{ContactSample, Counts, Energy, Kernel, RequiredData, Sample, Schema, Start};
 
@@ -30,22 +29,22 @@ pub(super) type SampleDerivatives = (Sample, Vec<Result<Vec<f64>, String>>);
 pub(super) type EventDerivatives = Vec<Result<(f64, Vec<f64>), String>>;
 
 /// A tangent of the family of runs, along which difference quotients are taken.
-pub(super) struct Direction<const N: usize, const Z: usize> {
+pub(super) struct Direction<L: Layout> {
     /// Derivatives of the state at times that move by `dt`.
-    pub tangent: State<N, Z>,
+    pub tangent: State<L>,
     pub dt: f64,
     /// Level of the step.
     pub level: usize,
 }
 
 /// Derivatives of a state; the reason why there are none.
-pub(super) type Column<const N: usize, const Z: usize> = Result<State<N, Z>, String>;
+pub(super) type Column<L> = Result<State<L>, String>;
 
 /// A state with its time and mode.
-pub(super) type Instant<'a, X, const N: usize, const Z: usize> = (f64, &'a State<N, Z>, &'a X);
+pub(super) type Instant<'a, M> = (f64, &'a State<<M as System>::Layout>, &'a <M as System>::Mode);
 
 /// State of the tangent-linear integration between two steps.
-pub(super) struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
+pub(super) struct Tangent<'a, M: Kernel> {
     pub kernel: M,
     pub schema: &'a Schema,
     pub counts: Counts,
@@ -53,16 +52,16 @@ pub(super) struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
     pub contacts: usize,
     pub start_energy: Energy,
     pub history: M::History,
-    pub neighbours: Vec<Neighbours<'a, M, N, Z>>,
+    pub neighbours: Vec<Neighbours<'a, M>>,
     /// Derivatives of the state at a time that moves by `shifts`.
-    pub columns: Vec<Column<N, Z>>,
+    pub columns: Vec<Column<M::Layout>>,
     pub shifts: Vec<f64>,
     /// Largest magnitudes of the derivatives of each coordinate and rate so far.
-    pub scales: Vec<[[f64; N]; 2]>,
+    pub scales: Vec<[VectorOf<M::Layout>; 2]>,
     pub mode: M::Mode,
     /// Time and state at the end of the last step, and its size.
     pub time_s: f64,
-    pub state: State<N, Z>,
+    pub state: State<M::Layout>,
     pub step_s: f64,
     /// Rates at the present time, if they may be needed; see [`Tangent::rates_before`].
     pub rates: Option<(Vec<f64>, Vec<f64>)>,
@@ -73,7 +72,7 @@ pub(super) struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
     /// Last and next discontinuity of the right-hand side in time.
     pub discontinuities_s: [f64; 2],
     /// Rates just before a discontinuity at the present time.
-    pub before_discontinuity: Option<Rates<N, Z>>,
+    pub before_discontinuity: Option<Rates<M::Layout>>,
     /// Largest acceleration of a coordinate so far.
     pub acceleration_scale: f64,
     pub times: &'a [f64],
@@ -81,35 +80,35 @@ pub(super) struct Tangent<'a, M: Kernel<N, Z>, const N: usize, const Z: usize> {
     pub events: Vec<(Sample, EventDerivatives)>,
 }
 
-impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent<'a, M, N, Z> {
+impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
     pub fn new(
-        start: &Start<M, N, Z>,
+        start: &Start<M>,
         schema: &'a Schema,
         parameters: &'a [TangentParameter<'a>],
         times: &'a [f64],
     ) -> Self {
-        let (kernel, state, counts) = (start.kernel.clone(), start.state, schema.counts());
+        let (kernel, state, counts) = (start.kernel.clone(), start.state.clone(), schema.counts());
         let contacts = kernel.contact_count();
         let mode = kernel.mode_at(0.0, &state.q, &state.v);
         let (mut sample, mut history) = (Sample::new(0.0, counts), M::History::default());
         kernel.read((&state, &mode), &Energy::default(), RequiredData::EVALUATION, &mut history, &mut sample);
-        let neighbours: Vec<Neighbours<'a, M, N, Z>> =
-            parameters.iter().map(|parameter| Neighbours::new(*parameter, start.kernel.clone(), mode)).collect();
-        let column = |neighbours: &Neighbours<'a, M, N, Z>| -> Column<N, Z> {
+        let neighbours: Vec<Neighbours<'a, M>> =
+            parameters.iter().map(|parameter| Neighbours::new(*parameter, start.kernel.clone(), mode.clone())).collect();
+        let column = |neighbours: &Neighbours<'a, M>| -> Column<M::Layout> {
             let Level { pairs, h } = neighbours.level(0, counts)?;
-            let quotient = |of: &dyn Fn(&State<N, Z>) -> f64| {
+            let quotient = |of: &dyn Fn(&State<M::Layout>) -> f64| {
                 extrapolate([0, 1].map(|k| (of(&pairs[k][1].start) - of(&pairs[k][0].start)) / (2.0 * h[k])))
             };
-            Ok(State {
-                q: array_from(|i| quotient(&|state| state.q[i])),
-                v: array_from(|i| quotient(&|state| state.v[i])),
-                z: [0.0; Z],
-            })
+            let mut column = State::zero(kernel.layout());
+            for i in 0..kernel.layout().coordinates() {
+                (column.q[i], column.v[i]) = (quotient(&|state| state.q[i]), quotient(&|state| state.v[i]));
+            }
+            Ok(column)
         };
         let columns = neighbours.iter().map(column).collect();
         let mut tangent = Self {
             start_energy: sample.energy(),
-            scales: vec![[[0.0; N]; 2]; neighbours.len()],
+            scales: vec![[kernel.layout().vector(0.0), kernel.layout().vector(0.0)]; neighbours.len()],
             shifts: vec![0.0; neighbours.len()],
             kernel,
             schema,
@@ -169,13 +168,17 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     }
 
     #[inline(never)]
-    pub fn rates(kernel: &M, (t, state, mode): Instant<'_, M::Mode, N, Z>) -> Rates<N, Z> {
-        kernel.rates(t, &state.q, &state.v, mode)
+    pub fn rates(kernel: &M, (t, state, mode): Instant<'_, M>) -> Rates<M::Layout> {
+        let mut rates = Rates::zero(kernel.layout());
+        kernel.rates(t, &state.q, &state.v, mode, &mut rates);
+        rates
     }
 
     #[inline(never)]
-    pub fn linearise(kernel: &M, (t, state, mode): Instant<'_, M::Mode, N, Z>) -> Linearised<N, Z> {
-        kernel.linearise(t, &state.q, &state.v, mode)
+    pub fn linearise(kernel: &M, (t, state, mode): Instant<'_, M>) -> Linearised<M::Layout> {
+        let mut linearised = Linearised::zero(kernel.layout());
+        kernel.linearise(t, &state.q, &state.v, mode, &mut linearised);
+        linearised
     }
 
     /// Change of a time that stays in the same piece of the functions of time.
@@ -184,13 +187,13 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     }
 
     /// All event functions of a state.
-    pub fn events(&self, (state, mode): (&State<N, Z>, &M::Mode)) -> EventSet<N> {
-        let mut events = EventSet::new(self.kernel.event_count());
+    pub fn events(&self, (state, mode): (&State<M::Layout>, &M::Mode)) -> EventSet<M::Layout> {
+        let mut events = EventSet::new(self.kernel.layout(), self.kernel.event_count());
         self.kernel.eval_events(&state.q, &state.v, mode, &mut events);
         events
     }
 
-    pub fn contact(&self, (_, state, mode): Instant<'_, M::Mode, N, Z>, contact: usize) -> ContactSample {
+    pub fn contact(&self, (_, state, mode): Instant<'_, M>, contact: usize) -> ContactSample {
         self.kernel.contact(state, contact, mode)
     }
 
@@ -198,14 +201,15 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     /// the tangent along which difference quotients are taken there.
     pub fn differentiate(
         &self,
-        neighbours: &Neighbours<'a, M, N, Z>,
-        (t, state, mode): Instant<'_, M::Mode, N, Z>,
-        lin: &Linearised<N, Z>,
-        moving: (&State<N, Z>, f64),
-    ) -> Result<(Rates<N, Z>, Direction<N, Z>), String> {
+        neighbours: &Neighbours<'a, M>,
+        (t, state, mode): Instant<'_, M>,
+        lin: &Linearised<M::Layout>,
+        moving: (&State<M::Layout>, f64),
+    ) -> Result<(Rates<M::Layout>, Direction<M::Layout>), String> {
         let (mut direction, change) = self.direction((t, state, mode), &lin.rates, neighbours, moving)?;
-        let none = Rates { a: [0.0; N], g: [0.0; Z] };
-        let (mut found, mut errors) = ([none; LEVELS], [f64::INFINITY; LEVELS]);
+        let layout = self.kernel.layout();
+        let (mut found, mut errors): ([_; LEVELS], _) =
+            (std::array::from_fn(|_| Rates::zero(layout)), [f64::INFINITY; LEVELS]);
         for index in 0..LEVELS {
             let level = neighbours.level(index, self.counts)?;
             let is_too_large = change * level.h[0] > MAX_DEPTH_CHANGE && index + 1 < LEVELS;
@@ -218,32 +222,28 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
                     Self::rates(&level.pairs[k][side].kernel, (t + h * dt, &along(state, h, tangent), mode))
                 };
                 let (h, [below, above]) = (level.h[k], [rates(0, -level.h[k]), rates(1, level.h[k])]);
-                let quotient = |above: f64, below: f64| (above - below) / (2.0 * h);
-                Rates::<N, Z> {
-                    a: array_from(|i| quotient(above.a[i], below.a[i])),
-                    g: array_from(|i| quotient(above.g[i], below.g[i])),
-                }
+                combined(&above, &below, |above, below| (above - below) / (2.0 * h))
             });
-            let largest = |of: &dyn Fn(usize) -> f64| (0..N).fold(0.0, |largest: f64, i| largest.max(of(i).abs()));
-            errors[index] = largest(&|i| half.a[i] - full.a[i]) / largest(&|i| half.a[i]).max(f64::MIN_POSITIVE);
-            found[index] = Rates {
-                a: array_from(|i| extrapolate([full.a[i], half.a[i]])),
-                g: array_from(|i| extrapolate([full.g[i], half.g[i]])),
+            let largest = |of: &dyn Fn(usize) -> f64| {
+                (0..layout.coordinates()).fold(0.0, |largest: f64, i| largest.max(of(i).abs()))
             };
+            errors[index] = largest(&|i| half.a[i] - full.a[i]) / largest(&|i| half.a[i]).max(f64::MIN_POSITIVE);
+            found[index] = combined(&full, &half, |full, half| extrapolate([full, half]));
             if errors[index] <= QUOTIENT_TOLERANCE {
                 break;
             }
         }
         direction.level = best_level(&errors);
-        let mut found = found[direction.level];
+        let mut found = std::mem::replace(&mut found[direction.level], Rates::zero(layout));
         let dt = direction.dt - moving.1;
         if dt != 0.0 {
-            for i in 0..N {
-                let rate = product(&lin.a_q[i], &state.v) + product(&lin.a_v[i], &lin.rates.a) + lin.a_t[i];
+            let (v, a) = (state.v.as_ref(), lin.rates.a.as_ref());
+            for i in 0..layout.coordinates() {
+                let rate = product(&lin.a_q[i], v) + product(&lin.a_v[i], a) + lin.a_t[i];
                 found.a[i] -= dt * rate;
             }
-            for i in 0..Z {
-                let rate = product(&lin.g_q[i], &state.v) + product(&lin.g_v[i], &lin.rates.a) + lin.g_t[i];
+            for i in 0..layout.quadratures() {
+                let rate = product(&lin.g_q[i], v) + product(&lin.g_v[i], a) + lin.g_t[i];
                 found.g[i] -= dt * rate;
             }
         }
@@ -254,15 +254,15 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
     /// change of the parameter: the given derivatives, or those at the time at which a contact has the same depth.
     fn direction(
         &self,
-        (t, state, mode): Instant<'_, M::Mode, N, Z>,
-        rates: &Rates<N, Z>,
-        neighbours: &Neighbours<'a, M, N, Z>,
-        (column, shift): (&State<N, Z>, f64),
-    ) -> Result<(Direction<N, Z>, f64), String> {
+        (t, state, mode): Instant<'_, M>,
+        rates: &Rates<M::Layout>,
+        neighbours: &Neighbours<'a, M>,
+        (column, shift): (&State<M::Layout>, f64),
+    ) -> Result<(Direction<M::Layout>, f64), String> {
         let level = neighbours.level(0, self.counts)?;
         let contacts = (0..self.contacts).filter(|contact| mode[*contact].has_force()).map(|contact| {
             let reading = self.contact((t, state, mode), contact);
-            let gap = |kernel: &M, _: f64, state: &State<N, Z>| [kernel.contact(state, contact, mode).gap_m];
+            let gap = |kernel: &M, _: f64, state: &State<M::Layout>| [kernel.contact(state, contact, mode).gap_m];
             let [_, [change]] = level.quotients((t, state), (column, shift), gap);
             [-reading.gap_m, -reading.gap_rate_m_s, -change]
         });
@@ -275,11 +275,26 @@ impl<'a, M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Tangent
         let smallest_h = level.h[0] * powi(0.1, LEVELS as i32 - 1);
         let is_inside = smallest_h * aligned.abs() <= self.room_s(t);
         let dt = if is_better && is_inside && largest(0.0) * level.h[0] > MAX_DEPTH_CHANGE { aligned } else { 0.0 };
-        let flow = State { q: state.v, v: rates.a, z: rates.g };
-        Ok((Direction { tangent: along(column, dt, &flow), dt: shift + dt, level: 0 }, largest(dt)))
+        Ok((Direction { tangent: along(column, dt, &flow(state, rates)), dt: shift + dt, level: 0 }, largest(dt)))
     }
 }
 
-pub(super) fn product<const N: usize>(row: &[f64; N], column: &[f64; N]) -> f64 {
+/// Time derivative of a state at these rates.
+pub(super) fn flow<L: Layout>(state: &State<L>, rates: &Rates<L>) -> State<L> {
+    State { q: state.v.clone(), v: rates.a.clone(), z: rates.g.clone() }
+}
+
+/// A function of each number of two rates.
+fn combined<L: Layout>(first: &Rates<L>, second: &Rates<L>, of: impl Fn(f64, f64) -> f64) -> Rates<L> {
+    let mut combined = first.clone();
+    let combine = |numbers: &mut [f64], others: &[f64]| {
+        numbers.iter_mut().zip(others).for_each(|(number, other)| *number = of(*number, *other));
+    };
+    combine(combined.a.as_mut(), second.a.as_ref());
+    combine(combined.g.as_mut(), second.g.as_ref());
+    combined
+}
+
+pub(super) fn product(row: &[f64], column: &[f64]) -> f64 {
     row.iter().zip(column).map(|(a, b)| a * b).sum()
 }

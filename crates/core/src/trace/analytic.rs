@@ -7,7 +7,7 @@ use super::reading::{Kernel, KernelUser, Start};
 use super::stepper::{AnalyticStepper, Stepper};
 use super::{Outcome, Reach, RunError};
 use crate::analytic::multibody::{MAX_GRASP_BRISTLES, MAX_GRASP_COORDINATES, Multibody};
-use crate::analytic::{FingerMotion, QUADRATURES};
+use crate::analytic::FingerMotion;
 use crate::integrator::Hybrid;
 #[cfg(not(feature = "mechanisms"))]
 use crate::mechanism::Mechanism;
@@ -22,11 +22,8 @@ struct StepperBuilder<'a> {
 impl KernelUser for StepperBuilder<'_> {
     type Output = Box<dyn Stepper>;
 
-    fn use_kernel<M, const N: usize, const Z: usize>(self, start: Start<M, N, Z>) -> Box<dyn Stepper>
-    where
-        M: Kernel<N, Z> + Hybrid<N, Z>,
-    {
-        Box::new(AnalyticStepper::<M, N, Z>::new(start, self.scene.duration_s, self.recording))
+    fn use_kernel<M: Kernel + Hybrid>(self, start: Start<M>) -> Box<dyn Stepper> {
+        Box::new(AnalyticStepper::new(start, self.scene.duration_s, self.recording))
     }
 }
 
@@ -96,7 +93,7 @@ fn build_finger<const N: usize, const W: usize, U: KernelUser>(scene: &Scene, us
     let kernel = FingerMotion::<N, W>::new(&scene.hand);
     let state = FingerMotion::<N, W>::start(&scene.hand);
     let start = Start { kernel, state, settings: scene.integrator, reach: None };
-    Ok(user.use_kernel::<_, N, QUADRATURES>(start))
+    Ok(user.use_kernel(start))
 }
 
 /// A hand of up to N coordinates.

@@ -4,16 +4,16 @@
 use std::ops::Index;
 
 use super::{BodyState, ContactSample, Energy, FingerContact, FingerState, Reach, RequiredData, Sample};
-use crate::analytic::multibody::{CONTACTS, GraspMode, Multibody, QUADRATURES as GRASP_QUADRATURES, kinematics_of};
-use crate::analytic::{ContactReading, ContactState, Energies, FingerMode, FingerMotion, PassiveJoints, QUADRATURES};
+use crate::analytic::multibody::{CONTACTS, GraspMode, Multibody, kinematics_of};
+use crate::analytic::{ContactReading, ContactState, Energies, FingerMode, FingerMotion, PassiveJoints};
 use crate::drive::Profile;
 use crate::integrator::{Hybrid, State, System};
 use crate::numeric::plane::scale;
 use crate::scene::{Integrator, Side};
 
 /// A kernel of the analytic model, as runs use it: its states become samples, and its inputs can change.
-pub(crate) trait Kernel<const N: usize, const Z: usize>:
-    System<N, Z, Mode: Index<usize, Output = ContactState> + PartialEq + Send> + Clone + Send + 'static
+pub(crate) trait Kernel:
+    System<Mode: Index<usize, Output = ContactState> + PartialEq + Send> + Clone + Send + 'static
 {
     /// What a sample needs of earlier ones.
     type History: Clone + Default + Send;
@@ -22,7 +22,7 @@ pub(crate) trait Kernel<const N: usize, const Z: usize>:
     /// the start of the run, the reference for work and dissipation.
     fn read(
         &self,
-        state: (&State<N, Z>, &Self::Mode),
+        state: (&State<Self::Layout>, &Self::Mode),
         start: &Energy,
         required_data: RequiredData,
         history: &mut Self::History,
@@ -47,20 +47,20 @@ pub(crate) trait Kernel<const N: usize, const Z: usize>:
     fn contact_count(&self) -> usize;
 
     /// Reads one contact of a state.
-    fn contact(&self, state: &State<N, Z>, index: usize, mode: &Self::Mode) -> ContactSample;
+    fn contact(&self, state: &State<Self::Layout>, index: usize, mode: &Self::Mode) -> ContactSample;
 
     /// Replaces the input of an actuator from time `t` on; state and mode follow where they depend on inputs.
-    fn set_input(&mut self, index: usize, input: Profile, t: f64, state: (&mut State<N, Z>, &mut Self::Mode));
+    fn set_input(&mut self, index: usize, input: Profile, t: f64, state: (&mut State<Self::Layout>, &mut Self::Mode));
 
     /// How well the coordinates are conditioned in a state: at most 1, and 0 where they fail. At least the clearance of the
     /// integrator.
-    fn conditioning(&self, _state: &State<N, Z>, _mode: &Self::Mode) -> f64 {
+    fn conditioning(&self, _state: &State<Self::Layout>, _mode: &Self::Mode) -> f64 {
         f64::INFINITY
     }
 
     /// The kernel in coordinates that are much better conditioned in a state, with this state and its mode; `None` if there
     /// are none.
-    fn exchanged(&self, _state: &State<N, Z>, _mode: &Self::Mode) -> Option<(Self, State<N, Z>, Self::Mode)> {
+    fn exchanged(&self, _state: &State<Self::Layout>, _mode: &Self::Mode) -> Option<(Self, State<Self::Layout>, Self::Mode)> {
         None
     }
 
@@ -71,9 +71,9 @@ pub(crate) trait Kernel<const N: usize, const Z: usize>:
 }
 
 /// A scene in its kernel of the analytic model, at its start.
-pub(crate) struct Start<M, const N: usize, const Z: usize> {
+pub(crate) struct Start<M: System> {
     pub kernel: M,
-    pub state: State<N, Z>,
+    pub state: State<M::Layout>,
     pub settings: Integrator,
     pub reach: Option<Reach>,
 }
@@ -82,9 +82,7 @@ pub(crate) struct Start<M, const N: usize, const Z: usize> {
 pub(crate) trait KernelUser {
     type Output;
 
-    fn use_kernel<M, const N: usize, const Z: usize>(self, start: Start<M, N, Z>) -> Self::Output
-    where
-        M: Kernel<N, Z> + Hybrid<N, Z>;
+    fn use_kernel<M: Kernel + Hybrid>(self, start: Start<M>) -> Self::Output;
 }
 
 /// Converts the energies of a state to those of a sample.
@@ -112,15 +110,12 @@ pub(super) fn contact_sample(reading: Option<&ContactReading>, impulse_n_s: f64)
     })
 }
 
-impl<const N: usize, const W: usize> Kernel<N, QUADRATURES> for FingerMotion<N, W>
-where
-    Self: System<N, QUADRATURES, Mode = FingerMode>,
-{
+impl<const N: usize, const W: usize> Kernel for FingerMotion<N, W> {
     type History = ();
 
     fn read(
         &self,
-        (state, mode): (&State<N, QUADRATURES>, &FingerMode),
+        (state, mode): (&State<Self::Layout>, &FingerMode),
         start: &Energy,
         required_data: RequiredData,
         (): &mut (),
@@ -176,22 +171,22 @@ where
         FingerContact::ALL.len()
     }
 
-    fn contact(&self, state: &State<N, QUADRATURES>, index: usize, mode: &FingerMode) -> ContactSample {
+    fn contact(&self, state: &State<Self::Layout>, index: usize, mode: &FingerMode) -> ContactSample {
         let reading = self.contact_reading(state.q, state.v, FingerContact::ALL[index], mode[index]);
         contact_sample(reading.as_ref(), state.z[index])
     }
 
-    fn set_input(&mut self, _: usize, input: Profile, _: f64, _: (&mut State<N, QUADRATURES>, &mut FingerMode)) {
+    fn set_input(&mut self, _: usize, input: Profile, _: f64, _: (&mut State<Self::Layout>, &mut FingerMode)) {
         self.set_actuation(input);
     }
 }
 
-impl<const N: usize> Kernel<N, GRASP_QUADRATURES> for Multibody<N> {
+impl<const N: usize> Kernel for Multibody<N> {
     type History = ();
 
     fn read(
         &self,
-        (state, mode): (&State<N, GRASP_QUADRATURES>, &GraspMode),
+        (state, mode): (&State<Self::Layout>, &GraspMode),
         start: &Energy,
         required_data: RequiredData,
         (): &mut (),
@@ -270,7 +265,7 @@ impl<const N: usize> Kernel<N, GRASP_QUADRATURES> for Multibody<N> {
         CONTACTS
     }
 
-    fn contact(&self, state: &State<N, GRASP_QUADRATURES>, index: usize, mode: &GraspMode) -> ContactSample {
+    fn contact(&self, state: &State<Self::Layout>, index: usize, mode: &GraspMode) -> ContactSample {
         let reading = self.contact_reading(&state.q, &state.v, index, mode[index]);
         contact_sample(reading.as_ref(), state.z[index])
     }
@@ -280,7 +275,7 @@ impl<const N: usize> Kernel<N, GRASP_QUADRATURES> for Multibody<N> {
         index: usize,
         input: Profile,
         _: f64,
-        _: (&mut State<N, GRASP_QUADRATURES>, &mut GraspMode),
+        _: (&mut State<Self::Layout>, &mut GraspMode),
     ) {
         self.set_actuation(index, input);
     }

@@ -9,26 +9,26 @@ use super::reading::Kernel;
 use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
 use crate::analytic::mechanism::EXCHANGE_SINE;
-use crate::integrator::{Observer, State, Step, StepTools, System};
+use crate::integrator::{Layout, Observer, State, Step, StepTools, System};
 
 /// Interior of one step: its mode, states inside it, and the normal impulses at the last sample.
-struct Interior<'a, R: Kernel<N, Z>, const N: usize, const Z: usize> {
+struct Interior<'a, R: Kernel> {
     kernel: &'a R,
-    step: &'a Step<'a, N, Z>,
+    step: &'a Step<'a, R::Layout>,
     mode: &'a R::Mode,
-    tools: &'a mut dyn StepTools<N, Z>,
-    impulses: [f64; Z],
+    tools: &'a mut dyn StepTools<R::Layout>,
+    impulses: <R::Layout as Layout>::Quadratures,
     /// Number of contacts of samples.
     contacts: usize,
 }
 
-impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Interior<'_, R, N, Z> {
+impl<R: Kernel> Interior<'_, R> {
     fn has_force(&self) -> bool {
         (0..self.contacts).any(|contact| self.mode[self.kernel.contact_index(contact)].has_force())
     }
 
     /// Returns the state at time `t` after the start of the step.
-    fn state_at(&mut self, t: f64) -> State<N, Z> {
+    fn state_at(&mut self, t: f64) -> State<R::Layout> {
         let theta = (t - self.step.t0) / self.step.h;
         // Damper forces cannot be evaluated on the dense output.
         match self.has_force() {
@@ -44,18 +44,18 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Interior<'_, R, N, Z> {
     /// Returns a state within the step, computed by a separate step that ends there. Its integrals differ slightly from
     /// those of the step. Normal impulses must not decrease, so they are clamped between the previous sample and the
     /// end of the step.
-    fn resolve(&mut self, theta: f64) -> State<N, Z> {
+    fn resolve(&mut self, theta: f64) -> State<R::Layout> {
         let state = self.tools.resolve(theta);
         self.with_impulses(state)
     }
 
     /// Like [`Interior::resolve`], but from the dense output.
-    fn refine(&mut self, theta: f64) -> State<N, Z> {
+    fn refine(&mut self, theta: f64) -> State<R::Layout> {
         let state = self.tools.refine(theta);
         self.with_impulses(state)
     }
 
-    fn with_impulses(&mut self, mut state: State<N, Z>) -> State<N, Z> {
+    fn with_impulses(&mut self, mut state: State<R::Layout>) -> State<R::Layout> {
         for contact in 0..self.contacts {
             let index = self.kernel.contact_index(contact);
             let before = &mut self.impulses[index];
@@ -67,22 +67,21 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Interior<'_, R, N, Z> {
 }
 
 /// Another observer of the steps that are recorded.
-pub(super) type StepObserver<'a, R, const N: usize, const Z: usize> =
-    dyn Observer<N, Z, <R as System<N, Z>>::Mode> + 'a;
+pub(super) type StepObserver<'a, R> = dyn Observer<<R as System>::Layout, <R as System>::Mode> + 'a;
 
 /// Observer that records a run of the analytic model.
-pub(super) struct Recorder<'a, 'o, R: Kernel<N, Z>, const N: usize, const Z: usize> {
+pub(super) struct Recorder<'a, 'o, R: Kernel> {
     pub kernel: &'a R,
     pub sink: &'a mut dyn Sink,
-    pub state: &'a mut RecorderState<R, N, Z>,
+    pub state: &'a mut RecorderState<R>,
     /// Observer that receives each step and event first.
-    pub observer: Option<&'a mut StepObserver<'o, R, N, Z>>,
+    pub observer: Option<&'a mut StepObserver<'o, R>>,
     pub error: Option<SinkError>,
 }
 
 /// State of a recorder between two steps.
 #[derive(Clone)]
-pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize> {
+pub(super) struct RecorderState<R: Kernel> {
     required_data: RequiredData,
     /// Whether samples inside steps are refined dense output.
     is_refined: bool,
@@ -98,7 +97,7 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     /// Sample at the end of the last step.
     last: Sample,
     /// State from which `last` was read.
-    last_state: State<N, Z>,
+    last_state: State<R::Layout>,
     /// Mode from which `last` was read.
     last_mode: R::Mode,
     /// Buffer for the sample at the end of the current step.
@@ -117,10 +116,10 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     is_suspended: bool,
 }
 
-impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
+impl<R: Kernel> RecorderState<R> {
     pub fn new(
         kernel: &R,
-        (start, mode): (&State<N, Z>, R::Mode),
+        (start, mode): (&State<R::Layout>, R::Mode),
         reach: Option<Reach>,
         RecordingOptions { counts, span, required_data, threshold_n, .. }: RecordingOptions,
     ) -> Self {
@@ -136,11 +135,11 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
             end_s: span.end_s,
             reach,
             ejected_s: None,
-            mode,
+            mode: mode.clone(),
             start_energy,
             trackers: vec![ContactTracker::default(); counts.contacts],
             last,
-            last_state: *start,
+            last_state: start.clone(),
             last_mode: mode,
             end,
             within,
@@ -159,8 +158,8 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
     }
 
     /// Continues in other coordinates, in which this is the state at the end of the last step.
-    pub fn exchange(&mut self, state: &State<N, Z>, mode: R::Mode) {
-        (self.last_state, self.last_mode, self.mode) = (*state, mode, mode);
+    pub fn exchange(&mut self, state: &State<R::Layout>, mode: &R::Mode) {
+        (self.last_state, self.last_mode, self.mode) = (state.clone(), mode.clone(), mode.clone());
         self.exchange_below = EXCHANGE_SINE;
     }
 
@@ -175,23 +174,23 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
         &self,
         kernel: &R,
         t: f64,
-        (step, mode, tools): (&Step<N, Z>, &R::Mode, &mut dyn StepTools<N, Z>),
+        (step, mode, tools): (&Step<R::Layout>, &R::Mode, &mut dyn StepTools<R::Layout>),
         sample: &mut Sample,
     ) {
-        let (impulses, contacts) = (step.start.z, self.trackers.len());
+        let (impulses, contacts) = (step.start.z.clone(), self.trackers.len());
         let mut interior = Interior { kernel, step, mode, tools, impulses, contacts };
         let state = interior.state_at(t);
         self.read_at(kernel, t, (&state, mode), sample);
     }
 
     /// Reads a state at time `t` with all its data; later readings do not depend on it.
-    pub fn read_at(&self, kernel: &R, t: f64, state: (&State<N, Z>, &R::Mode), sample: &mut Sample) {
+    pub fn read_at(&self, kernel: &R, t: f64, state: (&State<R::Layout>, &R::Mode), sample: &mut Sample) {
         sample.prepare(t, self.last.counts());
         kernel.read(state, &self.start_energy, RequiredData::ALL, &mut self.history.clone(), sample);
     }
 }
 
-impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> {
+impl<R: Kernel> Recorder<'_, '_, R> {
     /// Emits the touch-downs of contacts that exist at the start, and the first sample.
     pub fn begin(&mut self) -> Result<(), SinkError> {
         for (index, tracker) in self.state.trackers.iter_mut().enumerate() {
@@ -212,7 +211,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     }
 
     /// Returns the summary.
-    pub fn finish(&mut self, end: &State<N, Z>, work: Work) -> Outcome {
+    pub fn finish(&mut self, end: &State<R::Layout>, work: Work) -> Outcome {
         if self.state.required_data != RequiredData::ALL {
             let RecorderState { last_state, last_mode, start_energy, history, last, .. } = &mut *self.state;
             self.kernel.read((last_state, last_mode), start_energy, RequiredData::ALL, history, last);
@@ -228,7 +227,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     }
 
     /// Emits the samples of one step: grid points and extrema inside it, and its end.
-    fn emit_step(&mut self, mut interior: Interior<'_, R, N, Z>) -> Result<(), SinkError> {
+    fn emit_step(&mut self, mut interior: Interior<'_, R>) -> Result<(), SinkError> {
         let (end, step, mode) = (self.state.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
         let has_active_contact = interior.has_force();
@@ -281,11 +280,11 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     /// Emits a point, without an effect on later samples.
     fn emit_point(
         &mut self,
-        interior: &mut Interior<'_, R, N, Z>,
+        interior: &mut Interior<'_, R>,
         time_s: f64,
         has_active_contact: bool,
     ) -> Result<(), SinkError> {
-        let (impulses, theta) = (interior.impulses, (time_s - interior.step.t0) / interior.step.h);
+        let (impulses, theta) = (interior.impulses.clone(), (time_s - interior.step.t0) / interior.step.h);
         let state = match has_active_contact {
             true if self.state.is_refined => interior.refine(theta),
             true => interior.resolve(theta),
@@ -299,7 +298,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     }
 
     /// Emits samples at the extrema of the step before `theta`.
-    fn emit_peaks(&mut self, interior: &mut Interior<'_, R, N, Z>, theta: f64) -> Result<(), SinkError> {
+    fn emit_peaks(&mut self, interior: &mut Interior<'_, R>, theta: f64) -> Result<(), SinkError> {
         while let Some((theta_peak, reason)) = self.state.peaks.next_before(theta) {
             let mut is_crossing = reason == Reason::Crossing;
             while let Some(reason) = self.state.peaks.next_at(theta_peak) {
@@ -318,7 +317,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         Ok(())
     }
 
-    fn read_within(&mut self, t: f64, state: &State<N, Z>, mode: &R::Mode) {
+    fn read_within(&mut self, t: f64, state: &State<R::Layout>, mode: &R::Mode) {
         let RecorderState { start_energy, required_data, history, within, .. } = &mut *self.state;
         within.time_s = t;
         self.kernel.read((state, mode), start_energy, *required_data, history, within);
@@ -337,7 +336,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
 
     /// Shortens the current step to where the object leaves the reach of the fingers, if something has touched the
     /// object; returns whether it does.
-    fn end_at_exit(&mut self, interior: &mut Interior<'_, R, N, Z>) -> bool {
+    fn end_at_exit(&mut self, interior: &mut Interior<'_, R>) -> bool {
         let Some(reach) = self.state.reach.filter(|reach| reach.leaves(&self.state.last, &self.state.end)) else {
             return false;
         };
@@ -351,8 +350,8 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
             if reach.is_outside(&self.state.within.body(0)) { outside = middle } else { inside = middle }
         }
         if outside < 1.0 {
-            (self.state.last_state, self.state.last_mode) = (interior.resolve(outside), *interior.mode);
-            interior.impulses = interior.step.start.z;
+            (self.state.last_state, self.state.last_mode) = (interior.resolve(outside), interior.mode.clone());
+            interior.impulses = interior.step.start.z.clone();
             let RecorderState { last_state, start_energy, required_data, history, end, .. } = &mut *self.state;
             end.time_s = interior.time_s(outside);
             self.kernel.read((last_state, interior.mode), start_energy, *required_data, history, end);
@@ -363,7 +362,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
     }
 
     /// Searches the largest force and penetration within the step from the last sample to its end.
-    fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) {
+    fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<R::Layout>) {
         self.state.peaks.clear();
         let length_s = self.state.end.time_s - self.state.last.time_s;
         for (contact, tracker) in self.state.trackers.iter_mut().enumerate() {
@@ -374,7 +373,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
                 continue;
             }
             let (start, end) = (self.state.last.contact(contact), self.state.end.contact(contact));
-            let read = |state: &State<N, Z>| self.kernel.contact(state, index, mode);
+            let read = |state: &State<R::Layout>| self.kernel.contact(state, index, mode);
             let summary = &mut tracker.summary;
             summary.update_max_penetration(-start.gap_m);
             if summary.update_max_penetration(-end.gap_m) {
@@ -427,15 +426,16 @@ fn exceeds_summaries(trackers: &[ContactTracker], sample: &Sample) -> bool {
 /// Position just after the start of a step.
 const STEP_START: f64 = 1e-9;
 
-impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> for Recorder<'_, '_, R, N, Z> {
-    fn step(&mut self, step: &Step<N, Z>, mode: &R::Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
+impl<R: Kernel> Observer<R::Layout, R::Mode> for Recorder<'_, '_, R> {
+    fn step(&mut self, step: &Step<R::Layout>, mode: &R::Mode, tools: &mut dyn StepTools<R::Layout>) -> bool {
         if let Some(observer) = &mut self.observer
             && !observer.step(step, mode, tools)
         {
             return false;
         }
-        self.state.mode = *mode;
-        (self.state.last_state, self.state.last_mode) = (*step.end, *mode);
+        self.state.mode.clone_from(mode);
+        self.state.last_mode.clone_from(mode);
+        self.state.last_state.copy_from(step.end);
         if let Err(error) = self.record_slip_events(step.t0, mode) {
             self.error = Some(error);
             return false;
@@ -443,7 +443,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
         let RecorderState { start_energy, required_data, history, end, .. } = &mut *self.state;
         end.time_s = step.t1;
         self.kernel.read((step.end, mode), start_energy, *required_data, history, end);
-        let (kernel, impulses, contacts) = (self.kernel, step.start.z, self.state.trackers.len());
+        let (kernel, impulses, contacts) = (self.kernel, step.start.z.clone(), self.state.trackers.len());
         let mut interior = Interior { kernel, step, mode, tools, impulses, contacts };
         let exits = self.end_at_exit(&mut interior);
         if self.state.required_data.peaks && !exits {
@@ -459,7 +459,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
         self.error.is_none() && self.state.ejected_s.is_none() && self.sink.should_continue()
     }
 
-    fn event(&mut self, t: f64, state: &State<N, Z>, index: usize, mode: &R::Mode) {
+    fn event(&mut self, t: f64, state: &State<R::Layout>, index: usize, mode: &R::Mode) {
         if let Some(observer) = &mut self.observer {
             observer.event(t, state, index, mode);
         }
@@ -480,14 +480,14 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Observer<N, Z, R::Mode> fo
             EventKind::LiftOff => tracker.lift_off(impulse),
             EventKind::Reload | EventKind::Slips | EventKind::Sticks => ReportedEvent::of_kind(kind),
         };
-        self.state.mode = *mode;
+        self.state.mode.clone_from(mode);
         if let Err(error) = self.sink.event(&event.at(t, contact)) {
             self.error.get_or_insert(error);
         }
     }
 
     #[inline(always)]
-    fn suspends(&mut self, state: &State<N, Z>, mode: &R::Mode, clearance: f64) -> bool {
+    fn suspends(&mut self, state: &State<R::Layout>, mode: &R::Mode, clearance: f64) -> bool {
         // Nearly always; the conditioning is at least the clearance.
         if clearance >= EXCHANGE_SINE {
             self.state.exchange_below = EXCHANGE_SINE;

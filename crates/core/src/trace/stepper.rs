@@ -45,22 +45,22 @@ pub(crate) trait Stepper: Send {
 
 /// A kernel of the analytic model, its integration, and its recorder.
 #[derive(Clone)]
-pub(crate) struct AnalyticStepper<M: Kernel<N, Z>, const N: usize, const Z: usize> {
+pub(crate) struct AnalyticStepper<M: Kernel> {
     kernel: M,
-    integration: Integration<N, Z, M::Mode, RadauOrRodas<N, Z>>,
-    recorder: RecorderState<M, N, Z>,
+    integration: Integration<M::Layout, M::Mode, RadauOrRodas<M::Layout>>,
+    recorder: RecorderState<M>,
     duration_s: f64,
     /// Number of durations at whose end the integration ends a step.
     durations: u32,
 }
 
-impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> AnalyticStepper<M, N, Z> {
+impl<M: Kernel + Hybrid> AnalyticStepper<M> {
     /// Creates the stepper of a kernel at its start.
-    pub fn new(start: Start<M, N, Z>, duration_s: f64, recording: RecordingOptions) -> Self {
+    pub fn new(start: Start<M>, duration_s: f64, recording: RecordingOptions) -> Self {
         let Start { kernel, state, settings, reach } = start;
-        let method: RadauOrRodas<N, Z> = match settings.method {
-            Method::Rodas5p => RadauOrRodas::rodas(),
-            Method::RadauIIa5 => integrator::Method::new(),
+        let method: RadauOrRodas<M::Layout> = match settings.method {
+            Method::Rodas5p => RadauOrRodas::rodas(kernel.layout()),
+            Method::RadauIIa5 => integrator::Method::new(kernel.layout()),
         };
         let mode = kernel.mode_at(0.0, &state.q, &state.v);
         let reach = reach.filter(|_| recording.ends_at_exit);
@@ -79,7 +79,7 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> AnalyticSte
         t: f64,
         exact: bool,
         sink: &mut dyn Sink,
-        observer: Option<&mut StepObserver<'_, M, N, Z>>,
+        observer: Option<&mut StepObserver<'_, M>>,
     ) -> Result<(), Interruption> {
         let has_observer = observer.is_some();
         let mut observer = observer;
@@ -119,7 +119,7 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> AnalyticSte
             None => self.recorder.keep(self.kernel.conditioning(state, mode)),
             Some((kernel, state, mode)) => {
                 self.kernel = kernel;
-                self.recorder.exchange(&state, mode);
+                self.recorder.exchange(&state, &mode);
                 self.integration.restart(&self.kernel, state, mode);
             }
         }
@@ -140,7 +140,7 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> AnalyticSte
 const NO_DERIVATIVES: &str = "derivatives end where the model exchanges its coordinates: give a joint a `start` whose \
      coordinate lasts for the whole run, or shorten the run";
 
-impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Stepper for AnalyticStepper<M, N, Z> {
+impl<M: Kernel + Hybrid> Stepper for AnalyticStepper<M> {
     fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), SinkError> {
         Recorder { kernel: &self.kernel, sink, state: &mut self.recorder, observer: None, error: None }.begin()
     }
@@ -164,7 +164,7 @@ impl<M: Kernel<N, Z> + Hybrid<N, Z>, const N: usize, const Z: usize> Stepper for
 
     fn set_input(&mut self, t: f64, index: usize, input: Profile, sink: &mut dyn Sink) -> Result<(), Interruption> {
         self.step_to(t, true, sink, None)?;
-        let (mut state, mut mode) = (*self.integration.state(), *self.integration.mode());
+        let (mut state, mut mode) = (self.integration.state().clone(), self.integration.mode().clone());
         self.kernel.set_input(index, input, t, (&mut state, &mut mode));
         self.integration.restart(&self.kernel, state, mode);
         Ok(())

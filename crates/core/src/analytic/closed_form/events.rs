@@ -1,14 +1,14 @@
 //! Event functions of the finger's contacts: where the branches of their laws change.
 
 use super::finger::FingerKinematics;
-use super::model::{EVENT_FUNCTIONS, FingerMode, FingerMotion, QUADRATURES, finger_coordinates, pad};
+use super::model::{EVENT_FUNCTIONS, FingerLayout, FingerMode, FingerMotion, finger_coordinates, pad};
 use crate::analytic::contact::{ContactState, ContactVariables, EventTolerances, StateRef, first_impact_step};
 use crate::analytic::motion_bound::RateBound;
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::gripper::FingerContact;
 use crate::integrator::{
-    CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, QuasiStaticState, System, Tolerances,
+    CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, QuasiStaticState, Rates, System, Tolerances,
 };
 use crate::law::damping;
 use crate::numeric::array_from;
@@ -28,7 +28,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         (pose, rates): &FingerKinematics,
         v: &[f64; N],
         contact: FingerContact,
-    ) -> Option<ContactVariables<'_, N>> {
+    ) -> Option<ContactVariables<'_, [f64; N]>> {
         let geometry = self.geometry(pose, rates, contact)?;
         let (rate, slip) =
             (-dot(geometry.normal_row, finger_coordinates(v)), dot(geometry.tangent_row, finger_coordinates(v)));
@@ -66,11 +66,11 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     fn contact_at_equilibrium(
         &self,
         t: f64,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, FingerLayout<N>>,
         mode: &FingerMode,
         contact: FingerContact,
         max_rate: f64,
-    ) -> Option<QuasiStaticState<N>> {
+    ) -> Option<QuasiStaticState<FingerLayout<N>>> {
         let terms = self.finger.terms(finger_coordinates(q));
         let variables = self.contact_variables(&(terms.pose, terms.rates), v, contact)?;
         let law = variables.law;
@@ -80,7 +80,9 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         }
         let mut mode_without_contact = *mode;
         mode_without_contact[contact as usize] = ContactState::Free;
-        let free = self.rates(t, q, v, &mode_without_contact).a;
+        let mut free = Rates::zero(self.layout());
+        self.rates(t, q, v, &mode_without_contact, &mut free);
+        let free = free.a;
         // The row changes along the free motion; its contribution to the gap's acceleration is a central difference.
         let gap_rate_after = |h: f64| -> Option<f64> {
             let q = [q[0] + h * v[0], q[1] + h * v[1]];
@@ -116,7 +118,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
 /// Step of the central difference of a row along the free motion, s.
 const DIFFERENCE_STEP_S: f64 = 1e-7;
 
-impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES> for FingerMotion<N, W> {
+impl<const N: usize, const W: usize> Hybrid for FingerMotion<N, W> {
     #[inline(always)]
     fn event_count(&self) -> usize {
         EVENT_FUNCTIONS
@@ -127,13 +129,13 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES> for FingerMotion<N, 
     }
 
     #[inline(always)]
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, events: &mut EventSet<N>) {
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, events: &mut EventSet<FingerLayout<N>>) {
         let kinematics = self.finger.kinematics(finger_coordinates(q));
         let (pose, rates) = &kinematics;
         let (sine, cosine) = (cross(pose.e3, pose.e4), dot(pose.e3, pose.e4));
         let [_, _, rate3, rate4] = absolute_rates(rates, finger_coordinates(v));
         let variables = |index: usize| self.contact_variables(&kinematics, v, FingerContact::ALL[index]);
-        mode.eval_events(FingerContact::ALL.len(), &EventTolerances::GRASP, variables, events);
+        mode.eval_events(&EventTolerances::GRASP, variables, events);
         events.clearance = sine.abs() - SINGULAR_SINE;
         events.clearance_rate = sine.signum() * cosine * (rate4 - rate3);
     }
@@ -147,7 +149,7 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES> for FingerMotion<N, 
     fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &FingerMode, event: usize) -> EventFunction {
         let kinematics = self.finger.kinematics(finger_coordinates(q));
         let contact = self.contact_variables(&kinematics, v, contact_of_event(event));
-        mode.event_function(event, &EventTolerances::GRASP, contact)
+        mode.event_function(event, &EventTolerances::GRASP, contact.as_ref())
     }
 
     #[inline(always)]
@@ -161,13 +163,13 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES> for FingerMotion<N, 
             }
             let variables = self.contact_variables(&kinematics, v, contact);
             for event in indices.into_iter().filter(|event| requested[*event]) {
-                values[event] = mode.event_function(event, &EventTolerances::GRASP, variables).value;
+                values[event] = mode.event_function(event, &EventTolerances::GRASP, variables.as_ref()).value;
             }
         }
     }
 
     #[inline(always)]
-    fn gap_bounds(&self, motion: &CoordinateBounds<N>, _state: StateRef<'_, N>, clearance: f64, found: &mut GapBounds) {
+    fn gap_bounds(&self, motion: &CoordinateBounds<FingerLayout<N>>, _state: StateRef<'_, FingerLayout<N>>, clearance: f64, found: &mut GapBounds) {
         let coordinates = [0, 1].map(|index| RateBound::of_coordinate(motion, index));
         let bounds = self.finger.bounds(clearance + SINGULAR_SINE, coordinates, motion.width);
         found.clearance_reach = bounds.clearance_reach;
@@ -187,27 +189,31 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES> for FingerMotion<N, 
             .map_or(0.0, |law| mode.event_tolerance(event, law, friction, &EventTolerances::GRASP))
     }
 
-    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> FingerMode {
+    fn pass_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mut FingerMode) {
         let kinematics = self.finger.kinematics(finger_coordinates(q));
-        mode.after_event(event, self.contact_variables(&kinematics, v, contact_of_event(event)))
+        mode.pass_event(event, self.contact_variables(&kinematics, v, contact_of_event(event)).as_ref());
     }
 
     fn is_reported(&self, event: usize) -> bool {
         event < FingerContact::ALL.len()
     }
 
-    fn mode_after_step(&self, events: &[EventFunction], mode: &FingerMode) -> Option<FingerMode> {
-        mode.with_separated_contacts(events)
+    fn pass_step(&self, events: &[EventFunction], mode: &mut FingerMode) -> bool {
+        mode.free_separated(events)
     }
 
-    fn with_clamped_law(&self, event: usize, mode: &FingerMode) -> FingerMode {
-        mode.with_clamped_law(event)
+    fn clamp_law(&self, event: usize, mode: &mut FingerMode) {
+        mode.clamp_law(event);
     }
 
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> FingerMode {
         let kinematics = self.finger.kinematics(finger_coordinates(q));
         let variables = |index: usize| self.contact_variables(&kinematics, v, FingerContact::ALL[index]);
-        FingerMode::at_state(&EventTolerances::GRASP, variables, |mode| self.rates(t, q, v, mode).a)
+        FingerMode::FREE.at_state(&EventTolerances::GRASP, variables, |mode| {
+            let mut rates = Rates::zero(self.layout());
+            self.rates(t, q, v, mode, &mut rates);
+            rates.a
+        })
     }
 
     fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Option<f64> {
@@ -226,10 +232,10 @@ impl<const N: usize, const W: usize> Hybrid<N, QUADRATURES> for FingerMotion<N, 
     fn project_quasi_static(
         &self,
         t: f64,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, FingerLayout<N>>,
         mode: &FingerMode,
         tolerances: &Tolerances,
-    ) -> Option<QuasiStaticState<N>> {
+    ) -> Option<QuasiStaticState<FingerLayout<N>>> {
         let mut projected = QuasiStaticState { q: *q, v: *v, decay_rate: f64::INFINITY };
         let max_rate = MAX_CHATTER_RATE * (tolerances.rtol_v / 1e-5).sqrt();
         let max_rate = max_rate.clamp(MIN_CHATTER_RATE_LIMIT, MAX_CHATTER_RATE);

@@ -4,11 +4,13 @@
 //! phalanges; nothing depends on the coordinates at these indices.
 
 use super::finger::{FingerKinematics, FingerModel, PassiveJoints};
-use crate::analytic::contact::{ContactReading, ContactState, Energies, Geometry, Mode, normal_force_on_branch};
+use crate::analytic::contact::{
+    ContactMode, ContactReading, ContactState, Energies, Geometry, Mode, normal_force_on_branch,
+};
 use crate::fivebar::dynamics::{AccelerationField, Terms, kinetic_energy, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::FingerContact;
-use crate::integrator::{Linearised, Rates, State, System};
+use crate::integrator::{Fixed, FixedMatrix, Linearised, Rates, State, System};
 use crate::law::{
     Bristle, FrictionLaw, FrictionRange, elastic_energy, friction_force, friction_with_state, normal_over_gap,
 };
@@ -25,7 +27,10 @@ pub const QUADRATURES: usize = 5;
 pub const EVENT_FUNCTIONS: usize = 9;
 
 /// Branches of all contacts, in the order of [`FingerContact::ALL`].
-pub type FingerMode = Mode<3>;
+pub type FingerMode = Mode<[ContactMode; 3]>;
+
+/// Sizes of the model with N coordinates.
+pub type FingerLayout<const N: usize> = Fixed<N, QUADRATURES>;
 
 /// Coordinates of a finger.
 pub(super) const FINGER_COORDINATES: usize = 2;
@@ -78,7 +83,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     }
 
     /// Returns the coordinates and rates at the start.
-    pub fn start(hand: &scene::Hand) -> State<N, QUADRATURES> {
+    pub fn start(hand: &scene::Hand) -> State<FingerLayout<N>> {
         let Initial { q11_rad, q21_rad, qd11_rad_s, qd21_rad_s } = hand.finger(Side::Right).initial;
         State { q: pad([q11_rad, q21_rad]), v: pad([qd11_rad_s, qd21_rad_s]), z: [0.0; QUADRATURES] }
     }
@@ -172,7 +177,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
             quadratures[index] = normal;
             if let Some(friction) = self.finger.friction_law(contact) {
                 let slip = dot(geometry.tangent_row, finger_rates);
-                let range = mode.friction_ranges[index];
+                let range = mode.friction_range(index);
                 let tangential = Self::friction(friction, (contact, range), slip, &v, normal);
                 load[0] += geometry.tangent_row[0] * tangential;
                 load[1] += geometry.tangent_row[1] * tangential;
@@ -317,20 +322,32 @@ pub(super) fn pad<const N: usize>(finger_coordinates: [f64; FINGER_COORDINATES])
     all
 }
 
-impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, W> {
+impl<const N: usize, const W: usize> System for FingerMotion<N, W> {
+    type Layout = FingerLayout<N>;
     type Mode = FingerMode;
 
     #[inline(always)]
-    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Rates<N, QUADRATURES> {
-        let terms = self.finger.terms(finger_coordinates(q));
-        let torque = self.actuation.at(t).0;
-        let geometry = |contact| self.geometry(&terms.pose, &terms.rates, contact);
-        let (a, g) = self.accelerations(torque, &terms, geometry, mode, *v);
-        Rates { a, g }
+    fn layout(&self) -> FingerLayout<N> {
+        Fixed
     }
 
     #[inline(always)]
-    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &FingerMode) -> Linearised<N, QUADRATURES> {
+    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &FingerMode, rates: &mut Rates<FingerLayout<N>>) {
+        let terms = self.finger.terms(finger_coordinates(q));
+        let torque = self.actuation.at(t).0;
+        let geometry = |contact| self.geometry(&terms.pose, &terms.rates, contact);
+        (rates.a, rates.g) = self.accelerations(torque, &terms, geometry, mode, *v);
+    }
+
+    #[inline(always)]
+    fn linearise(
+        &self,
+        t: f64,
+        q: &[f64; N],
+        v: &[f64; N],
+        mode: &FingerMode,
+        linearised: &mut Linearised<FingerLayout<N>>,
+    ) {
         // Terms that depend on positions only are derived by the two positions, then extended to all variables.
         let finger_terms = self.finger.terms([Dual::<FINGER_COORDINATES>::variable(q[0], 0), Dual::variable(q[1], 1)]);
         let widened_terms = finger_terms.map(Dual::widen);
@@ -339,7 +356,7 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
         let geometry = |contact| self.geometry(&finger_terms.pose, &finger_terms.rates, contact).map(Geometry::widen);
         let (a, g) = self.accelerations(Dual::constant(torque), &widened_terms, geometry, mode, rate);
         let mass = map_array(finger_terms.mass, |m| m.value);
-        Linearised {
+        *linearised = Linearised {
             rates: Rates { a: map_array(a, |x| x.value), g: map_array(g, |x| x.value) },
             a_q: position_derivatives(&a),
             a_v: rate_derivatives(&a),
@@ -347,28 +364,28 @@ impl<const N: usize, const W: usize> System<N, QUADRATURES> for FingerMotion<N, 
             g_q: position_derivatives(&g),
             g_v: rate_derivatives(&g),
             g_t: [0.0, 0.0, 0.0, 0.0, slope * v[0]],
-        }
+        };
     }
 }
 
 /// Derivatives of R numbers with respect to N positions; zero except for the finger's own positions.
 #[inline(always)]
-fn position_derivatives<const N: usize, const W: usize, const R: usize>(values: &[Dual<W>; R]) -> [[f64; N]; R] {
+fn position_derivatives<const N: usize, const W: usize, const R: usize>(values: &[Dual<W>; R]) -> FixedMatrix<f64, R, N> {
     let mut rows = [[0.0; N]; R];
     for (row, x) in rows.iter_mut().zip(values) {
         row[..FINGER_COORDINATES].copy_from_slice(&x.grad[..FINGER_COORDINATES]);
     }
-    rows
+    FixedMatrix(rows)
 }
 
 /// Derivatives of R numbers with respect to N rates.
 #[inline(always)]
-fn rate_derivatives<const N: usize, const W: usize, const R: usize>(values: &[Dual<W>; R]) -> [[f64; N]; R] {
+fn rate_derivatives<const N: usize, const W: usize, const R: usize>(values: &[Dual<W>; R]) -> FixedMatrix<f64, R, N> {
     let mut rows = [[0.0; N]; R];
     for (row, x) in rows.iter_mut().zip(values) {
         row.copy_from_slice(&x.grad[FINGER_COORDINATES..]);
     }
-    rows
+    FixedMatrix(rows)
 }
 
 impl Geometry<Dual<2>> {

@@ -11,6 +11,6 @@ pub(crate) use forces::{
     normal_force_on_branch,
 };
 pub(crate) use impact::first_impact_step;
-pub(crate) use mode::{ContactLaws, ContactVariables, EventTolerances, StateRef, row_dot};
-pub use mode::{ContactState, Mode};
+pub(crate) use mode::{ContactLaws, ContactVariables, EventTolerances, Row, StateRef, row_dot};
+pub use mode::{ContactMode, ContactState, Mode};
 pub use reading::{ContactReading, Energies, Geometry};

@@ -2,7 +2,7 @@
 
 use std::ops::{Index, IndexMut};
 
-use crate::integrator::{ErrorWeight, EventFunction, EventSet, RootSearch};
+use crate::integrator::{EventFunction, EventSet, Layout, RootSearch, Vector, VectorOf, WeightedQuantity};
 use crate::law::{
     Bristle, Damping, FrictionLaw, FrictionRange, NormalLaw, damping, friction_cone, friction_range, is_damped,
     spring_force, unclamped_normal_force,
@@ -40,16 +40,32 @@ pub enum DamperRange {
     Any,
 }
 
-/// Branches of the normal laws of all contacts, and the ranges of their friction laws and dampers.
+/// Branch of the normal law of one contact, and the ranges of its friction law and damper.
 ///
 /// The ranges change no force, except that a bristle keeps the branch of its law up to the event that ends the range. They
 /// prevent a step from skipping a part of a law, such as the whole sticking range between sliding in one direction and
 /// sliding in the other, which neither the stages of the step nor its error estimate would detect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Mode<const C: usize> {
-    pub contacts: [ContactState; C],
-    pub friction_ranges: [FrictionRange; C],
-    pub damper_ranges: [DamperRange; C],
+pub struct ContactMode {
+    pub state: ContactState,
+    pub friction_range: FrictionRange,
+    pub damper_range: DamperRange,
+}
+
+impl ContactMode {
+    pub const FREE: Self = Self {
+        state: ContactState::Free,
+        friction_range: FrictionRange::Any,
+        damper_range: DamperRange::Any,
+    };
+    /// The laws without events, for integrators without event location.
+    pub const CLAMPED: Self = Self { state: ContactState::Clamped, ..Self::FREE };
+}
+
+/// Modes of all contacts, in an array or a vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mode<S> {
+    pub contacts: S,
 }
 
 impl DamperRange {
@@ -65,34 +81,47 @@ impl DamperRange {
     }
 }
 
-impl<const C: usize> From<[ContactState; C]> for Mode<C> {
-    fn from(contacts: [ContactState; C]) -> Self {
-        Self { contacts, ..Self::FREE }
+impl<const C: usize> From<[ContactState; C]> for Mode<[ContactMode; C]> {
+    fn from(states: [ContactState; C]) -> Self {
+        Self { contacts: states.map(|state| ContactMode { state, ..ContactMode::FREE }) }
     }
 }
 
-impl<const C: usize> Index<usize> for Mode<C> {
+impl<S: AsRef<[ContactMode]>> Index<usize> for Mode<S> {
     type Output = ContactState;
 
     #[inline(always)]
     fn index(&self, index: usize) -> &ContactState {
-        &self.contacts[index]
+        &self.contacts.as_ref()[index].state
     }
 }
 
-impl<const C: usize> IndexMut<usize> for Mode<C> {
+impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> IndexMut<usize> for Mode<S> {
     #[inline(always)]
     fn index_mut(&mut self, index: usize) -> &mut ContactState {
-        &mut self.contacts[index]
+        &mut self.contacts.as_mut()[index].state
     }
 }
 
 /// Coordinates and rates.
-pub(crate) type StateRef<'a, const N: usize> = (&'a [f64; N], &'a [f64; N]);
+pub(crate) type StateRef<'a, L> = (&'a VectorOf<L>, &'a VectorOf<L>);
+
+/// Derivatives of a quantity of a contact by all coordinates or rates.
+pub(crate) trait Row {
+    /// Writes all derivatives.
+    fn write(&self, row: &mut [f64]);
+}
+
+impl<const N: usize> Row for [f64; N] {
+    #[inline(always)]
+    fn write(&self, row: &mut [f64]) {
+        row.copy_from_slice(self);
+    }
+}
 
 /// State of one contact with its laws: penetration, its rate, slip, and the rows that give the rates of gap and slip.
 #[derive(Clone, Copy, Debug)]
-pub struct ContactVariables<'a, const N: usize> {
+pub struct ContactVariables<'a, R> {
     pub law: &'a NormalLaw,
     pub friction: Option<&'a FrictionLaw>,
     pub delta: f64,
@@ -100,8 +129,8 @@ pub struct ContactVariables<'a, const N: usize> {
     pub slip: f64,
     /// Bristle state σ.
     pub bristle_state: f64,
-    pub normal_row: [f64; N],
-    pub tangent_row: [f64; N],
+    pub normal_row: R,
+    pub tangent_row: R,
 }
 
 /// Spring and damper force of the normal law, N (limit: N·m); their sum may be negative.
@@ -123,7 +152,7 @@ const CONE_RELATIVE_TOLERANCE: f64 = 0.1;
 /// Absolute part of that margin, N.
 const CONE_TOLERANCE_N: f64 = 1e-3;
 
-impl<const N: usize> ContactVariables<'_, N> {
+impl<R: Row> ContactVariables<'_, R> {
     #[inline(always)]
     fn force(&self) -> SpringDamperForce {
         if self.delta <= 0.0 {
@@ -192,12 +221,12 @@ impl<const N: usize> ContactVariables<'_, N> {
         }
     }
 
-    /// Error weight of a sticking bristle, for the sum of slip and bristle state, which the cone bounds tightly.
-    fn sticking_error_weight(&self, law: &FrictionLaw, force: f64) -> ErrorWeight<N> {
+    /// Weighted quantity of a sticking bristle: the sum of slip and bristle state, which the cone bounds tightly.
+    fn sticking_slip(&self, law: &FrictionLaw, force: f64) -> WeightedQuantity {
         let limit = law.mu_static * force.max(0.0);
         let slip_scale =
             law.bristle.map_or(f64::INFINITY, |bristle| (limit + CONE_TOLERANCE_N) / bristle.damping_n_s_per_m);
-        ErrorWeight::Slip { row: self.tangent_row, slip_scale, normal_force: 0.0 }
+        WeightedQuantity::Slip { slip_scale, normal_force: 0.0 }
     }
 }
 
@@ -250,91 +279,104 @@ const CONE_OVERLAP: f64 = 1e-6;
 /// Tolerance of locating that end, as a fraction of the margin or overlap.
 const RANGE_TOLERANCE: f64 = 0.3;
 
-impl<const C: usize> Mode<C> {
-    pub const FREE: Self = Self {
-        contacts: [ContactState::Free; C],
-        friction_ranges: [FrictionRange::Any; C],
-        damper_ranges: [DamperRange::Any; C],
-    };
-    /// The laws without events, for integrators without event location.
-    pub const CLAMPED: Self = Self {
-        contacts: [ContactState::Clamped; C],
-        friction_ranges: [FrictionRange::Any; C],
-        damper_ranges: [DamperRange::Any; C],
-    };
+impl<const C: usize> Mode<[ContactMode; C]> {
+    pub const FREE: Self = Self { contacts: [ContactMode::FREE; C] };
+    /// See [`ContactMode::CLAMPED`].
+    pub const CLAMPED: Self = Self { contacts: [ContactMode::CLAMPED; C] };
+}
 
-    /// Determines the mode of a state. `contact_variables` gives the contacts; `accelerations` gives the accelerations
-    /// in a mode. A contact at zero depth is active if its gap closes, or if it is at rest and would close without the
-    /// forces of all contacts at zero depth.
-    pub(crate) fn at_state<'a, const N: usize>(
+impl Mode<Vec<ContactMode>> {
+    /// All contacts free.
+    pub(crate) fn free(count: usize) -> Self {
+        Self { contacts: vec![ContactMode::FREE; count] }
+    }
+}
+
+impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> Mode<S> {
+    /// Number of contacts.
+    fn count(&self) -> usize {
+        self.contacts.as_ref().len()
+    }
+
+    /// Range of the friction law of a contact.
+    #[inline(always)]
+    pub fn friction_range(&self, index: usize) -> FrictionRange {
+        self.contacts.as_ref()[index].friction_range
+    }
+
+    /// Determines the mode of a state; `self` has all contacts free. `contact_variables` gives the contacts; `accelerations`
+    /// gives the accelerations in a mode. A contact at zero depth is active if its gap closes, or if it is at rest and would
+    /// close without the forces of all contacts at zero depth.
+    pub(crate) fn at_state<'a, R: Row, V: Vector<f64>>(
+        mut self,
         event_tolerances: &EventTolerances,
-        contact_variables: impl Fn(usize) -> Option<ContactVariables<'a, N>>,
-        accelerations: impl FnOnce(&Self) -> [f64; N],
+        contact_variables: impl Fn(usize) -> Option<ContactVariables<'a, R>>,
+        accelerations: impl FnOnce(&Self) -> V,
     ) -> Self {
-        let mut mode = Self::FREE;
-        let mut at_zero_depth = [None; C];
-        for (index, zero_depth) in at_zero_depth.iter_mut().enumerate() {
+        let mut at_zero_depth = Vec::new();
+        for (index, mode) in self.contacts.as_mut().iter_mut().enumerate() {
             let Some(contact) = contact_variables(index) else { continue };
-            let ContactVariables { law, delta, rate, normal_row, .. } = contact;
-            mode.damper_ranges[index] = DamperRange::at_depth(law, delta);
-            mode.friction_ranges[index] = contact.friction_range(contact.force().total());
+            let ContactVariables { law, delta, rate, .. } = contact;
+            mode.damper_range = DamperRange::at_depth(law, delta);
+            mode.friction_range = contact.friction_range(contact.force().total());
             if delta.abs() <= event_tolerances.depth_fraction * law.depth_scale_m() {
-                *zero_depth = Some((normal_row, rate));
+                at_zero_depth.push((index, contact.normal_row, rate));
             } else if delta > 0.0 {
                 let force = unclamped_normal_force(law, delta, rate).force;
-                mode[index] = if force >= 0.0 { ContactState::Active } else { ContactState::Released };
+                mode.state = if force >= 0.0 { ContactState::Active } else { ContactState::Released };
             }
         }
-        let free_accelerations = accelerations(&mode);
-        for (state, zero_depth) in mode.contacts.iter_mut().zip(at_zero_depth) {
-            let Some((normal_row, rate)) = zero_depth else { continue };
+        let free_accelerations = accelerations(&self);
+        let mut row = free_accelerations.clone();
+        for (index, normal_row, rate) in at_zero_depth {
+            normal_row.write(row.as_mut());
             let is_at_rest = rate.abs() < 1e-12;
-            if rate >= 1e-12 || (is_at_rest && -row_dot(&normal_row, &free_accelerations) > 0.0) {
-                *state = ContactState::Active;
+            if rate >= 1e-12 || (is_at_rest && -row_dot(row.as_ref(), free_accelerations.as_ref()) > 0.0) {
+                self[index] = ContactState::Active;
             }
         }
-        mode
+        self
     }
 
     /// Whether the friction of a contact is outside its sticking range; `None` without a force or a monitored range.
     pub(crate) fn is_slipping(&self, index: usize) -> Option<bool> {
-        match self.friction_ranges[index] {
-            _ if !self.contacts[index].has_force() => None,
+        match self.friction_range(index) {
+            _ if !self[index].has_force() => None,
             FrictionRange::Any => None,
             range => Some(range != FrictionRange::Sticking),
         }
     }
 
-    /// All event functions of the first `count` contacts: those of normal laws, then friction laws, then dampers.
-    /// Contacts without a branch or friction range that can end are not evaluated.
+    /// All event functions of the contacts: those of normal laws, then friction laws, then dampers. Contacts without a branch
+    /// or friction range that can end are not evaluated.
     #[inline(always)]
-    pub(crate) fn eval_events<'a, const N: usize>(
+    pub(crate) fn eval_events<'a, R: Row, L: Layout>(
         &self,
-        count: usize,
         event_tolerances: &EventTolerances,
-        contact_variables: impl Fn(usize) -> Option<ContactVariables<'a, N>>,
-        events: &mut EventSet<N>,
+        contact_variables: impl Fn(usize) -> Option<ContactVariables<'a, R>>,
+        events: &mut EventSet<L>,
     ) {
         events.clear();
+        let count = self.count();
         for index in 0..count {
-            if self.contacts[index] == ContactState::Clamped && self.friction_ranges[index] == FrictionRange::Any {
+            if self[index] == ContactState::Clamped && self.friction_range(index) == FrictionRange::Any {
                 continue;
             }
             let Some(contact) = contact_variables(index) else { continue };
             let force = contact.force();
             events.functions[index] = self.normal_event(index, event_tolerances, &contact, &force);
             // The other functions of a contact without a force stay inactive.
-            if !self.contacts[index].has_force() {
+            if !self[index].has_force() {
                 continue;
             }
-            events.functions[index + 2 * C] = self.damper_event(index, &contact);
-            if let Some(weight) = self.depth_weight(index, &contact, &force) {
-                events.add_weight(index, weight);
+            events.functions[index + 2 * count] = self.damper_event(index, &contact);
+            if let Some(depth) = self.weighted_depth(index, &contact, &force) {
+                contact.normal_row.write(events.add_weight(index, depth).as_mut());
             }
             if let Some(friction) = contact.friction {
-                events.functions[index + C] = self.slip_event(index, friction, &contact, &force);
-                if let Some(weight) = self.slip_weight(index, friction, &contact, &force) {
-                    events.add_weight(index + C, weight);
+                events.functions[index + count] = self.slip_event(index, friction, &contact, &force);
+                if let Some(slip) = self.weighted_slip(index, friction, &contact, &force) {
+                    contact.tangent_row.write(events.add_weight(index + count, slip).as_mut());
                 }
             }
         }
@@ -342,15 +384,15 @@ impl<const C: usize> Mode<C> {
 
     /// One event function of a contact; inactive if the contact does not exist.
     #[inline(always)]
-    pub(crate) fn event_function<const N: usize>(
+    pub(crate) fn event_function<R: Row>(
         &self,
         event: usize,
         event_tolerances: &EventTolerances,
-        contact: Option<ContactVariables<'_, N>>,
+        contact: Option<&ContactVariables<'_, R>>,
     ) -> EventFunction {
-        let Some(contact) = &contact else { return EventFunction::INACTIVE };
-        let index = event % C;
-        match (event / C, contact.friction) {
+        let Some(contact) = contact else { return EventFunction::INACTIVE };
+        let index = event % self.count();
+        match (event / self.count(), contact.friction) {
             (0, _) => self.normal_event(index, event_tolerances, contact, &contact.force()),
             (1, Some(friction)) => {
                 let has_bristle = friction.bristle.is_some();
@@ -364,16 +406,16 @@ impl<const C: usize> Mode<C> {
 
     /// Event function of the normal law of a contact.
     #[inline(always)]
-    fn normal_event<const N: usize>(
+    fn normal_event<R: Row>(
         &self,
         index: usize,
         event_tolerances: &EventTolerances,
-        contact: &ContactVariables<'_, N>,
+        contact: &ContactVariables<'_, R>,
         force: &SpringDamperForce,
     ) -> EventFunction {
         let ContactVariables { law, delta, rate, .. } = *contact;
         let inactive = EventFunction::INACTIVE;
-        match self.contacts[index] {
+        match self[index] {
             ContactState::Clamped => inactive,
             ContactState::Free => {
                 EventFunction { value: -delta, rate: -rate, root_search: RootSearch::Bounded, ..inactive }
@@ -402,19 +444,19 @@ impl<const C: usize> Mode<C> {
         }
     }
 
-    /// Error weight of the depth of an active contact.
+    /// Weighted depth of an active contact.
     #[inline(always)]
-    fn depth_weight<const N: usize>(
+    fn weighted_depth<R: Row>(
         &self,
         index: usize,
-        contact: &ContactVariables<'_, N>,
+        contact: &ContactVariables<'_, R>,
         force: &SpringDamperForce,
-    ) -> Option<ErrorWeight<N>> {
+    ) -> Option<WeightedQuantity> {
         let is_spring_dominated = force.spring > force.damper.abs();
         let is_rebounding = is_spring_dominated && contact.rate.abs() > MIN_REBOUND_SPEED;
-        (self.contacts[index] == ContactState::Active && contact.delta > 0.0).then_some(ErrorWeight::Depth {
-            row: contact.normal_row,
-            depth: contact.delta,
+        let depth = contact.delta;
+        (self[index] == ContactState::Active && depth > 0.0).then_some(WeightedQuantity::Depth {
+            depth,
             is_rebounding,
             is_spring_dominated,
         })
@@ -422,15 +464,15 @@ impl<const C: usize> Mode<C> {
 
     /// Event function of the friction law of a contact.
     #[inline(always)]
-    fn slip_event<const N: usize>(
+    fn slip_event<R: Row>(
         &self,
         index: usize,
         law: &FrictionLaw,
-        contact: &ContactVariables<'_, N>,
+        contact: &ContactVariables<'_, R>,
         force: &SpringDamperForce,
     ) -> EventFunction {
-        let range = self.friction_ranges[index];
-        if !self.contacts[index].has_force() || range == FrictionRange::Any {
+        let range = self.friction_range(index);
+        if !self[index].has_force() || range == FrictionRange::Any {
             return EventFunction::INACTIVE;
         }
         let (is_sticking, has_bristle) = (range == FrictionRange::Sticking, law.bristle.is_some());
@@ -440,23 +482,21 @@ impl<const C: usize> Mode<C> {
         EventFunction { value, root_search, is_separated: false, ..EventFunction::INACTIVE }
     }
 
-    /// Error weight of the slip of a contact with a force.
+    /// Weighted slip of a contact with a force.
     #[inline(always)]
-    fn slip_weight<const N: usize>(
+    fn weighted_slip<R: Row>(
         &self,
         index: usize,
         law: &FrictionLaw,
-        contact: &ContactVariables<'_, N>,
+        contact: &ContactVariables<'_, R>,
         force: &SpringDamperForce,
-    ) -> Option<ErrorWeight<N>> {
-        let range = self.friction_ranges[index];
-        match range {
-            _ if !self.contacts[index].has_force() => None,
-            FrictionRange::Sticking if law.bristle.is_some() => Some(contact.sticking_error_weight(law, force.total())),
+    ) -> Option<WeightedQuantity> {
+        match self.friction_range(index) {
+            _ if !self[index].has_force() => None,
+            FrictionRange::Sticking if law.bristle.is_some() => Some(contact.sticking_slip(law, force.total())),
             _ if law.bristle.is_some() => None,
             FrictionRange::Sliding { .. } | FrictionRange::Any => None,
-            _ => Some(ErrorWeight::Slip {
-                row: contact.tangent_row,
+            _ => Some(WeightedQuantity::Slip {
                 slip_scale: law.min_slip_scale_m_s(),
                 normal_force: force.total().max(0.0),
             }),
@@ -464,10 +504,10 @@ impl<const C: usize> Mode<C> {
     }
 
     #[inline(always)]
-    fn damper_event<const N: usize>(&self, index: usize, contact: &ContactVariables<'_, N>) -> EventFunction {
+    fn damper_event<R: Row>(&self, index: usize, contact: &ContactVariables<'_, R>) -> EventFunction {
         let ContactVariables { law, delta, rate, .. } = *contact;
-        let [margin, margin_rate] = match self.damper_ranges[index] {
-            _ if self.contacts[index] != ContactState::Active => return EventFunction::INACTIVE,
+        let [margin, margin_rate] = match self.contacts.as_ref()[index].damper_range {
+            _ if self[index] != ContactState::Active => return EventFunction::INACTIVE,
             DamperRange::Any => return EventFunction::INACTIVE,
             DamperRange::Engaging => [law.depth_scale_m() - delta, -rate],
             DamperRange::Engaged => [delta - law.depth_scale_m(), rate],
@@ -476,7 +516,7 @@ impl<const C: usize> Mode<C> {
         EventFunction { value, rate: margin_rate, root_search, is_separated: false }
     }
 
-    /// Tolerance of an event function: indices below C are normal laws, below 2 C friction laws, others dampers.
+    /// Tolerance of an event function: those of normal laws, then of friction laws, then of dampers.
     pub fn event_tolerance(
         &self,
         event: usize,
@@ -484,71 +524,72 @@ impl<const C: usize> Mode<C> {
         friction: Option<&FrictionLaw>,
         event_tolerances: &EventTolerances,
     ) -> f64 {
-        if event >= 2 * C {
+        let count = self.count();
+        if event >= 2 * count {
             return RANGE_TOLERANCE * RANGE_MARGIN * law.depth_scale_m();
         }
-        if event >= C {
+        if event >= count {
             let Some(law) = friction else { return 0.0 };
-            let overlap = match self.friction_ranges[event - C] {
+            let overlap = match self.friction_range(event - count) {
                 FrictionRange::Sticking | FrictionRange::Transition { .. } if law.bristle.is_some() => CONE_OVERLAP,
                 _ => RANGE_MARGIN,
             };
             return RANGE_TOLERANCE * overlap * law.min_slip_scale_m_s();
         }
-        match self.contacts[event] {
+        match self[event] {
             ContactState::Active if is_damped(law) => event_tolerances.force_tolerance(law),
             ContactState::Released | ContactState::Clamped => event_tolerances.force_tolerance(law),
             ContactState::Free | ContactState::Active => event_tolerances.depth_fraction * law.depth_scale_m(),
         }
     }
 
-    /// Returns the mode after an event of a contact in this state.
-    pub fn after_event<const N: usize>(&self, event: usize, contact: Option<ContactVariables<'_, N>>) -> Self {
-        let Some(contact) = &contact else { return *self };
-        let mut next = *self;
-        if event >= 2 * C {
-            let damper = &mut next.damper_ranges[event - 2 * C];
-            *damper = if *damper == DamperRange::Engaging { DamperRange::Engaged } else { DamperRange::Engaging };
-            return next;
+    /// Changes the mode by an event of a contact in this state.
+    pub(crate) fn pass_event<R: Row>(&mut self, event: usize, contact: Option<&ContactVariables<'_, R>>) {
+        let Some(contact) = contact else { return };
+        let count = self.count();
+        let mode = &mut self.contacts.as_mut()[event % count];
+        if event >= 2 * count {
+            let is_engaging = mode.damper_range == DamperRange::Engaging;
+            mode.damper_range = if is_engaging { DamperRange::Engaged } else { DamperRange::Engaging };
+            return;
         }
         let force = contact.force().total();
         let range = contact.friction_range(force);
-        if event >= C {
+        if event >= count {
             // If the range is the old one, the event was located within its margin.
-            let is_old = self.friction_ranges[event - C] == range;
-            next.friction_ranges[event - C] = if is_old { contact.neighbour_range(range, force) } else { range };
-            return next;
+            let is_old = mode.friction_range == range;
+            mode.friction_range = if is_old { contact.neighbour_range(range, force) } else { range };
+            return;
         }
-        next.contacts[event] = match self.contacts[event] {
+        mode.state = match mode.state {
             ContactState::Free | ContactState::Released => ContactState::Active,
             ContactState::Active => ContactState::Released,
             ContactState::Clamped => ContactState::Clamped,
         };
-        next.friction_ranges[event] = range;
-        next.damper_ranges[event] = DamperRange::at_depth(contact.law, contact.delta);
-        next
+        mode.friction_range = range;
+        mode.damper_range = DamperRange::at_depth(contact.law, contact.delta);
     }
 
-    /// Returns the mode after a step in which released surfaces have separated; `None` if none has.
-    pub(crate) fn with_separated_contacts(&self, functions: &[EventFunction]) -> Option<Self> {
-        let mut next = *self;
-        for (state, function) in next.contacts.iter_mut().zip(functions) {
-            if *state == ContactState::Released && function.is_separated {
-                *state = ContactState::Free;
+    /// Frees released contacts whose surfaces have separated in a step; returns whether there are any.
+    pub(crate) fn free_separated(&mut self, functions: &[EventFunction]) -> bool {
+        let mut is_changed = false;
+        for (mode, function) in self.contacts.as_mut().iter_mut().zip(functions) {
+            if mode.state == ContactState::Released && function.is_separated {
+                (mode.state, is_changed) = (ContactState::Free, true);
             }
         }
-        (next != *self).then_some(next)
+        is_changed
     }
 
-    /// Returns the mode without events of the law that an event function belongs to.
-    pub fn with_clamped_law(&self, event: usize) -> Self {
-        let mut next = *self;
-        match event / C {
-            0 => next.contacts[event] = ContactState::Clamped,
-            1 => next.friction_ranges[event - C] = FrictionRange::Any,
-            _ => next.damper_ranges[event - 2 * C] = DamperRange::Any,
+    /// Removes the events of the law that an event function belongs to.
+    pub fn clamp_law(&mut self, event: usize) {
+        let count = self.count();
+        let mode = &mut self.contacts.as_mut()[event % count];
+        match event / count {
+            0 => mode.state = ContactState::Clamped,
+            1 => mode.friction_range = FrictionRange::Any,
+            _ => mode.damper_range = DamperRange::Any,
         }
-        next
     }
 }
 
@@ -564,22 +605,18 @@ pub(crate) struct ContactLaws<'a> {
 impl<'a> ContactLaws<'a> {
     /// Returns the laws of the contact with this index if it has a force in this mode.
     #[inline(always)]
-    pub fn in_mode<const C: usize>(
-        mode: &Mode<C>,
+    pub fn in_mode<S: AsRef<[ContactMode]>>(
+        mode: &Mode<S>,
         index: usize,
         (normal, friction): (&'a NormalLaw, Option<&'a FrictionLaw>),
     ) -> Option<Self> {
-        let (state, range) = (mode[index], mode.friction_ranges[index]);
+        let ContactMode { state, friction_range: range, .. } = mode.contacts.as_ref()[index];
         state.has_force().then_some(Self { normal, friction, state, range })
     }
 }
 
 /// Product of a row and a column, such as the rate of a gap.
 #[inline(always)]
-pub(crate) fn row_dot<const N: usize>(row: &[f64; N], column: &[f64; N]) -> f64 {
-    let mut sum = -0.0;
-    for i in 0..N {
-        sum += row[i] * column[i];
-    }
-    sum
+pub(crate) fn row_dot(row: &[f64], column: &[f64]) -> f64 {
+    row.iter().zip(column).fold(-0.0, |sum, (entry, other)| sum + entry * other)
 }

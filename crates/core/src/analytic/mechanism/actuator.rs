@@ -4,17 +4,14 @@
 use crate::drive::BrakeTorque;
 use crate::mechanism::{Actuator, Command};
 
-/// Largest number of actuators of a mechanism.
-pub(super) const MAX_ACTUATORS: usize = 8;
-
 /// A range ends this part of its scale beyond its nominal end, so that neighbouring ranges do not alternate.
 const RANGE_MARGIN: f64 = 1e-9;
 /// Tolerance of locating that end, as a fraction of the margin.
 const RANGE_TOLERANCE: f64 = 0.3;
 
 /// Range of each actuator: the number of its thresholds below the command.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Ranges(pub [u8; MAX_ACTUATORS]);
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Ranges(pub Vec<u8>);
 
 /// Range of an actuator without events: kinks are not resolved.
 pub(super) const UNMONITORED: u8 = u8::MAX;
@@ -131,10 +128,6 @@ pub(super) fn range_after(actuator: &Actuator, old: u8, t: f64, coordinate: f64,
     thresholds(actuator)
         .iter()
         .fold(0, |range, threshold| range << 1 | u8::from(end > *threshold || end == *threshold && !is_below))
-}
-
-impl Ranges {
-    pub const UNMONITORED: Self = Self([UNMONITORED; MAX_ACTUATORS]);
 }
 
 /// Torque or force of the brake of an actuator, with its effect on the state of its bristle.

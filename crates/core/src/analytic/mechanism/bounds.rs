@@ -5,7 +5,7 @@ use super::dyad::{inner_bodies, transmission};
 use super::group::{PlacedGroup, coupled_joints};
 use super::motion::Motions;
 use crate::analytic::motion_bound::{MotionBound, PinnedPair, RateBound, sine_reach, smallest_sine};
-use crate::integrator::CoordinateBounds;
+use crate::integrator::{CoordinateBounds, Dynamic};
 use crate::mechanism::structure::{Attachment, Placement, Source};
 use crate::mechanism::{Joint, JointKind, Mechanism};
 use crate::numeric::plane::{Vector, dot, sub};
@@ -76,10 +76,10 @@ fn arms(joint: &Joint, at: &Attachment) -> [f64; 2] {
 
 impl PlacedGroup {
     /// Bounds of the bodies and joints of the group, whose motions at one end of the part are `motions`.
-    pub fn bound<const N: usize, const K: usize>(
+    pub fn bound(
         &self,
         mechanism: &Mechanism,
-        (all, motions): (&CoordinateBounds<N>, &Motions<f64, K>),
+        (all, motions): (&CoordinateBounds<Dynamic>, &Motions<f64>),
         time: f64,
         bounds: &mut MechanismBounds,
     ) {
@@ -158,7 +158,7 @@ impl Dyad<'_> {
     }
 
     /// Bounds the bodies and joints of the dyad, and the part of the step in which it stays regular.
-    fn bound<const K: usize>(&self, motions: &Motions<f64, K>, bounds: &mut MechanismBounds) {
+    fn bound(&self, motions: &Motions<f64>, bounds: &mut MechanismBounds) {
         let sine = transmission(self.mechanism, (self.outer, self.inner), motions).sine.abs();
         let inner = &self.mechanism.joints[self.inner];
         let slides = [0, 1].map(|k| !self.joint(k).kind.is_angle());
@@ -207,7 +207,7 @@ impl Dyad<'_> {
     }
 
     /// Velocity of a point that moves with the base of outer joint `k`: the pivot, or the point of the inner joint.
-    fn carried_rate<const K: usize>(&self, k: usize, of_inner: bool, motions: &Motions<f64, K>) -> Vector<f64> {
+    fn carried_rate(&self, k: usize, of_inner: bool, motions: &Motions<f64>) -> Vector<f64> {
         let (at, base) = (&self.outer[k], motions.body(self.outer[k].base));
         let position = match of_inner {
             false => base.position(self.joint(k).points_m[usize::from(!at.is_second)]),
@@ -217,10 +217,10 @@ impl Dyad<'_> {
     }
 
     /// Bounds of both bodies with their slides, and the K of their transmission angle; `None` where it may vanish.
-    fn pinned<const K: usize>(
+    fn pinned(
         &self,
         sine: f64,
-        motions: &Motions<f64, K>,
+        motions: &Motions<f64>,
         bounds: &MechanismBounds,
     ) -> (Option<[(MotionBound, RateBound); 2]>, f64) {
         // A body at a slide does not turn against its base: the inner joint moves with the base, and along the axis.
@@ -272,10 +272,10 @@ impl Dyad<'_> {
 
     /// Both outer joints turn, the inner one slides: the bodies turn together, by ω (u·D) = n·dD/dΘ with the slide u, its
     /// normal n, and the vector D between both pivots.
-    fn slotted<const K: usize>(
+    fn slotted(
         &self,
         sine: f64,
-        motions: &Motions<f64, K>,
+        motions: &Motions<f64>,
         bounds: &MechanismBounds,
     ) -> (Option<[(MotionBound, RateBound); 2]>, f64) {
         let arms_of = [0, 1].map(|k| arms(self.joint(k), &self.outer[k]));
@@ -301,10 +301,10 @@ impl Dyad<'_> {
 
     /// The inner joint and one outer joint slide: both bodies turn with the base of that joint, and the angle between both
     /// slides is constant.
-    fn guided<const K: usize>(
+    fn guided(
         &self,
         sine: f64,
-        motions: &Motions<f64, K>,
+        motions: &Motions<f64>,
         bounds: &MechanismBounds,
     ) -> (Option<[(MotionBound, RateBound); 2]>, f64) {
         let slider = usize::from(self.joint(0).kind.is_angle());

@@ -19,7 +19,7 @@ const FIRST_FLOOR: f64 = 0.7;
 const FLOOR_RATIO: f64 = 0.7;
 
 /// |sine| of the transmission angle of a dyad; 0 if it is not a number. Infinite for other placements.
-fn sine_of<const K: usize>(mechanism: &Mechanism, placement: &Placement, motions: &Motions<f64, K>) -> f64 {
+fn sine_of(mechanism: &Mechanism, placement: &Placement, motions: &Motions<f64>) -> f64 {
     match placement {
         Placement::Dyad { outer, inner } => {
             // The maximum with NaN is the number.
@@ -30,16 +30,16 @@ fn sine_of<const K: usize>(mechanism: &Mechanism, placement: &Placement, motions
 }
 
 /// Smallest |sine| of the transmission angles of a group.
-pub(super) fn smallest_sine<const K: usize>(mechanism: &Mechanism, group: &Group, motions: &Motions<f64, K>) -> f64 {
+pub(super) fn smallest_sine(mechanism: &Mechanism, group: &Group, motions: &Motions<f64>) -> f64 {
     group.placements.iter().map(|placement| sine_of(mechanism, placement, motions)).fold(f64::INFINITY, f64::min)
 }
 
 /// The group in coordinates that are much better conditioned in the poses of these motions; `None` if there are none, or if
 /// its own are good.
-pub(super) fn better_group<const K: usize>(
+pub(super) fn better_group(
     mechanism: &Mechanism,
     group: &Group,
-    motions: &Motions<f64, K>,
+    motions: &Motions<f64>,
 ) -> Option<Group> {
     let present = smallest_sine(mechanism, group, motions);
     if present >= EXCHANGE_SINE {
@@ -51,12 +51,12 @@ pub(super) fn better_group<const K: usize>(
 }
 
 /// The groups of a mechanism at its start, in other coordinates where those are much better conditioned.
-pub(super) fn conditioned_groups<const K: usize>(
+pub(super) fn conditioned_groups(
     mechanism: &Mechanism,
     groups: Vec<Group>,
     poses: &[Pose],
 ) -> Vec<Group> {
-    let motions = motions_at::<K>(mechanism, poses);
+    let motions = motions_at(mechanism, poses);
     let better = |group: Group| better_group(mechanism, &group, &motions).unwrap_or(group);
     groups.into_iter().map(better).collect()
 }

@@ -3,13 +3,13 @@
 //! which is linear.
 
 use super::motion::{
-    BodyMotion, JointMotion, Motions, axis, carried_bias, carry, column, pair, place, rate_along, rotated, triple,
+    BodyMotion, JointMotion, Motions, axis, carried, carried_bias, column, pair, place, rotated, triple,
 };
 use crate::mechanism::structure::Attachment;
 use crate::mechanism::{Joint, JointKind, Mechanism};
 use crate::numeric::elementary::{atan2, sin_cos};
 use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, scale, scale_by, sub};
-use crate::numeric::{Real, array_from};
+use crate::numeric::Real;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
 /// Assembly mode of a dyad: the sign of its root, and the ranges of the angles of its bodies.
@@ -91,10 +91,10 @@ impl PivotLine {
 }
 
 /// Offset of the pivots of the outer joints of a dyad, and its rate.
-pub(super) fn pivot_offset<const K: usize>(
+pub(super) fn pivot_offset(
     mechanism: &Mechanism,
     outer: &[Attachment; 2],
-    motions: &Motions<f64, K>,
+    motions: &Motions<f64>,
 ) -> ([f64; 2], [f64; 2]) {
     let [from, to] = pair(|k| {
         let (at, base) = (&outer[k], motions.body(outer[k].base));
@@ -105,11 +105,11 @@ pub(super) fn pivot_offset<const K: usize>(
 }
 
 /// Middles of the ranges of the angles of both bodies of a dyad.
-pub(super) fn middles<const K: usize>(
+pub(super) fn middles(
     mechanism: &Mechanism,
     outer: &[Attachment; 2],
     mode: &AssemblyMode,
-    motions: &Motions<f64, K>,
+    motions: &Motions<f64>,
 ) -> [f64; 2] {
     let from = match mode.line {
         Some(line) => TAU / COUNTS_PER_TURN as f64 * f64::from(motions.counts[line.count]),
@@ -129,10 +129,10 @@ fn sliding_angle(
 }
 
 /// Assembly mode of a dyad in its pose at the start, without the sign of its root; `count` is the next free count.
-pub(super) fn mode_at_start<const K: usize>(
+pub(super) fn mode_at_start(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
-    motions: &Motions<f64, K>,
+    motions: &Motions<f64>,
     count: usize,
 ) -> AssemblyMode {
     let joints = pair(|k| &mechanism.joints[outer[k].joint]);
@@ -189,7 +189,7 @@ type Closure<T> = [[[T; 3]; 2]; 2];
 
 /// Closure of an inner joint whose bodies A and B are the bodies `of` of the dyad.
 #[inline(always)]
-fn closure<T: Real, const K: usize>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T, K>; 2]) -> Closure<T> {
+fn closure<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T>; 2]) -> Closure<T> {
     let (zero, one) = (T::zero(), T::constant(1.0));
     let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
     let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
@@ -219,7 +219,7 @@ fn closure<T: Real, const K: usize>(joint: &Joint, of: [usize; 2], bodies: &[Bod
 
 /// Terms of the accelerations of the closure that are quadratic in the rates.
 #[inline(always)]
-fn quadratic_terms<T: Real, const K: usize>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T, K>; 2]) -> [T; 2] {
+fn quadratic_terms<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T>; 2]) -> [T; 2] {
     let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
     let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
     let squared = [first.rate[2].squared(), second.rate[2].squared()];
@@ -244,25 +244,26 @@ fn applied<T: Real>(closure: &Closure<T>, equation: usize, body: usize, motion: 
     x * motion[0] + y * motion[1] + angle * motion[2]
 }
 
-/// Moves the two placed bodies of a dyad and its outer joints.
+/// Evaluates the motions of the two placed bodies of a dyad and of its outer joints.
 #[inline(always)]
-pub(super) fn close_dyad<T: Real, const K: usize>(
+pub(super) fn close_dyad<T: Real>(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
-    bases: [&BodyMotion<T, K>; 2],
-    (bodies, motions): (&mut [BodyMotion<T, K>; 2], &mut [JointMotion<T, K>; 2]),
-    v: &[f64; K],
+    motions: &mut Motions<T>,
+    v: &[f64],
 ) {
     let joints = pair(|k| &mechanism.joints[outer[k].joint]);
     let inner = &mechanism.joints[inner];
     let of = inner_bodies(inner, outer);
     if joints[0].kind.is_angle() && joints[1].kind.is_angle() && inner.kind.is_angle() {
         let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
-        return close_pins((joints, outer, points), bases, (bodies, motions), v);
+        return close_pins((joints, outer, points), motions, v);
     }
-    (0..2).for_each(|k| carry(bases[k], &mut bodies[k]));
-    let closure = closure(inner, of, bodies);
-    let columns = pair(|k| column(joints[k], &outer[k], [bases[k], &bodies[k]]));
+    let base_of = pair(|k| motions.index(outer[k].base));
+    let bases = pair(|k| motions.bodies[base_of[k]]);
+    let mut bodies = pair(|k| motions.bodies[outer[k].body]);
+    let closure = closure(inner, of, &bodies);
+    let columns = pair(|k| column(joints[k], &outer[k], [&bases[k], &bodies[k]]));
     let inverse = inverse_closure(&closure, &columns);
     // Motions of both outer joints that close the dyad, from the motions of its bodies with these joints at rest.
     let closing = |carried: [[T; 3]; 2], terms: [T; 2]| {
@@ -271,23 +272,44 @@ pub(super) fn close_dyad<T: Real, const K: usize>(
         });
         pair(|k| -(inverse[k][0] * residual[0] + inverse[k][1] * residual[1]))
     };
-    for i in 0..K {
-        let carried = pair(|k| triple(|axis| bodies[k].jacobian[axis][i]));
+    let across = pair(|k| perp(sub(bodies[k].origin, bases[k].origin)));
+    for_coordinates(outer, motions, |bases| {
+        let carried = pair(|k| carried(bases[k], across[k]));
         let rows = closing(carried, [T::zero(); 2]);
+        (rows, pair(|k| triple(|axis| carried[k][axis] + columns[k][axis] * rows[k])))
+    });
+    for k in 0..2 {
+        let rate = motions.joint_rate(outer[k].joint, v);
+        motions.joints[outer[k].joint].rate = rate;
+        motions.update_rate(outer[k].body, v);
+        bodies[k].rate = motions.bodies[outer[k].body].rate;
+        bodies[k].bias = carried_bias(joints[k], &outer[k], [&bases[k], &bodies[k]], rate);
+    }
+    let biases = closing(pair(|k| bodies[k].bias), quadratic_terms(inner, of, &bodies));
+    for k in 0..2 {
+        motions.joints[outer[k].joint].bias = biases[k];
+        motions.bodies[outer[k].body].bias = triple(|axis| bodies[k].bias[axis] + columns[k][axis] * biases[k]);
+    }
+}
+
+/// Writes the motion of the outer joints and the bodies of a dyad per unit of each coordinate rate, from those of its bases.
+#[inline(always)]
+fn for_coordinates<T: Real>(
+    outer: &[Attachment; 2],
+    motions: &mut Motions<T>,
+    closed: impl Fn([[T; 3]; 2]) -> ([T; 2], [[T; 3]; 2]),
+) {
+    let bases = pair(|k| motions.index(outer[k].base));
+    let Motions { body_supports, joint_supports, columns, rows, .. } = motions;
+    let of_bases = pair(|k| body_supports[bases[k]].first);
+    let of_bodies = pair(|k| body_supports[outer[k].body].first);
+    let of_joints = pair(|k| joint_supports[outer[k].joint].first);
+    for &i in &body_supports[outer[0].body].coordinates {
+        let (turns, moved) = closed(pair(|k| columns[of_bases[k] + i]));
         for k in 0..2 {
-            motions[k].row[i] = rows[k];
-            (0..3).for_each(|axis| bodies[k].jacobian[axis][i] += columns[k][axis] * rows[k]);
+            rows[of_joints[k] + i] = turns[k];
+            columns[of_bodies[k] + i] = moved[k];
         }
-    }
-    for k in 0..2 {
-        motions[k].rate = rate_along(&motions[k].row, v);
-        bodies[k].update_rate(v);
-        bodies[k].bias = carried_bias(joints[k], &outer[k], [bases[k], &bodies[k]], motions[k].rate);
-    }
-    let biases = closing(pair(|k| bodies[k].bias), quadratic_terms(inner, of, bodies));
-    for k in 0..2 {
-        motions[k].bias = biases[k];
-        (0..3).for_each(|axis| bodies[k].bias[axis] += columns[k][axis] * biases[k]);
     }
 }
 
@@ -296,12 +318,14 @@ pub(super) fn close_dyad<T: Real, const K: usize>(
 /// The inner joint moves with each base, by r₁ and r₂, and about the pivot of each outer joint: r₁ + w₁ d₁⊥ = r₂ + w₂ d₂⊥
 /// with the arms d from the pivots. Therefore w₁ = (r₂ − r₁)·d₂/(d₁ × d₂), and likewise w₂.
 #[inline(always)]
-fn close_pins<T: Real, const K: usize>(
+fn close_pins<T: Real>(
     (joints, outer, points): ([&Joint; 2], &[Attachment; 2], [[f64; 2]; 2]),
-    bases: [&BodyMotion<T, K>; 2],
-    ([first, second], motions): (&mut [BodyMotion<T, K>; 2], &mut [JointMotion<T, K>; 2]),
-    v: &[f64; K],
+    motions: &mut Motions<T>,
+    v: &[f64],
 ) {
+    let base_of = pair(|k| motions.index(outer[k].base));
+    let bases = pair(|k| motions.bodies[base_of[k]]);
+    let [first, second] = pair(|k| motions.bodies[outer[k].body]);
     let pivot = |k: usize| joints[k].points_m[usize::from(outer[k].is_second)];
     let signs = pair(|k| outer[k].sign());
     let arms = [first.rotated(points[0]), second.rotated(points[1])];
@@ -317,28 +341,22 @@ fn close_pins<T: Real, const K: usize>(
         let turns = [dot(gap, from_pivot[1]) * inverse, dot(gap, from_pivot[0]) * inverse];
         (add(carried[0], scale(turning, turns[0])), turns)
     };
-    for i in 0..K {
-        let carried = pair(|k| match outer[k].base {
-            Some(_) => {
-                let turn = bases[k].jacobian[2][i];
-                [bases[k].jacobian[0][i] + across[k][0] * turn, bases[k].jacobian[1][i] + across[k][1] * turn]
-            }
-            None => [T::zero(); 2],
-        });
-        let (motion, turns) = closed(carried);
-        for (k, body) in [&mut *first, &mut *second].into_iter().enumerate() {
-            let turn = bases[k].jacobian[2][i] + turns[k];
-            motions[k].row[i] = turns[k] * signs[k];
-            body.jacobian[0][i] = motion[0] - arms_across[k][0] * turn;
-            body.jacobian[1][i] = motion[1] - arms_across[k][1] * turn;
-            body.jacobian[2][i] = turn;
-        }
-    }
-    first.update_rate(v);
-    second.update_rate(v);
-    let squared = [first.rate[2].squared(), second.rate[2].squared()];
+    for_coordinates(outer, motions, |bases| {
+        let (motion, turns) = closed(pair(|k| {
+            let [x, y, _] = carried(bases[k], across[k]);
+            [x, y]
+        }));
+        let moved = |k: usize| {
+            let turn = bases[k][2] + turns[k];
+            [motion[0] - arms_across[k][0] * turn, motion[1] - arms_across[k][1] * turn, turn]
+        };
+        (pair(|k| turns[k] * signs[k]), pair(moved))
+    });
+    (0..2).for_each(|k| motions.update_rate(outer[k].body, v));
+    let rates = pair(|k| motions.bodies[outer[k].body].rate);
+    let squared = pair(|k| rates[k][2].squared());
     let carried = pair(|k| {
-        let (base, base_squared) = (bases[k], bases[k].rate[2].squared());
+        let (base, base_squared) = (&bases[k], bases[k].rate[2].squared());
         let base_arm = sub(from_base[k], from_pivot[k]);
         pair(|axis| {
             base.bias[axis] + across[k][axis] * base.bias[2]
@@ -347,12 +365,13 @@ fn close_pins<T: Real, const K: usize>(
         })
     });
     let (motion, turns) = closed(carried);
-    for (k, body) in [first, second].into_iter().enumerate() {
+    for k in 0..2 {
         let turn = bases[k].bias[2] + turns[k];
-        motions[k].rate = (body.rate[2] - bases[k].rate[2]) * signs[k];
-        motions[k].bias = turns[k] * signs[k];
+        let joint = &mut motions.joints[outer[k].joint];
+        joint.rate = (rates[k][2] - bases[k].rate[2]) * signs[k];
+        joint.bias = turns[k] * signs[k];
         let [x, y] = pair(|axis| motion[axis] - arms_across[k][axis] * turn + arms[k][axis] * squared[k]);
-        body.bias = [x, y, turn];
+        motions.bodies[outer[k].body].bias = [x, y, turn];
     }
 }
 
@@ -373,36 +392,41 @@ pub(super) fn inner_bodies(inner: &Joint, outer: &[Attachment; 2]) -> [usize; 2]
     if inner.bodies[0] == Some(outer[0].body) { [0, 1] } else { [1, 0] }
 }
 
-/// Motion of the inner joint of a dyad at its coordinate.
+/// Evaluates the motion of the inner joint of a dyad, whose coordinate is known.
 #[inline(always)]
-pub(super) fn inner_motion<T: Real, const K: usize>(
-    inner: &Joint,
-    coordinate: T,
-    outer: &[Attachment; 2],
-    bodies: &[BodyMotion<T, K>; 2],
-) -> JointMotion<T, K> {
-    let of = inner_bodies(inner, outer);
-    let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
-    match inner.kind {
-        JointKind::Revolute => JointMotion {
-            coordinate,
-            row: array_from(|k| second.jacobian[2][k] - first.jacobian[2][k]),
-            rate: second.rate[2] - first.rate[2],
-            bias: second.bias[2] - first.bias[2],
-        },
-        JointKind::Prismatic { axis_rad } => {
-            let u = axis(axis_rad, first);
-            let [a, b] = [first.point(inner.points_m[0]), second.point(inner.points_m[1])];
-            let across = |axis: usize, k: usize| u[axis] * (b.jacobian[axis][k] - a.jacobian[axis][k]);
-            JointMotion {
-                coordinate,
-                row: array_from(|k| across(0, k) + across(1, k)),
-                rate: dot(u, sub(b.rate, a.rate)),
-                // The bodies turn together: n·ḋ = ω q, with the distance d = q u.
-                bias: dot(u, sub(b.bias, a.bias)) + first.rate[2].squared() * coordinate,
+pub(super) fn move_inner_joint<T: Real>(
+    mechanism: &Mechanism,
+    (outer, index): (&[Attachment; 2], usize),
+    motions: &mut Motions<T>,
+) {
+    let (inner, coordinate) = (&mechanism.joints[index], motions.joints[index].coordinate);
+    let of = inner_bodies(inner, outer).map(|k| outer[k].body);
+    let [first, second] = of.map(|body| motions.bodies[body]);
+    let Motions { body_supports, joint_supports, columns, rows, .. } = &mut *motions;
+    let of_row = joint_supports[index].first;
+    let [of_first, of_second] = of.map(|body| body_supports[body].first);
+    let (rate, bias) = match inner.kind {
+        JointKind::Revolute => {
+            for &k in &joint_supports[index].coordinates {
+                rows[of_row + k] = columns[of_second + k][2] - columns[of_first + k][2];
             }
+            (second.rate[2] - first.rate[2], second.bias[2] - first.bias[2])
         }
-    }
+        JointKind::Prismatic { axis_rad } => {
+            let u = axis(axis_rad, &first);
+            let [a, b] = [first.point(inner.points_m[0]), second.point(inner.points_m[1])];
+            let arms = [first.rotated(inner.points_m[0]), second.rotated(inner.points_m[1])].map(perp);
+            for &k in &joint_supports[index].coordinates {
+                let [on_first, on_second] =
+                    [carried(columns[of_first + k], arms[0]), carried(columns[of_second + k], arms[1])];
+                let along = |axis: usize| u[axis] * (on_second[axis] - on_first[axis]);
+                rows[of_row + k] = along(0) + along(1);
+            }
+            // The bodies turn together: n·ḋ = ω q, with the distance d = q u.
+            (dot(u, sub(b.rate, a.rate)), dot(u, sub(b.bias, a.bias)) + first.rate[2].squared() * coordinate)
+        }
+    };
+    motions.joints[index] = JointMotion { coordinate, rate, bias };
 }
 
 /// Locus of a point of a body that is attached at a joint.
@@ -417,7 +441,7 @@ enum Locus {
 impl Locus {
     /// Locus of a point (in the frame of the attached body).
     #[inline(always)]
-    fn new<const K: usize>(joint: &Joint, at: &Attachment, base: &BodyMotion<f64, K>, point: [f64; 2]) -> Self {
+    fn new(joint: &Joint, at: &Attachment, base: &BodyMotion<f64>, point: [f64; 2]) -> Self {
         let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
         let pivot = base.position(joint.points_m[1 - own]);
         let arm = sub(point, joint.points_m[own]);
@@ -426,9 +450,9 @@ impl Locus {
             JointKind::Prismatic { axis_rad } => {
                 let angle = base.angle + sign * joint.offset_rad;
                 let (sin, cos) = sin_cos(angle);
-                let body = BodyMotion::<f64, 1> { direction: [cos, sin], angle, ..BodyMotion::ground() };
+                let body = BodyMotion { direction: [cos, sin], angle, ..BodyMotion::ground() };
                 let first = if at.is_second { base.direction } else { body.direction };
-                let first = BodyMotion::<f64, 1> { direction: first, ..BodyMotion::ground() };
+                let first = BodyMotion { direction: first, ..BodyMotion::ground() };
                 let direction = scale_by(axis(axis_rad, &first), sign);
                 Locus::Line { point: add(pivot, body.rotated(arm)), direction, angle }
             }
@@ -452,12 +476,12 @@ pub(super) fn outer_angle(
 
 /// Poses of the two bodies of a dyad and coordinates of its outer joints, from the intersection of the loci of its inner
 /// joint. Not a number if there is none. Angles of circles are 0 unless the mode has angles.
-pub(super) fn place_dyad<const K: usize>(
+pub(super) fn place_dyad(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
-    bases: [&BodyMotion<f64, K>; 2],
+    bases: [&BodyMotion<f64>; 2],
     (mode, middles): (&AssemblyMode, [f64; 2]),
-) -> ([BodyMotion<f64, 0>; 2], [f64; 2]) {
+) -> ([BodyMotion<f64>; 2], [f64; 2]) {
     let joints = pair(|k| &mechanism.joints[outer[k].joint]);
     let inner = &mechanism.joints[inner];
     let of = inner_bodies(inner, outer);
@@ -526,11 +550,11 @@ fn intersection(loci: &[Locus; 2], sign: f64) -> [f64; 2] {
 }
 
 /// Coordinates of the outer joints of a dyad whose inner joint slides.
-fn slide<const K: usize>(
+fn slide(
     joints: [&Joint; 2],
     (inner, of, axis_rad): (&Joint, [usize; 2], f64),
     outer: &[Attachment; 2],
-    bases: [&BodyMotion<f64, K>; 2],
+    bases: [&BodyMotion<f64>; 2],
     (loci, sign): (&[Locus; 2], f64),
 ) -> [f64; 2] {
     let [a, b] = of;
@@ -574,10 +598,10 @@ fn slide<const K: usize>(
 }
 
 /// Transmission angle of a dyad: between the directions whose alignment makes it singular.
-pub(super) fn transmission<const K: usize>(
+pub(super) fn transmission(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
-    motions: &Motions<f64, K>,
+    motions: &Motions<f64>,
 ) -> Transmission {
     let inner = &mechanism.joints[inner];
     let of = inner_bodies(inner, outer);

@@ -9,7 +9,7 @@ use super::actuator::{BrakeEffort, Effort, brake_effort, effort};
 use super::factor::Factor;
 use super::group::{Element, PlacedGroup};
 use super::model::{Contact, MechanismMode, MechanismModel, Span, Surfaces};
-use super::motion::{Motions, pair};
+use super::motion::{LANES, Lanes, Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;
 use super::palm_frame::{Inertia, inertial_loads, power};
@@ -18,83 +18,105 @@ use crate::analytic::contact::{
     normal_force_on_branch,
 };
 use crate::analytic::inertial_field::{InertialField, inertial_field};
-use crate::integrator::{Linearised, Rates, System};
+use crate::integrator::{Dynamic, DynamicMatrix, Linearised, Rates, System};
 use crate::law::{FrictionRange, friction_coefficient, friction_force, friction_with_state};
 use crate::numeric::{Dual, Real, array_from};
 
-/// Largest number of coordinates of a group for which loops have a constant length.
-const MAX_UNROLLED_WIDTH: usize = 4;
-
-/// Derivatives of the loads on all coordinates and of the rates of all quadratures.
-pub(super) struct Sums<const N: usize, const Z: usize> {
-    pub load_q: [[f64; N]; N],
-    pub load_v: [[f64; N]; N],
-    pub load_t: [f64; N],
-    pub g_q: [[f64; N]; Z],
-    pub g_v: [[f64; N]; Z],
-    pub g_t: [f64; Z],
+/// Derivatives of the loads on all coordinates, in place of those of accelerations, and of the rates of all quadratures.
+pub(super) struct Sums<'a> {
+    pub load_q: &'a mut DynamicMatrix<f64>,
+    pub load_v: &'a mut DynamicMatrix<f64>,
+    pub load_t: &'a mut [f64],
+    pub g_q: &'a mut DynamicMatrix<f64>,
+    pub g_v: &'a mut DynamicMatrix<f64>,
+    pub g_t: &'a mut [f64],
 }
 
-impl<const N: usize, const Z: usize> Sums<N, Z> {
-    pub const ZERO: Self = Self {
-        load_q: [[0.0; N]; N],
-        load_v: [[0.0; N]; N],
-        load_t: [0.0; N],
-        g_q: [[0.0; N]; Z],
-        g_v: [[0.0; N]; Z],
-        g_t: [0.0; Z],
-    };
+/// The coordinates of a group by which numbers have derivatives.
+#[derive(Clone, Copy)]
+pub(super) struct Chunk {
+    /// Index of the first coordinate of the group among all.
+    pub group: usize,
+    /// The first of these coordinates, among those of the group, and their number.
+    pub start: usize,
+    pub count: usize,
+}
 
-    /// Adds the derivatives of the load of a force along a row of a group; `by_v` is that of the force by the rates.
+impl Chunk {
+    /// Parts of the coordinates of a group, with their indices.
+    pub fn of_group(first: usize, size: usize) -> impl Iterator<Item = (usize, Self)> {
+        let chunk = move |start: usize| Self { group: first, start, count: LANES.min(size - start) };
+        (0..size).step_by(LANES).map(chunk).enumerate()
+    }
+
+    /// A number for each lane, from the coordinate of the group.
     #[inline(always)]
-    pub fn add_block<const K: usize>(
+    pub fn each(&self, number: impl Fn(usize, usize) -> f64) -> [f64; LANES] {
+        array_from(|lane| if lane < self.count { number(lane, self.start + lane) } else { 0.0 })
+    }
+}
+
+impl<'a> Sums<'a> {
+    /// Sums in place of the derivatives of the accelerations.
+    pub fn of(linearised: &'a mut Linearised<Dynamic>) -> (&'a mut Rates<Dynamic>, Self) {
+        let Linearised { rates, a_q, a_v, a_t, g_q, g_v, g_t } = linearised;
+        (rates, Self { load_q: a_q, load_v: a_v, load_t: a_t, g_q, g_v, g_t })
+    }
+
+    /// Adds the derivatives of the load of a force along a row of a group, which depends on the coordinates `support`; `by_v`
+    /// are those of the force by the rates.
+    #[inline(always)]
+    pub fn add_block(
         &mut self,
-        (first, size): (usize, usize),
-        row: &[Dual<K>; K],
-        force: Dual<K>,
-        by_v: impl Fn(usize) -> f64,
+        chunk: Chunk,
+        (support, row): (&[usize], impl Fn(usize) -> Lanes),
+        force: Lanes,
+        by_v: [f64; LANES],
     ) {
-        for (i, entry) in row.iter().enumerate().take(size) {
-            for j in 0..size {
-                self.load_q[first + i][first + j] += entry.grad[j] * force.value + entry.value * force.grad[j];
-                self.load_v[first + i][first + j] += entry.value * by_v(j);
+        let Chunk { group, start, count } = chunk;
+        for &i in support {
+            let entry = row(i);
+            let load_q = &mut self.load_q[group + i][group + start..][..count];
+            for (lane, load) in load_q.iter_mut().enumerate() {
+                *load += entry.grad[lane] * force.value + entry.value * force.grad[lane];
+            }
+            let load_v = &mut self.load_v[group + i][group + start..][..count];
+            for (lane, load) in load_v.iter_mut().enumerate() {
+                *load += entry.value * by_v[lane];
             }
         }
     }
-}
 
-impl<const N: usize, const Z: usize> Sums<N, Z> {
-    /// Adds the derivatives of the power of a force on a group; `by_v` is that of the power by the rates.
+    /// Adds the derivatives of the power of a force on a group; `by_v` are those of the power by the rates.
     #[inline(always)]
-    pub(super) fn add_power<const K: usize>(
-        &mut self,
-        work: usize,
-        (first, size): (usize, usize),
-        power: Dual<K>,
-        by_v: impl Fn(usize) -> f64,
-    ) {
-        for i in 0..size {
-            self.g_q[work][first + i] += power.grad[i];
-            self.g_v[work][first + i] += by_v(i);
+    pub fn add_power(&mut self, work: usize, Chunk { group, start, count }: Chunk, power: Lanes, by_v: [f64; LANES]) {
+        for lane in 0..count {
+            self.g_q[work][group + start + lane] += power.grad[lane];
+            self.g_v[work][group + start + lane] += by_v[lane];
         }
     }
 }
 
-impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+impl MechanismModel {
     /// Index of the quadrature for the work of contacts, limits, dampers and brakes; that of actuators and prescribed
     /// motions follows.
-    pub(super) const CONTACT_WORK: usize = C;
-    pub(super) const DRIVE_WORK: usize = C + 1;
+    pub(super) fn contact_work(&self) -> usize {
+        self.contacts.len()
+    }
+
+    pub(super) fn drive_work(&self) -> usize {
+        self.contacts.len() + 1
+    }
 
     /// Rate of the relative pose of two bodies.
     #[inline(always)]
-    pub(super) fn pair_rates(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [f64; POSES] {
+    pub(super) fn pair_rates(motions: &Motions<f64>, bodies: [Option<usize>; 2]) -> [f64; POSES] {
         let [a, b] = pair(|side| &motions.body(bodies[side]).rate);
         [a[0] - b[0], a[1] - b[1], a[2], b[2]]
     }
 
     #[inline(always)]
-    pub(super) fn frames(motions: &Motions<f64, K>, bodies: [Option<usize>; 2]) -> [Frame<f64>; 2] {
+    pub(super) fn frames(motions: &Motions<f64>, bodies: [Option<usize>; 2]) -> [Frame<f64>; 2] {
         pair(|side| Frame::new(motions.body(bodies[side])))
     }
 
@@ -104,29 +126,31 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         pair(|side| Frame::variable(&frames[side], side, bodies[side].is_none()))
     }
 
-    /// Number of coordinates of a group in loops, which are unrolled if the groups are small.
-    fn width(group: &PlacedGroup) -> usize {
-        if K <= MAX_UNROLLED_WIDTH { K } else { group.size() }
-    }
-
-    /// Lower triangle of the mass matrix of a group.
-    pub(super) fn mass(&self, group: &PlacedGroup, motions: &Motions<f64, K>) -> [[f64; K]; K] {
-        let mut mass = [[0.0; K]; K];
-        let width = Self::width(group);
+    /// Evaluates the lower triangle of the mass matrix of a group, by rows.
+    pub(super) fn evaluate_mass(&self, group: &PlacedGroup, motions: &Motions<f64>, mass: &mut [f64]) {
+        let size = group.size();
+        mass.fill(0.0);
         for &index in &group.group.bodies {
-            let (body, turn) = (&self.mechanism.bodies[index], &motions.bodies[index].jacobian[2]);
-            let [x, y] = &motions.centers[index].jacobian;
-            for i in 0..width {
-                let [by_x, by_y] = [body.mass_kg * x[i], body.mass_kg * y[i]];
-                let by_turn = body.inertia_kg_m2 * turn[i];
-                (0..=i).for_each(|j| mass[i][j] += by_x * x[j] + by_y * y[j] + by_turn * turn[j]);
+            let (body, support) = (&self.mechanism.bodies[index], &motions.body_supports[index]);
+            let columns = &motions.columns[support.first..][..size];
+            let centers = &motions.center_columns[support.first..][..size];
+            for (place, &i) in support.coordinates.iter().enumerate() {
+                let [by_x, by_y] = [body.mass_kg * centers[i][0], body.mass_kg * centers[i][1]];
+                let by_turn = body.inertia_kg_m2 * columns[i][2];
+                let row = &mut mass[i * size..][..size];
+                for &j in &support.coordinates[..=place] {
+                    row[j] += by_x * centers[j][0] + by_y * centers[j][1] + by_turn * columns[j][2];
+                }
             }
         }
         for element in group.elements.iter().filter(|element| element.inertia != 0.0) {
-            let row = motions.combination(&element.on).row;
-            (0..width).for_each(|i| (0..=i).for_each(|j| mass[i][j] += element.inertia * row[i] * row[j]));
+            for (place, &i) in element.support.iter().enumerate() {
+                let by_i = element.inertia * motions.row_entry(&element.on, i);
+                for &j in &element.support[..=place] {
+                    mass[i * size + j] += by_i * motions.row_entry(&element.on, j);
+                }
+            }
         }
-        mass
     }
 
     /// Inertial accelerations at time `t`, in the frame of a moving palm.
@@ -136,66 +160,66 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Adds the inertial loads on all bodies in the frame of a moving palm. Their power is work of the palm.
-    fn add_inertial_loads<const Z: usize>(
-        &self,
-        t: f64,
-        motions: &Motions<f64, K>,
-        load: &mut [f64; N],
-        g: &mut [f64; Z],
-    ) {
+    fn add_inertial_loads(&self, t: f64, motions: &Motions<f64>, load: &mut [f64], g: &mut [f64]) {
         let Some(InertialField { field, .. }) = self.inertial_field(t) else { return };
         for (index, of_body) in inertial_loads(&self.mechanism, (&field, motions)) {
-            let (Span { first, size, is_free }, motion) = (self.spans[index], &motions.bodies[index]);
-            let center = &motions.centers[index];
-            g[Self::DRIVE_WORK] += power(of_body, center.rate, motion.rate[2]);
-            let load = &mut load[first..first + size];
+            let (Span { first, is_free, .. }, motion) = (self.spans[index], &motions.bodies[index]);
+            g[self.drive_work()] += power(of_body, motions.centers[index].rate, motion.rate[2]);
             if is_free {
-                load.iter_mut().zip(of_body).for_each(|(load, part)| *load += part);
+                load[first..first + 3].iter_mut().zip(of_body).for_each(|(load, part)| *load += part);
                 continue;
             }
-            let [x, y] = &center.jacobian;
-            for (i, load) in load.iter_mut().enumerate() {
-                *load += of_body[0] * x[i] + of_body[1] * y[i] + of_body[2] * motion.jacobian[2][i];
+            for &i in &motions.body_supports[index].coordinates {
+                let ([x, y], [.., turn]) = (motions.center_column(index, i), motions.column(index, i));
+                load[first + i] += of_body[0] * x + of_body[1] * y + of_body[2] * turn;
             }
         }
     }
 
     /// Adds the derivatives of the inertial loads.
-    fn add_inertial_derivatives<const Z: usize>(
+    fn add_inertial_derivatives(
         &self,
         t: f64,
-        (plain, motions): (&Motions<f64, K>, &Motions<Dual<K>, K>),
-        sums: &mut Sums<N, Z>,
+        (plain, motions): (&Motions<f64>, &[Motions<Lanes>]),
+        sums: &mut Sums<'_>,
     ) {
         let Some(field) = self.inertial_field(t) else { return };
         for (index, Span { first, size, is_free }) in self.spans.iter().copied().enumerate() {
             let inertia = Inertia::of(&self.mechanism.bodies[index]);
-            match is_free {
-                true => sums.add_free_inertia((first, inertia, Self::DRIVE_WORK), &field, &plain.bodies[index]),
-                false => {
-                    let motions = (&motions.centers[index], &motions.bodies[index]);
-                    sums.add_group_inertia(((first, size), inertia, Self::DRIVE_WORK), &field, motions);
-                }
+            if is_free {
+                sums.add_free_inertia((first, inertia, self.drive_work()), &field, &plain.bodies[index]);
+                continue;
+            }
+            for (chunk, of_chunk) in Chunk::of_group(first, size) {
+                sums.add_group_inertia((of_chunk, inertia, self.drive_work()), &field, (&motions[chunk], index));
             }
         }
     }
 
+    /// Adds a load along the coordinate of a joint.
+    #[inline(always)]
+    pub(super) fn add_joint_load(&self, motions: &Motions<f64>, joint: usize, effort: f64, load: &mut [f64]) {
+        let first = self.span_of_joint(joint).first;
+        for &i in &motions.joint_supports[joint].coordinates {
+            load[first + i] += motions.joint_entry(joint, i) * effort;
+        }
+    }
+
     /// Adds all loads on the coordinates and the powers of all forces.
-    fn add_loads<const Z: usize>(
+    fn add_loads(
         &self,
         t: f64,
-        v: &[f64; N],
-        mode: &MechanismMode<C>,
-        motions: &Motions<f64, K>,
-        load: &mut [f64; N],
-        g: &mut [f64; Z],
+        v: &[f64],
+        mode: &MechanismMode,
+        motions: &Motions<f64>,
+        (load, g): (&mut [f64], &mut [f64]),
     ) {
+        let contact_work = self.contact_work();
         for free in &self.free_bodies {
             load[free.first..free.first + 2].copy_from_slice(&free.weight);
         }
         for group in &self.groups {
-            let of_group = self.group_loads(t, (group, v), mode, motions, g);
-            load[group.first..].iter_mut().zip(of_group).take(group.size()).for_each(|(load, part)| *load = part);
+            self.add_group_loads(t, (group, v), mode, motions, (&mut *load, &mut *g));
         }
         self.add_inertial_loads(t, motions, load, g);
         for (index, bodies, points_m) in self.linear_springs() {
@@ -203,7 +227,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let rates = Self::pair_rates(motions, bodies);
             let (forces, power) = pairs::spring_loads(&self.mechanism.springs[index], &state, &rates);
             self.add_pair_loads(motions, bodies, &forces, load);
-            g[Self::CONTACT_WORK] += power;
+            g[contact_work] += power;
         }
         for (index, actuator) in self.mechanism.actuators.iter().enumerate().filter(|each| each.1.brake.is_some()) {
             let rate = motions.combination(&actuator.on).rate;
@@ -225,27 +249,26 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     contact.add_rolling(&rates, &mut forces);
                     self.add_pair_loads(motions, pair.bodies, &forces.load, load);
                     g[index] += forces.normal;
-                    g[Self::CONTACT_WORK] += forces.power;
+                    g[contact_work] += forces.power;
                     if let Some(bristle) = contact.bristle {
                         load[bristle] += forces.bristle_rate;
                     }
                 }
                 Surfaces::Limit(limit) => {
-                    let (span, motion) = (self.span_of_joint(limit.joint), &motions.joints[limit.joint]);
                     let coordinate = self.joint_coordinate(motions, limit.joint);
-                    let (depth, rate) = (limit.side * (coordinate - limit.value), limit.side * motion.rate);
+                    let rate = limit.side * motions.joints[limit.joint].rate;
+                    let depth = limit.side * (coordinate - limit.value);
                     let force = normal_force_on_branch(&limit.law, laws.state, depth, rate).force;
-                    let effort = -limit.side * force;
-                    (0..span.size).for_each(|i| load[span.first + i] += motion.row[i] * effort);
+                    self.add_joint_load(motions, limit.joint, -limit.side * force, load);
                     g[index] += force;
-                    g[Self::CONTACT_WORK] -= force * rate;
+                    g[contact_work] -= force * rate;
                 }
                 Surfaces::Friction(joint) => {
-                    let (span, motion) = (self.span_of_joint(*joint), &motions.joints[*joint]);
+                    let rate = motions.joints[*joint].rate;
                     let state = contact.bristle.map(|bristle| v[bristle]);
-                    let effort = contact.friction_effort(motion.rate, state, laws.range);
-                    (0..span.size).for_each(|i| load[span.first + i] += motion.row[i] * effort);
-                    g[Self::CONTACT_WORK] += effort * motion.rate;
+                    let effort = contact.friction_effort(rate, state, laws.range);
+                    self.add_joint_load(motions, *joint, effort, load);
+                    g[contact_work] += effort * rate;
                     contact.bristle.into_iter().for_each(|bristle| load[bristle] -= effort * contact.stretch_gain());
                 }
                 Surfaces::Tendon(_) => {}
@@ -253,50 +276,52 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         }
     }
 
-    /// Loads of inertia, gravity, elements, actuators and brakes on a group, and the powers of elements, actuators and
-    /// brakes.
-    fn group_loads<const Z: usize>(
+    /// Adds the loads of inertia, gravity, elements, actuators and brakes on a group, and the powers of elements, actuators
+    /// and brakes.
+    fn add_group_loads(
         &self,
         t: f64,
-        (group, v): (&PlacedGroup, &[f64; N]),
-        mode: &MechanismMode<C>,
-        motions: &Motions<f64, K>,
-        g: &mut [f64; Z],
-    ) -> [f64; K] {
-        let mut load = [0.0; K];
-        let (width, gravity) = (Self::width(group), self.mechanism.gravity_m_s2);
+        (group, v): (&PlacedGroup, &[f64]),
+        mode: &MechanismMode,
+        motions: &Motions<f64>,
+        (load, g): (&mut [f64], &mut [f64]),
+    ) {
+        let (size, gravity) = (group.size(), self.mechanism.gravity_m_s2);
+        let load = &mut load[group.first..][..size];
         for &index in &group.group.bodies {
             let (body, motion, center) =
                 (&self.mechanism.bodies[index], &motions.bodies[index], &motions.centers[index]);
             let [x, y] = pair(|axis| body.mass_kg * (gravity[axis] - center.bias[axis]));
-            let (turn, [by_x, by_y]) = (-body.inertia_kg_m2 * motion.bias[2], &center.jacobian);
-            for i in 0..width {
-                load[i] += by_x[i] * x + by_y[i] * y + motion.jacobian[2][i] * turn;
+            let turn = -body.inertia_kg_m2 * motion.bias[2];
+            let support = &motions.body_supports[index];
+            let columns = &motions.columns[support.first..][..size];
+            let centers = &motions.center_columns[support.first..][..size];
+            for &i in &support.coordinates {
+                load[i] += centers[i][0] * x + centers[i][1] * y + columns[i][2] * turn;
             }
         }
         for element in &group.elements {
             let motion = motions.combination(&element.on);
-            g[Self::CONTACT_WORK] -= element.damping * motion.rate * motion.rate;
+            g[self.contact_work()] -= element.damping * motion.rate * motion.rate;
             let effort = element.effort(motion.coordinate, motion.rate) - element.inertia * motion.bias;
-            (0..width).for_each(|i| load[i] += motion.row[i] * effort);
+            element.support.iter().for_each(|i| load[*i] += motions.row_entry(&element.on, *i) * effort);
         }
-        for &index in &group.actuators {
-            let actuator = &self.mechanism.actuators[index];
+        for (index, support) in &group.actuators {
+            let actuator = &self.mechanism.actuators[*index];
             let motion = motions.combination(&actuator.on);
-            let range = self.range_at(t, mode, index, motion.coordinate, motion.rate);
+            let range = self.range_at(t, mode, *index, motion.coordinate, motion.rate);
             let mut effort = effort(actuator, range, t, motion.coordinate, motion.rate).value;
-            g[Self::DRIVE_WORK] += effort * motion.rate;
-            if let Some(brake) = self.brake_effort(t, v, index, motion.rate) {
-                g[Self::CONTACT_WORK] += brake.effort.value * motion.rate;
+            g[self.drive_work()] += effort * motion.rate;
+            if let Some(brake) = self.brake_effort(t, v, *index, motion.rate) {
+                g[self.contact_work()] += brake.effort.value * motion.rate;
                 effort += brake.effort.value;
             }
-            (0..width).for_each(|i| load[i] += motion.row[i] * effort);
+            support.iter().for_each(|i| load[*i] += motions.row_entry(&actuator.on, *i) * effort);
         }
-        load
     }
 
     /// Effort of the brake of an actuator, if it has one.
-    pub(super) fn brake_effort(&self, t: f64, v: &[f64; N], actuator: usize, rate: f64) -> Option<BrakeEffort> {
+    pub(super) fn brake_effort(&self, t: f64, v: &[f64], actuator: usize, rate: f64) -> Option<BrakeEffort> {
         let state = self.brake_bristles[actuator].map(|index| (index, v[index]));
         brake_effort(&self.mechanism.actuators[actuator], t, rate, state)
     }
@@ -305,10 +330,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     #[inline(always)]
     pub(super) fn add_pair_loads(
         &self,
-        motions: &Motions<f64, K>,
+        motions: &Motions<f64>,
         bodies: [Option<usize>; 2],
         loads: &[f64; POSES],
-        load: &mut [f64; N],
+        load: &mut [f64],
     ) {
         for (side, body) in bodies.into_iter().enumerate() {
             let Some(body) = body else { continue };
@@ -318,16 +343,16 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 load.iter_mut().zip(of_body).for_each(|(load, part)| *load += part);
                 continue;
             }
-            let [x, y, turn] = &motions.bodies[body].jacobian;
-            for (i, load) in load.iter_mut().enumerate() {
-                *load += of_body[0] * x[i] + of_body[1] * y[i] + of_body[2] * turn[i];
+            for &i in &motions.body_supports[body].coordinates {
+                let [x, y, turn] = motions.column(body, i);
+                load[i] += of_body[0] * x + of_body[1] * y + of_body[2] * turn;
             }
         }
     }
 
     /// Solves the mass matrices of all bodies for one vector of loads, in place. Returns the power that the prescribed
     /// motions require: time is their coordinate, and its rate is 1.
-    pub(super) fn solve(&self, factors: &[Factor<K>], x: &mut [f64; N]) -> f64 {
+    pub(super) fn solve(&self, factors: &[Factor], x: &mut [f64]) -> f64 {
         for free in &self.free_bodies {
             x[free.first..free.first + free.axes]
                 .iter_mut()
@@ -345,90 +370,109 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         power
     }
 
+    /// [`MechanismModel::solve`] for the first `count` columns of a matrix, in place; adds the powers to `powers`.
+    fn solve_columns(&self, factors: &[Factor], matrix: &mut DynamicMatrix<f64>, powers: &mut [f64], count: usize) {
+        for free in &self.free_bodies {
+            for (axis, mobility) in free.mobility.into_iter().enumerate().take(free.axes) {
+                matrix[free.first + axis][..count].iter_mut().for_each(|entry| *entry *= mobility);
+            }
+        }
+        for (group, factor) in self.groups.iter().zip(factors) {
+            factor.solve_columns((matrix, group.first), count, powers);
+        }
+    }
+
     /// Adds the derivatives of the loads on a group that depend on the group alone.
-    fn add_group_derivatives<const Z: usize>(
+    fn add_group_derivatives(
         &self,
         t: f64,
-        (group, v, a): (&PlacedGroup, &[f64; N], &[f64; N]),
-        mode: &MechanismMode<C>,
-        motions: &Motions<Dual<K>, K>,
-        sums: &mut Sums<N, Z>,
+        (group, v, a): (&PlacedGroup, &[f64], &[f64]),
+        mode: &MechanismMode,
+        (chunk, motions): (Chunk, &Motions<Lanes>),
+        sums: &mut Sums<'_>,
     ) {
-        let (size, first) = (group.size(), group.first);
-        let accelerations: [f64; K] = array_from(|k| if k < size { a[first + k] } else { 0.0 });
-        // Acceleration of a quantity with this row and bias.
-        let acceleration =
-            |row: &[Dual<K>; K], bias: Dual<K>| (0..size).fold(bias, |sum, k| sum + row[k] * accelerations[k]);
+        let a = &a[group.first..][..group.size()];
         for &index in &group.group.bodies {
             let (body, motion, center) =
                 (&self.mechanism.bodies[index], &motions.bodies[index], &motions.centers[index]);
+            let support = &motions.body_supports[index];
+            let columns = &motions.columns[support.first..][..group.size()];
+            let centers = &motions.center_columns[support.first..][..group.size()];
+            let support = &support.coordinates[..];
             for axis in 0..2 {
-                let row = &center.jacobian[axis];
-                let total = acceleration(row, center.bias[axis]) - self.mechanism.gravity_m_s2[axis];
-                let rate = center.rate[axis];
-                sums.add_block((first, size), row, total * -body.mass_kg, |j| -2.0 * body.mass_kg * rate.grad[j]);
+                let total = support.iter().fold(center.bias[axis], |sum, k| sum + centers[*k][axis] * a[*k])
+                    - self.mechanism.gravity_m_s2[axis];
+                let by_v = center.rate[axis].grad.map(|grad| -2.0 * body.mass_kg * grad);
+                sums.add_block(chunk, (support, |i| centers[i][axis]), total * -body.mass_kg, by_v);
             }
-            let (row, rate) = (&motion.jacobian[2], motion.rate[2]);
-            let total = acceleration(row, motion.bias[2]);
-            sums.add_block((first, size), row, total * -body.inertia_kg_m2, |j| {
-                -2.0 * body.inertia_kg_m2 * rate.grad[j]
-            });
+            let total = support.iter().fold(motion.bias[2], |sum, k| sum + columns[*k][2] * a[*k]);
+            let by_v = motion.rate[2].grad.map(|grad| -2.0 * body.inertia_kg_m2 * grad);
+            sums.add_block(chunk, (support, |i| columns[i][2]), total * -body.inertia_kg_m2, by_v);
         }
         for element in &group.elements {
-            let Element { stiffness, damping, inertia, .. } = *element;
-            let motion = motions.combination(&element.on);
+            let Element { stiffness, damping, inertia, ref on, ref support, .. } = *element;
+            let motion = motions.combination(on);
             let effort = element.effort(motion.coordinate.value, motion.rate.value);
-            let force = motion.coordinate.chain2(motion.rate, effort, -stiffness, -damping)
-                - acceleration(&motion.row, motion.bias) * inertia;
-            sums.add_block((first, size), &motion.row, force, |j| {
-                -damping * motion.row[j].value - 2.0 * inertia * motion.rate.grad[j]
-            });
+            let acceleration = support.iter().fold(motion.bias, |sum, k| sum + motions.row_entry(on, *k) * a[*k]);
+            let force = motion.coordinate.chain2(motion.rate, effort, -stiffness, -damping) - acceleration * inertia;
+            let values = chunk.each(|_, j| motions.row_entry(on, j).value);
+            let by_v = chunk.each(|lane, _| -damping * values[lane] - 2.0 * inertia * motion.rate.grad[lane]);
+            sums.add_block(chunk, (support, |i| motions.row_entry(on, i)), force, by_v);
             let power = -(motion.rate * motion.rate * damping);
             let power_by_rate = -2.0 * damping * motion.rate.value;
-            sums.add_power(Self::CONTACT_WORK, (first, size), power, |j| power_by_rate * motion.row[j].value);
+            sums.add_power(self.contact_work(), chunk, power, values.map(|value| power_by_rate * value));
         }
-        for &index in &group.actuators {
-            let actuator = &self.mechanism.actuators[index];
-            let motion = motions.combination(&actuator.on);
-            let (row, rate) = (&motion.row, motion.rate.value);
-            let range = self.range_at(t, mode, index, motion.coordinate.value, rate);
+        for (index, support) in &group.actuators {
+            let actuator = &self.mechanism.actuators[*index];
+            let (on, motion) = (&actuator.on, motions.combination(&actuator.on));
+            let values = chunk.each(|_, j| motions.row_entry(on, j).value);
+            let rate = motion.rate.value;
+            let range = self.range_at(t, mode, *index, motion.coordinate.value, rate);
             let effort = effort(actuator, range, t, motion.coordinate.value, rate);
-            let brake = self.brake_effort(t, v, index, rate);
+            let brake = self.brake_effort(t, v, *index, rate);
             let brake_effort = brake.map_or(Effort::default(), |brake| brake.effort);
-            for (work, effort) in [(Self::DRIVE_WORK, effort), (Self::CONTACT_WORK, brake_effort)] {
+            for (work, effort) in [(self.drive_work(), effort), (self.contact_work(), brake_effort)] {
                 let force = motion.coordinate.chain2(motion.rate, effort.value, effort.by_coordinate, effort.by_rate);
-                sums.add_block((first, size), row, force, |j| effort.by_rate * row[j].value);
+                let by_v = values.map(|value| effort.by_rate * value);
+                sums.add_block(chunk, (support, |i| motions.row_entry(on, i)), force, by_v);
                 let power_by_rate = effort.by_rate * rate + effort.value;
-                sums.add_power(work, (first, size), force * motion.rate, |j| power_by_rate * row[j].value);
-                (0..size).for_each(|i| sums.load_t[first + i] += row[i].value * effort.by_time);
-                sums.g_t[work] += effort.by_time * rate;
+                sums.add_power(work, chunk, force * motion.rate, values.map(|value| power_by_rate * value));
+                for (load, value) in sums.load_t[group.first + chunk.start..].iter_mut().zip(values).take(chunk.count) {
+                    *load += value * effort.by_time;
+                }
+                if chunk.start == 0 {
+                    sums.g_t[work] += effort.by_time * rate;
+                }
             }
             if let Some(BrakeEffort { effort, bristle: Some(bristle), by_bristle, gain }) = brake {
-                for (i, entry) in row.iter().enumerate().take(size) {
-                    sums.load_v[first + i][bristle] += entry.value * by_bristle;
-                    sums.load_q[bristle][first + i] += gain * effort.by_rate * motion.rate.grad[i];
-                    sums.load_v[bristle][first + i] += gain * effort.by_rate * entry.value;
+                for lane in 0..chunk.count {
+                    let (i, value) = (group.first + chunk.start + lane, values[lane]);
+                    sums.load_v[i][bristle] += value * by_bristle;
+                    sums.load_q[bristle][i] += gain * effort.by_rate * motion.rate.grad[lane];
+                    sums.load_v[bristle][i] += gain * effort.by_rate * value;
                 }
-                sums.load_v[bristle][bristle] += gain * by_bristle;
-                sums.load_t[bristle] += gain * effort.by_time;
-                sums.g_v[Self::CONTACT_WORK][bristle] += by_bristle * rate;
+                if chunk.start == 0 {
+                    sums.load_v[bristle][bristle] += gain * by_bristle;
+                    sums.load_t[bristle] += gain * effort.by_time;
+                    sums.g_v[self.contact_work()][bristle] += by_bristle * rate;
+                }
             }
         }
     }
 
     /// Adds the derivatives of forces between two bodies: loads on their relative pose, and numbers added to quadratures or
     /// to the rates of bristle states.
-    pub(super) fn add_pair_derivatives<const Z: usize>(
+    pub(super) fn add_pair_derivatives(
         &self,
-        motions: &Motions<Dual<K>, K>,
+        (plain, motions): (&Motions<f64>, &[Motions<Lanes>]),
         bodies: [Option<usize>; 2],
         loads: &[WithDerivatives<POSES, POSES>; POSES],
         quadratures: &[(usize, WithDerivatives<POSES, POSES>)],
         bristle: Option<(usize, WithDerivatives<POSES, POSES>)>,
-        sums: &mut Sums<N, Z>,
+        sums: &mut Sums<'_>,
     ) {
         // Adds the derivatives of a number to rows over all coordinates and their rates.
-        let add = |number: &WithDerivatives<POSES, POSES>, by_q: &mut [f64; N], by_v: &mut [f64; N]| {
+        let add = |number: &WithDerivatives<POSES, POSES>, by_q: &mut [f64], by_v: &mut [f64]| {
             for (side, body) in bodies.into_iter().enumerate() {
                 let Some(body) = body else { continue };
                 let Span { first, size, is_free } = self.spans[body];
@@ -439,13 +483,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     by_v.iter_mut().zip(by_rate).for_each(|(entry, part)| *entry += part);
                     continue;
                 }
-                let motion = &motions.bodies[body];
-                for axis in 0..3 {
-                    let (d_pose, d_rate) = (by_pose[axis], by_rate[axis]);
-                    let (jacobian, rate) = (&motion.jacobian[axis], &motion.rate[axis]);
-                    for j in 0..size {
-                        by_q[j] += d_pose * jacobian[j].value + d_rate * rate.grad[j];
-                        by_v[j] += d_rate * jacobian[j].value;
+                for &j in &plain.body_supports[body].coordinates {
+                    let (column, rate) = (plain.column(body, j), &motions[j / LANES].bodies[body].rate);
+                    for axis in 0..3 {
+                        by_q[j] += by_pose[axis] * column[axis] + by_rate[axis] * rate[axis].grad[j % LANES];
+                        by_v[j] += by_rate[axis] * column[axis];
                     }
                 }
             }
@@ -458,23 +500,31 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             let Span { first, size, is_free } = self.spans[body];
             let sign = if side == 0 { 1.0 } else { -1.0 };
             let of_body = [(&loads[0], sign), (&loads[1], sign), (&loads[2 + side], 1.0)];
-            for i in 0..size {
-                // The load on a coordinate is a sum of those on the pose.
-                let mut on_coordinate = WithDerivatives::default();
-                let mut add_part = |load: &WithDerivatives<POSES, POSES>, factor: f64| {
-                    for k in 0..POSES {
-                        on_coordinate.by_q[k] += factor * load.by_q[k];
-                        on_coordinate.by_v[k] += factor * load.by_v[k];
-                    }
-                    on_coordinate.by_bristle += factor * load.by_bristle;
-                };
-                if is_free {
-                    add_part(of_body[i].0, of_body[i].1);
-                } else {
-                    for ((load, sign), row) in of_body.iter().zip(&motions.bodies[body].jacobian) {
-                        add_part(load, sign * row[i].value);
-                        let value = sign * load.value;
-                        (0..size).for_each(|j| sums.load_q[first + i][first + j] += row[i].grad[j] * value);
+            // The load on a coordinate is a sum of those on the pose.
+            let add_part = |sum: &mut WithDerivatives<POSES, POSES>, load: &WithDerivatives<POSES, POSES>, factor: f64| {
+                for k in 0..POSES {
+                    sum.by_q[k] += factor * load.by_q[k];
+                    sum.by_v[k] += factor * load.by_v[k];
+                }
+                sum.by_bristle += factor * load.by_bristle;
+            };
+            if is_free {
+                for (i, (load, sign)) in of_body.into_iter().enumerate().take(size) {
+                    let mut on_coordinate = WithDerivatives::default();
+                    add_part(&mut on_coordinate, load, sign);
+                    add(&on_coordinate, &mut sums.load_q[first + i], &mut sums.load_v[first + i]);
+                }
+                continue;
+            }
+            let support = &plain.body_supports[body].coordinates;
+            for &i in support {
+                let (mut on_coordinate, column) = (WithDerivatives::default(), plain.column(body, i));
+                for (axis, (load, sign)) in of_body.into_iter().enumerate() {
+                    add_part(&mut on_coordinate, load, sign * column[axis]);
+                    let value = sign * load.value;
+                    for &j in support {
+                        let entry = motions[j / LANES].column(body, i)[axis].grad[j % LANES];
+                        sums.load_q[first + i][first + j] += entry * value;
                     }
                 }
                 add(&on_coordinate, &mut sums.load_q[first + i], &mut sums.load_v[first + i]);
@@ -489,19 +539,20 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Adds the derivatives of contacts, limits and linear springs.
-    fn add_all_pair_derivatives<const Z: usize>(
+    fn add_all_pair_derivatives(
         &self,
-        v: &[f64; N],
-        mode: &MechanismMode<C>,
-        (plain, motions): (&Motions<f64, K>, &Motions<Dual<K>, K>),
-        sums: &mut Sums<N, Z>,
+        v: &[f64],
+        mode: &MechanismMode,
+        (plain, motions): (&Motions<f64>, &[Motions<Lanes>]),
+        sums: &mut Sums<'_>,
     ) {
+        let contact_work = self.contact_work();
         for (index, bodies, points_m) in self.linear_springs() {
             let frames = Self::variable_frames(&Self::frames(plain, bodies), bodies);
             let (spring, state) = (&self.mechanism.springs[index], pairs::spring(points_m, &frames));
             let rates = Self::pair_rates(plain, bodies);
             let (loads, power) = pairs::spring_loads_with_derivatives(spring, &state, &rates);
-            self.add_pair_derivatives(motions, bodies, &loads, &[(Self::CONTACT_WORK, power)], None, sums);
+            self.add_pair_derivatives((plain, motions), bodies, &loads, &[(contact_work, power)], None, sums);
         }
         for (index, contact) in self.contacts.iter().enumerate() {
             let Some(laws) = contact.laws(mode, index) else { continue };
@@ -515,47 +566,64 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                     let rates = Self::pair_rates(plain, pair.bodies);
                     let mut forces = contact_forces_with_derivatives(&kinematics, &rates, state, laws);
                     contact.add_rolling_with_derivatives(&rates, &mut forces);
-                    let quadratures = [(index, forces.normal), (Self::CONTACT_WORK, forces.power)];
+                    let quadratures = [(index, forces.normal), (contact_work, forces.power)];
                     let bristle = contact.bristle.map(|bristle| (bristle, forces.bristle_rate));
-                    self.add_pair_derivatives(motions, pair.bodies, &forces.load, &quadratures, bristle, sums);
+                    self.add_pair_derivatives(
+                        (plain, motions),
+                        pair.bodies,
+                        &forces.load,
+                        &quadratures,
+                        bristle,
+                        sums,
+                    );
                 }
                 Surfaces::Limit(limit) => {
-                    let (span, motion) = (self.span_of_joint(limit.joint), &motions.joints[limit.joint]);
-                    let side = limit.side;
+                    let (span, side) = (self.span_of_joint(limit.joint), limit.side);
                     let coordinate = self.joint_coordinate(plain, limit.joint);
-                    let depth = (motion.coordinate.chain(coordinate, 1.0) - limit.value) * side;
-                    let rate = motion.rate * side;
-                    let law = normal_force_on_branch(&limit.law, laws.state, depth.value, rate.value);
-                    let force = depth.chain2(rate, law.force, law.d_delta, law.d_rate);
-                    let (load, power) = (force * -side, -(force * rate));
-                    let of_group = (span.first, span.size);
-                    sums.add_block(of_group, &motion.row, load, |j| -law.d_rate * motion.row[j].value);
-                    sums.add_power(index, of_group, force, |j| law.d_rate * side * motion.row[j].value);
-                    let power_by_rate = -side * (law.d_rate * rate.value + force.value);
-                    sums.add_power(Self::CONTACT_WORK, of_group, power, |j| power_by_rate * motion.row[j].value);
+                    let support = &plain.joint_supports[limit.joint].coordinates[..];
+                    for (at, chunk) in Chunk::of_group(span.first, span.size) {
+                        let (motions, row) = (&motions[at], |i| motions[at].joint_entry(limit.joint, i));
+                        let motion = &motions.joints[limit.joint];
+                        let depth = (motion.coordinate.chain(coordinate, 1.0) - limit.value) * side;
+                        let rate = motion.rate * side;
+                        let law = normal_force_on_branch(&limit.law, laws.state, depth.value, rate.value);
+                        let force = depth.chain2(rate, law.force, law.d_delta, law.d_rate);
+                        let (load, power) = (force * -side, -(force * rate));
+                        let values = chunk.each(|_, j| row(j).value);
+                        sums.add_block(chunk, (support, row), load, values.map(|value| -law.d_rate * value));
+                        sums.add_power(index, chunk, force, values.map(|value| law.d_rate * side * value));
+                        let power_by_rate = -side * (law.d_rate * rate.value + force.value);
+                        sums.add_power(contact_work, chunk, power, values.map(|value| power_by_rate * value));
+                    }
                 }
                 Surfaces::Friction(joint) => {
-                    let (Span { first, size, .. }, motion) = (self.span_of_joint(*joint), &motions.joints[*joint]);
-                    let rate = motion.rate.value;
+                    let Span { first, size, .. } = self.span_of_joint(*joint);
+                    let rate = plain.joints[*joint].rate;
                     let state = contact.bristle.map(|bristle| Dual::<2>::variable(v[bristle], 1));
                     let Dual { value, grad: [by_rate, by_state] } =
                         contact.friction_effort(Dual::<2>::variable(rate, 0), state, laws.range);
-                    let effort = motion.rate.chain(value, by_rate);
-                    sums.add_block((first, size), &motion.row, effort, |j| by_rate * motion.row[j].value);
                     let gain = contact.stretch_gain();
-                    for i in 0..size {
-                        let (row, rate_q) = (motion.row[i].value, motion.rate.grad[i]);
-                        sums.g_q[Self::CONTACT_WORK][first + i] += (by_rate * rate + value) * rate_q;
-                        sums.g_v[Self::CONTACT_WORK][first + i] += (by_rate * rate + value) * row;
-                        if let Some(bristle) = contact.bristle {
-                            sums.load_v[first + i][bristle] += row * by_state;
-                            sums.load_q[bristle][first + i] -= gain * by_rate * rate_q;
-                            sums.load_v[bristle][first + i] -= gain * by_rate * row;
+                    let support = &plain.joint_supports[*joint].coordinates[..];
+                    for (at, chunk) in Chunk::of_group(first, size) {
+                        let row = |i| motions[at].joint_entry(*joint, i);
+                        let rate_q = motions[at].joints[*joint].rate;
+                        let values = chunk.each(|_, j| row(j).value);
+                        let by_v = values.map(|value| by_rate * value);
+                        sums.add_block(chunk, (support, row), rate_q.chain(value, by_rate), by_v);
+                        for lane in 0..chunk.count {
+                            let (i, row, rate_q) = (first + chunk.start + lane, values[lane], rate_q.grad[lane]);
+                            sums.g_q[contact_work][i] += (by_rate * rate + value) * rate_q;
+                            sums.g_v[contact_work][i] += (by_rate * rate + value) * row;
+                            if let Some(bristle) = contact.bristle {
+                                sums.load_v[i][bristle] += row * by_state;
+                                sums.load_q[bristle][i] -= gain * by_rate * rate_q;
+                                sums.load_v[bristle][i] -= gain * by_rate * row;
+                            }
                         }
                     }
                     if let Some(bristle) = contact.bristle {
                         sums.load_v[bristle][bristle] -= gain * by_state;
-                        sums.g_v[Self::CONTACT_WORK][bristle] += by_state * rate;
+                        sums.g_v[contact_work][bristle] += by_state * rate;
                     }
                 }
                 Surfaces::Tendon(_) => {}
@@ -569,7 +637,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Kinematics of a point contact in a state, with the rate of the relative pose of its bodies.
     pub(super) fn point_kinematics(
         &self,
-        motions: &Motions<f64, K>,
+        motions: &Motions<f64>,
         pair: &PointOnFace,
         feature: Option<Feature>,
     ) -> (ContactKinematics<f64, POSES>, [f64; POSES]) {
@@ -643,52 +711,61 @@ impl Contact {
     }
 
     /// Returns the laws if the contact has a force in this mode.
-    fn laws<const C: usize>(&self, mode: &MechanismMode<C>, index: usize) -> Option<ContactLaws<'_>> {
+    fn laws(&self, mode: &MechanismMode, index: usize) -> Option<ContactLaws<'_>> {
         ContactLaws::in_mode(&mode.contacts, index, (&self.normal, self.friction.as_ref()))
     }
 }
 
-impl<const N: usize, const K: usize, const C: usize, const Z: usize> System<N, Z> for MechanismModel<N, K, C> {
-    type Mode = MechanismMode<C>;
+impl System for MechanismModel {
+    type Layout = Dynamic;
+    type Mode = MechanismMode;
+
+    fn layout(&self) -> Dynamic {
+        self.sizes()
+    }
 
     fn coordinate_count(&self) -> usize {
         self.coordinates_in_use()
     }
 
-    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Rates<N, Z> {
+    fn rates(&self, t: f64, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode, rates: &mut Rates<Dynamic>) {
         self.count_turns_as(mode);
-        let (mut a, mut g) = ([0.0; N], [0.0; Z]);
+        let Rates { a, g } = rates;
+        a.fill(0.0);
+        g.fill(0.0);
         self.with_factors((q, v), |motions, factors| {
-            self.add_loads(t, v, mode, motions, &mut a, &mut g);
-            self.add_tendon_loads(t, v, mode, motions, &mut a, &mut g);
-            g[Self::DRIVE_WORK] += self.solve(factors, &mut a);
+            self.add_loads(t, v, mode, motions, (a, g));
+            self.add_tendon_loads(t, v, mode, motions, (a, g));
+            g[self.drive_work()] += self.solve(factors, a);
         });
-        Rates { a, g }
     }
 
-    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Linearised<N, Z> {
-        let rates = <Self as System<N, Z>>::rates(self, t, q, v, mode);
-        let mut sums = Sums::<N, Z>::ZERO;
+    fn linearise(
+        &self,
+        t: f64,
+        q: &Vec<f64>,
+        v: &Vec<f64>,
+        mode: &MechanismMode,
+        linearised: &mut Linearised<Dynamic>,
+    ) {
+        linearised.clear();
+        self.rates(t, q, v, mode, &mut linearised.rates);
+        let (rates, mut sums) = Sums::of(linearised);
         self.with_derivatives((q, v), |plain, motions| {
             for group in &self.groups {
-                self.add_group_derivatives(t, (group, v, &rates.a), mode, motions, &mut sums);
+                for (at, chunk) in Chunk::of_group(group.first, group.size()) {
+                    self.add_group_derivatives(t, (group, v, &rates.a), mode, (chunk, &motions[at]), &mut sums);
+                }
             }
             self.add_inertial_derivatives(t, (plain, motions), &mut sums);
             self.add_all_pair_derivatives(v, mode, (plain, motions), &mut sums);
             self.add_tendon_derivatives(t, v, mode, (plain, motions), &mut sums);
         });
-        let count = self.coordinates_in_use();
-        let Sums { load_q: mut a_q, load_v: mut a_v, load_t: mut a_t, mut g_q, mut g_v, mut g_t } = sums;
+        let (count, drive_work) = (self.coordinates_in_use(), self.drive_work());
         self.with_factors((q, v), |_, factors| {
-            for (matrix, powers) in [(&mut a_q, &mut g_q), (&mut a_v, &mut g_v)] {
-                for j in 0..count {
-                    let mut column = array_from(|i| matrix[i][j]);
-                    powers[Self::DRIVE_WORK][j] += self.solve(factors, &mut column);
-                    matrix.iter_mut().zip(column).for_each(|(row, entry)| row[j] = entry);
-                }
-            }
-            g_t[Self::DRIVE_WORK] += self.solve(factors, &mut a_t);
+            self.solve_columns(factors, sums.load_q, &mut sums.g_q[drive_work], count);
+            self.solve_columns(factors, sums.load_v, &mut sums.g_v[drive_work], count);
+            sums.g_t[drive_work] += self.solve(factors, sums.load_t);
         });
-        Linearised { rates, a_q, a_v, a_t, g_q, g_v, g_t }
     }
 }

@@ -2,14 +2,18 @@
 //! singularities of its dyads.
 
 use super::actuator::{Ranges, margin, margin_tolerance, range, range_after};
+use super::cable::Cable;
 use super::dyad::PivotLine;
 use super::model::{MechanismMode, MechanismModel, Surfaces};
 use super::motion::Motions;
-use super::nearest::{Feature, Frame, PointOnFace};
+use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use crate::analytic::ContactState;
-use crate::analytic::contact::{ContactVariables, Mode, StateRef, first_impact_step, row_dot};
+use crate::analytic::contact::{ContactMode, ContactVariables, Mode, Row, StateRef, first_impact_step, row_dot};
 use crate::fivebar::kinematics::SINGULAR_SINE;
-use crate::integrator::{CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, RootSearch, System};
+use crate::integrator::{
+    CoordinateBounds, Dynamic, EventFunction, EventSet, GapBounds, Hybrid, Rates, RootSearch, System,
+};
+use crate::mechanism::Actuator;
 use crate::mechanism::structure::Placement;
 
 /// Margin below which a cable counts as lifted in the description of an obstacle, rad: the end is not located exactly.
@@ -23,12 +27,12 @@ enum EventOf {
 }
 
 impl EventOf {
-    /// The subject of an event function of `C` contacts and `count` functions in all.
-    fn index<const C: usize>(event: usize, count: usize) -> Self {
+    /// The subject of an event function of these contacts and `count` functions in all.
+    fn index(event: usize, contacts: usize, count: usize) -> Self {
         match event {
             _ if event + 1 == count => Self::Features,
-            _ if event < 3 * C => Self::Contact(event % C),
-            _ => Self::Actuator(event - 3 * C),
+            _ if event < 3 * contacts => Self::Contact(event % contacts),
+            _ => Self::Actuator(event - 3 * contacts),
         }
     }
 }
@@ -43,104 +47,176 @@ const FEATURE_MARGIN_M: f64 = 1e-12;
 /// Tolerance of locating that end, m.
 const FEATURE_TOLERANCE_M: f64 = 3e-13;
 
-impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+/// Derivatives of the gap or the slip of a contact.
+enum ContactRow<'a> {
+    /// A row over the relative pose of two bodies, and the index of a bristle state that is added to the slip.
+    Pair { bodies: [Option<usize>; 2], row: [f64; POSES], bristle: Option<usize> },
+    /// A multiple of the coordinate of a joint, and the index of a bristle state.
+    Joint { joint: usize, factor: f64, bristle: Option<usize> },
+    /// The length of a cable.
+    Cable(&'a Cable),
+    Zero,
+}
+
+/// A row in a state.
+struct RowAt<'a> {
+    model: &'a MechanismModel,
+    motions: &'a Motions<f64>,
+    row: ContactRow<'a>,
+}
+
+impl Row for RowAt<'_> {
+    fn write(&self, row: &mut [f64]) {
+        let Self { model, motions, row: of } = self;
+        row.fill(0.0);
+        let bristle = match of {
+            ContactRow::Pair { bodies, row: over_poses, bristle } => {
+                model.add_pair_loads(motions, *bodies, over_poses, row);
+                *bristle
+            }
+            ContactRow::Joint { joint, factor, bristle } => {
+                model.add_joint_load(motions, *joint, *factor, row);
+                *bristle
+            }
+            ContactRow::Cable(cable) => {
+                model.add_length_row(motions, &cable.tendon, row);
+                row.iter_mut().for_each(|part| *part = -*part);
+                None
+            }
+            ContactRow::Zero => None,
+        };
+        bristle.into_iter().for_each(|bristle| row[bristle] = 1.0);
+    }
+}
+
+/// A row that is evaluated.
+impl Row for Vec<f64> {
+    fn write(&self, row: &mut [f64]) {
+        row.copy_from_slice(self);
+    }
+}
+
+impl MechanismModel {
     /// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators, then one
     /// for the features of all faces.
     fn event_function_count(&self) -> usize {
-        3 * C + self.mechanism.actuators.len() + 1
+        3 * self.contacts.len() + self.mechanism.actuators.len() + 1
     }
 
     /// What an event function belongs to.
     fn subject_of(&self, event: usize) -> EventOf {
-        EventOf::index::<C>(event, self.event_function_count())
+        EventOf::index(event, self.contacts.len(), self.event_function_count())
     }
 
-    /// State of a contact, with its laws; `None` beyond the last contact. The rows are 0 unless `with_rows`.
-    fn contact_variables(
-        &self,
-        motions: &Motions<f64, K>,
-        v: &[f64; N],
+    /// State of a contact, with its laws.
+    #[inline(always)]
+    fn contact_variables<'a>(
+        &'a self,
+        motions: &'a Motions<f64>,
+        v: &[f64],
         index: usize,
         feature: Option<Feature>,
-        with_rows: bool,
-    ) -> Option<ContactVariables<'_, N>> {
-        let contact = self.contacts.get(index)?;
-        let mut rows = [[0.0; N]; 2];
-        let [delta, rate, slip] = match &contact.surfaces {
+    ) -> ContactVariables<'a, RowAt<'a>> {
+        let contact = &self.contacts[index];
+        let bristle = contact.bristle;
+        let ([delta, rate, slip], normal_row, tangent_row) = match &contact.surfaces {
             Surfaces::Point(pair) => {
                 let (kinematics, rates) = self.point_kinematics(motions, pair, feature);
-                let of_poses = [kinematics.normal_row, kinematics.tangent_row];
-                if with_rows {
-                    (0..2).for_each(|k| self.add_pair_loads(motions, pair.bodies, &of_poses[k], &mut rows[k]));
-                }
-                [-kinematics.gap, -row_dot(&of_poses[0], &rates), row_dot(&of_poses[1], &rates)]
+                let row = |row: [f64; POSES], bristle| ContactRow::Pair { bodies: pair.bodies, row, bristle };
+                (
+                    [
+                        -kinematics.gap,
+                        -row_dot(&kinematics.normal_row, &rates),
+                        row_dot(&kinematics.tangent_row, &rates),
+                    ],
+                    row(kinematics.normal_row, None),
+                    row(kinematics.tangent_row, bristle),
+                )
             }
             Surfaces::Limit(limit) => {
-                let (span, motion) = (self.span_of_joint(limit.joint), &motions.joints[limit.joint]);
-                (0..span.size).for_each(|i| rows[0][span.first + i] = -limit.side * motion.row[i]);
-                let coordinate = self.joint_coordinate(motions, limit.joint);
-                [limit.side * (coordinate - limit.value), limit.side * motion.rate, 0.0]
+                let (joint, side) = (limit.joint, limit.side);
+                let coordinate = self.joint_coordinate(motions, joint);
+                (
+                    [side * (coordinate - limit.value), side * motions.joints[joint].rate, 0.0],
+                    ContactRow::Joint { joint, factor: -side, bristle: None },
+                    ContactRow::Zero,
+                )
             }
-            Surfaces::Friction(joint) => {
-                let (span, motion) = (self.span_of_joint(*joint), &motions.joints[*joint]);
-                (0..span.size).for_each(|i| rows[1][span.first + i] = motion.row[i]);
-                [1.0, 0.0, motion.rate]
-            }
+            Surfaces::Friction(joint) => (
+                [1.0, 0.0, motions.joints[*joint].rate],
+                ContactRow::Zero,
+                ContactRow::Joint { joint: *joint, factor: 1.0, bristle },
+            ),
             Surfaces::Tendon(index) => {
-                let elongation = self.elongation(motions, &self.cables[*index].tendon, v);
-                rows[0] = elongation.row.map(|part| -part);
-                [elongation.value, elongation.rate, 0.0]
+                let (cable, row) = (&self.cables[*index], &mut self.scratch.borrow_mut().row);
+                let elongation = self.elongation(motions, &cable.tendon, v, row);
+                ([elongation.value, elongation.rate, 0.0], ContactRow::Cable(cable), ContactRow::Zero)
             }
         };
-        let [normal_row, mut tangent_row] = rows;
-        let bristle_state = contact.bristle.map_or(0.0, |bristle| {
-            tangent_row[bristle] = 1.0;
-            v[bristle]
-        });
-        Some(ContactVariables {
+        let row = |row: ContactRow<'a>| RowAt { model: self, motions, row };
+        ContactVariables {
             law: &contact.normal,
             friction: contact.friction.as_ref(),
             delta,
             rate,
             slip,
-            bristle_state,
-            normal_row,
-            tangent_row,
-        })
+            bristle_state: bristle.map_or(0.0, |bristle| v[bristle]),
+            normal_row: row(normal_row),
+            tangent_row: row(tangent_row),
+        }
     }
 
+    /// State of a contact, with evaluated rows.
     fn variables_at(
         &self,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, Dynamic>,
         index: usize,
         feature: Option<Feature>,
-    ) -> Option<ContactVariables<'_, N>> {
-        self.with_motions((q, v), |motions| self.contact_variables(motions, v, index, feature, true))
+    ) -> ContactVariables<'_, Vec<f64>> {
+        self.with_motions((q, v), |motions| {
+            let ContactVariables { delta, rate, slip, bristle_state, normal_row, tangent_row, .. } =
+                self.contact_variables(motions, v, index, feature);
+            let evaluated = |row: RowAt<'_>| {
+                let mut evaluated = vec![0.0; v.len()];
+                row.write(&mut evaluated);
+                evaluated
+            };
+            let contact = &self.contacts[index];
+            ContactVariables {
+                law: &contact.normal,
+                friction: contact.friction.as_ref(),
+                delta,
+                rate,
+                slip,
+                bristle_state,
+                normal_row: evaluated(normal_row),
+                tangent_row: evaluated(tangent_row),
+            }
+        })
     }
 
-    /// Contacts on a feature of a face, with the frames of their bodies.
-    fn contacts_on_features<'a>(
+    /// A contact on a feature of a face, with the frames of its bodies.
+    #[inline(always)]
+    fn contact_on_feature<'a>(
         &'a self,
-        motions: &'a Motions<f64, K>,
-        mode: &'a MechanismMode<C>,
-    ) -> impl Iterator<Item = (usize, &'a PointOnFace, [Frame<f64>; 2], Feature)> {
-        self.contacts.iter().enumerate().filter_map(|(index, contact)| match &contact.surfaces {
-            Surfaces::Point(pair) => {
-                mode.features[index].map(|feature| (index, pair, Self::frames(motions, pair.bodies), feature))
-            }
-            Surfaces::Limit(_) | Surfaces::Tendon(_) | Surfaces::Friction(_) => None,
-        })
+        motions: &Motions<f64>,
+        mode: &MechanismMode,
+        index: usize,
+    ) -> Option<(&'a PointOnFace, [Frame<f64>; 2], Feature)> {
+        let Surfaces::Point(pair) = &self.contacts[index].surfaces else { return None };
+        Some((pair, Self::frames(motions, pair.bodies), mode.features[index]?))
     }
 
     /// Event function of the features: of the contact that is nearest to the end of its region.
-    fn feature_event(&self, motions: &Motions<f64, K>, mode: &MechanismMode<C>) -> EventFunction {
-        let margins = self.contacts_on_features(motions, mode).map(|(_, pair, frames, on)| pair.margin(&frames, on));
+    fn feature_event(&self, motions: &Motions<f64>, mode: &MechanismMode) -> EventFunction {
+        let on_features = (0..self.contacts.len()).filter_map(|index| self.contact_on_feature(motions, mode, index));
+        let margins = on_features.map(|(pair, frames, on)| pair.margin(&frames, on));
         // A step that leaves a region and returns to it has a small error only: forces are continuous at its end.
         EventFunction { value: margins.fold(f64::INFINITY, f64::min) + FEATURE_MARGIN_M, ..EventFunction::INACTIVE }
     }
 
     /// The feature on which a contact starts in a mode; `None` without a force.
-    fn starting_feature(&self, state: StateRef<'_, N>, contacts: &Mode<C>, index: usize) -> Option<Feature> {
+    fn starting_feature(&self, state: StateRef<'_, Dynamic>, contacts: &Mode<Vec<ContactMode>>, index: usize) -> Option<Feature> {
         match &self.contacts[index].surfaces {
             Surfaces::Point(pair) if contacts[index].has_force() => {
                 Some(self.with_motions(state, |motions| pair.nearest(&Self::frames(motions, pair.bodies)).0))
@@ -152,9 +228,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Time, coordinate and rate at an actuator.
     fn actuator_state(
         &self,
-        motions: &Motions<f64, K>,
-        q: &[f64; N],
-        mode: &MechanismMode<C>,
+        motions: &Motions<f64>,
+        q: &Vec<f64>,
+        mode: &MechanismMode,
         index: usize,
     ) -> (f64, f64, f64) {
         let (motion, [first_s, last_s]) = (motions.combination(&self.mechanism.actuators[index].on), mode.times_s);
@@ -162,23 +238,22 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Ranges of all actuators in a state.
-    pub(super) fn ranges(&self, t: f64, (q, v): StateRef<'_, N>) -> Ranges {
-        let mut ranges = Ranges::UNMONITORED;
+    pub(super) fn ranges(&self, t: f64, (q, v): StateRef<'_, Dynamic>) -> Ranges {
         self.with_motions((q, v), |motions| {
-            for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
+            let of_actuator = |actuator: &Actuator| {
                 let motion = motions.combination(&actuator.on);
-                ranges.0[index] = range(actuator, t, motion.coordinate, motion.rate);
-            }
-        });
-        ranges
+                range(actuator, t, motion.coordinate, motion.rate)
+            };
+            Ranges(self.mechanism.actuators.iter().map(of_actuator).collect())
+        })
     }
 
     /// Event function of the range of an actuator.
     fn actuator_event(
         &self,
-        motions: &Motions<f64, K>,
-        q: &[f64; N],
-        mode: &MechanismMode<C>,
+        motions: &Motions<f64>,
+        q: &Vec<f64>,
+        mode: &MechanismMode,
         index: usize,
     ) -> EventFunction {
         let Some(actuator) = self.mechanism.actuators.get(index) else { return EventFunction::INACTIVE };
@@ -190,29 +265,31 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// The lines between pivots of dyads whose turns are counted, with the offset of the pivots and its rate.
     fn pivot_lines<'a>(
         &'a self,
-        motions: &'a Motions<f64, K>,
+        motions: &'a Motions<f64>,
     ) -> impl Iterator<Item = (&'a PivotLine, ([f64; 2], [f64; 2]))> + 'a {
         self.groups.iter().flat_map(move |group| group.pivot_lines(&self.mechanism, motions))
     }
 
     /// The mode of a state, with the turns that are counted in evaluations.
-    fn mode_with_counts<const Z: usize>(&self, t: f64, (q, v): StateRef<'_, N>, counts: [i32; C]) -> MechanismMode<C> {
-        let (ranges, times_s) = (self.ranges(t, (q, v)), self.times_around(t));
-        let accelerations = |mode: &Mode<C>| {
-            let mode = MechanismMode { contacts: *mode, features: [None; C], ranges, counts, times_s };
-            <Self as System<N, Z>>::rates(self, t, q, v, &mode).a
-        };
-        let variables = |index| self.variables_at((q, v), index, None);
-        let contacts = Mode::at_state(&self.event_tolerances, variables, accelerations);
-        let mut features = [None; C];
-        for (index, feature) in features.iter_mut().enumerate().take(self.contacts.len()) {
+    fn mode_with_counts(&self, t: f64, (q, v): StateRef<'_, Dynamic>, counts: Vec<i32>) -> MechanismMode {
+        let (ranges, times_s, count) = (self.ranges(t, (q, v)), self.times_around(t), self.contacts.len());
+        let free = Mode::free(count);
+        let mut mode = MechanismMode { contacts: free.clone(), features: vec![None; count], ranges, counts, times_s };
+        let variables = |index| Some(self.variables_at((q, v), index, None));
+        let contacts = free.at_state(&self.event_tolerances, variables, |contacts| {
+            mode.contacts.clone_from(contacts);
+            let mut rates = Rates::zero(self.sizes());
+            self.rates(t, q, v, &mode, &mut rates);
+            rates.a
+        });
+        for (index, feature) in mode.features.iter_mut().enumerate() {
             *feature = self.starting_feature((q, v), &contacts, index);
         }
-        MechanismMode { contacts, features, ranges, counts, times_s }
+        MechanismMode { contacts, ..mode }
     }
 
     /// Distance of the mechanism from its nearest singular configuration, and its rate.
-    fn clearance_and_rate(&self, motions: &Motions<f64, K>) -> (f64, f64) {
+    fn clearance_and_rate(&self, motions: &Motions<f64>) -> (f64, f64) {
         let mut smallest = (f64::INFINITY, 0.0);
         for (_, transmission) in self.groups.iter().flat_map(|group| group.transmissions(&self.mechanism, motions)) {
             let clearance = transmission.sine.abs() - SINGULAR_SINE;
@@ -231,7 +308,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 }
 
-impl<const N: usize, const K: usize, const C: usize, const Z: usize> Hybrid<N, Z> for MechanismModel<N, K, C> {
+impl Hybrid for MechanismModel {
     fn event_count(&self) -> usize {
         self.event_function_count()
     }
@@ -242,7 +319,7 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> Hybrid<N, Z
 
     /// The force of a contact between bodies with prescribed motion changes no coordinate, so that the error of a step does
     /// not contain it. Turns of dyads are counted from step to step.
-    fn max_step(&self, _t: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> f64 {
+    fn max_step(&self, _t: f64, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode) -> f64 {
         self.count_turns_as(mode);
         let mut max_dt = self.with_motions((q, v), |motions| {
             self.pivot_lines(motions)
@@ -255,15 +332,15 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> Hybrid<N, Z
                 continue;
             }
             let after = |dt: f64| {
-                let mut q = *q;
+                let mut q = q.clone();
                 q[time] += dt;
                 self.variables_at((&q, v), index, mode.features[index])
             };
-            let Some(contact) = after(0.0) else { continue };
+            let contact = after(0.0);
             let depth = contact.delta.max(contact.law.depth_scale_m());
             let mut dt = MAX_DRIVEN_STEP_S.min(DRIVEN_FRACTION * depth / contact.rate.abs());
             let max_change = contact.friction.map_or(f64::INFINITY, |law| DRIVEN_FRACTION * law.v_static_m_s);
-            while after(dt).is_some_and(|later| (later.slip - contact.slip).abs() > max_change) {
+            while (after(dt).slip - contact.slip).abs() > max_change {
                 dt *= 0.5;
             }
             max_dt = max_dt.min(dt);
@@ -271,87 +348,89 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> Hybrid<N, Z
         max_dt
     }
 
-    fn is_mode_valid(&self, dt: f64, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> bool {
+    fn is_mode_valid(&self, dt: f64, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode) -> bool {
         self.count_turns_as(mode);
         self.with_motions((q, v), |motions| {
             self.pivot_lines(motions).all(|(line, motion)| line.is_valid(dt, &mode.counts, motion))
         })
     }
 
-    fn continued_mode(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Option<MechanismMode<C>> {
+    fn count_turns(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &mut MechanismMode) {
+        if mode.counts.is_empty() {
+            return;
+        }
         self.count_turns_as(mode);
-        let mut next = None;
         self.with_motions((q, v), |motions| {
             for (line, (offset, _)) in self.pivot_lines(motions) {
                 if let Some(count) = line.recounted(&mode.counts, offset) {
-                    next.get_or_insert(*mode).counts[line.count] = count;
+                    mode.counts[line.count] = count;
                 }
             }
         });
-        next
     }
 
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, events: &mut EventSet<N>) {
+    fn eval_events(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode, events: &mut EventSet<Dynamic>) {
         self.count_turns_as(mode);
         self.with_motions((q, v), |motions| {
-            let variables =
-                |index: usize| self.contact_variables(motions, v, index, mode.features[index], mode[index].has_force());
-            mode.contacts.eval_events(self.contacts.len(), &self.event_tolerances, variables, events);
+            let variables = |index: usize| Some(self.contact_variables(motions, v, index, mode.features[index]));
+            mode.contacts.eval_events(&self.event_tolerances, variables, events);
+            let first = 3 * self.contacts.len();
             for index in 0..self.mechanism.actuators.len() {
-                events.functions[3 * C + index] = self.actuator_event(motions, q, mode, index);
+                events.functions[first + index] = self.actuator_event(motions, q, mode, index);
             }
             events.functions[self.event_function_count() - 1] = self.feature_event(motions, mode);
             (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions);
         });
     }
 
-    fn clearance(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> f64 {
+    fn clearance(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode) -> f64 {
         self.count_turns_as(mode);
         self.with_motions((q, v), |motions| self.clearance_and_rate(motions).0)
     }
 
-    fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>, event: usize) -> EventFunction {
+    fn eval_event(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode, event: usize) -> EventFunction {
         self.count_turns_as(mode);
         self.with_motions((q, v), |motions| match self.subject_of(event) {
             EventOf::Features => self.feature_event(motions, mode),
             EventOf::Actuator(index) => self.actuator_event(motions, q, mode, index),
             EventOf::Contact(index) => {
-                let contact = self.contact_variables(motions, v, index, mode.features[index], false);
-                mode.contacts.event_function(event, &self.event_tolerances, contact)
+                let contact = self.contact_variables(motions, v, index, mode.features[index]);
+                mode.contacts.event_function(event, &self.event_tolerances, Some(&contact))
             }
         })
     }
 
     fn event_values(
         &self,
-        q: &[f64; N],
-        v: &[f64; N],
-        mode: &MechanismMode<C>,
+        q: &Vec<f64>,
+        v: &Vec<f64>,
+        mode: &MechanismMode,
         requested: &[bool],
         values: &mut [f64],
     ) {
         self.count_turns_as(mode);
         self.with_motions((q, v), |motions| {
-            for index in 0..self.contacts.len() {
-                let events = [index, index + C, index + 2 * C];
+            let count = self.contacts.len();
+            for index in 0..count {
+                let events = [index, index + count, index + 2 * count];
                 if events.iter().any(|event| requested[*event]) {
-                    let contact = self.contact_variables(motions, v, index, mode.features[index], false);
-                    let value = |event| mode.contacts.event_function(event, &self.event_tolerances, contact).value;
-                    events.into_iter().for_each(|event| values[event] = value(event));
+                    let contact = self.contact_variables(motions, v, index, mode.features[index]);
+                    let function = |event| mode.contacts.event_function(event, &self.event_tolerances, Some(&contact));
+                    events.into_iter().for_each(|event| values[event] = function(event).value);
                 }
             }
             for index in 0..self.mechanism.actuators.len() {
-                values[3 * C + index] = self.actuator_event(motions, q, mode, index).value;
+                values[3 * count + index] = self.actuator_event(motions, q, mode, index).value;
             }
             values[self.event_function_count() - 1] = self.feature_event(motions, mode).value;
         });
     }
 
-    fn gap_bounds(&self, motion: &CoordinateBounds<N>, (q, v): StateRef<'_, N>, clearance: f64, found: &mut GapBounds) {
+    fn gap_bounds(&self, motion: &CoordinateBounds<Dynamic>, (q, v): StateRef<'_, Dynamic>, clearance: f64, found: &mut GapBounds) {
         self.with_bounds((q, v), |motions, bounds| self.bound_gaps(motion, (q, motions, clearance), bounds, found));
     }
 
-    fn event_tolerance(&self, event: usize, mode: &MechanismMode<C>) -> f64 {
+    fn event_tolerance(&self, event: usize, mode: &MechanismMode) -> f64 {
         match self.subject_of(event) {
             EventOf::Features => FEATURE_TOLERANCE_M,
             EventOf::Actuator(index) => self.mechanism.actuators.get(index).map_or(0.0, margin_tolerance),
@@ -362,96 +441,91 @@ impl<const N: usize, const K: usize, const C: usize, const Z: usize> Hybrid<N, Z
         }
     }
 
-    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> MechanismMode<C> {
+    fn pass_event(&self, event: usize, q: &Vec<f64>, v: &Vec<f64>, mode: &mut MechanismMode) {
         self.count_turns_as(mode);
-        let mut next = *mode;
         match self.subject_of(event) {
             EventOf::Features => self.with_motions((q, v), |motions| {
-                for (index, pair, frames, feature) in self.contacts_on_features(motions, mode) {
+                for index in 0..self.contacts.len() {
+                    let Some((pair, frames, feature)) = self.contact_on_feature(motions, mode, index) else { continue };
                     if pair.margin(&frames, feature) < 0.0 {
-                        next.features[index] = Some(pair.feature_beyond(&frames, feature));
+                        mode.features[index] = Some(pair.feature_beyond(&frames, feature));
                     }
                 }
             }),
             EventOf::Actuator(index) => {
                 let (t, coordinate, rate) =
                     self.with_motions((q, v), |motions| self.actuator_state(motions, q, mode, index));
-                let range = &mut next.ranges.0[index];
+                let range = &mut mode.ranges.0[index];
                 *range = range_after(&self.mechanism.actuators[index], *range, t, coordinate, rate);
             }
             EventOf::Contact(index) => {
-                let variables = self.variables_at((q, v), index, mode.features[index]);
-                next.contacts = mode.contacts.after_event(event, variables);
-                if next.contacts[index] != mode.contacts[index] {
-                    next.features[index] = self.starting_feature((q, v), &next.contacts, index);
+                let state = mode[index];
+                self.with_motions((q, v), |motions| {
+                    let contact = self.contact_variables(motions, v, index, mode.features[index]);
+                    mode.contacts.pass_event(event, Some(&contact));
+                });
+                if mode[index] != state {
+                    mode.features[index] = self.starting_feature((q, v), &mode.contacts, index);
                 }
             }
         }
-        next
     }
 
     fn is_reported(&self, event: usize) -> bool {
         event < self.reported_contacts()
     }
 
-    fn mode_after_step(&self, functions: &[EventFunction], mode: &MechanismMode<C>) -> Option<MechanismMode<C>> {
-        mode.contacts.with_separated_contacts(functions).map(|contacts| MechanismMode { contacts, ..*mode })
+    fn pass_step(&self, functions: &[EventFunction], mode: &mut MechanismMode) -> bool {
+        mode.contacts.free_separated(functions)
     }
 
-    fn with_clamped_law(&self, event: usize, mode: &MechanismMode<C>) -> MechanismMode<C> {
-        let mut next = *mode;
+    fn clamp_law(&self, event: usize, mode: &mut MechanismMode) {
         match self.subject_of(event) {
-            EventOf::Features => next.features = [None; C],
-            EventOf::Actuator(index) => next.ranges.0[index] = super::actuator::UNMONITORED,
-            EventOf::Contact(_) => next.contacts = mode.contacts.with_clamped_law(event),
+            EventOf::Features => mode.features.fill(None),
+            EventOf::Actuator(index) => mode.ranges.0[index] = super::actuator::UNMONITORED,
+            EventOf::Contact(_) => mode.contacts.clamp_law(event),
         }
-        next
     }
 
-    fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> MechanismMode<C> {
-        self.count_turns_in(&[0; C]);
-        self.mode_with_counts::<Z>(t, (q, v), [0; C])
+    fn mode_at(&self, t: f64, q: &Vec<f64>, v: &Vec<f64>) -> MechanismMode {
+        let counts = vec![0; self.groups.last().map_or(0, |group| group.counts().end)];
+        self.count_turns_in(&counts);
+        self.mode_with_counts(t, (q, v), counts)
     }
 
-    fn mode_after(&self, t: f64, q: &[f64; N], v: &[f64; N], last: &MechanismMode<C>) -> MechanismMode<C> {
+    fn mode_after(&self, t: f64, q: &Vec<f64>, v: &Vec<f64>, last: &MechanismMode) -> MechanismMode {
         self.count_turns_as(last);
-        self.mode_with_counts::<Z>(t, (q, v), last.counts)
+        self.mode_with_counts(t, (q, v), last.counts.clone())
     }
 
     /// Chooses anew the ranges of the actuators whose commands are discontinuous; the laws of contacts depend on positions
     /// and rates, which are continuous.
-    fn mode_after_discontinuity(
-        &self,
-        t: f64,
-        q: &[f64; N],
-        v: &[f64; N],
-        mode: &MechanismMode<C>,
-    ) -> MechanismMode<C> {
+    fn pass_discontinuity(&self, t: f64, q: &Vec<f64>, v: &Vec<f64>, mode: &mut MechanismMode) {
         self.count_turns_as(mode);
-        let mut next = MechanismMode { times_s: self.times_around(t), ..*mode };
-        let ranges = self.ranges(t, (q, v));
+        let (ranges, last_s) = (self.ranges(t, (q, v)), mode.times_s[1]);
+        mode.times_s = self.times_around(t);
         for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
-            if actuator.command.profile().next_discontinuity(mode.times_s[1]) <= t {
-                next.ranges.0[index] = ranges.0[index];
+            if actuator.command.profile().next_discontinuity(last_s) <= t {
+                mode.ranges.0[index] = ranges.0[index];
             }
         }
-        next
     }
 
-    fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &MechanismMode<C>) -> Option<f64> {
-        if event >= 3 * C || mode[event % C] != ContactState::Active {
+    fn restart_step(&self, event: usize, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode) -> Option<f64> {
+        let count = self.contacts.len();
+        if event >= 3 * count || mode[event % count] != ContactState::Active {
             return None;
         }
         let ContactVariables { law, rate, normal_row, .. } =
-            self.variables_at((q, v), event % C, mode.features[event % C])?;
-        let mut response = normal_row;
+            self.variables_at((q, v), event % count, mode.features[event % count]);
+        let mut response = normal_row.clone();
         self.with_factors((q, v), |_, factors| self.solve(factors, &mut response));
         let mobility = row_dot(&normal_row, &response);
         (mobility > 0.0).then(|| first_impact_step(law, rate.abs(), 1.0 / mobility))
     }
 
-    fn describe_obstacle(&self, q: &[f64; N]) -> String {
-        let at_rest = [0.0; N];
+    fn describe_obstacle(&self, q: &Vec<f64>) -> String {
+        let at_rest = vec![0.0; q.len()];
         self.with_motions((q, &at_rest), |motions| {
             let dyads = self.groups.iter().flat_map(|group| {
                 group.transmissions(&self.mechanism, motions).map(move |dyad| (&group.group.placements[dyad.0], dyad.1))

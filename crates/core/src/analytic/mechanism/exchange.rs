@@ -5,16 +5,18 @@ use super::conditioning::{better_group, smallest_sine};
 use super::group::PlacedGroup;
 use super::model::{MechanismMode, MechanismModel};
 use super::motion::Motions;
+use crate::analytic::contact::StateRef;
+use crate::integrator::Dynamic;
 use crate::mechanism::structure::{Coordinate, Group};
 use crate::mechanism::{Mechanism, Pose};
 use crate::numeric::elementary::atan2;
 
 /// Coordinates and rates of the model with other coordinates, and its mode.
-type Exchanged<M, const N: usize, const C: usize> = (M, ([f64; N], [f64; N]), MechanismMode<C>);
+type Exchanged = (MechanismModel, (Vec<f64>, Vec<f64>), MechanismMode);
 
-impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+impl MechanismModel {
     /// Smallest |sine| of the transmission angles of all dyads.
-    pub fn conditioning(&self, state: (&[f64; N], &[f64; N]), mode: &MechanismMode<C>) -> f64 {
+    pub fn conditioning(&self, state: StateRef<'_, Dynamic>, mode: &MechanismMode) -> f64 {
         self.count_turns_as(mode);
         self.with_motions(state, |motions| {
             let sines = self.groups.iter().map(|group| smallest_sine(&self.mechanism, &group.group, motions));
@@ -34,7 +36,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Describes the singularity of a dyad with these joints, the inner one in the middle.
-    pub(super) fn describe_singularity(&self, motions: &Motions<f64, K>, joints: [usize; 3]) -> String {
+    pub(super) fn describe_singularity(&self, motions: &Motions<f64>, joints: [usize; 3]) -> String {
         let bodies = motions.bodies[..self.mechanism.bodies.len()].iter();
         let pose = |[x, y]: [f64; 2], [cos, sin]: [f64; 2]| [x, y, atan2(sin, cos)];
         let poses: Vec<Pose> = bodies.map(|body| pose(body.origin, body.direction)).collect();
@@ -49,7 +51,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// The model in coordinates that are much better conditioned in a state, with coordinates, rates and mode of that state.
     /// Bristle states and the laws of contacts and actuators stay as they are; turns are counted from here on.
-    pub fn exchanged(&self, (q, v): (&[f64; N], &[f64; N]), mode: &MechanismMode<C>) -> Option<Exchanged<Self, N, C>> {
+    pub fn exchanged(&self, (q, v): StateRef<'_, Dynamic>, mode: &MechanismMode) -> Option<Exchanged> {
         self.count_turns_as(mode);
         let mechanism = self.as_described();
         let (found, joints, poses) = self.with_angles((q, v), |motions| {
@@ -65,7 +67,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         if found.is_empty() {
             return None;
         }
-        let (mut next, mut next_mode, mut state) = (self.clone(), *mode, (*q, *v));
+        let (mut next, mut next_mode, mut state) = (self.clone(), mode.clone(), (q.clone(), v.clone()));
         for (index, group) in found {
             let old = &self.groups[index];
             for (i, coordinate) in group.coordinates.iter().enumerate() {

@@ -1,47 +1,63 @@
 //! Cholesky factorisation of the mass matrix of a group.
 
-/// Lower triangle of the Cholesky factor of the mass matrix of one group.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Factor<const K: usize> {
-    /// Its diagonal contains reciprocals.
-    lower: [[f64; K]; K],
+use crate::integrator::{DynamicMatrix, Matrix};
+
+/// Cholesky factor of the mass matrix of one group, by rows.
+#[derive(Clone, Debug)]
+pub(super) struct Factor {
+    /// Lower triangle of the mass matrix, and then of its factor, whose diagonal contains reciprocals.
+    lower: Vec<f64>,
     size: usize,
+    /// Whether the first coordinate is prescribed: it does not accelerate.
+    is_prescribed: bool,
     /// Load on a prescribed first coordinate per acceleration of the others.
-    inertia: [f64; K],
+    inertia: Vec<f64>,
 }
 
-impl<const K: usize> Factor<K> {
-    /// Factors the leading part of a positive definite matrix. Not a number for another one. A prescribed first coordinate
-    /// does not accelerate.
-    pub fn new(mut mass: [[f64; K]; K], size: usize, is_prescribed: bool) -> Self {
-        let mut inertia = [0.0; K];
-        if is_prescribed {
-            (1..size).for_each(|i| inertia[i] = std::mem::take(&mut mass[i][0]));
-            mass[0][0] = 1.0;
+impl Factor {
+    /// Memory for a matrix.
+    pub fn new(size: usize, is_prescribed: bool) -> Self {
+        let inertia = if is_prescribed { vec![0.0; size] } else { Vec::new() };
+        Self { lower: vec![0.0; size * size], size, is_prescribed, inertia }
+    }
+
+    /// The mass matrix, by rows, which is to be written before it is factored.
+    pub fn mass(&mut self) -> &mut [f64] {
+        &mut self.lower
+    }
+
+    /// Factors the mass matrix. Not a number for one that is not positive definite.
+    pub fn factor(&mut self) {
+        let (lower, size) = (&mut self.lower, self.size);
+        if self.is_prescribed {
+            (1..size).for_each(|i| self.inertia[i] = std::mem::take(&mut lower[i * size]));
+            lower[0] = 1.0;
         }
-        let mut lower = [[0.0; K]; K];
         for i in 0..size {
             for j in 0..=i {
-                let sum = (0..j).fold(mass[i][j], |sum, k| sum - lower[i][k] * lower[j][k]);
-                lower[i][j] = if i == j { 1.0 / sum.sqrt() } else { sum * lower[j][j] };
+                let (row, other) = (i * size, j * size);
+                let sum = (0..j).fold(lower[row + j], |sum, k| sum - lower[row + k] * lower[other + k]);
+                lower[row + j] = if i == j { 1.0 / sum.sqrt() } else { sum * lower[other + j] };
             }
         }
-        Self { lower, size, inertia }
     }
 
     /// Solves for one right-hand side, in place.
     pub fn solve(&self, x: &mut [f64]) {
-        for i in 0..self.size {
+        let (lower, size) = (&self.lower, self.size);
+        let x = &mut x[..size];
+        for i in 0..size {
+            let row = &lower[i * size..][..size];
             for k in 0..i {
-                x[i] -= self.lower[i][k] * x[k];
+                x[i] -= row[k] * x[k];
             }
-            x[i] *= self.lower[i][i];
+            x[i] *= row[i];
         }
-        for i in (0..self.size).rev() {
-            for k in i + 1..self.size {
-                x[i] -= self.lower[k][i] * x[k];
+        for i in (0..size).rev() {
+            for k in i + 1..size {
+                x[i] -= lower[k * size + i] * x[k];
             }
-            x[i] *= self.lower[i][i];
+            x[i] *= lower[i * size + i];
         }
     }
 
@@ -51,4 +67,45 @@ impl<const K: usize> Factor<K> {
         self.solve(x);
         x.iter().zip(&self.inertia).fold(-load, |sum, (acceleration, inertia)| sum + acceleration * inertia)
     }
+
+    /// Solves for the first `count` columns of the rows of the group, which begin with row `first` of a matrix, in place.
+    /// With a prescribed first coordinate, adds to `powers` the loads that its motion requires.
+    pub fn solve_columns(
+        &self,
+        (matrix, first): (&mut DynamicMatrix<f64>, usize),
+        count: usize,
+        powers: &mut [f64],
+    ) {
+        let (lower, size) = (&self.lower, self.size);
+        if self.is_prescribed {
+            // The row of the prescribed coordinate has no effect on the others: it is memory for the loads.
+            matrix[first][..count].iter_mut().for_each(|load| *load = -*load);
+        }
+        for i in 0..size {
+            for k in 0..i {
+                subtract(matrix, [first + i, first + k], lower[i * size + k], count);
+            }
+            matrix[first + i][..count].iter_mut().for_each(|x| *x *= lower[i * size + i]);
+        }
+        for i in (0..size).rev() {
+            for k in i + 1..size {
+                subtract(matrix, [first + i, first + k], lower[k * size + i], count);
+            }
+            matrix[first + i][..count].iter_mut().for_each(|x| *x *= lower[i * size + i]);
+        }
+        if self.is_prescribed {
+            for (i, inertia) in self.inertia.iter().enumerate().skip(1) {
+                subtract(matrix, [first, first + i], -inertia, count);
+            }
+            let loads = matrix[first][..count].iter_mut().map(std::mem::take);
+            powers.iter_mut().zip(loads).for_each(|(power, load)| *power += load);
+        }
+    }
+}
+
+/// Subtracts a multiple of another row from a row.
+#[inline(always)]
+fn subtract(matrix: &mut DynamicMatrix<f64>, [row, other]: [usize; 2], factor: f64, count: usize) {
+    let (row, other) = matrix.rows_mut(row, other);
+    row[..count].iter_mut().zip(&other[..count]).for_each(|(x, y)| *x -= factor * y);
 }

@@ -24,7 +24,7 @@ pub(super) struct FreeBody {
 
 impl FreeBody {
     /// Moves the body to the pose and rate at its coordinates, which are the first ones.
-    pub fn place<const K: usize>(&self, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64, K>) {
+    pub fn place(&self, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>) {
         let body = &mut motions.bodies[self.body];
         (body.origin, body.rate) = ([q[0], q[1]], [v[0], v[1], 0.0]);
         body.angle = self.angle_rad;
@@ -54,7 +54,7 @@ pub(super) fn center_frame(mechanism: &mut Mechanism, index: usize, (poses, rate
     if [x, y] == [0.0; 2] {
         return;
     }
-    let body = BodyMotion::<f64, 1>::at(poses[index], rates[index]);
+    let body = BodyMotion::at(poses[index], rates[index]);
     let center = body.point([x, y]);
     poses[index][..2].copy_from_slice(&center.position);
     rates[index][..2].copy_from_slice(&center.rate);

@@ -5,16 +5,16 @@ use super::model::{MechanismModel, Surfaces};
 use super::motion::Motions;
 use super::nearest::PointOnFace;
 use crate::analytic::motion_bound::{RateBound, nothing_known};
-use crate::integrator::{CoordinateBounds, GapBound, GapBounds};
+use crate::integrator::{CoordinateBounds, Dynamic, GapBound, GapBounds};
 use crate::mechanism::tendon::{MAX_WRAP_RAD, segment, wraps};
 use crate::mechanism::{OutlinePoint, PathElement, Tendon};
 use crate::numeric::plane::sub;
 
 /// Bounds of a segment of a cable: the relative speed of its ends and its smallest length.
-fn segment_bound<const K: usize>(
+fn segment_bound(
     elements: [&PathElement; 2],
     (step_s, width): (f64, f64),
-    motions: &Motions<f64, K>,
+    motions: &Motions<f64>,
     bounds: &MechanismBounds,
 ) -> (RateBound, f64) {
     let [a, b] = elements.map(|element| bounds.body(element.body).point(length(element.point_m)));
@@ -31,12 +31,12 @@ fn segment_bound<const K: usize>(
     (ends, (straight * straight - change * (2.0 * distance + change)).max(0.0).sqrt())
 }
 
-impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+impl MechanismModel {
     /// Bounds of all gaps, in the order of the contacts, and of the clearance.
     pub(super) fn bound_gaps(
         &self,
-        coordinates: &CoordinateBounds<N>,
-        (q, motions, clearance): (&[f64; N], &Motions<f64, K>, f64),
+        coordinates: &CoordinateBounds<Dynamic>,
+        (q, motions, clearance): (&[f64], &Motions<f64>, f64),
         bounds: &mut MechanismBounds,
         found: &mut GapBounds,
     ) {
@@ -71,7 +71,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         &self,
         tendon: &Tendon,
         (step_s, width, clearance): (f64, f64, f64),
-        motions: &Motions<f64, K>,
+        motions: &Motions<f64>,
         bounds: &mut MechanismBounds,
     ) -> GapBound {
         let spools = tendon.joints.iter().map(|(joint, factor)| bounds.joints[*joint].times(*factor));
@@ -109,10 +109,10 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 }
 
 /// Bound of the gap between a point outline and a face: the point moves in the frame of the convex face.
-fn point_gap<const K: usize>(
+fn point_gap(
     pair: &PointOnFace,
     width: f64,
-    motions: &Motions<f64, K>,
+    motions: &Motions<f64>,
     bounds: &MechanismBounds,
 ) -> GapBound {
     let [of_point, of_face] = pair.bodies.map(|body| bounds.body(body));

@@ -2,18 +2,19 @@
 //! placement.
 
 use super::dyad::{
-    AssemblyMode, PivotLine, Transmission, close_dyad, inner_bodies, inner_motion, middles, mode_at_start, outer_angle,
-    pivot_offset, place_dyad, transmission,
+    AssemblyMode, PivotLine, Transmission, close_dyad, inner_bodies, middles, mode_at_start, move_inner_joint,
+    outer_angle, pivot_offset, place_dyad, transmission,
 };
 use super::motion::{
-    BodyMotion, JointMotion, Motions, carried_bias, carry, column, joint_coordinate, joint_rate, pair, place,
+    BodyMotion, JointMotion, LANES, Lanes, Motions, Support, carried, carried_bias, column, joint_coordinate,
+    joint_rate, pair, place,
 };
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
 use crate::mechanism::{
     Actuator, Body, Command, Joint, JointCombination, Mechanism, Pose, PrescribedMotion, Spring, SpringKind,
 };
 use crate::numeric::elementary::atan2;
-use crate::numeric::plane::{cross, dot, nearest_equivalent_angle, sub};
+use crate::numeric::plane::{cross, dot, nearest_equivalent_angle, perp, sub};
 use crate::numeric::{Dual, Real};
 use crate::scene;
 use std::ops::Range;
@@ -22,6 +23,8 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub(super) struct Element {
     pub on: JointCombination,
+    /// Coordinates of the group on which the combination depends.
+    pub support: Vec<usize>,
     pub preload: f64,
     pub stiffness: f64,
     pub rest: f64,
@@ -45,7 +48,8 @@ pub(super) struct PlacedGroup {
     pub elements: Vec<Element>,
     /// Joints of the group.
     pub joints: Vec<usize>,
-    pub actuators: Vec<usize>,
+    /// Actuators of the group, with the coordinates of the group on which they act.
+    pub actuators: Vec<(usize, Vec<usize>)>,
     /// Index of the first coordinate of the group.
     pub first: usize,
     /// Whether the equations are written in the frame of a moving palm, so that the prescribed motion is that of the world.
@@ -56,18 +60,13 @@ pub(super) struct PlacedGroup {
 
 impl PlacedGroup {
     /// Builds a group from its assembled poses at the start; `first_count` is its first count of turns.
-    pub fn new<const K: usize>(
-        mechanism: &Mechanism,
-        group: Group,
-        (first, first_count): (usize, usize),
-        poses: &[Pose],
-    ) -> Self {
-        let motions = motions_at::<K>(mechanism, poses);
+    pub fn new(mechanism: &Mechanism, group: Group, (first, first_count): (usize, usize), poses: &[Pose]) -> Self {
+        let motions = motions_at(mechanism, poses);
         let mut count = first_count;
         let mode = |placement: &Placement| {
             let Placement::Dyad { outer, inner } = placement else { return None };
             let joints = [outer[0].joint, outer[1].joint, *inner].map(|joint| &mechanism.joints[joint]);
-            let coordinates = joints.map(|joint| joint_coordinate(joint, |body| motions.body(body).placed()));
+            let coordinates = joints.map(|joint| joint_coordinate(joint, |body| *motions.body(body)));
             let bases = pair(|k| motions.body(outer[k].base));
             let of_ranges = mode_at_start(mechanism, (outer, *inner), &motions, count);
             count += 1;
@@ -97,8 +96,14 @@ impl PlacedGroup {
         });
         let joints: Vec<usize> = joints.collect();
         let is_member = |on: &&JointCombination| on.terms.iter().any(|(joint, _)| joints.contains(joint));
+        let of_joints = dependent_coordinates(mechanism, &group).1;
+        let support = |on: &JointCombination| {
+            let of_terms = on.terms.iter().filter(|(_, factor)| *factor != 0.0);
+            Support::union(of_terms.map(|(joint, _)| &of_joints[*joint][..]))
+        };
         let none = Element {
             on: JointCombination::default(),
+            support: Vec::new(),
             preload: 0.0,
             stiffness: 0.0,
             rest: 0.0,
@@ -109,7 +114,7 @@ impl PlacedGroup {
             let Joint { damping, armature: inertia, .. } = mechanism.joints[*joint];
             Element { on: JointCombination::of_joint(*joint), damping, inertia, ..none.clone() }
         };
-        let of_joints = joints.iter().map(of_joint).filter(|element| element.damping != 0.0 || element.inertia != 0.0);
+        let on_joints = joints.iter().map(of_joint).filter(|element| element.damping != 0.0 || element.inertia != 0.0);
         let springs = mechanism.springs.iter().filter_map(|spring| match &spring.kind {
             SpringKind::Torsional { on, preload } => Some(Element {
                 on: Some(on).filter(is_member)?.clone(),
@@ -117,16 +122,18 @@ impl PlacedGroup {
                 stiffness: spring.stiffness,
                 rest: spring.rest,
                 damping: spring.damping,
-                inertia: 0.0,
+                ..none.clone()
             }),
             SpringKind::Linear { .. } => None,
         });
         let rotors = mechanism.rotors.iter().filter(|rotor| is_member(&&rotor.on));
         let rotors = rotors.map(|rotor| Element { on: rotor.on.clone(), inertia: rotor.inertia, ..none.clone() });
-        let actuators = (0..mechanism.actuators.len()).filter(|index| is_member(&&mechanism.actuators[*index].on));
+        let actuators = mechanism.actuators.iter().enumerate().filter(|(_, actuator)| is_member(&&actuator.on));
+        let actuators = actuators.map(|(index, actuator)| (index, support(&actuator.on)));
+        let with_support = |element: Element| Element { support: support(&element.on), ..element };
         Self {
             modes,
-            elements: of_joints.chain(springs).chain(rotors).collect(),
+            elements: on_joints.chain(springs).chain(rotors).map(with_support).collect(),
             actuators: actuators.collect(),
             joints,
             group,
@@ -169,50 +176,70 @@ impl PlacedGroup {
         self.group.coordinates.len()
     }
 
+    /// Number of evaluations with [`LANES`] derivatives for those by all coordinates.
+    pub fn chunks(&self) -> usize {
+        self.size().div_ceil(LANES)
+    }
+
     /// Coordinates and rates of the group among all.
     #[inline(always)]
-    pub fn state<'a, const N: usize, const K: usize>(
-        &self,
-        (q, v): (&'a [f64; N], &[f64; N]),
-    ) -> (&'a [f64], [f64; K]) {
+    pub fn state<'a>(&self, (q, v): (&'a [f64], &'a [f64])) -> (&'a [f64], &'a [f64]) {
         let of_group = self.first..self.first + self.size();
-        let mut rates = [0.0; K];
-        rates[..self.size()].copy_from_slice(&v[of_group.clone()]);
-        (&q[of_group], rates)
+        (&q[of_group.clone()], &v[of_group])
+    }
+
+    /// Makes room in motions for the derivatives of the bodies and joints of the group, at the end of what is there.
+    pub fn add_supports(&self, mechanism: &Mechanism, motions: &mut Motions<f64>) {
+        let (of_bodies, of_joints) = dependent_coordinates(mechanism, &self.group);
+        let size = self.size();
+        for &body in &self.group.bodies {
+            let (first, coordinates) = (motions.columns.len(), of_bodies[body].clone());
+            motions.body_supports[body] = Support { first, coordinates };
+            motions.columns.resize(first + size, [0.0; 3]);
+        }
+        for &joint in &self.joints {
+            let (first, coordinates) = (motions.rows.len(), of_joints[joint].clone());
+            motions.joint_supports[joint] = Support { first, coordinates };
+            motions.rows.resize(first + size, 0.0);
+        }
     }
 
     /// Evaluates all bodies and joints of the group at the coordinates `q` and rates `v` of the group.
-    pub fn evaluate<const K: usize>(
-        &self,
-        mechanism: &Mechanism,
-        (q, v): (&[f64], [f64; K]),
-        motions: &mut Motions<f64, K>,
-    ) {
+    pub fn evaluate(&self, mechanism: &Mechanism, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>) {
         self.place(mechanism, q, motions);
-        self.propagate(mechanism, &v, q.first().copied().unwrap_or_default(), motions);
+        self.propagate(mechanism, v, q.first().copied().unwrap_or_default(), motions);
     }
 
-    /// Evaluates the motions with derivatives by the coordinates of the group, from the motions in plain numbers.
-    pub fn differentiate<const K: usize>(
+    /// Evaluates the motions with derivatives by the coordinates of the group from `chunk` times [`LANES`] on, from the motions
+    /// in plain numbers.
+    pub fn differentiate(
         &self,
         mechanism: &Mechanism,
-        (q, v): (&[f64], [f64; K]),
-        plain: &Motions<f64, K>,
-        motions: &mut Motions<Dual<K>, K>,
+        (q, v): (&[f64], &[f64]),
+        chunk: usize,
+        plain: &Motions<f64>,
+        motions: &mut Motions<Lanes>,
     ) {
+        let (first, size) = (chunk * LANES, self.size());
         for &body in &self.group.bodies {
-            motions.bodies[body] = plain.bodies[body].lifted();
+            let columns = &plain.columns[plain.body_supports[body].first..][..size];
+            motions.bodies[body] = plain.bodies[body].lifted(columns, first);
         }
         for &joint in &self.joints {
-            let JointMotion { coordinate, row, .. } = plain.joints[joint];
-            motions.joints[joint].coordinate = Dual { value: coordinate, grad: row };
+            let row = &plain.rows[plain.joint_supports[joint].first..][..size];
+            let mut coordinate = Dual::constant(plain.joints[joint].coordinate);
+            coordinate.grad.iter_mut().zip(&row[first..]).for_each(|(grad, entry)| *grad = *entry);
+            motions.joints[joint].coordinate = coordinate;
         }
-        let first = q.first().map_or(Dual::constant(0.0), |first| Dual::variable(*first, 0));
-        self.propagate(mechanism, &v, first, motions);
+        let time = q.first().map_or(Dual::constant(0.0), |time| match chunk {
+            0 => Dual::variable(*time, 0),
+            _ => Dual::constant(*time),
+        });
+        self.propagate(mechanism, v, time, motions);
     }
 
     /// Evaluates the poses of all bodies and the coordinates of all joints.
-    fn place<const K: usize>(&self, mechanism: &Mechanism, q: &[f64], motions: &mut Motions<f64, K>) {
+    fn place(&self, mechanism: &Mechanism, q: &[f64], motions: &mut Motions<f64>) {
         for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
             match placement {
                 Placement::Free { body, first, axes } => {
@@ -261,7 +288,7 @@ impl PlacedGroup {
 
     /// Evaluates the angles of the bodies of dyads and the coordinates of their joints, if they were not evaluated with
     /// their positions.
-    pub fn evaluate_angles<const K: usize>(&self, mechanism: &Mechanism, motions: &mut Motions<f64, K>) {
+    pub fn evaluate_angles(&self, mechanism: &Mechanism, motions: &mut Motions<f64>) {
         for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
             let (Placement::Dyad { outer, inner }, Some(mode @ AssemblyMode { has_angles: false, .. })) =
                 (placement, mode)
@@ -281,10 +308,10 @@ impl PlacedGroup {
     }
 
     /// Coordinate of a joint of the dyad of a placement, which was not evaluated with its positions.
-    pub fn joint_coordinate<const K: usize>(
+    pub fn joint_coordinate(
         &self,
         mechanism: &Mechanism,
-        motions: &Motions<f64, K>,
+        motions: &Motions<f64>,
         dyad: usize,
         joint: usize,
     ) -> f64 {
@@ -318,91 +345,50 @@ impl PlacedGroup {
 
     /// Evaluates Jacobians, rates and bias accelerations of all bodies and joints, whose poses and coordinates are known;
     /// `first` is the first coordinate.
-    fn propagate<T: Real, const K: usize>(
-        &self,
-        mechanism: &Mechanism,
-        v: &[f64; K],
-        first: T,
-        motions: &mut Motions<T, K>,
-    ) {
-        let one = T::constant(1.0);
+    fn propagate<T: Real>(&self, mechanism: &Mechanism, v: &[f64], first: T, motions: &mut Motions<T>) {
         for placement in &self.group.placements {
             match placement {
                 Placement::Free { body, first, axes } => {
-                    let body = &mut motions.bodies[*body];
-                    (0..*axes).for_each(|axis| body.jacobian[axis][first + axis] = one);
-                    body.update_rate(v);
+                    let of_body = motions.body_supports[*body].first;
+                    for axis in 0..*axes {
+                        motions.columns[of_body + first + axis][axis] = T::constant(1.0);
+                    }
+                    motions.update_rate(*body, v);
                 }
                 Placement::Prescribed { body } => {
                     let scene::Pose { rate, acceleration, jerk, .. } =
                         self.prescribed(&mechanism.bodies[*body], first.value());
-                    let body = &mut motions.bodies[*body];
+                    let of_body = motions.body_supports[*body].first;
                     for axis in 0..3 {
-                        body.jacobian[axis][0] = first.chain(rate[axis], acceleration[axis]);
-                        body.bias[axis] = first.chain(acceleration[axis], jerk[axis]) * (v[0] * v[0]);
+                        motions.columns[of_body][axis] = first.chain(rate[axis], acceleration[axis]);
+                        motions.bodies[*body].bias[axis] = first.chain(acceleration[axis], jerk[axis]) * (v[0] * v[0]);
                     }
-                    body.update_rate(v);
+                    motions.update_rate(*body, v);
                 }
-                Placement::Joint { at, coordinate: source } => {
-                    let joint = &mechanism.joints[at.joint];
-                    let mut motion = JointMotion::at(motions.joints[at.joint].coordinate);
-                    let base = at.base.unwrap_or(motions.bodies.len() - 1);
-                    let bodies = motions.bodies.get_disjoint_mut([base, at.body]);
-                    let [base, body] = bodies.expect("a joint is between two bodies");
-                    carry(base, body);
-                    let column = column(joint, at, [base, body]);
-                    match source {
-                        Source::Coordinate(index) => {
-                            (motion.row[*index], motion.rate) = (one, T::constant(v[*index]));
-                            (0..3).for_each(|axis| body.jacobian[axis][*index] += column[axis]);
-                        }
-                        Source::Coupling(index) => {
-                            for (other, ratio) in coupled_joints(&mechanism.couplings[*index].on, at.joint) {
-                                let other = &motions.joints[other];
-                                motion.rate += other.rate * ratio;
-                                motion.bias += other.bias * ratio;
-                                (0..K).for_each(|k| motion.row[k] += other.row[k] * ratio);
-                            }
-                        }
-                        Source::Angle => {
-                            let turn = -at.sign();
-                            (motion.rate, motion.bias) = (base.rate[2] * turn, base.bias[2] * turn);
-                            (0..K).for_each(|k| motion.row[k] = base.jacobian[2][k] * turn);
-                        }
-                    }
-                    if !matches!(source, Source::Coordinate(_)) {
-                        for (axis, row) in body.jacobian.iter_mut().enumerate() {
-                            (0..K).for_each(|k| row[k] += column[axis] * motion.row[k]);
-                        }
-                    }
-                    body.update_rate(v);
-                    body.bias = carried_bias(joint, at, [base, body], motion.rate);
-                    (0..3).for_each(|axis| body.bias[axis] += column[axis] * motion.bias);
-                    motions.joints[at.joint] = motion;
-                }
+                Placement::Joint { at, coordinate: source } => move_with_joint(mechanism, (at, source), v, motions),
                 Placement::Dyad { outer, inner } => {
-                    let mut bodies = pair(|k| motions.bodies[outer[k].body]);
-                    let mut joints = pair(|k| motions.joints[outer[k].joint]);
-                    let bases = pair(|k| motions.body(outer[k].base));
-                    close_dyad(mechanism, (outer, *inner), bases, (&mut bodies, &mut joints), v);
-                    for (k, at) in outer.iter().enumerate() {
-                        (motions.bodies[at.body], motions.joints[at.joint]) = (bodies[k], joints[k]);
-                    }
-                    let coordinate = motions.joints[*inner].coordinate;
-                    motions.joints[*inner] = inner_motion(&mechanism.joints[*inner], coordinate, outer, &bodies);
+                    close_dyad(mechanism, (outer, *inner), motions, v);
+                    move_inner_joint(mechanism, (outer, *inner), motions);
                 }
             }
         }
         for &body in &self.group.bodies {
-            motions.centers[body] = motions.bodies[body].point(mechanism.bodies[body].com_m);
+            let com_m = mechanism.bodies[body].com_m;
+            motions.centers[body] = motions.bodies[body].point(com_m);
+            let across = perp(motions.bodies[body].rotated(com_m));
+            let Support { first, coordinates } = &motions.body_supports[body];
+            for &k in coordinates {
+                let [x, y, _] = carried(motions.columns[first + k], across);
+                motions.center_columns[first + k] = [x, y];
+            }
         }
     }
 
     /// Transmission of every dyad; a dyad without transmission is singular.
-    pub fn transmissions<'a, const K: usize>(
+    pub fn transmissions<'a>(
         &'a self,
         mechanism: &'a Mechanism,
-        motions: &'a Motions<f64, K>,
+        motions: &'a Motions<f64>,
     ) -> impl Iterator<Item = (usize, Transmission)> + 'a {
         self.group.placements.iter().enumerate().filter_map(|(index, placement)| match placement {
             Placement::Dyad { outer, inner } => Some((index, transmission(mechanism, (outer, *inner), motions))),
@@ -411,10 +397,10 @@ impl PlacedGroup {
     }
 
     /// The lines between pivots whose turns are counted, with the offset of the pivots and its rate.
-    pub fn pivot_lines<'a, const K: usize>(
+    pub fn pivot_lines<'a>(
         &'a self,
         mechanism: &'a Mechanism,
-        motions: &'a Motions<f64, K>,
+        motions: &'a Motions<f64>,
     ) -> impl Iterator<Item = (&'a PivotLine, ([f64; 2], [f64; 2]))> + 'a {
         self.group.placements.iter().zip(&self.modes).filter_map(|of| match of {
             (Placement::Dyad { outer, .. }, Some(AssemblyMode { line: Some(line), .. })) => {
@@ -426,8 +412,8 @@ impl PlacedGroup {
 }
 
 /// Motions of bodies at rest in these poses.
-pub(super) fn motions_at<const K: usize>(mechanism: &Mechanism, poses: &[Pose]) -> Motions<f64, K> {
-    let mut motions = Motions::<f64, K>::new(mechanism);
+pub(super) fn motions_at(mechanism: &Mechanism, poses: &[Pose]) -> Motions<f64> {
+    let mut motions = Motions::<f64>::new(mechanism);
     for (motion, pose) in motions.bodies.iter_mut().zip(poses) {
         *motion = BodyMotion::at(*pose, [0.0; 3]);
     }
@@ -437,7 +423,7 @@ pub(super) fn motions_at<const K: usize>(mechanism: &Mechanism, poses: &[Pose]) 
 /// Coordinates and rates of a group in assembled poses.
 pub(super) fn start_of(group: &Group, mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Vec<(f64, f64)> {
     let motion = |body: Option<usize>| {
-        body.map_or_else(BodyMotion::<f64, 1>::ground, |body| BodyMotion::at(poses[body], rates[body]))
+        body.map_or_else(BodyMotion::<f64>::ground, |body| BodyMotion::at(poses[body], rates[body]))
     };
     let start = |coordinate: &Coordinate| match coordinate {
         Coordinate::Joint(joint) => {
@@ -451,13 +437,13 @@ pub(super) fn start_of(group: &Group, mechanism: &Mechanism, (poses, rates): (&[
 }
 
 /// Coordinate of the inner joint of a dyad.
-fn inner_coordinate<const K: usize>(mechanism: &Mechanism, inner: usize, motions: &Motions<f64, K>) -> f64 {
-    joint_coordinate(&mechanism.joints[inner], |body| motions.body(body).placed())
+fn inner_coordinate(mechanism: &Mechanism, inner: usize, motions: &Motions<f64>) -> f64 {
+    joint_coordinate(&mechanism.joints[inner], |body| *motions.body(body))
 }
 
-fn bases_length<const K: usize>(
-    bases: [&BodyMotion<f64, K>; 2],
-    motions: &Motions<f64, K>,
+fn bases_length(
+    bases: [&BodyMotion<f64>; 2],
+    motions: &Motions<f64>,
     outer: &[Attachment; 2],
 ) -> f64 {
     let offset = |k: usize| sub(motions.bodies[outer[k].body].origin, bases[k].origin);
@@ -473,6 +459,93 @@ pub(super) fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
     let mut all = springs.chain(servos).chain(mechanism.couplings.iter().map(|coupling| &coupling.on));
     all.any(|on| on.factor(joint) != 0.0)
         || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
+}
+
+/// Evaluates the motion of a placed body at a joint, and of the joint.
+#[inline(always)]
+fn move_with_joint<T: Real>(
+    mechanism: &Mechanism,
+    (at, source): (&Attachment, &Source),
+    v: &[f64],
+    motions: &mut Motions<T>,
+) {
+    let joint = &mechanism.joints[at.joint];
+    let base_of = motions.index(at.base);
+    let (base, mut body) = (motions.bodies[base_of], motions.bodies[at.body]);
+    let mut motion = JointMotion::at(motions.joints[at.joint].coordinate);
+    let of_row = motions.joint_supports[at.joint].first;
+    match source {
+        Source::Coordinate(index) => {
+            (motions.rows[of_row + index], motion.rate) = (T::constant(1.0), T::constant(v[*index]));
+        }
+        Source::Coupling(index) => {
+            let coupling = &mechanism.couplings[*index].on;
+            for (other, ratio) in coupled_joints(coupling, at.joint) {
+                motion.rate += motions.joints[other].rate * ratio;
+                motion.bias += motions.joints[other].bias * ratio;
+            }
+            for &k in &motions.joint_supports[at.joint].coordinates {
+                let others = coupled_joints(coupling, at.joint);
+                motions.rows[of_row + k] = others.fold(T::zero(), |sum, (other, ratio)| {
+                    sum + motions.rows[motions.joint_supports[other].first + k] * ratio
+                });
+            }
+        }
+        Source::Angle => {
+            let turn = -at.sign();
+            (motion.rate, motion.bias) = (base.rate[2] * turn, base.bias[2] * turn);
+            let of_base = motions.body_supports[base_of].first;
+            for &k in &motions.joint_supports[at.joint].coordinates {
+                motions.rows[of_row + k] = motions.columns[of_base + k][2] * turn;
+            }
+        }
+    }
+    let (across, by_joint) = (perp(sub(body.origin, base.origin)), column(joint, at, [&base, &body]));
+    let Motions { body_supports, joint_supports, columns, rows, .. } = &mut *motions;
+    let (of_base, of_body) = (body_supports[base_of].first, body_supports[at.body].first);
+    for &k in &body_supports[at.body].coordinates {
+        columns[of_body + k] = carried(columns[of_base + k], across);
+    }
+    for &k in &joint_supports[at.joint].coordinates {
+        (0..3).for_each(|axis| columns[of_body + k][axis] += by_joint[axis] * rows[of_row + k]);
+    }
+    motions.update_rate(at.body, v);
+    body.rate = motions.bodies[at.body].rate;
+    let bias = carried_bias(joint, at, [&base, &body], motion.rate);
+    motions.bodies[at.body].bias = [0, 1, 2].map(|axis| bias[axis] + by_joint[axis] * motion.bias);
+    motions.joints[at.joint] = motion;
+}
+
+/// Coordinates of a group on which the pose of each body, and the coordinate of each joint, depend.
+fn dependent_coordinates(mechanism: &Mechanism, group: &Group) -> (Vec<Vec<usize>>, Vec<Vec<usize>>) {
+    let mut of_bodies = vec![Vec::new(); mechanism.bodies.len()];
+    let mut of_joints: Vec<Vec<usize>> = vec![Vec::new(); mechanism.joints.len()];
+    for placement in &group.placements {
+        let of_base = |base: Option<usize>| base.map_or_else(Vec::new, |base: usize| of_bodies[base].clone());
+        match placement {
+            Placement::Free { body, first, axes } => of_bodies[*body] = (*first..first + axes).collect(),
+            Placement::Prescribed { body } => of_bodies[*body] = vec![0],
+            Placement::Joint { at, coordinate: source } => {
+                let base = of_base(at.base);
+                of_joints[at.joint] = match source {
+                    Source::Coordinate(index) => vec![*index],
+                    Source::Coupling(index) => {
+                        let others = coupled_joints(&mechanism.couplings[*index].on, at.joint);
+                        Support::union(others.map(|(other, _)| &of_joints[other][..]))
+                    }
+                    Source::Angle => base.clone(),
+                };
+                of_bodies[at.body] = Support::union([&base[..], &of_joints[at.joint]]);
+            }
+            Placement::Dyad { outer, inner } => {
+                let bases = outer.each_ref().map(|at| of_base(at.base));
+                let union = Support::union(bases.iter().map(|base| &base[..]));
+                outer.iter().for_each(|at| of_bodies[at.body] = union.clone());
+                [outer[0].joint, outer[1].joint, *inner].into_iter().for_each(|joint| of_joints[joint] = union.clone());
+            }
+        }
+    }
+    (of_bodies, of_joints)
 }
 
 /// Bodies from which a placement places others.

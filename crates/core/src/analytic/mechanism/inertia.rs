@@ -1,20 +1,20 @@
 //! Derivatives of the inertial loads in the frame of a moving palm.
 
-use super::dynamics::Sums;
-use super::motion::{BodyMotion, PointMotion};
+use super::dynamics::{Chunk, Sums};
+use super::motion::{BodyMotion, Lanes, Motions};
 use super::palm_frame::{Inertia, power};
 use crate::analytic::inertial_field::InertialField;
 use crate::fivebar::dynamics::AccelerationField;
 use crate::numeric::plane::Vector;
 use crate::numeric::{Dual, Real};
 
-impl<const N: usize, const Z: usize> Sums<N, Z> {
+impl Sums<'_> {
     /// Adds the derivatives of the inertial load on a free body, whose first coordinates are x, y and θ, and of its power.
-    pub fn add_free_inertia<const K: usize>(
+    pub fn add_free_inertia(
         &mut self,
         (first, inertia, work): (usize, Inertia, usize),
         field: &InertialField,
-        motion: &BodyMotion<f64, K>,
+        motion: &BodyMotion<f64>,
     ) {
         let ([x, y], [vx, vy, spin]) = (motion.origin, motion.rate);
         let load = inertia.load(&field.field, [x, y], [vx, vy]);
@@ -39,33 +39,38 @@ impl<const N: usize, const Z: usize> Sums<N, Z> {
         self.g_t[work] += power(load_rate, [vx, vy], spin);
     }
 
-    /// Adds the derivatives of the inertial load on a body of a group with these first coordinates and size, and of its
-    /// power.
-    pub fn add_group_inertia<const K: usize>(
+    /// Adds the derivatives of the inertial load on a body of a group by these coordinates, and of its power.
+    pub fn add_group_inertia(
         &mut self,
-        (of_group, inertia, work): ((usize, usize), Inertia, usize),
+        (chunk, inertia, work): (Chunk, Inertia, usize),
         field: &InertialField,
-        (center, turn): (&PointMotion<Dual<K>, K>, &BodyMotion<Dual<K>, K>),
+        (motions, body): (&Motions<Lanes>, usize),
     ) {
-        let (first, size) = of_group;
+        let (center, spin) = (&motions.centers[body], motions.bodies[body].rate[2]);
         let load = inertia.load(&field.field, center.position, center.rate);
-        let values = |vector: Vector<Dual<K>>| vector.map(|part| part.value);
+        let values = |vector: Vector<Lanes>| vector.map(|part| part.value);
         let load_rate = inertia.load(&field.rate, values(center.position), values(center.rate));
-        let rows = [&center.jacobian[0], &center.jacobian[1], &turn.jacobian[2]];
+        let support = &motions.body_supports[body].coordinates[..];
+        let entry = |axis: usize, k: usize| match axis {
+            2 => motions.column(body, k)[2],
+            _ => motions.center_column(body, k)[axis],
+        };
+        let rows = [0, 1, 2].map(|axis| chunk.each(|_, j| entry(axis, j).value));
         // Derivatives by the velocity: of x by ẏ, and of y by ẋ.
         let across = 2.0 * inertia.mass * field.field.coriolis;
-        let by_velocity = [(across, &center.jacobian[1]), (-across, &center.jacobian[0]), (0.0, &turn.jacobian[2])];
-        for ((row, load), (factor, by)) in rows.iter().zip(load).zip(by_velocity) {
-            self.add_block(of_group, row, load, |j| factor * by[j].value);
+        let by_velocity = [(across, 1), (-across, 0), (0.0, 2)];
+        for (axis, (load, (factor, by))) in load.into_iter().zip(by_velocity).enumerate() {
+            self.add_block(chunk, (support, |i| entry(axis, i)), load, rows[by].map(|value| factor * value));
         }
         for (row, load_rate) in rows.iter().zip(load_rate) {
-            (0..size).for_each(|i| self.load_t[first + i] += row[i].value * load_rate);
+            let loads = self.load_t[chunk.group + chunk.start..].iter_mut().zip(row).take(chunk.count);
+            loads.for_each(|(load, value)| *load += value * load_rate);
         }
         let without_velocity = inertia.load(&field.field, center.position, [Dual::zero(); 2]);
-        let spin = turn.rate[2];
-        self.add_power(work, of_group, power(without_velocity, center.rate, spin), |j| {
-            (0..3).map(|k| without_velocity[k].value * rows[k][j].value).sum()
-        });
-        self.g_t[work] += power(load_rate, values(center.rate), spin.value);
+        let by_v = chunk.each(|lane, _| (0..3).map(|k| without_velocity[k].value * rows[k][lane]).sum());
+        self.add_power(work, chunk, power(without_velocity, center.rate, spin), by_v);
+        if chunk.start == 0 {
+            self.g_t[work] += power(load_rate, values(center.rate), spin.value);
+        }
     }
 }

@@ -10,7 +10,7 @@ use super::pairs;
 use super::palm_frame::inertial_loads;
 use crate::analytic::contact::StateRef;
 use crate::analytic::inertial_field::InertialField;
-use crate::integrator::System;
+use crate::integrator::{Dynamic, Rates, System};
 use crate::mechanism::{ForcePoint, JointCombination, JointKind, Limit, Mechanism};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, cross, perp, scale, sub};
@@ -132,16 +132,18 @@ fn refill<T>(list: &mut Vec<T>, content: impl Iterator<Item = T>) {
     list.extend(content);
 }
 
-impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+impl MechanismModel {
     /// Computes the forces of all joints in a state, in the frame of a moving palm.
-    pub fn joint_forces<const Z: usize>(
+    pub fn joint_forces(
         &self,
         t: f64,
-        (q, v): StateRef<'_, N>,
-        mode: &MechanismMode<C>,
+        (q, v): StateRef<'_, Dynamic>,
+        mode: &MechanismMode,
         system: &mut JointForces,
     ) {
-        let a = <Self as System<N, Z>>::rates(self, t, q, v, mode).a;
+        let mut rates = Rates::zero(self.sizes());
+        self.rates(t, q, v, mode, &mut rates);
+        let a = rates.a;
         self.with_motions((q, v), |motions| {
             let unknowns = 2 * self.mechanism.joints.len() + self.mechanism.couplings.len();
             system.clear(motions.centers.iter().map(|center| center.position), unknowns);
@@ -169,16 +171,19 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Adds the wrenches that give all bodies their accelerations.
-    fn add_accelerations(&self, t: f64, a: &[f64; N], motions: &Motions<f64, K>, system: &mut JointForces) {
+    fn add_accelerations(&self, t: f64, a: &[f64], motions: &Motions<f64>, system: &mut JointForces) {
         let (gravity, right) = (self.mechanism.gravity_m_s2, system.unknowns);
         for (index, (body, center)) in self.mechanism.bodies.iter().zip(&motions.centers).enumerate() {
             let (Span { first, size, is_free }, motion) = (self.spans[index], &motions.bodies[index]);
-            let acceleration = |row: &[f64; K], bias: f64| (0..size).fold(bias, |sum, k| sum + row[k] * a[first + k]);
+            let acceleration = |entry: &dyn Fn(usize) -> f64, bias: f64| {
+                let support = &motions.body_supports[index].coordinates;
+                support.iter().fold(bias, |sum, k| sum + entry(*k) * a[first + k])
+            };
             let [x, y, turn] = match is_free {
                 true => [a[first], a[first + 1], if size > 2 { a[first + 2] } else { 0.0 }],
                 false => {
-                    let [x, y] = [0, 1].map(|k| acceleration(&center.jacobian[k], center.bias[k]));
-                    [x, y, acceleration(&motion.jacobian[2], motion.bias[2])]
+                    let [x, y] = [0, 1].map(|k| acceleration(&|j| motions.center_column(index, j)[k], center.bias[k]));
+                    [x, y, acceleration(&|j| motions.column(index, j)[2], motion.bias[2])]
                 }
             };
             let force = [x - gravity[0], y - gravity[1]].map(|part| body.mass_kg * part);
@@ -193,7 +198,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Both reactions of a joint: a unit force and a unit moment each.
-    fn reactions(&self, joint: usize, motions: &Motions<f64, K>) -> [([f64; 2], f64); 2] {
+    fn reactions(&self, joint: usize, motions: &Motions<f64>) -> [([f64; 2], f64); 2] {
         let (_, direction, turn) = self.effort_direction(joint, motions);
         match turn == 0.0 {
             true => [(perp(direction), 0.0), ([0.0; 2], 1.0)],
@@ -202,7 +207,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Point, direction and turn of the effort of a joint: a force along its axis, or a torque.
-    fn effort_direction(&self, joint: usize, motions: &Motions<f64, K>) -> ([f64; 2], [f64; 2], f64) {
+    fn effort_direction(&self, joint: usize, motions: &Motions<f64>) -> ([f64; 2], [f64; 2], f64) {
         let of = &self.mechanism.joints[joint];
         let point = motions.body(of.bodies[1]).position(of.points_m[1]);
         match of.kind {
@@ -218,9 +223,9 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     fn subtract_loads(
         &self,
         t: f64,
-        (a, v): StateRef<'_, N>,
-        mode: &MechanismMode<C>,
-        motions: &Motions<f64, K>,
+        (a, v): StateRef<'_, Dynamic>,
+        mode: &MechanismMode,
+        motions: &Motions<f64>,
         system: &mut JointForces,
     ) {
         let right = system.unknowns;
@@ -236,8 +241,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for group in &self.groups {
             for element in &group.elements {
                 let motion = motions.combination(&element.on);
-                let acceleration =
-                    (0..group.size()).fold(motion.bias, |sum, k| sum + motion.row[k] * a[group.first + k]);
+                let row = element.support.iter().map(|k| motions.row_entry(&element.on, *k) * a[group.first + k]);
+                let acceleration = row.fold(motion.bias, |sum, part| sum + part);
                 let effort = element.effort(motion.coordinate, motion.rate) - element.inertia * acceleration;
                 subtract_combined(&element.on, effort);
             }
@@ -245,7 +250,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
             subtract_combined(&actuator.on, self.actuator_effort(t, (mode, v), motions, index));
         }
-        refill(&mut tensions, self.cables.iter().map(|cable| self.tension(t, v, mode, motions, cable).1.total()));
+        let row = &mut self.scratch.borrow_mut().row;
+        refill(&mut tensions, self.cables.iter().map(|cable| self.tension(t, v, mode, motions, cable, row).1.total()));
         for (cable, tension) in self.cables.iter().zip(&tensions) {
             cable.tendon.joints.iter().for_each(|(joint, factor)| subtract(*joint, -factor * tension));
         }
@@ -262,7 +268,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Subtracts the forces of contacts and limits.
-    fn subtract_contacts(&self, state: StateRef<'_, N>, mode: &MechanismMode<C>, system: &mut JointForces) {
+    fn subtract_contacts(&self, state: StateRef<'_, Dynamic>, mode: &MechanismMode, system: &mut JointForces) {
         let right = system.unknowns;
         for (index, contact) in self.contacts.iter().enumerate() {
             let reading = self.world_reading(state, index, mode[index]);
@@ -296,7 +302,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Adds the wrenches of the forces of joints and couplings.
-    fn add_unknowns(&self, motions: &Motions<f64, K>, system: &mut JointForces) {
+    fn add_unknowns(&self, motions: &Motions<f64>, system: &mut JointForces) {
         let Mechanism { joints, couplings, .. } = &self.mechanism;
         for (index, joint) in joints.iter().enumerate() {
             let (point, ..) = self.effort_direction(index, motions);

@@ -26,4 +26,4 @@ mod tendon;
 
 pub(crate) use conditioning::EXCHANGE_SINE;
 pub use joint_forces::{JointForce, JointForces};
-pub use model::{MechanismMode, MechanismModel, MechanismSize};
+pub use model::{MechanismMode, MechanismModel};

@@ -2,23 +2,22 @@
 
 use std::cell::RefCell;
 
-use super::actuator::{MAX_ACTUATORS, Ranges, range};
+use super::actuator::{Ranges, range};
 use super::bounds::MechanismBounds;
 use super::cable::Cable;
 use super::conditioning::conditioned_groups;
 use super::factor::Factor;
 use super::free::{FreeBody, center_frame, free_body, is_round};
 use super::group::{PlacedGroup, start_of};
-use super::motion::Motions;
+use super::motion::{LANES, Lanes, Motions, Support};
 use super::nearest::{Face, Feature, PointOnFace};
 use super::palm_frame::{exchange_ground, palm_of_frame};
 use crate::analytic::ContactState;
-use crate::analytic::contact::{EventTolerances, Mode};
-use crate::integrator::State;
+use crate::analytic::contact::{ContactMode, EventTolerances, Mode, StateRef};
+use crate::integrator::{Dynamic, Layout, Linearised, State};
 use crate::law::{Bristle, FrictionLaw, NormalLaw};
-use crate::mechanism::structure::{Coordinate, Group, StructureError, find_groups};
+use crate::mechanism::structure::{Group, StructureError, find_groups};
 use crate::mechanism::{Actuator, Body, Limit, Mechanism, Pose, SpringKind};
-use crate::numeric::Dual;
 use crate::numeric::plane::scale_by;
 use crate::scene::{PalmMotion, Profile};
 use std::borrow::Cow;
@@ -61,20 +60,41 @@ impl Contact {
 
 /// Branches of the contact laws, the features of the faces, and the ranges of the actuators; and the times for which it is
 /// valid.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MechanismMode<const C: usize> {
-    pub contacts: Mode<C>,
+#[derive(Debug, PartialEq)]
+pub struct MechanismMode {
+    pub contacts: Mode<Vec<ContactMode>>,
     /// Feature of the face that each contact with a force is on; otherwise the nearest one.
-    pub(super) features: [Option<Feature>; C],
+    pub(super) features: Vec<Option<Feature>>,
     pub(super) ranges: Ranges,
     /// Turns of the lines between pivots of dyads since the start, in counts.
-    pub(super) counts: [i32; C],
+    pub(super) counts: Vec<i32>,
     /// First and last time between two discontinuities of commands and prescribed motions. A step sees the commands between
     /// them only, whatever the rounding error of the time as a coordinate.
     pub(super) times_s: [f64; 2],
 }
 
-impl<const C: usize> Index<usize> for MechanismMode<C> {
+impl Clone for MechanismMode {
+    fn clone(&self) -> Self {
+        Self {
+            contacts: self.contacts.clone(),
+            features: self.features.clone(),
+            ranges: self.ranges.clone(),
+            counts: self.counts.clone(),
+            times_s: self.times_s,
+        }
+    }
+
+    /// Without allocation.
+    fn clone_from(&mut self, other: &Self) {
+        self.contacts.contacts.clone_from(&other.contacts.contacts);
+        self.features.clone_from(&other.features);
+        self.ranges.0.clone_from(&other.ranges.0);
+        self.counts.clone_from(&other.counts);
+        self.times_s = other.times_s;
+    }
+}
+
+impl Index<usize> for MechanismMode {
     type Output = ContactState;
 
     fn index(&self, index: usize) -> &ContactState {
@@ -92,25 +112,38 @@ pub(super) struct Span {
 
 /// Motions at the last state, with and without derivatives, kept to avoid allocation and repetition.
 #[derive(Clone, Debug)]
-struct Workspace<const N: usize, const K: usize> {
-    state: Option<([f64; N], [f64; N])>,
-    motions: Motions<f64, K>,
+struct Workspace {
+    /// Coordinates and rates of that state, if there is one.
+    q: Vec<f64>,
+    v: Vec<f64>,
+    has_state: bool,
+    motions: Motions<f64>,
     /// Whether the motions contain all angles, see [`MechanismModel::with_angles`].
     has_angles: bool,
-    /// Factors of the mass matrices of all groups in this state; empty before they are needed.
-    factors: Vec<Factor<K>>,
-    with_derivatives: Motions<Dual<K>, K>,
+    /// Factors of the mass matrices of all groups, in this state if `has_factors`.
+    factors: Vec<Factor>,
+    has_factors: bool,
+    /// Motions with derivatives by the coordinates of each group, [`LANES`] of them at a time.
+    with_derivatives: Vec<Motions<Lanes>>,
     bounds: MechanismBounds,
 }
 
-/// The analytic model of a mechanism with at most N coordinates and bristles, K coordinates of a group of bodies with
-/// joints, and C contacts.
+/// Memory of evaluations within a state.
+#[derive(Clone, Debug)]
+pub(super) struct Scratch {
+    /// Derivative of the length of a cable by the coordinates.
+    pub row: Vec<f64>,
+    /// Its second derivatives, in the place of those of loads; without cables it has no entries.
+    pub second: Linearised<Dynamic>,
+}
+
+/// The analytic model of a mechanism.
 ///
 /// Coordinates are the independent coordinates of all groups. If friction or a brake has bristles, the next rates are the
 /// bristle states; nothing depends on the coordinates at these indices. Time is the last coordinate if an event of an
 /// actuator depends on it and it is no coordinate of a group.
 #[derive(Clone, Debug)]
-pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
+pub struct MechanismModel {
     pub(super) mechanism: Mechanism,
     /// Groups of bodies with joints or prescribed motions.
     pub(super) groups: Vec<PlacedGroup>,
@@ -139,63 +172,37 @@ pub struct MechanismModel<const N: usize, const K: usize, const C: usize> {
     pub(super) moves_by_forces: Vec<[bool; 3]>,
     used_coordinates: usize,
     pub(super) event_tolerances: EventTolerances,
-    workspace: RefCell<Workspace<N, K>>,
+    /// Numbers of coordinates, with a place for time, and of quadratures.
+    layout: Dynamic,
+    workspace: RefCell<Workspace>,
+    pub(super) scratch: RefCell<Scratch>,
     start: Vec<(f64, f64)>,
 }
 
-/// Size of a mechanism in the analytic model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MechanismSize {
-    /// Coordinates of all groups, time and bristle states.
-    pub coordinates: usize,
-    /// Coordinates of the largest group of bodies with joints.
-    pub group: usize,
-    /// Contacts, limits, elastic tendons, and joints with friction.
-    pub contacts: usize,
-    pub actuators: usize,
-    /// Dyads, each with a count of its turns; at most as many as contacts. It does not depend on the coordinates.
-    pub counts: usize,
-}
-
-impl MechanismSize {
-    /// Returns the size of a mechanism.
-    ///
-    /// # Errors
-    /// Returns an error for a mechanism without independent coordinates in closed form.
-    pub fn new(mechanism: &Mechanism) -> Result<Self, StructureError> {
-        let mechanism = in_frame(mechanism);
-        Ok(Self::with_groups(&mechanism, &find_groups(&mechanism)?))
-    }
-
-    fn with_groups(mechanism: &Mechanism, groups: &[Group]) -> Self {
-        let linked = || groups.iter().filter(|group| free_body(group).is_none());
-        let points = mechanism.point_contacts();
-        let has_bristle = |pair: usize| mechanism.contacts[pair].law.bristle().is_some();
-        let bristles = points.iter().filter(|point| has_bristle(point.pair)).count()
-            + joint_frictions(mechanism).filter(|(_, friction)| friction.bristle.is_some()).count()
-            + bristles_of_brakes(mechanism).flatten().count();
-        let has_time = groups.iter().any(|group| group.coordinates.contains(&Coordinate::Time));
-        // A new input of an actuator can depend on time.
-        let may_depend_on_time = depends_on_time(mechanism) || !mechanism.actuators.is_empty();
-        let time = usize::from(!has_time && may_depend_on_time);
+impl Workspace {
+    /// Memory for the states of these groups.
+    fn new(mechanism: &Mechanism, groups: &[PlacedGroup], layout: Dynamic) -> Self {
+        let mut motions = Motions::new(mechanism);
+        motions.counts = vec![0; groups.last().map_or(0, |placed| placed.counts().end)];
+        groups.iter().for_each(|group| group.add_supports(mechanism, &mut motions));
+        // The ground does not move with any coordinate.
+        let (largest, ground) = (groups.iter().map(PlacedGroup::size).max().unwrap_or(0), mechanism.bodies.len());
+        motions.body_supports[ground] = Support { first: motions.columns.len(), coordinates: Vec::new() };
+        motions.columns.resize(motions.columns.len() + largest, [0.0; 3]);
+        motions.center_columns = vec![[0.0; 2]; motions.columns.len()];
+        let mut with_derivatives = Motions::new(mechanism);
+        with_derivatives.reserve(&motions);
         Self {
-            coordinates: groups.iter().map(|group| group.coordinates.len()).sum::<usize>() + time + bristles,
-            group: linked().map(|group| group.coordinates.len()).max().unwrap_or(0),
-            contacts: points.len()
-                + mechanism.limits().len()
-                + elastic_tendons(mechanism).count()
-                + joint_frictions(mechanism).count(),
-            actuators: mechanism.actuators.len(),
-            counts: linked().map(Group::count_of_dyads).sum(),
+            q: layout.vector(0.0),
+            v: layout.vector(0.0),
+            has_state: false,
+            motions,
+            has_angles: false,
+            factors: groups.iter().map(|group| Factor::new(group.size(), group.has_prescribed())).collect(),
+            has_factors: false,
+            with_derivatives: vec![with_derivatives; largest.div_ceil(LANES)],
+            bounds: MechanismBounds::new(mechanism),
         }
-    }
-
-    pub fn fits(&self, capacity: &Self) -> bool {
-        self.coordinates <= capacity.coordinates
-            && self.group <= capacity.group
-            && self.contacts <= capacity.contacts
-            && self.actuators <= capacity.actuators
-            && self.counts <= capacity.counts
     }
 }
 
@@ -211,8 +218,8 @@ fn in_frame(mechanism: &Mechanism) -> Cow<'_, Mechanism> {
     }
 }
 
-/// Whether two arrays have the same bits; compared without branches, because they nearly always have.
-fn has_bits_of<const N: usize>(a: &[f64; N], b: &[f64; N]) -> bool {
+/// Whether two lists have the same bits; compared without branches, because they nearly always have.
+fn has_bits_of(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).fold(0, |difference, (a, b)| difference | (a.to_bits() ^ b.to_bits())) == 0
 }
 
@@ -239,14 +246,11 @@ fn depends_on_time(mechanism: &Mechanism) -> bool {
     })
 }
 
-impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+impl MechanismModel {
     /// Builds the model from the assembled poses and rates of all bodies.
     ///
     /// # Errors
     /// Returns an error for a mechanism without independent coordinates in closed form.
-    ///
-    /// # Panics
-    /// Panics if the mechanism exceeds the capacity of the model.
     pub fn new(mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Result<Self, StructureError> {
         let world = palm_of_frame(mechanism).zip(mechanism.palm().map(|(_, motion)| motion.clone()));
         let (mut mechanism, mut poses, mut rates) = (in_frame(mechanism).into_owned(), poses.to_vec(), rates.to_vec());
@@ -257,10 +261,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             center_frame(&mut mechanism, body, (&mut poses, &mut rates));
         }
         let (poses, rates) = (&poses[..], &rates[..]);
-        let found = conditioned_groups::<K>(&mechanism, found, poses);
-        let size = MechanismSize::with_groups(&mechanism, &found);
-        let capacity = MechanismSize { coordinates: N, group: K, contacts: C, actuators: MAX_ACTUATORS, counts: C };
-        assert!(size.fits(&capacity), "{size:?} exceeds {capacity:?}");
+        let found = conditioned_groups(&mechanism, found, poses);
         let mut first = 0;
         let (mut groups, mut free_bodies, mut start) = (Vec::new(), Vec::new(), Vec::new());
         let mut spans = vec![Span::default(); mechanism.bodies.len()];
@@ -277,7 +278,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 free_bodies.push(FreeBody { body, first, axes, is_round, angle_rad: poses[body][2], mobility, weight });
             } else {
                 let counts = groups.last().map_or(0, |placed: &PlacedGroup| placed.counts().end);
-                let mut placed = PlacedGroup::new::<K>(&mechanism, group, (first, counts), poses);
+                let mut placed = PlacedGroup::new(&mechanism, group, (first, counts), poses);
                 placed.is_in_palm_frame = world.is_some();
                 placed
                     .joints_on_demand(&mechanism)
@@ -340,16 +341,18 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             body.mass_kg *= f64::from(moves);
             body.inertia_kg_m2 = if rotates { body.inertia_kg_m2 } else { 0.0 };
         }
-        let counts = groups.last().map_or(0, |placed| placed.counts().end);
-        let workspace = Workspace {
-            state: None,
-            motions: Motions { counts: vec![0; counts], ..Motions::new(&mechanism) },
-            has_angles: false,
-            factors: Vec::with_capacity(groups.len()),
-            with_derivatives: Motions::new(&mechanism),
-            bounds: MechanismBounds::new(&mechanism),
-        };
         let coordinate_count = next + usize::from(time_index == Some(next));
+        // A new input of an actuator can depend on time.
+        let has_place_for_time = time_index.is_some() || !mechanism.actuators.is_empty();
+        let layout = Dynamic {
+            coordinates: next + usize::from(has_place_for_time && time.is_none()),
+            quadratures: contacts.len() + 2,
+        };
+        let workspace = Workspace::new(&mechanism, &groups, layout);
+        let scratch = Scratch {
+            row: layout.vector(0.0),
+            second: Linearised::zero(if cables.is_empty() { Dynamic { coordinates: 0, quadratures: 0 } } else { layout }),
+        };
         let event_tolerances = if mechanism.joints.is_empty() { EventTolerances::COLLISION } else { EVENT_TOLERANCES };
         Ok(Self {
             mechanism,
@@ -369,14 +372,21 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
             moves_by_forces,
             used_coordinates: coordinate_count,
             event_tolerances,
+            layout,
             workspace: RefCell::new(workspace),
+            scratch: RefCell::new(scratch),
             start,
         })
     }
 
+    /// Numbers of coordinates and quadratures.
+    pub fn sizes(&self) -> Dynamic {
+        self.layout
+    }
+
     /// Returns coordinates and rates at the start.
-    pub fn start<const Z: usize>(&self) -> State<N, Z> {
-        let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; Z] };
+    pub fn start(&self) -> State<Dynamic> {
+        let mut state = State::zero(self.layout);
         for (index, (q, v)) in self.start.iter().enumerate() {
             (state.q[index], state.v[index]) = (*q, *v);
         }
@@ -392,13 +402,16 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub(super) fn replace_group(&mut self, index: usize, group: Group, poses: &[Pose]) {
         let old = &self.groups[index];
         old.joints.iter().for_each(|joint| self.dyad_of[*joint] = None);
-        let mut placed = PlacedGroup::new::<K>(&self.mechanism, group, (old.first, old.counts().start), poses);
+        let mut placed = PlacedGroup::new(&self.mechanism, group, (old.first, old.counts().start), poses);
         placed.is_in_palm_frame = self.world.is_some();
         for (placement, joint) in placed.joints_on_demand(&self.mechanism) {
             self.dyad_of[joint] = Some((index, placement));
         }
         self.groups[index] = placed;
-        self.workspace.get_mut().state = None;
+        let counts = self.workspace.get_mut().motions.counts.clone();
+        let mut workspace = Workspace::new(&self.mechanism, &self.groups, self.layout);
+        workspace.motions.counts = counts;
+        self.workspace = RefCell::new(workspace);
     }
 
     /// Replaces the effort of an actuator over time, or the target of a servo, from time `t` on. The ranges of the mode
@@ -411,8 +424,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         index: usize,
         input: Profile,
         t: f64,
-        (q, v): (&mut [f64; N], &mut [f64; N]),
-        mode: &mut MechanismMode<C>,
+        (q, v): (&mut Vec<f64>, &mut Vec<f64>),
+        mode: &mut MechanismMode,
     ) {
         self.count_turns_as(mode);
         *self.mechanism.actuators[index].command.profile_mut() = input;
@@ -435,7 +448,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Range of an actuator at time `t`. The command after a discontinuity, which a sample at its time contains, does not
     /// belong to the range of the mode.
     #[inline(always)]
-    pub(super) fn range_at(&self, t: f64, mode: &MechanismMode<C>, index: usize, coordinate: f64, rate: f64) -> u8 {
+    pub(super) fn range_at(&self, t: f64, mode: &MechanismMode, index: usize, coordinate: f64, rate: f64) -> u8 {
         match t > mode.times_s[1] {
             true => range(&self.mechanism.actuators[index], t, coordinate, rate),
             false => mode.ranges.0[index],
@@ -461,7 +474,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Coordinate of a joint.
-    pub(super) fn joint_coordinate(&self, motions: &Motions<f64, K>, joint: usize) -> f64 {
+    pub(super) fn joint_coordinate(&self, motions: &Motions<f64>, joint: usize) -> f64 {
         match self.dyad_of[joint] {
             None => motions.joints[joint].coordinate,
             Some((group, dyad)) => self.groups[group].joint_coordinate(&self.mechanism, motions, dyad, joint),
@@ -471,24 +484,23 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Counts turns as in a mode, in all evaluations until the next call. Functions with a mode call it themselves; readings
     /// of a state need it before them.
     #[inline(always)]
-    pub fn count_turns_as(&self, mode: &MechanismMode<C>) {
+    pub fn count_turns_as(&self, mode: &MechanismMode) {
         self.count_turns_in(&mode.counts);
     }
 
     #[inline(always)]
-    pub(super) fn count_turns_in(&self, counts: &[i32; C]) {
+    pub(super) fn count_turns_in(&self, counts: &[i32]) {
         let mut workspace = self.workspace.borrow_mut();
         let counted = &mut workspace.motions.counts;
-        let counts = &counts[..counted.len()];
         if counted[..] != *counts {
             counted.copy_from_slice(counts);
-            workspace.state = None;
+            workspace.has_state = false;
         }
     }
 
     /// Evaluates a function of the motions of all bodies and joints in a state.
     #[inline(always)]
-    pub(super) fn with_motions<R>(&self, state: (&[f64; N], &[f64; N]), f: impl FnOnce(&Motions<f64, K>) -> R) -> R {
+    pub(super) fn with_motions<R>(&self, state: StateRef<'_, Dynamic>, f: impl FnOnce(&Motions<f64>) -> R) -> R {
         let mut workspace = self.workspace.borrow_mut();
         self.update(state, &mut workspace);
         f(&workspace.motions)
@@ -496,7 +508,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Like [`MechanismModel::with_motions`], with the angles of all bodies and the coordinates of all joints: evaluations
     /// of forces omit those of dyads that no force depends on.
-    pub(super) fn with_angles<R>(&self, state: (&[f64; N], &[f64; N]), f: impl FnOnce(&Motions<f64, K>) -> R) -> R {
+    pub(super) fn with_angles<R>(&self, state: StateRef<'_, Dynamic>, f: impl FnOnce(&Motions<f64>) -> R) -> R {
         let mut workspace = self.workspace.borrow_mut();
         self.update(state, &mut workspace);
         if !std::mem::replace(&mut workspace.has_angles, true) {
@@ -508,8 +520,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Like [`MechanismModel::with_motions`], with memory for bounds.
     pub(super) fn with_bounds<R>(
         &self,
-        state: (&[f64; N], &[f64; N]),
-        f: impl FnOnce(&Motions<f64, K>, &mut MechanismBounds) -> R,
+        state: StateRef<'_, Dynamic>,
+        f: impl FnOnce(&Motions<f64>, &mut MechanismBounds) -> R,
     ) -> R {
         let mut workspace = self.workspace.borrow_mut();
         let workspace = &mut *workspace;
@@ -521,24 +533,24 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     #[inline(always)]
     pub(super) fn with_factors<R>(
         &self,
-        state: (&[f64; N], &[f64; N]),
-        f: impl FnOnce(&Motions<f64, K>, &[Factor<K>]) -> R,
+        state: StateRef<'_, Dynamic>,
+        f: impl FnOnce(&Motions<f64>, &[Factor]) -> R,
     ) -> R {
         let mut workspace = self.workspace.borrow_mut();
         let workspace = &mut *workspace;
         self.update(state, workspace);
-        if workspace.factors.is_empty() {
-            let factor = |group: &PlacedGroup| {
-                Factor::new(self.mass(group, &workspace.motions), group.size(), group.has_prescribed())
-            };
-            workspace.factors.extend(self.groups.iter().map(factor));
+        if !std::mem::replace(&mut workspace.has_factors, true) {
+            for (group, factor) in self.groups.iter().zip(&mut workspace.factors) {
+                self.evaluate_mass(group, &workspace.motions, factor.mass());
+                factor.factor();
+            }
         }
         f(&workspace.motions, &workspace.factors)
     }
 
     /// Evaluates the motions of a state, unless they are there.
-    fn update(&self, (q, v): (&[f64; N], &[f64; N]), workspace: &mut Workspace<N, K>) {
-        if workspace.state.as_ref().is_some_and(|(old_q, old_v)| has_bits_of(old_q, q) && has_bits_of(old_v, v)) {
+    fn update(&self, (q, v): StateRef<'_, Dynamic>, workspace: &mut Workspace) {
+        if workspace.has_state && has_bits_of(&workspace.q, q) && has_bits_of(&workspace.v, v) {
             return;
         }
         for free in &self.free_bodies {
@@ -547,24 +559,26 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
         for group in &self.groups {
             group.evaluate(&self.mechanism, group.state((q, v)), &mut workspace.motions);
         }
-        workspace.has_angles = false;
-        workspace.factors.clear();
-        workspace.state = Some((*q, *v));
+        (workspace.has_angles, workspace.has_factors, workspace.has_state) = (false, false, true);
+        workspace.q.copy_from_slice(q);
+        workspace.v.copy_from_slice(v);
     }
 
     /// Evaluates a function of the motions of all bodies and joints, without and with derivatives by the coordinates of
     /// their group.
     pub(super) fn with_derivatives<R>(
         &self,
-        state: (&[f64; N], &[f64; N]),
-        f: impl FnOnce(&Motions<f64, K>, &Motions<Dual<K>, K>) -> R,
+        state: StateRef<'_, Dynamic>,
+        f: impl FnOnce(&Motions<f64>, &[Motions<Lanes>]) -> R,
     ) -> R {
         let mut workspace = self.workspace.borrow_mut();
         let workspace = &mut *workspace;
         self.update(state, workspace);
         for group in &self.groups {
-            let state = group.state(state);
-            group.differentiate(&self.mechanism, state, &workspace.motions, &mut workspace.with_derivatives);
+            let state = group.state((state.0, state.1));
+            for (chunk, motions) in workspace.with_derivatives.iter_mut().enumerate().take(group.chunks()) {
+                group.differentiate(&self.mechanism, state, chunk, &workspace.motions, motions);
+            }
         }
         f(&workspace.motions, &workspace.with_derivatives)
     }

@@ -1,11 +1,11 @@
-//! Motions of bodies and joints: poses, Jacobians and bias accelerations as functions of the K coordinates of a group,
-//! in plain numbers or in numbers with derivatives by these coordinates.
+//! Motions of bodies and joints: poses, Jacobians and bias accelerations as functions of the coordinates of a group, in plain
+//! numbers or in numbers with derivatives by some of these coordinates.
 
 use crate::mechanism::structure::Attachment;
 use crate::mechanism::{Joint, JointCombination, JointKind, Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, scale_by, sub};
-use crate::numeric::{Dual, Real, array_from};
+use crate::numeric::{Dual, Real};
 
 /// Rotates a vector of a frame with this direction (cos θ, sin θ) to the world.
 #[inline(always)]
@@ -13,47 +13,44 @@ pub(super) fn rotated<T: Real>([cos, sin]: Vector<T>, [x, y]: [f64; 2]) -> Vecto
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// Pose of the frame of a body, its motion per unit of each coordinate rate, its rate, and its acceleration without
-/// accelerations of the coordinates. Components are x, y and θ.
+/// Number of coordinates by which numbers have derivatives; a group with more is evaluated several times.
+pub(super) const LANES: usize = 4;
+
+/// A number with derivatives by up to [`LANES`] coordinates of a group.
+pub(super) type Lanes = Dual<LANES>;
+
+/// Pose of the frame of a body, its rate, and its acceleration without accelerations of the coordinates. Components are x, y
+/// and θ.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BodyMotion<T, const K: usize> {
+pub(super) struct BodyMotion<T> {
     pub origin: Vector<T>,
     /// (cos θ, sin θ).
     pub direction: Vector<T>,
     pub angle: T,
-    pub jacobian: [[T; K]; 3],
     pub rate: [T; 3],
     pub bias: [T; 3],
 }
 
 /// Coordinate of a joint, with its derivatives as for a body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct JointMotion<T, const K: usize> {
+pub(super) struct JointMotion<T> {
     pub coordinate: T,
-    pub row: [T; K],
     pub rate: T,
     pub bias: T,
 }
 
-/// Motion of a point of a body: position, Jacobian, rate and bias acceleration.
+/// Motion of a point of a body: position, rate and bias acceleration.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PointMotion<T, const K: usize> {
+pub(super) struct PointMotion<T> {
     pub position: Vector<T>,
-    pub jacobian: [[T; K]; 2],
     pub rate: Vector<T>,
     pub bias: Vector<T>,
 }
 
-impl<const K: usize> BodyMotion<f64, K> {
-    /// The pose alone.
-    #[inline(always)]
-    pub fn placed(&self) -> BodyMotion<f64, 0> {
-        BodyMotion { origin: self.origin, direction: self.direction, angle: self.angle, ..BodyMotion::ground() }
-    }
-
+impl BodyMotion<f64> {
     /// Takes the pose of a placed body, and keeps everything else.
     #[inline(always)]
-    pub fn place_at(&mut self, placed: &BodyMotion<f64, 0>) {
+    pub fn place_at(&mut self, placed: &Self) {
         (self.origin, self.direction, self.angle) = (placed.origin, placed.direction, placed.angle);
     }
 
@@ -63,20 +60,26 @@ impl<const K: usize> BodyMotion<f64, K> {
         Self { origin: [x, y], direction: [cos, sin], angle, rate, ..Self::ground() }
     }
 
-    /// The same pose with its derivatives by the coordinates, at rest.
-    pub fn lifted(&self) -> BodyMotion<Dual<K>, K> {
-        let lift = |value: f64, grad: [f64; K]| Dual { value, grad };
-        let ([cos, sin], turn) = (self.direction, self.jacobian[2]);
+    /// The same pose with its derivatives by the coordinates from `first` on, at rest; `columns` is the motion of the body per
+    /// unit of the rate of each coordinate.
+    pub fn lifted(&self, columns: &[[f64; 3]], first: usize) -> BodyMotion<Lanes> {
+        let columns = columns.get(first..).unwrap_or_default();
+        let lift = |value: f64, part: &dyn Fn(&[f64; 3]) -> f64| {
+            let mut lifted = Dual::constant(value);
+            lifted.grad.iter_mut().zip(columns).for_each(|(grad, column)| *grad = part(column));
+            lifted
+        };
+        let [cos, sin] = self.direction;
         BodyMotion {
-            origin: pair(|axis| lift(self.origin[axis], self.jacobian[axis])),
-            direction: [lift(cos, turn.map(|part| -sin * part)), lift(sin, turn.map(|part| cos * part))],
-            angle: lift(self.angle, turn),
+            origin: pair(|axis| lift(self.origin[axis], &|column| column[axis])),
+            direction: [lift(cos, &|column| -sin * column[2]), lift(sin, &|column| cos * column[2])],
+            angle: lift(self.angle, &|column| column[2]),
             ..BodyMotion::ground()
         }
     }
 }
 
-impl<const K: usize> BodyMotion<f64, K> {
+impl BodyMotion<f64> {
     /// Transforms a vector of the world to the frame of the body.
     pub fn in_frame(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [cos, sin] = self.direction;
@@ -94,7 +97,7 @@ impl<const K: usize> BodyMotion<f64, K> {
     }
 }
 
-impl<T: Real, const K: usize> BodyMotion<T, K> {
+impl<T: Real> BodyMotion<T> {
     /// The ground.
     pub fn ground() -> Self {
         let zero = T::zero();
@@ -102,16 +105,9 @@ impl<T: Real, const K: usize> BodyMotion<T, K> {
             origin: [zero; 2],
             direction: [T::constant(1.0), zero],
             angle: zero,
-            jacobian: [[zero; K]; 3],
             rate: [zero; 3],
             bias: [zero; 3],
         }
-    }
-
-    /// Rates of the pose at the rates `v` of the coordinates.
-    #[inline(always)]
-    pub fn update_rate(&mut self, v: &[f64; K]) {
-        self.rate = triple(|axis| rate_along(&self.jacobian[axis], v));
     }
 
     /// Rotates a vector of the body frame to the world.
@@ -141,12 +137,10 @@ impl<T: Real, const K: usize> BodyMotion<T, K> {
 
     /// Motion of a point of the body frame.
     #[inline(always)]
-    pub fn point(&self, point: [f64; 2]) -> PointMotion<T, K> {
+    pub fn point(&self, point: [f64; 2]) -> PointMotion<T> {
         let arm = self.rotated(point);
-        let across = perp(arm);
         PointMotion {
             position: add(self.origin, arm),
-            jacobian: pair(|axis| array_from(|k| self.jacobian[axis][k] + across[axis] * self.jacobian[2][k])),
             rate: self.rate_at(arm),
             bias: self.bias_at(arm),
         }
@@ -165,44 +159,81 @@ pub(super) fn triple<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
-/// Rate of a quantity whose derivatives by the coordinates are `row`.
-#[inline(always)]
-pub(super) fn rate_along<T: Real, const K: usize>(row: &[T; K], v: &[f64; K]) -> T {
-    row.iter().zip(v).fold(T::zero(), |sum, (entry, rate)| sum + *entry * *rate)
-}
-
-impl<T: Real, const K: usize> JointMotion<T, K> {
+impl<T: Real> JointMotion<T> {
     /// A joint at rest.
     pub fn at(coordinate: T) -> Self {
-        Self { coordinate, row: [T::zero(); K], rate: T::zero(), bias: T::zero() }
+        Self { coordinate, rate: T::zero(), bias: T::zero() }
+    }
+}
+
+/// Where the derivatives of a body or joint by the coordinates of its group are stored, and which of them are not 0.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Support {
+    /// Index of the derivative by the first coordinate of the group.
+    pub first: usize,
+    /// Coordinates of the group on which it depends, in ascending order.
+    pub coordinates: Vec<usize>,
+}
+
+impl Support {
+    /// The coordinates of both.
+    pub fn union<'a>(all: impl IntoIterator<Item = &'a [usize]>) -> Vec<usize> {
+        let mut union: Vec<usize> = all.into_iter().flatten().copied().collect();
+        union.sort_unstable();
+        union.dedup();
+        union
     }
 }
 
 /// Poses and motions of all bodies and joints of a mechanism in one state.
 #[derive(Clone, Debug)]
-pub(super) struct Motions<T, const K: usize> {
+pub(super) struct Motions<T> {
     /// Bodies of the mechanism, then the ground.
-    pub bodies: Vec<BodyMotion<T, K>>,
+    pub bodies: Vec<BodyMotion<T>>,
     /// Centres of mass of the bodies.
-    pub centers: Vec<PointMotion<T, K>>,
-    pub joints: Vec<JointMotion<T, K>>,
+    pub centers: Vec<PointMotion<T>>,
+    pub joints: Vec<JointMotion<T>>,
     /// Counts of the turns of the lines between pivots of dyads.
     pub counts: Vec<i32>,
+    /// Derivatives of bodies, the ground last, and of joints.
+    pub body_supports: Vec<Support>,
+    pub joint_supports: Vec<Support>,
+    /// Motion of each body per unit of each coordinate rate of its group, and of its centre of mass.
+    pub columns: Vec<[T; 3]>,
+    pub center_columns: Vec<[T; 2]>,
+    /// Derivative of each joint by each coordinate of its group.
+    pub rows: Vec<T>,
 }
 
-impl<T: Real, const K: usize> Motions<T, K> {
+impl<T: Real> Motions<T> {
+    /// Motions at rest, without derivatives by coordinates.
     pub fn new(mechanism: &Mechanism) -> Self {
+        let (bodies, joints) = (mechanism.bodies.len(), mechanism.joints.len());
         Self {
-            bodies: vec![BodyMotion::ground(); mechanism.bodies.len() + 1],
-            centers: vec![BodyMotion::ground().point([0.0; 2]); mechanism.bodies.len()],
-            joints: vec![JointMotion::at(T::zero()); mechanism.joints.len()],
+            bodies: vec![BodyMotion::ground(); bodies + 1],
+            centers: vec![BodyMotion::ground().point([0.0; 2]); bodies],
+            joints: vec![JointMotion::at(T::zero()); joints],
             counts: Vec::new(),
+            body_supports: vec![Support::default(); bodies + 1],
+            joint_supports: vec![Support::default(); joints],
+            columns: Vec::new(),
+            center_columns: Vec::new(),
+            rows: Vec::new(),
         }
+    }
+
+    /// Makes room for derivatives, of which the supports of a model's motions say where they are.
+    pub fn reserve<U>(&mut self, like: &Motions<U>) {
+        self.body_supports.clone_from(&like.body_supports);
+        self.joint_supports.clone_from(&like.joint_supports);
+        self.columns = vec![[T::zero(); 3]; like.columns.len()];
+        self.center_columns = vec![[T::zero(); 2]; like.columns.len()];
+        self.rows = vec![T::zero(); like.rows.len()];
     }
 
     /// Motion of a combination of joint coordinates.
     #[inline(always)]
-    pub fn combination(&self, on: &JointCombination) -> JointMotion<T, K> {
+    pub fn combination(&self, on: &JointCombination) -> JointMotion<T> {
         if let Some(joint) = on.joint() {
             return self.joints[joint];
         }
@@ -210,31 +241,75 @@ impl<T: Real, const K: usize> Motions<T, K> {
             coordinate: on.value(|joint| self.joints[joint].coordinate),
             rate: on.sum(|joint| self.joints[joint].rate),
             bias: on.sum(|joint| self.joints[joint].bias),
-            row: array_from(|k| on.sum(|joint| self.joints[joint].row[k])),
         }
+    }
+
+    /// Derivative of a combination of joint coordinates by a coordinate of their group.
+    #[inline(always)]
+    pub fn row_entry(&self, on: &JointCombination, k: usize) -> T {
+        let entry = |joint: usize| self.rows[self.joint_supports[joint].first + k];
+        on.joint().map_or_else(|| on.sum(entry), entry)
+    }
+
+    /// Derivative of the coordinate of a joint by a coordinate of its group.
+    #[inline(always)]
+    pub fn joint_entry(&self, joint: usize, k: usize) -> T {
+        self.rows[self.joint_supports[joint].first + k]
+    }
+
+    /// Motion of a body per unit of the rate of a coordinate of its group.
+    #[inline(always)]
+    pub fn column(&self, body: usize, k: usize) -> [T; 3] {
+        self.columns[self.body_supports[body].first + k]
+    }
+
+    /// Motion of the centre of mass of a body per unit of the rate of a coordinate of its group.
+    #[inline(always)]
+    pub fn center_column(&self, body: usize, k: usize) -> [T; 2] {
+        self.center_columns[self.body_supports[body].first + k]
     }
 
     /// Motion of a body; `None` is the ground.
     #[inline(always)]
-    pub fn body(&self, body: Option<usize>) -> &BodyMotion<T, K> {
-        &self.bodies[body.unwrap_or(self.bodies.len() - 1)]
+    pub fn body(&self, body: Option<usize>) -> &BodyMotion<T> {
+        &self.bodies[self.index(body)]
+    }
+
+    /// Index of a body; `None` is the ground.
+    #[inline(always)]
+    pub fn index(&self, body: Option<usize>) -> usize {
+        body.unwrap_or(self.bodies.len() - 1)
+    }
+
+    /// Evaluates the rates of the pose of a body at the rates `v` of the coordinates of its group.
+    #[inline(always)]
+    pub fn update_rate(&mut self, body: usize, v: &[f64]) {
+        let Support { first, coordinates } = &self.body_supports[body];
+        let mut rate = [T::zero(); 3];
+        for &k in coordinates {
+            let column = self.columns[first + k];
+            (0..3).for_each(|axis| rate[axis] = rate[axis] + column[axis] * v[k]);
+        }
+        self.bodies[body].rate = rate;
+    }
+
+    /// Rate of a joint at the rates `v` of the coordinates of its group.
+    #[inline(always)]
+    pub fn joint_rate(&self, joint: usize, v: &[f64]) -> T {
+        let Support { first, coordinates } = &self.joint_supports[joint];
+        coordinates.iter().fold(T::zero(), |sum, k| sum + self.rows[first + k] * v[*k])
     }
 }
 
 /// Unit vector along the axis of a prismatic joint, from a body of the joint.
 #[inline(always)]
-pub(super) fn axis<T: Real, const K: usize>(axis_rad: f64, first: &BodyMotion<T, K>) -> Vector<T> {
+pub(super) fn axis<T: Real>(axis_rad: f64, first: &BodyMotion<T>) -> Vector<T> {
     let (sin, cos) = sin_cos(axis_rad);
     first.rotated([cos, sin])
 }
 
 /// Pose of a body at a joint with this coordinate.
-pub(super) fn place<const K: usize>(
-    joint: &Joint,
-    at: &Attachment,
-    base: &BodyMotion<f64, K>,
-    coordinate: f64,
-) -> BodyMotion<f64, 0> {
+pub(super) fn place(joint: &Joint, at: &Attachment, base: &BodyMotion<f64>, coordinate: f64) -> BodyMotion<f64> {
     let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
     let turn = if joint.kind.is_angle() { coordinate } else { 0.0 };
     let mut body = BodyMotion::at([0.0, 0.0, base.angle + sign * (turn + joint.offset_rad)], [0.0; 3]);
@@ -247,24 +322,19 @@ pub(super) fn place<const K: usize>(
     body
 }
 
-/// Moves a placed body with its base, as if the joint between them were locked.
+/// Motion of a placed body with that of its base, as if the joint between them were locked; `across` is its arm from the base,
+/// turned by a quarter.
 #[inline(always)]
-pub(super) fn carry<T: Real, const K: usize>(base: &BodyMotion<T, K>, body: &mut BodyMotion<T, K>) {
-    let across = perp(sub(body.origin, base.origin));
-    body.jacobian[2] = base.jacobian[2];
-    for (axis, across) in across.into_iter().enumerate() {
-        for k in 0..K {
-            body.jacobian[axis][k] = base.jacobian[axis][k] + across * base.jacobian[2][k];
-        }
-    }
+pub(super) fn carried<T: Real>(base: [T; 3], across: Vector<T>) -> [T; 3] {
+    [base[0] + across[0] * base[2], base[1] + across[1] * base[2], base[2]]
 }
 
 /// Bias acceleration of a placed body without that of the joint that attaches it.
 #[inline(always)]
-pub(super) fn carried_bias<T: Real, const K: usize>(
+pub(super) fn carried_bias<T: Real>(
     joint: &Joint,
     at: &Attachment,
-    [base, body]: [&BodyMotion<T, K>; 2],
+    [base, body]: [&BodyMotion<T>; 2],
     joint_rate: T,
 ) -> [T; 3] {
     let arm = sub(body.origin, base.origin);
@@ -288,11 +358,7 @@ pub(super) fn carried_bias<T: Real, const K: usize>(
 
 /// Motion of a placed body per unit rate of the joint that attaches it.
 #[inline(always)]
-pub(super) fn column<T: Real, const K: usize>(
-    joint: &Joint,
-    at: &Attachment,
-    bodies: [&BodyMotion<T, K>; 2],
-) -> [T; 3] {
+pub(super) fn column<T: Real>(joint: &Joint, at: &Attachment, bodies: [&BodyMotion<T>; 2]) -> [T; 3] {
     let [base, body] = bodies;
     let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
     match joint.kind {
@@ -308,10 +374,7 @@ pub(super) fn column<T: Real, const K: usize>(
 }
 
 /// Coordinate of a joint from the poses of its bodies.
-pub(super) fn joint_coordinate<const K: usize>(
-    joint: &Joint,
-    motion: impl Fn(Option<usize>) -> BodyMotion<f64, K>,
-) -> f64 {
+pub(super) fn joint_coordinate(joint: &Joint, motion: impl Fn(Option<usize>) -> BodyMotion<f64>) -> f64 {
     let [first, second] = joint.bodies.map(motion);
     match joint.kind {
         JointKind::Revolute => second.angle - first.angle - joint.offset_rad,
@@ -323,7 +386,7 @@ pub(super) fn joint_coordinate<const K: usize>(
 }
 
 /// Rate of a joint from the motions of its bodies.
-pub(super) fn joint_rate<const K: usize>(joint: &Joint, motion: impl Fn(Option<usize>) -> BodyMotion<f64, K>) -> f64 {
+pub(super) fn joint_rate(joint: &Joint, motion: impl Fn(Option<usize>) -> BodyMotion<f64>) -> f64 {
     let [first, second] = joint.bodies.map(motion);
     match joint.kind {
         JointKind::Revolute => second.rate[2] - first.rate[2],

@@ -30,7 +30,7 @@ impl<T: Real> Frame<T> {
 }
 
 impl Frame<f64> {
-    pub fn new<const K: usize>(body: &BodyMotion<f64, K>) -> Self {
+    pub fn new(body: &BodyMotion<f64>) -> Self {
         Self { origin: body.origin, direction: body.direction }
     }
 }

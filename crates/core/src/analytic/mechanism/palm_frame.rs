@@ -71,9 +71,9 @@ pub(super) fn power<T: Real>(load: [T; 3], rate: Vector<T>, spin: T) -> T {
 }
 
 /// The inertial loads on all bodies of a state, as [`Inertia::load`], with their positions.
-pub(super) fn inertial_loads<'a, const K: usize>(
+pub(super) fn inertial_loads<'a>(
     mechanism: &'a Mechanism,
-    (field, motions): (&'a AccelerationField, &'a Motions<f64, K>),
+    (field, motions): (&'a AccelerationField, &'a Motions<f64>),
 ) -> impl Iterator<Item = (usize, [f64; 3])> + 'a {
     mechanism
         .bodies

@@ -5,6 +5,7 @@ use super::model::{MechanismMode, MechanismModel, Surfaces};
 use super::motion::Motions;
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactReading, Energies, Geometry, StateRef, normal_force_on_branch, row_dot};
+use crate::integrator::Dynamic;
 use crate::law::{FrictionRange, elastic_energy, friction_with_state};
 use crate::mechanism::Pose;
 use crate::numeric::plane::dot;
@@ -12,9 +13,9 @@ use crate::shape::Support;
 
 use super::pairs;
 
-impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
+impl MechanismModel {
     /// Pose of a body and its rate, relative to a moving palm.
-    pub fn body(&self, state: (&[f64; N], &[f64; N]), body: usize) -> (Pose, Pose) {
+    pub fn body(&self, state: StateRef<'_, Dynamic>, body: usize) -> (Pose, Pose) {
         if self.world.as_ref().is_some_and(|(world, _)| *world == body) {
             // In the frame of the palm, the palm itself is at rest.
             return Default::default();
@@ -34,12 +35,12 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Coordinate of a joint and its rate.
-    pub fn joint(&self, state: (&[f64; N], &[f64; N]), joint: usize) -> (f64, f64) {
+    pub fn joint(&self, state: StateRef<'_, Dynamic>, joint: usize) -> (f64, f64) {
         self.with_angles(state, |motions| (motions.joints[joint].coordinate, motions.joints[joint].rate))
     }
 
     /// Torque or force of an actuator with its brake; those of tendons follow those of joints.
-    pub fn actuator(&self, t: f64, state: (&[f64; N], &[f64; N]), mode: &MechanismMode<C>, index: usize) -> f64 {
+    pub fn actuator(&self, t: f64, state: StateRef<'_, Dynamic>, mode: &MechanismMode, index: usize) -> f64 {
         if let Some(index) = index.checked_sub(self.mechanism.actuators.len()) {
             let mut pulls = self.cables.iter().filter(|cable| cable.tendon.actuator.is_some());
             return pulls.nth(index).map_or(0.0, |cable| cable.pull(t).0);
@@ -50,8 +51,8 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     pub(super) fn actuator_effort(
         &self,
         t: f64,
-        (mode, v): (&MechanismMode<C>, &[f64; N]),
-        motions: &Motions<f64, K>,
+        (mode, v): (&MechanismMode, &[f64]),
+        motions: &Motions<f64>,
         index: usize,
     ) -> f64 {
         let actuator = &self.mechanism.actuators[index];
@@ -63,7 +64,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
 
     /// Geometry and forces of a contact as samples report them, relative to a moving palm; those of a limit are an angle and
     /// a torque, or a distance and a force.
-    pub fn contact_reading(&self, state: StateRef<'_, N>, index: usize, branch: ContactState) -> ContactReading {
+    pub fn contact_reading(&self, state: StateRef<'_, Dynamic>, index: usize, branch: ContactState) -> ContactReading {
         let mut reading = self.world_reading(state, index, branch);
         if self.palm.is_some() {
             self.with_motions(state, |motions| {
@@ -79,7 +80,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// [`MechanismModel::contact_reading`] in the world.
-    pub(super) fn world_reading(&self, (q, v): StateRef<'_, N>, index: usize, branch: ContactState) -> ContactReading {
+    pub(super) fn world_reading(&self, (q, v): StateRef<'_, Dynamic>, index: usize, branch: ContactState) -> ContactReading {
         let (contact, none) = (&self.contacts[index], [0.0; 2]);
         self.with_motions((q, v), |motions| {
             let (gap, gap_rate, slip, normal, point) = match &contact.surfaces {
@@ -96,7 +97,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 }
                 Surfaces::Friction(joint) => (-1.0, 0.0, motions.joints[*joint].rate, none, none),
                 Surfaces::Tendon(index) => {
-                    let elongation = self.elongation(motions, &self.cables[*index].tendon, v);
+                    let elongation = self.elongation(motions, &self.cables[*index].tendon, v, &mut self.scratch.borrow_mut().row);
                     (-elongation.value, -elongation.rate, 0.0, none, none)
                 }
             };
@@ -111,7 +112,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Kinetic energy of the bodies and their energy in gravity, in the frame of a body.
-    fn body_energies(&self, motions: &Motions<f64, K>, frame: Option<usize>) -> [f64; 2] {
+    fn body_energies(&self, motions: &Motions<f64>, frame: Option<usize>) -> [f64; 2] {
         let (frame, gravity) = (motions.body(frame), self.mechanism.gravity_m_s2);
         self.mechanism.bodies.iter().zip(&motions.centers).enumerate().fold([0.0; 2], |[kinetic, potential], of| {
             let (index, (body, center)) = of;
@@ -125,7 +126,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Work of a moving palm in its own frame beyond its work in the world, from the start, where it is at rest.
-    pub fn frame_work(&self, state: StateRef<'_, N>) -> f64 {
+    pub fn frame_work(&self, state: StateRef<'_, Dynamic>) -> f64 {
         if self.palm.is_none() {
             return 0.0;
         }
@@ -136,14 +137,14 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Energies stored in a state, in the frame of a moving palm.
-    pub fn energies(&self, state: (&[f64; N], &[f64; N])) -> Energies {
+    pub fn energies(&self, state: StateRef<'_, Dynamic>) -> Energies {
         self.energies_at_gaps(state, |_| None)
     }
 
     /// [`MechanismModel::energies`] with the gaps of contacts, if they are known.
     pub(crate) fn energies_at_gaps(
         &self,
-        state: (&[f64; N], &[f64; N]),
+        state: StateRef<'_, Dynamic>,
         gap_of: impl Fn(usize) -> Option<f64>,
     ) -> Energies {
         let mut energies = Energies::default();

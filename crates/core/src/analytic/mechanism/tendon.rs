@@ -4,21 +4,21 @@
 //! that of the straight segments between the centres of the path elements.
 
 use super::cable::{Cable, Tension};
-use super::dynamics::Sums;
-use super::model::{Contact, MechanismMode, MechanismModel, Surfaces};
-use super::motion::{Motions, pair};
+use super::dynamics::{Chunk, Sums};
+use super::model::{Contact, MechanismMode, MechanismModel, Scratch, Surfaces};
+use super::motion::{LANES, Lanes, Motions, pair};
 use super::nearest::{Frame, POSES};
-use crate::analytic::contact::{WithDerivatives, row_dot};
+use crate::analytic::contact::{StateRef, WithDerivatives, row_dot};
+use crate::integrator::Dynamic;
 use crate::mechanism::tendon::{MAX_WRAP_RAD, path_length, segment, wraps};
 use crate::mechanism::{PathElement, Tendon};
 use crate::numeric::plane::{cross, sub};
 use crate::numeric::{Dual, Real};
 
-/// Elongation beyond `rest_m`, its rate, and the derivative of the length by the coordinates.
-pub(super) struct Elongation<const N: usize> {
+/// Elongation beyond `rest_m`, and its rate.
+pub(super) struct Elongation {
     pub value: f64,
     pub rate: f64,
-    pub row: [f64; N],
 }
 
 /// Derivative of the length of a segment between two path elements by the relative pose of their bodies.
@@ -34,29 +34,43 @@ fn segments(tendon: &Tendon) -> impl Iterator<Item = ([&PathElement; 2], [Option
     tendon.path.windows(2).map(|ends| ([&ends[0], &ends[1]], [ends[0].body, ends[1].body]))
 }
 
-impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
-    pub(super) fn elongation(&self, motions: &Motions<f64, K>, tendon: &Tendon, v: &[f64; N]) -> Elongation<N> {
+impl MechanismModel {
+    /// Elongation of a tendon; writes the derivative of its length by the coordinates to `row`.
+    pub(super) fn elongation(
+        &self,
+        motions: &Motions<f64>,
+        tendon: &Tendon,
+        v: &[f64],
+        row: &mut [f64],
+    ) -> Elongation {
         let center = |element: &PathElement| motions.body(element.body).position(element.point_m);
-        let (mut value, mut row) = (path_length(&tendon.path, center) - tendon.rest_m, [0.0; N]);
-        for (elements, bodies) in segments(tendon) {
-            let by_pose = segment_row(elements, &Self::frames(motions, bodies));
-            self.add_pair_loads(motions, bodies, &by_pose, &mut row);
-        }
+        let mut value = path_length(&tendon.path, center) - tendon.rest_m;
         for &(joint, factor) in &tendon.joints {
-            let (span, motion) = (self.span_of_joint(joint), &motions.joints[joint]);
-            value += factor * motion.coordinate;
-            (0..span.size).for_each(|i| row[span.first + i] += factor * motion.row[i]);
+            value += factor * motions.joints[joint].coordinate;
         }
-        Elongation { value, rate: row_dot(&row, v), row }
+        row.fill(0.0);
+        self.add_length_row(motions, tendon, row);
+        Elongation { value, rate: row_dot(row, v) }
     }
 
-    /// Second derivatives of the length of a tendon by the coordinates.
-    fn second_derivatives(
+    /// Adds the derivative of the length of a tendon by the coordinates.
+    pub(super) fn add_length_row(&self, motions: &Motions<f64>, tendon: &Tendon, row: &mut [f64]) {
+        for (elements, bodies) in segments(tendon) {
+            let by_pose = segment_row(elements, &Self::frames(motions, bodies));
+            self.add_pair_loads(motions, bodies, &by_pose, row);
+        }
+        for &(joint, factor) in &tendon.joints {
+            self.add_joint_load(motions, joint, factor, row);
+        }
+    }
+
+    /// Adds the second derivatives of the length of a tendon by the coordinates to those of loads.
+    fn add_second_derivatives(
         &self,
-        (plain, motions): (&Motions<f64, K>, &Motions<Dual<K>, K>),
+        (plain, motions): (&Motions<f64>, &[Motions<Lanes>]),
         tendon: &Tendon,
-    ) -> [[f64; N]; N] {
-        let mut sums = Sums::<N, 0>::ZERO;
+        second: &mut Sums<'_>,
+    ) {
         for (elements, bodies) in segments(tendon) {
             let frames = Self::variable_frames(&Self::frames(plain, bodies), bodies);
             let row = segment_row(elements, &frames).map(|part| WithDerivatives {
@@ -64,75 +78,89 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
                 by_q: part.grad,
                 ..WithDerivatives::default()
             });
-            self.add_pair_derivatives(motions, bodies, &row, &[], None, &mut sums);
+            self.add_pair_derivatives((plain, motions), bodies, &row, &[], None, second);
         }
         for &(joint, factor) in &tendon.joints {
-            let (span, row) = (self.span_of_joint(joint), &motions.joints[joint].row);
-            sums.add_block((span.first, span.size), row, Dual::constant(factor), |_| 0.0);
+            let span = self.span_of_joint(joint);
+            let support = &plain.joint_supports[joint].coordinates[..];
+            for (at, chunk) in Chunk::of_group(span.first, span.size) {
+                let row = |i| motions[at].joint_entry(joint, i);
+                second.add_block(chunk, (support, row), Dual::constant(factor), [0.0; LANES]);
+            }
         }
-        sums.load_q
     }
 
-    /// Elongation and tension of a tendon.
+    /// Elongation and tension of a tendon; writes the derivative of its length by the coordinates to `row`.
     pub(super) fn tension(
         &self,
         t: f64,
-        v: &[f64; N],
-        mode: &MechanismMode<C>,
-        motions: &Motions<f64, K>,
+        v: &[f64],
+        mode: &MechanismMode,
+        motions: &Motions<f64>,
         cable: &Cable,
-    ) -> (Elongation<N>, Tension) {
-        let elongation = self.elongation(motions, &cable.tendon, v);
+        row: &mut [f64],
+    ) -> (Elongation, Tension) {
+        let elongation = self.elongation(motions, &cable.tendon, v, row);
         let state = cable.contact.map(|contact| mode[contact]);
         let tension = cable.tension(t, state, elongation.value, elongation.rate);
         (elongation, tension)
     }
 
     /// Adds the loads of all tendons.
-    pub(super) fn add_tendon_loads<const Z: usize>(
+    pub(super) fn add_tendon_loads(
         &self,
         t: f64,
-        v: &[f64; N],
-        mode: &MechanismMode<C>,
-        motions: &Motions<f64, K>,
-        load: &mut [f64; N],
-        g: &mut [f64; Z],
+        v: &[f64],
+        mode: &MechanismMode,
+        motions: &Motions<f64>,
+        (load, g): (&mut [f64], &mut [f64]),
     ) {
+        if self.cables.is_empty() {
+            return;
+        }
+        let Scratch { row, .. } = &mut *self.scratch.borrow_mut();
         for cable in &self.cables {
-            let (elongation, tension) = self.tension(t, v, mode, motions, cable);
-            (0..N).for_each(|i| load[i] -= tension.total() * elongation.row[i]);
-            g[Self::DRIVE_WORK] -= tension.pull * elongation.rate;
-            g[Self::CONTACT_WORK] -= tension.elastic * elongation.rate;
+            let (elongation, tension) = self.tension(t, v, mode, motions, cable, row);
+            load.iter_mut().zip(&*row).for_each(|(load, part)| *load -= tension.total() * part);
+            g[self.drive_work()] -= tension.pull * elongation.rate;
+            g[self.contact_work()] -= tension.elastic * elongation.rate;
         }
     }
 
     /// Adds the derivatives of [`MechanismModel::add_tendon_loads`].
-    pub(super) fn add_tendon_derivatives<const Z: usize>(
+    pub(super) fn add_tendon_derivatives(
         &self,
         t: f64,
-        v: &[f64; N],
-        mode: &MechanismMode<C>,
-        (plain, motions): (&Motions<f64, K>, &Motions<Dual<K>, K>),
-        sums: &mut Sums<N, Z>,
+        v: &[f64],
+        mode: &MechanismMode,
+        (plain, motions): (&Motions<f64>, &[Motions<Lanes>]),
+        sums: &mut Sums<'_>,
     ) {
+        if self.cables.is_empty() {
+            return;
+        }
+        let Scratch { row, second, .. } = &mut *self.scratch.borrow_mut();
+        let (n, contact_work, drive_work) = (row.len(), self.contact_work(), self.drive_work());
         for cable in &self.cables {
-            let (Elongation { rate, row, .. }, tension) = self.tension(t, v, mode, plain, cable);
-            let second = self.second_derivatives((plain, motions), &cable.tendon);
-            for j in 0..N {
+            let (Elongation { rate, .. }, tension) = self.tension(t, v, mode, plain, cable, row);
+            second.clear();
+            self.add_second_derivatives((plain, motions), &cable.tendon, &mut Sums::of(second).1);
+            let second = &second.a_q;
+            for j in 0..n {
                 let rate_q = row_dot(&second[j], v);
                 let by_q = tension.by_elongation * row[j] + tension.by_rate * rate_q;
                 let by_v = tension.by_rate * row[j];
-                for i in 0..N {
+                for i in 0..n {
                     sums.load_q[i][j] -= row[i] * by_q + tension.total() * second[i][j];
                     sums.load_v[i][j] -= row[i] * by_v;
                 }
                 sums.load_t[j] -= row[j] * tension.pull_rate;
-                sums.g_q[Self::DRIVE_WORK][j] -= tension.pull * rate_q;
-                sums.g_v[Self::DRIVE_WORK][j] -= tension.pull * row[j];
-                sums.g_q[Self::CONTACT_WORK][j] -= by_q * rate + tension.elastic * rate_q;
-                sums.g_v[Self::CONTACT_WORK][j] -= by_v * rate + tension.elastic * row[j];
+                sums.g_q[drive_work][j] -= tension.pull * rate_q;
+                sums.g_v[drive_work][j] -= tension.pull * row[j];
+                sums.g_q[contact_work][j] -= by_q * rate + tension.elastic * rate_q;
+                sums.g_v[contact_work][j] -= by_v * rate + tension.elastic * row[j];
             }
-            sums.g_t[Self::DRIVE_WORK] -= tension.pull_rate * rate;
+            sums.g_t[drive_work] -= tension.pull_rate * rate;
         }
     }
 
@@ -140,7 +168,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// the margin. It is not a number if the cable cannot pass its elements.
     pub(super) fn wrap_margins<'a>(
         &'a self,
-        motions: &'a Motions<f64, K>,
+        motions: &'a Motions<f64>,
     ) -> impl Iterator<Item = (usize, usize, [f64; 2])> + 'a {
         self.cables.iter().enumerate().flat_map(move |(index, Cable { tendon, .. })| {
             let center = |element: &PathElement| motions.body(element.body).position(element.point_m);
@@ -161,10 +189,11 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     }
 
     /// Length of a tendon, its rate and its tension.
-    pub fn tendon(&self, t: f64, (q, v): (&[f64; N], &[f64; N]), mode: &MechanismMode<C>, index: usize) -> [f64; 3] {
+    pub fn tendon(&self, t: f64, (q, v): StateRef<'_, Dynamic>, mode: &MechanismMode, index: usize) -> [f64; 3] {
         let cable = &self.cables[index];
         self.with_motions((q, v), |motions| {
-            let (elongation, tension) = self.tension(t, v, mode, motions, cable);
+            let row = &mut self.scratch.borrow_mut().row;
+            let (elongation, tension) = self.tension(t, v, mode, motions, cable, row);
             [elongation.value + cable.tendon.rest_m, elongation.rate, tension.total()]
         })
     }
@@ -172,7 +201,7 @@ impl<const N: usize, const K: usize, const C: usize> MechanismModel<N, K, C> {
     /// Forces of all tendons: a body, a point and a force for each end of a segment.
     pub(super) fn tendon_forces<'a>(
         &'a self,
-        motions: &'a Motions<f64, K>,
+        motions: &'a Motions<f64>,
         tensions: &'a [f64],
     ) -> impl Iterator<Item = (Option<usize>, [f64; 2], [f64; 2])> + 'a {
         self.cables.iter().zip(tensions).flat_map(move |(cable, tension)| {

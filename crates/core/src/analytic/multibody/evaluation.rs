@@ -7,7 +7,7 @@ use super::components::{
 use super::forces::{CONTACT_WORK, ContactWithLaws, DRIVE_WORK, LoadSums};
 use super::frame::{Inertia, Inverse, inertial_force};
 use super::model::{FingerTerms, Multibody};
-use super::{FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame, normal_force_on_branch};
+use super::{FINGERS, GraspLayout, GraspMode, contact_kinematics, frame, normal_force_on_branch};
 use crate::analytic::ContactState;
 use crate::analytic::closed_form::{FingerKinematics, FingerModel, PassiveJoints};
 use crate::analytic::contact::{
@@ -68,7 +68,7 @@ impl<const N: usize> Multibody<N> {
     #[inline(never)]
     pub(super) fn contact_motion_noinline(
         &self,
-        state: StateRef<'_, N>,
+        state: StateRef<'_, GraspLayout<N>>,
         finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
         contact: &ContactModel,
     ) -> ContactMotion {
@@ -79,7 +79,7 @@ impl<const N: usize> Multibody<N> {
     #[inline(always)]
     pub(super) fn contact_motion(
         &self,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, GraspLayout<N>>,
         finger_kinematics: impl FnOnce(usize) -> FingerKinematics,
         contact: &ContactModel,
     ) -> ContactMotion {
@@ -155,7 +155,7 @@ impl<const N: usize> Multibody<N> {
     pub(crate) fn reading_in_pose(
         &self,
         finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, GraspLayout<N>>,
         index: usize,
         state: ContactState,
     ) -> Option<ContactReading> {
@@ -197,7 +197,7 @@ impl<const N: usize> Multibody<N> {
         &self,
         finger: usize,
         kinematics: &FingerKinematics,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, GraspLayout<N>>,
     ) -> PassiveJoints {
         let [q, v] = [q, v].map(|all| Self::finger_coordinates(finger, all));
         self.fingers[finger].model.passive_joints(kinematics, q, v)
@@ -216,7 +216,7 @@ impl<const N: usize> Multibody<N> {
     pub(crate) fn energies_in_pose(
         &self,
         terms: &FingerTerms,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, GraspLayout<N>>,
         gap: impl Fn(usize) -> f64,
     ) -> Energies {
         let kinetic = self.inertia(terms).kinetic(v);
@@ -295,7 +295,7 @@ impl<const N: usize> KinematicsUser<N> for MotionAt<'_, N> {
 }
 
 /// Loads on all coordinates, in place of accelerations, and rates of all quadratures, with their derivatives.
-struct DerivativeSums<'a, const N: usize>(&'a mut Linearised<N, QUADRATURES>);
+struct DerivativeSums<'a, const N: usize>(&'a mut Linearised<GraspLayout<N>>);
 
 impl<const N: usize> DerivativeSums<'_, N> {
     /// Adds inertial forces on coordinates from `first` on, and their work, with their time derivatives and those by
@@ -348,8 +348,8 @@ impl<const N: usize> LoadSums<N> for DerivativeSums<'_, N> {
         for (i, (load, by_rates)) in load.iter().zip(by_rates).enumerate() {
             let row = 2 * finger + i;
             self.0.rates.a[row] += load.value;
-            scatter(&mut self.0.a_q[row], &finger_indices(finger), &load.grad);
-            scatter(&mut self.0.a_v[row], &finger_indices(finger), &by_rates);
+            scatter(&mut self.0.a_q.0[row], &finger_indices(finger), &load.grad);
+            scatter(&mut self.0.a_v.0[row], &finger_indices(finger), &by_rates);
         }
         terms
     }
@@ -394,22 +394,22 @@ impl<const N: usize> LoadSums<N> for DerivativeSums<'_, N> {
         for (load, (row, sign)) in forces.load.iter().zip(indices) {
             if *row < N {
                 self.0.rates.a[*row] += sign * load.value;
-                scatter(&mut self.0.a_q[*row], indices, &map_same_type(load.by_q, |derivative| sign * derivative));
-                scatter(&mut self.0.a_v[*row], indices, &map_same_type(load.by_v, |derivative| sign * derivative));
+                scatter(&mut self.0.a_q.0[*row], indices, &map_same_type(load.by_q, |derivative| sign * derivative));
+                scatter(&mut self.0.a_v.0[*row], indices, &map_same_type(load.by_v, |derivative| sign * derivative));
                 bristle_index.into_iter().for_each(|bristle| self.0.a_v[*row][bristle] += sign * load.by_bristle);
             }
         }
         if let Some(bristle) = bristle_index {
             self.0.rates.a[bristle] += forces.bristle_rate.value;
-            scatter(&mut self.0.a_q[bristle], indices, &forces.bristle_rate.by_q);
-            scatter(&mut self.0.a_v[bristle], indices, &forces.bristle_rate.by_v);
+            scatter(&mut self.0.a_q.0[bristle], indices, &forces.bristle_rate.by_q);
+            scatter(&mut self.0.a_v.0[bristle], indices, &forces.bristle_rate.by_v);
             self.0.a_v[bristle][bristle] += forces.bristle_rate.by_bristle;
             self.0.g_v[contact_work][bristle] += forces.power.by_bristle;
         }
         for (index, rate) in [(index, &forces.normal), (contact_work, &forces.power)] {
             self.0.rates.g[index] += rate.value;
-            scatter(&mut self.0.g_q[index], indices, &rate.by_q);
-            scatter(&mut self.0.g_v[index], indices, &rate.by_v);
+            scatter(&mut self.0.g_q.0[index], indices, &rate.by_q);
+            scatter(&mut self.0.g_v.0[index], indices, &rate.by_v);
         }
     }
 
@@ -497,11 +497,11 @@ impl<const N: usize> Multibody<N> {
     pub(super) fn jacobian(
         &self,
         t: f64,
-        state: StateRef<'_, N>,
+        state: StateRef<'_, GraspLayout<N>>,
         mode: &GraspMode,
-        linearised: &mut Linearised<N, QUADRATURES>,
+        linearised: &mut Linearised<GraspLayout<N>>,
     ) {
-        linearised.clear(Self::POSITIONS);
+        linearised.clear();
         let mut sums = DerivativeSums(linearised);
         let masses = self.add_loads(t, state, mode, &mut sums);
         let inverse = Inertia::new(self, map_array(masses, |mass| map_array(mass, |m| m.value))).inverse();
@@ -516,8 +516,8 @@ impl<const N: usize> Multibody<N> {
                 a_q[second][j] -= c * rates.a[first] + n * rates.a[second];
             }
         }
-        inverse.solve_columns(a_q);
-        inverse.solve_columns(a_v);
+        inverse.solve_columns(&mut a_q.0);
+        inverse.solve_columns(&mut a_v.0);
         *a_t = inverse.solve(a_t);
     }
 }

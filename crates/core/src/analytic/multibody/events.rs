@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::components::{ContactModel, ContactPair};
 use super::evaluation::ContactMotion;
 use super::model::Multibody;
-use super::{CONTACTS, EVENT_FUNCTIONS, FINGERS, GraspMode, QUADRATURES, first_impact_step};
+use super::{CONTACTS, EVENT_FUNCTIONS, FINGERS, GraspLayout, GraspMode, first_impact_step};
 use crate::analytic::ContactState;
 use crate::analytic::closed_form::{FingerBounds, FingerKinematics};
 use crate::analytic::contact::{ContactKinematics, ContactVariables, EventTolerances, Mode, StateRef, row_dot};
@@ -13,7 +13,7 @@ use crate::analytic::motion_bound::{MotionBound, RateBound};
 use crate::fivebar::dynamics::absolute_rates;
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
 use crate::gripper::FingerContact;
-use crate::integrator::{CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, System};
+use crate::integrator::{CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, Rates, System};
 use crate::numeric::elementary::hypot;
 use crate::numeric::map_array;
 use crate::numeric::plane::{cross, dot};
@@ -23,10 +23,10 @@ impl<const N: usize> Multibody<N> {
     #[inline(always)]
     fn contact_variables(
         &self,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, GraspLayout<N>>,
         finger_kinematics: impl Fn(usize) -> FingerKinematics,
         index: usize,
-    ) -> Option<ContactVariables<'_, N>> {
+    ) -> Option<ContactVariables<'_, [f64; N]>> {
         if !Self::GRASP {
             return self.contact_variables_noinline((q, v), &finger_kinematics, index);
         }
@@ -38,10 +38,10 @@ impl<const N: usize> Multibody<N> {
     #[inline(always)]
     fn contact_variables_without_rows(
         &self,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, GraspLayout<N>>,
         finger_kinematics: impl Fn(usize) -> FingerKinematics,
         index: usize,
-    ) -> Option<ContactVariables<'_, N>> {
+    ) -> Option<ContactVariables<'_, [f64; N]>> {
         let contact = self.contacts.get(index)?.as_ref()?;
         let ContactMotion { gap, gap_rate, slip, .. } = match Self::GRASP {
             true => self.contact_motion((q, v), finger_kinematics, contact),
@@ -63,10 +63,10 @@ impl<const N: usize> Multibody<N> {
     #[inline(never)]
     fn contact_variables_noinline(
         &self,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, GraspLayout<N>>,
         finger_kinematics: &dyn Fn(usize) -> FingerKinematics,
         index: usize,
-    ) -> Option<ContactVariables<'_, N>> {
+    ) -> Option<ContactVariables<'_, [f64; N]>> {
         let contact = self.contacts.get(index)?.as_ref()?;
         Some(self.contact_variables_from(v, contact, self.contact_kinematics_noinline(q, finger_kinematics, contact)))
     }
@@ -77,7 +77,7 @@ impl<const N: usize> Multibody<N> {
         v: &[f64; N],
         contact: &'a ContactModel,
         kinematics: ContactKinematics<f64, N>,
-    ) -> ContactVariables<'a, N> {
+    ) -> ContactVariables<'a, [f64; N]> {
         let (rate, slip) = (-row_dot(&kinematics.normal_row, v), row_dot(&kinematics.tangent_row, v));
         let (mut row, mut tangent) = (kinematics.normal_row, kinematics.tangent_row);
         // Time is no degree of freedom.
@@ -97,12 +97,12 @@ impl<const N: usize> Multibody<N> {
     }
 
     /// Like [`Multibody::contact_variables`], for callers that need it rarely.
-    fn variables_at(&self, q: &[f64; N], v: &[f64; N], index: usize) -> Option<ContactVariables<'_, N>> {
+    fn variables_at(&self, q: &[f64; N], v: &[f64; N], index: usize) -> Option<ContactVariables<'_, [f64; N]>> {
         self.contact_variables_noinline((q, v), &|finger| self.finger_kinematics(finger, q), index)
     }
 
     /// Bounds of the motion of the palm in the world over a part of a step that ends or begins in this state.
-    fn palm_bound(&self, motion: &CoordinateBounds<N>, q: &[f64; N]) -> MotionBound {
+    fn palm_bound(&self, motion: &CoordinateBounds<GraspLayout<N>>, q: &[f64; N]) -> MotionBound {
         let Some((palm, time)) = self.palm_motion.as_ref().zip(self.time_index) else { return MotionBound::default() };
         let (step_s, span_s) = (motion.rate[time], motion.rate[time] * motion.width);
         let [rate, acceleration] = palm.largest_rates([q[time] - span_s, q[time] + span_s]);
@@ -129,7 +129,7 @@ impl<const N: usize> Multibody<N> {
     }
 }
 
-impl<const N: usize> Hybrid<N, QUADRATURES> for Multibody<N> {
+impl<const N: usize> Hybrid for Multibody<N> {
     #[inline(always)]
     fn event_count(&self) -> usize {
         EVENT_FUNCTIONS
@@ -140,7 +140,7 @@ impl<const N: usize> Hybrid<N, QUADRATURES> for Multibody<N> {
     }
 
     #[inline(always)]
-    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode, events: &mut EventSet<N>) {
+    fn eval_events(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode, events: &mut EventSet<GraspLayout<N>>) {
         let all_finger_kinematics = self.all_finger_kinematics(q);
         let variables = |index: usize| {
             let finger_kinematics = |finger: usize| all_finger_kinematics[finger];
@@ -149,7 +149,7 @@ impl<const N: usize> Hybrid<N, QUADRATURES> for Multibody<N> {
                 false => self.contact_variables_without_rows((q, v), finger_kinematics, index),
             }
         };
-        mode.eval_events(CONTACTS, &EventTolerances::GRASP, variables, events);
+        mode.eval_events(&EventTolerances::GRASP, variables, events);
         (events.clearance, events.clearance_rate) = self.clearance_and_rate(&all_finger_kinematics, v);
     }
 
@@ -161,7 +161,7 @@ impl<const N: usize> Hybrid<N, QUADRATURES> for Multibody<N> {
     fn eval_event(&self, q: &[f64; N], v: &[f64; N], mode: &GraspMode, event: usize) -> EventFunction {
         let finger_kinematics = |finger: usize| self.finger_kinematics(finger, q);
         let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % CONTACTS);
-        mode.event_function(event, &EventTolerances::GRASP, contact)
+        mode.event_function(event, &EventTolerances::GRASP, contact.as_ref())
     }
 
     #[inline(always)]
@@ -171,11 +171,11 @@ impl<const N: usize> Hybrid<N, QUADRATURES> for Multibody<N> {
             |finger: usize| *all_finger_kinematics[finger].get_or_init(|| self.finger_kinematics(finger, q));
         for event in (0..EVENT_FUNCTIONS).filter(|event| requested[*event]) {
             let contact = self.contact_variables_without_rows((q, v), finger_kinematics, event % CONTACTS);
-            values[event] = mode.event_function(event, &EventTolerances::GRASP, contact).value;
+            values[event] = mode.event_function(event, &EventTolerances::GRASP, contact.as_ref()).value;
         }
     }
 
-    fn gap_bounds(&self, motion: &CoordinateBounds<N>, (q, _): StateRef<'_, N>, clearance: f64, found: &mut GapBounds) {
+    fn gap_bounds(&self, motion: &CoordinateBounds<GraspLayout<N>>, (q, _): StateRef<'_, GraspLayout<N>>, clearance: f64, found: &mut GapBounds) {
         let coordinate = |index: usize| RateBound::of_coordinate(motion, index);
         let centre = self.moving_object().map_or_else(RateBound::default, |(first, _)| {
             let [x, y] = [coordinate(first), coordinate(first + 1)];
@@ -218,25 +218,29 @@ impl<const N: usize> Hybrid<N, QUADRATURES> for Multibody<N> {
         })
     }
 
-    fn mode_after_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> GraspMode {
-        mode.after_event(event, self.variables_at(q, v, event % CONTACTS))
+    fn pass_event(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &mut GraspMode) {
+        mode.pass_event(event, self.variables_at(q, v, event % CONTACTS).as_ref());
     }
 
     fn is_reported(&self, event: usize) -> bool {
         event < CONTACTS
     }
 
-    fn mode_after_step(&self, functions: &[EventFunction], mode: &GraspMode) -> Option<GraspMode> {
-        mode.with_separated_contacts(functions)
+    fn pass_step(&self, functions: &[EventFunction], mode: &mut GraspMode) -> bool {
+        mode.free_separated(functions)
     }
 
-    fn with_clamped_law(&self, event: usize, mode: &GraspMode) -> GraspMode {
-        mode.with_clamped_law(event)
+    fn clamp_law(&self, event: usize, mode: &mut GraspMode) {
+        mode.clamp_law(event);
     }
 
     fn mode_at(&self, t: f64, q: &[f64; N], v: &[f64; N]) -> GraspMode {
-        let accelerations = |mode: &GraspMode| self.rates(t, q, v, mode).a;
-        Mode::at_state(&EventTolerances::GRASP, |index| self.variables_at(q, v, index), accelerations)
+        let accelerations = |mode: &GraspMode| {
+            let mut rates = Rates::zero(self.layout());
+            self.rates(t, q, v, mode, &mut rates);
+            rates.a
+        };
+        Mode::FREE.at_state(&EventTolerances::GRASP, |index| self.variables_at(q, v, index), accelerations)
     }
 
     fn restart_step(&self, event: usize, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> Option<f64> {

@@ -6,14 +6,14 @@ use super::components::{
 };
 use super::frame::{Inertia, inertial_force};
 use super::model::{FingerTerms, Multibody};
-use super::{CONTACTS, FINGERS, GraspMode, QUADRATURES, contact_kinematics, frame};
+use super::{CONTACTS, FINGERS, GraspLayout, GraspMode, QUADRATURES, contact_kinematics, frame};
 use crate::analytic::closed_form::FingerModel;
 use crate::analytic::contact::{ContactKinematics, ContactLaws, StateRef, contact_forces};
 use crate::analytic::inertial_field::InertialField;
 use crate::drive::BrakeTorque;
 use crate::fivebar::dynamics::{Terms, absolute_rates};
 use crate::gripper::FingerContact;
-use crate::integrator::{Linearised, Rates, State, System};
+use crate::integrator::{Fixed, Linearised, Rates, State, System};
 use crate::numeric::Real;
 use crate::scene::HandContact;
 use crate::shape::PlacedShape;
@@ -339,7 +339,7 @@ impl<const N: usize> Multibody<N> {
     pub(super) fn add_loads<S: LoadSums<N>>(
         &self,
         t: f64,
-        (q, v): StateRef<'_, N>,
+        (q, v): StateRef<'_, GraspLayout<N>>,
         mode: &GraspMode,
         sums: &mut S,
     ) -> [[S::Angles; 3]; FINGERS] {
@@ -352,10 +352,10 @@ impl<const N: usize> Multibody<N> {
     fn rates_noinline(
         &self,
         t: f64,
-        state: StateRef<'_, N>,
+        state: StateRef<'_, GraspLayout<N>>,
         mode: &GraspMode,
         terms: Option<&FingerTerms>,
-    ) -> Rates<N, QUADRATURES> {
+    ) -> Rates<GraspLayout<N>> {
         self.rates_inline(t, state, mode, terms)
     }
 
@@ -363,10 +363,10 @@ impl<const N: usize> Multibody<N> {
     fn rates_inline(
         &self,
         t: f64,
-        state: StateRef<'_, N>,
+        state: StateRef<'_, GraspLayout<N>>,
         mode: &GraspMode,
         terms: Option<&FingerTerms>,
-    ) -> Rates<N, QUADRATURES> {
+    ) -> Rates<GraspLayout<N>> {
         let mut sums = Loads { load: [0.0; N], g: [0.0; QUADRATURES], terms };
         let masses = self.add_loads(t, state, mode, &mut sums);
         Rates { a: Inertia::new(self, masses).inverse().solve(&sums.load), g: sums.g }
@@ -378,7 +378,7 @@ impl<const N: usize> Multibody<N> {
     pub(crate) fn joint_forces(
         &self,
         t: f64,
-        state: &State<N, QUADRATURES>,
+        state: &State<GraspLayout<N>>,
         mode: &GraspMode,
         terms: &FingerTerms,
         contact_force: impl Fn(usize) -> [[f64; 2]; 2],
@@ -416,29 +416,35 @@ fn placed_positions<const N: usize, S: LoadSums<N>, const P: usize>(
     PlacedShape { shape, centre_m, angle_rad: S::position(angle_rad, angle) }
 }
 
-impl<const N: usize> System<N, QUADRATURES> for Multibody<N> {
+impl<const N: usize> System for Multibody<N> {
+    type Layout = GraspLayout<N>;
     type Mode = GraspMode;
 
-    const SECOND_ORDER: usize = Self::POSITIONS;
+    #[inline(always)]
+    fn layout(&self) -> GraspLayout<N> {
+        Fixed
+    }
 
     #[inline(always)]
-    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> Rates<N, QUADRATURES> {
-        if Self::GRASP { self.rates_inline(t, (q, v), mode, None) } else { self.rates_noinline(t, (q, v), mode, None) }
+    fn second_order_count(&self) -> usize {
+        Self::POSITIONS
     }
 
-    fn linearise(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &GraspMode) -> Linearised<N, QUADRATURES> {
-        let mut linearised = Linearised::ZERO;
-        self.jacobian(t, (q, v), mode, &mut linearised);
-        linearised
+    #[inline(always)]
+    fn rates(&self, t: f64, q: &[f64; N], v: &[f64; N], mode: &GraspMode, rates: &mut Rates<GraspLayout<N>>) {
+        *rates = match Self::GRASP {
+            true => self.rates_inline(t, (q, v), mode, None),
+            false => self.rates_noinline(t, (q, v), mode, None),
+        };
     }
 
-    fn linearise_into(
+    fn linearise(
         &self,
         t: f64,
         q: &[f64; N],
         v: &[f64; N],
         mode: &GraspMode,
-        linearised: &mut Linearised<N, QUADRATURES>,
+        linearised: &mut Linearised<GraspLayout<N>>,
     ) {
         self.jacobian(t, (q, v), mode, linearised);
     }

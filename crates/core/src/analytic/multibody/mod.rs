@@ -14,7 +14,8 @@ mod forces;
 mod frame;
 mod model;
 
-use crate::analytic::contact::{Mode, first_impact_step, normal_force_on_branch};
+use crate::analytic::contact::{ContactMode, Mode, first_impact_step, normal_force_on_branch};
+use crate::integrator::Fixed;
 use crate::scene::HandContact;
 
 pub(crate) use evaluation::kinematics_of;
@@ -43,4 +44,7 @@ pub const QUADRATURES: usize = CONTACTS + 2;
 pub const EVENT_FUNCTIONS: usize = 3 * CONTACTS;
 
 /// Branches of the laws of all contacts.
-pub type GraspMode = Mode<CONTACTS>;
+pub type GraspMode = Mode<[ContactMode; CONTACTS]>;
+
+/// Sizes of the model with N coordinates.
+pub type GraspLayout<const N: usize> = Fixed<N, QUADRATURES>;

@@ -1,7 +1,7 @@
 //! The constant data of a hand, and the layout of its coordinates.
 
 use super::components::{ContactModel, ContactPair, FingerComponent, HandDrive, ObjectComponent, Plane};
-use super::{CONTACTS, FINGERS, GRASP_POSITIONS, QUADRATURES};
+use super::{CONTACTS, FINGERS, GRASP_POSITIONS, GraspLayout, QUADRATURES};
 use crate::analytic::closed_form::FingerModel;
 use crate::fivebar::dynamics::{InertialForces, Terms};
 use crate::gripper::FingerContact;
@@ -133,8 +133,8 @@ impl<const N: usize> Multibody<N> {
     }
 
     /// Returns the coordinates and rates at the start.
-    pub fn start(&self, hand: &Hand) -> State<N, QUADRATURES> {
-        let mut state = State { q: [0.0; N], v: [0.0; N], z: [0.0; QUADRATURES] };
+    pub fn start(&self, hand: &Hand) -> State<GraspLayout<N>> {
+        let mut state = State::<GraspLayout<N>> { q: [0.0; N], v: [0.0; N], z: [0.0; QUADRATURES] };
         for (index, finger) in hand.fingers.iter().enumerate() {
             let initial = &finger.initial;
             (state.q[2 * index], state.q[2 * index + 1]) = (initial.q11_rad, initial.q21_rad);

@@ -1,0 +1,221 @@
+//! Sizes of a system: constants of its type, or numbers at run time.
+//!
+//! Constants suit a few coordinates, whose loops the compiler unrolls. Numbers at run time need one copy of the integrator
+//! for systems of any size. Vectors and matrices are allocated once; steps only write to them.
+
+use std::fmt::Debug;
+use std::ops::{Index, IndexMut};
+
+/// An entry of a vector or matrix.
+pub trait Entry: Copy + Debug + Send + 'static {}
+
+impl<T: Copy + Debug + Send + 'static> Entry for T {}
+
+/// A vector whose length does not change.
+pub trait Vector<T>:
+    Clone + Debug + PartialEq + Send + AsRef<[T]> + AsMut<[T]> + Index<usize, Output = T> + IndexMut<usize> + 'static
+{
+}
+
+impl<T: Entry + PartialEq, const N: usize> Vector<T> for [T; N] {}
+
+impl<T: Entry + PartialEq> Vector<T> for Vec<T> {}
+
+/// A matrix, whose rows are slices.
+pub trait Matrix<T>: Clone + Debug + Send + Index<usize, Output = [T]> + IndexMut<usize> + 'static {
+    /// Sets all entries.
+    fn fill(&mut self, value: T);
+
+    /// Row `i`, and another row `k`.
+    fn rows_mut(&mut self, i: usize, k: usize) -> (&mut [T], &[T]);
+}
+
+/// Matrix of a constant size.
+#[derive(Clone, Copy, Debug)]
+pub struct FixedMatrix<T, const ROWS: usize, const COLUMNS: usize>(pub [[T; COLUMNS]; ROWS]);
+
+/// Matrix of a size at run time.
+#[derive(Clone, Debug)]
+pub struct DynamicMatrix<T> {
+    entries: Vec<T>,
+    columns: usize,
+}
+
+impl<T, const ROWS: usize, const COLUMNS: usize> Index<usize> for FixedMatrix<T, ROWS, COLUMNS> {
+    type Output = [T];
+
+    #[inline(always)]
+    fn index(&self, row: usize) -> &[T] {
+        &self.0[row]
+    }
+}
+
+impl<T, const ROWS: usize, const COLUMNS: usize> IndexMut<usize> for FixedMatrix<T, ROWS, COLUMNS> {
+    #[inline(always)]
+    fn index_mut(&mut self, row: usize) -> &mut [T] {
+        &mut self.0[row]
+    }
+}
+
+impl<T: Entry, const ROWS: usize, const COLUMNS: usize> Matrix<T> for FixedMatrix<T, ROWS, COLUMNS> {
+    #[inline(always)]
+    fn fill(&mut self, value: T) {
+        self.0 = [[value; COLUMNS]; ROWS];
+    }
+
+    #[inline(always)]
+    fn rows_mut(&mut self, i: usize, k: usize) -> (&mut [T], &[T]) {
+        let [row, other] = self.0.get_disjoint_mut([i, k]).expect("different rows");
+        (row, other)
+    }
+}
+
+impl<T> Index<usize> for DynamicMatrix<T> {
+    type Output = [T];
+
+    #[inline(always)]
+    fn index(&self, row: usize) -> &[T] {
+        &self.entries[row * self.columns..][..self.columns]
+    }
+}
+
+impl<T> IndexMut<usize> for DynamicMatrix<T> {
+    #[inline(always)]
+    fn index_mut(&mut self, row: usize) -> &mut [T] {
+        &mut self.entries[row * self.columns..][..self.columns]
+    }
+}
+
+impl<T: Entry> Matrix<T> for DynamicMatrix<T> {
+    fn fill(&mut self, value: T) {
+        self.entries.fill(value);
+    }
+
+    #[inline(always)]
+    fn rows_mut(&mut self, i: usize, k: usize) -> (&mut [T], &[T]) {
+        let columns = self.columns;
+        let (before, after) = self.entries.split_at_mut(i.max(k) * columns);
+        let (low, high) = (&mut before[i.min(k) * columns..][..columns], &mut after[..columns]);
+        if i < k { (low, high) } else { (high, low) }
+    }
+}
+
+/// Numbers of coordinates and quadratures of a system, with the types of its vectors and matrices.
+pub trait Layout: Copy + Debug + Send + Sync + 'static {
+    /// One entry for each coordinate.
+    type Vector<T: Entry + PartialEq>: Vector<T>;
+    /// One row and column for each coordinate.
+    type Square<T: Entry>: Matrix<T>;
+    /// One entry for each quadrature.
+    type Quadratures: Vector<f64>;
+    /// One row for each quadrature, one column for each coordinate.
+    type QuadratureRows: Matrix<f64>;
+
+    fn coordinates(self) -> usize;
+    fn quadratures(self) -> usize;
+    fn vector<T: Entry + PartialEq>(self, value: T) -> Self::Vector<T>;
+    fn square<T: Entry>(self, value: T) -> Self::Square<T>;
+    /// Zero for each quadrature.
+    fn zero_quadratures(self) -> Self::Quadratures;
+    fn zero_quadrature_rows(self) -> Self::QuadratureRows;
+}
+
+/// Numbers of the coordinates of a system.
+pub type VectorOf<L> = <L as Layout>::Vector<f64>;
+
+/// N coordinates and Z quadratures.
+#[derive(Clone, Copy, Debug)]
+pub struct Fixed<const N: usize, const Z: usize>;
+
+/// Numbers of coordinates and quadratures at run time.
+#[derive(Clone, Copy, Debug)]
+pub struct Dynamic {
+    pub coordinates: usize,
+    pub quadratures: usize,
+}
+
+impl<const N: usize, const Z: usize> Layout for Fixed<N, Z> {
+    type Vector<T: Entry + PartialEq> = [T; N];
+    type Square<T: Entry> = FixedMatrix<T, N, N>;
+    type Quadratures = [f64; Z];
+    type QuadratureRows = FixedMatrix<f64, Z, N>;
+
+    #[inline(always)]
+    fn coordinates(self) -> usize {
+        N
+    }
+
+    #[inline(always)]
+    fn quadratures(self) -> usize {
+        Z
+    }
+
+    #[inline(always)]
+    fn vector<T: Entry + PartialEq>(self, value: T) -> [T; N] {
+        [value; N]
+    }
+
+    #[inline(always)]
+    fn square<T: Entry>(self, value: T) -> FixedMatrix<T, N, N> {
+        FixedMatrix([[value; N]; N])
+    }
+
+    #[inline(always)]
+    fn zero_quadratures(self) -> [f64; Z] {
+        [0.0; Z]
+    }
+
+    #[inline(always)]
+    fn zero_quadrature_rows(self) -> FixedMatrix<f64, Z, N> {
+        FixedMatrix([[0.0; N]; Z])
+    }
+}
+
+impl Layout for Dynamic {
+    type Vector<T: Entry + PartialEq> = Vec<T>;
+    type Square<T: Entry> = DynamicMatrix<T>;
+    type Quadratures = Vec<f64>;
+    type QuadratureRows = DynamicMatrix<f64>;
+
+    fn coordinates(self) -> usize {
+        self.coordinates
+    }
+
+    fn quadratures(self) -> usize {
+        self.quadratures
+    }
+
+    fn vector<T: Entry + PartialEq>(self, value: T) -> Vec<T> {
+        vec![value; self.coordinates]
+    }
+
+    fn square<T: Entry>(self, value: T) -> DynamicMatrix<T> {
+        DynamicMatrix { entries: vec![value; self.coordinates * self.coordinates], columns: self.coordinates }
+    }
+
+    fn zero_quadratures(self) -> Vec<f64> {
+        vec![0.0; self.quadratures]
+    }
+
+    fn zero_quadrature_rows(self) -> DynamicMatrix<f64> {
+        DynamicMatrix { entries: vec![0.0; self.quadratures * self.coordinates], columns: self.coordinates }
+    }
+}
+
+/// y += w x.
+#[inline(always)]
+pub(crate) fn add_scaled(y: &mut [f64], w: f64, x: &[f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += w * x);
+}
+
+/// y += x.
+#[inline(always)]
+pub(crate) fn add(y: &mut [f64], x: &[f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += x);
+}
+
+/// y = x.
+#[inline(always)]
+pub(crate) fn copy<T: Copy>(y: &mut impl AsMut<[T]>, x: &impl AsRef<[T]>) {
+    y.as_mut().copy_from_slice(x.as_ref());
+}
