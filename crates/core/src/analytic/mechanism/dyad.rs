@@ -3,7 +3,7 @@
 //! which is linear.
 
 use super::motion::{
-    BodyMotion, JointMotion, Motions, axis, carried, carried_bias, column, pair, place, rotated, triple,
+    BodyMotion, Motions, Part, axis, carried, carried_bias, column, pair, place, rotated, triple,
 };
 use crate::mechanism::structure::Attachment;
 use crate::mechanism::{Joint, JointKind, Mechanism};
@@ -250,14 +250,14 @@ pub(super) fn close_dyad<T: Real>(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
     motions: &mut Motions<T>,
-    v: &[f64],
+    part: Part,
 ) {
     let joints = pair(|k| &mechanism.joints[outer[k].joint]);
     let inner = &mechanism.joints[inner];
     let of = inner_bodies(inner, outer);
     if joints[0].kind.is_angle() && joints[1].kind.is_angle() && inner.kind.is_angle() {
         let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
-        return close_pins((joints, outer, points), motions, v);
+        return close_pins((joints, outer, points), motions, part);
     }
     let base_of = pair(|k| motions.index(outer[k].base));
     let bases = pair(|k| motions.bodies[base_of[k]]);
@@ -273,16 +273,17 @@ pub(super) fn close_dyad<T: Real>(
         pair(|k| -(inverse[k][0] * residual[0] + inverse[k][1] * residual[1]))
     };
     let across = pair(|k| perp(sub(bodies[k].origin, bases[k].origin)));
-    for_coordinates(outer, motions, |bases| {
+    move_closed(outer, motions, part, |bases| {
         let carried = pair(|k| carried(bases[k], across[k]));
         let rows = closing(carried, [T::zero(); 2]);
         (rows, pair(|k| triple(|axis| carried[k][axis] + columns[k][axis] * rows[k])))
     });
+    if !part.has_derivatives() {
+        return;
+    }
     for k in 0..2 {
-        let rate = motions.joint_rate(outer[k].joint, v);
-        motions.joints[outer[k].joint].rate = rate;
-        motions.update_rate(outer[k].body, v);
         bodies[k].rate = motions.bodies[outer[k].body].rate;
+        let rate = motions.joints[outer[k].joint].rate;
         bodies[k].bias = carried_bias(joints[k], &outer[k], [&bases[k], &bodies[k]], rate);
     }
     let biases = closing(pair(|k| bodies[k].bias), quadratic_terms(inner, of, &bodies));
@@ -292,14 +293,26 @@ pub(super) fn close_dyad<T: Real>(
     }
 }
 
-/// Writes the motion of the outer joints and the bodies of a dyad per unit of each coordinate rate, from those of its bases.
+/// Evaluates the rates of the outer joints and the bodies of a dyad, and their motions per unit of each coordinate rate.
+/// `closed` returns the motions of joints and bodies from those of the bases.
 #[inline(always)]
-fn for_coordinates<T: Real>(
+fn move_closed<T: Real>(
     outer: &[Attachment; 2],
     motions: &mut Motions<T>,
+    part: Part,
     closed: impl Fn([[T; 3]; 2]) -> ([T; 2], [[T; 3]; 2]),
 ) {
     let bases = pair(|k| motions.index(outer[k].base));
+    if part.has_rates() {
+        let (turns, moved) = closed(pair(|k| motions.bodies[bases[k]].rate));
+        for k in 0..2 {
+            motions.joints[outer[k].joint].rate = turns[k];
+            motions.bodies[outer[k].body].rate = moved[k];
+        }
+    }
+    if !part.has_derivatives() {
+        return;
+    }
     let Motions { body_supports, joint_supports, columns, rows, .. } = motions;
     let of_bases = pair(|k| body_supports[bases[k]].first);
     let of_bodies = pair(|k| body_supports[outer[k].body].first);
@@ -321,7 +334,7 @@ fn for_coordinates<T: Real>(
 fn close_pins<T: Real>(
     (joints, outer, points): ([&Joint; 2], &[Attachment; 2], [[f64; 2]; 2]),
     motions: &mut Motions<T>,
-    v: &[f64],
+    part: Part,
 ) {
     let base_of = pair(|k| motions.index(outer[k].base));
     let bases = pair(|k| motions.bodies[base_of[k]]);
@@ -341,7 +354,7 @@ fn close_pins<T: Real>(
         let turns = [dot(gap, from_pivot[1]) * inverse, dot(gap, from_pivot[0]) * inverse];
         (add(carried[0], scale(turning, turns[0])), turns)
     };
-    for_coordinates(outer, motions, |bases| {
+    move_closed(outer, motions, part, |bases| {
         let (motion, turns) = closed(pair(|k| {
             let [x, y, _] = carried(bases[k], across[k]);
             [x, y]
@@ -352,9 +365,10 @@ fn close_pins<T: Real>(
         };
         (pair(|k| turns[k] * signs[k]), pair(moved))
     });
-    (0..2).for_each(|k| motions.update_rate(outer[k].body, v));
-    let rates = pair(|k| motions.bodies[outer[k].body].rate);
-    let squared = pair(|k| rates[k][2].squared());
+    if !part.has_derivatives() {
+        return;
+    }
+    let squared = pair(|k| motions.bodies[outer[k].body].rate[2].squared());
     let carried = pair(|k| {
         let (base, base_squared) = (&bases[k], bases[k].rate[2].squared());
         let base_arm = sub(from_base[k], from_pivot[k]);
@@ -367,9 +381,7 @@ fn close_pins<T: Real>(
     let (motion, turns) = closed(carried);
     for k in 0..2 {
         let turn = bases[k].bias[2] + turns[k];
-        let joint = &mut motions.joints[outer[k].joint];
-        joint.rate = (rates[k][2] - bases[k].rate[2]) * signs[k];
-        joint.bias = turns[k] * signs[k];
+        motions.joints[outer[k].joint].bias = turns[k] * signs[k];
         let [x, y] = pair(|axis| motion[axis] - arms_across[k][axis] * turn + arms[k][axis] * squared[k]);
         motions.bodies[outer[k].body].bias = [x, y, turn];
     }
@@ -398,35 +410,57 @@ pub(super) fn move_inner_joint<T: Real>(
     mechanism: &Mechanism,
     (outer, index): (&[Attachment; 2], usize),
     motions: &mut Motions<T>,
+    part: Part,
 ) {
-    let (inner, coordinate) = (&mechanism.joints[index], motions.joints[index].coordinate);
+    let inner = &mechanism.joints[index];
     let of = inner_bodies(inner, outer).map(|k| outer[k].body);
-    let [first, second] = of.map(|body| motions.bodies[body]);
-    let Motions { body_supports, joint_supports, columns, rows, .. } = &mut *motions;
-    let of_row = joint_supports[index].first;
-    let [of_first, of_second] = of.map(|body| body_supports[body].first);
-    let (rate, bias) = match inner.kind {
+    let [first, second] = of.map(|body| &motions.bodies[body]);
+    // The motion of the joint from those of both bodies.
+    match inner.kind {
         JointKind::Revolute => {
-            for &k in &joint_supports[index].coordinates {
-                rows[of_row + k] = columns[of_second + k][2] - columns[of_first + k][2];
+            if part.has_derivatives() {
+                motions.joints[index].bias = second.bias[2] - first.bias[2];
             }
-            (second.rate[2] - first.rate[2], second.bias[2] - first.bias[2])
+            move_by_bodies(of, index, motions, part, |[first, second]| second[2] - first[2]);
         }
         JointKind::Prismatic { axis_rad } => {
-            let u = axis(axis_rad, &first);
-            let [a, b] = [first.point(inner.points_m[0]), second.point(inner.points_m[1])];
-            let arms = [first.rotated(inner.points_m[0]), second.rotated(inner.points_m[1])].map(perp);
-            for &k in &joint_supports[index].coordinates {
-                let [on_first, on_second] =
-                    [carried(columns[of_first + k], arms[0]), carried(columns[of_second + k], arms[1])];
-                let along = |axis: usize| u[axis] * (on_second[axis] - on_first[axis]);
-                rows[of_row + k] = along(0) + along(1);
+            let u = axis(axis_rad, first);
+            let arms = [first.rotated(inner.points_m[0]), second.rotated(inner.points_m[1])];
+            if part.has_derivatives() {
+                // The bodies turn together: n·ḋ = ω q, with the distance d = q u.
+                let bias = dot(u, sub(second.bias_at(arms[1]), first.bias_at(arms[0])));
+                let turning = first.rate[2].squared() * motions.joints[index].coordinate;
+                motions.joints[index].bias = bias + turning;
             }
-            // The bodies turn together: n·ḋ = ω q, with the distance d = q u.
-            (dot(u, sub(b.rate, a.rate)), dot(u, sub(b.bias, a.bias)) + first.rate[2].squared() * coordinate)
+            let across = arms.map(perp);
+            move_by_bodies(of, index, motions, part, |bodies| {
+                let [first, second] = pair(|k| carried(bodies[k], across[k]));
+                let along = |axis: usize| u[axis] * (second[axis] - first[axis]);
+                along(0) + along(1)
+            });
         }
-    };
-    motions.joints[index] = JointMotion { coordinate, rate, bias };
+    }
+}
+
+/// Evaluates the rate of a joint and its derivatives, by a function of the motions of its bodies.
+#[inline(always)]
+fn move_by_bodies<T: Real>(
+    bodies: [usize; 2],
+    joint: usize,
+    motions: &mut Motions<T>,
+    part: Part,
+    motion: impl Fn([[T; 3]; 2]) -> T,
+) {
+    if part.has_rates() {
+        motions.joints[joint].rate = motion(bodies.map(|body| motions.bodies[body].rate));
+    }
+    if part.has_derivatives() {
+        let Motions { body_supports, joint_supports, columns, rows, .. } = motions;
+        let (of_row, of_bodies) = (joint_supports[joint].first, bodies.map(|body| body_supports[body].first));
+        for &k in &joint_supports[joint].coordinates {
+            rows[of_row + k] = motion(of_bodies.map(|first| columns[first + k]));
+        }
+    }
 }
 
 /// Locus of a point of a body that is attached at a joint.

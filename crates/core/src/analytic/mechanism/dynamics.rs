@@ -735,7 +735,7 @@ impl System for MechanismModel {
         g.fill(0.0);
         self.with_factors((q, v), |motions, factors| {
             self.add_loads(t, v, mode, motions, (a, g));
-            self.add_tendon_loads(t, v, mode, motions, (a, g));
+            self.add_tendon_loads(t, mode, motions, (a, g));
             g[self.drive_work()] += self.solve(factors, a);
         });
     }

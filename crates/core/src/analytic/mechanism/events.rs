@@ -148,8 +148,8 @@ impl MechanismModel {
                 ContactRow::Joint { joint: *joint, factor: 1.0, bristle },
             ),
             Surfaces::Tendon(index) => {
-                let (cable, row) = (&self.cables[*index], &mut self.scratch.borrow_mut().row);
-                let elongation = self.elongation(motions, &cable.tendon, v, row);
+                let cable = &self.cables[*index];
+                let elongation = self.elongation(motions, &cable.tendon);
                 ([elongation.value, elongation.rate, 0.0], ContactRow::Cable(cable), ContactRow::Zero)
             }
         };
@@ -173,7 +173,7 @@ impl MechanismModel {
         index: usize,
         feature: Option<Feature>,
     ) -> ContactVariables<'_, Vec<f64>> {
-        self.with_motions((q, v), |motions| {
+        self.with_columns((q, v), |motions| {
             let ContactVariables { delta, rate, slip, bristle_state, normal_row, tangent_row, .. } =
                 self.contact_variables(motions, v, index, feature);
             let evaluated = |row: RowAt<'_>| {
@@ -371,7 +371,9 @@ impl Hybrid for MechanismModel {
 
     fn eval_events(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode, events: &mut EventSet<Dynamic>) {
         self.count_turns_as(mode);
-        self.with_motions((q, v), |motions| {
+        // Error weights have rows.
+        let has_weights = mode.contacts.contacts.iter().any(|contact| contact.state.has_force());
+        let evaluate = |motions: &Motions<f64>| {
             let variables = |index: usize| Some(self.contact_variables(motions, v, index, mode.features[index]));
             mode.contacts.eval_events(&self.event_tolerances, variables, events);
             let first = 3 * self.contacts.len();
@@ -380,7 +382,11 @@ impl Hybrid for MechanismModel {
             }
             events.functions[self.event_function_count() - 1] = self.feature_event(motions, mode);
             (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions);
-        });
+        };
+        match has_weights {
+            true => self.with_columns((q, v), evaluate),
+            false => self.with_motions((q, v), evaluate),
+        }
     }
 
     fn clearance(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode) -> f64 {

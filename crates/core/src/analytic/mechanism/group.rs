@@ -6,15 +6,15 @@ use super::dyad::{
     outer_angle, pivot_offset, place_dyad, transmission,
 };
 use super::motion::{
-    BodyMotion, JointMotion, LANES, Lanes, Motions, Support, carried, carried_bias, column, joint_coordinate,
-    joint_rate, pair, place,
+    BodyMotion, LANES, Lanes, Motions, Part, Support, carried, carried_bias, column, joint_coordinate, joint_rate, pair,
+    place,
 };
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
 use crate::mechanism::{
     Actuator, Body, Command, Joint, JointCombination, Mechanism, Pose, PrescribedMotion, Spring, SpringKind,
 };
 use crate::numeric::elementary::atan2;
-use crate::numeric::plane::{cross, dot, nearest_equivalent_angle, perp, sub};
+use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, sub};
 use crate::numeric::{Dual, Real};
 use crate::scene;
 use std::ops::Range;
@@ -204,10 +204,15 @@ impl PlacedGroup {
         }
     }
 
-    /// Evaluates all bodies and joints of the group at the coordinates `q` and rates `v` of the group.
+    /// Evaluates poses and rates of all bodies and joints of the group at the coordinates `q` and rates `v` of the group.
     pub fn evaluate(&self, mechanism: &Mechanism, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>) {
         self.place(mechanism, q, motions);
-        self.propagate(mechanism, v, q.first().copied().unwrap_or_default(), motions);
+        self.propagate(mechanism, (q.first().copied().unwrap_or_default(), v), motions, Part::Rates);
+    }
+
+    /// Evaluates derivatives by the coordinates and bias accelerations in a state, after [`PlacedGroup::evaluate`].
+    pub fn evaluate_derivatives(&self, mechanism: &Mechanism, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>) {
+        self.propagate(mechanism, (q.first().copied().unwrap_or_default(), v), motions, Part::Derivatives);
     }
 
     /// Evaluates the motions with derivatives by the coordinates of the group from `chunk` times [`LANES`] on, from the motions
@@ -235,7 +240,7 @@ impl PlacedGroup {
             0 => Dual::variable(*time, 0),
             _ => Dual::constant(*time),
         });
-        self.propagate(mechanism, v, time, motions);
+        self.propagate(mechanism, (time, v), motions, Part::All);
     }
 
     /// Evaluates the poses of all bodies and the coordinates of all joints.
@@ -343,43 +348,58 @@ impl PlacedGroup {
         joints.flatten().filter(|(_, joint)| mechanism.joints[*joint].kind.is_angle())
     }
 
-    /// Evaluates Jacobians, rates and bias accelerations of all bodies and joints, whose poses and coordinates are known;
-    /// `first` is the first coordinate.
-    fn propagate<T: Real>(&self, mechanism: &Mechanism, v: &[f64], first: T, motions: &mut Motions<T>) {
+    /// Evaluates a part of the motions of all bodies and joints, whose poses and coordinates are known; `first` is the first
+    /// coordinate.
+    fn propagate<T: Real>(
+        &self,
+        mechanism: &Mechanism,
+        (first, v): (T, &[f64]),
+        motions: &mut Motions<T>,
+        part: Part,
+    ) {
         for placement in &self.group.placements {
             match placement {
                 Placement::Free { body, first, axes } => {
                     let of_body = motions.body_supports[*body].first;
                     for axis in 0..*axes {
+                        motions.bodies[*body].rate[axis] = T::constant(v[first + axis]);
                         motions.columns[of_body + first + axis][axis] = T::constant(1.0);
                     }
-                    motions.update_rate(*body, v);
                 }
                 Placement::Prescribed { body } => {
                     let scene::Pose { rate, acceleration, jerk, .. } =
                         self.prescribed(&mechanism.bodies[*body], first.value());
-                    let of_body = motions.body_supports[*body].first;
+                    let (of_body, motion) = (motions.body_supports[*body].first, &mut motions.bodies[*body]);
                     for axis in 0..3 {
-                        motions.columns[of_body][axis] = first.chain(rate[axis], acceleration[axis]);
-                        motions.bodies[*body].bias[axis] = first.chain(acceleration[axis], jerk[axis]) * (v[0] * v[0]);
+                        let column = first.chain(rate[axis], acceleration[axis]);
+                        motion.rate[axis] = column * v[0];
+                        motion.bias[axis] = first.chain(acceleration[axis], jerk[axis]) * (v[0] * v[0]);
+                        motions.columns[of_body][axis] = column;
                     }
-                    motions.update_rate(*body, v);
                 }
-                Placement::Joint { at, coordinate: source } => move_with_joint(mechanism, (at, source), v, motions),
+                Placement::Joint { at, coordinate: source } => {
+                    move_with_joint(mechanism, (at, source), v, motions, part);
+                }
                 Placement::Dyad { outer, inner } => {
-                    close_dyad(mechanism, (outer, *inner), motions, v);
-                    move_inner_joint(mechanism, (outer, *inner), motions);
+                    close_dyad(mechanism, (outer, *inner), motions, part);
+                    move_inner_joint(mechanism, (outer, *inner), motions, part);
                 }
             }
         }
         for &body in &self.group.bodies {
-            let com_m = mechanism.bodies[body].com_m;
-            motions.centers[body] = motions.bodies[body].point(com_m);
-            let across = perp(motions.bodies[body].rotated(com_m));
-            let Support { first, coordinates } = &motions.body_supports[body];
-            for &k in coordinates {
-                let [x, y, _] = carried(motions.columns[first + k], across);
-                motions.center_columns[first + k] = [x, y];
+            let motion = &motions.bodies[body];
+            let arm = motion.rotated(mechanism.bodies[body].com_m);
+            let center = &mut motions.centers[body];
+            if part.has_rates() {
+                (center.position, center.rate) = (add(motion.origin, arm), motion.rate_at(arm));
+            }
+            if part.has_derivatives() {
+                center.bias = motion.bias_at(arm);
+                let (across, Support { first, coordinates }) = (perp(arm), &motions.body_supports[body]);
+                for &k in coordinates {
+                    let [x, y, _] = carried(motions.columns[first + k], across);
+                    motions.center_columns[first + k] = [x, y];
+                }
             }
         }
     }
@@ -468,52 +488,67 @@ fn move_with_joint<T: Real>(
     (at, source): (&Attachment, &Source),
     v: &[f64],
     motions: &mut Motions<T>,
+    part: Part,
 ) {
     let joint = &mechanism.joints[at.joint];
     let base_of = motions.index(at.base);
-    let (base, mut body) = (motions.bodies[base_of], motions.bodies[at.body]);
-    let mut motion = JointMotion::at(motions.joints[at.joint].coordinate);
-    let of_row = motions.joint_supports[at.joint].first;
-    match source {
+    let (base, body) = (&motions.bodies[base_of], &motions.bodies[at.body]);
+    let (across, by_joint) = (perp(sub(body.origin, base.origin)), column(joint, at, [base, body]));
+    let moved = |base: [T; 3], rate: T| {
+        let carried = carried(base, across);
+        [0, 1, 2].map(|axis| carried[axis] + by_joint[axis] * rate)
+    };
+    if part.has_rates() {
+        let rate = match source {
+            Source::Coordinate(index) => T::constant(v[*index]),
+            Source::Coupling(index) => coupled_joints(&mechanism.couplings[*index].on, at.joint)
+                .fold(T::zero(), |sum, (other, ratio)| sum + motions.joints[other].rate * ratio),
+            Source::Angle => base.rate[2] * -at.sign(),
+        };
+        let body_rate = moved(base.rate, rate);
+        motions.joints[at.joint].rate = rate;
+        motions.bodies[at.body].rate = body_rate;
+    }
+    if !part.has_derivatives() {
+        return;
+    }
+    let Motions { bodies, joints, body_supports, joint_supports, columns, rows, .. } = motions;
+    let (base, body) = (&bodies[base_of], &bodies[at.body]);
+    let (of_base, of_body) = (body_supports[base_of].first, body_supports[at.body].first);
+    let of_row = joint_supports[at.joint].first;
+    let bias = match source {
         Source::Coordinate(index) => {
-            (motions.rows[of_row + index], motion.rate) = (T::constant(1.0), T::constant(v[*index]));
+            for &k in &body_supports[at.body].coordinates {
+                columns[of_body + k] = carried(columns[of_base + k], across);
+            }
+            (0..3).for_each(|axis| columns[of_body + index][axis] += by_joint[axis]);
+            rows[of_row + index] = T::constant(1.0);
+            T::zero()
         }
         Source::Coupling(index) => {
-            let coupling = &mechanism.couplings[*index].on;
-            for (other, ratio) in coupled_joints(coupling, at.joint) {
-                motion.rate += motions.joints[other].rate * ratio;
-                motion.bias += motions.joints[other].bias * ratio;
-            }
-            for &k in &motions.joint_supports[at.joint].coordinates {
-                let others = coupled_joints(coupling, at.joint);
-                motions.rows[of_row + k] = others.fold(T::zero(), |sum, (other, ratio)| {
-                    sum + motions.rows[motions.joint_supports[other].first + k] * ratio
+            let others = || coupled_joints(&mechanism.couplings[*index].on, at.joint);
+            for &k in &joint_supports[at.joint].coordinates {
+                rows[of_row + k] = others().fold(T::zero(), |sum, (other, ratio)| {
+                    sum + rows[joint_supports[other].first + k] * ratio
                 });
             }
+            for &k in &body_supports[at.body].coordinates {
+                columns[of_body + k] = moved(columns[of_base + k], rows[of_row + k]);
+            }
+            others().fold(T::zero(), |sum, (other, ratio)| sum + joints[other].bias * ratio)
         }
         Source::Angle => {
             let turn = -at.sign();
-            (motion.rate, motion.bias) = (base.rate[2] * turn, base.bias[2] * turn);
-            let of_base = motions.body_supports[base_of].first;
-            for &k in &motions.joint_supports[at.joint].coordinates {
-                motions.rows[of_row + k] = motions.columns[of_base + k][2] * turn;
+            for &k in &body_supports[at.body].coordinates {
+                rows[of_row + k] = columns[of_base + k][2] * turn;
+                columns[of_body + k] = moved(columns[of_base + k], rows[of_row + k]);
             }
+            base.bias[2] * turn
         }
-    }
-    let (across, by_joint) = (perp(sub(body.origin, base.origin)), column(joint, at, [&base, &body]));
-    let Motions { body_supports, joint_supports, columns, rows, .. } = &mut *motions;
-    let (of_base, of_body) = (body_supports[base_of].first, body_supports[at.body].first);
-    for &k in &body_supports[at.body].coordinates {
-        columns[of_body + k] = carried(columns[of_base + k], across);
-    }
-    for &k in &joint_supports[at.joint].coordinates {
-        (0..3).for_each(|axis| columns[of_body + k][axis] += by_joint[axis] * rows[of_row + k]);
-    }
-    motions.update_rate(at.body, v);
-    body.rate = motions.bodies[at.body].rate;
-    let bias = carried_bias(joint, at, [&base, &body], motion.rate);
-    motions.bodies[at.body].bias = [0, 1, 2].map(|axis| bias[axis] + by_joint[axis] * motion.bias);
-    motions.joints[at.joint] = motion;
+    };
+    let carried = carried_bias(joint, at, [base, body], joints[at.joint].rate);
+    joints[at.joint].bias = bias;
+    bodies[at.body].bias = [0, 1, 2].map(|axis| carried[axis] + by_joint[axis] * bias);
 }
 
 /// Coordinates of a group on which the pose of each body, and the coordinate of each joint, depend.

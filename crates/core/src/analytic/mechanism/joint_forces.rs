@@ -144,7 +144,7 @@ impl MechanismModel {
         let mut rates = Rates::zero(self.sizes());
         self.rates(t, q, v, mode, &mut rates);
         let a = rates.a;
-        self.with_motions((q, v), |motions| {
+        self.with_columns((q, v), |motions| {
             let unknowns = 2 * self.mechanism.joints.len() + self.mechanism.couplings.len();
             system.clear(motions.centers.iter().map(|center| center.position), unknowns);
             self.add_accelerations(t, &a, motions, system);
@@ -250,8 +250,7 @@ impl MechanismModel {
         for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
             subtract_combined(&actuator.on, self.actuator_effort(t, (mode, v), motions, index));
         }
-        let row = &mut self.scratch.borrow_mut().row;
-        refill(&mut tensions, self.cables.iter().map(|cable| self.tension(t, v, mode, motions, cable, row).1.total()));
+        refill(&mut tensions, self.cables.iter().map(|cable| self.tension(t, mode, motions, cable).1.total()));
         for (cable, tension) in self.cables.iter().zip(&tensions) {
             cable.tendon.joints.iter().for_each(|(joint, factor)| subtract(*joint, -factor * tension));
         }

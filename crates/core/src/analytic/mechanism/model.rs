@@ -117,7 +117,9 @@ struct Workspace {
     q: Vec<f64>,
     v: Vec<f64>,
     has_state: bool,
+    /// Poses and rates, with derivatives by the coordinates and bias accelerations if `has_derivatives`.
     motions: Motions<f64>,
+    has_derivatives: bool,
     /// Whether the motions contain all angles, see [`MechanismModel::with_angles`].
     has_angles: bool,
     /// Factors of the mass matrices of all groups, in this state if `has_factors`.
@@ -197,6 +199,7 @@ impl Workspace {
             v: layout.vector(0.0),
             has_state: false,
             motions,
+            has_derivatives: false,
             has_angles: false,
             factors: groups.iter().map(|group| Factor::new(group.size(), group.has_prescribed())).collect(),
             has_factors: false,
@@ -498,7 +501,7 @@ impl MechanismModel {
         }
     }
 
-    /// Evaluates a function of the motions of all bodies and joints in a state.
+    /// Evaluates a function of the poses and rates of all bodies and joints in a state.
     #[inline(always)]
     pub(super) fn with_motions<R>(&self, state: StateRef<'_, Dynamic>, f: impl FnOnce(&Motions<f64>) -> R) -> R {
         let mut workspace = self.workspace.borrow_mut();
@@ -529,7 +532,15 @@ impl MechanismModel {
         f(&workspace.motions, &mut workspace.bounds)
     }
 
-    /// Like [`MechanismModel::with_motions`], with the factors of the mass matrices of all groups.
+    /// Like [`MechanismModel::with_motions`], with derivatives by the coordinates and bias accelerations.
+    #[inline(always)]
+    pub(super) fn with_columns<R>(&self, state: StateRef<'_, Dynamic>, f: impl FnOnce(&Motions<f64>) -> R) -> R {
+        let mut workspace = self.workspace.borrow_mut();
+        self.update_derivatives(state, &mut workspace);
+        f(&workspace.motions)
+    }
+
+    /// Like [`MechanismModel::with_columns`], with the factors of the mass matrices of all groups.
     #[inline(always)]
     pub(super) fn with_factors<R>(
         &self,
@@ -538,7 +549,7 @@ impl MechanismModel {
     ) -> R {
         let mut workspace = self.workspace.borrow_mut();
         let workspace = &mut *workspace;
-        self.update(state, workspace);
+        self.update_derivatives(state, workspace);
         if !std::mem::replace(&mut workspace.has_factors, true) {
             for (group, factor) in self.groups.iter().zip(&mut workspace.factors) {
                 self.evaluate_mass(group, &workspace.motions, factor.mass());
@@ -548,7 +559,7 @@ impl MechanismModel {
         f(&workspace.motions, &workspace.factors)
     }
 
-    /// Evaluates the motions of a state, unless they are there.
+    /// Evaluates poses and rates of a state, unless they are there.
     fn update(&self, (q, v): StateRef<'_, Dynamic>, workspace: &mut Workspace) {
         if workspace.has_state && has_bits_of(&workspace.q, q) && has_bits_of(&workspace.v, v) {
             return;
@@ -559,13 +570,24 @@ impl MechanismModel {
         for group in &self.groups {
             group.evaluate(&self.mechanism, group.state((q, v)), &mut workspace.motions);
         }
-        (workspace.has_angles, workspace.has_factors, workspace.has_state) = (false, false, true);
+        (workspace.has_angles, workspace.has_derivatives, workspace.has_factors) = (false, false, false);
+        workspace.has_state = true;
         workspace.q.copy_from_slice(q);
         workspace.v.copy_from_slice(v);
     }
 
-    /// Evaluates a function of the motions of all bodies and joints, without and with derivatives by the coordinates of
-    /// their group.
+    /// Evaluates the motions of a state with derivatives by the coordinates, unless they are there.
+    fn update_derivatives(&self, state: StateRef<'_, Dynamic>, workspace: &mut Workspace) {
+        self.update(state, workspace);
+        if !std::mem::replace(&mut workspace.has_derivatives, true) {
+            for group in &self.groups {
+                group.evaluate_derivatives(&self.mechanism, group.state((state.0, state.1)), &mut workspace.motions);
+            }
+        }
+    }
+
+    /// Evaluates a function of the motions of all bodies and joints, without and with second derivatives by the coordinates
+    /// of their group.
     pub(super) fn with_derivatives<R>(
         &self,
         state: StateRef<'_, Dynamic>,
@@ -573,7 +595,7 @@ impl MechanismModel {
     ) -> R {
         let mut workspace = self.workspace.borrow_mut();
         let workspace = &mut *workspace;
-        self.update(state, workspace);
+        self.update_derivatives(state, workspace);
         for group in &self.groups {
             let state = group.state((state.0, state.1));
             for (chunk, motions) in workspace.with_derivatives.iter_mut().enumerate().take(group.chunks()) {

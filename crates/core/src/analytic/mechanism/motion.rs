@@ -130,7 +130,7 @@ impl<T: Real> BodyMotion<T> {
     }
 
     #[inline(always)]
-    fn bias_at(&self, arm: Vector<T>) -> Vector<T> {
+    pub fn bias_at(&self, arm: Vector<T>) -> Vector<T> {
         let (across, squared) = (perp(arm), self.rate[2].squared());
         pair(|axis| self.bias[axis] + across[axis] * self.bias[2] - arm[axis] * squared)
     }
@@ -157,6 +157,28 @@ pub(super) fn pair<T>(f: impl Fn(usize) -> T) -> [T; 2] {
 #[inline(always)]
 pub(super) fn triple<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
+}
+
+/// What is evaluated of the motions of bodies and joints, whose poses and coordinates are known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// Their rates.
+    Rates,
+    /// Derivatives by the coordinates and bias accelerations, if the rates are known.
+    Derivatives,
+    All,
+}
+
+impl Part {
+    #[inline(always)]
+    pub fn has_rates(self) -> bool {
+        self != Self::Derivatives
+    }
+
+    #[inline(always)]
+    pub fn has_derivatives(self) -> bool {
+        self != Self::Rates
+    }
 }
 
 impl<T: Real> JointMotion<T> {
@@ -279,25 +301,6 @@ impl<T: Real> Motions<T> {
     #[inline(always)]
     pub fn index(&self, body: Option<usize>) -> usize {
         body.unwrap_or(self.bodies.len() - 1)
-    }
-
-    /// Evaluates the rates of the pose of a body at the rates `v` of the coordinates of its group.
-    #[inline(always)]
-    pub fn update_rate(&mut self, body: usize, v: &[f64]) {
-        let Support { first, coordinates } = &self.body_supports[body];
-        let mut rate = [T::zero(); 3];
-        for &k in coordinates {
-            let column = self.columns[first + k];
-            (0..3).for_each(|axis| rate[axis] = rate[axis] + column[axis] * v[k]);
-        }
-        self.bodies[body].rate = rate;
-    }
-
-    /// Rate of a joint at the rates `v` of the coordinates of its group.
-    #[inline(always)]
-    pub fn joint_rate(&self, joint: usize, v: &[f64]) -> T {
-        let Support { first, coordinates } = &self.joint_supports[joint];
-        coordinates.iter().fold(T::zero(), |sum, k| sum + self.rows[first + k] * v[*k])
     }
 }
 

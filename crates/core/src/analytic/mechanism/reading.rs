@@ -97,7 +97,7 @@ impl MechanismModel {
                 }
                 Surfaces::Friction(joint) => (-1.0, 0.0, motions.joints[*joint].rate, none, none),
                 Surfaces::Tendon(index) => {
-                    let elongation = self.elongation(motions, &self.cables[*index].tendon, v, &mut self.scratch.borrow_mut().row);
+                    let elongation = self.elongation(motions, &self.cables[*index].tendon);
                     (-elongation.value, -elongation.rate, 0.0, none, none)
                 }
             };

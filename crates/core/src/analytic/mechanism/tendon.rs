@@ -35,22 +35,19 @@ fn segments(tendon: &Tendon) -> impl Iterator<Item = ([&PathElement; 2], [Option
 }
 
 impl MechanismModel {
-    /// Elongation of a tendon; writes the derivative of its length by the coordinates to `row`.
-    pub(super) fn elongation(
-        &self,
-        motions: &Motions<f64>,
-        tendon: &Tendon,
-        v: &[f64],
-        row: &mut [f64],
-    ) -> Elongation {
+    /// Elongation of a tendon.
+    pub(super) fn elongation(&self, motions: &Motions<f64>, tendon: &Tendon) -> Elongation {
         let center = |element: &PathElement| motions.body(element.body).position(element.point_m);
-        let mut value = path_length(&tendon.path, center) - tendon.rest_m;
+        let (mut value, mut rate) = (path_length(&tendon.path, center) - tendon.rest_m, 0.0);
+        for (elements, bodies) in segments(tendon) {
+            let by_pose = segment_row(elements, &Self::frames(motions, bodies));
+            rate += row_dot(&by_pose, &Self::pair_rates(motions, bodies));
+        }
         for &(joint, factor) in &tendon.joints {
             value += factor * motions.joints[joint].coordinate;
+            rate += factor * motions.joints[joint].rate;
         }
-        row.fill(0.0);
-        self.add_length_row(motions, tendon, row);
-        Elongation { value, rate: row_dot(row, v) }
+        Elongation { value, rate }
     }
 
     /// Adds the derivative of the length of a tendon by the coordinates.
@@ -90,17 +87,15 @@ impl MechanismModel {
         }
     }
 
-    /// Elongation and tension of a tendon; writes the derivative of its length by the coordinates to `row`.
+    /// Elongation and tension of a tendon.
     pub(super) fn tension(
         &self,
         t: f64,
-        v: &[f64],
         mode: &MechanismMode,
         motions: &Motions<f64>,
         cable: &Cable,
-        row: &mut [f64],
     ) -> (Elongation, Tension) {
-        let elongation = self.elongation(motions, &cable.tendon, v, row);
+        let elongation = self.elongation(motions, &cable.tendon);
         let state = cable.contact.map(|contact| mode[contact]);
         let tension = cable.tension(t, state, elongation.value, elongation.rate);
         (elongation, tension)
@@ -110,7 +105,6 @@ impl MechanismModel {
     pub(super) fn add_tendon_loads(
         &self,
         t: f64,
-        v: &[f64],
         mode: &MechanismMode,
         motions: &Motions<f64>,
         (load, g): (&mut [f64], &mut [f64]),
@@ -120,7 +114,9 @@ impl MechanismModel {
         }
         let Scratch { row, .. } = &mut *self.scratch.borrow_mut();
         for cable in &self.cables {
-            let (elongation, tension) = self.tension(t, v, mode, motions, cable, row);
+            let (elongation, tension) = self.tension(t, mode, motions, cable);
+            row.fill(0.0);
+            self.add_length_row(motions, &cable.tendon, row);
             load.iter_mut().zip(&*row).for_each(|(load, part)| *load -= tension.total() * part);
             g[self.drive_work()] -= tension.pull * elongation.rate;
             g[self.contact_work()] -= tension.elastic * elongation.rate;
@@ -142,7 +138,9 @@ impl MechanismModel {
         let Scratch { row, second, .. } = &mut *self.scratch.borrow_mut();
         let (n, contact_work, drive_work) = (row.len(), self.contact_work(), self.drive_work());
         for cable in &self.cables {
-            let (Elongation { rate, .. }, tension) = self.tension(t, v, mode, plain, cable, row);
+            let (Elongation { rate, .. }, tension) = self.tension(t, mode, plain, cable);
+            row.fill(0.0);
+            self.add_length_row(plain, &cable.tendon, row);
             second.clear();
             self.add_second_derivatives((plain, motions), &cable.tendon, &mut Sums::of(second).1);
             let second = &second.a_q;
@@ -192,8 +190,7 @@ impl MechanismModel {
     pub fn tendon(&self, t: f64, (q, v): StateRef<'_, Dynamic>, mode: &MechanismMode, index: usize) -> [f64; 3] {
         let cable = &self.cables[index];
         self.with_motions((q, v), |motions| {
-            let row = &mut self.scratch.borrow_mut().row;
-            let (elongation, tension) = self.tension(t, v, mode, motions, cable, row);
+            let (elongation, tension) = self.tension(t, mode, motions, cable);
             [elongation.value + cable.tendon.rest_m, elongation.rate, tension.total()]
         })
     }
