@@ -51,12 +51,7 @@ pub(crate) fn raise_above_noise<L: Layout>(
 /// transmit or pull a force that the law does not. Likewise a sticking range may be narrower than the tolerance of the
 /// rates.
 #[inline(always)]
-pub fn error<L: Layout>(
-    events: &EventSet<L>,
-    attempt: &Attempt<L>,
-    from: &State<L>,
-    tolerances: &Tolerances,
-) -> f64 {
+pub fn error<L: Layout>(events: &EventSet<L>, attempt: &Attempt<L>, from: &State<L>, tolerances: &Tolerances) -> f64 {
     let contact_tolerance = tolerances.contact_tolerance();
     let rebound_tolerances = tolerances.for_rebounds();
     let mut worst: f64 = 0.0;
@@ -144,7 +139,10 @@ mod tests {
     #[test]
     fn a_contact_unloads_if_it_loses_its_force_and_slips_beyond_the_tolerance() {
         assert!(unloads_to(sticking_contact(2.4), [0.0, 1.1]), "most of the force is lost, and the contact slips");
-        assert!(unloads_to(EventSet::new(Fixed, 1), [0.0, -1.1]), "a contact that is no longer active has lost its force");
+        assert!(
+            unloads_to(EventSet::new(Fixed, 1), [0.0, -1.1]),
+            "a contact that is no longer active has lost its force"
+        );
         assert!(!unloads_to(sticking_contact(2.6), [0.0, 1.1]), "more than a quarter of the force remains");
         assert!(!unloads_to(sticking_contact(2.4), [0.0, 0.9]), "the slip is below the tolerance");
         assert!(!unloads_to(sticking_contact(2.4), [5.0, 0.9]), "motion in another direction is not slip");

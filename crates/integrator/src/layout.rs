@@ -28,6 +28,12 @@ pub trait Matrix<T>: Clone + Debug + Send + Index<usize, Output = [T]> + IndexMu
 
     /// Row `i`, and another row `k`.
     fn rows_mut(&mut self, i: usize, k: usize) -> (&mut [T], &[T]);
+
+    /// All entries by rows, and the number of columns.
+    fn entries(&self) -> (&[T], usize);
+
+    /// [`Matrix::entries`], to be changed.
+    fn entries_mut(&mut self) -> (&mut [T], usize);
 }
 
 /// Matrix of a constant size.
@@ -68,6 +74,16 @@ impl<T: Entry, const ROWS: usize, const COLUMNS: usize> Matrix<T> for FixedMatri
         let [row, other] = self.0.get_disjoint_mut([i, k]).expect("different rows");
         (row, other)
     }
+
+    #[inline(always)]
+    fn entries(&self) -> (&[T], usize) {
+        (self.0.as_flattened(), COLUMNS)
+    }
+
+    #[inline(always)]
+    fn entries_mut(&mut self) -> (&mut [T], usize) {
+        (self.0.as_flattened_mut(), COLUMNS)
+    }
 }
 
 impl<T> Index<usize> for DynamicMatrix<T> {
@@ -97,6 +113,16 @@ impl<T: Entry> Matrix<T> for DynamicMatrix<T> {
         let (before, after) = self.entries.split_at_mut(i.max(k) * columns);
         let (low, high) = (&mut before[i.min(k) * columns..][..columns], &mut after[..columns]);
         if i < k { (low, high) } else { (high, low) }
+    }
+
+    #[inline(always)]
+    fn entries(&self) -> (&[T], usize) {
+        (&self.entries, self.columns)
+    }
+
+    #[inline(always)]
+    fn entries_mut(&mut self) -> (&mut [T], usize) {
+        (&mut self.entries, self.columns)
     }
 }
 
@@ -206,6 +232,30 @@ impl Layout for Dynamic {
 #[inline(always)]
 pub(crate) fn add_scaled(y: &mut [f64], w: f64, x: &[f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += w * x);
+}
+
+/// y += Σ wⱼ xⱼ, term by term for each entry.
+#[inline(always)]
+pub(crate) fn add_weighted<const J: usize>(y: &mut [f64], w: &[f64], x: &[&[f64]; J]) {
+    let (n, count) = (y.len(), w.len().min(J));
+    let x = x.map(|x| &x[..n]);
+    let mut start = 0;
+    // Four sums at a time stay in registers.
+    while start + 4 <= n {
+        let y = &mut y[start..start + 4];
+        let mut sums = [y[0], y[1], y[2], y[3]];
+        for j in 0..count {
+            let (weight, x) = (w[j], &x[j][start..start + 4]);
+            (0..4).for_each(|k| sums[k] += weight * x[k]);
+        }
+        y.copy_from_slice(&sums);
+        start += 4;
+    }
+    for i in start..n {
+        for j in 0..count {
+            y[i] += w[j] * x[j][i];
+        }
+    }
 }
 
 /// y += x.

@@ -8,13 +8,7 @@ use super::layout::{Entry, Layout, Matrix};
 
 /// Entries of a matrix.
 pub trait Field:
-    Entry
-    + PartialEq
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + From<f64>
+    Entry + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + From<f64>
 {
     fn magnitude(self) -> f64;
 }
@@ -54,35 +48,37 @@ impl<F: Field, L: Layout> Lu<F, L> {
     /// non-finite numbers, and the step control rejects the step.
     #[inline(always)]
     fn factor(&mut self, n: usize) {
-        let size = self.order.as_ref().len();
+        let order = self.order.as_mut();
+        let size = order.len();
         let n = n.min(size);
-        let Self { lu: a, order, .. } = self;
-        for i in 0..n {
-            order[i] = i;
+        let (a, width) = self.lu.entries_mut();
+        for (i, row) in order[..n].iter_mut().enumerate() {
+            *row = i;
         }
         for k in 0..n {
-            let mut pivot = k;
+            let magnitude = |a: &[F], i: usize| a[i * width + k].magnitude();
+            let (mut pivot, mut largest) = (k, magnitude(a, k));
             for i in k + 1..n {
-                if a[i][k].magnitude() > a[pivot][k].magnitude() {
-                    pivot = i;
+                let other = magnitude(a, i);
+                if other > largest {
+                    (pivot, largest) = (i, other);
                 }
             }
+            let (above, below) = a.split_at_mut((k + 1) * width);
+            let of_pivot = &mut above[k * width..][..n];
             if pivot != k {
-                for j in 0..n {
-                    (a[k][j], a[pivot][j]) = (a[pivot][j], a[k][j]);
-                }
-                order.as_mut().swap(k, pivot);
+                of_pivot.swap_with_slice(&mut below[(pivot - k - 1) * width..][..n]);
+                order.swap(k, pivot);
             }
-            a[k][k] = F::from(1.0) / a[k][k];
-            for i in k + 1..n {
-                let factor = a[i][k] * a[k][k];
-                a[i][k] = factor;
+            of_pivot[k] = F::from(1.0) / of_pivot[k];
+            for row in below.chunks_exact_mut(width).take(n - k - 1) {
+                let row = &mut row[..n];
+                let factor = row[k] * of_pivot[k];
+                row[k] = factor;
                 if size > MAX_DENSE_SIZE && factor.magnitude() == 0.0 {
                     continue;
                 }
-                let (row, of_pivot) = a.rows_mut(i, k);
-                let (row, of_pivot) = (&mut row[k + 1..n], &of_pivot[k + 1..n]);
-                for j in 0..row.len() {
+                for j in k + 1..n {
                     row[j] = row[j] - factor * of_pivot[j];
                 }
             }
@@ -91,25 +87,26 @@ impl<F: Field, L: Layout> Lu<F, L> {
 
     /// Solves for the first `n` entries of `b`, in place.
     #[inline(always)]
-    fn solve(&self, b: &mut L::Vector<F>, n: usize, x: &mut L::Vector<F>) {
-        let n = n.min(self.order.as_ref().len());
-        for i in 0..n {
-            x[i] = b[self.order[i]];
+    fn solve(&self, b: &mut [F], n: usize, x: &mut [F]) {
+        let order = self.order.as_ref();
+        let n = n.min(order.len());
+        let (lu, width) = self.lu.entries();
+        let (b, x) = (&mut b[..n], &mut x[..n]);
+        for (x, row) in x.iter_mut().zip(order) {
+            *x = b[*row];
         }
         for i in 1..n {
-            let row = &self.lu[i];
-            for j in 0..i {
-                x[i] = x[i] - row[j] * x[j];
-            }
+            let (done, rest) = x.split_at_mut(i);
+            let row = &lu[i * width..][..i];
+            rest[0] = row.iter().zip(done).fold(rest[0], |sum, (entry, x)| sum - *entry * *x);
         }
         for i in (0..n).rev() {
-            let row = &self.lu[i];
-            for j in i + 1..n {
-                x[i] = x[i] - row[j] * x[j];
-            }
-            x[i] = x[i] * row[i];
+            let (rest, done) = x.split_at_mut(i + 1);
+            let row = &lu[i * width + i..][..n - i];
+            let sum = row[1..].iter().zip(done).fold(rest[i], |sum, (entry, x)| sum - *entry * *x);
+            rest[i] = sum * row[0];
         }
-        b.as_mut()[..n].copy_from_slice(&x.as_ref()[..n]);
+        b.copy_from_slice(x);
     }
 }
 
@@ -208,34 +205,29 @@ impl<F: Field, L: Layout> ShiftedSolver<F, L> {
     ) {
         let size = self.pivots.as_ref().len();
         let (n, m) = (n.min(size), second_order.min(n).min(size));
-        for i in 0..m {
-            r_q[i] = r_q[i] * self.inverse_shift;
-        }
-        r_q.as_mut()[m..].fill(F::from(0.0));
-        for i in 0..n {
+        let (r_q, r_v) = (r_q.as_mut(), r_v.as_mut());
+        let (x_q, rest) = r_q.split_at_mut(m);
+        x_q.iter_mut().for_each(|x| *x = *x * self.inverse_shift);
+        rest.fill(F::from(0.0));
+        let (entries, width) = a_q.entries();
+        for (row, r_v) in entries.chunks_exact(width).zip(r_v.iter_mut()).take(n) {
             // Without first-order states the products are added in order, so that closings keep their rounding.
-            if second_order < size {
-                r_v[i] = r_v[i] + dot(&a_q[i][..m], &r_q.as_ref()[..m]);
-                continue;
-            }
-            let by_q = &a_q[i][..m];
-            for j in 0..m {
-                r_v[i] = r_v[i] + F::from(by_q[j]) * r_q[j];
-            }
+            *r_v = match second_order < size {
+                true => *r_v + dot(&row[..m], x_q),
+                false => row.iter().zip(&*x_q).fold(*r_v, |sum, (entry, x)| sum + F::from(*entry) * *x),
+            };
         }
         for state in m..n {
             r_v[state] = r_v[state] * self.pivots[state];
-            for i in 0..m {
-                r_v[i] = r_v[i] + F::from(self.state_columns[state][i]) * r_v[state];
-            }
+            let rate = r_v[state];
+            let column = &self.state_columns[state][..m];
+            r_v.iter_mut().zip(column).for_each(|(r_v, entry)| *r_v = *r_v + F::from(*entry) * rate);
         }
-        self.lu.solve(r_v, m, scratch);
+        self.lu.solve(r_v, m, scratch.as_mut());
         for state in m..n {
-            r_v[state] = r_v[state] + self.pivots[state] * dot(&self.state_rows[state][..m], &r_v.as_ref()[..m]);
+            r_v[state] = r_v[state] + self.pivots[state] * dot(&self.state_rows[state][..m], &r_v[..m]);
         }
-        for i in 0..m {
-            r_q[i] = r_q[i] + r_v[i] * self.inverse_shift;
-        }
+        x_q.iter_mut().zip(&*r_v).for_each(|(x, v)| *x = *x + *v * self.inverse_shift);
     }
 }
 
@@ -253,7 +245,7 @@ mod tests {
             b[i] = (0..3).map(|j| a[i][j] * x[j]).sum();
         }
         lu.factor(3);
-        lu.solve(&mut b, 3, &mut scratch);
+        lu.solve(b.as_mut(), 3, scratch.as_mut());
         for i in 0..3 {
             assert!((b[i] - x[i]).abs() < 1e-15);
         }

@@ -1,10 +1,11 @@
 //! Rodas5P: linearly implicit, L-stable, stiffly accurate, order 5(4). Coefficients: G. Steinebach, BIT Numer. Math.
 //! 63:27 (2023), in the form (1/(hγ) − J) kᵢ = f(t + cᵢh, y + Σ aᵢⱼ kⱼ) + Σ Cᵢⱼ/h kⱼ + h dᵢ ∂f/∂t.
 
-use super::layout::{Layout, VectorOf, add, add_scaled, copy};
+use super::layout::{Layout, VectorOf, add, add_scaled, add_weighted, copy};
 use super::linear::{ShiftedSolver, dot};
 use super::method::{Attempt, Method, StepStart};
 use super::{Dense, Linearised, Rates, State, System};
+use crate::numeric::array_from;
 
 /// Rodas5P with the stages of its last attempt, for dense output; it has no other history.
 #[derive(Clone)]
@@ -17,6 +18,8 @@ pub struct Rodas5p<L: Layout> {
     k: [State<L>; STAGES],
     solver: ShiftedSolver<f64, L>,
     rates: Rates<L>,
+    /// Right-hand side of a stage.
+    right: [VectorOf<L>; 2],
     scratch: VectorOf<L>,
 }
 
@@ -43,13 +46,10 @@ fn quadratures<L: Layout>(
     q.as_mut().fill(0.0);
     v.as_mut().fill(0.0);
     z.as_mut().fill(0.0);
-    let mut time_weight = 0.0;
-    for (i, k) in stages.iter().enumerate() {
-        add_scaled(q.as_mut(), weights[i], k.q.as_ref());
-        add_scaled(v.as_mut(), weights[i], k.v.as_ref());
-        add_scaled(z.as_mut(), weights[i], k.z.as_ref());
-        time_weight += weights[i] * D[i];
-    }
+    add_weighted(q.as_mut(), weights, &stages.each_ref().map(|k| k.q.as_ref()));
+    add_weighted(v.as_mut(), weights, &stages.each_ref().map(|k| k.v.as_ref()));
+    add_weighted(z.as_mut(), weights, &stages.each_ref().map(|k| k.z.as_ref()));
+    let time_weight: f64 = weights.iter().zip(D).fold(0.0, |sum, (weight, d)| sum + weight * d);
     for m in 0..z.as_ref().len() {
         let by_state = dot(&lin.g_q[m], q.as_ref()) + dot(&lin.g_v[m], v.as_ref());
         z[m] = h * (z[m] + h * time_weight * lin.g_t[m] + by_state);
@@ -66,6 +66,7 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
             k: std::array::from_fn(|_| State::zero(layout)),
             solver: ShiftedSolver::zero(layout),
             rates: Rates::zero(layout),
+            right: [layout.vector(0.0), layout.vector(0.0)],
             scratch: layout.vector(0.0),
         }
     }
@@ -84,7 +85,7 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
     fn attempt<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64, attempt: &mut Attempt<L>) {
         let StepStart { system, mode, linearised: lin, tolerances, t, latest_time, state: from } = *origin;
         let shift = 1.0 / (h * GAMMA);
-        let Self { k, solver, rates, scratch, .. } = self;
+        let Self { k, solver, rates, right: [r_q, r_v], scratch, .. } = self;
         let sizes = [system.second_order_count(), system.coordinate_count()];
         let m = sizes[0];
         solver.factor(shift, (&lin.a_q, &lin.a_v), sizes);
@@ -95,10 +96,9 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
             if (1..=5).contains(&i) {
                 copy(q, &from.q);
                 copy(v, &from.v);
-                for (j, increment) in k.iter().enumerate().take(i.min(5)) {
-                    add_scaled(&mut q.as_mut()[..m], A[i][j], increment.q.as_ref());
-                    add_scaled(v.as_mut(), A[i][j], increment.v.as_ref());
-                }
+                let weights = &A[i][..i];
+                add_weighted(&mut q.as_mut()[..m], weights, &k.each_ref().map(|k| k.q.as_ref()));
+                add_weighted(v.as_mut(), weights, &k.each_ref().map(|k| k.v.as_ref()));
             } else if i > 5 {
                 add(&mut q.as_mut()[..m], k[i - 1].q.as_ref());
                 add(v.as_mut(), k[i - 1].v.as_ref());
@@ -110,20 +110,18 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
                 system.rates(time, q, v, mode, rates);
                 &*rates
             };
-            let (before, stage) = k.split_at_mut(i);
-            let stage = &mut stage[0];
-            copy(&mut stage.q, v);
-            copy(&mut stage.v, &rates.a);
-            copy(&mut stage.z, &rates.g);
-            for (j, increment) in before.iter().enumerate() {
-                let weight = C[i][j] / h;
-                add_scaled(&mut stage.q.as_mut()[..m], weight, increment.q.as_ref());
-                add_scaled(stage.v.as_mut(), weight, increment.v.as_ref());
-            }
+            copy(r_q, v);
+            copy(r_v, &rates.a);
+            let weights: [f64; STAGES - 1] = array_from(|j| C[i][j] / h);
+            add_weighted(&mut r_q.as_mut()[..m], &weights[..i], &k.each_ref().map(|k| k.q.as_ref()));
+            add_weighted(r_v.as_mut(), &weights[..i], &k.each_ref().map(|k| k.v.as_ref()));
             if D[i] != 0.0 {
-                add_scaled(stage.v.as_mut(), h * D[i], lin.a_t.as_ref());
+                add_scaled(r_v.as_mut(), h * D[i], lin.a_t.as_ref());
             }
-            solver.solve(&lin.a_q, sizes, (&mut stage.q, &mut stage.v), scratch);
+            solver.solve(&lin.a_q, sizes, (r_q, r_v), scratch);
+            copy(&mut k[i].q, r_q);
+            copy(&mut k[i].v, r_v);
+            copy(&mut k[i].z, &rates.g);
         }
         // Stiffly accurate: the last stage plus its increment is the result, and the increment is the error estimate.
         add(q.as_mut(), k[7].q.as_ref());
@@ -147,12 +145,7 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
     /// components, whose forces are large multiples of their rates, and hardly otherwise. The matrix of the corrections is
     /// that of the step.
     #[inline(always)]
-    fn refine<Y: System<Layout = L>>(
-        &self,
-        origin: &StepStart<Y>,
-        dense: &Dense<L>,
-        theta: f64,
-    ) -> Option<State<L>> {
+    fn refine<Y: System<Layout = L>>(&self, origin: &StepStart<Y>, dense: &Dense<L>, theta: f64) -> Option<State<L>> {
         let StepStart { system, mode, linearised: lin, tolerances, t, latest_time, state: from } = *origin;
         let (shift, time) = (1.0 / (self.h * GAMMA), (t + theta * self.h).min(latest_time));
         let sizes = [system.second_order_count(), system.coordinate_count()];
@@ -208,10 +201,8 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
             }
             d.q.as_mut().fill(0.0);
             d.v.as_mut().fill(0.0);
-            for j in 0..STAGES {
-                add_scaled(d.q.as_mut(), H[i][j], self.k[j].q.as_ref());
-                add_scaled(d.v.as_mut(), H[i][j], self.k[j].v.as_ref());
-            }
+            add_weighted(d.q.as_mut(), &H[i], &self.k.each_ref().map(|k| k.q.as_ref()));
+            add_weighted(d.v.as_mut(), &H[i], &self.k.each_ref().map(|k| k.v.as_ref()));
         }
     }
 
@@ -219,9 +210,7 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
     fn dense_positions(&self, d: &mut [VectorOf<L>; 3]) {
         for i in 0..3 {
             d[i].as_mut().fill(0.0);
-            for j in 0..STAGES {
-                add_scaled(d[i].as_mut(), H[i][j], self.k[j].q.as_ref());
-            }
+            add_weighted(d[i].as_mut(), &H[i], &self.k.each_ref().map(|k| k.q.as_ref()));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::reading::{Kernel, KernelUser, Start, contact_sample, stored_energy};
 use super::schema::TendonState;
-use super::{BodyState, ContactSample, Energy, JointState, Outcome, RequiredData, RunError, Sample};
+use super::{BodyState, ContactSample, Energy, JointState, Outcome, Reach, RequiredData, RunError, Sample};
 use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel};
 use crate::drive::Profile;
 use crate::integrator::{Dynamic, State};
@@ -21,7 +21,8 @@ pub(super) fn build_mechanism<U: KernelUser>(
     let kernel = MechanismModel::new(mechanism, (&start.poses, &start.rates))
         .map_err(|error: StructureError| rejected(error.to_string()))?;
     let state = kernel.start();
-    Ok(user.use_kernel(Start { kernel, state, settings: scene.integrator, reach: None }))
+    let reach = Reach::from_hand(&scene.hand).filter(|_| scene.mechanism.is_none());
+    Ok(user.use_kernel(Start { kernel, state, settings: scene.integrator, reach }))
 }
 
 impl Kernel for MechanismModel {

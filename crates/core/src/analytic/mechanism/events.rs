@@ -50,9 +50,17 @@ const FEATURE_TOLERANCE_M: f64 = 3e-13;
 /// Derivatives of the gap or the slip of a contact.
 enum ContactRow<'a> {
     /// A row over the relative pose of two bodies, and the index of a bristle state that is added to the slip.
-    Pair { bodies: [Option<usize>; 2], row: [f64; POSES], bristle: Option<usize> },
+    Pair {
+        bodies: [Option<usize>; 2],
+        row: [f64; POSES],
+        bristle: Option<usize>,
+    },
     /// A multiple of the coordinate of a joint, and the index of a bristle state.
-    Joint { joint: usize, factor: f64, bristle: Option<usize> },
+    Joint {
+        joint: usize,
+        factor: f64,
+        bristle: Option<usize>,
+    },
     /// The length of a cable.
     Cable(&'a Cable),
     Zero,
@@ -166,6 +174,22 @@ impl MechanismModel {
         }
     }
 
+    /// Evaluates a function of the motions on which a contact depends.
+    #[inline(always)]
+    fn with_contact<R>(&self, state: StateRef<'_, Dynamic>, index: usize, f: impl FnOnce(&Motions<f64>) -> R) -> R {
+        let of_joint = |joint: usize| self.mechanism.joints[joint].bodies;
+        match &self.contacts[index].surfaces {
+            Surfaces::Point(pair) => self.with_bodies(state, pair.bodies, f),
+            Surfaces::Limit(limit) => self.with_bodies(state, of_joint(limit.joint), f),
+            Surfaces::Friction(joint) => self.with_bodies(state, of_joint(*joint), f),
+            Surfaces::Tendon(index) => {
+                let elements = self.cables[*index].tendon.path.iter().map(|element| element.body);
+                let spools = self.cables[*index].tendon.joints.iter().flat_map(|(joint, _)| of_joint(*joint));
+                self.with_bodies(state, elements.chain(spools), f)
+            }
+        }
+    }
+
     /// State of a contact, with evaluated rows.
     fn variables_at(
         &self,
@@ -216,7 +240,12 @@ impl MechanismModel {
     }
 
     /// The feature on which a contact starts in a mode; `None` without a force.
-    fn starting_feature(&self, state: StateRef<'_, Dynamic>, contacts: &Mode<Vec<ContactMode>>, index: usize) -> Option<Feature> {
+    fn starting_feature(
+        &self,
+        state: StateRef<'_, Dynamic>,
+        contacts: &Mode<Vec<ContactMode>>,
+        index: usize,
+    ) -> Option<Feature> {
         match &self.contacts[index].surfaces {
             Surfaces::Point(pair) if contacts[index].has_force() => {
                 Some(self.with_motions(state, |motions| pair.nearest(&Self::frames(motions, pair.bodies)).0))
@@ -229,12 +258,12 @@ impl MechanismModel {
     fn actuator_state(
         &self,
         motions: &Motions<f64>,
-        q: &Vec<f64>,
+        state: StateRef<'_, Dynamic>,
         mode: &MechanismMode,
         index: usize,
     ) -> (f64, f64, f64) {
         let (motion, [first_s, last_s]) = (motions.combination(&self.mechanism.actuators[index].on), mode.times_s);
-        (self.time_index.map_or(0.0, |time| q[time].clamp(first_s, last_s)), motion.coordinate, motion.rate)
+        (self.time_in(state).clamp(first_s, last_s), motion.coordinate, motion.rate)
     }
 
     /// Ranges of all actuators in a state.
@@ -252,12 +281,12 @@ impl MechanismModel {
     fn actuator_event(
         &self,
         motions: &Motions<f64>,
-        q: &Vec<f64>,
+        state: StateRef<'_, Dynamic>,
         mode: &MechanismMode,
         index: usize,
     ) -> EventFunction {
         let Some(actuator) = self.mechanism.actuators.get(index) else { return EventFunction::INACTIVE };
-        let (t, coordinate, rate) = self.actuator_state(motions, q, mode, index);
+        let (t, coordinate, rate) = self.actuator_state(motions, state, mode, index);
         let value = margin(actuator, mode.ranges.0[index], t, coordinate, rate);
         EventFunction { value, root_search: RootSearch::Smooth, ..EventFunction::INACTIVE }
     }
@@ -378,7 +407,7 @@ impl Hybrid for MechanismModel {
             mode.contacts.eval_events(&self.event_tolerances, variables, events);
             let first = 3 * self.contacts.len();
             for index in 0..self.mechanism.actuators.len() {
-                events.functions[first + index] = self.actuator_event(motions, q, mode, index);
+                events.functions[first + index] = self.actuator_event(motions, (q, v), mode, index);
             }
             events.functions[self.event_function_count() - 1] = self.feature_event(motions, mode);
             (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions);
@@ -396,43 +425,43 @@ impl Hybrid for MechanismModel {
 
     fn eval_event(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode, event: usize) -> EventFunction {
         self.count_turns_as(mode);
-        self.with_motions((q, v), |motions| match self.subject_of(event) {
-            EventOf::Features => self.feature_event(motions, mode),
-            EventOf::Actuator(index) => self.actuator_event(motions, q, mode, index),
-            EventOf::Contact(index) => {
+        match self.subject_of(event) {
+            EventOf::Features => self.with_motions((q, v), |motions| self.feature_event(motions, mode)),
+            EventOf::Actuator(index) => {
+                self.with_motions((q, v), |motions| self.actuator_event(motions, (q, v), mode, index))
+            }
+            EventOf::Contact(index) => self.with_contact((q, v), index, |motions| {
                 let contact = self.contact_variables(motions, v, index, mode.features[index]);
                 mode.contacts.event_function(event, &self.event_tolerances, Some(&contact))
-            }
-        })
+            }),
+        }
     }
 
-    fn event_values(
-        &self,
-        q: &Vec<f64>,
-        v: &Vec<f64>,
-        mode: &MechanismMode,
-        requested: &[bool],
-        values: &mut [f64],
-    ) {
+    fn event_values(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode, requested: &[bool], values: &mut [f64]) {
         self.count_turns_as(mode);
-        self.with_motions((q, v), |motions| {
-            let count = self.contacts.len();
-            for index in 0..count {
-                let events = [index, index + count, index + 2 * count];
-                if events.iter().any(|event| requested[*event]) {
+        let count = self.contacts.len();
+        for index in 0..count {
+            let events = [index, index + count, index + 2 * count];
+            if events.iter().any(|event| requested[*event]) {
+                self.with_contact((q, v), index, |motions| {
                     let contact = self.contact_variables(motions, v, index, mode.features[index]);
                     let function = |event| mode.contacts.event_function(event, &self.event_tolerances, Some(&contact));
                     events.into_iter().for_each(|event| values[event] = function(event).value);
-                }
+                });
             }
-            for index in 0..self.mechanism.actuators.len() {
-                values[3 * count + index] = self.actuator_event(motions, q, mode, index).value;
-            }
-            values[self.event_function_count() - 1] = self.feature_event(motions, mode).value;
-        });
+        }
+        for event in (3 * count..requested.len()).filter(|event| requested[*event]) {
+            values[event] = self.eval_event(q, v, mode, event).value;
+        }
     }
 
-    fn gap_bounds(&self, motion: &CoordinateBounds<Dynamic>, (q, v): StateRef<'_, Dynamic>, clearance: f64, found: &mut GapBounds) {
+    fn gap_bounds(
+        &self,
+        motion: &CoordinateBounds<Dynamic>,
+        (q, v): StateRef<'_, Dynamic>,
+        clearance: f64,
+        found: &mut GapBounds,
+    ) {
         self.with_bounds((q, v), |motions, bounds| self.bound_gaps(motion, (q, motions, clearance), bounds, found));
     }
 
@@ -460,7 +489,7 @@ impl Hybrid for MechanismModel {
             }),
             EventOf::Actuator(index) => {
                 let (t, coordinate, rate) =
-                    self.with_motions((q, v), |motions| self.actuator_state(motions, q, mode, index));
+                    self.with_motions((q, v), |motions| self.actuator_state(motions, (q, v), mode, index));
                 let range = &mut mode.ranges.0[index];
                 *range = range_after(&self.mechanism.actuators[index], *range, t, coordinate, rate);
             }

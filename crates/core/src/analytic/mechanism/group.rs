@@ -6,8 +6,8 @@ use super::dyad::{
     outer_angle, pivot_offset, place_dyad, transmission,
 };
 use super::motion::{
-    BodyMotion, LANES, Lanes, Motions, Part, Support, carried, carried_bias, column, joint_coordinate, joint_rate, pair,
-    place,
+    BodyMotion, LANES, Lanes, Motions, Part, Support, carried, carried_bias, column, joint_coordinate, joint_rate,
+    pair, place,
 };
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
 use crate::mechanism::{
@@ -229,6 +229,7 @@ impl PlacedGroup {
         for &body in &self.group.bodies {
             let columns = &plain.columns[plain.body_supports[body].first..][..size];
             motions.bodies[body] = plain.bodies[body].lifted(columns, first);
+            motions.prescribed[body] = plain.prescribed[body];
         }
         for &joint in &self.joints {
             let row = &plain.rows[plain.joint_supports[joint].first..][..size];
@@ -252,8 +253,9 @@ impl PlacedGroup {
                     motions.bodies[*body].place_at(&BodyMotion::at([q[*first], q[first + 1], angle], [0.0; 3]));
                 }
                 Placement::Prescribed { body } => {
-                    let pose = self.prescribed(&mechanism.bodies[*body], q[0]).position;
-                    motions.bodies[*body].place_at(&BodyMotion::at(pose, [0.0; 3]));
+                    let pose = self.prescribed(&mechanism.bodies[*body], q[0]);
+                    motions.bodies[*body].place_at(&BodyMotion::at(pose.position, [0.0; 3]));
+                    motions.prescribed[*body] = pose;
                 }
                 Placement::Joint { at, coordinate: source } => {
                     let coordinate = match source {
@@ -313,13 +315,7 @@ impl PlacedGroup {
     }
 
     /// Coordinate of a joint of the dyad of a placement, which was not evaluated with its positions.
-    pub fn joint_coordinate(
-        &self,
-        mechanism: &Mechanism,
-        motions: &Motions<f64>,
-        dyad: usize,
-        joint: usize,
-    ) -> f64 {
+    pub fn joint_coordinate(&self, mechanism: &Mechanism, motions: &Motions<f64>, dyad: usize, joint: usize) -> f64 {
         let (Placement::Dyad { outer, inner }, Some(mode)) = (&self.group.placements[dyad], &self.modes[dyad]) else {
             return motions.joints[joint].coordinate;
         };
@@ -350,13 +346,7 @@ impl PlacedGroup {
 
     /// Evaluates a part of the motions of all bodies and joints, whose poses and coordinates are known; `first` is the first
     /// coordinate.
-    fn propagate<T: Real>(
-        &self,
-        mechanism: &Mechanism,
-        (first, v): (T, &[f64]),
-        motions: &mut Motions<T>,
-        part: Part,
-    ) {
+    fn propagate<T: Real>(&self, mechanism: &Mechanism, (first, v): (T, &[f64]), motions: &mut Motions<T>, part: Part) {
         for placement in &self.group.placements {
             match placement {
                 Placement::Free { body, first, axes } => {
@@ -367,8 +357,7 @@ impl PlacedGroup {
                     }
                 }
                 Placement::Prescribed { body } => {
-                    let scene::Pose { rate, acceleration, jerk, .. } =
-                        self.prescribed(&mechanism.bodies[*body], first.value());
+                    let scene::Pose { rate, acceleration, jerk, .. } = motions.prescribed[*body];
                     let (of_body, motion) = (motions.body_supports[*body].first, &mut motions.bodies[*body]);
                     for axis in 0..3 {
                         let column = first.chain(rate[axis], acceleration[axis]);
@@ -461,11 +450,7 @@ fn inner_coordinate(mechanism: &Mechanism, inner: usize, motions: &Motions<f64>)
     joint_coordinate(&mechanism.joints[inner], |body| *motions.body(body))
 }
 
-fn bases_length(
-    bases: [&BodyMotion<f64>; 2],
-    motions: &Motions<f64>,
-    outer: &[Attachment; 2],
-) -> f64 {
+fn bases_length(bases: [&BodyMotion<f64>; 2], motions: &Motions<f64>, outer: &[Attachment; 2]) -> f64 {
     let offset = |k: usize| sub(motions.bodies[outer[k].body].origin, bases[k].origin);
     let squared = |k: usize| dot(offset(k), offset(k));
     (squared(0) + squared(1)).sqrt().max(f64::MIN_POSITIVE)
@@ -528,9 +513,8 @@ fn move_with_joint<T: Real>(
         Source::Coupling(index) => {
             let others = || coupled_joints(&mechanism.couplings[*index].on, at.joint);
             for &k in &joint_supports[at.joint].coordinates {
-                rows[of_row + k] = others().fold(T::zero(), |sum, (other, ratio)| {
-                    sum + rows[joint_supports[other].first + k] * ratio
-                });
+                rows[of_row + k] =
+                    others().fold(T::zero(), |sum, (other, ratio)| sum + rows[joint_supports[other].first + k] * ratio);
             }
             for &k in &body_supports[at.body].coordinates {
                 columns[of_body + k] = moved(columns[of_base + k], rows[of_row + k]);

@@ -117,8 +117,10 @@ struct Workspace {
     q: Vec<f64>,
     v: Vec<f64>,
     has_state: bool,
-    /// Poses and rates, with derivatives by the coordinates and bias accelerations if `has_derivatives`.
+    /// Poses and rates of those groups that are evaluated, with derivatives by the coordinates and bias accelerations of all if
+    /// `has_derivatives`.
     motions: Motions<f64>,
+    is_evaluated: Vec<bool>,
     has_derivatives: bool,
     /// Whether the motions contain all angles, see [`MechanismModel::with_angles`].
     has_angles: bool,
@@ -141,9 +143,9 @@ pub(super) struct Scratch {
 
 /// The analytic model of a mechanism.
 ///
-/// Coordinates are the independent coordinates of all groups. If friction or a brake has bristles, the next rates are the
-/// bristle states; nothing depends on the coordinates at these indices. Time is the last coordinate if an event of an
-/// actuator depends on it and it is no coordinate of a group.
+/// Coordinates are the independent coordinates of all groups. First-order states follow: the bristle states of friction and
+/// brakes, and time if an event of an actuator depends on it and it is no coordinate of a group. They are among the rates;
+/// nothing depends on the coordinates at these indices.
 #[derive(Clone, Debug)]
 pub struct MechanismModel {
     pub(super) mechanism: Mechanism,
@@ -152,6 +154,8 @@ pub struct MechanismModel {
     pub(super) free_bodies: Vec<FreeBody>,
     /// Coordinates of each body.
     pub(super) spans: Vec<Span>,
+    /// Group of each body; `None` of a free body.
+    pub(super) group_of: Vec<Option<usize>>,
     /// Origin of the reported frame of each body, in its frame here.
     pub(super) reported_origins: Vec<[f64; 2]>,
     /// Dyad of each joint whose coordinate is evaluated on demand: its group and placement.
@@ -163,7 +167,12 @@ pub struct MechanismModel {
     pub(super) bristles: Vec<(usize, Bristle)>,
     /// Index of the bristle state of the brake of each actuator.
     pub(super) brake_bristles: Vec<Option<usize>>,
+    /// Index of time among the coordinates, if bodies have prescribed motion.
     pub(super) time_index: Option<usize>,
+    /// Index of time among the first-order states, if an event of an actuator depends on it and it is no coordinate.
+    clock_index: Option<usize>,
+    /// Number of coordinates of all groups; first-order states follow.
+    second_order: usize,
     /// The group of the bodies with prescribed motion, whose first coordinate is time.
     pub(super) prescribed: Option<usize>,
     /// The moving palm, relative to which states are reported, if the equations are written in the frame of the world.
@@ -199,6 +208,7 @@ impl Workspace {
             v: layout.vector(0.0),
             has_state: false,
             motions,
+            is_evaluated: vec![false; groups.len()],
             has_derivatives: false,
             has_angles: false,
             factors: groups.iter().map(|group| Factor::new(group.size(), group.has_prescribed())).collect(),
@@ -291,6 +301,8 @@ impl MechanismModel {
             first += size;
         }
         let prescribed = groups.iter().position(PlacedGroup::has_prescribed);
+        let group_of = |body| groups.iter().position(|placed| placed.group.bodies.contains(&body));
+        let group_of: Vec<Option<usize>> = (0..mechanism.bodies.len()).map(group_of).collect();
         let mut next = first;
         let mut bristles = Vec::new();
         let mut add_bristle = |bristle: Option<Bristle>| {
@@ -331,8 +343,8 @@ impl MechanismModel {
             contacts.push(Contact { friction: Some(law), bristle, ..contact });
         }
         let brake_bristles = bristles_of_brakes(&mechanism).map(add_bristle).collect();
-        let time = prescribed.map(|group: usize| groups[group].first);
-        let time_index = time.or_else(|| depends_on_time(&mechanism).then_some(next));
+        let time_index = prescribed.map(|group: usize| groups[group].first);
+        let clock_index = (time_index.is_none() && depends_on_time(&mechanism)).then_some(next);
         let palm = mechanism.palm().map(|(body, _)| body).filter(|_| world.is_none());
         let moves_by_forces = mechanism.bodies.iter().map(Body::moves_by_forces).collect();
         for (body, pose) in mechanism.bodies.iter_mut().zip(poses) {
@@ -344,17 +356,18 @@ impl MechanismModel {
             body.mass_kg *= f64::from(moves);
             body.inertia_kg_m2 = if rotates { body.inertia_kg_m2 } else { 0.0 };
         }
-        let coordinate_count = next + usize::from(time_index == Some(next));
+        let coordinate_count = next + usize::from(clock_index.is_some());
         // A new input of an actuator can depend on time.
-        let has_place_for_time = time_index.is_some() || !mechanism.actuators.is_empty();
-        let layout = Dynamic {
-            coordinates: next + usize::from(has_place_for_time && time.is_none()),
-            quadratures: contacts.len() + 2,
-        };
+        let may_have_clock = time_index.is_none() && !mechanism.actuators.is_empty();
+        let layout = Dynamic { coordinates: next + usize::from(may_have_clock), quadratures: contacts.len() + 2 };
         let workspace = Workspace::new(&mechanism, &groups, layout);
         let scratch = Scratch {
             row: layout.vector(0.0),
-            second: Linearised::zero(if cables.is_empty() { Dynamic { coordinates: 0, quadratures: 0 } } else { layout }),
+            second: Linearised::zero(if cables.is_empty() {
+                Dynamic { coordinates: 0, quadratures: 0 }
+            } else {
+                layout
+            }),
         };
         let event_tolerances = if mechanism.joints.is_empty() { EventTolerances::COLLISION } else { EVENT_TOLERANCES };
         Ok(Self {
@@ -362,6 +375,7 @@ impl MechanismModel {
             groups,
             free_bodies,
             spans,
+            group_of,
             reported_origins,
             dyad_of,
             contacts,
@@ -369,6 +383,8 @@ impl MechanismModel {
             bristles,
             brake_bristles,
             time_index,
+            clock_index,
+            second_order: first,
             prescribed,
             palm,
             world,
@@ -432,12 +448,15 @@ impl MechanismModel {
     ) {
         self.count_turns_as(mode);
         *self.mechanism.actuators[index].command.profile_mut() = input;
-        if self.time_index.is_none() && depends_on_time(&self.mechanism) {
-            self.time_index = Some(self.used_coordinates);
+        if self.time_index.or(self.clock_index).is_none() && depends_on_time(&self.mechanism) {
+            self.clock_index = Some(self.used_coordinates);
             self.used_coordinates += 1;
         }
         if let Some(time) = self.time_index {
             (q[time], v[time]) = (t, 1.0);
+        }
+        if let Some(clock) = self.clock_index {
+            v[clock] = t;
         }
         mode.ranges = self.ranges(t, (q, v));
         mode.times_s = self.times_around(t);
@@ -458,7 +477,27 @@ impl MechanismModel {
         }
     }
 
-    /// Number of coordinates and bristle states in use.
+    /// Time in a state; 0 if nothing depends on it.
+    #[inline(always)]
+    pub(super) fn time_in(&self, (q, v): StateRef<'_, Dynamic>) -> f64 {
+        match (self.time_index, self.clock_index) {
+            (Some(time), _) => q[time],
+            (None, Some(clock)) => v[clock],
+            (None, None) => 0.0,
+        }
+    }
+
+    /// Index of time among the first-order states.
+    pub(super) fn clock(&self) -> Option<usize> {
+        self.clock_index
+    }
+
+    /// Number of coordinates of all groups.
+    pub(super) fn second_order(&self) -> usize {
+        self.second_order
+    }
+
+    /// Number of coordinates and first-order states in use.
     #[inline(always)]
     pub(super) fn coordinates_in_use(&self) -> usize {
         self.used_coordinates
@@ -559,19 +598,49 @@ impl MechanismModel {
         f(&workspace.motions, &workspace.factors)
     }
 
+    /// Like [`MechanismModel::with_motions`], with the motions of these bodies and of their joints only.
+    #[inline(always)]
+    pub(super) fn with_bodies<R>(
+        &self,
+        state: StateRef<'_, Dynamic>,
+        bodies: impl IntoIterator<Item = Option<usize>>,
+        f: impl FnOnce(&Motions<f64>) -> R,
+    ) -> R {
+        let mut workspace = self.workspace.borrow_mut();
+        self.enter(state, &mut workspace);
+        for group in bodies.into_iter().flatten().filter_map(|body| self.group_of[body]) {
+            self.evaluate_group(group, &mut workspace);
+        }
+        f(&workspace.motions)
+    }
+
     /// Evaluates poses and rates of a state, unless they are there.
-    fn update(&self, (q, v): StateRef<'_, Dynamic>, workspace: &mut Workspace) {
+    fn update(&self, state: StateRef<'_, Dynamic>, workspace: &mut Workspace) {
+        self.enter(state, workspace);
+        (0..self.groups.len()).for_each(|group| self.evaluate_group(group, workspace));
+    }
+
+    /// Evaluates poses and rates of a group, unless they are there.
+    #[inline(always)]
+    fn evaluate_group(&self, index: usize, workspace: &mut Workspace) {
+        let Workspace { q, v, motions, is_evaluated, .. } = workspace;
+        if !std::mem::replace(&mut is_evaluated[index], true) {
+            let group = &self.groups[index];
+            group.evaluate(&self.mechanism, group.state((q, v)), motions);
+        }
+    }
+
+    /// Enters a state, in which only free bodies are evaluated, unless it is the last one.
+    fn enter(&self, (q, v): StateRef<'_, Dynamic>, workspace: &mut Workspace) {
         if workspace.has_state && has_bits_of(&workspace.q, q) && has_bits_of(&workspace.v, v) {
             return;
         }
         for free in &self.free_bodies {
             free.place((&q[free.first..], &v[free.first..]), &mut workspace.motions);
         }
-        for group in &self.groups {
-            group.evaluate(&self.mechanism, group.state((q, v)), &mut workspace.motions);
-        }
         (workspace.has_angles, workspace.has_derivatives, workspace.has_factors) = (false, false, false);
         workspace.has_state = true;
+        workspace.is_evaluated.fill(false);
         workspace.q.copy_from_slice(q);
         workspace.v.copy_from_slice(v);
     }

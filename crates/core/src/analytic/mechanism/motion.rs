@@ -6,6 +6,7 @@ use crate::mechanism::{Joint, JointCombination, JointKind, Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, scale_by, sub};
 use crate::numeric::{Dual, Real};
+use crate::scene;
 
 /// Rotates a vector of a frame with this direction (cos θ, sin θ) to the world.
 #[inline(always)]
@@ -101,13 +102,7 @@ impl<T: Real> BodyMotion<T> {
     /// The ground.
     pub fn ground() -> Self {
         let zero = T::zero();
-        Self {
-            origin: [zero; 2],
-            direction: [T::constant(1.0), zero],
-            angle: zero,
-            rate: [zero; 3],
-            bias: [zero; 3],
-        }
+        Self { origin: [zero; 2], direction: [T::constant(1.0), zero], angle: zero, rate: [zero; 3], bias: [zero; 3] }
     }
 
     /// Rotates a vector of the body frame to the world.
@@ -139,11 +134,7 @@ impl<T: Real> BodyMotion<T> {
     #[inline(always)]
     pub fn point(&self, point: [f64; 2]) -> PointMotion<T> {
         let arm = self.rotated(point);
-        PointMotion {
-            position: add(self.origin, arm),
-            rate: self.rate_at(arm),
-            bias: self.bias_at(arm),
-        }
+        PointMotion { position: add(self.origin, arm), rate: self.rate_at(arm), bias: self.bias_at(arm) }
     }
 }
 
@@ -217,6 +208,8 @@ pub(super) struct Motions<T> {
     pub joints: Vec<JointMotion<T>>,
     /// Counts of the turns of the lines between pivots of dyads.
     pub counts: Vec<i32>,
+    /// Poses of bodies with prescribed motion, by the body, with their derivatives by time.
+    pub prescribed: Vec<scene::Pose>,
     /// Derivatives of bodies, the ground last, and of joints.
     pub body_supports: Vec<Support>,
     pub joint_supports: Vec<Support>,
@@ -236,6 +229,7 @@ impl<T: Real> Motions<T> {
             centers: vec![BodyMotion::ground().point([0.0; 2]); bodies],
             joints: vec![JointMotion::at(T::zero()); joints],
             counts: Vec::new(),
+            prescribed: vec![scene::Pose::default(); bodies],
             body_supports: vec![Support::default(); bodies + 1],
             joint_supports: vec![Support::default(); joints],
             columns: Vec::new(),

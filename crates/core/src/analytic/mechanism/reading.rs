@@ -80,7 +80,12 @@ impl MechanismModel {
     }
 
     /// [`MechanismModel::contact_reading`] in the world.
-    pub(super) fn world_reading(&self, (q, v): StateRef<'_, Dynamic>, index: usize, branch: ContactState) -> ContactReading {
+    pub(super) fn world_reading(
+        &self,
+        (q, v): StateRef<'_, Dynamic>,
+        index: usize,
+        branch: ContactState,
+    ) -> ContactReading {
         let (contact, none) = (&self.contacts[index], [0.0; 2]);
         self.with_motions((q, v), |motions| {
             let (gap, gap_rate, slip, normal, point) = match &contact.surfaces {
