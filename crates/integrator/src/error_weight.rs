@@ -51,12 +51,7 @@ pub(crate) fn raise_above_noise<L: Layout>(
 /// transmit or pull a force that the law does not. Likewise a sticking range may be narrower than the tolerance of the
 /// rates.
 #[inline(always)]
-pub fn error<L: Layout>(
-    events: &EventSet<L>,
-    attempt: &Attempt<L>,
-    from: &State<L>,
-    tolerances: &Tolerances,
-) -> f64 {
+pub fn error<L: Layout>(events: &EventSet<L>, attempt: &Attempt<L>, from: &State<L>, tolerances: &Tolerances) -> f64 {
     let contact_tolerance = tolerances.contact_tolerance();
     let rebound_tolerances = tolerances.for_rebounds();
     let mut worst: f64 = 0.0;
@@ -134,7 +129,7 @@ mod tests {
 
     fn unloads_to(after: EventSet<Fixed<2, 0>>, rate_change: [f64; 2]) -> bool {
         let tolerances = Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 };
-        let from = State { q: [0.0; 2], v: [3.0, 0.1], z: [] };
+        let from: State<Fixed<2, 0>> = State { q: [0.0; 2], v: [3.0, 0.1], z: [] };
         let mut attempt = Attempt::new(Fixed);
         attempt.end.v =
             [from.v[0] + rate_change[0], from.v[1] + rate_change[1] * tolerances.contact_tolerance() * 1e-3];
@@ -144,7 +139,10 @@ mod tests {
     #[test]
     fn a_contact_unloads_if_it_loses_its_force_and_slips_beyond_the_tolerance() {
         assert!(unloads_to(sticking_contact(2.4), [0.0, 1.1]), "most of the force is lost, and the contact slips");
-        assert!(unloads_to(EventSet::new(Fixed, 1), [0.0, -1.1]), "a contact that is no longer active has lost its force");
+        assert!(
+            unloads_to(EventSet::new(Fixed, 1), [0.0, -1.1]),
+            "a contact that is no longer active has lost its force"
+        );
         assert!(!unloads_to(sticking_contact(2.6), [0.0, 1.1]), "more than a quarter of the force remains");
         assert!(!unloads_to(sticking_contact(2.4), [0.0, 0.9]), "the slip is below the tolerance");
         assert!(!unloads_to(sticking_contact(2.4), [5.0, 0.9]), "motion in another direction is not slip");

@@ -8,13 +8,7 @@ use super::layout::{Entry, Layout, Matrix};
 
 /// Entries of a matrix.
 pub trait Field:
-    Entry
-    + PartialEq
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + From<f64>
+    Entry + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + From<f64>
 {
     fn magnitude(self) -> f64;
 }

@@ -193,7 +193,12 @@ impl<L: Layout> Radau5<L> {
 
     /// Corrects the transformed stages by one Newton iteration from the right-hand sides; returns the size of the correction.
     #[inline(always)]
-    fn correct<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, (gamma, shift): (f64, Complex64), sizes: Sizes) -> f64 {
+    fn correct<Y: System<Layout = L>>(
+        &mut self,
+        origin: &StepStart<Y>,
+        (gamma, shift): (f64, Complex64),
+        sizes: Sizes,
+    ) -> f64 {
         let StepStart { linearised, tolerances, state: from, .. } = *origin;
         let Memory { real, pair, w, dw, f, tf, complex_q, complex_v, complex_scratch, scratch, .. } = &mut self.memory;
         transform(&self.coefficients.ti, f, tf);
@@ -288,7 +293,9 @@ impl<L: Layout> Radau5<L> {
 
     /// Stores the cubic through the start and the three stages, in the common form of dense output (d₃ = 0).
     fn store_candidate(&mut self, t0: f64, h: f64, from: &State<L>, end: &State<L>) {
-        let Self { coefficients: Coefficients { c, a: weights, .. }, candidate, memory: Memory { z, rates, .. }, .. } = self;
+        let Self {
+            coefficients: Coefficients { c, a: weights, .. }, candidate, memory: Memory { z, rates, .. }, ..
+        } = self;
         (candidate.t0, candidate.h) = (t0, h);
         candidate.start.copy_from(from);
         candidate.end.copy_from(end);

@@ -69,12 +69,7 @@ impl<L: Layout> Method<L> for RadauOrRodas<L> {
     }
 
     #[inline(never)]
-    fn refine<Y: System<Layout = L>>(
-        &self,
-        origin: &StepStart<Y>,
-        dense: &Dense<L>,
-        theta: f64,
-    ) -> Option<State<L>> {
+    fn refine<Y: System<Layout = L>>(&self, origin: &StepStart<Y>, dense: &Dense<L>, theta: f64) -> Option<State<L>> {
         if self.uses_radau { None } else { self.rodas.refine(origin, dense, theta) }
     }
 

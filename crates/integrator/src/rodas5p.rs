@@ -147,12 +147,7 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
     /// components, whose forces are large multiples of their rates, and hardly otherwise. The matrix of the corrections is
     /// that of the step.
     #[inline(always)]
-    fn refine<Y: System<Layout = L>>(
-        &self,
-        origin: &StepStart<Y>,
-        dense: &Dense<L>,
-        theta: f64,
-    ) -> Option<State<L>> {
+    fn refine<Y: System<Layout = L>>(&self, origin: &StepStart<Y>, dense: &Dense<L>, theta: f64) -> Option<State<L>> {
         let StepStart { system, mode, linearised: lin, tolerances, t, latest_time, state: from } = *origin;
         let (shift, time) = (1.0 / (self.h * GAMMA), (t + theta * self.h).min(latest_time));
         let sizes = [system.second_order_count(), system.coordinate_count()];

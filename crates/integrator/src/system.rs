@@ -205,7 +205,8 @@ impl<L: Layout> EventSet<L> {
             self.weights.push(ErrorWeight { index, quantity, row: self.layout.vector(0.0) });
         }
         (self.weights[count].index, self.weights[count].quantity) = (index, quantity);
-        let place = self.weights[..count].iter().rposition(|before| before.index < index).map_or(0, |before| before + 1);
+        let place =
+            self.weights[..count].iter().rposition(|before| before.index < index).map_or(0, |before| before + 1);
         self.weight_count += 1;
         self.weights[place..=count].rotate_right(1);
         &mut self.weights[place].row
@@ -362,13 +363,7 @@ pub trait Hybrid: System {
     fn event_tolerance(&self, index: usize, mode: &Self::Mode) -> f64;
 
     /// Changes the mode by event `index`, in the state at which the event was located.
-    fn pass_event(
-        &self,
-        index: usize,
-        q: &VectorOf<Self::Layout>,
-        v: &VectorOf<Self::Layout>,
-        mode: &mut Self::Mode,
-    );
+    fn pass_event(&self, index: usize, q: &VectorOf<Self::Layout>, v: &VectorOf<Self::Layout>, mode: &mut Self::Mode);
 
     /// Whether event `index` is reported to observers, counted, and restarts the method. Other events only prevent
     /// steps from skipping a segment of a law.

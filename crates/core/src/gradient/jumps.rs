@@ -43,7 +43,12 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
 
     /// Passes an event of the normal law of a contact: returns the derivatives of its time and its sample, and applies
     /// the jump of the derivatives of the state.
-    pub fn pass_event(&mut self, (t, state): (f64, &State<M::Layout>), contact: usize, mode: &M::Mode) -> EventDerivatives {
+    pub fn pass_event(
+        &mut self,
+        (t, state): (f64, &State<M::Layout>),
+        contact: usize,
+        mode: &M::Mode,
+    ) -> EventDerivatives {
         let before = (t, state, &self.mode.clone());
         let is_touch_down = is_touch_down(self.mode[contact], mode[contact]);
         let rates = Self::rates(&self.kernel, before);
@@ -79,8 +84,7 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         let (t, state) = (self.time_s, self.state.clone());
         let after = Self::rates(&self.kernel, (t, &state, mode));
         self.pass_jump(&before, &after);
-        let moved =
-            |neighbours: &Neighbours<'a, M>| neighbours.parameter.step * neighbours.discontinuities[1].abs();
+        let moved = |neighbours: &Neighbours<'a, M>| neighbours.parameter.step * neighbours.discontinuities[1].abs();
         let latest = t + self.neighbours.iter().map(moved).fold(0.0, f64::max);
         self.mode.clone_from(mode);
         self.bounds_s[0] = latest.next_up();

@@ -82,8 +82,7 @@ impl<'a, M: Kernel> Neighbours<'a, M> {
                 let built = erased.downcast::<(M, State<M::Layout>)>().map_err(|_| other())?;
                 let (kernel, start) = *built;
                 let [own, others] = [self.kernel.layout(), kernel.layout()];
-                let has_sizes =
-                    (own.coordinates(), own.quadratures()) == (others.coordinates(), others.quadratures());
+                let has_sizes = (own.coordinates(), own.quadratures()) == (others.coordinates(), others.quadratures());
                 if !has_sizes || !kernel.has_coordinates_of(&self.kernel) {
                     return Err(other());
                 }

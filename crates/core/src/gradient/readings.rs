@@ -71,7 +71,12 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
 
     /// Finds the rates at a fraction of a step. The force of a stiff damper has no accurate rate along the accelerations of
     /// a state, which are small differences of large forces.
-    pub fn find_rates(&mut self, (step, mode): (&Step<M::Layout>, &M::Mode), to: f64, tools: &mut dyn StepTools<M::Layout>) {
+    pub fn find_rates(
+        &mut self,
+        (step, mode): (&Step<M::Layout>, &M::Mode),
+        to: f64,
+        tools: &mut dyn StepTools<M::Layout>,
+    ) {
         let (mut sums, mut event_sums) = (vec![0.0; self.counts.values()], vec![0.0; self.contacts]);
         for (index, weight) in BACKWARD_WEIGHTS.into_iter().enumerate() {
             let theta = to * (1.0 - BACKWARD_STEP * index as f64);

@@ -139,7 +139,8 @@ impl<M: Kernel + Hybrid> Observer<M::Layout, M::Mode> for Tangent<'_, M> {
     fn step(&mut self, step: &Step<M::Layout>, mode: &M::Mode, tools: &mut dyn StepTools<M::Layout>) -> bool {
         self.enter(step, mode);
         let rates = Self::rates(&self.kernel, (step.t0, step.start, mode));
-        self.acceleration_scale = rates.a.as_ref().iter().fold(self.acceleration_scale, |largest, a| largest.max(a.abs()));
+        self.acceleration_scale =
+            rates.a.as_ref().iter().fold(self.acceleration_scale, |largest, a| largest.max(a.abs()));
         let is_read = self.times.get(self.at_times.len()).is_some_and(|time_s| *time_s <= step.t1);
         for index in 0..self.neighbours.len() {
             let shift = if is_read { 0.0 } else { self.shift_of_step(index, step) };

@@ -81,19 +81,16 @@ pub(super) struct Tangent<'a, M: Kernel> {
 }
 
 impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
-    pub fn new(
-        start: &Start<M>,
-        schema: &'a Schema,
-        parameters: &'a [TangentParameter<'a>],
-        times: &'a [f64],
-    ) -> Self {
+    pub fn new(start: &Start<M>, schema: &'a Schema, parameters: &'a [TangentParameter<'a>], times: &'a [f64]) -> Self {
         let (kernel, state, counts) = (start.kernel.clone(), start.state.clone(), schema.counts());
         let contacts = kernel.contact_count();
         let mode = kernel.mode_at(0.0, &state.q, &state.v);
         let (mut sample, mut history) = (Sample::new(0.0, counts), M::History::default());
         kernel.read((&state, &mode), &Energy::default(), RequiredData::EVALUATION, &mut history, &mut sample);
-        let neighbours: Vec<Neighbours<'a, M>> =
-            parameters.iter().map(|parameter| Neighbours::new(*parameter, start.kernel.clone(), mode.clone())).collect();
+        let neighbours: Vec<Neighbours<'a, M>> = parameters
+            .iter()
+            .map(|parameter| Neighbours::new(*parameter, start.kernel.clone(), mode.clone()))
+            .collect();
         let column = |neighbours: &Neighbours<'a, M>| -> Column<M::Layout> {
             let Level { pairs, h } = neighbours.level(0, counts)?;
             let quotient = |of: &dyn Fn(&State<M::Layout>) -> f64| {

@@ -6,8 +6,8 @@ use super::mechanism::build_mechanism;
 use super::reading::{Kernel, KernelUser, Start};
 use super::stepper::{AnalyticStepper, Stepper};
 use super::{Outcome, Reach, RunError};
-use crate::analytic::multibody::{MAX_GRASP_BRISTLES, MAX_GRASP_COORDINATES, Multibody};
 use crate::analytic::FingerMotion;
+use crate::analytic::multibody::{MAX_GRASP_BRISTLES, MAX_GRASP_COORDINATES, Multibody};
 use crate::integrator::Hybrid;
 #[cfg(not(feature = "mechanisms"))]
 use crate::mechanism::Mechanism;

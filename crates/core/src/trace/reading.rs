@@ -60,7 +60,11 @@ pub(crate) trait Kernel:
 
     /// The kernel in coordinates that are much better conditioned in a state, with this state and its mode; `None` if there
     /// are none.
-    fn exchanged(&self, _state: &State<Self::Layout>, _mode: &Self::Mode) -> Option<(Self, State<Self::Layout>, Self::Mode)> {
+    fn exchanged(
+        &self,
+        _state: &State<Self::Layout>,
+        _mode: &Self::Mode,
+    ) -> Option<(Self, State<Self::Layout>, Self::Mode)> {
         None
     }
 
@@ -270,13 +274,7 @@ impl<const N: usize> Kernel for Multibody<N> {
         contact_sample(reading.as_ref(), state.z[index])
     }
 
-    fn set_input(
-        &mut self,
-        index: usize,
-        input: Profile,
-        _: f64,
-        _: (&mut State<Self::Layout>, &mut GraspMode),
-    ) {
+    fn set_input(&mut self, index: usize, input: Profile, _: f64, _: (&mut State<Self::Layout>, &mut GraspMode)) {
         self.set_actuation(index, input);
     }
 }

@@ -169,7 +169,13 @@ impl<const N: usize, const W: usize> Hybrid for FingerMotion<N, W> {
     }
 
     #[inline(always)]
-    fn gap_bounds(&self, motion: &CoordinateBounds<FingerLayout<N>>, _state: StateRef<'_, FingerLayout<N>>, clearance: f64, found: &mut GapBounds) {
+    fn gap_bounds(
+        &self,
+        motion: &CoordinateBounds<FingerLayout<N>>,
+        _state: StateRef<'_, FingerLayout<N>>,
+        clearance: f64,
+        found: &mut GapBounds,
+    ) {
         let coordinates = [0, 1].map(|index| RateBound::of_coordinate(motion, index));
         let bounds = self.finger.bounds(clearance + SINGULAR_SINE, coordinates, motion.width);
         found.clearance_reach = bounds.clearance_reach;

@@ -370,7 +370,9 @@ impl<const N: usize, const W: usize> System for FingerMotion<N, W> {
 
 /// Derivatives of R numbers with respect to N positions; zero except for the finger's own positions.
 #[inline(always)]
-fn position_derivatives<const N: usize, const W: usize, const R: usize>(values: &[Dual<W>; R]) -> FixedMatrix<f64, R, N> {
+fn position_derivatives<const N: usize, const W: usize, const R: usize>(
+    values: &[Dual<W>; R],
+) -> FixedMatrix<f64, R, N> {
     let mut rows = [[0.0; N]; R];
     for (row, x) in rows.iter_mut().zip(values) {
         row[..FINGER_COORDINATES].copy_from_slice(&x.grad[..FINGER_COORDINATES]);

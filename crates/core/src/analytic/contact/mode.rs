@@ -53,11 +53,8 @@ pub struct ContactMode {
 }
 
 impl ContactMode {
-    pub const FREE: Self = Self {
-        state: ContactState::Free,
-        friction_range: FrictionRange::Any,
-        damper_range: DamperRange::Any,
-    };
+    pub const FREE: Self =
+        Self { state: ContactState::Free, friction_range: FrictionRange::Any, damper_range: DamperRange::Any };
     /// The laws without events, for integrators without event location.
     pub const CLAMPED: Self = Self { state: ContactState::Clamped, ..Self::FREE };
 }

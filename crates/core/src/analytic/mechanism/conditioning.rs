@@ -36,11 +36,7 @@ pub(super) fn smallest_sine(mechanism: &Mechanism, group: &Group, motions: &Moti
 
 /// The group in coordinates that are much better conditioned in the poses of these motions; `None` if there are none, or if
 /// its own are good.
-pub(super) fn better_group(
-    mechanism: &Mechanism,
-    group: &Group,
-    motions: &Motions<f64>,
-) -> Option<Group> {
+pub(super) fn better_group(mechanism: &Mechanism, group: &Group, motions: &Motions<f64>) -> Option<Group> {
     let present = smallest_sine(mechanism, group, motions);
     if present >= EXCHANGE_SINE {
         return None;
@@ -51,11 +47,7 @@ pub(super) fn better_group(
 }
 
 /// The groups of a mechanism at its start, in other coordinates where those are much better conditioned.
-pub(super) fn conditioned_groups(
-    mechanism: &Mechanism,
-    groups: Vec<Group>,
-    poses: &[Pose],
-) -> Vec<Group> {
+pub(super) fn conditioned_groups(mechanism: &Mechanism, groups: Vec<Group>, poses: &[Pose]) -> Vec<Group> {
     let motions = motions_at(mechanism, poses);
     let better = |group: Group| better_group(mechanism, &group, &motions).unwrap_or(group);
     groups.into_iter().map(better).collect()

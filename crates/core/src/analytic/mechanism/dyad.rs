@@ -7,9 +7,9 @@ use super::motion::{
 };
 use crate::mechanism::structure::Attachment;
 use crate::mechanism::{Joint, JointKind, Mechanism};
+use crate::numeric::Real;
 use crate::numeric::elementary::{atan2, sin_cos};
 use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, scale, scale_by, sub};
-use crate::numeric::Real;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 
 /// Assembly mode of a dyad: the sign of its root, and the ranges of the angles of its bodies.

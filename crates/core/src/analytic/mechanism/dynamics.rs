@@ -501,13 +501,14 @@ impl MechanismModel {
             let sign = if side == 0 { 1.0 } else { -1.0 };
             let of_body = [(&loads[0], sign), (&loads[1], sign), (&loads[2 + side], 1.0)];
             // The load on a coordinate is a sum of those on the pose.
-            let add_part = |sum: &mut WithDerivatives<POSES, POSES>, load: &WithDerivatives<POSES, POSES>, factor: f64| {
-                for k in 0..POSES {
-                    sum.by_q[k] += factor * load.by_q[k];
-                    sum.by_v[k] += factor * load.by_v[k];
-                }
-                sum.by_bristle += factor * load.by_bristle;
-            };
+            let add_part =
+                |sum: &mut WithDerivatives<POSES, POSES>, load: &WithDerivatives<POSES, POSES>, factor: f64| {
+                    for k in 0..POSES {
+                        sum.by_q[k] += factor * load.by_q[k];
+                        sum.by_v[k] += factor * load.by_v[k];
+                    }
+                    sum.by_bristle += factor * load.by_bristle;
+                };
             if is_free {
                 for (i, (load, sign)) in of_body.into_iter().enumerate().take(size) {
                     let mut on_coordinate = WithDerivatives::default();
@@ -568,14 +569,7 @@ impl MechanismModel {
                     contact.add_rolling_with_derivatives(&rates, &mut forces);
                     let quadratures = [(index, forces.normal), (contact_work, forces.power)];
                     let bristle = contact.bristle.map(|bristle| (bristle, forces.bristle_rate));
-                    self.add_pair_derivatives(
-                        (plain, motions),
-                        pair.bodies,
-                        &forces.load,
-                        &quadratures,
-                        bristle,
-                        sums,
-                    );
+                    self.add_pair_derivatives((plain, motions), pair.bodies, &forces.load, &quadratures, bristle, sums);
                 }
                 Surfaces::Limit(limit) => {
                     let (span, side) = (self.span_of_joint(limit.joint), limit.side);

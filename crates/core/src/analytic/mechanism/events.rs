@@ -50,9 +50,17 @@ const FEATURE_TOLERANCE_M: f64 = 3e-13;
 /// Derivatives of the gap or the slip of a contact.
 enum ContactRow<'a> {
     /// A row over the relative pose of two bodies, and the index of a bristle state that is added to the slip.
-    Pair { bodies: [Option<usize>; 2], row: [f64; POSES], bristle: Option<usize> },
+    Pair {
+        bodies: [Option<usize>; 2],
+        row: [f64; POSES],
+        bristle: Option<usize>,
+    },
     /// A multiple of the coordinate of a joint, and the index of a bristle state.
-    Joint { joint: usize, factor: f64, bristle: Option<usize> },
+    Joint {
+        joint: usize,
+        factor: f64,
+        bristle: Option<usize>,
+    },
     /// The length of a cable.
     Cable(&'a Cable),
     Zero,
@@ -216,7 +224,12 @@ impl MechanismModel {
     }
 
     /// The feature on which a contact starts in a mode; `None` without a force.
-    fn starting_feature(&self, state: StateRef<'_, Dynamic>, contacts: &Mode<Vec<ContactMode>>, index: usize) -> Option<Feature> {
+    fn starting_feature(
+        &self,
+        state: StateRef<'_, Dynamic>,
+        contacts: &Mode<Vec<ContactMode>>,
+        index: usize,
+    ) -> Option<Feature> {
         match &self.contacts[index].surfaces {
             Surfaces::Point(pair) if contacts[index].has_force() => {
                 Some(self.with_motions(state, |motions| pair.nearest(&Self::frames(motions, pair.bodies)).0))
@@ -400,14 +413,7 @@ impl Hybrid for MechanismModel {
         })
     }
 
-    fn event_values(
-        &self,
-        q: &Vec<f64>,
-        v: &Vec<f64>,
-        mode: &MechanismMode,
-        requested: &[bool],
-        values: &mut [f64],
-    ) {
+    fn event_values(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode, requested: &[bool], values: &mut [f64]) {
         self.count_turns_as(mode);
         self.with_motions((q, v), |motions| {
             let count = self.contacts.len();
@@ -426,7 +432,13 @@ impl Hybrid for MechanismModel {
         });
     }
 
-    fn gap_bounds(&self, motion: &CoordinateBounds<Dynamic>, (q, v): StateRef<'_, Dynamic>, clearance: f64, found: &mut GapBounds) {
+    fn gap_bounds(
+        &self,
+        motion: &CoordinateBounds<Dynamic>,
+        (q, v): StateRef<'_, Dynamic>,
+        clearance: f64,
+        found: &mut GapBounds,
+    ) {
         self.with_bounds((q, v), |motions, bounds| self.bound_gaps(motion, (q, motions, clearance), bounds, found));
     }
 

@@ -70,12 +70,7 @@ impl Factor {
 
     /// Solves for the first `count` columns of the rows of the group, which begin with row `first` of a matrix, in place.
     /// With a prescribed first coordinate, adds to `powers` the loads that its motion requires.
-    pub fn solve_columns(
-        &self,
-        (matrix, first): (&mut DynamicMatrix<f64>, usize),
-        count: usize,
-        powers: &mut [f64],
-    ) {
+    pub fn solve_columns(&self, (matrix, first): (&mut DynamicMatrix<f64>, usize), count: usize, powers: &mut [f64]) {
         let (lower, size) = (&self.lower, self.size);
         if self.is_prescribed {
             // The row of the prescribed coordinate has no effect on the others: it is memory for the loads.

@@ -109,12 +109,7 @@ impl MechanismModel {
 }
 
 /// Bound of the gap between a point outline and a face: the point moves in the frame of the convex face.
-fn point_gap(
-    pair: &PointOnFace,
-    width: f64,
-    motions: &Motions<f64>,
-    bounds: &MechanismBounds,
-) -> GapBound {
+fn point_gap(pair: &PointOnFace, width: f64, motions: &Motions<f64>, bounds: &MechanismBounds) -> GapBound {
     let [of_point, of_face] = pair.bodies.map(|body| bounds.body(body));
     let center = match pair.point {
         OutlinePoint::Vertex { point_m, .. } => point_m,

@@ -308,13 +308,7 @@ impl PlacedGroup {
     }
 
     /// Coordinate of a joint of the dyad of a placement, which was not evaluated with its positions.
-    pub fn joint_coordinate(
-        &self,
-        mechanism: &Mechanism,
-        motions: &Motions<f64>,
-        dyad: usize,
-        joint: usize,
-    ) -> f64 {
+    pub fn joint_coordinate(&self, mechanism: &Mechanism, motions: &Motions<f64>, dyad: usize, joint: usize) -> f64 {
         let (Placement::Dyad { outer, inner }, Some(mode)) = (&self.group.placements[dyad], &self.modes[dyad]) else {
             return motions.joints[joint].coordinate;
         };
@@ -441,11 +435,7 @@ fn inner_coordinate(mechanism: &Mechanism, inner: usize, motions: &Motions<f64>)
     joint_coordinate(&mechanism.joints[inner], |body| *motions.body(body))
 }
 
-fn bases_length(
-    bases: [&BodyMotion<f64>; 2],
-    motions: &Motions<f64>,
-    outer: &[Attachment; 2],
-) -> f64 {
+fn bases_length(bases: [&BodyMotion<f64>; 2], motions: &Motions<f64>, outer: &[Attachment; 2]) -> f64 {
     let offset = |k: usize| sub(motions.bodies[outer[k].body].origin, bases[k].origin);
     let squared = |k: usize| dot(offset(k), offset(k));
     (squared(0) + squared(1)).sqrt().max(f64::MIN_POSITIVE)

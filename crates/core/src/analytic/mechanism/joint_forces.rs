@@ -134,13 +134,7 @@ fn refill<T>(list: &mut Vec<T>, content: impl Iterator<Item = T>) {
 
 impl MechanismModel {
     /// Computes the forces of all joints in a state, in the frame of a moving palm.
-    pub fn joint_forces(
-        &self,
-        t: f64,
-        (q, v): StateRef<'_, Dynamic>,
-        mode: &MechanismMode,
-        system: &mut JointForces,
-    ) {
+    pub fn joint_forces(&self, t: f64, (q, v): StateRef<'_, Dynamic>, mode: &MechanismMode, system: &mut JointForces) {
         let mut rates = Rates::zero(self.sizes());
         self.rates(t, q, v, mode, &mut rates);
         let a = rates.a;

@@ -351,7 +351,11 @@ impl MechanismModel {
         let workspace = Workspace::new(&mechanism, &groups, layout);
         let scratch = Scratch {
             row: layout.vector(0.0),
-            second: Linearised::zero(if cables.is_empty() { Dynamic { coordinates: 0, quadratures: 0 } } else { layout }),
+            second: Linearised::zero(if cables.is_empty() {
+                Dynamic { coordinates: 0, quadratures: 0 }
+            } else {
+                layout
+            }),
         };
         let event_tolerances = if mechanism.joints.is_empty() { EventTolerances::COLLISION } else { EVENT_TOLERANCES };
         Ok(Self {

@@ -101,13 +101,7 @@ impl<T: Real> BodyMotion<T> {
     /// The ground.
     pub fn ground() -> Self {
         let zero = T::zero();
-        Self {
-            origin: [zero; 2],
-            direction: [T::constant(1.0), zero],
-            angle: zero,
-            rate: [zero; 3],
-            bias: [zero; 3],
-        }
+        Self { origin: [zero; 2], direction: [T::constant(1.0), zero], angle: zero, rate: [zero; 3], bias: [zero; 3] }
     }
 
     /// Rotates a vector of the body frame to the world.
@@ -139,11 +133,7 @@ impl<T: Real> BodyMotion<T> {
     #[inline(always)]
     pub fn point(&self, point: [f64; 2]) -> PointMotion<T> {
         let arm = self.rotated(point);
-        PointMotion {
-            position: add(self.origin, arm),
-            rate: self.rate_at(arm),
-            bias: self.bias_at(arm),
-        }
+        PointMotion { position: add(self.origin, arm), rate: self.rate_at(arm), bias: self.bias_at(arm) }
     }
 }
 

@@ -80,7 +80,12 @@ impl MechanismModel {
     }
 
     /// [`MechanismModel::contact_reading`] in the world.
-    pub(super) fn world_reading(&self, (q, v): StateRef<'_, Dynamic>, index: usize, branch: ContactState) -> ContactReading {
+    pub(super) fn world_reading(
+        &self,
+        (q, v): StateRef<'_, Dynamic>,
+        index: usize,
+        branch: ContactState,
+    ) -> ContactReading {
         let (contact, none) = (&self.contacts[index], [0.0; 2]);
         self.with_motions((q, v), |motions| {
             let (gap, gap_rate, slip, normal, point) = match &contact.surfaces {
@@ -97,7 +102,8 @@ impl MechanismModel {
                 }
                 Surfaces::Friction(joint) => (-1.0, 0.0, motions.joints[*joint].rate, none, none),
                 Surfaces::Tendon(index) => {
-                    let elongation = self.elongation(motions, &self.cables[*index].tendon, v, &mut self.scratch.borrow_mut().row);
+                    let elongation =
+                        self.elongation(motions, &self.cables[*index].tendon, v, &mut self.scratch.borrow_mut().row);
                     (-elongation.value, -elongation.rate, 0.0, none, none)
                 }
             };

@@ -36,13 +36,7 @@ fn segments(tendon: &Tendon) -> impl Iterator<Item = ([&PathElement; 2], [Option
 
 impl MechanismModel {
     /// Elongation of a tendon; writes the derivative of its length by the coordinates to `row`.
-    pub(super) fn elongation(
-        &self,
-        motions: &Motions<f64>,
-        tendon: &Tendon,
-        v: &[f64],
-        row: &mut [f64],
-    ) -> Elongation {
+    pub(super) fn elongation(&self, motions: &Motions<f64>, tendon: &Tendon, v: &[f64], row: &mut [f64]) -> Elongation {
         let center = |element: &PathElement| motions.body(element.body).position(element.point_m);
         let mut value = path_length(&tendon.path, center) - tendon.rest_m;
         for &(joint, factor) in &tendon.joints {

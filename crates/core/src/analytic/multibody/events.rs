@@ -175,7 +175,13 @@ impl<const N: usize> Hybrid for Multibody<N> {
         }
     }
 
-    fn gap_bounds(&self, motion: &CoordinateBounds<GraspLayout<N>>, (q, _): StateRef<'_, GraspLayout<N>>, clearance: f64, found: &mut GapBounds) {
+    fn gap_bounds(
+        &self,
+        motion: &CoordinateBounds<GraspLayout<N>>,
+        (q, _): StateRef<'_, GraspLayout<N>>,
+        clearance: f64,
+        found: &mut GapBounds,
+    ) {
         let coordinate = |index: usize| RateBound::of_coordinate(motion, index);
         let centre = self.moving_object().map_or_else(RateBound::default, |(first, _)| {
             let [x, y] = [coordinate(first), coordinate(first + 1)];
