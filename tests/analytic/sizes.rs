@@ -75,11 +75,16 @@ fn stack(boxes: usize, preset: Preset) -> Scene {
 fn eight_boxes_stand_on_each_other() {
     let run = run(Model::Analytic, &stack(8, Preset::Engineering));
     assert_below(balance_error(&run), 1e-5, "energy balance");
+    // The ground carries the weight, and stops the fall.
+    let impulse_n_s: f64 = last(&run).contacts().take(2).map(|contact| contact.impulse_n_s).sum();
+    let momentum_n_s: f64 = last(&run).bodies().map(|body| 0.05 * body.velocity_m_s[1]).sum();
+    let weight_n_s = 8.0 * 0.05 * G * 0.05;
+    assert_below((impulse_n_s - weight_n_s - momentum_n_s).abs(), 1e-6 * weight_n_s, "impulse of the ground");
     for (index, body) in last(&run).bodies().enumerate() {
         let height_m = 0.01 + 0.02 * index as f64;
         assert!(body.centre_m[0].abs() < 3e-3 && body.angle_rad.abs() < 1e-3, "box {index}: {body:?}");
-        assert_below((body.centre_m[1] - height_m).abs(), 1e-4, format!("box {index}"));
-        assert_below(body.velocity_m_s[0].abs(), 1e-4, format!("box {index} slides"));
+        assert_below((body.centre_m[1] - height_m).abs(), 3e-4, format!("box {index}"));
+        assert_below(body.velocity_m_s[0].abs(), 0.02, format!("box {index} slides"));
     }
 }
 
@@ -93,9 +98,9 @@ fn two_boxes_agree_with_the_engine() {
     assert_below(angle, 1e-5, "angles");
 }
 
-/// Fingers of two phalanges side by side. Two motors wind up two tendons of each: one closes the finger, the other one
+/// Fingers of two phalanges side by side; names are in the order of the fingers. Two motors wind up two tendons of each: one closes the finger, the other one
 /// pulls at its back.
-fn hand(fingers: usize, preset: Preset) -> Scene {
+fn hand(fingers: i32, preset: Preset) -> Scene {
     let mut text = "kind = \"mechanism\"\nduration = \"60 ms\"\n\
                     [laws.stop]\nstiffness = 2e4\ndamping = \"0.2 s/rad\"\n\
                     [laws.pad]\nstiffness = 1e6\ndamping = \"3 s/m\"\n\
@@ -104,37 +109,39 @@ fn hand(fingers: usize, preset: Preset) -> Scene {
     for n in 0..fingers {
         let x = 200 * n;
         text += &format!(
-            "[bodies.proximal{n}]\nmass = \"30 g\"\ninertia = \"11000 g*mm^2\"\ncom = [\"33 mm\", \"0 mm\"]\n\
-             [bodies.proximal{n}.outlines.pad]\ntype = \"capsule\"\nfrom = [\"10 mm\", \"0 mm\"]\nto = [\"55 mm\", \"0 mm\"]\n\
+            "[bodies.f{n}_proximal]\nmass = \"30 g\"\ninertia = \"11000 g*mm^2\"\ncom = [\"33 mm\", \"0 mm\"]\n\
+             [bodies.f{n}_proximal.outlines.pad]\ntype = \"capsule\"\nfrom = [\"10 mm\", \"0 mm\"]\nto = [\"55 mm\", \"0 mm\"]\n\
              radius = \"9 mm\"\n\
-             [bodies.distal{n}]\nmass = \"18 g\"\ninertia = \"3600 g*mm^2\"\ncom = [\"22 mm\", \"0 mm\"]\n\
-             [bodies.distal{n}.outlines.pad]\ntype = \"capsule\"\nfrom = [\"6 mm\", \"0 mm\"]\nto = [\"40 mm\", \"0 mm\"]\n\
+             [bodies.f{n}_distal]\nmass = \"18 g\"\ninertia = \"3600 g*mm^2\"\ncom = [\"22 mm\", \"0 mm\"]\n\
+             [bodies.f{n}_distal.outlines.pad]\ntype = \"capsule\"\nfrom = [\"6 mm\", \"0 mm\"]\nto = [\"40 mm\", \"0 mm\"]\n\
              radius = \"8 mm\"\n\
-             [ground.outlines.disc{n}]\ntype = \"disc\"\ncenter = [\"{} mm\", \"55 mm\"]\nradius = \"22 mm\"\n\
-             [joints.base{n}]\nbodies = [\"ground\", \"proximal{n}\"]\npoints = [[\"{x} mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
+             [ground.outlines.f{n}_disc]\ntype = \"disc\"\ncenter = [\"{} mm\", \"55 mm\"]\nradius = \"22 mm\"\n\
+             [joints.f{n}_base]\nbodies = [\"ground\", \"f{n}_proximal\"]\npoints = [[\"{x} mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
              offset = \"70 deg\"\nstart = \"0 deg\"\nlower = \"-1 deg\"\nstop = \"stop\"\n\
-             [joints.middle{n}]\nbodies = [\"proximal{n}\", \"distal{n}\"]\n\
+             [joints.f{n}_middle]\nbodies = [\"f{n}_proximal\", \"f{n}_distal\"]\n\
              points = [[\"62.5 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\nstart = \"0 deg\"\nlower = \"-1 deg\"\nstop = \"stop\"\n\
-             [springs.base{n}]\njoint = \"base{n}\"\nstiffness = \"0.05 N*m/rad\"\nrest = \"-0.3 rad\"\n\
+             [springs.f{n}_base]\njoint = \"f{n}_base\"\nstiffness = \"0.05 N*m/rad\"\nrest = \"-0.3 rad\"\n\
              damping = \"2e-4 N*m*s/rad\"\n\
-             [springs.middle{n}]\njoint = \"middle{n}\"\nstiffness = \"0.12 N*m/rad\"\nrest = \"-1 rad\"\n\
+             [springs.f{n}_middle]\njoint = \"f{n}_middle\"\nstiffness = \"0.12 N*m/rad\"\nrest = \"-1 rad\"\n\
              damping = \"2e-4 N*m*s/rad\"\n\
-             [[contacts]]\npoints = \"ground.disc{n}\"\nfaces = [\"proximal{n}.pad\", \"distal{n}.pad\"]\nlaw = \"pad\"\n",
+             [[contacts]]\npoints = \"ground.f{n}_disc\"\nfaces = [\"f{n}_proximal.pad\", \"f{n}_distal.pad\"]\nlaw = \"pad\"\n",
             x - 30
         );
-        for (name, side, turn, torque) in [("flexor", 1, "cw", 0.30 + 0.02 * n as f64), ("extensor", -1, "ccw", 0.02)] {
+        for (name, side, turn, torque) in
+            [("flexor", 1, "cw", 0.30 + 0.02 * f64::from(n)), ("extensor", -1, "ccw", 0.02)]
+        {
             let (exit, lever) = (x + 45 * side, 6 * side);
             text += &format!(
-                "[bodies.{name}_winch{n}]\nmass = \"20 g\"\ninertia = \"4000 g*mm^2\"\n\
-                 [joints.{name}{n}]\nbodies = [\"ground\", \"{name}_winch{n}\"]\n\
+                "[bodies.f{n}_{name}_winch]\nmass = \"20 g\"\ninertia = \"4000 g*mm^2\"\n\
+                 [joints.f{n}_{name}]\nbodies = [\"ground\", \"f{n}_{name}_winch\"]\n\
                  points = [[\"{exit} mm\", \"-2 mm\"], [\"0 mm\", \"0 mm\"]]\nstart = \"0 deg\"\narmature = \"1e-5 kg*m^2\"\n\
-                 [tendons.{name}{n}]\nstiffness = \"2e5 N/m\"\ndamping = \"20 N*s/m\"\npretension = \"1 N\"\n\
+                 [tendons.f{n}_{name}]\nstiffness = \"2e5 N/m\"\ndamping = \"20 N*s/m\"\npretension = \"1 N\"\n\
                  path = [{{ eyelet = \"ground\", at = [\"{exit} mm\", \"-8 mm\"] }}, \
                  {{ pulley = \"ground\", at = [\"{x} mm\", \"0 mm\"], radius = \"8 mm\", turn = \"{turn}\" }}, \
-                 {{ eyelet = \"proximal{n}\", at = [\"45 mm\", \"{lever} mm\"] }}, \
-                 {{ eyelet = \"distal{n}\", at = [\"16 mm\", \"{lever} mm\"] }}]\n\
-                 spools = [{{ joint = \"{name}{n}\", radius = \"6 mm\" }}]\n\
-                 [actuators.{name}_motor{n}]\njoint = \"{name}{n}\"\ntorque = \"{torque} N*m\"\nno_load_speed = \"40 rad/s\"\n"
+                 {{ eyelet = \"f{n}_proximal\", at = [\"45 mm\", \"{lever} mm\"] }}, \
+                 {{ eyelet = \"f{n}_distal\", at = [\"16 mm\", \"{lever} mm\"] }}]\n\
+                 spools = [{{ joint = \"f{n}_{name}\", radius = \"6 mm\" }}]\n\
+                 [actuators.f{n}_{name}_motor]\njoint = \"f{n}_{name}\"\ntorque = \"{torque} N*m\"\nno_load_speed = \"40 rad/s\"\n"
             );
         }
     }
@@ -173,11 +180,11 @@ fn chain(links: usize, angle_deg: f64, preset: Preset) -> Scene {
     for n in 0..links {
         let (before, point, start) = match n {
             0 => ("ground".to_string(), 0, angle_deg - 90.0),
-            _ => (format!("link{}", n - 1), 20, 0.0),
+            _ => (format!("link{:02}", n - 1), 20, 0.0),
         };
         text += &format!(
-            "[bodies.link{n}]\nmass = \"10 g\"\ninertia = \"333.33333333333333 g*mm^2\"\ncom = [\"10 mm\", \"0 mm\"]\n\
-             [joints.pin{n}]\nbodies = [\"{before}\", \"link{n}\"]\npoints = [[\"{point} mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
+            "[bodies.link{n:02}]\nmass = \"10 g\"\ninertia = \"333.33333333333333 g*mm^2\"\ncom = [\"10 mm\", \"0 mm\"]\n\
+             [joints.pin{n:02}]\nbodies = [\"{before}\", \"link{n:02}\"]\npoints = [[\"{point} mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
              start = \"{start} deg\"\n"
         );
     }
