@@ -91,7 +91,7 @@ TABLES = [
         row("… of 10 corners", "the same", polygon(10), (), ("gripper",)),
         row("`object.outline` a disc, engine model", "none", [*ENGINE, *DISC], ENGINE, ("gripper",)),
         row("… a polygon of 10 corners", "the same", [*ENGINE, *polygon(10)], ENGINE, ("gripper",)),
-        row("… of 32 corners", "the largest number of corners; the analytic model takes 10 here", [*ENGINE, *polygon(32)], ENGINE, ("gripper",)),
+        row("… of 32 corners", "the largest number of corners", [*ENGINE, *polygon(32)], ENGINE, ("gripper",)),
     ]),
     ("Check", "a run with `--no-check`", [
         row("`--check`, analytic model", "an error estimate, and whether the outcome is chaotic", ["--check"]),

@@ -2,7 +2,7 @@
 
 use phalanx::analytic::{ContactState, FingerMode, Model, QUADRATURES};
 use phalanx::integrator::{
-    Counters, End, Method as Stepper, Observer, Options, RadauOrRodas, Reason, Rodas5p, State, Step, StepTools,
+    Counters, End, Fixed, Method as Stepper, Observer, Options, RadauOrRodas, Reason, Rodas5p, State, Step, StepTools,
     Tolerances, integrate,
 };
 use phalanx::scene::{Integrator, Method, Preset};
@@ -10,6 +10,9 @@ use phalanx::scene::{Integrator, Method, Preset};
 use super::BenchSolver;
 use super::problem::Problem;
 use super::trajectory::{Cost, EndState, GRID_S, Trajectory};
+
+/// Layout of a finger.
+pub type FingerLayout = Fixed<2, QUADRATURES>;
 
 /// Step limit: thirty times the number of steps at the tightest tolerance of the benchmarks.
 const MAX_STEPS: u64 = 1_000_000;
@@ -44,25 +47,25 @@ impl PhalanxSolver {
         Self { preset: Some(name), ..solver }
     }
 
-    fn integrate<O: Observer<2, QUADRATURES, FingerMode>>(
+    fn integrate<O: Observer<FingerLayout, FingerMode>>(
         &self,
         problem: &Problem,
         observer: &mut O,
-    ) -> End<2, QUADRATURES> {
+    ) -> End<FingerLayout> {
         match self.method {
-            Method::Rodas5p => self.integrate_with::<Rodas5p<2, QUADRATURES>, O>(problem, observer),
-            Method::RadauIIa5 => self.integrate_with::<RadauOrRodas<2, QUADRATURES>, O>(problem, observer),
+            Method::Rodas5p => self.integrate_with::<Rodas5p<FingerLayout>, O>(problem, observer),
+            Method::RadauIIa5 => self.integrate_with::<RadauOrRodas<FingerLayout>, O>(problem, observer),
         }
     }
 
-    fn integrate_with<K, O>(&self, problem: &Problem, observer: &mut O) -> End<2, QUADRATURES>
+    fn integrate_with<K, O>(&self, problem: &Problem, observer: &mut O) -> End<FingerLayout>
     where
-        K: Stepper<2, QUADRATURES>,
-        O: Observer<2, QUADRATURES, FingerMode>,
+        K: Stepper<FingerLayout>,
+        O: Observer<FingerLayout, FingerMode>,
     {
         let options = Options { tolerances: self.tolerances, max_steps: MAX_STEPS };
         let Problem { model, start, .. } = problem;
-        integrate::<2, QUADRATURES, Model, K, O>(model, &options, 0.0, *start, problem.duration_s(), observer)
+        integrate::<Model, K, O>(model, &options, 0.0, start.clone(), problem.duration_s(), observer)
     }
 }
 
@@ -122,8 +125,8 @@ struct TrajectoryRecorder {
     first_contact_s: [Option<f64>; 2],
 }
 
-impl Observer<2, QUADRATURES, FingerMode> for TrajectoryRecorder {
-    fn step(&mut self, step: &Step<2, QUADRATURES>, _: &FingerMode, tools: &mut dyn StepTools<2, QUADRATURES>) -> bool {
+impl Observer<FingerLayout, FingerMode> for TrajectoryRecorder {
+    fn step(&mut self, step: &Step<FingerLayout>, _: &FingerMode, tools: &mut dyn StepTools<FingerLayout>) -> bool {
         loop {
             let t = self.grid.len() as f64 * GRID_S;
             if t > step.t1 + 1e-15 {
@@ -133,7 +136,7 @@ impl Observer<2, QUADRATURES, FingerMode> for TrajectoryRecorder {
         }
     }
 
-    fn event(&mut self, t: f64, _: &State<2, QUADRATURES>, contact: usize, mode: &FingerMode) {
+    fn event(&mut self, t: f64, _: &State<FingerLayout>, contact: usize, mode: &FingerMode) {
         if contact < 2 && mode[contact] == ContactState::Active {
             self.first_contact_s[contact].get_or_insert(t);
         }

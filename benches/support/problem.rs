@@ -1,7 +1,7 @@
 //! A closing: a scene with its model and initial state.
 
 use phalanx::analytic::{Model, QUADRATURES};
-use phalanx::integrator::State;
+use phalanx::integrator::{Fixed, State};
 use phalanx::scene::{Profile, Scene, parse};
 
 /// Size of the ensemble.
@@ -16,7 +16,7 @@ pub const TORQUE_STEP: f64 = 1e-9;
 pub struct Problem {
     pub scene: Scene,
     pub model: Model,
-    pub start: State<2, QUADRATURES>,
+    pub start: State<Fixed<2, QUADRATURES>>,
 }
 
 impl Problem {

@@ -9,7 +9,7 @@ use crate::support::runs::{
 };
 use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Model, QUADRATURES};
 use phalanx::gripper::FingerContact;
-use phalanx::integrator::{self, Radau5, RadauOrRodas, Rodas5p, State, integrate};
+use phalanx::integrator::{self, Fixed, Radau5, RadauOrRodas, Rodas5p, State, integrate};
 use phalanx::law::{Bristle, ContactLaw, bristle_force, elastic_energy};
 use phalanx::scene::{
     self, FingerContactLaws, Integrator, Interpolation, Method, Placement, Profile, Scene, Spring, SpringKind,
@@ -207,7 +207,8 @@ fn torque_jumps_do_not_reduce_accuracy() {
     }
 }
 
-type SwingState = State<2, QUADRATURES>;
+type Layout = Fixed<2, QUADRATURES>;
+type SwingState = State<Layout>;
 
 /// Swings without joint limit and object: spring, constant torque and gravity are conservative. With their starts and
 /// durations.
@@ -231,17 +232,17 @@ fn conservative_swings() -> Vec<(Scene, SwingState, f64)> {
 /// A conservative swing that continues with reversed rates returns to its initial state.
 #[test]
 fn both_methods_are_time_reversible() {
-    fn check<K: integrator::Method<2, QUADRATURES>>(name: &str) {
+    fn check<K: integrator::Method<Layout>>(name: &str) {
         for (scene, start, span) in conservative_swings() {
             let model = Model::new(&scene.hand);
             let swing = |start: SwingState| {
                 let options = options(&reference_settings());
-                let end = integrate::<2, QUADRATURES, _, K, _>(&model, &options, 0.0, start, span, &mut ());
+                let end = integrate::<_, K, _>(&model, &options, 0.0, start, span, &mut ());
                 assert!(end.result.is_ok(), "{name}: {:?}", end.result);
                 end.state
             };
             let largest = |f: &dyn Fn(usize) -> f64| f(0).abs().max(f(1).abs());
-            let there = swing(start);
+            let there = swing(start.clone());
             assert!(largest(&|i| there.q[i] - start.q[i]) > 0.1, "{name}: hardly moved");
             let back = swing(State { v: there.v.map(|v| -v), ..there });
             // Over milliseconds, errors of rates are a thousand times those of angles.
@@ -249,8 +250,8 @@ fn both_methods_are_time_reversible() {
             assert_below(1e-3 * largest(&|i| back.v[i] + start.v[i]), 1e-10, name);
         }
     }
-    check::<Radau5<2, QUADRATURES>>("Radau IIA");
-    check::<Rodas5p<2, QUADRATURES>>("Rodas5P");
+    check::<Radau5<Layout>>("Radau IIA");
+    check::<Rodas5p<Layout>>("Rodas5P");
 }
 
 fn run_with_rtol(name: &str, rtol: f64) -> (Scene, CollectSink) {
@@ -387,7 +388,7 @@ struct EndContact {
 /// Runs a finger up to `time_s` and returns the contacts of both phalanges.
 fn contacts_at(scene: &Scene, time_s: f64) -> [EndContact; 2] {
     let (model, start) = (BristleModel::new(&scene.hand), BristleModel::start(&scene.hand));
-    let end = integrate::<4, QUADRATURES, _, RadauOrRodas<4, QUADRATURES>, _>(
+    let end = integrate::<_, RadauOrRodas<Fixed<4, QUADRATURES>>, _>(
         &model,
         &options(&reference_settings()),
         0.0,

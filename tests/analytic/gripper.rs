@@ -4,7 +4,7 @@
 use phalanx::analytic::multibody::{CONTACTS, GraspMode, Multibody, QUADRATURES};
 use phalanx::analytic::{ContactReading, ContactState};
 use phalanx::integrator::{
-    End, Method, Observer, RadauOrRodas, Rates, Rodas5p, State, Step, StepTools, System as Equations, integrate,
+    End, Fixed, Method, Observer, RadauOrRodas, Rates, Rodas5p, State, Step, StepTools, System as Equations, integrate,
 };
 use phalanx::scene::{HandContact, Integrator, Object, ObjectMotion, Scene, Side};
 use phalanx::shape::{PlacedShape, max_radius};
@@ -24,7 +24,8 @@ const STICTION: usize = 16;
 /// Contacts with a reference impulse, in the order of the reference cases.
 const REFERENCE_CONTACTS: [usize; 6] = [0, 1, 3, 4, 6, 7];
 
-type GripperState<const N: usize> = State<N, QUADRATURES>;
+type Layout<const N: usize> = Fixed<N, QUADRATURES>;
+type GripperState<const N: usize> = State<Layout<N>>;
 
 /// Records the states at given times, and of every event the time, the contact, and whether the contact has a force
 /// afterwards.
@@ -34,11 +35,11 @@ struct StateRecorder<const N: usize> {
     events: Vec<(f64, usize, bool)>,
 }
 
-impl<const N: usize> Observer<N, QUADRATURES, GraspMode> for StateRecorder<N> {
-    fn step(&mut self, step: &Step<N, QUADRATURES>, _: &GraspMode, tools: &mut dyn StepTools<N, QUADRATURES>) -> bool {
+impl<const N: usize> Observer<Layout<N>, GraspMode> for StateRecorder<N> {
+    fn step(&mut self, step: &Step<Layout<N>>, _: &GraspMode, tools: &mut dyn StepTools<Layout<N>>) -> bool {
         while let Some(time) = self.times_s.get(self.states.len()).filter(|time| **time <= step.t1 + 1e-15) {
             let is_inside = *time < step.t1;
-            self.states.push(if is_inside { tools.resolve((time - step.t0) / step.h) } else { *step.end });
+            self.states.push(if is_inside { tools.resolve((time - step.t0) / step.h) } else { step.end.clone() });
         }
         true
     }
@@ -49,34 +50,34 @@ impl<const N: usize> Observer<N, QUADRATURES, GraspMode> for StateRecorder<N> {
 }
 
 /// Integrates a gripper from its start to the end of its scene.
-fn integrate_scene<const N: usize, K: Method<N, QUADRATURES>>(
+fn integrate_scene<const N: usize, K: Method<Layout<N>>>(
     scene: &Scene,
     settings: &Integrator,
-    observer: &mut impl Observer<N, QUADRATURES, GraspMode>,
-) -> End<N, QUADRATURES> {
+    observer: &mut impl Observer<Layout<N>, GraspMode>,
+) -> End<Layout<N>> {
     let model = Multibody::<N>::new(&scene.hand);
     let (start, duration_s) = (model.start(&scene.hand), scene.duration_s);
-    let end = integrate::<N, QUADRATURES, _, K, _>(&model, &options(settings), 0.0, start, duration_s, observer);
+    let end = integrate::<_, K, _>(&model, &options(settings), 0.0, start, duration_s, observer);
     assert!(end.result.is_ok(), "{}: {:?}", scene.name, end.result);
     end
 }
 
-fn run_recorded<const N: usize, K: Method<N, QUADRATURES>>(
+fn run_recorded<const N: usize, K: Method<Layout<N>>>(
     case: &ReferenceCase,
     settings: Integrator,
-) -> (StateRecorder<N>, End<N, QUADRATURES>) {
+) -> (StateRecorder<N>, End<Layout<N>>) {
     let times_s = case.states.iter().map(|state| state.time_s).collect();
     let mut recorder = StateRecorder { times_s, states: Vec::new(), events: Vec::new() };
     let end = integrate_scene::<N, K>(&case.scene, &settings, &mut recorder);
     (recorder, end)
 }
 
-fn run_reference<const N: usize>(case: &ReferenceCase) -> (StateRecorder<N>, End<N, QUADRATURES>) {
-    run_recorded::<N, RadauOrRodas<N, QUADRATURES>>(case, reference_settings())
+fn run_reference<const N: usize>(case: &ReferenceCase) -> (StateRecorder<N>, End<Layout<N>>) {
+    run_recorded::<N, RadauOrRodas<Layout<N>>>(case, reference_settings())
 }
 
-fn run_engineering<const N: usize>(case: &ReferenceCase) -> (StateRecorder<N>, End<N, QUADRATURES>) {
-    run_recorded::<N, Rodas5p<N, QUADRATURES>>(case, engineering_settings())
+fn run_engineering<const N: usize>(case: &ReferenceCase) -> (StateRecorder<N>, End<Layout<N>>) {
+    run_recorded::<N, Rodas5p<Layout<N>>>(case, engineering_settings())
 }
 
 /// Largest difference between the found states and the reference states: angles in rad, positions in object radii.
@@ -95,7 +96,7 @@ fn max_error<const N: usize>(case: &ReferenceCase, actual: &[GripperState<N>]) -
 fn assert_agrees_with_program<const N: usize>(
     case: &ReferenceCase,
     engineering_bound: f64,
-) -> (StateRecorder<N>, End<N, QUADRATURES>) {
+) -> (StateRecorder<N>, End<Layout<N>>) {
     let name = &case.name;
     let (samples, end) = run_reference::<N>(case);
     assert_below(max_error(case, &samples.states), 2e-9, name);
@@ -197,7 +198,7 @@ fn with_fixed_object(mut scene: Scene) -> Scene {
 
 /// Final coordinates of a run with the reference preset.
 fn end_coordinates<const N: usize>(scene: &Scene) -> [f64; N] {
-    integrate_scene::<N, RadauOrRodas<N, QUADRATURES>>(scene, &reference_settings(), &mut ()).state.q
+    integrate_scene::<N, RadauOrRodas<Layout<N>>>(scene, &reference_settings(), &mut ()).state.q
 }
 
 /// With a fixed object, each finger moves as in a scene of one finger; the left finger as its mirror image.
@@ -295,18 +296,18 @@ struct MomentumBalance<'a> {
     largest_force: f64,
 }
 
-impl Observer<AT_REST, QUADRATURES, GraspMode> for MomentumBalance<'_> {
+impl Observer<Layout<AT_REST>, GraspMode> for MomentumBalance<'_> {
     fn step(
         &mut self,
-        step: &Step<AT_REST, QUADRATURES>,
+        step: &Step<Layout<AT_REST>>,
         mode: &GraspMode,
-        tools: &mut dyn StepTools<AT_REST, QUADRATURES>,
+        tools: &mut dyn StepTools<Layout<AT_REST>>,
     ) -> bool {
         let middle = tools.resolve(0.5);
-        for (node, state, weight) in [(0.0, *step.start, 1.0), (0.5, middle, 4.0), (1.0, *step.end, 1.0)] {
-            let (force, force_sum) = contact_wrench(self.model, &state, mode);
-            let rates: Rates<AT_REST, QUADRATURES> =
-                self.model.rates(step.t0 + node * step.h, &state.q, &state.v, mode);
+        for (node, state, weight) in [(0.0, step.start, 1.0), (0.5, &middle, 4.0), (1.0, step.end, 1.0)] {
+            let (force, force_sum) = contact_wrench(self.model, state, mode);
+            let mut rates = Rates::zero(Fixed);
+            self.model.rates(step.t0 + node * step.h, &state.q, &state.v, mode, &mut rates);
             self.impulse_scale += weight / 6.0 * step.h * force_sum;
             self.largest_force = self.largest_force.max(force_sum);
             for i in 0..3 {
@@ -336,7 +337,7 @@ fn momentum_of_the_object_balances() {
         let mut balance =
             MomentumBalance { model: &model, inertia, weight, transferred, impulse_scale, error, largest_force };
         let settings = reference_settings();
-        let end = integrate_scene::<AT_REST, RadauOrRodas<AT_REST, QUADRATURES>>(scene, &settings, &mut balance);
+        let end = integrate_scene::<AT_REST, RadauOrRodas<Layout<AT_REST>>>(scene, &settings, &mut balance);
         let before: GripperState<AT_REST> = model.start(&scene.hand);
         // Instantaneous balance, to rounding.
         assert_below(balance.error, 1e-12 * balance.largest_force, name);

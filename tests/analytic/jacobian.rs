@@ -1,12 +1,10 @@
 //! Jacobians of the equations of motion against extrapolated central differences of their right-hand sides: of a finger
 //! on every branch of every law, with bristles, of grippers, and of hands beyond scene files.
 
-use phalanx::analytic::multibody::{
-    CONTACTS, GraspMode, MAX_GRASP_COORDINATES, Multibody, QUADRATURES as GRIPPER_QUADRATURES,
-};
+use phalanx::analytic::multibody::{CONTACTS, GraspMode, MAX_GRASP_COORDINATES, Multibody};
 use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Model, QUADRATURES};
 use phalanx::gripper::{self, FingerContact};
-use phalanx::integrator::{Linearised, Rates, State, System};
+use phalanx::integrator::{Fixed, Layout, Linearised, Rates, State, System, VectorOf};
 use phalanx::law::unclamped_normal_force;
 use phalanx::scene::{Axis, Interpolation, Move, Placement, Profile, Scene, Spring, SpringKind};
 
@@ -51,29 +49,32 @@ pub(super) struct Entry {
 }
 
 /// Equations of motion in one state.
-pub(super) struct Equations<'a, S: System<N, Z>, const N: usize, const Z: usize> {
+pub(super) struct Equations<'a, S: System> {
     pub hand: &'a S,
     pub mode: S::Mode,
     pub t: f64,
-    pub q: [f64; N],
-    pub v: [f64; N],
+    pub q: VectorOf<S::Layout>,
+    pub v: VectorOf<S::Layout>,
 }
 
-impl<S: System<N, Z>, const N: usize, const Z: usize> Equations<'_, S, N, Z> {
-    fn linearise(&self) -> Linearised<N, Z> {
-        self.hand.linearise(self.t, &self.q, &self.v, &self.mode)
+impl<S: System> Equations<'_, S> {
+    fn linearise(&self) -> Linearised<S::Layout> {
+        let mut linearised = Linearised::zero(self.hand.layout());
+        self.hand.linearise(self.t, &self.q, &self.v, &self.mode, &mut linearised);
+        linearised
     }
 
     /// Accelerations and integrands of the quadratures, with a variable changed.
     fn outputs(&self, variable: Variable, by: f64) -> Vec<f64> {
-        let (mut t, mut q, mut v) = (self.t, self.q, self.v);
+        let (mut t, mut q, mut v) = (self.t, self.q.clone(), self.v.clone());
         match variable {
             Variable::Time => t += by,
             Variable::Coordinate(i) => q[i] += by,
             Variable::Rate(i) => v[i] += by,
         }
-        let Rates { a, g } = self.hand.rates(t, &q, &v, &self.mode);
-        a.into_iter().chain(g).collect()
+        let mut rates = Rates::zero(self.hand.layout());
+        self.hand.rates(t, &q, &v, &self.mode, &mut rates);
+        [rates.a.as_ref(), rates.g.as_ref()].concat()
     }
 
     /// Derivatives of all outputs from central differences with steps h, h/2, …, extrapolated to order 2 × `levels`.
@@ -99,12 +100,13 @@ impl<S: System<N, Z>, const N: usize, const Z: usize> Equations<'_, S, N, Z> {
     pub fn check(&self, name: &str, levels: u32, h: impl Fn(Variable) -> f64, allowed: impl Fn(&Entry) -> f64) {
         let exact = self.linearise();
         let values = self.outputs(Variable::Time, 0.0);
-        let variables = (0..N).flat_map(|i| [Variable::Coordinate(i), Variable::Rate(i)]).chain([Variable::Time]);
+        let count = self.hand.layout().coordinates();
+        let variables = (0..count).flat_map(|i| [Variable::Coordinate(i), Variable::Rate(i)]).chain([Variable::Time]);
         for (variable, h) in variables.map(|variable| (variable, h(variable))).filter(|(_, h)| *h > 0.0) {
             for (i, difference) in self.difference_quotients(variable, h, levels).into_iter().enumerate() {
-                let (by_t, by_q, by_v) = match i.checked_sub(N) {
-                    None => (exact.a_t[i], exact.a_q[i], exact.a_v[i]),
-                    Some(i) => (exact.g_t[i], exact.g_q[i], exact.g_v[i]),
+                let (by_t, by_q, by_v) = match i.checked_sub(count) {
+                    None => (exact.a_t[i], &exact.a_q[i], &exact.a_v[i]),
+                    Some(i) => (exact.g_t[i], &exact.g_q[i], &exact.g_v[i]),
                 };
                 let largest = |row: &[f64]| row.iter().fold(0.0f64, |largest, entry| largest.max(entry.abs()));
                 let exact = match variable {
@@ -112,7 +114,7 @@ impl<S: System<N, Z>, const N: usize, const Z: usize> Equations<'_, S, N, Z> {
                     Variable::Coordinate(j) => by_q[j],
                     Variable::Rate(j) => by_v[j],
                 };
-                let largest = [largest(&[by_t]), largest(&by_q), largest(&by_v)];
+                let largest = [largest(&[by_t]), largest(by_q), largest(by_v)];
                 let (value, kind) = (values[i], variable.kind());
                 let allowed = allowed(&Entry { value, kind, largest, row_size: largest[kind], h });
                 assert!(
@@ -141,7 +143,7 @@ struct Case {
 fn check_case(case: &Case) {
     let Case { name, scene, mode, t, q, v, steps } = case;
     let model = Model::new(&scene.hand);
-    let equations = Equations::<_, 2, QUADRATURES> { hand: &model, mode: *mode, t: *t, q: *q, v: *v };
+    let equations = Equations { hand: &model, mode: *mode, t: *t, q: *q, v: *v };
     let allowed = |entry: &Entry| 1e-6 * (entry.row_size + 1e-7 * entry.value.abs() / entry.h + 1e-9);
     equations.check(name, 4, |variable| steps[variable.kind()], allowed);
     // The right-hand side is the same with and without derivatives.
@@ -315,7 +317,8 @@ fn time_dependent_torque_profiles() {
     let Case { scene, mode, t, q, v, .. } = free_swing(experiment_95_with(|scene| {
         scene.finger_mut().motor.actuation = table(Interpolation::Linear);
     }));
-    let exact = Model::new(&scene.hand).linearise(t, &q, &v, &mode);
+    let mut exact = Linearised::zero(Fixed);
+    Model::new(&scene.hand).linearise(t, &q, &v, &mode, &mut exact);
     assert!(exact.a_t[0].abs() > 1e5 && (exact.g_t[4] - 200.0 * v[0]).abs() < 1e-9, "{exact:?}");
 }
 
@@ -336,7 +339,7 @@ fn bristles_of_a_finger() {
         let h = |variable: Variable| [0.0, 1e-8, 1e-6][variable.kind()];
         let allowed = |entry: &Entry| 1e-5 * entry.row_size + 1e-9 * (entry.value.abs() + 1.0) / entry.h;
         equations.check(&format!("{bristle_states:?}"), 1, h, allowed);
-        let exact: Linearised<4, QUADRATURES> = equations.linearise();
+        let exact: Linearised<Fixed<4, QUADRATURES>> = equations.linearise();
         slipping += [2, 3].into_iter().filter(|state| exact.a_v[*state][*state] < -999.0).count();
         // The coordinate that belongs to a bristle state has no effect.
         assert!((0..4).all(|i| exact.a_q[i][2] == 0.0 && exact.a_q[i][3] == 0.0));
@@ -365,8 +368,7 @@ fn grippers_at_rest() {
             Variable::Coordinate(_) => 1e-5,
             Variable::Rate(_) => 2e-3,
         };
-        let equations =
-            Equations::<_, 7, GRIPPER_QUADRATURES> { hand: &model, mode: [Active; CONTACTS].into(), t: 1e-3, q, v };
+        let equations = Equations { hand: &model, mode: [Active; CONTACTS].into(), t: 1e-3, q, v };
         equations.check(letter, 2, h, |entry| 1e-6 * entry.row_size);
     }
 }
@@ -384,7 +386,7 @@ fn a_gripper_on_a_moving_palm() {
     assert!(x != 0.0);
     let v = [4e-3, -7.0, -6e-3, 5.0, 0.3, 0.2, 4.0, 1.0];
     let model = Multibody::<8>::new(&hand);
-    let equations = Equations::<_, 8, GRIPPER_QUADRATURES> { hand: &model, mode: [Active; CONTACTS].into(), t, q, v };
+    let equations = Equations { hand: &model, mode: [Active; CONTACTS].into(), t, q, v };
     assert!(equations.outputs(Variable::Time, 0.0)[8 + 7] > 0.0, "the table is in contact");
     let h = |variable| match variable {
         Variable::Coordinate(4 | 5) => 4e-7,
@@ -443,6 +445,6 @@ fn check_hand(name: &str, scene: &Scene) {
         let noise = 2e-15 * entry.value.abs().max(entry.row_size) / entry.h;
         2e-5 * entry.row_size + 30.0 * noise
     };
-    let equations = Equations::<_, MAX_GRASP_COORDINATES, GRIPPER_QUADRATURES> { hand: &model, mode, t, q, v };
+    let equations = Equations { hand: &model, mode, t, q, v };
     equations.check(name, 2, |variable| [0.0, 2e-11, rate_step][variable.kind()], allowed);
 }

@@ -28,3 +28,4 @@ mod prescribed;
 mod shipped_gradients;
 mod simulation;
 mod singularity;
+mod sizes;

@@ -1,15 +1,16 @@
 //! The analytic model of mechanisms: reference solutions, Jacobians, the five-bar as a mechanism against its
 //! closed-form kernel, and random mechanisms.
 
-use phalanx::analytic::mechanism::{MechanismMode, MechanismModel, MechanismSize};
+use phalanx::analytic::mechanism::{MechanismMode, MechanismModel};
 use phalanx::analytic::{ContactState, Energies, FingerMode, Model as FingerKernel, QUADRATURES};
 use phalanx::drive::{Brake, Interpolation, Profile};
 use phalanx::gripper::{Finger, FingerContact, Posture, close_loop};
 use phalanx::integrator::{
-    Hybrid, Linearised, Method, Observer, Options, Radau5, RadauOrRodas, State, Step, StepTools, System, Tolerances,
-    integrate_by,
+    Dynamic, Fixed, Hybrid, Linearised, Method, Observer, Options, Radau5, RadauOrRodas, Rates, State, Step, StepTools,
+    System, Tolerances, integrate_by,
 };
 use phalanx::law::Bristle;
+use phalanx::mechanism::structure::{Group, Placement, find_groups};
 use phalanx::mechanism::{
     self, ContactPair, ForcePoint, JointCombination, Mechanism, OutlineId, PathElement, PrescribedMotion, Tendon,
     TendonActuator, assemble,
@@ -22,13 +23,6 @@ use crate::support::random::Random;
 use crate::support::random_mechanisms::random_mechanism;
 use crate::support::runs::experiment_95;
 
-const N: usize = 8;
-const K: usize = 4;
-const C: usize = 32;
-const Z: usize = C + 2;
-
-type Model = MechanismModel<N, K, C>;
-
 /// Largest differences from a reference solution along all its samples, and the touch-downs.
 #[derive(Debug, Default)]
 struct Difference {
@@ -38,9 +32,15 @@ struct Difference {
     touches_s: Vec<f64>,
 }
 
+/// Work of contacts and of drives since the start.
+fn work(model: &MechanismModel, state: &State<Dynamic>) -> f64 {
+    let contacts = model.contact_count();
+    state.z[contacts] + state.z[contacts + 1]
+}
+
 /// Compares every step of a run with a reference solution.
 struct Comparison<'a> {
-    model: &'a Model,
+    model: &'a MechanismModel,
     case: &'a MechanismCase,
     next: usize,
     balance_j: Option<f64>,
@@ -48,7 +48,7 @@ struct Comparison<'a> {
 }
 
 impl Comparison<'_> {
-    fn compare(&mut self, state: &State<N, Z>, mode: &MechanismMode<C>) {
+    fn compare(&mut self, state: &State<Dynamic>, mode: &MechanismMode) {
         let sample = &self.case.samples[self.next];
         let (q, v) = (&state.q, &state.v);
         self.model.count_turns_as(mode);
@@ -58,39 +58,39 @@ impl Comparison<'_> {
             self.found.angle_rad = self.found.angle_rad.max((angle - pose[2]).abs());
         }
         let energies = self.model.energies((q, v));
-        let balance = energies.kinetic + energies.gravity + energies.spring - state.z[C] - state.z[C + 1];
+        let balance = energies.kinetic + energies.gravity + energies.spring - work(self.model, state);
         let start = *self.balance_j.get_or_insert(balance);
         self.found.energy_j = self.found.energy_j.max((balance - start).abs());
         self.next += 1;
     }
 }
 
-impl Observer<N, Z, MechanismMode<C>> for Comparison<'_> {
-    fn step(&mut self, step: &Step<N, Z>, mode: &MechanismMode<C>, tools: &mut dyn StepTools<N, Z>) -> bool {
+impl Observer<Dynamic, MechanismMode> for Comparison<'_> {
+    fn step(&mut self, step: &Step<Dynamic>, mode: &MechanismMode, tools: &mut dyn StepTools<Dynamic>) -> bool {
         while let Some(sample) = self.case.samples.get(self.next) {
             let theta = (sample.time_s - step.t0) / step.h;
             if theta > 1.0 + 1e-9 {
                 break;
             }
-            let state = if theta < 1.0 { tools.resolve(theta) } else { *step.end };
+            let state = if theta < 1.0 { tools.resolve(theta) } else { step.end.clone() };
             self.compare(&state, mode);
         }
         true
     }
 
-    fn event(&mut self, t: f64, _: &State<N, Z>, index: usize, mode: &MechanismMode<C>) {
+    fn event(&mut self, t: f64, _: &State<Dynamic>, index: usize, mode: &MechanismMode) {
         if mode[index].has_force() {
             self.found.touches_s.push(t);
         }
     }
 }
 
-fn compare(case: &MechanismCase, method: RadauOrRodas<N, Z>, tolerances: Tolerances) -> Difference {
-    let model = Model::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
+fn compare(case: &MechanismCase, method: fn(Dynamic) -> RadauOrRodas<Dynamic>, tolerances: Tolerances) -> Difference {
+    let model = MechanismModel::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
     let mut comparison = Comparison { model: &model, case, next: 0, balance_j: None, found: Difference::default() };
     let options = Options { tolerances, max_steps: 1_000_000 };
-    let start = model.start::<Z>();
-    let end = integrate_by::<N, Z, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut comparison);
+    let (method, start) = (method(model.sizes()), model.start());
+    let end = integrate_by(method, &model, &options, 0.0, start, case.duration_s, &mut comparison);
     end.result.unwrap_or_else(|failure| panic!("{}: {failure}", case.name));
     assert_eq!(comparison.next, case.samples.len(), "{}", case.name);
     comparison.found
@@ -104,7 +104,7 @@ fn first_touches(case: &MechanismCase) -> impl Iterator<Item = f64> + '_ {
 fn reference_solutions_are_met_at_reference_tolerances() {
     let tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rtol_v: 1e-11 };
     for case in all_cases() {
-        let found = compare(&case, Method::new(), tolerances);
+        let found = compare(&case, Method::new, tolerances);
         let name = &case.name;
         assert!(found.position_m < 1e-8 && found.angle_rad < 1e-7, "{name}: {found:?}");
         for touch in first_touches(&case) {
@@ -119,7 +119,7 @@ fn reference_solutions_are_met_at_reference_tolerances() {
 fn everyday_tolerances_are_accurate_to_1e_5() {
     let tolerances = Tolerances { atol_q: 3e-11, atol_v: 3e-7, rtol_v: 3e-7 };
     for case in all_cases() {
-        let found = compare(&case, RadauOrRodas::rodas(), tolerances);
+        let found = compare(&case, RadauOrRodas::rodas, tolerances);
         assert!(found.position_m < 1e-6 && found.angle_rad < 1e-5, "{}: {found:?}", case.name);
     }
 }
@@ -128,11 +128,11 @@ fn everyday_tolerances_are_accurate_to_1e_5() {
 #[test]
 fn andrews_squeezer_agrees_with_the_published_solution() {
     let case = mechanism_case("a_andrews");
-    let model = Model::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
+    let model = MechanismModel::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
     let tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rtol_v: 1e-12 };
     let options = Options { tolerances, max_steps: 1_000_000 };
-    let method: Radau5<N, Z> = Method::new();
-    let end = integrate_by::<N, Z, _, _, _>(method, &model, &options, 0.0, model.start::<Z>(), 0.03, &mut ());
+    let method = Radau5::new(model.sizes());
+    let end = integrate_by(method, &model, &options, 0.0, model.start(), 0.03, &mut ());
     let published = [
         ("beta", 15.81077119629904),
         ("theta", -15.75637105984298),
@@ -154,34 +154,31 @@ fn largest(values: &[f64]) -> f64 {
 }
 
 /// States of a run, for tests of single states.
-struct States<'a> {
-    model: &'a Model,
-    found: Vec<(f64, State<N, Z>, MechanismMode<C>)>,
-}
+#[derive(Default)]
+struct States(Vec<(f64, State<Dynamic>, MechanismMode)>);
 
-impl Observer<N, Z, MechanismMode<C>> for States<'_> {
-    fn step(&mut self, step: &Step<N, Z>, mode: &MechanismMode<C>, _: &mut dyn StepTools<N, Z>) -> bool {
-        self.found.push((step.t1, *step.end, *mode));
-        self.model.start::<Z>();
+impl Observer<Dynamic, MechanismMode> for States {
+    fn step(&mut self, step: &Step<Dynamic>, mode: &MechanismMode, _: &mut dyn StepTools<Dynamic>) -> bool {
+        self.0.push((step.t1, step.end.clone(), mode.clone()));
         true
     }
 
-    fn event(&mut self, _: f64, _: &State<N, Z>, _: usize, _: &MechanismMode<C>) {}
+    fn event(&mut self, _: f64, _: &State<Dynamic>, _: usize, _: &MechanismMode) {}
 }
 
 #[test]
 fn jacobians_match_differences_along_the_reference_cases() {
     let on_palm = ["c_f85_link_pad", "c_f85_two_disc", "d_tendon2", "b_swinging_slider"].map(on_a_moving_palm);
     for case in all_cases().into_iter().chain([with_all_components()]).chain(on_palm) {
-        let model = Model::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
-        let mut states = States { model: &model, found: Vec::new() };
+        let model = MechanismModel::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
+        let mut states = States::default();
         let options =
             Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 1_000_000 };
-        let (method, start) = (RadauOrRodas::rodas(), model.start::<Z>());
-        let end = integrate_by::<N, Z, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut states);
+        let (method, start) = (RadauOrRodas::rodas(model.sizes()), model.start());
+        let end = integrate_by(method, &model, &options, 0.0, start, case.duration_s, &mut states);
         end.result.unwrap_or_else(|failure| panic!("{}: {failure}", case.name));
-        let stride = states.found.len().div_ceil(40);
-        for (t, state, mode) in states.found.into_iter().step_by(stride) {
+        let stride = states.0.len().div_ceil(40);
+        for (t, state, mode) in states.0.into_iter().step_by(stride) {
             // Penetrations limit the differences of positions, slips those of rates.
             let active = (0..model.contact_count()).filter(|index| mode[*index].has_force());
             let depths = active.map(|index| model.contact_reading((&state.q, &state.v), index, mode[index]).delta);
@@ -189,12 +186,12 @@ fn jacobians_match_differences_along_the_reference_cases() {
             if depth < 1e-8 {
                 continue;
             }
-            let next = <Model as Hybrid<N, Z>>::next_discontinuity(&model, t - 2e-5);
+            let next = model.next_discontinuity(t - 2e-5);
             let time_step = if next < t + 2e-5 { 0.0 } else { 1e-5 };
             // The friction law changes over 1e-2 m/s.
             let rate_step = if depth < 1e-2 { 2e-5 } else { 1e-3 * (1.0 + largest(&state.v)) };
             let steps = [time_step, 0.02 * depth, rate_step];
-            let equations = Equations::<_, N, Z> { hand: &model, mode, t, q: state.q, v: state.v };
+            let equations = Equations { hand: &model, mode, t, q: state.q.clone(), v: state.v.clone() };
             let allowed = |entry: &Entry| {
                 2e-5 * (entry.row_size + 1e-6 * entry.value.abs() / entry.h) + 1e-7 * entry.largest[1] * entry.h + 1e-7
             };
@@ -208,6 +205,13 @@ fn jacobians_match_differences_along_the_reference_cases() {
     }
 }
 
+/// Number of coordinates of the largest group of connected bodies.
+fn largest_group(mechanism: &Mechanism) -> usize {
+    let groups = find_groups(mechanism).expect("dyads");
+    let is_free = |group: &Group| matches!(group.placements[..], [Placement::Free { .. }]);
+    groups.iter().filter(|group| !is_free(group)).map(|group| group.coordinates.len()).max().unwrap_or(0)
+}
+
 #[test]
 fn sizes_and_structure_of_the_reference_cases() {
     let sizes = [
@@ -219,8 +223,10 @@ fn sizes_and_structure_of_the_reference_cases() {
         ("c_f85_two_disc", 8, 2),
     ];
     for (name, coordinates, group) in sizes {
-        let size = MechanismSize::new(&mechanism_case(name).mechanism).expect("dyads");
-        assert_eq!((size.coordinates, size.group), (coordinates, group), "{name}");
+        let case = mechanism_case(name);
+        let model = MechanismModel::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
+        let found = (model.sizes().coordinates, largest_group(&case.mechanism));
+        assert_eq!(found, (coordinates, group), "{name}");
     }
 }
 
@@ -231,7 +237,8 @@ fn loops_beyond_dyads_are_refused_by_name() {
     let mut brace = case.mechanism.joints[0].clone();
     (brace.name, brace.bodies) = ("brace".to_string(), [None, Some(1)]);
     case.mechanism.joints.push(brace);
-    let error = MechanismSize::new(&case.mechanism).unwrap_err().to_string();
+    let start = (&case.start.poses[..], &case.start.rates[..]);
+    let error = MechanismModel::new(&case.mechanism, start).unwrap_err().to_string();
     assert!(error.contains("no row of dyads") || error.contains("can move"), "{error}");
 }
 
@@ -247,17 +254,19 @@ fn five_bar(scene: &Scene) -> Mechanism {
     mechanism
 }
 
+type FingerLayout = Fixed<2, QUADRATURES>;
+
 /// Observer of the kernel of one finger.
 #[derive(Default)]
-struct Closing(Vec<(f64, State<2, QUADRATURES>, FingerMode)>);
+struct Closing(Vec<(f64, State<FingerLayout>, FingerMode)>);
 
-impl Observer<2, QUADRATURES, FingerMode> for Closing {
-    fn step(&mut self, step: &Step<2, QUADRATURES>, mode: &FingerMode, _: &mut dyn StepTools<2, QUADRATURES>) -> bool {
-        self.0.push((step.t1, *step.end, *mode));
+impl Observer<FingerLayout, FingerMode> for Closing {
+    fn step(&mut self, step: &Step<FingerLayout>, mode: &FingerMode, _: &mut dyn StepTools<FingerLayout>) -> bool {
+        self.0.push((step.t1, step.end.clone(), *mode));
         true
     }
 
-    fn event(&mut self, _: f64, _: &State<2, QUADRATURES>, _: usize, _: &FingerMode) {}
+    fn event(&mut self, _: f64, _: &State<FingerLayout>, _: usize, _: &FingerMode) {}
 }
 
 /// Accelerations and joint forces of the five-bar as a mechanism equal those of its closed form, along closings of
@@ -297,15 +306,15 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
         designs += 1;
         let mechanism = five_bar(&scene);
         let assembled = assemble(&mechanism).expect("an assembled five-bar");
-        let model = Model::new(&mechanism, (&assembled.poses, &assembled.rates)).expect("dyads");
+        let model = MechanismModel::new(&mechanism, (&assembled.poses, &assembled.rates)).expect("dyads");
         let mut closing = Closing::default();
         let options =
             Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 100_000 };
-        let method: RadauOrRodas<2, QUADRATURES> = RadauOrRodas::rodas();
-        integrate_by::<2, QUADRATURES, _, _, _>(method, &kernel, &options, 0.0, start, 0.012, &mut closing);
+        let method: RadauOrRodas<FingerLayout> = RadauOrRodas::rodas(Fixed);
+        integrate_by(method, &kernel, &options, 0.0, start, 0.012, &mut closing);
         let mut size = 0.0f64;
         for (t, state, finger_mode) in closing.0.into_iter().step_by(7) {
-            let (mut q, mut v) = ([0.0; N], [0.0; N]);
+            let State { mut q, mut v, .. } = State::zero(model.sizes());
             q[..2].copy_from_slice(&state.q);
             v[..2].copy_from_slice(&state.v);
             let angle = |body: usize| model.body((&q, &v), body).0[2];
@@ -313,11 +322,13 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
             if (angle(1) - angle(3)).sin().abs() < 0.05 {
                 continue;
             }
-            let mut mode = <Model as Hybrid<N, Z>>::mode_at(&model, t, &q, &v);
+            let mut mode = model.mode_at(t, &q, &v);
             (0..3).for_each(|index| mode.contacts[index] = finger_mode[index]);
-            let found = <Model as System<N, Z>>::rates(&model, t, &q, &v, &mode);
-            let Linearised { rates: expected, a_q, a_v, .. } =
-                System::linearise(&kernel, t, &state.q, &state.v, &finger_mode);
+            let mut found = Rates::zero(model.sizes());
+            model.rates(t, &q, &v, &mode, &mut found);
+            let mut linearised = Linearised::zero(Fixed);
+            kernel.linearise(t, &state.q, &state.v, &finger_mode, &mut linearised);
+            let Linearised { rates: expected, a_q, a_v, .. } = linearised;
             size = size.max(largest(&expected.a));
             for (i, (found, expected)) in found.a.iter().zip(expected.a).enumerate() {
                 // A stiff damper multiplies the rounding errors of coordinates and rates.
@@ -334,44 +345,24 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
 /// End of a run of a random mechanism: coordinates, and the relative error of the energy balance. `Err` describes the
 /// singularity that the run met.
 fn run_random(mechanism: &Mechanism, rtol: f64) -> Result<(Vec<f64>, f64), String> {
-    let size = MechanismSize::new(mechanism).expect("dyads");
-    macro_rules! run_sized {
-        ($coordinates:literal, $group:literal, $contacts:literal) => {{
-            type Sized = MechanismModel<$coordinates, $group, $contacts>;
-            let start = assemble(mechanism).expect("an assembled mechanism");
-            let model = Sized::new(mechanism, (&start.poses, &start.rates)).expect("dyads");
-            let tolerances = Tolerances { atol_q: 1e-4 * rtol, atol_v: rtol, rtol_v: rtol };
-            let options = Options { tolerances, max_steps: 200_000 };
-            let start = model.start::<{ $contacts + 2 }>();
-            let method = RadauOrRodas::<$coordinates, { $contacts + 2 }>::rodas();
-            let before = model.energies((&start.q, &start.v));
-            let end = integrate_by::<$coordinates, { $contacts + 2 }, _, _, _>(
-                method,
-                &model,
-                &options,
-                0.0,
-                start,
-                0.02,
-                &mut (),
-            );
-            if let Err(failure) = end.result {
-                let text = failure.to_string();
-                assert!(text.contains("singular configuration: the joints"), "{text}");
-                return Err(text);
-            }
-            let after = model.energies((&end.state.q, &end.state.v));
-            let stored = |energies: &Energies| energies.kinetic + energies.gravity + energies.spring;
-            let [contact_work, drive_work] = [end.state.z[$contacts], end.state.z[$contacts + 1]];
-            let scale = before.kinetic + after.kinetic + drive_work.abs() + 1e-3;
-            let balance = stored(&after) - stored(&before) - contact_work - drive_work;
-            Ok((end.state.q.to_vec(), balance / scale))
-        }};
+    let start = assemble(mechanism).expect("an assembled mechanism");
+    let model = MechanismModel::new(mechanism, (&start.poses, &start.rates)).expect("dyads");
+    let tolerances = Tolerances { atol_q: 1e-4 * rtol, atol_v: rtol, rtol_v: rtol };
+    let options = Options { tolerances, max_steps: 200_000 };
+    let (method, start) = (RadauOrRodas::rodas(model.sizes()), model.start());
+    let before = model.energies((&start.q, &start.v));
+    let end = integrate_by(method, &model, &options, 0.0, start, 0.02, &mut ());
+    if let Err(failure) = end.result {
+        let text = failure.to_string();
+        assert!(text.contains("singular configuration: the joints"), "{text}");
+        return Err(text);
     }
-    if size.coordinates <= 8 && size.group <= 8 && size.contacts <= 8 {
-        run_sized!(8, 8, 8)
-    } else {
-        run_sized!(24, 12, 32)
-    }
+    let after = model.energies((&end.state.q, &end.state.v));
+    let stored = |energies: &Energies| energies.kinetic + energies.gravity + energies.spring;
+    let drive_work = end.state.z[model.contact_count() + 1];
+    let scale = before.kinetic + after.kinetic + drive_work.abs() + 1e-3;
+    let balance = stored(&after) - stored(&before) - work(&model, &end.state);
+    Ok((end.state.q, balance / scale))
 }
 
 #[test]
@@ -489,18 +480,17 @@ fn on_a_moving_palm(name: &str) -> MechanismCase {
 #[test]
 fn combinations_brakes_and_prescribed_bodies_keep_the_energy_balance() {
     let case = with_all_components();
-    let model = Model::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
-    let size = MechanismSize::new(&case.mechanism).expect("dyads");
-    assert_eq!((size.coordinates, size.group), (4 + 2 + 1 + 1, 4));
+    let model = MechanismModel::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
+    assert_eq!((model.sizes().coordinates, largest_group(&case.mechanism)), (4 + 2 + 1 + 1, 4));
     let tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-10, rtol_v: 1e-10 };
     let options = Options { tolerances, max_steps: 1_000_000 };
-    let (method, start) = (RadauOrRodas::<N, Z>::rodas(), model.start::<Z>());
-    let mut states = States { model: &model, found: Vec::new() };
-    let end = integrate_by::<N, Z, _, _, _>(method, &model, &options, 0.0, start, case.duration_s, &mut states);
+    let (method, start) = (RadauOrRodas::rodas(model.sizes()), model.start());
+    let mut states = States::default();
+    let end = integrate_by(method, &model, &options, 0.0, start.clone(), case.duration_s, &mut states);
     end.result.unwrap_or_else(|failure| panic!("{failure}"));
-    let stored = |state: &State<N, Z>| {
+    let stored = |state: &State<Dynamic>| {
         let energies = model.energies((&state.q, &state.v));
-        energies.kinetic + energies.gravity + energies.spring - state.z[C] - state.z[C + 1]
+        energies.kinetic + energies.gravity + energies.spring - work(&model, state)
     };
     let (first, last) = (stored(&start), stored(&end.state));
     assert!((last - first).abs() < 1e-8, "{first} {last}");

@@ -83,6 +83,7 @@ const SCENE: CrateLayers = CrateLayers {
 const INTEGRATOR: CrateLayers = CrateLayers {
     root: "crates/integrator/src",
     layers: &[
+        "layout",
         "clock",
         "linear",
         "state",

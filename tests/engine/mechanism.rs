@@ -536,12 +536,11 @@ fn balances_and_difference(ends: &[Option<Sample>; 2]) -> [f64; 3] {
 #[test]
 #[ignore = "tens of seconds"]
 fn random_variants_agree_in_both_models() {
-    const REFUSALS: [&str; 6] = [
+    const REFUSALS: [&str; 5] = [
         "singular configuration: the joints",
         "in or near a singular configuration",
         "lifts off",
         "no row of dyads",
-        "its largest group of connected bodies",
         "is redundant",
     ];
     let range = std::env::var("PHALANX_SEEDS").unwrap_or_else(|_| "10000..10500".to_string());

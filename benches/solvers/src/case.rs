@@ -3,26 +3,24 @@
 use std::cell::Cell;
 
 use phalanx::analytic::multibody::{CONTACTS, GraspMode, Multibody};
-use phalanx::analytic::{Mode, Model, QUADRATURES};
-use phalanx::integrator::{Hybrid, State};
+use phalanx::analytic::{FingerMode, Model};
+use phalanx::integrator::{Hybrid, Linearised, Rates, State, VectorOf};
 use phalanx::scene::{Integrator, Profile, Scene, parse_any};
 use phalanx::shape::max_radius;
 
 use crate::equations::{Equations, InitialValueProblem};
 use crate::support::problem::TORQUE_STEP;
 
-pub use phalanx::analytic::multibody::QUADRATURES as GRIPPER_QUADRATURES;
-
 /// Coordinates of a gripper with a free object, and with a moving palm and bristles as well.
 pub const GRIPPER: usize = 7;
 pub const CYCLE: usize = 16;
 
 /// A scene whose torques are multiplied by a factor near 1.
-pub struct Case<M, Mode, const N: usize, const Z: usize> {
+pub struct Case<M: Hybrid> {
     pub kernel: M,
-    pub start: State<N, Z>,
+    pub start: State<M::Layout>,
     /// The laws without events.
-    pub clamped: Mode,
+    pub clamped: M::Mode,
     pub duration_s: f64,
     /// Settings of an everyday run.
     pub everyday: Integrator,
@@ -50,12 +48,12 @@ fn scene(text: &str, member: usize) -> Scene {
     scene
 }
 
-pub fn finger(member: usize) -> Case<Model, Mode<3>, 2, QUADRATURES> {
+pub fn finger(member: usize) -> Case<Model> {
     let scene = scene(include_str!("../../../scenes/experiment-95.toml"), member);
     Case {
         kernel: Model::new(&scene.hand),
         start: Model::start(&scene.hand),
-        clamped: Mode::CLAMPED,
+        clamped: FingerMode::CLAMPED,
         duration_s: scene.duration_s,
         everyday: scene.integrator,
         coordinate_count: 2,
@@ -65,7 +63,7 @@ pub fn finger(member: usize) -> Case<Model, Mode<3>, 2, QUADRATURES> {
     }
 }
 
-type GripperCase<const N: usize> = Case<Multibody<N>, GraspMode, N, GRIPPER_QUADRATURES>;
+type GripperCase<const N: usize> = Case<Multibody<N>>;
 
 fn gripper_of<const N: usize>(scene: &Scene) -> GripperCase<N> {
     let kernel = Multibody::<N>::new(&scene.hand);
@@ -74,7 +72,7 @@ fn gripper_of<const N: usize>(scene: &Scene) -> GripperCase<N> {
     let object = scene.object().unwrap_or_else(|| panic!("the scene has no object"));
     Case {
         start: kernel.start(&scene.hand),
-        clamped: Mode::CLAMPED,
+        clamped: GraspMode::CLAMPED,
         duration_s: scene.duration_s,
         everyday: scene.integrator,
         coordinate_count: GRIPPER,
@@ -93,12 +91,12 @@ pub fn cycle(member: usize) -> GripperCase<CYCLE> {
     gripper_of(&scene(include_str!("../../../scenes/gripper/cycle.toml"), member))
 }
 
-impl<M: Hybrid<N, Z>, const N: usize, const Z: usize> CaseEquations<'_, M, N, Z> {
+impl<M: Hybrid> CaseEquations<'_, M> {
     /// The initial value problem of the published solvers.
     pub fn problem(&self) -> InitialValueProblem<'_, Self> {
         let Case { kernel, start, duration_s, coordinate_count, rates, .. } = self.case;
         let rates = rates.iter().map(|index| start.v[*index]);
-        let start = start.q[..*coordinate_count].iter().copied().chain(rates).collect();
+        let start = start.q.as_ref()[..*coordinate_count].iter().copied().chain(rates).collect();
         let mut stops = vec![kernel.next_discontinuity(0.0)];
         while stops[stops.len() - 1] < *duration_s {
             stops.push(kernel.next_discontinuity(stops[stops.len() - 1]));
@@ -110,24 +108,24 @@ impl<M: Hybrid<N, Z>, const N: usize, const Z: usize> CaseEquations<'_, M, N, Z>
 }
 
 /// The equations of a case with clamped laws; counts evaluations.
-pub struct CaseEquations<'a, M: Hybrid<N, Z>, const N: usize, const Z: usize> {
-    case: &'a Case<M, M::Mode, N, Z>,
+pub struct CaseEquations<'a, M: Hybrid> {
+    case: &'a Case<M>,
     latest_time: Cell<f64>,
     pub rhs: Cell<u64>,
     pub jacobians: Cell<u64>,
 }
 
-impl<'a, M: Hybrid<N, Z>, const N: usize, const Z: usize> CaseEquations<'a, M, N, Z> {
-    pub fn new(case: &'a Case<M, M::Mode, N, Z>) -> Self {
+impl<'a, M: Hybrid> CaseEquations<'a, M> {
+    pub fn new(case: &'a Case<M>) -> Self {
         Self { case, latest_time: Cell::new(f64::INFINITY), rhs: Cell::new(0), jacobians: Cell::new(0) }
     }
 
     /// Time, coordinates and rates of the kernel.
-    fn state(&self, t: f64, y: &[f64]) -> (f64, [f64; N], [f64; N]) {
+    fn state(&self, t: f64, y: &[f64]) -> (f64, VectorOf<M::Layout>, VectorOf<M::Layout>) {
         let Case { coordinate_count, rates, time, .. } = self.case;
         let t = t.min(self.latest_time.get());
-        let (mut q, mut v) = ([0.0; N], [0.0; N]);
-        q[..*coordinate_count].copy_from_slice(&y[..*coordinate_count]);
+        let State { mut q, mut v, .. } = State::<M::Layout>::zero(self.case.kernel.layout());
+        q.as_mut()[..*coordinate_count].copy_from_slice(&y[..*coordinate_count]);
         for (index, rate) in rates.iter().zip(&y[*coordinate_count..]) {
             v[*index] = *rate;
         }
@@ -136,7 +134,7 @@ impl<'a, M: Hybrid<N, Z>, const N: usize, const Z: usize> CaseEquations<'a, M, N
     }
 }
 
-impl<M: Hybrid<N, Z>, const N: usize, const Z: usize> Equations for CaseEquations<'_, M, N, Z> {
+impl<M: Hybrid> Equations for CaseEquations<'_, M> {
     fn coordinate_count(&self) -> usize {
         self.case.coordinate_count
     }
@@ -144,18 +142,20 @@ impl<M: Hybrid<N, Z>, const N: usize, const Z: usize> Equations for CaseEquation
     fn rates(&self, t: f64, y: &[f64], out: &mut [f64]) {
         self.rhs.set(self.rhs.get() + 1);
         let (t, q, v) = self.state(t, y);
-        let a = self.case.kernel.rates(t, &q, &v, &self.case.clamped).a;
+        let mut found = Rates::zero(self.case.kernel.layout());
+        self.case.kernel.rates(t, &q, &v, &self.case.clamped, &mut found);
         let (coordinates, rates) = out.split_at_mut(self.case.coordinate_count);
-        coordinates.copy_from_slice(&v[..coordinates.len()]);
+        coordinates.copy_from_slice(&v.as_ref()[..coordinates.len()]);
         for (rate, index) in rates.iter_mut().zip(&self.case.rates) {
-            *rate = a[*index];
+            *rate = found.a[*index];
         }
     }
 
     fn jacobian(&self, t: f64, y: &[f64], columns: &mut [f64]) {
         self.jacobians.set(self.jacobians.get() + 1);
         let (t, q, v) = self.state(t, y);
-        let derivatives = self.case.kernel.linearise(t, &q, &v, &self.case.clamped);
+        let mut derivatives = Linearised::zero(self.case.kernel.layout());
+        self.case.kernel.linearise(t, &q, &v, &self.case.clamped, &mut derivatives);
         let (size, count, rates) = (y.len(), self.case.coordinate_count, &self.case.rates);
         columns.fill(0.0);
         for (row, i) in rates.iter().enumerate() {

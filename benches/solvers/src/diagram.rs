@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use phalanx::integrator::{
-    Hybrid, Method as _, Observer, Options, RadauOrRodas, State, Step, StepTools, Tolerances, integrate_by,
+    Hybrid, Layout, Method as _, Observer, Options, RadauOrRodas, State, Step, StepTools, Tolerances, integrate_by,
 };
 use phalanx::scene::{Integrator, Method, Preset};
 use serde::Serialize;
@@ -116,38 +116,36 @@ impl Solver {
     }
 
     /// Integrates a case; `grid` receives the states.
-    fn run<M: Hybrid<N, Z>, const N: usize, const Z: usize>(
-        &self,
-        case: &Case<M, M::Mode, N, Z>,
-        grid: Option<&mut Grid>,
-    ) -> Result<Cost, String> {
+    fn run<M: Hybrid>(&self, case: &Case<M>, grid: Option<&mut Grid>) -> Result<Cost, String> {
         match self {
-            Self::Phalanx(method, tolerances, _) => run_phalanx::<M, N, Z>(case, *method, *tolerances, grid),
+            Self::Phalanx(method, tolerances, _) => run_phalanx(case, *method, *tolerances, grid),
             #[cfg(feature = "cvode")]
-            Self::Cvode(rtol) => run_published::<_, M, N, Z>(case, &crate::cvode::Cvode { rtol: *rtol }, grid),
+            Self::Cvode(rtol) => run_published(case, &crate::cvode::Cvode { rtol: *rtol }, grid),
             #[cfg(feature = "diffsol")]
-            Self::Diffsol(rtol) => run_published::<_, M, N, Z>(case, &crate::bdf::Bdf { rtol: *rtol }, grid),
+            Self::Diffsol(rtol) => run_published(case, &crate::bdf::Bdf { rtol: *rtol }, grid),
         }
     }
 }
 
-fn run_phalanx<M: Hybrid<N, Z>, const N: usize, const Z: usize>(
-    case: &Case<M, M::Mode, N, Z>,
+fn run_phalanx<M: Hybrid>(
+    case: &Case<M>,
     method: Method,
     tolerances: Tolerances,
     grid: Option<&mut Grid>,
 ) -> Result<Cost, String> {
+    let layout = case.kernel.layout();
     let method = match method {
-        Method::Rodas5p => RadauOrRodas::rodas(),
-        Method::RadauIIa5 => RadauOrRodas::new(),
+        Method::Rodas5p => RadauOrRodas::rodas(layout),
+        Method::RadauIIa5 => RadauOrRodas::new(layout),
     };
     let options = Options { tolerances, max_steps: MAX_STEPS as u64 };
     let Case { kernel, start, duration_s, coordinate_count, .. } = case;
+    let start = start.clone();
     let end = match grid {
-        None => integrate_by::<N, Z, _, _, _>(method, kernel, &options, 0.0, *start, *duration_s, &mut ()),
+        None => integrate_by(method, kernel, &options, 0.0, start, *duration_s, &mut ()),
         Some(grid) => {
             let mut recorder = Recorder { grid, count: *coordinate_count };
-            integrate_by::<N, Z, _, _, _>(method, kernel, &options, 0.0, *start, *duration_s, &mut recorder)
+            integrate_by(method, kernel, &options, 0.0, start, *duration_s, &mut recorder)
         }
     };
     let counters = end.counters;
@@ -156,12 +154,12 @@ fn run_phalanx<M: Hybrid<N, Z>, const N: usize, const Z: usize>(
     Ok(Cost { rhs, jacobians, steps, rejected })
 }
 
-fn run_published<G: GeneralSolver, M: Hybrid<N, Z>, const N: usize, const Z: usize>(
-    case: &Case<M, M::Mode, N, Z>,
+fn run_published<G: GeneralSolver, M: Hybrid>(
+    case: &Case<M>,
     solver: &G,
     grid: Option<&mut Grid>,
 ) -> Result<Cost, String> {
-    let equations = CaseEquations::<M, N, Z>::new(case);
+    let equations = CaseEquations::new(case);
     let problem = equations.problem();
     let steps = match grid {
         None => solver.solve(&problem, None),
@@ -189,19 +187,19 @@ struct Recorder<'a> {
     count: usize,
 }
 
-impl<const N: usize, const Z: usize, Mode> Observer<N, Z, Mode> for Recorder<'_> {
-    fn step(&mut self, step: &Step<N, Z>, _: &Mode, tools: &mut dyn StepTools<N, Z>) -> bool {
+impl<L: Layout, Mode> Observer<L, Mode> for Recorder<'_> {
+    fn step(&mut self, step: &Step<L>, _: &Mode, tools: &mut dyn StepTools<L>) -> bool {
         loop {
             let t = self.grid.len() as f64 * SPACING_S;
             if t > step.t1 + 1e-15 {
                 return true;
             }
             let State { q, .. } = tools.interpolate((t - step.t0) / step.h);
-            self.grid.push(q[..self.count].to_vec());
+            self.grid.push(q.as_ref()[..self.count].to_vec());
         }
     }
 
-    fn event(&mut self, _: f64, _: &State<N, Z>, _: usize, _: &Mode) {}
+    fn event(&mut self, _: f64, _: &State<L>, _: usize, _: &Mode) {}
 }
 
 /// Differences of two runs; infinite if one of them is shorter.
@@ -225,14 +223,10 @@ fn spread(errors: &[f64]) -> Spread {
 }
 
 /// Measures all solvers. `rounds` is the number of timed runs of each; all solvers run once per round.
-pub fn measure<M: Hybrid<N, Z>, const N: usize, const Z: usize>(
-    name: &str,
-    members: &[Case<M, M::Mode, N, Z>],
-    rounds: usize,
-) -> Diagram {
-    let record = |solver: &Solver, case: &Case<M, M::Mode, N, Z>| {
+pub fn measure<M: Hybrid>(name: &str, members: &[Case<M>], rounds: usize) -> Diagram {
+    let record = |solver: &Solver, case: &Case<M>| {
         let mut grid = Grid::new();
-        solver.run::<M, N, Z>(case, Some(&mut grid)).map(|cost| (grid, cost))
+        solver.run(case, Some(&mut grid)).map(|cost| (grid, cost))
     };
     let references: Vec<[Grid; 2]> = members
         .iter()
@@ -289,7 +283,7 @@ pub fn measure<M: Hybrid<N, Z>, const N: usize, const Z: usize>(
             }
             let case = &members[round % members.len()];
             let start = Instant::now();
-            black_box(solver.run::<M, N, Z>(black_box(case), None)).ok();
+            black_box(solver.run(black_box(case), None)).ok();
             let elapsed = start.elapsed().as_secs_f64();
             // The first round warms up.
             if round > 0 {

@@ -27,10 +27,8 @@ mod vector_field;
 use std::path::PathBuf;
 
 use clap::Parser;
-use phalanx::analytic::QUADRATURES;
 use phalanx::scene::{Method, Preset};
 
-use case::{CYCLE, GRIPPER, GRIPPER_QUADRATURES};
 use diagram::{Diagram, MEMBERS, measure};
 use support::phalanx_solver::PhalanxSolver;
 use support::table::{compare, print};
@@ -64,15 +62,15 @@ impl CaseName {
         match self {
             Self::Finger => {
                 let members: Vec<_> = members.map(case::finger).collect();
-                measure::<_, 2, QUADRATURES>("finger", &members, rounds)
+                measure("finger", &members, rounds)
             }
             Self::Gripper => {
                 let members: Vec<_> = members.map(case::gripper).collect();
-                measure::<_, GRIPPER, GRIPPER_QUADRATURES>("gripper", &members, rounds)
+                measure("gripper", &members, rounds)
             }
             Self::Cycle => {
                 let members: Vec<_> = members.map(case::cycle).collect();
-                measure::<_, CYCLE, GRIPPER_QUADRATURES>("cycle", &members, rounds)
+                measure("cycle", &members, rounds)
             }
         }
     }

@@ -5,7 +5,7 @@ use std::cell::Cell;
 
 use phalanx::analytic::{ContactState, FingerMode, Model};
 use phalanx::gripper::FingerContact;
-use phalanx::integrator::System;
+use phalanx::integrator::{Fixed, Linearised, Rates, System};
 
 use crate::equations::Equations;
 use crate::support::problem::Problem;
@@ -37,15 +37,17 @@ impl<'a> VectorField<'a> {
     pub fn rates(&self, t: f64, y: &Vector) -> Vector {
         self.rhs.set(self.rhs.get() + 1);
         let [q11, q21, v11, v21] = *y;
-        let a = self.model.rates(t, &[q11, q21], &[v11, v21], &FingerMode::CLAMPED).a;
-        [v11, v21, a[0], a[1]]
+        let mut rates = Rates::zero(Fixed);
+        self.model.rates(t, &[q11, q21], &[v11, v21], &FingerMode::CLAMPED, &mut rates);
+        [v11, v21, rates.a[0], rates.a[1]]
     }
 
     #[inline(always)]
     pub fn jacobian(&self, t: f64, y: &Vector) -> [Vector; 4] {
         self.jacobians.set(self.jacobians.get() + 1);
         let [q11, q21, v11, v21] = *y;
-        let derivatives = self.model.linearise(t, &[q11, q21], &[v11, v21], &FingerMode::CLAMPED);
+        let mut derivatives = Linearised::zero(Fixed);
+        self.model.linearise(t, &[q11, q21], &[v11, v21], &FingerMode::CLAMPED, &mut derivatives);
         let row =
             |i: usize| [derivatives.a_q[i][0], derivatives.a_q[i][1], derivatives.a_v[i][0], derivatives.a_v[i][1]];
         [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0], row(0), row(1)]

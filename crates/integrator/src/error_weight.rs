@@ -129,7 +129,7 @@ mod tests {
 
     fn unloads_to(after: EventSet<Fixed<2, 0>>, rate_change: [f64; 2]) -> bool {
         let tolerances = Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 };
-        let from = State { q: [0.0; 2], v: [3.0, 0.1], z: [] };
+        let from: State<Fixed<2, 0>> = State { q: [0.0; 2], v: [3.0, 0.1], z: [] };
         let mut attempt = Attempt::new(Fixed);
         attempt.end.v =
             [from.v[0] + rate_change[0], from.v[1] + rate_change[1] * tolerances.contact_tolerance() * 1e-3];

@@ -3,10 +3,10 @@
 //!
 //! A run of the analytic model is compared with a run by the other family of methods (Rodas5P or Radau IIA) at a
 //! hundredth of its tolerance. A run of the engine is compared with the analytic model. If the analytic model does not
-//! support the scene (singular configurations of the linkage, rapier's own contact, too many coordinates, contacts or
-//! actuators), the reference is the engine at a tenth of the tolerance and a quarter of the step limit. Two runs of one
-//! method with the same steps and the same digits are no evidence of accuracy. To measure the sensitivity, the actuation
-//! of the scene is multiplied by 1 + [`PERTURBATION`].
+//! support the scene (singular configurations of the linkage, rapier's own contact), the reference is the engine at a
+//! tenth of the tolerance and a quarter of the step limit. Two runs of one method with the same steps and the same digits
+//! are no evidence of accuracy. To measure the sensitivity, the actuation of the scene is multiplied by 1 +
+//! [`PERTURBATION`].
 //!
 //! The check compares the path, energies and works, and the restitution of discs.
 

@@ -1,8 +1,8 @@
 //! A mass on a line between walls, with the contact laws of the library: the smallest system with every kind of event.
 
 use phalanx_integrator::{
-    End, ErrorWeight, EventFunction, EventSet, Hybrid, Linearised, Observer, Options, Radau5, Rates, Rodas5p,
-    RootSearch, State, Step, StepTools, System, Tolerances, integrate,
+    End, EventFunction, EventSet, Fixed, Hybrid, Linearised, Observer, Options, Radau5, Rates, Rodas5p, RootSearch,
+    State, Step, StepTools, System, Tolerances, WeightedQuantity, integrate,
 };
 use phalanx_mechanics::law::{NormalLaw, damping, spring_force, unclamped_normal_force};
 
@@ -103,31 +103,37 @@ impl<F, const S: usize> PointMass<F, S> {
     }
 }
 
-/// Quadratures: impulse and work of the walls.
-impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> System<1, 2> for PointMass<F, S> {
+/// One coordinate, and two quadratures: impulse and work of the walls.
+pub type OneMass = Fixed<1, 2>;
+
+impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> System for PointMass<F, S> {
+    type Layout = OneMass;
     type Mode = [Branch; S];
 
-    fn rates(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> Rates<1, 2> {
-        let [force, power] = self.contact(q[0], v[0], mode);
-        Rates { a: [(self.field)(t, q[0], v[0])[0] + force[0] / self.mass], g: [force[0], power[0]] }
+    fn layout(&self) -> OneMass {
+        Fixed
     }
 
-    fn linearise(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S]) -> Linearised<1, 2> {
+    fn rates(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S], rates: &mut Rates<OneMass>) {
+        let [force, power] = self.contact(q[0], v[0], mode);
+        rates.a = [(self.field)(t, q[0], v[0])[0] + force[0] / self.mass];
+        rates.g = [force[0], power[0]];
+    }
+
+    fn linearise(&self, t: f64, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S], linearised: &mut Linearised<OneMass>) {
         let [force, power] = self.contact(q[0], v[0], mode);
         let [_, a_t, a_x, a_v] = (self.field)(t, q[0], v[0]);
-        Linearised {
-            rates: self.rates(t, q, v, mode),
-            a_q: [[a_x + force[1] / self.mass]],
-            a_v: [[a_v + force[2] / self.mass]],
-            a_t: [a_t],
-            g_q: [[force[1]], [power[1]]],
-            g_v: [[force[2]], [power[2]]],
-            g_t: [0.0; 2],
-        }
+        self.rates(t, q, v, mode, &mut linearised.rates);
+        linearised.a_q.0 = [[a_x + force[1] / self.mass]];
+        linearised.a_v.0 = [[a_v + force[2] / self.mass]];
+        linearised.a_t = [a_t];
+        linearised.g_q.0 = [[force[1]], [power[1]]];
+        linearised.g_v.0 = [[force[2]], [power[2]]];
+        linearised.g_t = [0.0; 2];
     }
 }
 
-impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2> for PointMass<F, S> {
+impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid for PointMass<F, S> {
     fn event_count(&self) -> usize {
         S
     }
@@ -136,7 +142,7 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2> for PointMas
         self.discontinuities.iter().copied().find(|c| *c > t).unwrap_or(f64::INFINITY)
     }
 
-    fn eval_events(&self, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S], events: &mut EventSet<1>) {
+    fn eval_events(&self, q: &[f64; 1], v: &[f64; 1], mode: &[Branch; S], events: &mut EventSet<OneMass>) {
         events.clear();
         events.clearance = 1.0;
         for wall_index in 0..S {
@@ -146,8 +152,8 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2> for PointMas
             if mode[wall_index] == Active && delta > 0.0 {
                 let is_spring_dominated = spring_force(law, delta) > damping(law, delta).0 * rate.abs();
                 let is_rebounding = is_spring_dominated && rate.abs() > SLOWEST_REBOUND;
-                let weight = ErrorWeight::Depth { row: [n], depth: delta, is_rebounding, is_spring_dominated };
-                events.add_weight(wall_index, weight);
+                let weight = WeightedQuantity::Depth { depth: delta, is_rebounding, is_spring_dominated };
+                *events.add_weight(wall_index, weight) = [n];
             }
         }
     }
@@ -189,26 +195,26 @@ impl<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize> Hybrid<1, 2> for PointMas
         }
     }
 
-    fn mode_after_event(&self, wall_index: usize, _: &[f64; 1], _: &[f64; 1], mode: &[Branch; S]) -> [Branch; S] {
-        let mut next = *mode;
-        next[wall_index] = match mode[wall_index] {
+    fn pass_event(&self, wall_index: usize, _: &[f64; 1], _: &[f64; 1], mode: &mut [Branch; S]) {
+        mode[wall_index] = match mode[wall_index] {
             Free | Released => Active,
             Active => Released,
             Clamped => Clamped,
         };
-        next
     }
 
-    fn mode_after_step(&self, functions: &[EventFunction], mode: &[Branch; S]) -> Option<[Branch; S]> {
-        let next =
-            std::array::from_fn(|i| if mode[i] == Released && functions[i].is_separated { Free } else { mode[i] });
-        (next != *mode).then_some(next)
+    fn pass_step(&self, functions: &[EventFunction], mode: &mut [Branch; S]) -> bool {
+        let last = *mode;
+        for (branch, function) in mode.iter_mut().zip(functions) {
+            if *branch == Released && function.is_separated {
+                *branch = Free;
+            }
+        }
+        *mode != last
     }
 
-    fn with_clamped_law(&self, wall_index: usize, mode: &[Branch; S]) -> [Branch; S] {
-        let mut next = *mode;
-        next[wall_index] = Clamped;
-        next
+    fn clamp_law(&self, wall_index: usize, mode: &mut [Branch; S]) {
+        mode[wall_index] = Clamped;
     }
 
     fn mode_at(&self, _: f64, q: &[f64; 1], v: &[f64; 1]) -> [Branch; S] {
@@ -239,13 +245,13 @@ pub struct Log {
     pub events: Vec<(f64, usize, Branch)>,
 }
 
-impl<const S: usize> Observer<1, 2, [Branch; S]> for Log {
-    fn step(&mut self, step: &Step<1, 2>, _: &[Branch; S], _: &mut dyn StepTools<1, 2>) -> bool {
+impl<const S: usize> Observer<OneMass, [Branch; S]> for Log {
+    fn step(&mut self, step: &Step<OneMass>, _: &[Branch; S], _: &mut dyn StepTools<OneMass>) -> bool {
         self.steps.push((step.t1, step.end.q[0], step.end.v[0]));
         true
     }
 
-    fn event(&mut self, t: f64, _: &State<1, 2>, wall_index: usize, mode: &[Branch; S]) {
+    fn event(&mut self, t: f64, _: &State<OneMass>, wall_index: usize, mode: &[Branch; S]) {
         self.events.push((t, wall_index, mode[wall_index]));
     }
 }
@@ -268,7 +274,7 @@ pub fn tight() -> Options {
 }
 
 /// The state of a mass at x with rate v.
-pub fn mass_at(x: f64, v: f64) -> State<1, 2> {
+pub fn mass_at(x: f64, v: f64) -> State<OneMass> {
     State { q: [x], v: [v], z: [0.0; 2] }
 }
 
@@ -278,13 +284,13 @@ pub fn mass_at(x: f64, v: f64) -> State<1, 2> {
 pub fn run<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize>(
     system: &PointMass<F, S>,
     options: Options,
-    (start_s, start): (f64, State<1, 2>),
+    (start_s, start): (f64, State<OneMass>),
     end_s: f64,
-) -> [(&'static str, End<1, 2>, Log); 2] {
+) -> [(&'static str, End<OneMass>, Log); 2] {
     let [mut rodas, mut radau] = [Log::default(), Log::default()];
     let ends = [
-        ("Rodas5P", integrate::<1, 2, _, Rodas5p<1, 2>, _>(system, &options, start_s, start, end_s, &mut rodas)),
-        ("Radau IIA", integrate::<1, 2, _, Radau5<1, 2>, _>(system, &options, start_s, start, end_s, &mut radau)),
+        ("Rodas5P", integrate::<_, Rodas5p<OneMass>, _>(system, &options, start_s, start.clone(), end_s, &mut rodas)),
+        ("Radau IIA", integrate::<_, Radau5<OneMass>, _>(system, &options, start_s, start, end_s, &mut radau)),
     ];
     for (name, end) in &ends {
         assert!(end.result.is_ok(), "{name}: {:?}", end.result);
@@ -300,6 +306,6 @@ pub fn run_from<F: Fn(f64, f64, f64) -> [f64; 4], const S: usize>(
     options: Options,
     [x, v]: [f64; 2],
     end_s: f64,
-) -> [(&'static str, End<1, 2>, Log); 2] {
+) -> [(&'static str, End<OneMass>, Log); 2] {
     run(system, options, (0.0, mass_at(x, v)), end_s)
 }
