@@ -39,7 +39,11 @@ impl<const N: usize> Observer<Layout<N>, GraspMode> for StateRecorder<N> {
     fn step(&mut self, step: &Step<Layout<N>>, _: &GraspMode, tools: &mut dyn StepTools<Layout<N>>) -> bool {
         while let Some(time) = self.times_s.get(self.states.len()).filter(|time| **time <= step.t1 + 1e-15) {
             let is_inside = *time < step.t1;
-            self.states.push(if is_inside { tools.resolve((time - step.t0) / step.h) } else { step.end.clone() });
+            self.states.push(if is_inside {
+                tools.resolve((time - step.t0) / step.h).clone()
+            } else {
+                step.end.clone()
+            });
         }
         true
     }
@@ -303,7 +307,7 @@ impl Observer<Layout<AT_REST>, GraspMode> for MomentumBalance<'_> {
         mode: &GraspMode,
         tools: &mut dyn StepTools<Layout<AT_REST>>,
     ) -> bool {
-        let middle = tools.resolve(0.5);
+        let middle = tools.resolve(0.5).clone();
         for (node, state, weight) in [(0.0, step.start, 1.0), (0.5, &middle, 4.0), (1.0, step.end, 1.0)] {
             let (force, force_sum) = contact_wrench(self.model, state, mode);
             let mut rates = Rates::zero(Fixed);

@@ -72,7 +72,7 @@ impl Observer<Dynamic, MechanismMode> for Comparison<'_> {
             if theta > 1.0 + 1e-9 {
                 break;
             }
-            let state = if theta < 1.0 { tools.resolve(theta) } else { step.end.clone() };
+            let state = if theta < 1.0 { tools.resolve(theta).clone() } else { step.end.clone() };
             self.compare(&state, mode);
         }
         true

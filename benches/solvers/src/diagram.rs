@@ -194,7 +194,7 @@ impl<L: Layout, Mode> Observer<L, Mode> for Recorder<'_> {
             if t > step.t1 + 1e-15 {
                 return true;
             }
-            let State { q, .. } = tools.interpolate((t - step.t0) / step.h);
+            let State { q, .. } = tools.interpolate((t - step.t0) / step.h).clone();
             self.grid.push(q.as_ref()[..self.count].to_vec());
         }
     }

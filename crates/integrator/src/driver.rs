@@ -6,7 +6,7 @@ use super::clock::Clock;
 use super::control::{Controller, ToleranceSchedule};
 use super::event_location::{Found, SearchMemory, may_have_passed, search_step};
 use super::layout::{Layout, copy};
-use super::method::{Attempt, Method, StepStart};
+use super::method::{Attempt, Method, Refinement, StepStart};
 use super::stall::{Chatter, StallDetector};
 use super::state::{Observer, Step, StepTools};
 use super::step_attempts::{
@@ -161,9 +161,7 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Integration<L, M, K> {
             stall_detector: StallDetector::new(&options.tolerances, t0),
             tolerance_schedule: ToleranceSchedule::new(&options.tolerances),
             counters: Counters::default(),
-            refined: Vec::with_capacity(MAX_REFINED_STATES),
-            dense: Dense::new(layout),
-            resolved: Attempt::new(layout),
+            inside: InsideMemory::new(layout),
         };
         let found = AcceptedStep {
             attempt: Attempt::new(layout),
@@ -277,16 +275,8 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Integration<L, M, K> {
         let mut resolver = run.method.clone();
         resolver.accept_step();
         let origin = run.origin(system, &run.options.tolerances, linearised);
-        let mut tools = StepEvaluator {
-            method: &run.method,
-            resolver: &mut resolver,
-            origin,
-            size: accepted.size,
-            dense: &mut run.dense.clone(),
-            has_dense: false,
-            attempt: &mut run.resolved.clone(),
-            refined: &mut Vec::new(),
-        };
+        let mut memory = run.inside.clone();
+        let mut tools = StepEvaluator::new((&run.method, &mut resolver), origin, accepted.size, &mut memory);
         Some(read(&step, &run.mode, &mut tools))
     }
 
@@ -325,10 +315,7 @@ struct Run<L: Layout, M, K> {
     stall_detector: StallDetector,
     tolerance_schedule: ToleranceSchedule,
     counters: Counters,
-    /// Memory for states inside the last step.
-    refined: Vec<(f64, State<L>)>,
-    dense: Dense<L>,
-    resolved: Attempt<L>,
+    inside: InsideMemory<L>,
 }
 
 /// What follows the last committed step.
@@ -582,18 +569,8 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Run<L, M, K> {
             latest_time: self.latest_time,
             state: &self.start,
         };
-        self.refined.clear();
         self.resolver.follow(&self.method);
-        let mut tools = StepEvaluator {
-            method: &self.method,
-            resolver: &mut self.resolver,
-            origin,
-            size: accepted.size,
-            dense: &mut self.dense,
-            has_dense: false,
-            attempt: &mut self.resolved,
-            refined: &mut self.refined,
-        };
+        let mut tools = StepEvaluator::new((&self.method, &mut self.resolver), origin, accepted.size, &mut self.inside);
         if !observer.step(&step, &self.mode, &mut tools) {
             return Err(Reason::Stopped);
         }
@@ -669,54 +646,106 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Run<L, M, K> {
     }
 }
 
+/// Memory for states inside the last step.
+#[derive(Clone)]
+struct InsideMemory<L: Layout> {
+    dense: Dense<L>,
+    interpolated: State<L>,
+    /// Step that ends inside the last one.
+    resolved: Attempt<L>,
+    refinement: Refinement<L>,
+    /// States refined in the last step, with their fractions of it: the searches of several contacts begin alike.
+    refined: Vec<(f64, State<L>)>,
+    refined_count: usize,
+}
+
+impl<L: Layout> InsideMemory<L> {
+    fn new(layout: L) -> Self {
+        Self {
+            dense: Dense::new(layout),
+            interpolated: State::zero(layout),
+            resolved: Attempt::new(layout),
+            refinement: Refinement::new(layout),
+            refined: Vec::with_capacity(MAX_REFINED_STATES),
+            refined_count: 0,
+        }
+    }
+}
+
 /// Evaluates states inside the step just taken, for an observer.
 struct StepEvaluator<'a, Y: Hybrid, K> {
     method: &'a K,
     resolver: &'a mut K,
     origin: StepStart<'a, Y>,
     size: f64,
-    dense: &'a mut Dense<Y::Layout>,
     has_dense: bool,
-    /// Memory for steps that end inside the last one.
-    attempt: &'a mut Attempt<Y::Layout>,
-    /// States refined so far, with their fractions of the step: the searches of several contacts begin alike.
-    refined: &'a mut Vec<(f64, State<Y::Layout>)>,
+    memory: &'a mut InsideMemory<Y::Layout>,
 }
 
-impl<Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'_, Y, K> {
-    fn dense(&mut self) -> &Dense<Y::Layout> {
+impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
+    fn new(
+        (method, resolver): (&'a K, &'a mut K),
+        origin: StepStart<'a, Y>,
+        size: f64,
+        memory: &'a mut InsideMemory<Y::Layout>,
+    ) -> Self {
+        memory.refined_count = 0;
+        Self { method, resolver, origin, size, has_dense: false, memory }
+    }
+
+    fn evaluate_dense(&mut self) {
         if !std::mem::replace(&mut self.has_dense, true) {
-            self.method.dense(Some(self.origin.linearised), self.dense);
+            self.method.dense(Some(self.origin.linearised), &mut self.memory.dense);
         }
-        self.dense
+    }
+
+    /// Evaluates the end of a separate step, or of the dense output if that step fails, in the interpolated state.
+    fn resolve_inside(&mut self, theta: f64) {
+        self.resolver.attempt(&self.origin, theta * self.size, &mut self.memory.resolved);
+        // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
+        // size equals the reciprocal of a growth rate.
+        if self.memory.resolved.error <= MAX_RESOLVED_ERROR {
+            self.memory.interpolated.copy_from(&self.memory.resolved.end);
+        } else {
+            self.interpolate(theta);
+        }
     }
 }
 
 impl<Y: Hybrid, K: Method<Y::Layout>> StepTools<Y::Layout> for StepEvaluator<'_, Y, K> {
-    fn interpolate(&mut self, theta: f64) -> State<Y::Layout> {
-        self.dense().evaluate(theta)
+    fn interpolate(&mut self, theta: f64) -> &State<Y::Layout> {
+        self.evaluate_dense();
+        let InsideMemory { dense, interpolated, .. } = &mut *self.memory;
+        dense.write(theta, interpolated);
+        interpolated
     }
 
-    fn refine(&mut self, theta: f64) -> State<Y::Layout> {
-        if let Some((_, state)) = self.refined.iter().find(|(refined, _)| *refined == theta) {
-            return state.clone();
+    fn refine(&mut self, theta: f64) -> &State<Y::Layout> {
+        let refined = &self.memory.refined[..self.memory.refined_count];
+        if let Some(index) = refined.iter().position(|(refined, _)| *refined == theta) {
+            return &self.memory.refined[index].1;
         }
-        self.dense();
-        let refined = self.method.refine(&self.origin, self.dense, theta);
-        let state = refined.unwrap_or_else(|| self.resolve(theta));
-        if self.refined.len() < MAX_REFINED_STATES {
-            self.refined.push((theta, state.clone()));
+        self.evaluate_dense();
+        let InsideMemory { dense, refinement, .. } = &mut *self.memory;
+        if !self.method.refine(&self.origin, dense, theta, refinement) {
+            self.resolve_inside(theta);
+            self.memory.refinement.state.copy_from(&self.memory.interpolated);
+        }
+        let InsideMemory { refinement: Refinement { state, .. }, refined, refined_count, .. } = &mut *self.memory;
+        if *refined_count < MAX_REFINED_STATES {
+            if *refined_count == refined.len() {
+                refined.push((theta, state.clone()));
+            }
+            let (at, refined) = &mut refined[*refined_count];
+            *at = theta;
+            refined.copy_from(state);
+            *refined_count += 1;
         }
         state
     }
 
-    fn resolve(&mut self, theta: f64) -> State<Y::Layout> {
-        self.resolver.attempt(&self.origin, theta * self.size, self.attempt);
-        // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
-        // size equals the reciprocal of a growth rate.
-        match self.attempt.error <= MAX_RESOLVED_ERROR {
-            true => self.attempt.end.clone(),
-            false => self.interpolate(theta),
-        }
+    fn resolve(&mut self, theta: f64) -> &State<Y::Layout> {
+        self.resolve_inside(theta);
+        &self.memory.interpolated
     }
 }

@@ -1,8 +1,9 @@
 //! Locates the first event within a step.
 
-use std::cell::{Cell, OnceCell, RefCell};
+use std::cell::RefCell;
 
 use super::gap_search::{GapSearch, Part, Point, Unresolved, find_root};
+use super::interior::Interior;
 use super::layout::{Layout, VectorOf};
 use super::state::DensePositions;
 use super::{
@@ -75,62 +76,6 @@ impl<L: Layout> SearchMemory<L> {
             state: RefCell::new([zero(), zero()]),
             samples,
         }
-    }
-}
-
-/// Event functions inside a step, whose dense output is evaluated when it is first used.
-pub(crate) struct Interior<'a, Y: Hybrid, K> {
-    pub system: &'a Y,
-    pub mode: &'a Y::Mode,
-    method: &'a K,
-    dense: OnceCell<&'a Dense<Y::Layout>>,
-    memory: Cell<Option<&'a mut Dense<Y::Layout>>>,
-    /// Memory for coordinates and rates.
-    state: &'a RefCell<[VectorOf<Y::Layout>; 2]>,
-}
-
-impl<'a, Y: Hybrid, K: Method<Y::Layout>> Interior<'a, Y, K> {
-    fn new(
-        (system, mode, method): (&'a Y, &'a Y::Mode, &'a K),
-        memory: &'a mut Dense<Y::Layout>,
-        state: &'a RefCell<[VectorOf<Y::Layout>; 2]>,
-    ) -> Self {
-        Self { system, mode, method, dense: OnceCell::new(), memory: Cell::new(Some(memory)), state }
-    }
-
-    /// Dense output of the step.
-    pub fn dense(&self) -> &'a Dense<Y::Layout> {
-        self.dense.get_or_init(|| {
-            let dense = self.memory.take().expect("the dense output is evaluated once");
-            self.method.dense(None, dense);
-            dense
-        })
-    }
-
-    /// An event function at a fraction of the step.
-    pub fn function(&self, index: usize, theta: f64) -> EventFunction {
-        let [q, v] = &mut *self.state.borrow_mut();
-        self.dense().motion(theta, q, v);
-        self.system.eval_event(q, v, self.mode, index)
-    }
-
-    /// Values of the selected event functions at a fraction of the step: most steps need no further evaluation.
-    fn values(&self, theta: f64, selected: &[bool], values: &mut [f64]) {
-        let [q, v] = &mut *self.state.borrow_mut();
-        self.dense().motion(theta, q, v);
-        self.system.event_values(q, v, self.mode, selected, values);
-    }
-
-    /// Reads the coordinates at a fraction of the step with their derivative, which differs from the dense output of the rates
-    /// by its error.
-    pub fn at_derivative<R>(
-        &self,
-        theta: f64,
-        read: impl FnOnce(&VectorOf<Y::Layout>, &VectorOf<Y::Layout>) -> R,
-    ) -> R {
-        let [q, v] = &mut *self.state.borrow_mut();
-        self.dense().coordinates_with_derivative(theta, q, v);
-        read(q, v)
     }
 }
 
@@ -249,16 +194,11 @@ fn first_sampled_crossing<Y: Hybrid, K: Method<Y::Layout>>(
             }
             RootSearch::Gap if at_half(index) < 0.0 => Some((0.0, 0.5)),
             RootSearch::Gap if is_negative_at_end => Some((0.5, 1.0)),
-            RootSearch::Gap => {
-                let point = |theta: f64, function: &EventFunction| Point {
-                    theta,
-                    value: function.value,
-                    rate: h * function.rate,
-                };
-                let at = |theta: f64| point(theta, &interior.function(index, theta));
-                let ends = [point(0.0, &start[index]), point(1.0, &end[index])];
-                negative_dip(&at, ends).map(|lowest| (0.0, lowest))
+            RootSearch::Gap if start[index].rate < 0.0 && end[index].rate > 0.0 => {
+                let lowest = find_minimum(&|theta| interior.function(index, theta).rate);
+                (value(lowest) < 0.0).then_some((0.0, lowest))
             }
+            RootSearch::Gap => None,
         };
         let Some((low, high)) = bracket else { continue };
         // This event function is still positive at the earliest crossing so far, so its own crossing is later.
@@ -366,8 +306,8 @@ fn first_dip(start: f64, end: f64, separation: Option<f64>, value: &dyn Fn(f64) 
         let middle = i.clamp(1, SAMPLES_PER_STEP - 2);
         let curvature = samples[middle - 1].max(samples[middle + 1]) - samples[i];
         if samples[i] <= samples[before] && samples[i] <= samples[after] && samples[i] < 4.0 * curvature {
-            let ends = [before, after].map(|k| (theta(k), samples[k]));
-            if let Some(lowest) = negative_minimum(value, ends) {
+            let lowest = golden_section(value, theta(before), theta(after));
+            if value(lowest) < 0.0 {
                 return Some((theta(before), lowest));
             }
         }
@@ -393,41 +333,30 @@ fn find_separation(is_separated: &dyn Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Whether a value is negative at its single minimum between two points, of which the values are known: returns the location of
-/// a negative value (golden-section search). The search ends where a convex function is positive.
-fn negative_minimum(value: &dyn Fn(f64) -> f64, [mut low, mut high]: [(f64, f64); 2]) -> Option<f64> {
+/// Location of the single minimum of a value between two points (golden-section search), or of the first negative value
+/// met.
+fn golden_section(value: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
-    let point = |x: f64| (x, value(x));
-    let first = |low: f64, high: f64| high - GOLDEN_RATIO * (high - low);
-    let second = |low: f64, high: f64| low + GOLDEN_RATIO * (high - low);
-    let (mut a, mut b) = (point(first(low.0, high.0)), point(second(low.0, high.0)));
+    let (mut a, mut b) = (high - GOLDEN_RATIO * (high - low), low + GOLDEN_RATIO * (high - low));
+    let (mut at_a, mut at_b) = (value(a), value(b));
     for _ in 0..20 {
-        if let Some((x, _)) = [a, b].into_iter().find(|(_, value)| *value < 0.0) {
-            return Some(x);
+        if at_a < 0.0 {
+            return a;
         }
-        if is_positive_between([low, a, b, high]) {
-            return None;
+        if at_b < 0.0 {
+            return b;
         }
-        if a.1 < b.1 {
-            (high, b) = (b, a);
-            a = point(first(low.0, high.0));
+        if at_a < at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - GOLDEN_RATIO * (high - low);
+            at_a = value(a);
         } else {
-            (low, a) = (a, b);
-            b = point(second(low.0, high.0));
+            (low, a, at_a) = (a, b, at_b);
+            b = low + GOLDEN_RATIO * (high - low);
+            at_b = value(b);
         }
     }
-    [a, b].into_iter().find(|(_, value)| *value < 0.0).map(|(x, _)| x)
-}
-
-/// Whether a convex function through four points, in ascending order and positive, is positive between the outer ones: it lies
-/// above each secant outside of the two points of the secant.
-fn is_positive_between([low, a, b, high]: [(f64, f64); 4]) -> bool {
-    let slope = |from: (f64, f64), to: (f64, f64)| (to.1 - from.1) / (to.0 - from.0);
-    let (left, middle, right) = (slope(low, a), slope(a, b), slope(b, high));
-    // The outer secants meet above zero if each reaches it beyond the other one.
-    let is_positive_in_middle = left >= 0.0 || right <= 0.0 || a.0 - a.1 / left > b.0 - b.1 / right;
-    let [before, after] = [a.1 - middle * (a.0 - low.0), b.1 + middle * (high.0 - b.0)];
-    is_positive_in_middle && before > 0.0 && after > 0.0
+    if at_a < at_b { a } else { b }
 }
 
 /// Whether a clearance may have become negative within a step of size `h`: whether the cubic through its values and
@@ -447,34 +376,21 @@ pub(crate) fn may_have_passed(start: (f64, f64), end: (f64, f64), h: f64) -> boo
         })
 }
 
-/// Whether a value with a known rate, positive at both ends of a step, is negative at a minimum between them: returns the
-/// location of a negative value. The search ends where a convex function, which lies above its tangents, is positive.
-fn negative_dip(at: &dyn Fn(f64) -> Point, [mut low, mut high]: [Point; 2]) -> Option<f64> {
+/// Fraction of the step at which a rate changes from negative to positive.
+fn find_minimum(rate: &dyn Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..24 {
-        let has_minimum = low.rate < 0.0 && high.rate > 0.0;
-        if !has_minimum {
-            return None;
-        }
-        // Where both tangents reach zero.
-        let (from_left, from_right) = (low.theta - low.value / low.rate, high.theta - high.value / high.rate);
-        if from_left > from_right {
-            return None;
-        }
-        let middle = at(0.5 * (low.theta + high.theta));
-        if middle.value < 0.0 {
-            return Some(middle.theta);
-        }
-        if middle.rate < 0.0 { low = middle } else { high = middle }
+        let middle = 0.5 * (low + high);
+        if rate(middle) < 0.0 { low = middle } else { high = middle }
     }
-    None
+    0.5 * (low + high)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::layout::Fixed;
-    use crate::method::{Attempt, StepStart};
-    use crate::system::{EventSet, Linearised, Rates, System};
+    use crate::{Attempt, EventSet, Linearised, Rates, StepStart, System};
 
     type One = Fixed<1, 0>;
 
@@ -602,26 +518,6 @@ mod tests {
         assert!((smooth - 0.3f64.sqrt()).abs() < 1e-9, "{smooth}");
         let jump = find_root(&|x| if x < 0.7 { 5.0 } else { -1.0 }, 0.0, 1.0);
         assert!((jump - 0.7).abs() < 1e-9 && jump >= 0.7, "{jump}");
-    }
-
-    #[test]
-    fn a_positive_minimum_is_excluded_with_few_evaluations() {
-        for (lowest, floor) in [(0.3, 1e-2), (0.5, 1e-3), (0.62, 0.3), (0.11, 1e-4), (0.0, 1e-3), (1.0, 0.1)] {
-            let evaluations = std::cell::Cell::new(0);
-            let value = |x: f64| {
-                evaluations.set(evaluations.get() + 1);
-                (x - lowest) * (x - lowest) + floor
-            };
-            let ends = [0.0, 1.0].map(|x| (x, value(x)));
-            assert_eq!(negative_minimum(&value, ends), None);
-            assert!(evaluations.get() <= 14, "{lowest} {floor}: {} evaluations", evaluations.get());
-            if lowest == 0.0 || lowest == 1.0 {
-                continue;
-            }
-            let dip = |x: f64| value(x) - floor - 1e-5;
-            let found = negative_minimum(&dip, [0.0, 1.0].map(|x| (x, dip(x)))).expect("a negative minimum");
-            assert!(dip(found) < 0.0, "{lowest}: {found}");
-        }
     }
 
     #[test]

@@ -7,7 +7,7 @@
 
 use std::cell::{Cell, RefCell};
 
-use super::event_location::Interior;
+use super::interior::Interior;
 use super::layout::Layout;
 use super::{CoordinateBounds, GapBound, GapBounds, Hybrid, Method};
 

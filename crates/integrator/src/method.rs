@@ -1,7 +1,7 @@
 //! Interface between one-step methods and the integration loop.
 
 use super::layout::{Layout, VectorOf};
-use super::{Dense, Linearised, State, System, Tolerances};
+use super::{Dense, Linearised, Rates, State, System, Tolerances};
 
 /// Result of one attempted step.
 #[derive(Clone, Debug)]
@@ -42,6 +42,35 @@ pub struct StepStart<'a, Y: System> {
     pub state: &'a State<Y::Layout>,
 }
 
+/// A corrected state of the dense output, with memory for its corrections.
+#[derive(Clone, Debug)]
+pub struct Refinement<L: Layout> {
+    pub state: State<L>,
+    /// State of the dense output and its time derivative.
+    pub(crate) start: State<L>,
+    pub(crate) slope: State<L>,
+    pub(crate) rates: Rates<L>,
+    /// A correction, and memory for it.
+    pub(crate) q: VectorOf<L>,
+    pub(crate) v: VectorOf<L>,
+    pub(crate) scratch: VectorOf<L>,
+}
+
+impl<L: Layout> Refinement<L> {
+    pub fn new(layout: L) -> Self {
+        let (state, vector) = (|| State::zero(layout), || layout.vector(0.0));
+        Self {
+            state: state(),
+            start: state(),
+            slope: state(),
+            rates: Rates::zero(layout),
+            q: vector(),
+            v: vector(),
+            scratch: vector(),
+        }
+    }
+}
+
 pub trait Method<L: Layout>: Clone {
     fn new(layout: L) -> Self;
 
@@ -64,14 +93,15 @@ pub trait Method<L: Layout>: Clone {
     fn attempt<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64, attempt: &mut Attempt<L>);
 
     /// Corrects the dense output of the last attempt at the fraction `theta` of its step, so that it gives the forces of stiff
-    /// contacts; `None` if a step that ends there is required.
+    /// contacts: writes the corrected state, and returns `false` if a step that ends there is required.
     fn refine<Y: System<Layout = L>>(
         &self,
         _origin: &StepStart<Y>,
         _dense: &Dense<L>,
         _theta: f64,
-    ) -> Option<State<L>> {
-        None
+        _refinement: &mut Refinement<L>,
+    ) -> bool {
+        false
     }
 
     /// Writes the dense output of the last attempt, which had this linearisation; without it the quadratures are not

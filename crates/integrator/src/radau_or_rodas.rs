@@ -1,8 +1,8 @@
 //! Method of a run: Rodas5P, or Radau IIA with a switch to Rodas5P.
 
 use super::layout::{Layout, VectorOf};
-use super::method::{Attempt, Method, StepStart};
-use super::{Dense, Linearised, Radau5, Rodas5p, State, System};
+use super::method::{Attempt, Method, Refinement, StepStart};
+use super::{Dense, Linearised, Radau5, Rodas5p, System};
 
 /// Rodas5P, or Radau IIA until a run stalls and Rodas5P afterwards. One type for both, so that the integration of a
 /// model is compiled once.
@@ -69,8 +69,14 @@ impl<L: Layout> Method<L> for RadauOrRodas<L> {
     }
 
     #[inline(never)]
-    fn refine<Y: System<Layout = L>>(&self, origin: &StepStart<Y>, dense: &Dense<L>, theta: f64) -> Option<State<L>> {
-        if self.uses_radau { None } else { self.rodas.refine(origin, dense, theta) }
+    fn refine<Y: System<Layout = L>>(
+        &self,
+        origin: &StepStart<Y>,
+        dense: &Dense<L>,
+        theta: f64,
+        refinement: &mut Refinement<L>,
+    ) -> bool {
+        !self.uses_radau && self.rodas.refine(origin, dense, theta, refinement)
     }
 
     fn dense(&self, linearised: Option<&Linearised<L>>, dense: &mut Dense<L>) {

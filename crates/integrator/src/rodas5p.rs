@@ -3,7 +3,7 @@
 
 use super::layout::{Layout, VectorOf, add, add_scaled, add_weighted, copy};
 use super::linear::{ShiftedSolver, dot};
-use super::method::{Attempt, Method, StepStart};
+use super::method::{Attempt, Method, Refinement, StepStart};
 use super::{Dense, Linearised, Rates, State, System};
 use crate::numeric::array_from;
 
@@ -145,28 +145,33 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
     /// components, whose forces are large multiples of their rates, and hardly otherwise. The matrix of the corrections is
     /// that of the step.
     #[inline(always)]
-    fn refine<Y: System<Layout = L>>(&self, origin: &StepStart<Y>, dense: &Dense<L>, theta: f64) -> Option<State<L>> {
+    fn refine<Y: System<Layout = L>>(
+        &self,
+        origin: &StepStart<Y>,
+        dense: &Dense<L>,
+        theta: f64,
+        refinement: &mut Refinement<L>,
+    ) -> bool {
         let StepStart { system, mode, linearised: lin, tolerances, t, latest_time, state: from } = *origin;
         let (shift, time) = (1.0 / (self.h * GAMMA), (t + theta * self.h).min(latest_time));
         let sizes = [system.second_order_count(), system.coordinate_count()];
         let (m, n) = (sizes[0], self.scratch.as_ref().len());
-        let start = dense.evaluate(theta);
-        let (mut state, mut slope) = (start.clone(), start.clone());
-        dense.derivative(theta, &mut slope);
-        let (mut rates, mut scratch) = (self.rates.clone(), self.scratch.clone());
-        let (mut q, mut v) = (start.q.clone(), start.v.clone());
+        let Refinement { state, start, slope, rates, q, v, scratch } = refinement;
+        dense.write(theta, start);
+        dense.derivative(theta, slope);
+        state.copy_from(start);
         let mut previous = f64::INFINITY;
         for _ in 0..MAX_REFINEMENTS {
-            system.rates(time, &state.q, &state.v, mode, &mut rates);
-            copy(&mut q, &state.v);
-            copy(&mut v, &rates.a);
+            system.rates(time, &state.q, &state.v, mode, rates);
+            copy(q, &state.v);
+            copy(v, &rates.a);
             for i in 0..m {
                 q[i] -= slope.q[i] + shift * (state.q[i] - start.q[i]);
             }
             for i in 0..n {
                 v[i] -= slope.v[i] + shift * (state.v[i] - start.v[i]);
             }
-            self.solver.solve(&lin.a_q, sizes, (&mut q, &mut v), &mut scratch);
+            self.solver.solve(&lin.a_q, sizes, (q, v), scratch);
             add(state.q.as_mut(), q.as_ref());
             add(state.v.as_mut(), v.as_ref());
             let (mut largest, mut change) = (f64::MIN_POSITIVE, 0.0_f64);
@@ -177,16 +182,16 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
                 // Quadratures follow the same equation, so that impulses stay equal to changes of momentum.
                 state.z[i] = start.z[i] + (rates.g[i] + by_state - slope.z[i]) / shift;
             }
-            let norm = tolerances.norm((&q, &v), (from, &state), sizes[1]);
+            let norm = tolerances.norm((q, v), (from, state), sizes[1]);
             let error = (norm / REFINED_ERROR).max(change / (REFINED_FORCE_ERROR * largest));
             // The error that remains after linear convergence.
             let remaining = if previous.is_finite() { error * error / (previous - error).max(0.0) } else { error };
             if remaining <= 1.0 && state.is_finite() {
-                return Some(state);
+                return true;
             }
             previous = error;
         }
-        None
+        false
     }
 
     fn dense(&self, linearised: Option<&Linearised<L>>, dense: &mut Dense<L>) {

@@ -65,15 +65,20 @@ impl<L: Layout> Dense<L> {
     }
 
     /// State at the fraction `theta` of the step.
-    #[inline(always)]
     pub fn evaluate(&self, theta: f64) -> State<L> {
         let mut state = self.start.clone();
+        self.write(theta, &mut state);
+        state
+    }
+
+    /// Writes the state at the fraction `theta` of the step.
+    #[inline(always)]
+    pub(crate) fn write(&self, theta: f64, state: &mut State<L>) {
         self.motion(theta, &mut state.q, &mut state.v);
         let [a, b, c] = &self.d;
         for i in 0..state.z.as_ref().len() {
             state.z[i] = blend(theta, self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]]);
         }
-        state
     }
 
     /// Writes the coordinates and rates at the fraction `theta` of the step.
@@ -214,14 +219,14 @@ pub struct Step<'a, L: Layout> {
 /// States inside a step.
 pub trait StepTools<L: Layout> {
     /// Returns the dense output at the fraction `theta` of the step: accurate for angles and rates.
-    fn interpolate(&mut self, theta: f64) -> State<L>;
+    fn interpolate(&mut self, theta: f64) -> &State<L>;
 
     /// Returns the dense output, corrected so that it gives contact forces as accurately.
-    fn refine(&mut self, theta: f64) -> State<L>;
+    fn refine(&mut self, theta: f64) -> &State<L>;
 
     /// Returns the end of a separate step from the same start, the most accurate state. The force of a stiff damper requires this accuracy,
     /// since it is a large multiple of a tiny rate.
-    fn resolve(&mut self, theta: f64) -> State<L>;
+    fn resolve(&mut self, theta: f64) -> &State<L>;
 }
 
 /// Observer of an integration. `()` ignores everything.

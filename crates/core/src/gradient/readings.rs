@@ -80,7 +80,7 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         let (mut sums, mut event_sums) = (vec![0.0; self.counts.values()], vec![0.0; self.contacts]);
         for (index, weight) in BACKWARD_WEIGHTS.into_iter().enumerate() {
             let theta = to * (1.0 - BACKWARD_STEP * index as f64);
-            let state = if theta < 1.0 { tools.resolve(theta) } else { step.end.clone() };
+            let state = if theta < 1.0 { tools.resolve(theta).clone() } else { step.end.clone() };
             let sample = self.sample((step.t0 + theta * step.h, &state, mode));
             sums.iter_mut().zip(sample.values()).for_each(|(sum, value)| *sum += weight * value);
             let functions = self.events((&state, mode)).functions;

@@ -152,7 +152,7 @@ impl<M: Kernel + Hybrid> Observer<M::Layout, M::Mode> for Tangent<'_, M> {
             if to > from {
                 self.advance([from, to], (step, mode), tools, (0, f64::INFINITY));
             }
-            let state = if to < 1.0 { tools.resolve(to) } else { step.end.clone() };
+            let state = if to < 1.0 { tools.resolve(to).clone() } else { step.end.clone() };
             (self.time_s, self.state, from) = (*time_s, state.clone(), to);
             self.find_rates((step, mode), to, tools);
             let sample = self.sample((*time_s, &state, mode));

@@ -22,6 +22,9 @@ const MIN_HALVINGS: u32 = 3;
 /// Ratio of the errors of a half and of the whole above which the error is rounding; at a kink it is 1/2.
 const MIN_DECREASE: f64 = 0.8;
 
+/// Time, state and linearisation at an abscissa of a step.
+type Node<L> = (f64, State<L>, Linearised<L>);
+
 impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
     /// Advances all derivatives over a part of a step, in halves until their error is small.
     pub fn advance(
@@ -64,12 +67,12 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         let (c, a) = radau5_tableau();
         let mut node = |c: f64| {
             let theta = from + c * (to - from);
-            let state = if theta < 1.0 { tools.resolve(theta) } else { step.end.clone() };
+            let state = if theta < 1.0 { tools.resolve(theta).clone() } else { step.end.clone() };
             let t = (step.t0 + theta * step.h).max(self.bounds_s[0]).min(self.bounds_s[1]);
             let linearised = Self::linearise(&self.kernel, (t, &state, mode));
             (t, state, linearised)
         };
-        let nodes: Vec<(f64, State<M::Layout>, Linearised<M::Layout>)> = c.into_iter().map(&mut node).collect();
+        let nodes: Vec<Node<M::Layout>> = c.into_iter().map(&mut node).collect();
         // V_i = V₀ + h Σ a_ij (A_v V_j + A_q Q_j + ∂a/∂p), Q_j = Q₀ + h Σ a_jk V_k.
         let size = 3 * n;
         let mut matrix = vec![0.0; size * size];

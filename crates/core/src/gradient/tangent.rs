@@ -40,6 +40,9 @@ pub(super) struct Direction<L: Layout> {
 /// Derivatives of a state; the reason why there are none.
 pub(super) type Column<L> = Result<State<L>, String>;
 
+/// Total derivatives of accelerations and quadrature rates, and the tangent of their difference quotients.
+type Differentiated<L> = (Rates<L>, Direction<L>);
+
 /// A state with its time and mode.
 pub(super) type Instant<'a, M> = (f64, &'a State<<M as System>::Layout>, &'a <M as System>::Mode);
 
@@ -202,7 +205,7 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         (t, state, mode): Instant<'_, M>,
         lin: &Linearised<M::Layout>,
         moving: (&State<M::Layout>, f64),
-    ) -> Result<(Rates<M::Layout>, Direction<M::Layout>), String> {
+    ) -> Result<Differentiated<M::Layout>, String> {
         let (mut direction, change) = self.direction((t, state, mode), &lin.rates, neighbours, moving)?;
         let layout = self.kernel.layout();
         let (mut found, mut errors): ([_; LEVELS], _) =

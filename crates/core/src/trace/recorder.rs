@@ -11,13 +11,27 @@ use crate::analytic::ContactState;
 use crate::analytic::mechanism::EXCHANGE_SINE;
 use crate::integrator::{Layout, Observer, State, Step, StepTools, System};
 
-/// Interior of one step: its mode, states inside it, and the normal impulses at the last sample.
+/// Memory for states inside a step, and the normal impulses at the last sample.
+#[derive(Clone)]
+struct StepBuffers<L: Layout> {
+    impulses: L::Quadratures,
+    impulses_before: L::Quadratures,
+    state: State<L>,
+}
+
+impl<L: Layout> StepBuffers<L> {
+    fn new(state: &State<L>) -> Self {
+        Self { impulses: state.z.clone(), impulses_before: state.z.clone(), state: state.clone() }
+    }
+}
+
+/// Interior of one step: its mode, and states inside it.
 struct Interior<'a, R: Kernel> {
     kernel: &'a R,
     step: &'a Step<'a, R::Layout>,
     mode: &'a R::Mode,
     tools: &'a mut dyn StepTools<R::Layout>,
-    impulses: <R::Layout as Layout>::Quadratures,
+    buffers: StepBuffers<R::Layout>,
     /// Number of contacts of samples.
     contacts: usize,
 }
@@ -28,7 +42,7 @@ impl<R: Kernel> Interior<'_, R> {
     }
 
     /// Returns the state at time `t` after the start of the step.
-    fn state_at(&mut self, t: f64) -> State<R::Layout> {
+    fn state_at(&mut self, t: f64) -> &State<R::Layout> {
         let theta = (t - self.step.t0) / self.step.h;
         // Damper forces cannot be evaluated on the dense output.
         match self.has_force() {
@@ -44,21 +58,22 @@ impl<R: Kernel> Interior<'_, R> {
     /// Returns a state within the step, computed by a separate step that ends there. Its integrals differ slightly from
     /// those of the step. Normal impulses must not decrease, so they are clamped between the previous sample and the
     /// end of the step.
-    fn resolve(&mut self, theta: f64) -> State<R::Layout> {
-        let state = self.tools.resolve(theta);
-        self.with_impulses(state)
+    fn resolve(&mut self, theta: f64) -> &State<R::Layout> {
+        self.buffers.state.copy_from(self.tools.resolve(theta));
+        self.with_impulses()
     }
 
     /// Like [`Interior::resolve`], but from the dense output.
-    fn refine(&mut self, theta: f64) -> State<R::Layout> {
-        let state = self.tools.refine(theta);
-        self.with_impulses(state)
+    fn refine(&mut self, theta: f64) -> &State<R::Layout> {
+        self.buffers.state.copy_from(self.tools.refine(theta));
+        self.with_impulses()
     }
 
-    fn with_impulses(&mut self, mut state: State<R::Layout>) -> State<R::Layout> {
+    fn with_impulses(&mut self) -> &State<R::Layout> {
+        let StepBuffers { impulses, state, .. } = &mut self.buffers;
         for contact in 0..self.contacts {
             let index = self.kernel.contact_index(contact);
-            let before = &mut self.impulses[index];
+            let before = &mut impulses[index];
             *before = state.z[index].min(self.step.end.z[index]).max(*before);
             state.z[index] = *before;
         }
@@ -110,6 +125,8 @@ pub(super) struct RecorderState<R: Kernel> {
     threshold_n: Option<f64>,
     peaks: StepExtrema<Reason>,
     history: R::History,
+    /// Memory for the next step.
+    buffers: Option<StepBuffers<R::Layout>>,
     /// Conditioning of the coordinates below which others are searched.
     exchange_below: f64,
     /// Whether the advance is suspended, so that other coordinates can take over.
@@ -147,6 +164,7 @@ impl<R: Kernel> RecorderState<R> {
             threshold_n,
             peaks: StepExtrema::default(),
             history,
+            buffers: None,
             exchange_below: EXCHANGE_SINE,
             is_suspended: false,
         }
@@ -177,10 +195,9 @@ impl<R: Kernel> RecorderState<R> {
         (step, mode, tools): (&Step<R::Layout>, &R::Mode, &mut dyn StepTools<R::Layout>),
         sample: &mut Sample,
     ) {
-        let (impulses, contacts) = (step.start.z.clone(), self.trackers.len());
-        let mut interior = Interior { kernel, step, mode, tools, impulses, contacts };
-        let state = interior.state_at(t);
-        self.read_at(kernel, t, (&state, mode), sample);
+        let (buffers, contacts) = (StepBuffers::new(step.start), self.trackers.len());
+        let mut interior = Interior { kernel, step, mode, tools, buffers, contacts };
+        self.read_at(kernel, t, (interior.state_at(t), mode), sample);
     }
 
     /// Reads a state at time `t` with all its data; later readings do not depend on it.
@@ -227,7 +244,7 @@ impl<R: Kernel> Recorder<'_, '_, R> {
     }
 
     /// Emits the samples of one step: grid points and extrema inside it, and its end.
-    fn emit_step(&mut self, mut interior: Interior<'_, R>) -> Result<(), SinkError> {
+    fn emit_step(&mut self, interior: &mut Interior<'_, R>) -> Result<(), SinkError> {
         let (end, step, mode) = (self.state.last.time_s, interior.step, interior.mode);
         // Damper forces cannot be evaluated on the dense output.
         let has_active_contact = interior.has_force();
@@ -240,29 +257,29 @@ impl<R: Kernel> Recorder<'_, '_, R> {
             }
             let theta = (t - step.t0) / step.h;
             if is_point {
-                self.emit_point(&mut interior, t, has_active_contact)?;
+                self.emit_point(interior, t, has_active_contact)?;
             }
             if !is_sample {
                 continue;
             }
-            self.emit_peaks(&mut interior, theta)?;
+            self.emit_peaks(interior, theta)?;
             if theta > 0.0 {
                 if has_active_contact {
                     if self.state.is_refined {
-                        self.read_within(t, &interior.refine(theta), mode);
+                        self.read_within(t, interior.refine(theta), mode);
                     }
                     if !self.state.is_refined || exceeds_summaries(&self.state.trackers, &self.state.within) {
-                        self.read_within(t, &interior.resolve(theta), mode);
+                        self.read_within(t, interior.resolve(theta), mode);
                     }
                     update_summaries(&mut self.state.trackers, &self.state.within);
                 } else {
-                    self.read_within(t, &interior.tools.interpolate(theta), mode);
+                    self.read_within(t, interior.tools.interpolate(theta), mode);
                 }
                 self.state.emitted_s = t;
                 self.sink.sample(&self.state.within)?;
             }
         }
-        self.emit_peaks(&mut interior, 1.0)?;
+        self.emit_peaks(interior, 1.0)?;
         if self.state.times.pass_end(end) {
             self.sink.point(&self.state.last)?;
         }
@@ -284,16 +301,19 @@ impl<R: Kernel> Recorder<'_, '_, R> {
         time_s: f64,
         has_active_contact: bool,
     ) -> Result<(), SinkError> {
-        let (impulses, theta) = (interior.impulses.clone(), (time_s - interior.step.t0) / interior.step.h);
+        let (theta, mode) = ((time_s - interior.step.t0) / interior.step.h, interior.mode);
+        let StepBuffers { impulses, impulses_before, .. } = &mut interior.buffers;
+        impulses_before.as_mut().copy_from_slice(impulses.as_ref());
         let state = match has_active_contact {
             true if self.state.is_refined => interior.refine(theta),
             true => interior.resolve(theta),
             false => interior.tools.interpolate(theta),
         };
-        interior.impulses = impulses;
         let RecorderState { start_energy, required_data, history, within, .. } = &mut *self.state;
         within.time_s = time_s;
-        self.kernel.read((&state, interior.mode), start_energy, *required_data, &mut history.clone(), within);
+        self.kernel.read((state, mode), start_energy, *required_data, &mut history.clone(), within);
+        let StepBuffers { impulses, impulses_before, .. } = &mut interior.buffers;
+        impulses.as_mut().copy_from_slice(impulses_before.as_ref());
         self.sink.point(&self.state.within)
     }
 
@@ -306,7 +326,8 @@ impl<R: Kernel> Recorder<'_, '_, R> {
             }
             let t = interior.time_s(theta_peak);
             if t > self.state.emitted_s && t < interior.step.t1 {
-                self.read_within(t, &interior.resolve(theta_peak), interior.mode);
+                let mode = interior.mode;
+                self.read_within(t, interior.resolve(theta_peak), mode);
                 update_summaries(&mut self.state.trackers, &self.state.within);
                 match is_crossing {
                     true => self.sink.crossing(&self.state.within)?,
@@ -346,12 +367,14 @@ impl<R: Kernel> Recorder<'_, '_, R> {
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
-            self.read_within(interior.time_s(middle), &interior.tools.resolve(middle), interior.mode);
+            let (time_s, mode) = (interior.time_s(middle), interior.mode);
+            self.read_within(time_s, interior.tools.resolve(middle), mode);
             if reach.is_outside(&self.state.within.body(0)) { outside = middle } else { inside = middle }
         }
         if outside < 1.0 {
-            (self.state.last_state, self.state.last_mode) = (interior.resolve(outside), interior.mode.clone());
-            interior.impulses = interior.step.start.z.clone();
+            self.state.last_mode.clone_from(interior.mode);
+            self.state.last_state.copy_from(interior.resolve(outside));
+            interior.buffers.impulses.as_mut().copy_from_slice(interior.step.start.z.as_ref());
             let RecorderState { last_state, start_energy, required_data, history, end, .. } = &mut *self.state;
             end.time_s = interior.time_s(outside);
             self.kernel.read((last_state, interior.mode), start_energy, *required_data, history, end);
@@ -380,14 +403,14 @@ impl<R: Kernel> Recorder<'_, '_, R> {
                 self.state.peaks.push(1.0, Reason::Peak);
             }
             if start.gap_rate_m_s < 0.0 && end.gap_rate_m_s > 0.0 {
-                let deepest = bisect(&mut |theta| -read(&tools.interpolate(theta)).gap_rate_m_s);
-                if summary.update_max_penetration(-read(&tools.resolve(deepest)).gap_m) {
+                let deepest = bisect(&mut |theta| -read(tools.interpolate(theta)).gap_rate_m_s);
+                if summary.update_max_penetration(-read(tools.resolve(deepest)).gap_m) {
                     self.state.peaks.push(deepest, Reason::Peak);
                 }
             }
             // A damper makes the force jump at a touch-down, to its value just after the start of the step.
             let at_start = match is_active && start.normal_n == 0.0 {
-                true => read(&tools.resolve(STEP_START)).normal_n,
+                true => read(tools.resolve(STEP_START)).normal_n,
                 false => start.normal_n,
             };
             let mut highest = at_start.max(end.normal_n);
@@ -396,10 +419,10 @@ impl<R: Kernel> Recorder<'_, '_, R> {
                 highest = (end.impulse_n_s - start.impulse_n_s) / length_s;
             }
             if is_active && highest > MIN_SEARCHED_FORCE_FRACTION * summary.peak_normal_n {
-                let mut force = |theta: f64| read(&tools.refine(theta)).normal_n;
+                let mut force = |theta: f64| read(tools.refine(theta)).normal_n;
                 let (theta, mut peak) = parabola_peak(at_start, end.normal_n, &mut force);
                 if theta > 0.0 && theta < 1.0 && peak > summary.peak_normal_n {
-                    peak = read(&tools.resolve(theta)).normal_n;
+                    peak = read(tools.resolve(theta)).normal_n;
                 }
                 if summary.update_peak_force(peak) {
                     self.state.peaks.push(theta.max(STEP_START), Reason::Peak);
@@ -409,7 +432,7 @@ impl<R: Kernel> Recorder<'_, '_, R> {
             if let Some(threshold_n) = self.state.threshold_n.filter(|_| start.normal_n > 0.0) {
                 let ends = [start.normal_n - threshold_n, end.normal_n - threshold_n];
                 if (ends[0] > 0.0) != (ends[1] > 0.0) {
-                    let mut excess = |theta: f64| read(&tools.refine(theta)).normal_n - threshold_n;
+                    let mut excess = |theta: f64| read(tools.refine(theta)).normal_n - threshold_n;
                     self.state.peaks.push(find_crossing(ends, &mut excess), Reason::Crossing);
                 }
             }
@@ -443,8 +466,10 @@ impl<R: Kernel> Observer<R::Layout, R::Mode> for Recorder<'_, '_, R> {
         let RecorderState { start_energy, required_data, history, end, .. } = &mut *self.state;
         end.time_s = step.t1;
         self.kernel.read((step.end, mode), start_energy, *required_data, history, end);
-        let (kernel, impulses, contacts) = (self.kernel, step.start.z.clone(), self.state.trackers.len());
-        let mut interior = Interior { kernel, step, mode, tools, impulses, contacts };
+        let (kernel, contacts) = (self.kernel, self.state.trackers.len());
+        let mut buffers = self.state.buffers.take().unwrap_or_else(|| StepBuffers::new(step.start));
+        buffers.impulses.as_mut().copy_from_slice(step.start.z.as_ref());
+        let mut interior = Interior { kernel, step, mode, tools, buffers, contacts };
         let exits = self.end_at_exit(&mut interior);
         if self.state.required_data.peaks && !exits {
             self.search_peaks(mode, interior.tools);
@@ -453,9 +478,10 @@ impl<R: Kernel> Observer<R::Layout, R::Mode> for Recorder<'_, '_, R> {
             update_summaries(&mut self.state.trackers, &self.state.end);
         }
         std::mem::swap(&mut self.state.last, &mut self.state.end);
-        if let Err(error) = self.emit_step(interior) {
+        if let Err(error) = self.emit_step(&mut interior) {
             self.error = Some(error);
         }
+        self.state.buffers = Some(interior.buffers);
         self.error.is_none() && self.state.ejected_s.is_none() && self.sink.should_continue()
     }
 

@@ -90,10 +90,11 @@ impl<'a> Sums<'a> {
     /// Adds the derivatives of the power of a force on a group; `by_v` are those of the power by the rates.
     #[inline(always)]
     pub fn add_power(&mut self, work: usize, Chunk { group, start, count }: Chunk, power: Lanes, by_v: [f64; LANES]) {
-        for lane in 0..count {
-            self.g_q[work][group + start + lane] += power.grad[lane];
-            self.g_v[work][group + start + lane] += by_v[lane];
-        }
+        let add = |row: &mut [f64], numbers: [f64; LANES]| {
+            row[group + start..][..count].iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
+        };
+        add(&mut self.g_q[work], power.grad);
+        add(&mut self.g_v[work], by_v);
     }
 }
 
@@ -399,9 +400,8 @@ impl MechanismModel {
             let columns = &motions.columns[support.first..][..group.size()];
             let centers = &motions.center_columns[support.first..][..group.size()];
             let support = &support.coordinates[..];
-            for axis in 0..2 {
-                let total = support.iter().fold(center.bias[axis], |sum, k| sum + centers[*k][axis] * a[*k])
-                    - self.mechanism.gravity_m_s2[axis];
+            for (axis, gravity) in self.mechanism.gravity_m_s2.into_iter().enumerate() {
+                let total = support.iter().fold(center.bias[axis], |sum, k| sum + centers[*k][axis] * a[*k]) - gravity;
                 let by_v = center.rate[axis].grad.map(|grad| -2.0 * body.mass_kg * grad);
                 sums.add_block(chunk, (support, |i| centers[i][axis]), total * -body.mass_kg, by_v);
             }
@@ -445,8 +445,8 @@ impl MechanismModel {
                 }
             }
             if let Some(BrakeEffort { effort, bristle: Some(bristle), by_bristle, gain }) = brake {
-                for lane in 0..chunk.count {
-                    let (i, value) = (group.first + chunk.start + lane, values[lane]);
+                for (lane, value) in values.into_iter().enumerate().take(chunk.count) {
+                    let i = group.first + chunk.start + lane;
                     sums.load_v[i][bristle] += value * by_bristle;
                     sums.load_q[bristle][i] += gain * effort.by_rate * motion.rate.grad[lane];
                     sums.load_v[bristle][i] += gain * effort.by_rate * value;
@@ -604,8 +604,8 @@ impl MechanismModel {
                         let values = chunk.each(|_, j| row(j).value);
                         let by_v = values.map(|value| by_rate * value);
                         sums.add_block(chunk, (support, row), rate_q.chain(value, by_rate), by_v);
-                        for lane in 0..chunk.count {
-                            let (i, row, rate_q) = (first + chunk.start + lane, values[lane], rate_q.grad[lane]);
+                        for (lane, row) in values.into_iter().enumerate().take(chunk.count) {
+                            let (i, rate_q) = (first + chunk.start + lane, rate_q.grad[lane]);
                             sums.g_q[contact_work][i] += (by_rate * rate + value) * rate_q;
                             sums.g_v[contact_work][i] += (by_rate * rate + value) * row;
                             if let Some(bristle) = contact.bristle {

@@ -40,6 +40,8 @@ pub struct JointForces {
     sizes: Vec<f64>,
     solution: Vec<f64>,
     tensions: Vec<f64>,
+    /// Accelerations of the coordinates.
+    rates: Option<Rates<Dynamic>>,
 }
 
 impl JointForces {
@@ -135,14 +137,14 @@ fn refill<T>(list: &mut Vec<T>, content: impl Iterator<Item = T>) {
 impl MechanismModel {
     /// Computes the forces of all joints in a state, in the frame of a moving palm.
     pub fn joint_forces(&self, t: f64, (q, v): StateRef<'_, Dynamic>, mode: &MechanismMode, system: &mut JointForces) {
-        let mut rates = Rates::zero(self.sizes());
+        let mut rates = system.rates.take().unwrap_or_else(|| Rates::zero(self.sizes()));
         self.rates(t, q, v, mode, &mut rates);
-        let a = rates.a;
+        let a = &rates.a;
         self.with_columns((q, v), |motions| {
             let unknowns = 2 * self.mechanism.joints.len() + self.mechanism.couplings.len();
             system.clear(motions.centers.iter().map(|center| center.position), unknowns);
-            self.add_accelerations(t, &a, motions, system);
-            self.subtract_loads(t, (&a, v), mode, motions, system);
+            self.add_accelerations(t, a, motions, system);
+            self.subtract_loads(t, (a, v), mode, motions, system);
         });
         self.subtract_contacts((q, v), mode, system);
         self.with_motions((q, v), |motions| self.add_unknowns(motions, system));
@@ -162,6 +164,7 @@ impl MechanismModel {
                 system.forces.push(JointForce { force_n: motions.body(self.palm).in_frame(force), moment_n_m });
             }
         });
+        system.rates = Some(rates);
     }
 
     /// Adds the wrenches that give all bodies their accelerations.
