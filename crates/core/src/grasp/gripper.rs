@@ -203,38 +203,10 @@ pub fn gripper_grasp(
         return Err(GripperGraspError::Fixed { scene: name() });
     };
     let statics_error = |error| GripperGraspError::Statics { scene: name(), error };
-    let (source, sample) = match request.posture {
-        PostureRequest::Run { at_s, .. } => run_posture(scene, at_s, keep_running)?,
-        PostureRequest::Geometric => {
-            let not_reached = |(side, error): (Side, GraspError)| GripperGraspError::NotReached {
-                scene: name(),
-                side: side.name(),
-                error,
-            };
-            let angles_rad = geometric_posture(scene).map_err(not_reached)?;
-            (PostureSource::Geometric, rest_sample(scene, angles_rad, scene.hand.grasped().centre_m)?)
-        }
-        PostureRequest::Explicit(ExplicitPosture { angles_rad, object_m, .. }) => {
-            let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(scene.hand.grasped().centre_m[axis]));
-            (PostureSource::Explicit, rest_sample(scene, angles_rad, centre_m)?)
-        }
-    };
+    let (source, sample) = posture(scene, request.posture, keep_running)?;
     let mut state = grasp_state(scene, &sample);
     let points = state.configuration.contact_points().map_err(statics_error)?;
-    match request.posture {
-        PostureRequest::Run { within_m, .. } => {
-            let nearby = within_m.map(|within_m| contacts_within(scene, &points, within_m));
-            state.active = nearby.map_or(state.active, |nearby| {
-                state.active.zip_with(nearby, |is_active, is_near| is_active || is_near)
-            });
-        }
-        PostureRequest::Geometric => state.active = contacts_within(scene, &points, GEOMETRIC_TOLERANCE_M),
-        PostureRequest::Explicit(ExplicitPosture { within_m, .. }) => {
-            check_depth(scene, &points, within_m)?;
-            state.active = contacts_within(scene, &points, within_m);
-            state.at_limit = limits_reached(scene, &sample);
-        }
-    }
+    select_contacts(scene, request.posture, &points, &sample, &mut state)?;
     let contacts = object_contacts(scene, &sample, &state, &points, matches!(source, PostureSource::Run { .. }));
     if contacts.is_empty() {
         return Err(no_contact(scene, source));
@@ -267,6 +239,56 @@ pub fn gripper_grasp(
         contacts,
         sample,
     })
+}
+
+/// Returns the sample of a posture.
+fn posture(
+    scene: &Scene,
+    posture: PostureRequest,
+    keep_running: &(dyn Fn() -> bool + Sync),
+) -> Result<(PostureSource, Sample), GripperGraspError> {
+    let centre_m = scene.hand.grasped().centre_m;
+    match posture {
+        PostureRequest::Run { at_s, .. } => run_posture(scene, at_s, keep_running),
+        PostureRequest::Geometric => {
+            let not_reached = |(side, error): (Side, GraspError)| GripperGraspError::NotReached {
+                scene: scene.display_name(),
+                side: side.name(),
+                error,
+            };
+            let angles_rad = geometric_posture(scene).map_err(not_reached)?;
+            Ok((PostureSource::Geometric, rest_sample(scene, angles_rad, centre_m)?))
+        }
+        PostureRequest::Explicit(ExplicitPosture { angles_rad, object_m, .. }) => {
+            let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(centre_m[axis]));
+            Ok((PostureSource::Explicit, rest_sample(scene, angles_rad, centre_m)?))
+        }
+    }
+}
+
+/// Selects the contacts and joint limits of a posture: those of the run, and those that follow from its geometry.
+fn select_contacts(
+    scene: &Scene,
+    posture: PostureRequest,
+    points: &PerContact<ContactPoint>,
+    sample: &Sample,
+    state: &mut GraspState<'_>,
+) -> Result<(), GripperGraspError> {
+    match posture {
+        PostureRequest::Run { within_m, .. } => {
+            let nearby = within_m.map(|within_m| contacts_within(scene, points, within_m));
+            state.active = nearby.map_or(state.active, |nearby| {
+                state.active.zip_with(nearby, |is_active, is_near| is_active || is_near)
+            });
+        }
+        PostureRequest::Geometric => state.active = contacts_within(scene, points, GEOMETRIC_TOLERANCE_M),
+        PostureRequest::Explicit(ExplicitPosture { within_m, .. }) => {
+            check_depth(scene, points, within_m)?;
+            state.active = contacts_within(scene, points, within_m);
+            state.at_limit = limits_reached(scene, sample);
+        }
+    }
+    Ok(())
 }
 
 /// Motors with the brakes that block them.

@@ -13,7 +13,7 @@ use super::{FormClosure, Result, Roles, Row, Unilateral, Unknown};
 use crate::gripper::number;
 use crate::mechanism::tendon::{center_in, length_in, segment};
 use crate::mechanism::{
-    Command, JointCombination, Mechanism, Pose, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
+    Command, JointCombination, Mechanism, Pose, Spring, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
     coordinate_in, point_in,
 };
 use crate::numeric::elementary::hypot;
@@ -357,47 +357,8 @@ impl<'a> Frame<'a> {
         for contact in *contacts {
             number("mu_static", contact.mu, contact.mu >= 0.0, "must be finite, 0 or more")?;
         }
-        let count = 3 * poses.len();
-        let mut fixed = DVector::zeros(count);
-        for spring in &mechanism.springs {
-            fixed += match &spring.kind {
-                SpringKind::Torsional { on, preload } => {
-                    (preload - spring.stiffness * (value_of(mechanism, on, poses) - spring.rest)) * self.combination(on)
-                }
-                SpringKind::Linear { bodies, points_m } => {
-                    let ends = [0, 1].map(|k: usize| point_in(bodies[k], points_m[k], poses));
-                    let between = sub(ends[1], ends[0]);
-                    let length = dot(between, between).sqrt();
-                    let pull = scale(between, spring.stiffness * (length - spring.rest) / length);
-                    self.force(bodies[0], ends[0], pull) + self.force(bodies[1], ends[1], scale(pull, -1.0))
-                }
-            };
-        }
-        let efforts = efforts(mechanism, poses, *time_s);
-        let (of_joints, mut of_tendons) = (&efforts, efforts[mechanism.actuators.len()..].iter());
-        for tendon in &mechanism.tendons {
-            let pull = tendon.actuator.as_ref().and_then(|_| of_tendons.next());
-            if pull.is_some() && self.drives == DriveState::Blocked {
-                continue;
-            }
-            let elongation = (length_in(mechanism, tendon, poses) - tendon.rest_m).max(0.0);
-            let tension_n = tendon.stiffness_n_per_m * elongation + pull.unwrap_or(&0.0);
-            fixed += -tension_n * self.tendon(tendon);
-        }
-        let mut drives = Vec::new();
-        for (actuator, effort) in mechanism.actuators.iter().zip(of_joints) {
-            let on = self.combination(&actuator.on);
-            fixed += *effort * &on;
-            if let Some(brake) = actuator.brake.filter(|_| self.drives == DriveState::AtEffort) {
-                drives.push((self.reduced(&on), brake.torque_range(*time_s)));
-            }
-        }
-        for (index, joint) in mechanism.joints.iter().enumerate() {
-            if let Some(friction) = joint.friction {
-                let on = self.reduced(&self.combination(&JointCombination::of_joint(index)));
-                drives.push((on, [-friction.mu_static, friction.mu_static]));
-            }
-        }
+        let mut fixed = self.springs();
+        self.add_efforts(&efforts(mechanism, poses, *time_s), &mut fixed);
         let weight = self.field(mechanism.gravity_m_s2);
         let fixed = self.reduced(&fixed).iter().zip(&weight).map(|(load, weight)| load + weight).collect();
         let cones = contacts.iter().map(|contact| Cone { columns: self.contact(contact), mu: contact.mu });
@@ -405,10 +366,64 @@ impl<'a> Frame<'a> {
         let of_limit = |normal: Vec<f64>| Cone { columns: [normal, vec![0.0; coordinates]], mu: 0.0 };
         Ok(Equations {
             contacts: cones.chain(self.limits().chain(self.blocked_cables()).map(of_limit)).collect(),
-            drives,
+            drives: self.brakes().chain(self.joint_friction()).collect(),
             fixed,
             driving: Vec::new(),
             lengths: vec![self.length_m; coordinates],
+        })
+    }
+
+    /// Load of the springs.
+    fn springs(&self) -> DVector<f64> {
+        let MechanismAtRest { mechanism, poses, .. } = self.at_rest;
+        let load = |spring: &Spring| match &spring.kind {
+            SpringKind::Torsional { on, preload } => {
+                (preload - spring.stiffness * (value_of(mechanism, on, poses) - spring.rest)) * self.combination(on)
+            }
+            SpringKind::Linear { bodies, points_m } => {
+                let ends = [0, 1].map(|k: usize| point_in(bodies[k], points_m[k], poses));
+                let between = sub(ends[1], ends[0]);
+                let length = dot(between, between).sqrt();
+                let pull = scale(between, spring.stiffness * (length - spring.rest) / length);
+                self.force(bodies[0], ends[0], pull) + self.force(bodies[1], ends[1], scale(pull, -1.0))
+            }
+        };
+        mechanism.springs.iter().map(load).fold(DVector::zeros(3 * poses.len()), |sum, load| sum + load)
+    }
+
+    /// Adds the load of the actuators of joints and of all cables that are not blocked.
+    fn add_efforts(&self, efforts: &[f64], load: &mut DVector<f64>) {
+        let MechanismAtRest { mechanism, poses, .. } = self.at_rest;
+        let (of_joints, of_tendons) = efforts.split_at(mechanism.actuators.len());
+        let mut of_tendons = of_tendons.iter();
+        for tendon in &mechanism.tendons {
+            let pull = tendon.actuator.as_ref().and_then(|_| of_tendons.next());
+            if pull.is_some() && self.drives == DriveState::Blocked {
+                continue;
+            }
+            let elongation = (length_in(mechanism, tendon, poses) - tendon.rest_m).max(0.0);
+            let tension_n = tendon.stiffness_n_per_m * elongation + pull.unwrap_or(&0.0);
+            *load += -tension_n * self.tendon(tendon);
+        }
+        for (actuator, effort) in mechanism.actuators.iter().zip(of_joints) {
+            *load += *effort * self.combination(&actuator.on);
+        }
+    }
+
+    /// Generalised forces of unit torques of the brakes, with the ranges of their torques. A blocked actuator has none.
+    fn brakes(&self) -> impl Iterator<Item = (Vec<f64>, [f64; 2])> + '_ {
+        let actuators = self.at_rest.mechanism.actuators.iter().filter(|_| self.drives == DriveState::AtEffort);
+        actuators.filter_map(|actuator| {
+            let range = actuator.brake?.torque_range(self.at_rest.time_s);
+            Some((self.reduced(&self.combination(&actuator.on)), range))
+        })
+    }
+
+    /// Generalised forces of unit frictional efforts of joints, with their ranges.
+    fn joint_friction(&self) -> impl Iterator<Item = (Vec<f64>, [f64; 2])> + '_ {
+        self.at_rest.mechanism.joints.iter().enumerate().filter_map(|(index, joint)| {
+            let largest = joint.friction?.mu_static;
+            Some((self.reduced(&self.combination(&JointCombination::of_joint(index))), [-largest, largest]))
         })
     }
 
