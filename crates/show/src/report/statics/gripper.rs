@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::{closure_document, closure_text, force_closure_text, format_mu, millimetres};
+use super::{causes, closure_document, closure_text, force_closure_text, format_mu, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
 use crate::grasp::FrictionCase;
@@ -204,16 +204,11 @@ impl<'a> GripperStaticsReport<'a> {
                 (acceleration_m_s2, self.grasp.loads(contacts, limits), brakes)
             }
         };
-        let all = |verb: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{verb} {}", names.join(" ")));
-        let contacts = |verb: &str, motion: ContactMotion| {
-            let names = contacts_that(&loads, motion);
-            all(verb, &names.iter().map(|name| short_name(name)).collect::<Vec<_>>())
-        };
-        let brakes = all("brake", &self.slipping_brakes(brakes));
-        let parts = [contacts("slip", ContactMotion::Slips), contacts("leave", ContactMotion::Separates), brakes];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
-        let causes = if parts.is_empty() { "–".to_string() } else { parts.join(", ") };
-        [format_number(acceleration_m_s2 / G_M_S2, 4), causes]
+        let [slip, leave] =
+            [ContactMotion::Slips, ContactMotion::Separates].map(|motion| contacts_that(&loads, motion));
+        let [slip, leave] = [&slip, &leave].map(|names| names.iter().map(|name| short_name(name)).collect());
+        let names = vec![("slip", slip), ("leave", leave), ("brake", self.slipping_brakes(brakes))];
+        [format_number(acceleration_m_s2 / G_M_S2, 4), causes(Vec::new(), names)]
     }
 
     fn friction_case(&self, case: &FrictionCase) -> Report {

@@ -3,7 +3,7 @@
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::{force_closure_text, format_mu, millimetres};
+use super::{causes, force_closure_text, format_mu, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
 use crate::grasp::FrictionCase;
@@ -238,13 +238,6 @@ fn actuator_document(actuator: &ActuatorAtRest) -> Object<'_> {
 fn effort(actuator: &ActuatorAtRest) -> String {
     let unit = if actuator.is_torque { "N·m" } else { "N" };
     format!("{} ({} {unit})", actuator.name, number(actuator.effort))
-}
-
-/// Joins what is at its limit.
-fn causes(mut parts: Vec<String>, names: Vec<(&str, Vec<&str>)>) -> String {
-    let given = names.into_iter().filter(|(_, names)| !names.is_empty());
-    parts.extend(given.map(|(verb, names)| format!("{verb} {}", names.join(" "))));
-    if parts.is_empty() { "–".to_string() } else { parts.join(", ") }
 }
 
 /// Velocities of the moving bodies.
