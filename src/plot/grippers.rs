@@ -7,7 +7,7 @@ use super::canvas::{Marker, THIN_LINE};
 use super::chart::{Axis, PlotPoint, Series, series_chart};
 use super::theme::{BLUE, Colour, GREEN, ORANGE, SERIES, SOFT};
 use crate::scene;
-use crate::statics::AccelerationLimit;
+use crate::statics::MechanismLimit;
 use crate::study::capture::{Capture, ObjectPlacement};
 use crate::study::hold::{Evaluation, Hold, LoadBracket, LoadCase, LoadResult, Loads, axis_name};
 
@@ -80,7 +80,7 @@ fn polar(found: &Hold) -> String {
 
 /// Balanced acceleration at rest, as a limit; without values unless it is finite.
 fn at_rest(result: &LoadResult) -> LoadBracket {
-    let balanced = result.static_limit.as_ref().and_then(AccelerationLimit::acceleration_m_s2);
+    let balanced = result.static_limit.as_ref().and_then(MechanismLimit::acceleration_m_s2);
     LoadBracket { held: balanced, failed: balanced, ..LoadBracket::default() }
 }
 

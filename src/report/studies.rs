@@ -12,7 +12,7 @@ use crate::format::numbers::{G_M_S2, format_number, or_dash, row, zero_below_res
 use crate::format::report::{Report, Table, ToReport, table};
 use crate::gripper::Placement;
 use crate::sizing::{Profile, ProfilePoint, Rule, Sizing};
-use crate::statics::AccelerationLimit;
+use crate::statics::MechanismLimit;
 use crate::study::capture::{Capture, Edge, ObjectPlacement};
 use crate::study::hold::{Hold, LoadBracket, LoadCase, LoadResult, LoadSize, Loads, StartReason, axis_name};
 use crate::study::size::FingerSizing;
@@ -199,9 +199,9 @@ fn describe_load(load: &LoadResult, study: &Hold) -> String {
     };
     let balanced = match &load.static_limit {
         None => return format!("{slips}{drops}"),
-        Some(AccelerationLimit::Infeasible) => "nothing".to_string(),
-        Some(AccelerationLimit::Limited(limit)) => acceleration(limit.acceleration_m_s2),
-        Some(AccelerationLimit::Unlimited) => "any acceleration".to_string(),
+        Some(MechanismLimit::Infeasible { .. }) => "nothing".to_string(),
+        Some(MechanismLimit::Limited { acceleration_m_s2, .. }) => acceleration(*acceleration_m_s2),
+        Some(MechanismLimit::Unlimited) => "any acceleration".to_string(),
     };
     format!("{slips}{drops}; contacts at rest balance {balanced}")
 }

@@ -2,13 +2,18 @@
 //! forces (columns from displaced bodies), with mirror images, and monotonicity.
 
 use std::f64::consts::TAU;
+use std::sync::LazyLock;
 
 use nalgebra::{SMatrix, SVector};
-use phalanx::gripper::{Bodies, Body, Finger, FingerContact};
+use phalanx::drive::{Brake, Profile};
+use phalanx::grasp::{DriveMode, GraspState, GripperAtRest, gripper_at_rest};
+use phalanx::gripper::{Bodies, Body, Finger, Spring};
+use phalanx::law::ContactLaw;
 use phalanx::numeric::plane::{add, cross, dot, scale, sub};
+use phalanx::scene::{self, Differential, Hand, Motor, Object, ObjectMotion};
 use phalanx::statics::{
-    AccelerationLimit, Balance, ContactLocation, ContactMotion, Drive, GraspConfiguration, HandAtRest, Limit,
-    PerContact, Side, balance_polar, balanced_acceleration, drive_loads, equilibrium,
+    BodyMotion, ContactMotion, GraspConfiguration, MechanismBalance, MechanismLimit, PerContact, StaticsError,
+    drive_loads, equilibrium, mechanism_balance, mechanism_balance_towards,
 };
 
 use crate::support::designs::{THIRDS, design_95, sweep_designs};
@@ -22,6 +27,77 @@ const MASS: f64 = 0.053784;
 /// Brake torque range of a motor without a brake.
 const NO_BRAKE: [f64; 2] = [0.0; 2];
 
+/// A gripper with its active contacts.
+#[derive(Clone, Debug)]
+struct HandAtRest<'a> {
+    configuration: GraspConfiguration<'a>,
+    /// Friction coefficients of the active contacts.
+    friction: PerContact<Option<f64>>,
+    springs: [Option<Spring>; 2],
+    drives: Vec<Drive>,
+    mass_kg: f64,
+    gravity_m_s2: [f64; 2],
+}
+
+/// A motor, the fractions of its torque on the driven links (right, left), and the range of torques of its brake.
+#[derive(Clone, Copy, Debug)]
+struct Drive {
+    weights: [f64; 2],
+    torque_n_m: f64,
+    brake_n_m: [f64; 2],
+}
+
+impl Drive {
+    fn motor(&self) -> Motor {
+        let [least, most] = self.brake_n_m;
+        let brake = Brake {
+            torque_n_m: most,
+            start_s: 1.0,
+            rise_s: 1e-3,
+            release_s: Some(2.0),
+            one_way: least == 0.0,
+            v_static_rad_s: 0.01,
+            bristle: None,
+        };
+        let brake = (self.brake_n_m != NO_BRAKE).then_some(brake);
+        Motor { brake, ..Motor::from_actuation(Profile::Constant { value: self.torque_n_m }) }
+    }
+}
+
+impl HandAtRest<'_> {
+    fn gripper(&self) -> Result<GripperAtRest, StaticsError> {
+        static TEMPLATE: LazyLock<Hand> =
+            LazyLock::new(|| scene::load_any("scenes/gripper/design-95.toml").expect("a scene").hand);
+        let GraspConfiguration { fingers, palm_width_m, object, .. } = self.configuration;
+        let mut hand = Hand { palm_width_m, gravity_m_s2: self.gravity_m_s2, ..TEMPLATE.clone() };
+        let set_friction = |law: &mut ContactLaw, mu: Option<f64>| {
+            law.friction.as_mut().expect("friction").mu_static = mu.unwrap_or_default();
+        };
+        for (side, finger) in hand.fingers.iter_mut().enumerate() {
+            (finger.linkage, finger.spring) = (*fingers[side], self.springs[side]);
+            let driven = self.drives.iter().find(|drive| drive.weights[side] == 1.0);
+            finger.motor = driven.map_or(Motor::NONE, Drive::motor);
+            let mu = self.friction.phalanges[side];
+            finger.contact.both_mut().into_iter().zip(mu).for_each(|(law, mu)| set_friction(law, mu));
+        }
+        set_friction(hand.palm.as_mut().expect("a palm").contact.as_mut().expect("a law"), self.friction.palm);
+        let input = self.drives.iter().find(|drive| drive.weights == [0.5; 2]);
+        hand.differential = input.map(|drive| Differential { motor: drive.motor(), seesaw_inertia_kg_m2: 0.0 });
+        let motion =
+            ObjectMotion::Free { mass_kg: self.mass_kg, inertia_kg_m2: 1e-5, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 };
+        hand.object = Some(Object { motion, ..Object::fixed(object) });
+        let has_brake = self.drives.iter().any(|drive| drive.brake_n_m != NO_BRAKE);
+        let mode = if has_brake { DriveMode::Blocked } else { DriveMode::AtTorque };
+        let active = self.friction.map(|mu| mu.is_some());
+        let configuration = self.configuration;
+        gripper_at_rest(&hand, &GraspState { configuration, active, at_limit: [false; 2], time_s: 0.0 }, mode)
+    }
+}
+
+fn balance_towards(hand: &HandAtRest<'_>, direction: [f64; 2]) -> Result<MechanismBalance, StaticsError> {
+    mechanism_balance_towards(&hand.gripper()?.at_rest(), direction)
+}
+
 fn drives(torque_n_m: f64, brake_n_m: [f64; 2]) -> Vec<Drive> {
     [[1.0, 0.0], [0.0, 1.0]].map(|weights| Drive { weights, torque_n_m, brake_n_m }).to_vec()
 }
@@ -31,7 +107,6 @@ fn symmetric(grasp: &Grasp, mu: f64, drives: Vec<Drive>) -> HandAtRest<'_> {
     HandAtRest {
         configuration: symmetric_configuration(grasp),
         friction: PerContact { phalanges: [[Some(mu); 2]; 2], palm: Some(mu) },
-        limits: [false; 2],
         springs: [Some(constant_spring(0.1326)); 2],
         drives,
         mass_kg: MASS,
@@ -45,16 +120,16 @@ fn without_mass(finger: &Finger) -> Finger {
 }
 
 #[track_caller]
-fn acceleration_limit(hand: &HandAtRest<'_>, direction: [f64; 2]) -> AccelerationLimit {
-    balanced_acceleration(hand, direction).expect("a solution").largest
+fn acceleration_limit(hand: &HandAtRest<'_>, direction: [f64; 2]) -> MechanismLimit {
+    balance_towards(hand, direction).expect("a solution").largest
 }
 
 /// Maps a limit to a comparable number: infinite if unlimited, negative if infeasible.
-fn limit_value(balanced: &AccelerationLimit) -> f64 {
+fn limit_value(balanced: &MechanismLimit) -> f64 {
     match balanced {
-        AccelerationLimit::Infeasible => -1.0,
-        AccelerationLimit::Limited(limit) => limit.acceleration_m_s2,
-        AccelerationLimit::Unlimited => f64::INFINITY,
+        MechanismLimit::Infeasible { .. } => -1.0,
+        MechanismLimit::Limited { acceleration_m_s2, .. } => *acceleration_m_s2,
+        MechanismLimit::Unlimited => f64::INFINITY,
     }
 }
 
@@ -73,25 +148,20 @@ fn without_friction_the_palm_force_limits_the_acceleration() {
             let hand = symmetric(&grasp, 0.0, drives(torque, NO_BRAKE));
             let up = acceleration_limit(&hand, [0.0, -1.0]);
             if !static_forces.is_force_positive() || palm_n < 0.0 {
-                assert_eq!(up, AccelerationLimit::Infeasible, "{design:?} {static_forces:?}");
+                assert!(matches!(up, MechanismLimit::Infeasible { .. }), "{design:?} {static_forces:?}");
                 infeasible += 1;
                 continue;
             }
             feasible += 1;
-            let AccelerationLimit::Limited(up) = up else { panic!("{design:?}") };
-            assert!((up.acceleration_m_s2 - palm_n / MASS).abs() < 1e-8 * (1.0 + palm_n / MASS), "{up:?} {palm_n}");
-            let contact_at = |location: ContactLocation| {
-                *up.contacts.iter().find(|contact| contact.location == location).expect("a contact")
-            };
-            let palm_motion = contact_at(ContactLocation::Palm).contact_motion;
-            assert_eq!(palm_motion, ContactMotion::Separates, "{design:?} {torque} {palm_n}: {up:?}");
-            for side in Side::BOTH {
-                let [proximal, distal] = [FingerContact::Proximal, FingerContact::Distal]
-                    .map(|contact| contact_at(ContactLocation::Finger(side, contact)).normal_n);
-                let errors = [proximal - static_forces.f21_n, distal - static_forces.f22_n];
+            let MechanismLimit::Limited { acceleration_m_s2, contacts, .. } = &up else { panic!("{design:?}") };
+            assert!((acceleration_m_s2 - palm_n / MASS).abs() < 1e-8 * (1.0 + palm_n / MASS), "{up:?} {palm_n}");
+            let [right, left, palm] = [&contacts[..2], &contacts[2..4], &contacts[4..]];
+            assert_eq!(palm[0].2, ContactMotion::Separates, "{design:?} {torque} {palm_n}: {up:?}");
+            for finger in [right, left] {
+                let errors = [finger[0].0 - static_forces.f21_n, finger[1].0 - static_forces.f22_n];
                 assert!(errors.iter().all(|error| error.abs() < 1e-7), "{up:?} {static_forces:?}");
             }
-            assert_eq!(acceleration_limit(&hand, [0.0, 1.0]), AccelerationLimit::Unlimited);
+            assert_eq!(acceleration_limit(&hand, [0.0, 1.0]), MechanismLimit::Unlimited);
             for direction in [[1.0, 0.0], [-1.0, 0.0]] {
                 assert!(limit_value(&acceleration_limit(&hand, direction)).abs() < 1e-6, "{design:?}");
             }
@@ -240,11 +310,19 @@ fn limit_by_vertices(hand: &HandAtRest<'_>, columns: &ForceColumns, direction: [
     }
 }
 
-/// Returns the upper bound on the acceleration from the motion of a limit, and the smallest relative power of an edge force in it.
-fn bound(hand: &HandAtRest<'_>, columns: &ForceColumns, direction: [f64; 2], limit: &Limit) -> (f64, f64) {
-    let ([right, left], [x, y]) = (limit.motion.fingers_rad_s, limit.motion.object_m_s);
-    let motion = Column::from([right[0], right[1], left[0], left[1], x, y, limit.motion.spin_rad_s]);
-    let driving = motion.dot(&(columns.inertia[0] * direction[0] + columns.inertia[1] * direction[1]));
+/// Returns a motion of all bodies as rates of the rows.
+fn row_rates(hand: &HandAtRest<'_>, motion: &[BodyMotion]) -> Column {
+    let bodies = hand.gripper().expect("a posture").mechanism.bodies;
+    let of = |name: &str| motion[bodies.iter().position(|body| body.name == name).expect("a body")];
+    let [x, y, spin] = of("object");
+    let [right, left] = ["right", "left"].map(|side| ["l11", "l21"].map(|link| of(&format!("{side}_{link}"))[2]));
+    Column::from([right[0], right[1], -left[0], -left[1], x, y, spin])
+}
+
+/// Returns the upper bound on the acceleration from a motion, and the smallest relative power of an edge force in it.
+fn bound(hand: &HandAtRest<'_>, columns: &ForceColumns, direction: [f64; 2], motion: &[BodyMotion]) -> (f64, f64) {
+    let ([x, y], motion) = (direction, row_rates(hand, motion));
+    let driving = motion.dot(&(columns.inertia[0] * x + columns.inertia[1] * y));
     let braked = hand.drives.iter().zip(&columns.drives).map(|(drive, column)| {
         drive.brake_n_m.map(|torque| -torque * motion.dot(column)).into_iter().fold(f64::NEG_INFINITY, f64::max)
     });
@@ -259,7 +337,7 @@ fn disturbed<'a>(random: &mut Random, [right, left]: [&'a Grasp; 2]) -> HandAtRe
         let mut mu = || Some(random.within(0.2, 0.9));
         let friction = PerContact { phalanges: [[mu(), mu()], [mu(), mu()]], palm: mu() };
         let hand = HandAtRest { configuration, friction, ..symmetric(right, 0.0, Vec::new()) };
-        if balanced_acceleration(&hand, [1.0, 0.0]).is_ok() {
+        if balance_towards(&hand, [1.0, 0.0]).is_ok() {
             return hand;
         }
     }
@@ -294,15 +372,15 @@ fn limits_agree_with_vertex_enumeration() {
             let expected = limit_by_vertices(&hand, &columns, [cos, sin]);
             let a = limit_value(&actual);
             match &actual {
-                AccelerationLimit::Infeasible => infeasible += 1,
-                AccelerationLimit::Unlimited => unlimited += 1,
-                AccelerationLimit::Limited(limit) => {
+                MechanismLimit::Infeasible { .. } => infeasible += 1,
+                MechanismLimit::Unlimited => unlimited += 1,
+                MechanismLimit::Limited { motion, gap, .. } => {
                     limited += 1;
                     let tolerance = 1e-6 * (10.0 + expected);
                     assert!(expected >= 0.0 && (a - expected).abs() < tolerance, "{round}: {a}, not {expected}");
-                    let (bound, min_power) = bound(&hand, &columns, [cos, sin], limit);
+                    let (bound, min_power) = bound(&hand, &columns, [cos, sin], motion);
                     assert!((bound - a).abs() < tolerance && min_power > -1e-8, "{round}: {bound} {a} {min_power}");
-                    assert!(limit.gap < 1e-9, "{}", limit.gap);
+                    assert!(*gap < 1e-9, "{gap}");
                     continue;
                 }
             }
@@ -324,8 +402,8 @@ fn mirrored<'a>(hand: &HandAtRest<'a>) -> HandAtRest<'a> {
 }
 
 fn polar_limits(hand: &HandAtRest<'_>, count: usize) -> Vec<f64> {
-    let balances = balance_polar(hand, count).expect("a solution");
-    assert!(balances.iter().enumerate().all(|(index, Balance { direction: [x, y], .. })| {
+    let balances = mechanism_balance(&hand.gripper().expect("a posture").at_rest(), count).expect("a solution");
+    assert!(balances.iter().enumerate().all(|(index, MechanismBalance { direction: [x, y], .. })| {
         let (sin, cos) = (TAU * index as f64 / count as f64).sin_cos();
         (x - cos).abs() < 1e-15 && (y - sin).abs() < 1e-15
     }));
@@ -400,22 +478,20 @@ fn disc_on_the_palm_alone_balances_no_lateral_acceleration() {
     (hand.springs, hand.gravity_m_s2) = ([None; 2], [0.0, -9.81]);
     hand.friction.phalanges = [[None; 2]; 2];
     assert!(limit_value(&acceleration_limit(&hand, [1.0, 0.0])).abs() < 1e-9);
-    assert_eq!(acceleration_limit(&hand, [0.0, 1.0]), AccelerationLimit::Unlimited);
+    assert_eq!(acceleration_limit(&hand, [0.0, 1.0]), MechanismLimit::Unlimited);
     let down = acceleration_limit(&hand, [0.0, -1.0]);
     assert!((limit_value(&down) - 9.81).abs() < 1e-9, "{down:?}");
     // The disc falls if the palm is above it.
     hand.gravity_m_s2 = [0.0, 9.81];
-    assert_eq!(acceleration_limit(&hand, [0.0, 1.0]), AccelerationLimit::Infeasible);
+    assert!(matches!(acceleration_limit(&hand, [0.0, 1.0]), MechanismLimit::Infeasible { .. }));
 }
 
 #[test]
 fn errors_name_the_invalid_value() {
     let grasp_95 = grasp(&design_95()).expect("a grasp");
     let hand = symmetric(&grasp_95, 0.8, drives(0.48, NO_BRAKE));
-    let error =
-        |hand: &HandAtRest<'_>, direction| balanced_acceleration(hand, direction).expect_err("an error").to_string();
+    let error = |hand: &HandAtRest<'_>, direction| balance_towards(hand, direction).expect_err("an error").to_string();
     assert!(error(&hand, [0.0, 0.0]).contains("norm of the direction is 0"));
-    assert!(error(&HandAtRest { mass_kg: 0.0, ..hand.clone() }, [1.0, 0.0]).contains("mass is 0"));
     assert!(error(&symmetric(&grasp_95, -0.1, Vec::new()), [1.0, 0.0]).contains("mu_static is -0.1"));
     let mut open_loop = hand.clone();
     open_loop.configuration.angles_rad[1] = [3.0, 0.1];

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phalanx::criteria::Fate;
 use phalanx::scene::{self, Axis, Layer, Scene};
-use phalanx::statics::AccelerationLimit;
+use phalanx::statics::MechanismLimit;
 use phalanx::study::hold::{Evaluation, Hold, HoldError, LoadCase, LoadResult, Loads, Plan, StartReason, hold};
 use phalanx::thesis::Monitor;
 use phalanx::trace::Model;
@@ -94,7 +94,7 @@ fn slow_loads_above_the_static_limit_are_not_held() {
     let slow = Loads::Pulses { directions: 4, length_s: 0.2 };
     let study = run_hold(&scene, Plan { slip_m: 20e-6, to_m_s2: 512.0, scan: 8, ..plan(slow) });
     let static_limit_m_s2 = |result: &LoadResult| {
-        result.static_limit.as_ref().and_then(AccelerationLimit::acceleration_m_s2).expect("a limit at rest")
+        result.static_limit.as_ref().and_then(MechanismLimit::acceleration_m_s2).expect("a limit at rest")
     };
     for result in &study.results {
         let LoadCase::Pulse { direction_rad, .. } = result.case else { panic!("{:?}", result.case) };

@@ -567,7 +567,7 @@ fn four_fingers_agree_with_newton_and_euler() {
     let request =
         MechanismGraspRequest { object: Some("obj".to_string()), directions: 12, ..MechanismGraspRequest::default() };
     let found = mechanism_grasp(&scene, &request, &|| true).expect("a grasp");
-    let contacts = found.contacts.iter().map(|contact| contact.at_rest.clone()).collect();
+    let contacts = found.contacts.iter().map(|contact| contact.at_rest).collect();
     let case = Case { mechanism, object: 0, base: None, contacts, units: [0.1, 0.5] };
     for (drives, polar) in [DriveState::Blocked, DriveState::AtEffort].into_iter().zip(&found.friction_cases[0].polar) {
         for balance in polar {

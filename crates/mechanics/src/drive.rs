@@ -219,6 +219,12 @@ impl Brake {
         (on * (1.0 - off), on_rate * (1.0 - off) - on * off_rate)
     }
 
+    /// Smallest and largest torque, N·m.
+    pub fn torque_range(&self, t: f64) -> [f64; 2] {
+        let largest = self.torque_n_m * self.engagement(t).0;
+        [if self.one_way { 0.0 } else { -largest }, largest]
+    }
+
     /// Returns the next time after `t` at which the engagement has a kink; infinite if there is none.
     #[inline]
     pub fn next_discontinuity(&self, t: f64) -> f64 {

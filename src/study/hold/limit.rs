@@ -7,7 +7,7 @@ use super::load::{LoadCase, LoadSize};
 use super::plan::LoadOutcome;
 use crate::criteria::Fate;
 use crate::numeric::elementary::{exp, ln, log2};
-use crate::statics::AccelerationLimit;
+use crate::statics::MechanismLimit;
 
 /// Outcome of the run under one load.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +92,7 @@ pub struct LoadResult {
     /// Largest load of the scan: the plan's, or the largest that keeps the object clear of the table.
     pub to_m_s2: f64,
     /// Acceleration that is balanced at rest at the start of the loads; `None` if this kind of load has no such limit.
-    pub static_limit: Option<AccelerationLimit>,
+    pub static_limit: Option<MechanismLimit>,
     /// Evaluations, sorted by load.
     pub evaluations: Vec<Evaluation>,
     pub slips: LoadBracket,
@@ -142,9 +142,9 @@ impl Serialize for LoadResult {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let (quasi_static, quasi_static_m_s2) = match &self.static_limit {
             None => (None, None),
-            Some(AccelerationLimit::Infeasible) => (Some("nothing"), None),
-            Some(AccelerationLimit::Limited(limit)) => (Some("up to"), Some(limit.acceleration_m_s2)),
-            Some(AccelerationLimit::Unlimited) => (Some("any"), None),
+            Some(MechanismLimit::Infeasible { .. }) => (Some("nothing"), None),
+            Some(MechanismLimit::Limited { acceleration_m_s2, .. }) => (Some("up to"), Some(*acceleration_m_s2)),
+            Some(MechanismLimit::Unlimited) => (Some("any"), None),
         };
         let limit = |limit: &LoadBracket| {
             Object::default()

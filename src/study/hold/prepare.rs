@@ -6,12 +6,12 @@ use serde::Serialize;
 
 use super::load::{Load, LoadCase, LoadSetup, moves_start, peak_acceleration, rescale};
 use super::plan::{HoldError, Loads, Plan};
-use crate::criteria::{DriveMode, Fate, GraspTracker, sampled_hand_at_rest};
-use crate::grasp::run;
+use crate::criteria::{Fate, GraspTracker};
+use crate::grasp::{DriveMode, grasp_state, gripper_at_rest, run};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::{Axis, Cycle, Motor, Move, ObjectMotion, PalmMotion, Profile, Scene};
 use crate::shape::support;
-use crate::statics::{AccelerationLimit, balanced_acceleration};
+use crate::statics::{MechanismLimit, mechanism_balance_towards};
 use crate::study::bisect;
 use crate::thesis::Monitor;
 use crate::trace::{Event, Model, Outcome, RequiredData, Sample, Sink, SinkError};
@@ -248,7 +248,7 @@ fn is_clear(prepared: &PreparedScene, load: &Load) -> bool {
 /// for the active contacts of a sample; `None` for loads that rotate the palm or change their direction, and where
 /// statics has no solution. Engaged brakes hold up to their torque; if a motor has
 /// no engaged brake, all motors apply only their actuation torque.
-pub(super) fn static_limit(prepared: &PreparedScene, sample: &Sample, case: &LoadCase) -> Option<AccelerationLimit> {
+pub(super) fn static_limit(prepared: &PreparedScene, sample: &Sample, case: &LoadCase) -> Option<MechanismLimit> {
     let (sin, cos) = match case {
         LoadCase::Pulse { direction_rad, .. } => sin_cos(*direction_rad),
         LoadCase::Vibration { axis: Axis::X, .. } => (0.0, 1.0),
@@ -258,14 +258,14 @@ pub(super) fn static_limit(prepared: &PreparedScene, sample: &Sample, case: &Loa
     let is_engaged = |blocked_s: Option<f64>| blocked_s.is_some_and(|blocked_s| blocked_s <= prepared.setup.start_s);
     let all_engaged = prepared.scene.cycle().blocked_s.into_iter().all(is_engaged);
     let driven = if all_engaged { DriveMode::Blocked } else { DriveMode::AtTorque };
-    let hand = sampled_hand_at_rest(&prepared.scene, sample, driven)?;
+    let gripper = gripper_at_rest(&prepared.scene.hand, &grasp_state(&prepared.scene, sample), driven).ok()?;
     // A load accelerates in one direction and brakes in the other.
-    let limits =
-        [[cos, sin], [-cos, -sin]].map(|direction| Some(balanced_acceleration(&hand, direction).ok()?.largest));
-    let value = |limit: &AccelerationLimit| match limit {
-        AccelerationLimit::Infeasible => f64::NEG_INFINITY,
-        AccelerationLimit::Limited(limit) => limit.acceleration_m_s2,
-        AccelerationLimit::Unlimited => f64::INFINITY,
+    let limits = [[cos, sin], [-cos, -sin]]
+        .map(|direction| Some(mechanism_balance_towards(&gripper.at_rest(), direction).ok()?.largest));
+    let value = |limit: &MechanismLimit| match limit {
+        MechanismLimit::Infeasible { .. } => f64::NEG_INFINITY,
+        MechanismLimit::Limited { acceleration_m_s2, .. } => *acceleration_m_s2,
+        MechanismLimit::Unlimited => f64::INFINITY,
     };
     let [forward, backward] = limits;
     let (forward, backward) = forward.zip(backward)?;

@@ -1,14 +1,12 @@
-//! Grasps at rest: configuration, normal forces and closures of a gripper's grasp in a sample, the gripper at rest with
-//! its object, and the final posture and contact forces of a finger.
+//! Grasps at rest: configuration, normal forces and closures of a gripper's grasp in a sample, and the final posture and
+//! contact forces of a finger.
 
 use crate::gripper::{FinalPosture, FingerContact, GraspError, final_posture};
-use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::rotate;
-use crate::scene::{HandContact, Motor, Object, ObjectMotion, Scene, Side};
+use crate::scene::{HandContact, Object, Scene, Side};
 use crate::shape::{PlacedShape, max_radius};
 use crate::statics::{
-    Blocked, Drive, Equilibrium, ForceClosure, FrictionContact, GraspConfiguration, HandAtRest, PerContact,
-    StaticsError, drive_loads, equilibrium_with_mu, force_closure, gripper_closure,
+    Blocked, Equilibrium, ForceClosure, FrictionContact, GraspConfiguration, PerContact, StaticsError, drive_loads,
+    equilibrium_with_mu, force_closure, gripper_closure,
 };
 use crate::trace::{BodyState, ContactSample, FingerState, Sample};
 
@@ -42,7 +40,7 @@ pub fn is_form_closed(scene: &Scene, sample: &Sample) -> Option<bool> {
 }
 
 /// Returns the static friction coefficients of phalanges and palm.
-pub(crate) fn friction_coefficients(scene: &Scene) -> PerContact<f64> {
+pub(super) fn friction_coefficients(scene: &Scene) -> PerContact<f64> {
     let palm =
         scene.hand.law(HandContact::Palm).and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
     PerContact { phalanges: Side::BOTH.map(|side| scene.hand.finger(side).contact.mu_static()), palm }
@@ -75,78 +73,6 @@ pub(super) fn selected_force_closure(
     };
     let contacts: Vec<FrictionContact> = contacts.filter_map(friction_contact).collect();
     force_closure(&contacts, centre_m, object_m)
-}
-
-/// Whether drives resist being driven back while the palm is accelerated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DriveMode {
-    /// Motors exert their torque, and brakes up to their holding torque; one-way brakes only resist opening. A motor
-    /// without a brake is blocked at any torque. With a differential, this applies to its input.
-    Blocked,
-    /// Motors exert their torque, and nothing blocks them.
-    AtTorque,
-}
-
-/// Configuration of a gripper and its active contacts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GraspState<'a> {
-    pub configuration: GraspConfiguration<'a>,
-    /// Active contacts of phalanges and palm. The table is excluded, because the gripper lifts its object from it.
-    pub active: PerContact<bool>,
-    /// Whether the joint limits are active, right and left.
-    pub at_limit: [bool; 2],
-    /// Time at which motor torques and palm angle are evaluated, s.
-    pub time_s: f64,
-}
-
-pub(crate) fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
-    let limit = |side| HandContact::Finger(side, FingerContact::Limit);
-    let is_at_limit = |side| sample.hand_contact(&scene.hand, limit(side)).normal_n > 0.0;
-    GraspState {
-        configuration: grasp_configuration(scene, sample),
-        active: normal_forces(scene, sample).map(|normal_n| normal_n > 0.0),
-        at_limit: Side::BOTH.map(is_at_limit),
-        time_s: sample.time_s,
-    }
-}
-
-/// Returns the gripper at rest with its active contacts; `None` if its object is fixed.
-pub(crate) fn hand_at_rest<'a>(scene: &'a Scene, grasp: &GraspState<'a>, mode: DriveMode) -> Option<HandAtRest<'a>> {
-    let ObjectMotion::Free { mass_kg, .. } = scene.hand.grasped().motion else { return None };
-    let GraspState { configuration, active, at_limit, time_s } = *grasp;
-    let drive = |motor: &Motor, weights: [f64; 2]| Drive {
-        weights,
-        torque_n_m: motor.actuation.at(time_s).0,
-        brake_n_m: match (mode, motor.brake) {
-            (DriveMode::AtTorque, _) => [0.0; 2],
-            (DriveMode::Blocked, None) => [f64::NEG_INFINITY, f64::INFINITY],
-            (DriveMode::Blocked, Some(brake)) => {
-                [if brake.one_way { 0.0 } else { -brake.torque_n_m }, brake.torque_n_m]
-            }
-        },
-    };
-    let drives = match &scene.hand.differential {
-        Some(differential) => vec![drive(&differential.motor, [0.5, 0.5])],
-        None => vec![
-            drive(&scene.hand.finger(Side::Right).motor, [1.0, 0.0]),
-            drive(&scene.hand.finger(Side::Left).motor, [0.0, 1.0]),
-        ],
-    };
-    let (sin, cos) = sin_cos(scene.hand.palm_motion.as_ref().map_or(0.0, |motion| motion.pose(time_s).position[2]));
-    Some(HandAtRest {
-        configuration,
-        friction: friction_coefficients(scene).zip_with(active, |mu, is_active| is_active.then_some(mu)),
-        limits: at_limit,
-        springs: Side::BOTH.map(|side| scene.hand.finger(side).spring),
-        drives,
-        mass_kg,
-        gravity_m_s2: rotate(scene.hand.gravity_m_s2, [cos, -sin]),
-    })
-}
-
-/// Returns `hand_at_rest` with the grasp state of a sample.
-pub fn sampled_hand_at_rest<'a>(scene: &'a Scene, sample: &Sample, mode: DriveMode) -> Option<HandAtRest<'a>> {
-    hand_at_rest(scene, &grasp_state(scene, sample), mode)
 }
 
 /// The two angles of the geometric final configuration, in which both phalanges touch the object.

@@ -32,10 +32,9 @@ use serde::Serialize;
 
 pub use class::{Class, ClassReason, Condition, EPSILON_RAD, FinalContact, Loss, RESOLUTION_S, rebound_percent};
 pub use configuration::{
-    DriveMode, FinalAngles, GraspState, StaticGrasp, grasp_configuration, is_form_closed, normal_forces,
-    sample_force_closure, sampled_hand_at_rest, scene_static_grasp, static_grasp,
+    FinalAngles, StaticGrasp, grasp_configuration, is_form_closed, normal_forces, sample_force_closure,
+    scene_static_grasp, static_grasp,
 };
-pub(crate) use configuration::{friction_coefficients, grasp_state, hand_at_rest};
 pub use grasp_tracker::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, GraspTracker, Travel, fate_reason};
 pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
 pub use rebounds::{Rebound, Rebounds};

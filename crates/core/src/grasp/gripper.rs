@@ -3,15 +3,16 @@
 //! The posture is taken from a run, is the geometric one around the object of the scene, or is given. The results are
 //! force closure with friction, form closure, and the accelerations of the palm that the contacts can balance.
 
-use std::f64::consts::TAU;
-
-use crate::criteria::{DriveMode, Fate, GraspState, GraspTracker, friction_coefficients, grasp_state, hand_at_rest};
+use super::friction::{FrictionCase, Held, friction_cases};
+use super::gripper_at_rest::{DriveMode, GraspState, GripperAtRest, contact_value, grasp_state, gripper_at_rest};
+use crate::criteria::{Fate, GraspTracker};
 use crate::gripper::{FingerContact, GraspError, Posture, close_loop, final_posture};
-use crate::scene::{HandContact, ObjectMotion, Scene, Side, WrongKind};
+use crate::mechanism::Actuator;
+use crate::numeric::elementary::hypot;
+use crate::scene::{HandContact, Object, ObjectMotion, Scene, Side, WrongKind};
 use crate::shape::max_radius;
 use crate::statics::{
-    Balance, Blocked, ContactPoint, Drive, ForceClosure, FormClosure, FrictionContact, GraspConfiguration, HandAtRest,
-    PerContact, StaticsError, balance_polar, force_closure, gripper_closure,
+    Blocked, BodyMotion, ContactMotion, ContactPoint, FormClosure, PerContact, StaticsError, efforts, gripper_closure,
 };
 use crate::trace::{
     self, BodyState, Cancellable, ContactSample, FingerState, Model, Outcome, RunError, Sample, Schema, Sink,
@@ -59,15 +60,50 @@ pub struct GripperGrasp {
     pub source: PostureSource,
     /// Configuration of fingers and object; for a run also forces.
     pub sample: Sample,
+    /// Names of all bodies, in the order of motions.
+    pub bodies: Vec<String>,
     pub mass_kg: f64,
     pub gravity_m_s2: [f64; 2],
     pub contacts: Vec<ObjectContact>,
-    /// Blocked motors: one per finger, or the input of the differential.
-    pub drives: Vec<Drive>,
+    /// Joint limits that are reached.
+    pub limits: Vec<HandContact>,
+    /// Motors of the fingers, or of the input of the differential.
+    pub motors: Vec<MotorAtRest>,
     /// Form closure with both driven links blocked and, with a differential, also with its input blocked.
     pub closures: Vec<(Blocked, Result<FormClosure, StaticsError>)>,
     /// One case for each requested friction coefficient.
-    pub friction_cases: Vec<FrictionCase<Balance>>,
+    pub friction_cases: Vec<FrictionCase>,
+}
+
+/// A motor that is blocked, or at its torque.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotorAtRest {
+    /// `right` or `left`, or `input` of the differential.
+    pub name: String,
+    /// Positive torques close the finger.
+    pub torque_n_m: f64,
+    /// Smallest and largest torque of the brake that blocks it; infinite without a brake in the scene.
+    pub brake_n_m: [f64; 2],
+}
+
+/// Force of a contact or joint limit at the largest acceleration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactLoad {
+    pub id: HandContact,
+    /// Normal force, N; for a joint limit a torque, N·m.
+    pub normal_n: f64,
+    /// Friction on phalanx or palm along t = (n_y, −n_x), N; mirrored on the left.
+    pub tangential_n: f64,
+    pub motion: ContactMotion,
+}
+
+/// A motion of object and fingers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandMotion {
+    pub object_m_s: [f64; 2],
+    pub spin_rad_s: f64,
+    /// (q̇11, q̇21) of the right and the left finger; for the left finger, of its mirror image.
+    pub fingers_rad_s: [[f64; 2]; 2],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,22 +123,40 @@ pub struct ObjectContact {
     pub forces_n: Option<[f64; 2]>,
 }
 
-/// Closure and balanced accelerations with one friction coefficient; `None`: with the coefficients of the scene.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FrictionCase<B> {
-    pub mu_static: Option<f64>,
-    pub force_closure: ForceClosure,
-    /// Balanced accelerations in evenly spaced directions, with the drives blocked, and with them at their effort.
-    pub polar: [Vec<B>; 2],
-}
+impl GripperGrasp {
+    /// Returns the forces of the contacts and of the joint limits that are reached, in the order of [`HandContact::ALL`].
+    pub fn loads(&self, contacts: &[(f64, f64, ContactMotion)], limits: &[(f64, ContactMotion)]) -> Vec<ContactLoad> {
+        let of_contact = |(contact, load): (&ObjectContact, &(f64, f64, ContactMotion))| {
+            let (id, (normal_n, tangential_n, motion)) = (contact.id, *load);
+            ContactLoad { id, normal_n, tangential_n: tangent_sign(id) * tangential_n, motion }
+        };
+        let of_limit = |(id, (torque_n_m, motion)): (&HandContact, &(f64, ContactMotion))| ContactLoad {
+            id: *id,
+            normal_n: *torque_n_m,
+            tangential_n: 0.0,
+            motion: *motion,
+        };
+        let mut loads: Vec<ContactLoad> = self.contacts.iter().zip(contacts).map(of_contact).collect();
+        loads.extend(self.limits.iter().zip(limits).map(of_limit));
+        loads.sort_by_key(|load| load.id.index());
+        loads
+    }
 
-impl<B> FrictionCase<B> {
-    /// Angle of every `stride`-th direction from x towards y, with both balances.
-    pub fn directions(&self, stride: usize) -> impl Iterator<Item = (f64, [&B; 2])> {
-        let [blocked, at_effort] = &self.polar;
-        let count = blocked.len() as f64;
-        let both = move |(index, (blocked, at_effort))| (TAU * index as f64 / count, [blocked, at_effort]);
-        blocked.iter().zip(at_effort).enumerate().step_by(stride).map(both)
+    /// Returns a motion of all bodies as one of object and fingers, normalised to an object speed of 1 mm/s (if the object is
+    /// at rest, to 1 rad/s of the fastest joint).
+    pub fn hand_motion(&self, motion: &[BodyMotion]) -> HandMotion {
+        let of = |name: &str| self.bodies.iter().position(|body| body == name).map_or([0.0; 3], |index| motion[index]);
+        let rate = |side: Side, link: &str| side.mirror() * of(&format!("{}_{link}", side.name()))[2];
+        let fingers = Side::BOTH.map(|side| ["l11", "l21"].map(|link| rate(side, link)));
+        let [x, y, spin] = of(Object::NAME);
+        let speed = hypot(x, y);
+        let fastest = fingers.as_flattened().iter().fold(spin.abs(), |most: f64, rate| most.max(rate.abs()));
+        let unit = if speed > 0.0 { speed * 1e3 } else { fastest.max(f64::MIN_POSITIVE) };
+        HandMotion {
+            object_m_s: [x / unit, y / unit],
+            spin_rad_s: spin / unit,
+            fingers_rad_s: fingers.map(|finger| finger.map(|rate| rate / unit)),
+        }
     }
 }
 
@@ -149,65 +203,106 @@ pub fn gripper_grasp(
         return Err(GripperGraspError::Fixed { scene: name() });
     };
     let statics_error = |error| GripperGraspError::Statics { scene: name(), error };
-    let (source, sample) = match request.posture {
-        PostureRequest::Run { at_s, .. } => run_posture(scene, at_s, keep_running)?,
-        PostureRequest::Geometric => {
-            let not_reached = |(side, error): (Side, GraspError)| GripperGraspError::NotReached {
-                scene: name(),
-                side: side.name(),
-                error,
-            };
-            let angles_rad = geometric_posture(scene).map_err(not_reached)?;
-            (PostureSource::Geometric, rest_sample(scene, angles_rad, scene.hand.grasped().centre_m)?)
-        }
-        PostureRequest::Explicit(ExplicitPosture { angles_rad, object_m, .. }) => {
-            let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(scene.hand.grasped().centre_m[axis]));
-            (PostureSource::Explicit, rest_sample(scene, angles_rad, centre_m)?)
-        }
-    };
+    let (source, sample) = posture(scene, request.posture, keep_running)?;
     let mut state = grasp_state(scene, &sample);
     let points = state.configuration.contact_points().map_err(statics_error)?;
-    match request.posture {
-        PostureRequest::Run { within_m, .. } => {
-            let nearby = within_m.map(|within_m| contacts_within(scene, &points, within_m));
-            state.active = nearby.map_or(state.active, |nearby| {
-                state.active.zip_with(nearby, |is_active, is_near| is_active || is_near)
-            });
-        }
-        PostureRequest::Geometric => state.active = contacts_within(scene, &points, GEOMETRIC_TOLERANCE_M),
-        PostureRequest::Explicit(ExplicitPosture { within_m, .. }) => {
-            check_depth(scene, &points, within_m)?;
-            state.active = contacts_within(scene, &points, within_m);
-            state.at_limit = limits_reached(scene, &sample);
-        }
-    }
+    select_contacts(scene, request.posture, &points, &sample, &mut state)?;
     let contacts = object_contacts(scene, &sample, &state, &points, matches!(source, PostureSource::Run { .. }));
     if contacts.is_empty() {
         return Err(no_contact(scene, source));
     }
     let differential = scene.hand.differential.as_ref().map(|_| Blocked::Input);
     let closures = [Blocked::Outputs].into_iter().chain(differential);
-    let hand = |mode| hand_at_rest(scene, &state, mode).ok_or(GripperGraspError::Fixed { scene: name() });
-    let hands =
-        [hand(DriveMode::Blocked)?, hand(DriveMode::AtTorque)?].map(|hand| with_motor_torque(hand, request.motor_n_m));
-    let mu_static: Vec<Option<f64>> = match &request.mu_static[..] {
-        [] => vec![None],
-        given => given.iter().copied().map(Some).collect(),
+    let in_mode = |mode| {
+        let found = gripper_at_rest(&scene.hand, &state, mode).map_err(statics_error);
+        found.map(|found| found.with_motor_torque(request.motor_n_m))
     };
-    let friction_cases = mu_static.into_iter().map(|mu| friction_case(&hands, &contacts, mu, request.directions));
+    let (blocked, at_torque) = (in_mode(DriveMode::Blocked)?, in_mode(DriveMode::AtTorque)?);
+    let held = Held { body: blocked.object, radius_m: max_radius(&scene.hand.grasped().shape) };
+    let both = [blocked.at_rest(), at_torque.at_rest()];
     Ok(GripperGrasp {
         scene: scene.name.clone(),
         source,
         mass_kg,
-        gravity_m_s2: hands[0].gravity_m_s2,
-        drives: hands[0].drives.clone(),
+        gravity_m_s2: blocked.mechanism.gravity_m_s2,
+        bodies: blocked.mechanism.bodies.iter().map(|body| body.name.clone()).collect(),
+        limits: Side::BOTH
+            .into_iter()
+            .filter(|side| state.at_limit[*side as usize])
+            .map(|side| HandContact::Finger(side, FingerContact::Limit))
+            .collect(),
+        motors: motors(&blocked),
         closures: closures
             .map(|blocked| (blocked, gripper_closure(&state.configuration, &state.active, blocked)))
             .collect(),
-        friction_cases: friction_cases.collect::<Result<_, _>>().map_err(statics_error)?,
+        friction_cases: friction_cases(&both, held, &request.mu_static, request.directions).map_err(statics_error)?,
         contacts,
         sample,
     })
+}
+
+/// Returns the sample of a posture.
+fn posture(
+    scene: &Scene,
+    posture: PostureRequest,
+    keep_running: &(dyn Fn() -> bool + Sync),
+) -> Result<(PostureSource, Sample), GripperGraspError> {
+    let centre_m = scene.hand.grasped().centre_m;
+    match posture {
+        PostureRequest::Run { at_s, .. } => run_posture(scene, at_s, keep_running),
+        PostureRequest::Geometric => {
+            let not_reached = |(side, error): (Side, GraspError)| GripperGraspError::NotReached {
+                scene: scene.display_name(),
+                side: side.name(),
+                error,
+            };
+            let angles_rad = geometric_posture(scene).map_err(not_reached)?;
+            Ok((PostureSource::Geometric, rest_sample(scene, angles_rad, centre_m)?))
+        }
+        PostureRequest::Explicit(ExplicitPosture { angles_rad, object_m, .. }) => {
+            let centre_m = [0, 1].map(|axis| object_m[axis].unwrap_or(centre_m[axis]));
+            Ok((PostureSource::Explicit, rest_sample(scene, angles_rad, centre_m)?))
+        }
+    }
+}
+
+/// Selects the contacts and joint limits of a posture: those of the run, and those that follow from its geometry.
+fn select_contacts(
+    scene: &Scene,
+    posture: PostureRequest,
+    points: &PerContact<ContactPoint>,
+    sample: &Sample,
+    state: &mut GraspState<'_>,
+) -> Result<(), GripperGraspError> {
+    match posture {
+        PostureRequest::Run { within_m, .. } => {
+            let nearby = within_m.map(|within_m| contacts_within(scene, points, within_m));
+            state.active = nearby.map_or(state.active, |nearby| {
+                state.active.zip_with(nearby, |is_active, is_near| is_active || is_near)
+            });
+        }
+        PostureRequest::Geometric => state.active = contacts_within(scene, points, GEOMETRIC_TOLERANCE_M),
+        PostureRequest::Explicit(ExplicitPosture { within_m, .. }) => {
+            check_depth(scene, points, within_m)?;
+            state.active = contacts_within(scene, points, within_m);
+            state.at_limit = limits_reached(scene, sample);
+        }
+    }
+    Ok(())
+}
+
+/// Motors with the brakes that block them.
+fn motors(blocked: &GripperAtRest) -> Vec<MotorAtRest> {
+    let GripperAtRest { mechanism, poses, time_s, .. } = blocked;
+    let motor = |(actuator, torque_n_m): (&Actuator, f64)| {
+        let name = actuator.name.strip_suffix("_motor").unwrap_or("input").to_string();
+        MotorAtRest {
+            name,
+            torque_n_m,
+            brake_n_m: actuator.brake.map_or([0.0; 2], |brake| brake.torque_range(*time_s)),
+        }
+    };
+    mechanism.actuators.iter().zip(efforts(mechanism, poses, *time_s)).map(motor).collect()
 }
 
 /// Largest gap of a contact in a geometric posture, for rounding errors and the position of the palm.
@@ -299,16 +394,6 @@ fn hand_contacts(scene: &Scene) -> impl Iterator<Item = HandContact> {
     })
 }
 
-/// Returns the value of a contact. A joint limit has the value of its distal phalanx, the table that of the palm.
-fn contact_value<T: Copy>(all: &PerContact<T>, id: HandContact) -> T {
-    match id {
-        HandContact::Finger(side, contact) => {
-            all.phalanges[side as usize][usize::from(contact != FingerContact::Proximal)]
-        }
-        HandContact::Palm | HandContact::Table => all.palm,
-    }
-}
-
 fn object_contacts(
     scene: &Scene,
     sample: &Sample,
@@ -316,16 +401,19 @@ fn object_contacts(
     points: &PerContact<ContactPoint>,
     has_forces: bool,
 ) -> Vec<ObjectContact> {
-    let mu = friction_coefficients(scene);
     let active = hand_contacts(scene).filter(|id| contact_value(&state.active, *id));
     let contacts = active.map(|id| {
         let contact = sample.hand_contact(&scene.hand, id);
-        // The tangent is mirrored on the left, but not in samples.
-        let sign = if matches!(id, HandContact::Finger(Side::Left, _)) { -1.0 } else { 1.0 };
-        let forces_n = has_forces.then_some([contact.normal_n, sign * contact.tangential_n]);
-        ObjectContact { id, point: contact_value(points, id), mu_static: contact_value(&mu, id), forces_n }
+        let forces_n = has_forces.then_some([contact.normal_n, tangent_sign(id) * contact.tangential_n]);
+        let mu_static = scene.hand.law(id).and_then(|law| law.friction).map_or(0.0, |friction| friction.mu_static);
+        ObjectContact { id, point: contact_value(points, id), mu_static, forces_n }
     });
     contacts.collect()
+}
+
+/// The tangent is mirrored on the left, but not in samples and in mechanisms.
+fn tangent_sign(id: HandContact) -> f64 {
+    if matches!(id, HandContact::Finger(Side::Left, _)) { -1.0 } else { 1.0 }
 }
 
 fn no_contact(scene: &Scene, source: PostureSource) -> GripperGraspError {
@@ -339,36 +427,6 @@ fn no_contact(scene: &Scene, source: PostureSource) -> GripperGraspError {
         }
     };
     GripperGraspError::NoContact { scene: scene.display_name(), context, hint }
-}
-
-fn with_motor_torque(hand: HandAtRest<'_>, motor_n_m: Option<f64>) -> HandAtRest<'_> {
-    let Some(torque_n_m) = motor_n_m else { return hand };
-    let drives = hand.drives.iter().map(|drive| Drive { torque_n_m, ..*drive }).collect();
-    HandAtRest { drives, ..hand }
-}
-
-fn friction_case(
-    hands: &[HandAtRest<'_>; 2],
-    contacts: &[ObjectContact],
-    mu_static: Option<f64>,
-    directions: usize,
-) -> Result<FrictionCase<Balance>, StaticsError> {
-    let polar = |hand: &HandAtRest<'_>| {
-        let friction = hand.friction.map(|mu| mu.map(|mu| mu_static.unwrap_or(mu)));
-        balance_polar(&HandAtRest { friction, ..hand.clone() }, directions)
-    };
-    let friction_contact = |contact: &ObjectContact| FrictionContact {
-        point_m: contact.point.point_m,
-        push: contact.point.normal,
-        mu: mu_static.unwrap_or(contact.mu_static),
-    };
-    let friction_contacts: Vec<FrictionContact> = contacts.iter().map(friction_contact).collect();
-    let GraspConfiguration { object, .. } = hands[0].configuration;
-    Ok(FrictionCase {
-        mu_static,
-        force_closure: force_closure(&friction_contacts, object.centre_m, max_radius(&object.shape)),
-        polar: [polar(&hands[0])?, polar(&hands[1])?],
-    })
 }
 
 /// Returns (q11, q21) of right and left finger at which all phalanges touch the object at its position in the scene.

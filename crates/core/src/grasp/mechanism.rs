@@ -9,12 +9,13 @@ use crate::numeric::elementary::hypot;
 use crate::numeric::plane::sub;
 use crate::scene::{Scene, WrongKind};
 use crate::statics::{
-    ContactAtRest, DriveState, FrictionContact, MechanismAtRest, MechanismBalance, MechanismClosure, Roles,
-    StaticsError, carries, default_base, efforts, force_closure, mechanism_balance, mechanism_closure, roles,
+    ContactAtRest, DriveState, MechanismAtRest, MechanismClosure, Roles, StaticsError, carries, default_base, efforts,
+    mechanism_closure, roles,
 };
 use crate::trace::{Model, Sample};
 
-use super::gripper::{FrictionCase, run};
+use super::friction::{FrictionCase, Held, friction_cases};
+use super::gripper::run;
 
 /// Request for the static grasp of a mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -61,7 +62,7 @@ pub struct MechanismGrasp {
     pub closure: Result<MechanismClosure, StaticsError>,
     /// Names of the brakes and of the joints with friction, in the order of the limits; brakes only at effort.
     pub brakes: [Vec<String>; 2],
-    pub friction_cases: Vec<FrictionCase<MechanismBalance>>,
+    pub friction_cases: Vec<FrictionCase>,
 }
 
 /// An actuator in the posture.
@@ -174,41 +175,20 @@ pub fn mechanism_grasp(
     }
     let body = &mechanism.bodies[object];
     let centre_m = point_in(Some(object), body.com_m, &poses);
-    let radius_m = reach_m(body);
+    let held = Held { body: object, radius_m: reach_m(body) };
     let time_s = sample.time_s;
     let statics_error = |error| MechanismGraspError::Statics { scene: name(), error };
-    let case = |mu_static: Option<f64>| {
-        let at_rest: Vec<ContactAtRest> = contacts
-            .iter()
-            .map(|contact| ContactAtRest { mu: mu_static.unwrap_or(contact.at_rest.mu), ..contact.at_rest.clone() })
-            .collect();
-        let polar = |drives| {
-            let at_rest =
-                MechanismAtRest { mechanism, poses: &poses, time_s, contacts: &at_rest, drives, roles: &roles };
-            mechanism_balance(&at_rest, request.directions).map_err(statics_error)
-        };
-        let of_object: Vec<FrictionContact> = contacts
-            .iter()
-            .zip(&at_rest)
-            .filter_map(|(contact, at_rest)| {
-                Some(FrictionContact { point_m: at_rest.point_m, push: contact.push?, mu: at_rest.mu })
-            })
-            .collect();
-        Ok(FrictionCase {
-            mu_static,
-            force_closure: force_closure(&of_object, centre_m, radius_m),
-            polar: [polar(DriveState::Blocked)?, polar(DriveState::AtEffort)?],
-        })
-    };
-    let coefficients: Vec<Option<f64>> = match &request.mu_static[..] {
-        [] => vec![None],
-        given => given.iter().copied().map(Some).collect(),
-    };
-    let friction_cases = coefficients.into_iter().map(case).collect::<Result<_, MechanismGraspError>>()?;
-    let at_rest: Vec<ContactAtRest> = contacts.iter().map(|contact| contact.at_rest.clone()).collect();
-    let (drives, roles) = (DriveState::Blocked, &roles);
-    let blocked = MechanismAtRest { mechanism, poses: &poses, time_s, contacts: &at_rest, drives, roles };
-    let closure = mechanism_closure(&blocked);
+    let at_rest: Vec<ContactAtRest> = contacts.iter().map(|contact| contact.at_rest).collect();
+    let both = [DriveState::Blocked, DriveState::AtEffort].map(|drives| MechanismAtRest {
+        mechanism,
+        poses: &poses,
+        time_s,
+        contacts: &at_rest,
+        drives,
+        roles: &roles,
+    });
+    let friction_cases = friction_cases(&both, held, &request.mu_static, request.directions).map_err(statics_error)?;
+    let closure = mechanism_closure(&both[0]);
     let is_left_out = |index: &usize| !(roles.is_balanced[*index] || roles.moves_with_base[*index]);
     let left_out = (0..mechanism.bodies.len()).filter(is_left_out).map(|index| mechanism.bodies[index].name.clone());
     let with_friction = mechanism.joints.iter().filter(|joint| joint.friction.is_some());
@@ -220,12 +200,12 @@ pub fn mechanism_grasp(
         object: body.name.clone(),
         mass_kg: body.mass_kg,
         centre_m,
-        radius_m,
+        radius_m: held.radius_m,
         bodies: mechanism.bodies.iter().map(|body| body.name.clone()).collect(),
         base,
         left_out: left_out.collect(),
         surroundings: surroundings.into_iter().map(|contact| contact.name).collect(),
-        actuators: actuators(mechanism, roles, &efforts(mechanism, &poses, time_s)),
+        actuators: actuators(mechanism, &roles, &efforts(mechanism, &poses, time_s)),
         contacts,
         closure,
         brakes: [joints, at_effort],
@@ -339,16 +319,12 @@ fn active_contacts(mechanism: &Mechanism, sample: &Sample, object: usize, within
         let mu = pair.law.friction.map_or(0.0, |friction| friction.mu_static);
         // From the face to the points.
         let sign = if pair.is_reported_on_face { -1.0 } else { 1.0 };
-        let normal @ [x, y] = found.normal.map(|component| sign * component);
-        let push = match bodies.map(|body| body == Some(object)) {
-            [true, _] => Some([x, y]),
-            [_, true] => Some([-x, -y]),
-            _ => None,
-        };
+        let normal = found.normal.map(|component| sign * component);
+        let at_rest = ContactAtRest { bodies, point_m: found.point_m, normal, mu };
         is_active.then_some(HeldContact {
             name: point.name,
-            at_rest: ContactAtRest { bodies, point_m: found.point_m, normal, mu },
-            push,
+            at_rest,
+            push: at_rest.push_on(object),
             gap_m: found.gap_m,
             forces_n: [found.normal_n, found.tangential_n],
         })

@@ -141,27 +141,18 @@ impl Equilibrium {
 /// configuration; in the other assembly mode, which has no straight configuration, it is less than a turn.
 pub fn drive_loads(finger: &Finger, end: &FinalPosture, motor_n_m: f64, spring: Option<&Spring>) -> Result<[f64; 2]> {
     number("the motor torque", motor_n_m, true, "must be finite")?;
-    let [s11, s21] = spring_loads(finger, &static_kinematics(finger, end)?, spring)?;
-    Ok([motor_n_m + s11, s21])
-}
-
-/// τ_s on (q11, q21) in any posture, in N·m (2.30), as in [`drive_loads`].
-pub(super) fn spring_loads(
-    finger: &Finger,
-    StaticKinematics { pose, rates, .. }: &StaticKinematics,
-    spring: Option<&Spring>,
-) -> Result<[f64; 2]> {
-    let Some(spring) = spring else { return Ok([0.0; 2]) };
+    let StaticKinematics { pose, rates, .. } = static_kinematics(finger, end)?;
+    let Some(spring) = spring else { return Ok([motor_n_m, 0.0]) };
     let reference = reference_gamma(&finger.lengths);
     let model = match finger.assembly {
         Assembly::Reference => {
             SpringModel::new(spring, &finger.lengths, reference, &straight_directions(&finger.lengths))
         }
-        Assembly::Other => SpringModel::new(spring, &finger.lengths, -reference, pose),
+        Assembly::Other => SpringModel::new(spring, &finger.lengths, -reference, &pose),
     };
-    let [s11, s21] = model.generalised_force(pose, rates);
+    let [s11, s21] = model.generalised_force(&pose, &rates);
     number("the spring's torque", s11 + s21, true, "must be finite")?;
-    Ok([s11, s21])
+    Ok([motor_n_m + s11, s21])
 }
 
 /// J_C = [J_C21, J_C22] of (2.32), J_C2j = J_P2jᵀ (n + μ t) (errata 9), in m: generalised forces on (q11, q21) per

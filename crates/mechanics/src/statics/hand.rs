@@ -179,40 +179,41 @@ impl<'a> GraspConfiguration<'a> {
         Ok(Hand { fingers: vec![grip(Side::Right)?, grip(Side::Left)?], palm: active_contacts.palm })
     }
 
-    /// Geometry of a finger in its own frame: the ground joint is the origin, and the object is to its left.
-    pub(super) fn finger_geometry(&self, side: Side) -> Result<FingerGeometry<'a>> {
+    /// Geometry of a finger in its own frame: the ground joint is the origin, and the object is to its left. In a singular
+    /// posture there are motions that no force at the driven links resists.
+    fn finger_geometry(&self, side: Side) -> Result<FingerGeometry<'a>> {
         let (finger, [q11, q21]) = (self.fingers[side as usize], self.angles_rad[side as usize]);
         let posture = close_loop(&finger.lengths, finger.assembly, q11, q21)?;
+        static_kinematics_at(finger, &posture)?;
         let joints = joint_positions(&finger.lengths, &posture);
         let object = self.object.in_finger_frame(side.mirror(), 0.5 * self.palm_width_m);
         let w = finger.lengths.half_width_m;
         let phalanges = [([0.0; 2], joints.a22_m), (joints.a22_m, joints.tip_m)]
             .map(|(from, to)| closest_point(from, to, w, &object));
-        Ok(FingerGeometry { finger, posture, a22: joints.a22_m, object, phalanges })
+        Ok(FingerGeometry { finger, posture, a22: joints.a22_m, phalanges })
     }
 
     /// Transforms a point from the frame of a finger to the frame of the palm.
-    pub(super) fn in_palm_frame(&self, side: Side, [x, y]: Vector<f64>) -> [f64; 2] {
+    fn in_palm_frame(&self, side: Side, [x, y]: Vector<f64>) -> [f64; 2] {
         [side.mirror() * (x + 0.5 * self.palm_width_m), y]
     }
 }
 
 /// Geometry of a finger and the object, in the frame of the finger.
-pub(super) struct FingerGeometry<'a> {
-    pub finger: &'a Finger,
-    pub posture: Posture,
-    pub a22: Vector<f64>,
-    pub object: PlacedShape,
+struct FingerGeometry<'a> {
+    finger: &'a Finger,
+    posture: Posture,
+    a22: Vector<f64>,
     /// Closest points of the proximal and the distal phalanx.
-    pub phalanges: [ClosestPoint; 2],
+    phalanges: [ClosestPoint; 2],
 }
 
 /// The point on the centre line of a phalanx nearest to the object, with the normal into the object.
 #[derive(Clone, Copy)]
-pub(super) struct ClosestPoint {
-    pub foot: Vector<f64>,
-    pub normal: Vector<f64>,
-    pub gap: f64,
+struct ClosestPoint {
+    foot: Vector<f64>,
+    normal: Vector<f64>,
+    gap: f64,
 }
 
 fn closest_point(from: Vector<f64>, to: Vector<f64>, half_width: f64, object: &PlacedShape) -> ClosestPoint {

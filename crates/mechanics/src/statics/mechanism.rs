@@ -5,15 +5,18 @@
 //! length of the mechanism, so that they compare with rotations. A force with the load f on the bodies has the
 //! generalised force Bᵀ f.
 
-use super::balance::{BrakeLoad, Certified, Cone, ContactMotion, Equations, Largest, largest_multiple, unit_direction};
+use super::balance::{
+    BrakeLoad, Certified, Cone, ContactMotion, Equations, Largest, direction_at, largest_multiple, unit_direction,
+};
 use super::form_closure::{Certificate, decide_by_linear_program};
 use super::{FormClosure, Result, Roles, Row, Unilateral, Unknown};
+use crate::gripper::number;
 use crate::mechanism::tendon::{center_in, length_in, segment};
 use crate::mechanism::{
-    Command, JointCombination, Mechanism, Pose, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
+    Command, JointCombination, Mechanism, Pose, Spring, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
     coordinate_in, point_in,
 };
-use crate::numeric::elementary::{hypot, sin_cos};
+use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{cross, dot, scale, sub};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -28,7 +31,7 @@ const LOAD_ROUNDING: f64 = 1e-13;
 const RATE_ROUNDING: f64 = 1e-7;
 
 /// A contact that can push.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactAtRest {
     /// Bodies of points and face; `None` is the ground.
     pub bodies: [Option<usize>; 2],
@@ -36,6 +39,17 @@ pub struct ContactAtRest {
     /// Unit normal, from the face to the points: the direction of the force on the body of the points.
     pub normal: [f64; 2],
     pub mu: f64,
+}
+
+impl ContactAtRest {
+    /// Unit normal into a body; `None` for a contact of other bodies.
+    pub fn push_on(&self, body: usize) -> Option<[f64; 2]> {
+        match self.bodies.map(|of| of == Some(body)) {
+            [true, _] => Some(self.normal),
+            [_, true] => Some(scale(self.normal, -1.0)),
+            _ => None,
+        }
+    }
 }
 
 /// What the actuators of the hand do; those that move its base are blocked.
@@ -95,6 +109,8 @@ pub enum MechanismLimit {
         acceleration_m_s2: f64,
         /// Normal and tangential force of each contact, not necessarily unique, and its motion.
         contacts: Vec<(f64, f64, ContactMotion)>,
+        /// Effort of each joint limit that is reached, N·m or N, and its motion.
+        limits: Vec<(f64, ContactMotion)>,
         /// Brakes and joints with friction, in their order, and whether they slip.
         brakes: Vec<BrakeLoad>,
         /// Tensions of the blocked cables, in the order of the tendons with an actuator; none at effort.
@@ -106,6 +122,16 @@ pub enum MechanismLimit {
         /// Relative difference of the limits from forces and from motion.
         gap: f64,
     },
+}
+
+impl MechanismLimit {
+    /// Returns the limit, m/s²; `None` if there is no limit and if the balance is infeasible.
+    pub fn acceleration_m_s2(&self) -> Option<f64> {
+        match self {
+            MechanismLimit::Limited { acceleration_m_s2, .. } => Some(*acceleration_m_s2),
+            MechanismLimit::Infeasible { .. } | MechanismLimit::Unlimited => None,
+        }
+    }
 }
 
 /// Decides whether the contacts hold all bodies with the actuators blocked, without friction.
@@ -127,41 +153,18 @@ pub fn mechanism_closure(at_rest: &MechanismAtRest<'_>) -> Result<MechanismClosu
     Ok(MechanismClosure { closure, motion, coordinates: count })
 }
 
-/// Returns the largest acceleration of the base that forces within their cones can balance, in `count` equally spaced
-/// directions from x towards y.
+/// Returns the largest acceleration of the base in a direction that forces within their cones can balance.
+pub fn mechanism_balance_towards(at_rest: &MechanismAtRest<'_>, direction: [f64; 2]) -> Result<MechanismBalance> {
+    let frame = Frame::new(at_rest, at_rest.drives);
+    frame.balance(&frame.equations()?, direction)
+}
+
+/// [`mechanism_balance_towards`] in `count` equally spaced directions from x towards y.
 pub fn mechanism_balance(at_rest: &MechanismAtRest<'_>, count: usize) -> Result<Vec<MechanismBalance>> {
     let frame = Frame::new(at_rest, at_rest.drives);
-    let loads = frame.equations();
-    let direction = |index: usize| {
-        let (sin, cos) = sin_cos(TAU * index as f64 / count as f64);
-        unit_direction([cos, sin].map(|part| if part.abs() < f64::EPSILON { 0.0 } else { part }))
-    };
-    let balance = |index: usize| {
-        let direction = direction(index)?;
-        let driving = frame.field(scale(direction, -1.0));
-        let limit = |found: Certified| {
-            let count = at_rest.contacts.len();
-            let cables = found.contacts.len() - frame.blocked_cables().count();
-            MechanismLimit::Limited {
-                acceleration_m_s2: found.acceleration_m_s2,
-                contacts: found.contacts[..count].to_vec(),
-                brakes: found.brakes,
-                tensions_n: found.contacts[cables..].iter().map(|(tension_n, ..)| *tension_n).collect(),
-                motion: frame.motion(&found.motion),
-                yielding: frame.yielding(&found.motion),
-                gap: found.gap,
-            }
-        };
-        let largest = match largest_multiple(&Equations { driving, ..loads.clone() })? {
-            Largest::Infeasible { motion } => {
-                MechanismLimit::Infeasible { motion: frame.motion(&motion), yielding: frame.yielding(&motion) }
-            }
-            Largest::Unlimited => MechanismLimit::Unlimited,
-            Largest::Limited(found) => limit(found),
-        };
-        Ok(MechanismBalance { direction, largest })
-    };
-    (0..count).map(balance).collect()
+    let equations = frame.equations()?;
+    let angle_rad = |index: usize| TAU * index as f64 / count as f64;
+    (0..count).map(|index| frame.balance(&equations, direction_at(angle_rad(index)))).collect()
 }
 
 /// Efforts of all actuators at rest, without their brakes: those of joints, then those of tendons, N·m or N.
@@ -318,27 +321,81 @@ impl<'a> Frame<'a> {
         self.reduced(&load)
     }
 
-    /// All columns of the equations, except the driving load.
-    fn equations(&self) -> Equations {
-        let MechanismAtRest { mechanism, poses, time_s, contacts, .. } = self.at_rest;
-        let count = 3 * poses.len();
-        let mut fixed = DVector::zeros(count);
-        for spring in &mechanism.springs {
-            fixed += match &spring.kind {
-                SpringKind::Torsional { on, preload } => {
-                    (preload - spring.stiffness * (value_of(mechanism, on, poses) - spring.rest)) * self.combination(on)
-                }
-                SpringKind::Linear { bodies, points_m } => {
-                    let ends = [0, 1].map(|k: usize| point_in(bodies[k], points_m[k], poses));
-                    let between = sub(ends[1], ends[0]);
-                    let length = dot(between, between).sqrt();
-                    let pull = scale(between, spring.stiffness * (length - spring.rest) / length);
-                    self.force(bodies[0], ends[0], pull) + self.force(bodies[1], ends[1], scale(pull, -1.0))
-                }
-            };
+    /// Solves the equations for an acceleration in a direction.
+    fn balance(&self, equations: &Equations, direction: [f64; 2]) -> Result<MechanismBalance> {
+        let direction = unit_direction(direction)?;
+        let driving = self.field(scale(direction, -1.0));
+        let largest = match largest_multiple(&Equations { driving, ..equations.clone() })? {
+            Largest::Infeasible { motion } => {
+                MechanismLimit::Infeasible { motion: self.motion(&motion), yielding: self.yielding(&motion) }
+            }
+            Largest::Unlimited => MechanismLimit::Unlimited,
+            Largest::Limited(found) => self.limit(found),
+        };
+        Ok(MechanismBalance { direction, largest })
+    }
+
+    fn limit(&self, found: Certified) -> MechanismLimit {
+        // In the order of the equations: contacts, joint limits, blocked cables.
+        let (contacts, others) = found.contacts.split_at(self.at_rest.contacts.len());
+        let (limits, cables) = others.split_at(others.len() - self.blocked_cables().count());
+        MechanismLimit::Limited {
+            acceleration_m_s2: found.acceleration_m_s2,
+            contacts: contacts.to_vec(),
+            limits: limits.iter().map(|(effort, _, motion)| (*effort, *motion)).collect(),
+            brakes: found.brakes,
+            tensions_n: cables.iter().map(|(tension_n, ..)| *tension_n).collect(),
+            motion: self.motion(&found.motion),
+            yielding: self.yielding(&found.motion),
+            gap: found.gap,
         }
-        let efforts = efforts(mechanism, poses, *time_s);
-        let (of_joints, mut of_tendons) = (&efforts, efforts[mechanism.actuators.len()..].iter());
+    }
+
+    /// All columns of the equations, except the driving load.
+    fn equations(&self) -> Result<Equations> {
+        let MechanismAtRest { mechanism, poses, time_s, contacts, .. } = self.at_rest;
+        for contact in *contacts {
+            number("mu_static", contact.mu, contact.mu >= 0.0, "must be finite, 0 or more")?;
+        }
+        let mut fixed = self.springs();
+        self.add_efforts(&efforts(mechanism, poses, *time_s), &mut fixed);
+        let weight = self.field(mechanism.gravity_m_s2);
+        let fixed = self.reduced(&fixed).iter().zip(&weight).map(|(load, weight)| load + weight).collect();
+        let cones = contacts.iter().map(|contact| Cone { columns: self.contact(contact), mu: contact.mu });
+        let coordinates = self.basis.ncols();
+        let of_limit = |normal: Vec<f64>| Cone { columns: [normal, vec![0.0; coordinates]], mu: 0.0 };
+        Ok(Equations {
+            contacts: cones.chain(self.limits().chain(self.blocked_cables()).map(of_limit)).collect(),
+            drives: self.brakes().chain(self.joint_friction()).collect(),
+            fixed,
+            driving: Vec::new(),
+            lengths: vec![self.length_m; coordinates],
+        })
+    }
+
+    /// Load of the springs.
+    fn springs(&self) -> DVector<f64> {
+        let MechanismAtRest { mechanism, poses, .. } = self.at_rest;
+        let load = |spring: &Spring| match &spring.kind {
+            SpringKind::Torsional { on, preload } => {
+                (preload - spring.stiffness * (value_of(mechanism, on, poses) - spring.rest)) * self.combination(on)
+            }
+            SpringKind::Linear { bodies, points_m } => {
+                let ends = [0, 1].map(|k: usize| point_in(bodies[k], points_m[k], poses));
+                let between = sub(ends[1], ends[0]);
+                let length = dot(between, between).sqrt();
+                let pull = scale(between, spring.stiffness * (length - spring.rest) / length);
+                self.force(bodies[0], ends[0], pull) + self.force(bodies[1], ends[1], scale(pull, -1.0))
+            }
+        };
+        mechanism.springs.iter().map(load).fold(DVector::zeros(3 * poses.len()), |sum, load| sum + load)
+    }
+
+    /// Adds the load of the actuators of joints and of all cables that are not blocked.
+    fn add_efforts(&self, efforts: &[f64], load: &mut DVector<f64>) {
+        let MechanismAtRest { mechanism, poses, .. } = self.at_rest;
+        let (of_joints, of_tendons) = efforts.split_at(mechanism.actuators.len());
+        let mut of_tendons = of_tendons.iter();
         for tendon in &mechanism.tendons {
             let pull = tendon.actuator.as_ref().and_then(|_| of_tendons.next());
             if pull.is_some() && self.drives == DriveState::Blocked {
@@ -346,35 +403,28 @@ impl<'a> Frame<'a> {
             }
             let elongation = (length_in(mechanism, tendon, poses) - tendon.rest_m).max(0.0);
             let tension_n = tendon.stiffness_n_per_m * elongation + pull.unwrap_or(&0.0);
-            fixed += -tension_n * self.tendon(tendon);
+            *load += -tension_n * self.tendon(tendon);
         }
-        let mut drives = Vec::new();
         for (actuator, effort) in mechanism.actuators.iter().zip(of_joints) {
-            let on = self.combination(&actuator.on);
-            fixed += *effort * &on;
-            if let Some(brake) = actuator.brake.filter(|_| self.drives == DriveState::AtEffort) {
-                let most = brake.torque_n_m * brake.engagement(*time_s).0;
-                drives.push((self.reduced(&on), [if brake.one_way { 0.0 } else { -most }, most]));
-            }
+            *load += *effort * self.combination(&actuator.on);
         }
-        for (index, joint) in mechanism.joints.iter().enumerate() {
-            if let Some(friction) = joint.friction {
-                let on = self.reduced(&self.combination(&JointCombination::of_joint(index)));
-                drives.push((on, [-friction.mu_static, friction.mu_static]));
-            }
-        }
-        let weight = self.field(mechanism.gravity_m_s2);
-        let fixed = self.reduced(&fixed).iter().zip(&weight).map(|(load, weight)| load + weight).collect();
-        let cones = contacts.iter().map(|contact| Cone { columns: self.contact(contact), mu: contact.mu });
-        let coordinates = self.basis.ncols();
-        let of_limit = |normal: Vec<f64>| Cone { columns: [normal, vec![0.0; coordinates]], mu: 0.0 };
-        Equations {
-            contacts: cones.chain(self.limits().chain(self.blocked_cables()).map(of_limit)).collect(),
-            drives,
-            fixed,
-            driving: Vec::new(),
-            lengths: vec![self.length_m; coordinates],
-        }
+    }
+
+    /// Generalised forces of unit torques of the brakes, with the ranges of their torques. A blocked actuator has none.
+    fn brakes(&self) -> impl Iterator<Item = (Vec<f64>, [f64; 2])> + '_ {
+        let actuators = self.at_rest.mechanism.actuators.iter().filter(|_| self.drives == DriveState::AtEffort);
+        actuators.filter_map(|actuator| {
+            let range = actuator.brake?.torque_range(self.at_rest.time_s);
+            Some((self.reduced(&self.combination(&actuator.on)), range))
+        })
+    }
+
+    /// Generalised forces of unit frictional efforts of joints, with their ranges.
+    fn joint_friction(&self) -> impl Iterator<Item = (Vec<f64>, [f64; 2])> + '_ {
+        self.at_rest.mechanism.joints.iter().enumerate().filter_map(|(index, joint)| {
+            let largest = joint.friction?.mu_static;
+            Some((self.reduced(&self.combination(&JointCombination::of_joint(index))), [-largest, largest]))
+        })
     }
 
     /// Actuators whose coordinates move: those of joints, then those of tendons.

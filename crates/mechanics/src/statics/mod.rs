@@ -17,10 +17,7 @@ mod mechanism;
 mod roles;
 mod simplex;
 
-pub use balance::{
-    AccelerationLimit, Balance, BrakeLoad, ContactLoad, ContactLocation, ContactMotion, Drive, HandAtRest, HandMotion,
-    Limit, balance_polar, balanced_acceleration,
-};
+pub use balance::{BrakeLoad, ContactMotion};
 pub use equilibrium::{
     Birglen, Ejection, Equilibrium, StaticKinematics, StaticsError, birglen, contact_jacobian, drive_loads,
     equilibrium, equilibrium_with_mu, palm_force, palm_force_with_mu, static_kinematics,
@@ -37,7 +34,7 @@ pub use hand::{
 
 pub use mechanism::{
     BodyMotion, ContactAtRest, DriveState, MechanismAtRest, MechanismBalance, MechanismClosure, MechanismLimit,
-    efforts, mechanism_balance, mechanism_closure,
+    efforts, mechanism_balance, mechanism_balance_towards, mechanism_closure,
 };
 pub use roles::{Roles, carries, default_base, roles};
 

@@ -218,57 +218,82 @@ struct Mount {
     mirror: f64,
 }
 
+impl Mount {
+    /// Position of the ground joint.
+    fn ground_m(&self) -> [f64; 2] {
+        [self.mirror * self.half_palm_m, 0.0]
+    }
+}
+
 /// Adds links, joints, spring and limit of a finger; returns whether its loop closes.
 fn add_finger(mechanism: &mut Mechanism, driven: &HandFinger, mount: &Mount, name: &dyn Fn(&str) -> String) -> bool {
-    let HandFinger { linkage: finger, initial, motor, .. } = driven;
-    let (lengths, mirror, ground_m) = (&finger.lengths, mount.mirror, [mount.mirror * mount.half_palm_m, 0.0]);
+    let HandFinger { linkage: finger, initial, .. } = driven;
     let (first_body, first_joint) = (mechanism.bodies.len(), mechanism.joints.len());
-    let closed = close_loop(lengths, finger.assembly, initial.q11_rad, initial.q21_rad);
+    let closed = close_loop(&finger.lengths, finger.assembly, initial.q11_rad, initial.q21_rad);
     let is_closed = closed.is_ok();
-    let posture = closed.or_else(|_| straight_posture(lengths, FRAC_PI_2)).unwrap_or(UPRIGHT);
-    let angles = link_angles(&posture, lengths.phi22_rad);
+    let posture = closed.or_else(|_| straight_posture(&finger.lengths, FRAC_PI_2)).unwrap_or(UPRIGHT);
+    mechanism.bodies.extend(links(driven, mount, &posture, name));
+    mechanism.joints.extend(joints(driven, mount, first_body, name));
+    let spring = driven.spring.map(|spring| finger_spring(spring, &finger.lengths, first_joint, name("spring")));
+    let has_spring = spring.as_ref().is_none_or(Option::is_some);
+    mechanism.springs.extend(spring.flatten());
+    is_closed && has_spring
+}
+
+/// Links of a finger in a posture, at its initial rates.
+fn links(driven: &HandFinger, mount: &Mount, posture: &Posture, name: &dyn Fn(&str) -> String) -> [Body; 4] {
+    let HandFinger { linkage: finger, initial, .. } = driven;
+    let (lengths, mirror, ground_m) = (&finger.lengths, mount.mirror, mount.ground_m());
+    let angles = link_angles(posture, lengths.phi22_rad);
     let rates = link_rates(lengths, &angles, [initial.qd11_rad_s, initial.qd21_rad_s]);
     let end = |length: f64, link: usize| {
         [ground_m[0] + mirror * (length * cos(angles[link])), ground_m[1] + length * sin(angles[link])]
     };
-    let (a12, a22) = (end(lengths.l11_m, L11), end(lengths.l21_m, L21));
-    let origins = [ground_m, a12, ground_m, a22];
+    let origins = [ground_m, end(lengths.l11_m, L11), ground_m, end(lengths.l21_m, L21)];
     let masses = [finger.bodies.l11, finger.bodies.l12, finger.bodies.l21, finger.bodies.l22];
-    let ends = [
-        None,
-        None,
-        Some([lengths.l21_m, 0.0]),
-        Some([lengths.t22_m * cos(lengths.phi22_rad), lengths.t22_m * sin(mirror * lengths.phi22_rad)]),
-    ];
-    let bar = |length_m| vec![link_outline(length_m, lengths.half_width_m).to_vec()];
-    // A degenerate triangle has no outline; its mass is given in the scene.
-    let distal = tip_outline(lengths).map_or_else(|_| bar(lengths.l22_m), |corners| vec![corners.to_vec()]);
-    let drawn_m = [bar(lengths.l11_m), bar(lengths.l12_m), bar(lengths.l21_m), distal];
-    let placed = |corners: &[[f64; 2]]| -> Vec<[f64; 2]> {
-        match mirror > 0.0 {
-            true => corners.to_vec(),
-            false => corners.iter().rev().map(|[x, y]| [*x, -y]).collect(),
-        }
-    };
-    for link in 0..LINKS.len() {
+    let (surfaces, drawn_m) = (link_surfaces(lengths, mirror), drawn_links(lengths, mirror));
+    std::array::from_fn(|link| {
         let [x, y] = origins[link];
         // The origins of l12 and l22 move with l11 and l21.
         let [vx, vy] = scale(perp(sub(origins[link], ground_m)), mirror * rates[link - link % 2]);
         let com_m = [masses[link].com_m[0], mirror * masses[link].com_m[1]];
         let angle = if mirror > 0.0 { angles[link] } else { PI - angles[link] };
-        let surface = |to_m| OutlineShape::Capsule { from_m: [0.0; 2], to_m, radius_m: lengths.half_width_m };
-        mechanism.bodies.push(Body {
+        let surface = surfaces[link].clone().map(|shape| Outline { name: "surface".to_owned(), shape });
+        Body {
             mass_kg: masses[link].mass_kg,
             inertia_kg_m2: masses[link].inertia_kg_m2,
             is_reported: false,
-            drawn_m: drawn_m[link].iter().map(|corners| placed(corners)).collect(),
-            outlines: ends[link]
-                .map(|end| Outline { name: "surface".to_owned(), shape: surface(end) })
-                .into_iter()
-                .collect(),
+            drawn_m: drawn_m[link].clone(),
+            outlines: surface.into_iter().collect(),
             ..body(name(LINKS[link]), com_m, [x, y, angle], [vx, vy, mirror * rates[link]])
-        });
-    }
+        }
+    })
+}
+
+/// Surfaces that the object can touch, of both phalanges.
+fn link_surfaces(lengths: &Lengths, mirror: f64) -> [Option<OutlineShape>; 4] {
+    let capsule = |to_m| Some(OutlineShape::Capsule { from_m: [0.0; 2], to_m, radius_m: lengths.half_width_m });
+    let (phi22, t22_m) = (lengths.phi22_rad, lengths.t22_m);
+    [None, None, capsule([lengths.l21_m, 0.0]), capsule([t22_m * cos(phi22), t22_m * sin(mirror * phi22)])]
+}
+
+/// Polygons of the links in drawings.
+fn drawn_links(lengths: &Lengths, mirror: f64) -> [Vec<Vec<[f64; 2]>>; 4] {
+    let bar = |length_m| link_outline(length_m, lengths.half_width_m).to_vec();
+    // A degenerate triangle has no outline; its mass is given in the scene.
+    let distal = tip_outline(lengths).map_or_else(|_| bar(lengths.l22_m), |corners| corners.to_vec());
+    [bar(lengths.l11_m), bar(lengths.l12_m), bar(lengths.l21_m), distal].map(|corners| {
+        vec![match mirror > 0.0 {
+            true => corners,
+            false => corners.iter().rev().map(|[x, y]| [*x, -y]).collect(),
+        }]
+    })
+}
+
+/// Joints of a finger whose links begin at `first_body`, with its joint limit.
+fn joints(driven: &HandFinger, mount: &Mount, first_body: usize, name: &dyn Fn(&str) -> String) -> [Joint; 5] {
+    let HandFinger { linkage: finger, initial, motor, .. } = driven;
+    let (lengths, ground_m) = (&finger.lengths, mount.ground_m());
     let link = |link: usize| Some(first_body + link);
     let pins = [
         ([mount.base, link(L11)], [ground_m, [0.0; 2]]),
@@ -277,10 +302,11 @@ fn add_finger(mechanism: &mut Mechanism, driven: &HandFinger, mount: &Mount, nam
         ([link(L21), link(L22)], [[lengths.l21_m, 0.0], [0.0; 2]]),
         ([link(L12), link(L22)], [[lengths.l12_m, 0.0], [lengths.l22_m, 0.0]]),
     ];
-    for (index, (mut bodies, mut points_m)) in pins.into_iter().enumerate() {
+    std::array::from_fn(|index| {
+        let (mut bodies, mut points_m) = pins[index];
         // The mirror image of an angle q from the base is π − q.
         let mut offset_rad = 0.0;
-        if mirror < 0.0 {
+        if mount.mirror < 0.0 {
             bodies.reverse();
             points_m.reverse();
             offset_rad = if matches!(index, Q11 | Q21) { -PI } else { 0.0 };
@@ -291,7 +317,7 @@ fn add_finger(mechanism: &mut Mechanism, driven: &HandFinger, mount: &Mount, nam
             _ => (None, 0.0),
         };
         let limit = driven.limit.filter(|_| index == Q22);
-        mechanism.joints.push(Joint {
+        Joint {
             name: name(FINGER_JOINTS[index]),
             kind: JointKind::Revolute,
             bodies,
@@ -306,12 +332,8 @@ fn add_finger(mechanism: &mut Mechanism, driven: &HandFinger, mount: &Mount, nam
             upper: None,
             limit,
             limit_name: limit.map(|_| name(FingerContact::Limit.name())),
-        });
-    }
-    let spring = driven.spring.map(|spring| finger_spring(spring, lengths, first_joint, name("spring")));
-    let has_spring = spring.as_ref().is_none_or(Option::is_some);
-    mechanism.springs.extend(spring.flatten());
-    is_closed && has_spring
+        }
+    })
 }
 
 /// Returns a spring between the two links of its placement, with a coordinate that is zero in the straight posture and

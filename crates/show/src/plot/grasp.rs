@@ -13,14 +13,15 @@ use super::svg::{Paint, Path, Pixel, Svg, TextStyle};
 use super::theme::{BLUE, Colour, GREEN, INK, LINE, OBJECT, ORANGE, PURPLE, SOFT};
 use crate::drawing::Drawing;
 use crate::format::numbers::G_M_S2;
+use crate::grasp::FrictionCase;
 use crate::grasp::finger::{Forces, Grasp, Palm};
-use crate::grasp::gripper::{FrictionCase, GripperGrasp};
+use crate::grasp::gripper::GripperGrasp;
 use crate::grasp::mechanism::MechanismGrasp;
 use crate::gripper::{Posture, posture_at};
 use crate::numeric::plane::add;
 use crate::scene::Scene;
 use crate::shape::max_radius;
-use crate::statics::{AccelerationLimit, Balance, Certificate, FormClosure, MechanismBalance, MechanismLimit, Unknown};
+use crate::statics::{Certificate, FormClosure, MechanismBalance, MechanismLimit, Unknown};
 use crate::trace::Sample;
 
 /// Width of the legend next to the grasp.
@@ -204,14 +205,9 @@ const LABEL_DIRECTION_RAD: f64 = 0.125 * TAU;
 /// Draws the accelerations for the last of the friction coefficients.
 pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureFormat) -> String {
     let last = found.friction_cases.last();
-    let point = |balance: &Balance| match &balance.largest {
-        AccelerationLimit::Infeasible => (balance.direction, None),
-        AccelerationLimit::Limited(limit) => (balance.direction, Some(limit.acceleration_m_s2 / G_M_S2)),
-        AccelerationLimit::Unlimited => (balance.direction, Some(f64::INFINITY)),
-    };
     let plot = PolarPicture {
         title: polar_title(&found.scene, last.and_then(|case| case.mu_static)),
-        curves: curves(last, ["motors blocked", "motors at their torque"], point),
+        curves: curves(last, ["motors blocked", "motors at their torque"]),
         directions: ["right", "down, out of the palm", "left", "up"],
         drawn: "the gripper, in the same directions",
         palm: scene.hand.palm.is_some().then(|| max_radius(&scene.hand.grasped().shape)),
@@ -223,14 +219,9 @@ pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureForma
 /// coefficients, and the mechanism.
 pub fn mechanism_balance(scene: &Scene, found: &MechanismGrasp, picture_format: PictureFormat) -> String {
     let last = found.friction_cases.last();
-    let point = |balance: &MechanismBalance| match balance.largest {
-        MechanismLimit::Infeasible { .. } => (balance.direction, None),
-        MechanismLimit::Limited { acceleration_m_s2, .. } => (balance.direction, Some(acceleration_m_s2 / G_M_S2)),
-        MechanismLimit::Unlimited => (balance.direction, Some(f64::INFINITY)),
-    };
     let plot = PolarPicture {
         title: polar_title(&found.scene, last.and_then(|case| case.mu_static)),
-        curves: curves(last, ["actuators blocked", "actuators at their effort"], point),
+        curves: curves(last, ["actuators blocked", "actuators at their effort"]),
         directions: ["x", "y", "−x", "−y"],
         drawn: "the mechanism, in the same directions",
         palm: None,
@@ -238,14 +229,18 @@ pub fn mechanism_balance(scene: &Scene, found: &MechanismGrasp, picture_format: 
     plot.draw(scene, &found.sample, picture_format)
 }
 
-/// Curves of a friction case, with the drives blocked and at their effort; `point` returns direction and acceleration.
-fn curves<B>(
-    case: Option<&FrictionCase<B>>,
-    names: [&'static str; 2],
-    point: impl Fn(&B) -> ([f64; 2], Option<f64>),
-) -> Vec<Curve> {
+/// Curves of a friction case, with the drives blocked and at their effort.
+fn curves(case: Option<&FrictionCase>, names: [&'static str; 2]) -> Vec<Curve> {
+    let point = |balance: &MechanismBalance| {
+        let limit_g = match balance.largest {
+            MechanismLimit::Infeasible { .. } => None,
+            MechanismLimit::Limited { acceleration_m_s2, .. } => Some(acceleration_m_s2 / G_M_S2),
+            MechanismLimit::Unlimited => Some(f64::INFINITY),
+        };
+        (balance.direction, limit_g)
+    };
     let balances = case.into_iter().flat_map(|case| names.into_iter().zip(&case.polar));
-    balances.map(|(name, balances)| Curve { name, points: balances.iter().map(&point).collect() }).collect()
+    balances.map(|(name, balances)| Curve { name, points: balances.iter().map(point).collect() }).collect()
 }
 
 fn polar_title(scene: &str, mu_static: Option<f64>) -> String {

@@ -3,17 +3,15 @@
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::{closure_document, closure_text, force_closure_text, format_mu, millimetres};
+use super::{causes, closure_document, closure_text, force_closure_text, format_mu, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
+use crate::grasp::FrictionCase;
 use crate::grasp::finger::Palm;
-use crate::grasp::gripper::{FrictionCase, GripperGrasp, ObjectContact, PostureSource};
-use crate::gripper::FingerContact;
+use crate::grasp::gripper::{ContactLoad, GripperGrasp, MotorAtRest, ObjectContact, PostureSource};
 use crate::report::grasp::force_closure;
-use crate::scene::{HandContact, Side};
-use crate::statics::{
-    AccelerationLimit, Balance, Blocked, ContactLoad, ContactLocation, ContactMotion, Drive, Limit, StaticsError,
-};
+use crate::scene::HandContact;
+use crate::statics::{Blocked, BrakeLoad, ContactMotion, MechanismBalance, MechanismLimit, StaticsError};
 use crate::trace::FingerState;
 use crate::units::Dimension;
 
@@ -31,15 +29,6 @@ impl<'a> GripperStaticsReport<'a> {
     /// Creates the report with every `stride`-th of the requested directions.
     pub fn new(grasp: &'a GripperGrasp, stride: usize) -> Self {
         GripperStaticsReport { grasp, stride: stride.max(1), svg: None }
-    }
-
-    /// Motors of both fingers, or of the differential's input, with their names.
-    fn motors(&self) -> impl Iterator<Item = (&'static str, &'a Drive)> {
-        self.motor_names().iter().copied().zip(&self.grasp.drives)
-    }
-
-    fn motor_names(&self) -> &'static [&'static str] {
-        if self.grasp.drives.len() == 1 { &["input"] } else { &["right", "left"] }
     }
 
     /// Support by the palm. An active contact may penetrate by some micrometres; the object rests on the palm
@@ -78,12 +67,12 @@ impl<'a> Serialize for GripperStaticsReport<'a> {
             .with("y_m", y_m)
             .with("mass_kg", grasp.mass_kg)
             .with("gravity_m_s2", grasp.gravity_m_s2);
-        let motor = |(name, drive): (&'static str, &Drive)| {
+        let motor = |motor: &'a MotorAtRest| {
             // The infinite brake of a blocked motor becomes null.
-            let [min_n_m, max_n_m] = drive.brake_n_m;
+            let [min_n_m, max_n_m] = motor.brake_n_m;
             Object::default()
-                .with("motor", name)
-                .with("torque_n_m", drive.torque_n_m)
+                .with("motor", motor.name.as_str())
+                .with("torque_n_m", motor.torque_n_m)
                 .with("brake_min_n_m", min_n_m)
                 .with("brake_max_n_m", max_n_m)
         };
@@ -93,13 +82,13 @@ impl<'a> Serialize for GripperStaticsReport<'a> {
                 .with("closure", found.as_ref().ok().map(|found| closure_document(found, &self.palm())))
                 .with_some("reason", found.as_ref().err().map(StaticsError::to_string))
         };
-        let friction_case = |case: &'a FrictionCase<Balance>| {
-            let direction = |(angle_rad, [blocked, at_torque]): (f64, [&'a Balance; 2])| {
+        let friction_case = |case: &'a FrictionCase| {
+            let direction = |(angle_rad, [blocked, at_torque]): (f64, [&'a MechanismBalance; 2])| {
                 Object::default()
                     .with("angle_rad", angle_rad)
                     .with("direction", blocked.direction)
-                    .with("blocked", balance_document(blocked, self.motor_names()))
-                    .with("at_torque", balance_document(at_torque, self.motor_names()))
+                    .with("blocked", self.balance_document(blocked))
+                    .with("at_torque", self.balance_document(at_torque))
             };
             Object::default()
                 .with("mu_static", case.mu_static)
@@ -109,7 +98,7 @@ impl<'a> Serialize for GripperStaticsReport<'a> {
         Object::default()
             .with("scene", &grasp.scene)
             .with("posture", posture)
-            .with("motors", self.motors().map(motor).collect::<Vec<_>>())
+            .with("motors", grasp.motors.iter().map(motor).collect::<Vec<_>>())
             .with("contacts", grasp.contacts.iter().map(contact_document).collect::<Vec<_>>())
             .with("form_closure", grasp.closures.iter().map(closure).collect::<Vec<_>>())
             .with("holds", grasp.friction_cases.iter().map(friction_case).collect::<Vec<_>>())
@@ -129,67 +118,25 @@ fn contact_document(contact: &ObjectContact) -> Object<'_> {
         .with("tangential_n", contact.forces_n.map(|[_, tangential_n]| tangential_n))
 }
 
-/// JSON object of the largest balanced acceleration: "up to" it, "any", or "nothing"; with the contacts and brakes at
-/// their limits, forces that balance it (not necessarily unique), and the motion that a larger one causes.
-fn balance_document(balance: &Balance, motors: &[&'static str]) -> Object<'static> {
-    let (balanced, limit) = match &balance.largest {
-        AccelerationLimit::Infeasible => ("nothing", None),
-        AccelerationLimit::Unlimited => ("any", None),
-        AccelerationLimit::Limited(limit) => ("up to", Some(limit)),
-    };
-    let contacts = |motion| limit.map_or(Vec::new(), |limit| contacts_that(limit, motion));
-    let motion = limit.map(|limit| {
-        Object::default()
-            .with("object_m_s", limit.motion.object_m_s)
-            .with("spin_rad_s", limit.motion.spin_rad_s)
-            .with("right_rad_s", limit.motion.fingers_rad_s[0])
-            .with("left_rad_s", limit.motion.fingers_rad_s[1])
-    });
-    let forces = limit.map(|limit| limit.contacts.iter().map(force_document).collect::<Vec<_>>());
-    Object::default()
-        .with("balanced", balanced)
-        .with("acceleration_m_s2", limit.map(|limit| limit.acceleration_m_s2))
-        .with("slips", contacts(ContactMotion::Slips))
-        .with("leaves", contacts(ContactMotion::Separates))
-        .with("brakes_slip", limit.map_or(Vec::new(), |limit| slipping_brakes(limit, motors)))
-        .with_some("forces", forces.filter(|forces| !forces.is_empty()))
-        .with_some("motion", motion)
-        .with_some("gap", limit.map(|limit| limit.gap))
-}
-
 /// JSON object of the force of a contact; a joint limit has a torque.
 fn force_document(load: &ContactLoad) -> Object<'static> {
-    let force = Object::default().with("place", contact_name(load.location));
-    match load.location {
-        ContactLocation::Finger(_, FingerContact::Limit) => force.with("torque_n_m", load.normal_n),
-        _ => force.with("normal_n", load.normal_n).with("tangential_n", load.tangential_n),
-    }
-}
-
-fn contact_name(location: ContactLocation) -> String {
-    match location {
-        ContactLocation::Finger(side, site) => HandContact::Finger(Side::BOTH[side as usize], site).name(),
-        ContactLocation::Palm => HandContact::Palm.name(),
+    let force = Object::default().with("place", load.id.name());
+    match load.id.is_stop() {
+        true => force.with("torque_n_m", load.normal_n),
+        false => force.with("normal_n", load.normal_n).with("tangential_n", load.tangential_n),
     }
 }
 
 /// Names of the contacts with this motion at the limit.
-fn contacts_that(limit: &Limit, motion: ContactMotion) -> Vec<String> {
-    let loads = limit.contacts.iter().filter(|load| load.contact_motion == motion);
-    loads.map(|load| contact_name(load.location)).collect()
-}
-
-/// Names of the motors whose brakes slip at the limit.
-fn slipping_brakes<'m>(limit: &Limit, motors: &[&'m str]) -> Vec<&'m str> {
-    let slipping = limit.brakes.iter().zip(motors).filter(|(brake, _)| brake.slips);
-    slipping.map(|(_, name)| *name).collect()
+fn contacts_that(loads: &[ContactLoad], motion: ContactMotion) -> Vec<String> {
+    loads.iter().filter(|load| load.motion == motion).map(|load| load.id.name()).collect()
 }
 
 /// The complete report, with a final line end.
 impl ToReport for GripperStaticsReport<'_> {
     fn report(&self) -> Report {
         let head = format!("{}: the grasp of its object at rest\n", crate::scene::one_line(&self.grasp.scene)).into();
-        let motors = self.motors().map(motor).collect::<String>().into();
+        let motors = self.grasp.motors.iter().map(motor).collect::<String>().into();
         let mut sections = vec![head, posture(self.grasp), motors, contacts(&self.grasp.contacts)];
         for (blocked, found) in &self.grasp.closures {
             let blocked = match blocked {
@@ -208,14 +155,69 @@ impl ToReport for GripperStaticsReport<'_> {
     }
 }
 
-impl GripperStaticsReport<'_> {
-    fn friction_case(&self, case: &FrictionCase<Balance>) -> Report {
+impl<'a> GripperStaticsReport<'a> {
+    /// Names of the motors whose brakes slip at the limit.
+    fn slipping_brakes(&self, brakes: &[BrakeLoad]) -> Vec<&'a str> {
+        let slipping = brakes.iter().zip(&self.grasp.motors).filter(|(brake, _)| brake.slips);
+        slipping.map(|(_, motor)| motor.name.as_str()).collect()
+    }
+
+    /// JSON object of the largest balanced acceleration: "up to" it, "any", or "nothing"; with the contacts and brakes at
+    /// their limits, forces that balance it (not necessarily unique), and the motion that a larger one causes.
+    fn balance_document(&self, balance: &MechanismBalance) -> Object<'a> {
+        let without_limit = |balanced: &'static str| {
+            let none = || Vec::<String>::new();
+            let document = Object::default().with("balanced", balanced).with("acceleration_m_s2", None::<f64>);
+            document.with("slips", none()).with("leaves", none()).with("brakes_slip", none())
+        };
+        match &balance.largest {
+            MechanismLimit::Infeasible { .. } => without_limit("nothing"),
+            MechanismLimit::Unlimited => without_limit("any"),
+            MechanismLimit::Limited { acceleration_m_s2, contacts, limits, brakes, motion, gap, .. } => {
+                let loads = self.grasp.loads(contacts, limits);
+                let motion = self.grasp.hand_motion(motion);
+                let forces: Vec<_> = loads.iter().map(force_document).collect();
+                let motion = Object::default()
+                    .with("object_m_s", motion.object_m_s)
+                    .with("spin_rad_s", motion.spin_rad_s)
+                    .with("right_rad_s", motion.fingers_rad_s[0])
+                    .with("left_rad_s", motion.fingers_rad_s[1]);
+                Object::default()
+                    .with("balanced", "up to")
+                    .with("acceleration_m_s2", *acceleration_m_s2)
+                    .with("slips", contacts_that(&loads, ContactMotion::Slips))
+                    .with("leaves", contacts_that(&loads, ContactMotion::Separates))
+                    .with("brakes_slip", self.slipping_brakes(brakes))
+                    .with_some("forces", Some(forces).filter(|forces| !forces.is_empty()))
+                    .with("motion", motion)
+                    .with("gap", *gap)
+            }
+        }
+    }
+
+    /// The largest balanced acceleration, and the contacts and brakes at their limits, by their short names.
+    fn limit_cells(&self, balance: &MechanismBalance) -> [String; 2] {
+        let (acceleration_m_s2, loads, brakes) = match &balance.largest {
+            MechanismLimit::Unlimited => return ["any", "–"].map(String::from),
+            MechanismLimit::Infeasible { .. } => return ["not at rest", "–"].map(String::from),
+            MechanismLimit::Limited { acceleration_m_s2, contacts, limits, brakes, .. } => {
+                (acceleration_m_s2, self.grasp.loads(contacts, limits), brakes)
+            }
+        };
+        let [slip, leave] =
+            [ContactMotion::Slips, ContactMotion::Separates].map(|motion| contacts_that(&loads, motion));
+        let [slip, leave] = [&slip, &leave].map(|names| names.iter().map(|name| short_name(name)).collect());
+        let names = vec![("slip", slip), ("leave", leave), ("brake", self.slipping_brakes(brakes))];
+        [format_number(acceleration_m_s2 / G_M_S2, 4), causes(Vec::new(), names)]
+    }
+
+    fn friction_case(&self, case: &FrictionCase) -> Report {
         let mut rows = vec![row(["towards", "", "blocked, g", "limited by", "at torque, g", "limited by"])];
         for (angle_rad, balances) in case.directions(self.stride) {
             let angle = format!("{:.2}", angle_rad.to_degrees());
             let mut cells = vec![format!("{}°", angle.trim_end_matches('0').trim_end_matches('.'))];
             cells.push(direction_name(balances[0].direction).to_string());
-            cells.extend(balances.into_iter().flat_map(|balance| limit_cells(balance, self.motor_names())));
+            cells.extend(balances.into_iter().flat_map(|balance| self.limit_cells(balance)));
             rows.push(cells);
         }
         let closure = force_closure_text(case.mu_static, &case.force_closure, "radius");
@@ -254,10 +256,10 @@ fn posture(grasp: &GripperGrasp) -> Report {
     Report::from(head).with(table(&rows)).with(object)
 }
 
-fn motor((name, drive): (&str, &Drive)) -> String {
-    let name = if name == "input" { "input of the differential" } else { name };
-    let [torque, brake] = [drive.torque_n_m, drive.brake_n_m[1]].map(|torque_n_m| number(torque_n_m * 1e3));
-    let blocked = match drive.brake_n_m {
+fn motor(motor: &MotorAtRest) -> String {
+    let name = if motor.name == "input" { "input of the differential" } else { &motor.name };
+    let [torque, brake] = [motor.torque_n_m, motor.brake_n_m[1]].map(|torque_n_m| number(torque_n_m * 1e3));
+    let blocked = match motor.brake_n_m {
         [min_n_m, max_n_m] if !(min_n_m.is_finite() && max_n_m.is_finite()) => {
             "no brake in the scene, so \"blocked\" means unlimited torque".to_string()
         }
@@ -312,23 +314,4 @@ fn direction_name([x, y]: [f64; 2]) -> &'static str {
         (0.0, -1.0) => "up",
         _ => "",
     }
-}
-
-/// The largest balanced acceleration, and the contacts and brakes at their limits, by their short names.
-fn limit_cells(balance: &Balance, motors: &[&str]) -> [String; 2] {
-    let limit = match &balance.largest {
-        AccelerationLimit::Unlimited => return ["any", "–"].map(String::from),
-        AccelerationLimit::Infeasible => return ["not at rest", "–"].map(String::from),
-        AccelerationLimit::Limited(limit) => limit,
-    };
-    let all = |verb: &str, names: &[&str]| (!names.is_empty()).then(|| format!("{verb} {}", names.join(" ")));
-    let contacts = |verb: &str, motion: ContactMotion| {
-        let names = contacts_that(limit, motion);
-        all(verb, &names.iter().map(|name| short_name(name)).collect::<Vec<_>>())
-    };
-    let brakes = all("brake", &slipping_brakes(limit, motors));
-    let parts = [contacts("slip", ContactMotion::Slips), contacts("leave", ContactMotion::Separates), brakes];
-    let parts: Vec<String> = parts.into_iter().flatten().collect();
-    let causes = if parts.is_empty() { "–".to_string() } else { parts.join(", ") };
-    [format_number(limit.acceleration_m_s2 / G_M_S2, 4), causes]
 }

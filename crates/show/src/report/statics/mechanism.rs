@@ -3,10 +3,10 @@
 use serde::{Serialize, Serializer};
 
 use super::super::named::Object;
-use super::{force_closure_text, format_mu, millimetres};
+use super::{causes, force_closure_text, format_mu, millimetres};
 use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_below_resolution};
 use crate::format::report::{Report, ToReport, table};
-use crate::grasp::gripper::FrictionCase;
+use crate::grasp::FrictionCase;
 use crate::grasp::mechanism::{ActuatorAtRest, ActuatorRole, HeldContact, MechanismGrasp};
 use crate::report::grasp::force_closure;
 use crate::statics::{BodyMotion, ContactMotion, MechanismBalance, MechanismLimit, StaticsError};
@@ -69,6 +69,7 @@ impl<'a> MechanismStaticsReport<'a> {
                 motion,
                 yielding,
                 gap,
+                ..
             } => {
                 let slipping = brakes.iter().zip(loads).filter(|(_, load)| load.slips).map(|(name, _)| name.as_str());
                 let forces = self.grasp.contacts.iter().zip(contacts).map(|(contact, (normal_n, tangential_n, _))| {
@@ -142,7 +143,7 @@ impl<'a> MechanismStaticsReport<'a> {
         Report::from(text)
     }
 
-    fn friction_case(&self, case: &'a FrictionCase<MechanismBalance>) -> Report {
+    fn friction_case(&self, case: &'a FrictionCase) -> Report {
         let mut rows = vec![row(["towards", "blocked, g", "limited by", "at effort, g", "limited by"])];
         for (angle_rad, balances) in case.directions(self.stride) {
             let angle = format!("{:.2}", angle_rad.to_degrees());
@@ -193,7 +194,7 @@ impl<'a> Serialize for MechanismStaticsReport<'a> {
             }
             Err(reason) => Object::default().with("reason", reason.to_string()),
         };
-        let case = |case: &'a FrictionCase<MechanismBalance>| {
+        let case = |case: &'a FrictionCase| {
             let FrictionCase { mu_static, force_closure: closure, .. } = case;
             let direction = |(angle_rad, balances): (f64, [&'a MechanismBalance; 2])| {
                 let document = Object::default().with("angle_rad", angle_rad).with("direction", balances[0].direction);
@@ -237,13 +238,6 @@ fn actuator_document(actuator: &ActuatorAtRest) -> Object<'_> {
 fn effort(actuator: &ActuatorAtRest) -> String {
     let unit = if actuator.is_torque { "N·m" } else { "N" };
     format!("{} ({} {unit})", actuator.name, number(actuator.effort))
-}
-
-/// Joins what is at its limit.
-fn causes(mut parts: Vec<String>, names: Vec<(&str, Vec<&str>)>) -> String {
-    let given = names.into_iter().filter(|(_, names)| !names.is_empty());
-    parts.extend(given.map(|(verb, names)| format!("{verb} {}", names.join(" "))));
-    if parts.is_empty() { "–".to_string() } else { parts.join(", ") }
 }
 
 /// Velocities of the moving bodies.

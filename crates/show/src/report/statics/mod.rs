@@ -250,6 +250,13 @@ fn closure_text(found: &FormClosure, palm: &Palm, mechanism: &str, pure: Option<
     }
 }
 
+/// Joins what is at its limit.
+fn causes(mut parts: Vec<String>, names: Vec<(&str, Vec<&str>)>) -> String {
+    let given = names.into_iter().filter(|(_, names)| !names.is_empty());
+    parts.extend(given.map(|(verb, names)| format!("{verb} {}", names.join(" "))));
+    if parts.is_empty() { "–".to_string() } else { parts.join(", ") }
+}
+
 /// Returns two lines on force closure with a friction coefficient (that of the scene for `None`): the verdict with Q1, and
 /// the weakest wrench, whose moment is divided by `divisor`.
 fn force_closure_text(mu_static: Option<f64>, closure: &ForceClosure, divisor: &str) -> String {
