@@ -2,7 +2,7 @@
 
 use super::reading::{Kernel, KernelUser, Start, contact_sample, stored_energy};
 use super::schema::TendonState;
-use super::{BodyState, ContactSample, Energy, JointState, Outcome, RequiredData, RunError, Sample};
+use super::{BodyState, ContactSample, Energy, Exit, JointState, Outcome, RequiredData, RunError, Sample};
 use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel, MechanismSize};
 use crate::drive::Profile;
 use crate::integrator::{State, System};
@@ -84,7 +84,8 @@ fn build_sized<const N: usize, const K: usize, const C: usize, const Z: usize, U
     let kernel = MechanismModel::<N, K, C>::new(mechanism, (&start.poses, &start.rates))
         .map_err(|error: StructureError| rejected(error.to_string()))?;
     let state = kernel.start::<Z>();
-    Ok(user.use_kernel::<_, N, Z>(Start { kernel, state, settings: scene.integrator, reach: None }))
+    let (settings, exit) = (scene.integrator, Exit::from_scene(scene));
+    Ok(user.use_kernel::<_, N, Z>(Start { kernel, state, settings, exit }))
 }
 
 impl<const N: usize, const K: usize, const C: usize, const Z: usize> Kernel<N, Z> for MechanismModel<N, K, C>

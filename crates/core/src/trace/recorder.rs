@@ -1,12 +1,12 @@
 //! Converts the steps of the analytic model into samples, events and summary figures.
 
-use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
+use super::contact_tracker::{ContactTracker, ReportedEvent, has_hand_touched, update_summaries};
 use super::extrema::{
     BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, Reason, StepExtrema, bisect, find_crossing, parabola_peak,
 };
 use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::reading::Kernel;
-use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
+use super::{ContactSummary, Energy, EventKind, Exit, Outcome, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
 use crate::analytic::mechanism::EXCHANGE_SINE;
 use crate::integrator::{Observer, State, Step, StepTools, System};
@@ -88,9 +88,9 @@ pub(super) struct RecorderState<R: Kernel<N, Z>, const N: usize, const Z: usize>
     is_refined: bool,
     times: RecordingTimes,
     end_s: f64,
-    /// Region whose boundary ends the run.
-    reach: Option<Reach>,
-    /// Time at which the object left the region.
+    /// Condition that ends the run.
+    exit: Option<Exit>,
+    /// Time at which the object left the hand.
     ejected_s: Option<f64>,
     mode: R::Mode,
     start_energy: Energy,
@@ -121,7 +121,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
     pub fn new(
         kernel: &R,
         (start, mode): (&State<N, Z>, R::Mode),
-        reach: Option<Reach>,
+        exit: Option<Exit>,
         RecordingOptions { counts, span, required_data, threshold_n, .. }: RecordingOptions,
     ) -> Self {
         let [mut last, end, within] = [0; 3].map(|_| Sample::new(0.0, counts));
@@ -134,7 +134,7 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> RecorderState<R, N, Z> {
             is_refined: span.is_refined,
             times: RecordingTimes::new(span, required_data.point_interval_s),
             end_s: span.end_s,
-            reach,
+            exit,
             ejected_s: None,
             mode,
             start_energy,
@@ -335,20 +335,19 @@ impl<R: Kernel<N, Z>, const N: usize, const Z: usize> Recorder<'_, '_, R, N, Z> 
         Ok(())
     }
 
-    /// Shortens the current step to where the object leaves the reach of the fingers, if something has touched the
-    /// object; returns whether it does.
+    /// Shortens the current step to where the object leaves the hand, if the hand has touched the object; returns whether it
+    /// does.
     fn end_at_exit(&mut self, interior: &mut Interior<'_, R, N, Z>) -> bool {
-        let Some(reach) = self.state.reach.filter(|reach| reach.leaves(&self.state.last, &self.state.end)) else {
-            return false;
+        let leaves = |exit: &&Exit| {
+            exit.leaves(&self.state.last, &self.state.end)
+                && has_hand_touched(&self.state.trackers, &self.state.end, exit)
         };
-        if !has_surface_touched(&self.state.trackers, &self.state.end) {
-            return false;
-        }
+        let Some(exit) = self.state.exit.as_ref().filter(leaves).cloned() else { return false };
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
             self.read_within(interior.time_s(middle), &interior.tools.resolve(middle), interior.mode);
-            if reach.is_outside(&self.state.within.body(0)) { outside = middle } else { inside = middle }
+            if exit.is_outside(&self.state.within) { outside = middle } else { inside = middle }
         }
         if outside < 1.0 {
             (self.state.last_state, self.state.last_mode) = (interior.resolve(outside), *interior.mode);

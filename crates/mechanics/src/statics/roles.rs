@@ -96,8 +96,8 @@ pub fn grasp_roles(mechanism: &Mechanism, keys: &GraspKeys) -> std::result::Resu
     if !pairs.iter().any(|pair| pair.is_hand) {
         return Err(NoGrasp::Nothing);
     }
-    let outlines = mechanism.bodies[object].outlines.iter().enumerate();
-    for (outline, _) in outlines.filter(|(_, outline)| matches!(outline.shape, OutlineShape::HalfPlane { .. })) {
+    let outlines = &mechanism.bodies[object].outlines;
+    if let Some(outline) = outlines.iter().position(|outline| matches!(outline.shape, OutlineShape::HalfPlane { .. })) {
         let id = OutlineId { body: Some(object), outline };
         return Err(NoGrasp::HalfPlane(mechanism.outline_name(id)));
     }
