@@ -116,8 +116,8 @@ fn distances_of_random_contacts_are_those_of_an_enumeration() {
         }
         let expected = enumerated_distance(&wrenches(&contacts, 1.0));
         let found = hull_distance(&contacts, [0.0; 2], 1.0);
-        // Normals of planes that pass the origin closer than the root of the rounding error are rounding errors.
-        let tolerance = if expected < 1e-8 { 1e-8 } else { 1e-10 };
+        // The normal of a plane near the origin is a difference of coordinates: its direction has the rounding error ε/d.
+        let tolerance = (4e-16 / expected.max(1e-8)).max(1e-10);
         assert!((found - expected).abs() < tolerance, "{case}: {found:e}, not {expected:e}: {contacts:?}");
         gripped += usize::from(found < GRIP_TOLERANCE);
         close += usize::from(found < GRIP_TOLERANCE && found > 1e-8);

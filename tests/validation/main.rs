@@ -12,6 +12,8 @@ mod check;
 mod criteria;
 mod exchange;
 mod fates;
+mod grasp_anchors;
+mod grasp_real;
 mod grippers;
 mod hard_grippers;
 mod hard_scenes;
