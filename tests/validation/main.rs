@@ -13,6 +13,7 @@ mod criteria;
 mod exchange;
 mod fates;
 mod grasp_anchors;
+mod grasp_random;
 mod grasp_real;
 mod grippers;
 mod hard_grippers;
