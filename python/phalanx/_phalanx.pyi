@@ -155,10 +155,11 @@ class Result:
 
     @property
     def criteria(self) -> dict[str, Any] | None:
-        """Criteria of a finger (`class`, `class_reason`, `tts_s`, …), or the fate of a gripper's object.
+        """Criteria of a finger (`class`, `class_reason`, `tts_s`, …), or the fate of a gripper's object. Of a mechanism with a
+        grasp, a dictionary whose `grasp` has fate, times, pairs and margin.
 
-        None for discs (`contacts` contains their restitution), and for a run without criteria; `summary["no_criteria"]`
-        gives the reason.
+        None for discs (`contacts` contains their restitution), and for a run without criteria; `summary["no_criteria"]` or
+        `summary["no_grasp"]` gives the reason.
         """
 
     @property

@@ -18,7 +18,7 @@ use super::{Failure, Status};
 use crate::format::{ToReport, format_duration};
 use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
 use crate::page::PlaybackRecorder;
-use crate::report::document;
+use crate::report::document::{self, Detail};
 use crate::report::simulation::report_of;
 use crate::scene::{Preset, Scene};
 use crate::trace::overrides::{self, duration, numeric_rate, picture_rate, rtol, step, tolerance};
@@ -67,6 +67,14 @@ pub(crate) struct RunArgs {
     /// Print one JSON document with SI units in its keys instead of the summary
     #[arg(long)]
     json: bool,
+
+    /// Print the contacts of a grasp by their points, not by pairs of outlines
+    #[arg(long, conflicts_with = "json")]
+    points: bool,
+
+    /// Print the states of all bodies, joints and actuators, and all contact points
+    #[arg(long, conflicts_with = "json")]
+    all: bool,
 
     /// Estimate the error from further, independent runs and report whether the outcome is chaotic; the default for
     /// runs of up to 20,000 steps
@@ -208,6 +216,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
         let playback = recorder.into_playback(args.model.name(), scene, report.report());
         page.write(name, &scene.description, playback)
     });
+    report.detail = Detail { points: args.points || args.all, all: args.all };
     report.page = page_path.as_ref().and_then(|path| path.as_ref().ok().cloned());
     report.log = args.log.as_ref().map(|path| path.display().to_string());
     report.csv = csv.filter(|_| table.is_ok()).map(|path| path.display().to_string());

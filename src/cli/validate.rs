@@ -52,6 +52,10 @@ pub(crate) struct ValidateArgs {
     #[arg(long, value_name = "TIME", value_parser = duration)]
     ladder_time: Option<f64>,
 
+    /// Print all differences of a mechanism or of discs, not only the ten largest; --out and --json contain all
+    #[arg(long)]
+    all: bool,
+
     /// Omit slow settings from the ladder: fixed steps below 1e-5 s
     #[arg(long)]
     quick: bool,
@@ -86,7 +90,9 @@ pub(super) fn run(args: &ValidateArgs) -> Result<Status, Failure> {
     })?;
     // The verdict is printed first, because the ladder takes longer.
     if !json {
-        print_report(&ValidationReport::new(scene, &validation, None).verdict_report())?;
+        let mut report = ValidationReport::new(scene, &validation, None);
+        report.all = args.all;
+        print_report(&report.verdict_report())?;
     }
     let is_requested = args.ladder || args.ladder_time.is_some() || out.is_some();
     let time_s = args.ladder_time.unwrap_or(LADDER_TIME_S);

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Differences, MAX_STANDARD_ERRORS, Recording, Statistics, largest};
 use crate::check;
-use crate::criteria::{Criteria, EPSILON_RAD, Fate, GraspCriteria, Rebound, is_form_closed};
+use crate::criteria::{Criteria, EPSILON_RAD, Fate, GraspCriteria, ObjectCriteria, Rebound, is_form_closed};
 use crate::invariants::Finding;
 use crate::scene::{Bounds, Scene};
 use crate::trace::Schema;
@@ -141,10 +141,15 @@ pub(crate) struct CriterionKind {
 }
 
 /// All criteria, in the order of their bounds in a verdict.
-pub(crate) const CRITERIA: [CriterionKind; 7] = [
+pub(crate) const CRITERIA: [CriterionKind; 8] = [
     kind("class", "class in both models: 0 equal, 1 different", ("class", 1.0, 5)),
     kind("fate", "fate of the object in both models: 0 equal, 1 different", ("fate", 1.0, 5)),
     kind("stability_time_s", "difference of the time to stability", ("time to stability, ms", 1e3, 8)),
+    kind(
+        "fate_time_s",
+        "difference of the time at which the object was released, was lost or left the hand",
+        ("lost at, ms", 1e3, 8),
+    ),
     kind("form_closed", "form closure in both models: 0 equal, 1 different", ("form-closed", 1.0, 1)),
     kind("contacts_lost", "relative difference of the number of lost contacts", ("contacts lost", 1.0, 6)),
     kind(
@@ -211,6 +216,9 @@ impl Criterion {
 pub fn compare_criteria(scene: &Scene, analytic: &Recording, engine: &Recording) -> Vec<Criterion> {
     let runs = [analytic, engine];
     let (Some(analytic), Some(engine)) = (&analytic.run_criteria, &engine.run_criteria) else { return Vec::new() };
+    if let (Some(analytic), Some(engine)) = (&analytic.object, &engine.object) {
+        return compare_objects(scene, [analytic, engine]);
+    }
     match (&analytic.criteria, &engine.criteria, &analytic.grasp, &engine.grasp) {
         (Some(analytic), Some(engine), ..) => compare_finger(scene, [analytic, engine]),
         (.., Some(analytic), Some(engine)) => compare_gripper(scene, runs, [analytic, engine]),
@@ -250,21 +258,47 @@ fn compare_gripper(scene: &Scene, runs: [&Recording; 2], both: [&GraspCriteria; 
         });
         compared.push(Criterion::from_labels("form_closed", form_closed));
     }
+    let contacts = both[0].contacts.iter().zip(&both[1].contacts);
+    let lost_times = contacts.map(|(a, b)| (a.id.name(), [a.lost_s, b.lost_s]));
     let losses = both.map(|found| found.contacts.iter().map(|contact| contact.times_lost).sum::<u32>());
+    compared.extend(compare_losses(scene, losses, lost_times));
+    compared
+}
+
+/// Compares the grasps of the object of a mechanism.
+fn compare_objects(scene: &Scene, both: [&ObjectCriteria; 2]) -> Vec<Criterion> {
+    let limit_s = scene.bounds.stability_time_s;
+    let mut compared = vec![
+        Criterion::from_labels("fate", both.map(|found| found.fate.name())),
+        Criterion::from_numbers("stability_time_s", both.map(|found| found.tts_s), limit_s),
+    ];
+    let lost_at_s = both.map(|found| found.fate.lost_at_s());
+    if lost_at_s.iter().any(Option::is_some) {
+        compared.push(Criterion::from_numbers("fate_time_s", lost_at_s, limit_s));
+    }
+    let pairs = both[0].pairs.iter().zip(&both[1].pairs);
+    let lost_times = pairs.map(|(a, b)| (a.name.clone(), [a.lost_s, b.lost_s]));
+    compared.extend(compare_losses(scene, both.map(ObjectCriteria::contacts_lost), lost_times));
+    compared
+}
+
+/// Compares the numbers of losses, and the time for which the contact with the largest difference was lost.
+fn compare_losses(
+    scene: &Scene,
+    losses: [u32; 2],
+    lost_times: impl Iterator<Item = (String, [f64; 2])>,
+) -> Vec<Criterion> {
     let scale = losses[0].max(losses[1]).max(MIN_LOSS_SCALE);
     let counts = losses.map(|count| Some(f64::from(count)));
     let lost = Criterion::from_numbers("contacts_lost", counts, MAX_LOST_CONTACTS_DIFFERENCE);
-    compared.push(Criterion { difference: f64::from(losses[0].abs_diff(losses[1])) / f64::from(scale), ..lost });
-    // Select the contact with the largest difference.
-    let contacts = both[0].contacts.iter().zip(&both[1].contacts);
-    let lost_times = contacts.map(|(a, b)| (a.id, [a.lost_s, b.lost_s]));
+    let count = Criterion { difference: f64::from(losses[0].abs_diff(losses[1])) / f64::from(scale), ..lost };
     let worst = lost_times.max_by(|(_, [a, b]), (_, [c, d])| (a - b).abs().total_cmp(&(c - d).abs()));
-    compared.extend(worst.map(|(contact, times)| {
+    let time = worst.map(|(contact, times)| {
         let lost = Criterion::from_numbers("lost_time", times.map(Some), MAX_LOST_TIME_DIFFERENCE);
-        let subject = Some(contact.name().to_string());
+        let subject = Some(contact);
         Criterion { subject, difference: lost.difference / scene.duration_s, ..lost }
-    }));
-    compared
+    });
+    std::iter::once(count).chain(time).collect()
 }
 
 /// Returns why the criteria of two accurate runs of a scene may differ, so that they are reported without being judged;

@@ -7,6 +7,7 @@ mod support;
 
 mod drawing;
 mod first_minutes;
+mod grasp;
 mod gripper;
 mod limits;
 mod manual;

@@ -74,7 +74,8 @@ fn mechanisms_are_logged_replayed_and_drawn() {
 #[test]
 fn mechanisms_are_validated() {
     let out = path_in(&directory("mechanism-validation"), "validation");
-    let report = succeed(&["validate", FINGER, "--set", "duration=26 ms", "--ladder-time", "0.1 s", "--out", &out]);
+    let report =
+        succeed(&["validate", FINGER, "--all", "--set", "duration=26 ms", "--ladder-time", "0.1 s", "--out", &out]);
     assert_contains(&report, &["within all bounds", "ground.disc/follower.pad first contact, ms"]);
     for file in ["report.json", "page.html", "series.csv", "difference.svg", "engine.mcap"] {
         assert!(fs::exists(format!("{out}/{file}")).expect("a readable directory"), "{file}");

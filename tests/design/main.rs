@@ -6,7 +6,9 @@
 mod support;
 
 mod assembly;
+mod closure;
 mod form_closure;
+mod grasp_roles;
 mod gripper_balance;
 mod gripper_design;
 mod gripper_posture;

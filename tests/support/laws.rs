@@ -55,6 +55,7 @@ pub fn mechanism_scene(mechanism: Mechanism, duration_s: f64) -> Scene {
         description: String::new(),
         source: String::new(),
         bounds: Bounds::defaults_for_run(SceneKind::Mechanism, duration_s),
+        grasp: None,
         hand: EMPTY,
         mechanism: Some(mechanism),
         duration_s,

@@ -198,6 +198,7 @@ fn scene(value: &Value) -> Scene {
     Scene {
         integrator: Integrator::preset(Preset::Engineering),
         thresholds: Thresholds::defaults_for_run(duration_s, 0.0),
+        grasp: None,
         log: LogSettings { numeric_hz: 1e4, picture_hz: 0.0, joint_forces: false },
         ..scene_of(hand, duration_s)
     }

@@ -71,6 +71,23 @@ fn fate_closure_and_losses_of_a_gripper_are_compared() {
 }
 
 #[test]
+fn fate_times_and_losses_of_the_object_of_a_mechanism_are_compared() {
+    let (scene, runs) = load_and_run("real/2f85-pinch");
+    assert_eq!(failed_bounds(&scene, &runs, |_| {}), [""; 0]);
+    let object = |change: fn(&mut phalanx::criteria::ObjectCriteria)| {
+        failed_bounds(&scene, &runs, |run| change(run_criteria(run).object.as_mut().expect("a grasp")))
+    };
+    assert_eq!(object(|found| found.fate = Fate::Carried), ["fate"]);
+    // Another fate, with a time in one model only.
+    assert_eq!(object(|found| found.fate = Fate::Dropped { since_s: 0.05 }), ["fate", "fate_time_s"]);
+    assert_eq!(object(|found| found.tts_s = found.tts_s.map(|tts_s| tts_s + 9e-5)), [""; 0]);
+    assert_eq!(object(|found| found.tts_s = found.tts_s.map(|tts_s| tts_s + 11e-5)), ["stability_time_s"]);
+    assert_eq!(object(|found| found.pairs[0].times_lost += 1), [""; 0]);
+    assert_eq!(object(|found| found.pairs[0].times_lost += 3), ["contacts_lost"]);
+    assert_eq!(object(|found| found.pairs[0].lost_s += 0.1), ["lost_time"]);
+}
+
+#[test]
 fn restitution_of_every_pair_with_an_impact_is_compared() {
     let (scene, runs) = load_and_run("laws/radii");
     let actual = compare_criteria(&scene, &runs[0], &runs[1]);

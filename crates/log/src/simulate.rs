@@ -12,7 +12,7 @@ use super::metadata::{CHECK_NAME, RunInfo, check_entries};
 use super::threaded::ThreadedWriter;
 use phalanx_core::check::{self, Check};
 use phalanx_core::criteria::{
-    Criteria, GraspCriteria, LinkOverlap, Rebound, RunCriteria, RunCriteriaTracker, fate_reason,
+    Criteria, GraspCriteria, LinkOverlap, ObjectCriteria, Rebound, RunCriteria, RunCriteriaTracker, fate_reason,
 };
 use phalanx_core::integrator::Reason;
 use phalanx_core::invariants::EnergyAudit;
@@ -48,6 +48,8 @@ pub struct FinishedRun<W> {
     pub criteria: Option<Criteria>,
     /// Grasp criteria, only for a gripper.
     pub grasp: Option<GraspCriteria>,
+    /// Criteria of the object of a completed run of a mechanism.
+    pub object: Option<ObjectCriteria>,
     /// Rebounds, one per pair of discs; empty for scenes with a finger.
     pub rebounds: Vec<Rebound>,
     /// Reasons to doubt the results, as sentences; also written to the log.
@@ -84,14 +86,15 @@ pub fn simulate<W: Write + Send + 'static>(
     let wall_s = start.elapsed().as_secs_f64();
     let last_sample = decimated.end().and_then(|()| decimated.sink.end());
     let RunSinks { log, criteria_tracker, audit, last_s, .. } = decimated.sink;
-    let RunCriteria { criteria, grasp, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
+    let RunCriteria { criteria, grasp, object, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
     let fate_sentence = |criteria: &GraspCriteria| {
         format!("{}: {}", criteria.fate.name(), fate_reason(criteria, scene.thresholds.held_time_s))
     };
     let verdict = criteria
         .as_ref()
         .map(Criteria::verdict)
-        .or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate_sentence));
+        .or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate_sentence))
+        .or_else(|| object.as_ref().map(|object| format!("{}: {}", object.fate.name(), object.reason)));
     let energy_warning = audit.sink.violation().map(|breach| breach.to_string());
     let warnings: Vec<String> = energy_warning.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
     let stopped = result.as_ref().err().map(|error| match error {
@@ -127,7 +130,7 @@ pub fn simulate<W: Write + Send + 'static>(
         log.finish()
     };
     let log = log.map(close).transpose();
-    FinishedRun { result, stopped, criteria, grasp, rebounds, warnings, check, wall_s, log }
+    FinishedRun { result, stopped, criteria, grasp, object, rebounds, warnings, check, wall_s, log }
 }
 
 /// All sinks of a run.

@@ -11,7 +11,7 @@ use std::path::Path;
 use serde::{Serialize, Serializer};
 
 use super::contacts::Contacts;
-use super::document::{Failure, serialize_settings, settings_text};
+use super::document::{Failure, Grasp, serialize_settings, settings_text};
 use super::grasp::GraspReport;
 use super::states::States;
 use super::tables;
@@ -75,9 +75,9 @@ pub struct ReplayReport {
     /// Criteria of a finger; null without an object or a scene, if the log does not reach the end of a completed run,
     /// or if a required topic is missing.
     pub criteria: Option<Criteria>,
-    /// Criteria of a gripper; omitted under the same conditions.
+    /// Criteria of the object of a hand; omitted under the same conditions.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub grasp: Option<GraspReport>,
+    pub grasp: Option<Grasp>,
     pub energy: Option<Energy>,
     /// Reasons to doubt the results; empty for a valid run.
     pub warnings: Vec<String>,
@@ -107,7 +107,8 @@ impl ReplayReport {
         warnings: Vec<String>,
     ) -> Self {
         let (schema, outcome, scene) = (&observer.schema, observer.outcome(), observer.bodies_scene());
-        let (criteria, grasp) = found.map_or((None, None), |found| (found.criteria, found.grasp));
+        let (criteria, grasp, object) =
+            found.map_or((None, None, None), |found| (found.criteria, found.grasp, found.object));
         let entry = |key: &str| reading.metadata.get(key).cloned();
         let number = |key: &str| entry(key).and_then(|text| text.parse().ok());
         let (integrator, engine) = match settings(&reading.metadata).map(|settings| settings.solver) {
@@ -158,16 +159,20 @@ impl ReplayReport {
             states,
             contacts,
             criteria,
-            grasp: grasp.zip(outcome).map(|(criteria, outcome)| GraspReport::new(&criteria, scene, &outcome.last)),
+            grasp: outcome.and_then(|outcome| Grasp::new((grasp.as_ref(), object.as_ref()), scene, outcome)),
             energy: outcome.map(|outcome| outcome.last.energy()).filter(|energy| !energy.kinetic_j.is_nan()),
             warnings,
             is_inconsistent: false,
             verification: None,
             reading: reading.clone(),
         };
-        // The run of a gripper ends when the object is ejected. Without its fate, an early end is not an error.
-        let may_end_early = reading.finger_count() == 2
-            && report.grasp.as_ref().is_none_or(|grasp| matches!(grasp.criteria.fate, Fate::Ejected { .. }));
+        // The run of a hand ends when the object leaves it. Without its fate, an early end is not an error.
+        let ends_at_exit = reading.finger_count() == 2 || scene.is_some_and(|scene| scene.grasp.is_some());
+        let may_end_early = ends_at_exit
+            && report.grasp.as_ref().is_none_or(|grasp| {
+                let has_escaped = grasp.object().is_some_and(|object| object.criteria.escaped_s.is_some());
+                has_escaped || matches!(grasp.fate(), Fate::Ejected { .. })
+            });
         if let Some(time_s) = ends_early(reading, report.duration_s).filter(|_| !may_end_early) {
             let requested = report.duration_s.map_or("an unknown time".to_string(), format_duration);
             let reason =
@@ -241,14 +246,18 @@ fn or_unknown(entry: &Option<String>) -> String {
 
 impl ToReport for ReplayReport {
     fn report(&self) -> Report {
-        let mut sections = vec![self.heading().into()];
+        let object = self.grasp.as_ref().and_then(Grasp::object);
+        let mut sections: Vec<Report> = object.map(|object| object.heading().into()).into_iter().collect();
+        sections.push(self.heading().into());
+        sections.extend(object.map(|object| object.pairs(self.contacts.as_ref())));
+        sections.extend(object.map(|object| object.actuators().into()));
         let last = self.states.as_ref().zip(self.reading.last_s);
         sections.extend(last.into_iter().flat_map(|(last, end_s)| tables::states(last, end_s)));
         sections.extend([
             self.contacts.as_ref().map(tables::contacts).into(),
             self.energy.map(|energy| tables::energies(&energy, self.has_joints)).into(),
             self.criteria.as_ref().map(tables::criteria).into(),
-            self.grasp.as_ref().map(GraspReport::text).into(),
+            self.grasp.as_ref().and_then(Grasp::hand).map(GraspReport::text).into(),
             self.verification.as_ref().map(VerificationReport::section).into(),
         ]);
         Report::join(sections)

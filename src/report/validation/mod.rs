@@ -35,13 +35,15 @@ pub struct ValidationReport<'a> {
     ladder: Option<LadderOptions>,
     /// Directory of the results, as given by the user, and the files in it; `None` if none were requested.
     pub files: Option<(String, Vec<String>)>,
+    /// Whether the text of a mechanism contains all differences, or else the largest ones.
+    pub all: bool,
 }
 
 impl<'a> ValidationReport<'a> {
     /// Creates the report. `ladder` are the options of the ladder of `validation`, if it was run.
     pub fn new(scene: &'a Scene, validation: &'a Validation, ladder: Option<LadderOptions>) -> Self {
         let schema = Schema::from_scene(scene);
-        ValidationReport { scene, schema, validation, ladder, files: None }
+        ValidationReport { scene, schema, validation, ladder, files: None, all: true }
     }
 
     fn differences(&self) -> NamedDifferences<'_> {

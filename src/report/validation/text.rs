@@ -25,6 +25,9 @@ impl ValidationReport<'_> {
     pub(crate) fn verdict_report(&self) -> Report {
         let (validation, found) = (self.validation, &self.validation.differences);
         let has_fingers = self.finger_count() > 0;
+        if !has_fingers && !self.all {
+            return self.short_report();
+        }
         let base = if has_fingers { "the work of the motors" } else { "the largest energy" };
         let [energy, ratio] = [found.energy_created_j * 1e3, found.energy_created].map(|value| format_number(value, 3));
         let sections = [
@@ -40,6 +43,20 @@ impl ValidationReport<'_> {
             self.differences().tables(),
         ];
         Report::join(sections).with(format!("spurious energy: {energy} mJ, {ratio} of {base}\n"))
+    }
+
+    /// Returns the verdict with the largest differences.
+    fn short_report(&self) -> Report {
+        let validation = self.validation;
+        let failed = violations("analytic", &validation.reference_invariants)
+            + &violations("engine", &validation.engine_invariants);
+        Report::join([
+            heading(self).into(),
+            checks(&validation.verdict.checks),
+            criteria(&validation.criteria, validation.reason_not_judged).into(),
+            failed.into(),
+            largest_differences(self),
+        ])
     }
 
     /// Returns the ladder and the list of files; `None` without either.
@@ -180,17 +197,46 @@ const CONTACTS: [ContactRow; 5] = [
 /// Returns a table of the final state, the contacts and the energies of both models, with their differences. A single
 /// finger shows all contacts, other scenes those that occurred.
 fn side_by_side(report: &ValidationReport) -> Report {
+    let (heading, lines) = lines(report);
+    table(&[vec![heading], lines.iter().map(Line::cells).collect()].concat())
+}
+
+/// Number of rows in the table of the largest differences.
+const MAX_DIFFERENCES: usize = 10;
+
+/// Smaller values, in the displayed unit, count as this: 1 µm, 1 mm/s, 1 mN or 1 µJ. Those of a hand at rest are rounding errors.
+const MIN_SIZE: f64 = 1e-3;
+
+/// Returns the rows of [`side_by_side`] with the largest differences, relative to the largest value of the same quantity.
+fn largest_differences(report: &ValidationReport) -> Report {
+    let (heading, lines) = lines(report);
+    let size = |line: &Line| line.analytic.abs().max((line.analytic + line.difference).abs());
+    let largest = |label: &str| lines.iter().filter(|line| line.label == label).map(size).fold(0.0, f64::max);
+    let relative = |line: &Line| line.difference.abs() / largest(line.label).max(MIN_SIZE);
+    let mut ranked: Vec<(f64, &Line)> = lines.iter().map(|line| (relative(line), line)).collect();
+    ranked.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let shown = ranked.iter().take(MAX_DIFFERENCES).map(|(_, line)| line.cells());
+    let omitted = lines.len().saturating_sub(MAX_DIFFERENCES);
+    let note =
+        (omitted > 0).then(|| format!("the largest differences; --all prints {omitted} more rows and the paths\n"));
+    table(&std::iter::once(heading).chain(shown).collect::<Vec<_>>()).with(note)
+}
+
+/// The heading and all rows of the table of both models.
+fn lines<'a>(report: &'a ValidationReport<'_>) -> (Vec<String>, Vec<Line<'a>>) {
     let ValidationReport { scene, schema, validation, .. } = report;
     let channels = schema.channels();
     let runs = [&validation.reference.outcome, &validation.engine.outcome];
     let end_s = if report.finger_count() == 0 { validation.until_s } else { scene.duration_s };
-    let mut rows = vec![row([&format!("at {}", format_duration(end_s)), "analytic", "engine", "difference"])];
-    let states = |component: &str, shown: &[StateRow]| -> Vec<Vec<String>> {
+    let heading = row([&format!("at {}", format_duration(end_s)), "analytic", "engine", "difference"]);
+    let mut rows: Vec<Line<'a>> = Vec::new();
+    let states = |component: &'a str, shown: &'static [StateRow]| -> Vec<Line<'a>> {
         let prefix = if component.is_empty() { String::new() } else { format!("{component}_") };
         let state = |&(name, label, scale, digits): &StateRow| {
             let channel = channels.iter().find(|channel| channel.name == format!("{prefix}{name}"))?;
             let [analytic, engine] = runs.map(|run| zero_below_resolution(channel.value(&run.last), Dimension::Length));
-            Some(line(component, label, [analytic, engine - analytic].map(|value| value * scale), digits))
+            let [analytic, difference] = [analytic, engine - analytic].map(|value| value * scale);
+            Some(Line { component, label, analytic, difference, digits })
         };
         shown.iter().filter_map(state).collect()
     };
@@ -204,19 +250,31 @@ fn side_by_side(report: &ValidationReport) -> Report {
             rows.extend(states(name, &STATES));
             rows.extend(CONTACTS.iter().filter_map(|(label, scale, digits, value)| {
                 let [analytic, engine] = [value(analytic)?, value(engine)?].map(|value| value * scale);
-                Some(line(name, label, [analytic, engine - analytic], *digits))
+                Some(Line { component: name, label, analytic, difference: engine - analytic, digits: *digits })
             }));
         }
     }
     rows.extend(states("", &ENERGIES));
-    table(&rows)
+    (heading, rows)
 }
 
-/// Returns a row with a quantity of both models and its difference.
-fn line(component: &str, label: &str, [analytic, difference]: [f64; 2], digits: usize) -> Vec<String> {
-    let format = |value: f64| if digits == 0 { format!("{value}") } else { format_number(value, digits) };
-    let label = format!("{} {label}", component.replace('_', " "));
-    row([label.trim_start(), &format(analytic), &format(analytic + difference), &format_number(difference, 3)])
+/// A quantity of both models, in its displayed unit.
+struct Line<'a> {
+    component: &'a str,
+    label: &'static str,
+    analytic: f64,
+    difference: f64,
+    /// Number of digits; 0 for a count.
+    digits: usize,
+}
+
+impl Line<'_> {
+    fn cells(&self) -> Vec<String> {
+        let Line { component, label, analytic, difference, digits } = *self;
+        let format = |value: f64| if digits == 0 { format!("{value}") } else { format_number(value, digits) };
+        let label = format!("{} {label}", component.replace('_', " "));
+        row([label.trim_start(), &format(analytic), &format(analytic + difference), &format_number(difference, 3)])
+    }
 }
 
 /// Maximum number of impacts in the table; the JSON document contains all.

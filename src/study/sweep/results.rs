@@ -210,7 +210,7 @@ impl Summary {
 pub fn summary(table: &Table) -> Result<Summary, TableError> {
     let (runs, status) = (table.integers("run")?, table.texts("status")?);
     let (class, classes) = match table.texts("grasp") {
-        Ok(fates) => (fates, Fate::NAMES),
+        Ok(fates) => (fates, Fate::OF_GRIPPERS),
         Err(_) => (table.texts("class")?, Class::ALL.map(Class::name)),
     };
     let reason = table.texts("reason")?;

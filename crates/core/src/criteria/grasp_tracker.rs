@@ -75,6 +75,8 @@ pub fn fate_reason(criteria: &GraspCriteria, held_time_s: f64) -> String {
         (Fate::NotGrasped, Some(since_s)) => {
             format!("held only from {} on, less than {}", ms(since_s), ms(held_time_s))
         }
+        // Fates of mechanisms.
+        (Fate::Carried | Fate::Placed { .. } | Fate::Escaped { .. }, _) => criteria.fate.name().to_string(),
     }
 }
 
@@ -117,36 +119,49 @@ pub struct ContactCriteria {
 pub enum Fate {
     /// The object is held at the end, or at the release, and has been held for at least the required time of the scene.
     Held,
+    /// The hand carries the object without a grip (mechanisms).
+    Carried,
+    /// The hand lifted the object and released it at `until_s`, and it rests outside the hand (mechanisms).
+    Placed { until_s: f64 },
     /// The object was held for the required time and is no longer held since `since_s`. An object that is lost, caught
     /// again and held at the end is not dropped. The travel does not matter.
     Dropped { since_s: f64 },
     /// At `at_s` the object left the region that the fingers can reach ([`Reach`](crate::trace::Reach)), after a
     /// contact. The run ends there.
     Ejected { at_s: f64 },
+    /// At `at_s` an object that was never held for the required time left the hand after a contact (mechanisms).
+    Escaped { at_s: f64 },
     /// The object was never held for the required time.
     NotGrasped,
 }
 
 impl Fate {
     /// Names of all fates, from best to worst.
-    pub const NAMES: [&str; 4] = ["held", "dropped", "ejected", "not grasped"];
+    pub const NAMES: [&str; 7] = ["held", "carried", "placed", "dropped", "ejected", "escaped", "not grasped"];
+
+    /// Names of the fates of a gripper's object.
+    pub const OF_GRIPPERS: [&str; 4] = ["held", "dropped", "ejected", "not grasped"];
 
     /// Returns the name in results and reports.
     pub fn name(self) -> &'static str {
         Self::NAMES[match self {
             Fate::Held => 0,
-            Fate::Dropped { .. } => 1,
-            Fate::Ejected { .. } => 2,
-            Fate::NotGrasped => 3,
+            Fate::Carried => 1,
+            Fate::Placed { .. } => 2,
+            Fate::Dropped { .. } => 3,
+            Fate::Ejected { .. } => 4,
+            Fate::Escaped { .. } => 5,
+            Fate::NotGrasped => 6,
         }]
     }
 
-    /// Returns the time since which the object is not held, or at which it left the gripper; `None` for other fates.
+    /// Returns the time since which the object is not held, or at which it left the hand; `None` for other fates.
     pub fn lost_at_s(self) -> Option<f64> {
         match self {
             Fate::Dropped { since_s } => Some(since_s),
-            Fate::Ejected { at_s } => Some(at_s),
-            Fate::Held | Fate::NotGrasped => None,
+            Fate::Placed { until_s } => Some(until_s),
+            Fate::Ejected { at_s } | Fate::Escaped { at_s } => Some(at_s),
+            Fate::Held | Fate::Carried | Fate::NotGrasped => None,
         }
     }
 }
@@ -168,7 +183,7 @@ const CONTACT_COUNT: usize = HandContact::ALL.len();
 /// object follows the cubic Hermite interpolant of poses and rates.
 #[derive(Clone, Debug)]
 pub struct GraspTracker {
-    segments: SegmentSplitter<CONTACT_COUNT>,
+    segments: SegmentSplitter,
     state: TrackerState,
 }
 
@@ -259,7 +274,7 @@ impl History {
 
 impl TrackerState {
     /// Updates the slip of the brakes and the travel of the object since the palm began to move.
-    fn update_motion(&mut self, segment: &Segment<CONTACT_COUNT>, [from, to]: &[FramePose; 2]) {
+    fn update_motion(&mut self, segment: &Segment<'_>, [from, to]: &[FramePose; 2]) {
         if self.setup.cycle.motion_start_s.is_some_and(|start| segment.from_s >= start) {
             self.history.motion_travel.get_or_insert(TravelSince::new(segment.from_s, *from)).update_travel(to);
         }
@@ -284,7 +299,7 @@ impl TrackerState {
     }
 
     /// Returns since when an unchanged set of active contacts force-closes the object; `None` if not, or too shortly.
-    fn force_closed_since(&mut self, segment: &Segment<CONTACT_COUNT>) -> Option<f64> {
+    fn force_closed_since(&mut self, segment: &Segment<'_>) -> Option<f64> {
         let active = self.history.contacts.map(|contact| contact.active_since.is_some());
         if active != self.history.closure.active {
             self.history.closure = Closure { active, since_s: segment.from_s, last_evaluation_s: None, closed: false };
@@ -308,7 +323,7 @@ impl TrackerState {
 
     /// Updates whether the object is held at the end of a segment. `lost_s` is the time at which the contacts were lost
     /// whose loss has just become long enough to count.
-    fn update_held(&mut self, segment: &Segment<CONTACT_COUNT>, lost_s: Option<f64>) {
+    fn update_held(&mut self, segment: &Segment<'_>, lost_s: Option<f64>) {
         let held_time_s = self.setup.thresholds.held_time_s;
         let since_s = match self.has_contacts_on_both_sides(segment.next) {
             true => Some(segment.from_s),
@@ -335,11 +350,11 @@ impl TrackerState {
     }
 
     /// Updates whether the object has left the reach of the fingers after a contact.
-    fn update_ejection(&mut self, segment: &Segment<CONTACT_COUNT>) {
+    fn update_ejection(&mut self, segment: &Segment<'_>) {
         let (Some(reach), true) = (self.setup.reach, segment.to_s == segment.next.time_s) else { return };
         let is_surface = |contact: &HandContact| !matches!(contact, HandContact::Finger(_, FingerContact::Limit));
         let contacts = self.setup.contacts.iter();
-        let has_touched = contacts.zip(segment.has_touched).any(|(id, has_touched)| has_touched && is_surface(id));
+        let has_touched = contacts.zip(segment.has_touched).any(|(id, has_touched)| *has_touched && is_surface(id));
         let is_in_reach = !reach.is_outside(&self.setup.object(segment.next));
         if self.history.is_in_reach && !is_in_reach && has_touched {
             self.history.ejected_s.get_or_insert(segment.to_s);
@@ -368,11 +383,11 @@ fn is_phalanx(id: HandContact) -> bool {
     matches!(id, HandContact::Finger(_, FingerContact::Proximal | FingerContact::Distal))
 }
 
-fn has_active_phalanx(contacts: &[HandContact], segment: &Segment<CONTACT_COUNT>) -> bool {
-    contacts.iter().zip(segment.is_active).any(|(id, is_active)| is_active && is_phalanx(*id))
+fn has_active_phalanx(contacts: &[HandContact], segment: &Segment<'_>) -> bool {
+    contacts.iter().zip(segment.is_active).any(|(id, is_active)| *is_active && is_phalanx(*id))
 }
 
-impl SegmentObserver<CONTACT_COUNT> for TrackerState {
+impl SegmentObserver for TrackerState {
     /// Interpolants of x, y and the angle of the object.
     type Interpolant = [Hermite; 3];
 
@@ -383,7 +398,7 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
         self.history.is_in_reach = self.setup.reach.is_some_and(|reach| !reach.is_outside(&object));
     }
 
-    fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 3] {
+    fn interpolate(&mut self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 3] {
         let ([from, to], [t0, t1]) = ([last, next].map(|sample| self.setup.object(sample)), [last.time_s, next.time_s]);
         let within = |time: &f64| *time > t0 && *time < t1;
         cuts_s
@@ -398,7 +413,7 @@ impl SegmentObserver<CONTACT_COUNT> for TrackerState {
         [along(0), along(1), angle]
     }
 
-    fn observe(&mut self, [x, y, angle]: &[Hermite; 3], segment: &Segment<CONTACT_COUNT>) {
+    fn observe(&mut self, [x, y, angle]: &[Hermite; 3], segment: &Segment<'_>) {
         let times = [segment.from_s, segment.to_s];
         let pose = |time| FramePose { position_m: [x.value(time), y.value(time)], angle_rad: angle.value(time) };
         let poses = times.map(pose);
@@ -525,7 +540,7 @@ impl GraspTracker {
     }
 
     fn new(setup: Setup) -> Self {
-        let segments = SegmentSplitter::new(Some(setup.thresholds.loss_force_n));
+        let segments = SegmentSplitter::new(0..CONTACT_COUNT, Some(setup.thresholds.loss_force_n));
         GraspTracker { segments, state: TrackerState { setup, history: History::default() } }
     }
 

@@ -19,6 +19,7 @@
 
 mod class;
 mod configuration;
+mod grasp;
 mod grasp_tracker;
 mod link_overlap;
 mod rebounds;
@@ -34,6 +35,10 @@ pub use class::{Class, ClassReason, Condition, EPSILON_RAD, FinalContact, Loss, 
 pub use configuration::{
     FinalAngles, StaticGrasp, grasp_configuration, is_form_closed, normal_forces, sample_force_closure,
     scene_static_grasp, static_grasp,
+};
+pub use grasp::{
+    ActuatorCriteria, DIRECTIONS, Firmness, HoldState, Margin, ObjectCriteria, ObjectTracker, PairCriteria, Slip,
+    firmness,
 };
 pub use grasp_tracker::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, GraspTracker, Travel, fate_reason};
 pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
@@ -71,7 +76,7 @@ impl Criteria {
 /// the normal force counts as positive if it is positive at both; the zero at the touch-down is ignored.
 #[derive(Clone, Debug)]
 pub struct Tracker {
-    segments: SegmentSplitter<2>,
+    segments: SegmentSplitter,
     state: TrackerState,
 }
 
@@ -128,7 +133,10 @@ impl ConditionHistory {
 impl Tracker {
     /// Creates a tracker for a finger with these final angles.
     pub fn new(target: FinalAngles) -> Self {
-        Tracker { segments: SegmentSplitter::new(None), state: TrackerState { target, ..TrackerState::default() } }
+        Tracker {
+            segments: SegmentSplitter::new([0, 1], None),
+            state: TrackerState { target, ..TrackerState::default() },
+        }
     }
 
     /// Returns the criteria of the run up to the last sample; `None` for a run without duration. `static_forces_n`:
@@ -196,11 +204,11 @@ impl TrackerState {
 }
 
 /// Observes the contacts of the proximal and the distal phalanx, the first two of a finger.
-impl SegmentObserver<2> for TrackerState {
+impl SegmentObserver for TrackerState {
     /// Interpolants of q11 and q21.
     type Interpolant = [Hermite; 2];
 
-    fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 2] {
+    fn interpolate(&mut self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> [Hermite; 2] {
         let ([from, to], [t0, t1]) = ([last.finger(0), next.finger(0)], [last.time_s, next.time_s]);
         let q11 = Hermite::new((t0, from.q11_rad, from.qd11_rad_s), (t1, to.q11_rad, to.qd11_rad_s));
         let q21 = Hermite::new((t0, from.q21_rad, from.qd21_rad_s), (t1, to.q21_rad, to.qd21_rad_s));
@@ -211,11 +219,12 @@ impl SegmentObserver<2> for TrackerState {
         [q11, q21]
     }
 
-    fn observe(&mut self, [q11, q21]: &[Hermite; 2], segment: &Segment<2>) {
+    fn observe(&mut self, [q11, q21]: &[Hermite; 2], segment: &Segment<'_>) {
         let middle = 0.5 * (segment.from_s + segment.to_s);
         let deviation_rad = self.deviation_rad(q11.value(middle), q21.value(middle));
         self.deviation_rad = Some(deviation_rad);
-        let ([q11_in, q21_in], [proximal, tip]) = (deviation_rad.map(is_in_position), segment.is_active);
+        let ([q11_in, q21_in], [proximal, tip]) =
+            (deviation_rad.map(is_in_position), [0, 1].map(|k: usize| segment.is_active[k]));
         let in_position = q11_in && q21_in;
         let has_started = [q11_in, q21_in, segment.has_touched[0], segment.has_touched[1]];
         for ((history, has_started), is_met) in
@@ -226,7 +235,7 @@ impl SegmentObserver<2> for TrackerState {
         if in_position {
             self.t_geo_s.get_or_insert(segment.from_s);
         }
-        if in_position && segment.is_active == [true; 2] {
+        if in_position && proximal && tip {
             self.stable_since_s.get_or_insert(segment.from_s);
             return;
         }
@@ -264,6 +273,7 @@ pub struct RunCriteriaTracker {
     finger: Option<Tracker>,
     static_grasp: Option<StaticGrasp>,
     gripper: Option<GraspTracker>,
+    object: Option<ObjectTracker>,
     rebounds: Option<Rebounds>,
     overlaps: Option<LinkOverlaps>,
 }
@@ -275,6 +285,8 @@ pub struct RunCriteria {
     pub criteria: Option<Criteria>,
     /// Criteria of a gripper; `None` if the run was not completed.
     pub grasp: Option<GraspCriteria>,
+    /// Criteria of the object of a mechanism; `None` without a grasp, or if the run was not completed.
+    pub object: Option<ObjectCriteria>,
     /// Rebounds of all contacts of discs; empty in scenes with joints or other outlines.
     pub rebounds: Vec<Rebound>,
     /// Overlaps of links of a gripper with obstacles that they have no contact with.
@@ -291,6 +303,7 @@ impl RunCriteriaTracker {
             finger: static_grasp.as_ref().map(|grasp| Tracker::new(grasp.final_angles())),
             static_grasp,
             gripper: (count == 2).then(|| GraspTracker::for_scene(scene)),
+            object: ObjectTracker::for_scene(scene),
             rebounds: scene.mechanism.as_ref().and_then(Rebounds::for_mechanism),
             overlaps: LinkOverlaps::for_scene(scene),
         }
@@ -302,6 +315,7 @@ impl RunCriteriaTracker {
         RunCriteria {
             criteria: finger.and_then(|(tracker, grasp)| tracker.criteria(grasp.static_forces_n())),
             grasp: self.gripper.filter(|_| completed).and_then(|tracker| tracker.criteria()),
+            object: self.object.filter(|_| completed).and_then(|tracker| tracker.criteria()),
             rebounds: self.rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default(),
             overlaps: self.overlaps.as_ref().map(LinkOverlaps::overlaps).unwrap_or_default(),
         }
@@ -311,12 +325,14 @@ impl RunCriteriaTracker {
 impl Sink for RunCriteriaTracker {
     fn required_data(&self) -> RequiredData {
         let of_gripper = self.gripper.required_data().or(self.overlaps.required_data());
-        self.finger.required_data().or(of_gripper).or(self.rebounds.required_data())
+        let of_object = self.object.required_data().or(self.rebounds.required_data());
+        self.finger.required_data().or(of_gripper).or(of_object)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.finger.sample(sample)?;
         self.gripper.sample(sample)?;
+        self.object.sample(sample)?;
         self.overlaps.sample(sample)?;
         self.rebounds.sample(sample)
     }
@@ -324,6 +340,7 @@ impl Sink for RunCriteriaTracker {
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.finger.event(event)?;
         self.gripper.event(event)?;
+        self.object.event(event)?;
         self.rebounds.event(event)
     }
 }

@@ -1,22 +1,25 @@
 //! Splits a run into time segments within which no contact changes, independent of the spacing of samples.
 
-use crate::trace::{ContactSample, Event, EventKind, Sample};
+use crate::law::{NormalLaw, normal_force};
+use crate::trace::{Event, EventKind, Sample};
 
-/// A time segment, with the first `K` contacts of a sample; further ones than it has are not active.
+/// A time segment, with some contacts of a sample; those that it does not have are not active.
 #[derive(Clone, Copy, Debug)]
-pub struct Segment<'a, const K: usize> {
+pub struct Segment<'a> {
     pub from_s: f64,
     pub to_s: f64,
+    /// The sample at or before the start.
+    pub last: &'a Sample,
     /// The sample at or after the end.
     pub next: &'a Sample,
     /// Whether each contact has been closed before the end of the segment.
-    pub has_touched: [bool; K],
+    pub has_touched: &'a [bool],
     /// Whether each contact is active: its normal force is positive or above the threshold.
-    pub is_active: [bool; K],
+    pub is_active: &'a [bool],
 }
 
 /// Observer of the segments of a run, in order of time.
-pub(crate) trait SegmentObserver<const K: usize> {
+pub(crate) trait SegmentObserver {
     /// Interpolant of the coordinates between two samples.
     type Interpolant;
 
@@ -24,24 +27,59 @@ pub(crate) trait SegmentObserver<const K: usize> {
     fn begin(&mut self, _first: &Sample) {}
 
     /// Interpolates between two samples. Appends times of changes other than contact changes to `cuts_s`, in any order.
-    fn interpolate(&self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> Self::Interpolant;
+    fn interpolate(&mut self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> Self::Interpolant;
 
-    fn observe(&mut self, interpolant: &Self::Interpolant, segment: &Segment<K>);
+    fn observe(&mut self, interpolant: &Self::Interpolant, segment: &Segment<'_>);
 }
 
 /// Splits a run into segments; stores only the last sample and the contact changes since. Contacts change at the times
 /// of their events. Between two samples of a closed contact, the normal force counts as positive if it is positive at
 /// both; the zero at the touch-down is ignored.
 #[derive(Clone, Debug)]
-pub(crate) struct SegmentSplitter<const K: usize> {
+pub(crate) struct SegmentSplitter {
     last: Option<Sample>,
-    contacts: [ContactStatus; K],
-    /// Contact changes since the last sample.
+    /// Indices of the contacts in a sample, and their status.
+    indices: Vec<usize>,
+    contacts: Vec<ContactStatus>,
+    /// Buffers of the flags of a segment; reused.
+    has_touched: Vec<bool>,
+    is_active: Vec<bool>,
+    /// Contact changes since the last sample, by the places of the contacts in `indices`.
     events: Vec<Event>,
     /// Ends of the segments of the current step; reused.
     cuts_s: Vec<f64>,
     /// Normal force above which a contact is active, N, interpolated linearly; `None`: active at any positive force.
     threshold_n: Option<f64>,
+    /// Laws of the contacts, which give a force that rises from zero; without them it counts as active from its start.
+    laws: Vec<NormalLaw>,
+}
+
+/// Bisections of the time at which a rising force crosses the threshold: to 1e-12 of a step.
+const BISECTIONS: usize = 40;
+
+/// The normal force of a contact between two samples, by its law and the cubic Hermite interpolant of its gap.
+#[derive(Clone, Copy, Debug)]
+struct RisingForce {
+    law: NormalLaw,
+    gap: Hermite,
+    from_s: f64,
+    to_s: f64,
+}
+
+impl RisingForce {
+    fn at(&self, time_s: f64) -> f64 {
+        normal_force(&self.law, -self.gap.value(time_s), -self.gap.rate(time_s)).force
+    }
+
+    /// Time at which the force crosses the threshold; `None` if it is above it from its start.
+    fn crossing_s(&self, threshold_n: f64) -> Option<f64> {
+        let (mut below, mut above) = (self.from_s, self.to_s);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (below + above);
+            if self.at(middle) > threshold_n { above = middle } else { below = middle }
+        }
+        (below > self.from_s && above < self.to_s).then_some(above)
+    }
 }
 
 /// Returns the fraction of the step at which a force crosses the threshold; `None` if it does not. A force that rises
@@ -50,25 +88,62 @@ fn threshold_crossing(threshold_n: f64, from_n: f64, to_n: f64) -> Option<f64> {
     (from_n > 0.0 && (from_n > threshold_n) != (to_n > threshold_n)).then(|| (threshold_n - from_n) / (to_n - from_n))
 }
 
-impl<const K: usize> SegmentSplitter<K> {
-    /// Creates a splitter whose contacts are active while their normal force exceeds a threshold, N, or by default 0.
-    pub fn new(threshold_n: Option<f64>) -> Self {
+impl SegmentSplitter {
+    /// Creates a splitter for contacts of these indices, which are active while their normal force exceeds a threshold, N, or
+    /// by default 0.
+    pub fn new(indices: impl IntoIterator<Item = usize>, threshold_n: Option<f64>) -> Self {
+        let indices: Vec<usize> = indices.into_iter().collect();
+        let count = indices.len();
         SegmentSplitter {
             last: None,
-            contacts: [ContactStatus::default(); K],
+            indices,
+            contacts: vec![ContactStatus::default(); count],
+            has_touched: Vec::with_capacity(count),
+            is_active: Vec::with_capacity(count),
             events: Vec::new(),
             cuts_s: Vec::new(),
             threshold_n,
+            laws: Vec::new(),
         }
+    }
+
+    /// Sets the laws of the contacts.
+    #[must_use]
+    pub fn with_laws(mut self, laws: Vec<NormalLaw>) -> Self {
+        self.laws = laws;
+        self
+    }
+
+    /// Whether the force of a contact with a law is zero at the last sample, and the contact does not change up to the next one.
+    fn is_unloaded(&self, contact: usize, last: &Sample) -> bool {
+        let changes = |event: &Event| event.contact == contact && event.time_s > last.time_s;
+        contact < self.laws.len() && last.normal_n(self.indices[contact]) == 0.0 && !self.events.iter().any(changes)
+    }
+
+    /// The force of an unloaded contact that exceeds the threshold at the next sample; `None` for other contacts.
+    fn rising_force(&self, contact: usize, last: &Sample, next: &Sample) -> Option<(RisingForce, f64)> {
+        let threshold_n = self.threshold_n.filter(|_| self.is_unloaded(contact, last))?;
+        let index = self.indices[contact];
+        (next.normal_n(index) > threshold_n).then(|| {
+            let [from, to] = [last, next].map(|sample| sample.gap(index));
+            let gap = Hermite::new((last.time_s, from[0], from[1]), (next.time_s, to[0], to[1]));
+            let law = self.laws[contact];
+            (RisingForce { law, gap, from_s: last.time_s, to_s: next.time_s }, threshold_n)
+        })
     }
 
     /// Returns whether a contact is active at a time between two samples.
     fn is_active(&self, contact: usize, last: &Sample, next: &Sample, time_s: f64, lifts_off: bool) -> bool {
+        if self.threshold_n.is_some() && self.is_unloaded(contact, last) {
+            let force = self.rising_force(contact, last, next);
+            return force.is_some_and(|(force, threshold_n)| force.at(time_s) > threshold_n);
+        }
         let threshold_n = self.threshold_n.filter(|_| self.events.iter().all(|event| event.contact != contact));
+        let index = self.indices[contact];
         let Some(threshold_n) = threshold_n else {
-            return self.contacts[contact].is_active_until(&next.contact(contact), lifts_off);
+            return self.contacts[contact].is_active_until(next.normal_n(index), lifts_off);
         };
-        let [from_n, to_n] = [last, next].map(|sample| sample.contact(contact).normal_n);
+        let [from_n, to_n] = [last, next].map(|sample| sample.normal_n(index));
         let fraction = if from_n > 0.0 { (time_s - last.time_s) / (next.time_s - last.time_s) } else { 1.0 };
         from_n + fraction * (to_n - from_n) > threshold_n
     }
@@ -79,16 +154,17 @@ impl<const K: usize> SegmentSplitter<K> {
 
     /// Adds an event; friction events are ignored.
     pub fn event(&mut self, event: &Event) {
-        if event.contact < K && !event.kind.is_friction_event() {
-            self.events.push(*event);
+        let place = self.indices.iter().position(|index| *index == event.contact);
+        if let Some(contact) = place.filter(|_| !event.kind.is_friction_event()) {
+            self.events.push(Event { contact, ..*event });
         }
     }
 
     /// Adds a sample and passes the segments up to it to the observer.
-    pub fn sample(&mut self, sample: &Sample, observer: &mut impl SegmentObserver<K>) {
+    pub fn sample(&mut self, sample: &Sample, observer: &mut impl SegmentObserver) {
         let Some(mut last) = self.last.take() else {
-            for (state, contact) in self.contacts.iter_mut().zip(sample.contacts()) {
-                if contact.gap_m < 0.0 {
+            for (state, index) in self.contacts.iter_mut().zip(&self.indices) {
+                if *index < sample.counts().contacts && sample.contact(*index).gap_m < 0.0 {
                     state.touch_down();
                 }
             }
@@ -111,18 +187,24 @@ impl<const K: usize> SegmentSplitter<K> {
     }
 
     fn update(&mut self, sample: &Sample) {
-        self.contacts.iter_mut().zip(sample.contacts()).for_each(|(state, contact)| state.update(&contact));
+        let in_sample = self.contacts.iter_mut().zip(&self.indices);
+        in_sample.filter(|(_, index)| **index < sample.counts().contacts).for_each(|(state, index)| {
+            state.update(sample.normal_n(*index));
+        });
     }
 
-    fn step(&mut self, last: &Sample, next: &Sample, observer: &mut impl SegmentObserver<K>) {
+    fn step(&mut self, last: &Sample, next: &Sample, observer: &mut impl SegmentObserver) {
         let mut cuts_s = std::mem::take(&mut self.cuts_s);
         cuts_s.clear();
         let interpolant = observer.interpolate(last, next, &mut cuts_s);
         cuts_s.extend(self.events.iter().map(|event| event.time_s.clamp(last.time_s, next.time_s)));
         if let Some(threshold_n) = self.threshold_n {
-            let forces = last.contacts().zip(next.contacts()).take(K);
-            let fractions = forces.filter_map(|(from, to)| threshold_crossing(threshold_n, from.normal_n, to.normal_n));
+            let indices = self.indices.iter().filter(|index| **index < next.counts().contacts);
+            let forces = indices.map(|index| [last, next].map(|sample| sample.normal_n(*index)));
+            let fractions = forces.filter_map(|[from_n, to_n]| threshold_crossing(threshold_n, from_n, to_n));
             cuts_s.extend(fractions.map(|fraction| last.time_s + fraction * (next.time_s - last.time_s)));
+            let rising = (0..self.laws.len()).filter_map(|contact| self.rising_force(contact, last, next));
+            cuts_s.extend(rising.filter_map(|(force, threshold_n)| force.crossing_s(threshold_n)));
         }
         cuts_s.push(next.time_s);
         cuts_s.sort_by(f64::total_cmp);
@@ -137,12 +219,18 @@ impl<const K: usize> SegmentSplitter<K> {
                 let lifts_off =
                     |contact| pending.clone().any(|event| event.contact == contact && event.kind == EventKind::LiftOff);
                 let middle_s = 0.5 * (from_s + to_s);
-                let is_active = std::array::from_fn(|contact| {
-                    contact < next.counts().contacts
-                        && self.is_active(contact, last, next, middle_s, lifts_off(contact))
-                });
-                let has_touched = self.contacts.map(|contact| contact.has_touched);
-                observer.observe(&interpolant, &Segment { from_s, to_s, next, has_touched, is_active });
+                let (mut has_touched, mut is_active) =
+                    (std::mem::take(&mut self.has_touched), std::mem::take(&mut self.is_active));
+                has_touched.clear();
+                is_active.clear();
+                has_touched.extend(self.contacts.iter().map(|contact| contact.has_touched));
+                is_active.extend(self.indices.iter().enumerate().map(|(contact, index)| {
+                    *index < next.counts().contacts && self.is_active(contact, last, next, middle_s, lifts_off(contact))
+                }));
+                let (of_touched, of_active) = (&has_touched[..], &is_active[..]);
+                let segment = Segment { from_s, to_s, last, next, has_touched: of_touched, is_active: of_active };
+                observer.observe(&interpolant, &segment);
+                (self.has_touched, self.is_active) = (has_touched, is_active);
                 from_s = to_s;
             }
         }
@@ -187,8 +275,8 @@ impl ContactStatus {
     }
 
     /// Updates the status from the force of a sample.
-    fn update(&mut self, contact: &ContactSample) {
-        if contact.normal_n > 0.0 {
+    fn update(&mut self, normal_n: f64) {
+        if normal_n > 0.0 {
             *self = ContactStatus { is_closed: true, has_touched: true, was_loaded: true, is_slack: false };
         } else {
             self.is_slack = self.is_closed && self.was_loaded;
@@ -197,8 +285,8 @@ impl ContactStatus {
 
     /// Returns whether the normal force is positive up to the next sample: the contact is closed, was loaded at the
     /// last sample or has just touched down, and is loaded at the next sample or lifts off before it.
-    fn is_active_until(&self, next: &ContactSample, lifts_off: bool) -> bool {
-        self.is_closed && !self.is_slack && (next.normal_n > 0.0 || lifts_off)
+    fn is_active_until(&self, next_n: f64, lifts_off: bool) -> bool {
+        self.is_closed && !self.is_slack && (next_n > 0.0 || lifts_off)
     }
 }
 
@@ -225,6 +313,11 @@ impl Hermite {
 
     pub fn value(&self, time_s: f64) -> f64 {
         self.evaluate((time_s - self.start_s) / self.length_s)
+    }
+
+    pub fn rate(&self, time_s: f64) -> f64 {
+        let (x, [_, b, c, d]) = ((time_s - self.start_s) / self.length_s, self.coefficients);
+        (b + x * (2.0 * c + x * 3.0 * d)) / self.length_s
     }
 
     fn evaluate(&self, x: f64) -> f64 {

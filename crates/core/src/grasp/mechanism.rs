@@ -4,13 +4,11 @@
 //! object and hand with the actuators blocked, and the accelerations of the base that the contacts can balance.
 
 use crate::drawing::states::in_sample;
-use crate::mechanism::{Body, JointCombination, Mechanism, OutlineShape, Pose, point_in};
-use crate::numeric::elementary::hypot;
-use crate::numeric::plane::sub;
+use crate::mechanism::{JointCombination, Mechanism, Pose, point_in};
 use crate::scene::{Scene, WrongKind};
 use crate::statics::{
-    ContactAtRest, DriveState, MechanismAtRest, MechanismClosure, Roles, StaticsError, carries, default_base, efforts,
-    mechanism_closure, roles,
+    ContactAtRest, DriveState, MechanismAtRest, MechanismClosure, NoGrasp, Roles, StaticsError, carries, default_base,
+    default_object, efforts, mechanism_closure, radius_m, roles,
 };
 use crate::trace::{Model, Sample};
 
@@ -24,7 +22,7 @@ pub struct MechanismGraspRequest {
     pub at_s: Option<f64>,
     /// Largest gap of a contact; `None` for contacts with a force only.
     pub within_m: Option<f64>,
-    /// The held body; `None` for the only body without joints that has contacts.
+    /// The held body; `None` for that of the scene, see [`default_object`].
     pub object: Option<String>,
     /// The body that is accelerated, or `ground`; `None` for the last one that carries all bodies of the hand that can
     /// touch the object.
@@ -175,7 +173,7 @@ pub fn mechanism_grasp(
     }
     let body = &mechanism.bodies[object];
     let centre_m = point_in(Some(object), body.com_m, &poses);
-    let held = Held { body: object, radius_m: reach_m(body) };
+    let held = Held { body: object, radius_m: radius_m(body) };
     let time_s = sample.time_s;
     let statics_error = |error| MechanismGraspError::Statics { scene: name(), error };
     let at_rest: Vec<ContactAtRest> = contacts.iter().map(|contact| contact.at_rest).collect();
@@ -233,15 +231,13 @@ fn object_of(scene: &Scene, mechanism: &Mechanism, name: Option<&str>) -> Result
             Some(_) => Err(MechanismGraspError::Prescribed { scene: scene_name, object: name.to_string() }),
         };
     }
-    let touches = |body: usize| {
-        mechanism.contacts.iter().any(|pair| pair.points.body == Some(body) || pair.face.body == Some(body))
-    };
-    let held = |body: &usize| bodies[*body].motion.is_none() && !mechanism.has_joint(Some(*body)) && touches(*body);
-    let found: Vec<usize> = (0..bodies.len()).filter(held).collect();
-    match found[..] {
-        [object] => Ok(object),
-        _ => Err(MechanismGraspError::WhichBody { scene: scene_name, bodies: names(found) }),
+    if let Some(object) = scene.grasp.as_ref().and_then(|keys| keys.object) {
+        return Ok(object);
     }
+    default_object(mechanism).map_err(|error| {
+        let bodies = if let NoGrasp::SeveralObjects(bodies) = error { bodies } else { Vec::new() };
+        MechanismGraspError::WhichBody { scene: scene_name, bodies }
+    })
 }
 
 /// Finds the base; `None` is the ground.
@@ -252,7 +248,10 @@ fn base_of(
     name: Option<&str>,
 ) -> Result<Option<usize>, MechanismGraspError> {
     let base = match name {
-        None => return Ok(default_base(mechanism, object)),
+        None => {
+            let given = scene.grasp.as_ref().and_then(|keys| keys.base);
+            return Ok(given.unwrap_or_else(|| default_base(mechanism, object)));
+        }
         Some(GROUND) => return Ok(None),
         Some(name) => mechanism.bodies.iter().position(|body| body.name == name),
     };
@@ -330,22 +329,4 @@ fn active_contacts(mechanism: &Mechanism, sample: &Sample, object: usize, within
         })
     };
     points.filter_map(contact).collect()
-}
-
-/// Largest distance of the outlines of a body from its centre of mass.
-fn reach_m(body: &Body) -> f64 {
-    let reach = |shape: &OutlineShape| match shape {
-        OutlineShape::Ellipse { center_m, semi_axes_m: [a, b], .. } => {
-            let [x, y] = sub(*center_m, body.com_m);
-            hypot(x, y) + a.max(*b)
-        }
-        other => {
-            let distances = other.vertices_m().into_iter().map(|vertex| {
-                let [x, y] = sub(vertex, body.com_m);
-                hypot(x, y)
-            });
-            distances.fold(0.0, f64::max) + other.radius_m()
-        }
-    };
-    body.outlines.iter().map(|outline| reach(&outline.shape)).fold(f64::MIN_POSITIVE, f64::max)
 }

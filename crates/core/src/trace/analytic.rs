@@ -5,7 +5,7 @@ use super::grid::RecordingOptions;
 use super::mechanism::build_mechanism;
 use super::reading::{Kernel, KernelUser, Start};
 use super::stepper::{AnalyticStepper, Stepper};
-use super::{Outcome, Reach, RunError};
+use super::{Exit, Outcome, RunError};
 use crate::analytic::FingerMotion;
 use crate::analytic::multibody::{MAX_GRASP_BRISTLES, MAX_GRASP_COORDINATES, Multibody};
 use crate::integrator::Hybrid;
@@ -92,13 +92,13 @@ fn fits_finger_kernel(hand: &Hand) -> bool {
 fn build_finger<const N: usize, const W: usize, U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     let kernel = FingerMotion::<N, W>::new(&scene.hand);
     let state = FingerMotion::<N, W>::start(&scene.hand);
-    let start = Start { kernel, state, settings: scene.integrator, reach: None };
+    let start = Start { kernel, state, settings: scene.integrator, exit: None };
     Ok(user.use_kernel(start))
 }
 
 /// A hand of up to N coordinates.
 fn build_multibody<const N: usize, U: KernelUser>(scene: &Scene, user: U) -> Result<U::Output, RunError> {
     let kernel = Multibody::<N>::new(&scene.hand);
-    let (state, reach) = (kernel.start(&scene.hand), Reach::from_hand(&scene.hand));
-    Ok(user.use_kernel(Start { kernel, state, settings: scene.integrator, reach }))
+    let (state, exit) = (kernel.start(&scene.hand), Exit::from_scene(scene));
+    Ok(user.use_kernel(Start { kernel, state, settings: scene.integrator, exit }))
 }

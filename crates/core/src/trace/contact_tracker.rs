@@ -1,6 +1,6 @@
 //! Tracks one contact through time: summary figures and events.
 
-use super::{ContactSummary, Event, EventKind, Sample};
+use super::{ContactSummary, Event, EventKind, Exit, Sample};
 #[cfg(feature = "engine")]
 use crate::engine::ChangeKind;
 
@@ -141,6 +141,6 @@ pub(super) fn update_summaries(trackers: &mut [ContactTracker], sample: &Sample)
 }
 
 /// Whether something has touched the object or a disc: any contact except joint limits.
-pub(super) fn has_surface_touched(trackers: &[ContactTracker], sample: &Sample) -> bool {
-    trackers.iter().enumerate().any(|(index, tracker)| tracker.summary.touchdowns > 0 && !sample.is_stop(index))
+pub(super) fn has_hand_touched(trackers: &[ContactTracker], sample: &Sample, exit: &Exit) -> bool {
+    trackers.iter().enumerate().any(|(index, tracker)| tracker.summary.touchdowns > 0 && exit.counts(index, sample))
 }

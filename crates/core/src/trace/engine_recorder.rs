@@ -1,12 +1,12 @@
 //! Converts the steps of the engine model into samples, events and summary figures.
 
 use super::consistency::ConsistencyCheck;
-use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
+use super::contact_tracker::{ContactTracker, ReportedEvent, has_hand_touched, update_summaries};
 use super::engine_reading::{self as reading, JointForces, sample_contact, stored_energy};
 use super::extrema::StepExtrema;
 use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::sample::OVERLAP_ROUNDING;
-use super::{Counts, Energy, Outcome, Reach, Sample, Schema, Sink, SinkError, Work};
+use super::{Counts, Energy, Exit, Outcome, Sample, Schema, Sink, SinkError, Work};
 use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, PalmFrame, ZERO_RATE};
 use crate::scene::Scene;
 
@@ -21,9 +21,9 @@ pub(super) struct EngineRecorder<'a> {
 #[derive(Clone)]
 pub(super) struct EngineRecorderState {
     times: RecordingTimes,
-    /// Region whose boundary ends the run.
-    reach: Option<Reach>,
-    /// Time at which the object left the region.
+    /// Condition that ends the run.
+    exit: Option<Exit>,
+    /// Time at which the object left the hand.
     ejected_s: Option<f64>,
     pub joint_forces: JointForces,
     start_energy: Energy,
@@ -58,7 +58,7 @@ impl EngineRecorderState {
         Self {
             joint_forces,
             times: RecordingTimes::new(span, required_data.point_interval_s),
-            reach: Reach::from_hand(&scene.hand).filter(|_| ends_at_exit),
+            exit: Exit::from_scene(scene).filter(|_| ends_at_exit),
             ejected_s: None,
             last,
             node: Sample::default(),
@@ -151,10 +151,10 @@ impl EngineRecorder<'_> {
         }
         // An inconsistent step ends the run as a failure instead.
         let is_consistent = self.state.failure.is_none();
-        if is_consistent
-            && has_surface_touched(&self.state.trackers, &self.state.last)
-            && self.state.reach.is_some_and(|reach| reach.leaves(&self.state.last, &node))
-        {
+        let leaves = |exit: &Exit| {
+            has_hand_touched(&self.state.trackers, &self.state.last, exit) && exit.leaves(&self.state.last, &node)
+        };
+        if is_consistent && self.state.exit.as_ref().is_some_and(leaves) {
             self.state.ejected_s = Some(end_s);
         }
         self.state.node = node;
@@ -331,11 +331,11 @@ impl EngineRecorder<'_> {
         Ok(())
     }
 
-    /// Upper bound of the next step, s, so that it ends where the object leaves the reach of the fingers.
+    /// Upper bound of the next step, s, so that it ends where the object leaves the hand.
     pub(crate) fn time_to_exit_s(&self) -> f64 {
-        let object =
-            self.state.last.bodies().next().filter(|_| has_surface_touched(&self.state.trackers, &self.state.last));
-        self.state.reach.zip(object).map_or(f64::INFINITY, |(reach, object)| reach.time_to_exit_s(&object))
+        let last = &self.state.last;
+        let exit = self.state.exit.as_ref().filter(|exit| has_hand_touched(&self.state.trackers, last, exit));
+        exit.map_or(f64::INFINITY, |exit| exit.time_to_exit_s(last))
     }
 
     /// Explains which cable has lifted off which pulley, if one has.

@@ -37,9 +37,9 @@ impl Span {
 pub(crate) struct RecordingOptions {
     pub counts: Counts,
     pub span: Span,
-    /// Whether the run ends where the object leaves the reach of the fingers.
+    /// Whether the run ends where the object leaves the hand.
     pub ends_at_exit: bool,
-    /// Normal force below which the criteria of a gripper count a contact as lost, N.
+    /// Normal force below which the criteria of a grasp count a contact as lost, N.
     pub threshold_n: Option<f64>,
     pub required_data: RequiredData,
 }
@@ -48,11 +48,12 @@ impl RecordingOptions {
     /// Options of a run of a scene into a sink.
     pub fn of_run(scene: &Scene, sink: &dyn Sink) -> Self {
         let required_data = sink.required_data();
+        let has_grasp = scene.finger_count() == 2 || scene.thresholds.loss_force_n > 0.0;
         Self {
             counts: Schema::from_scene(scene).counts(),
             span: Span::from_scene(scene, required_data.grid),
             ends_at_exit: true,
-            threshold_n: (scene.finger_count() == 2).then_some(scene.thresholds.loss_force_n),
+            threshold_n: has_grasp.then_some(scene.thresholds.loss_force_n),
             required_data,
         }
     }

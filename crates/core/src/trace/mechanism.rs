@@ -2,7 +2,7 @@
 
 use super::reading::{Kernel, KernelUser, Start, contact_sample, stored_energy};
 use super::schema::TendonState;
-use super::{BodyState, ContactSample, Energy, JointState, Outcome, Reach, RequiredData, RunError, Sample};
+use super::{BodyState, ContactSample, Energy, Exit, JointState, Outcome, RequiredData, RunError, Sample};
 use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel};
 use crate::drive::Profile;
 use crate::integrator::{Dynamic, State};
@@ -20,9 +20,8 @@ pub(super) fn build_mechanism<U: KernelUser>(
     let start = assemble(mechanism).map_err(|error| rejected(error.to_string()))?;
     let kernel = MechanismModel::new(mechanism, (&start.poses, &start.rates))
         .map_err(|error: StructureError| rejected(error.to_string()))?;
-    let state = kernel.start();
-    let reach = Reach::from_hand(&scene.hand).filter(|_| scene.mechanism.is_none());
-    Ok(user.use_kernel(Start { kernel, state, settings: scene.integrator, reach }))
+    let (state, settings, exit) = (kernel.start(), scene.integrator, Exit::from_scene(scene));
+    Ok(user.use_kernel(Start { kernel, state, settings, exit }))
 }
 
 impl Kernel for MechanismModel {

@@ -1,12 +1,108 @@
-//! Region that the fingers of a gripper can reach. A run ends when its object leaves that region.
+//! When an object has left its hand, which ends a run: it is outside the region that the fingers of a gripper can reach, or its
+//! gaps to the hand of a mechanism with a section `[grasp]` exceed its extent.
 
 use super::{BodyState, Sample};
 use crate::numeric::elementary::hypot;
-use crate::scene::{Hand, Side};
+use crate::scene::{Hand, Scene, Side};
 use crate::shape;
 
-/// Tolerance of the boundary, as a fraction of the largest finger reach.
-const BOUNDARY_TOLERANCE: f64 = 1e-9;
+/// Condition under which an object has left its hand.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Exit {
+    Reach(Reach),
+    Gaps(GapExit),
+}
+
+/// Contacts of an object of a mechanism. It has left the hand when all gaps to the hand exceed its extent, the smallest grows,
+/// and nothing else presses on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GapExit {
+    hand: Vec<usize>,
+    surroundings: Vec<usize>,
+    extent_m: f64,
+}
+
+impl Exit {
+    /// Returns the condition that ends runs of a scene; `None` if there is none.
+    pub fn from_scene(scene: &Scene) -> Option<Self> {
+        let Some(roles) = scene.grasp.as_ref().and_then(|_| scene.grasp_roles().ok()) else {
+            return Reach::from_hand(&scene.hand).map(Exit::Reach);
+        };
+        let points = |is_hand: bool| {
+            let pairs = roles.pairs.iter().filter(move |pair| pair.is_hand == is_hand);
+            pairs.flat_map(|pair| pair.points.iter().copied()).collect()
+        };
+        Some(Exit::Gaps(GapExit { hand: points(true), surroundings: points(false), extent_m: 2.0 * roles.radius_m }))
+    }
+
+    /// Whether a touch of this contact of a sample is one of the hand, which has to precede the exit.
+    pub(super) fn counts(&self, contact: usize, sample: &Sample) -> bool {
+        match self {
+            Exit::Reach(_) => !sample.is_stop(contact),
+            Exit::Gaps(gaps) => gaps.hand.contains(&contact),
+        }
+    }
+
+    /// Whether the object has left the hand in a sample.
+    pub fn is_outside(&self, sample: &Sample) -> bool {
+        match self {
+            Exit::Reach(reach) => sample.bodies().next().is_some_and(|object| reach.is_outside(&object)),
+            Exit::Gaps(gaps) => gaps.is_outside(sample),
+        }
+    }
+
+    /// Whether the object leaves the hand between two samples.
+    pub fn leaves(&self, before: &Sample, after: &Sample) -> bool {
+        match self {
+            Exit::Reach(reach) => reach.leaves(before, after),
+            Exit::Gaps(gaps) => gaps.is_outside(after) && !gaps.is_outside(before),
+        }
+    }
+
+    /// Upper bound of the next step, s, so that steps locate the exit.
+    #[cfg(feature = "engine")]
+    pub(super) fn time_to_exit_s(&self, sample: &Sample) -> f64 {
+        match self {
+            Exit::Reach(reach) => sample.bodies().next().map_or(f64::INFINITY, |object| reach.time_to_exit_s(&object)),
+            Exit::Gaps(gaps) => gaps.nearest(sample).map_or(f64::INFINITY, |(gap_m, rate_m_s)| {
+                time_to_boundary_s((gap_m - gaps.extent_m, rate_m_s), gaps.extent_m)
+            }),
+        }
+    }
+}
+
+impl GapExit {
+    /// Smallest gap to the hand, and its rate.
+    fn nearest(&self, sample: &Sample) -> Option<(f64, f64)> {
+        let contacts = self.hand.iter().map(|index| sample.contact(*index));
+        contacts.map(|contact| (contact.gap_m, contact.gap_rate_m_s)).min_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    fn is_outside(&self, sample: &Sample) -> bool {
+        let leaves =
+            |(gap_m, rate_m_s): (f64, f64)| gap_m >= (1.0 - BOUNDARY_TOLERANCE) * self.extent_m && rate_m_s >= 0.0;
+        self.nearest(sample).is_some_and(leaves)
+            && self.surroundings.iter().all(|index| sample.contact(*index).normal_n == 0.0)
+    }
+}
+
+/// Returns the time in which half of a distance to a boundary is covered at constant speed, s, or all of it when close. Steps
+/// that end there locate the boundary although the speed changes. The distance is negative before the boundary.
+#[cfg(feature = "engine")]
+fn time_to_boundary_s((clearance_m, rate_m_s): (f64, f64), size_m: f64) -> f64 {
+    /// Fraction of the distance covered by one step, unless it is close.
+    const APPROACH_FRACTION: f64 = 0.5;
+    /// Within this distance, as a fraction of the size, one step covers the whole distance.
+    const CLOSE_DISTANCE: f64 = 1e-6;
+    if clearance_m >= 0.0 || rate_m_s <= 0.0 {
+        return f64::INFINITY;
+    }
+    let fraction = if -clearance_m > CLOSE_DISTANCE * size_m { APPROACH_FRACTION } else { 1.0 };
+    fraction * -clearance_m / rate_m_s
+}
+
+/// Tolerance of the boundary, as a fraction of the largest finger reach or of the extent of the object.
+pub(crate) const BOUNDARY_TOLERANCE: f64 = 1e-9;
 
 /// Discs around both ground joints that contain every point of the phalanges at all joint angles, in the palm frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,24 +158,10 @@ impl Reach {
         }
     }
 
-    /// Returns the time in which an object at constant speed covers half of its distance to the boundary, s, or all of
-    /// it when close. Steps that end there locate the boundary although the speed changes.
+    /// Upper bound of the next step, s, so that steps locate the boundary.
     #[cfg(feature = "engine")]
     pub(super) fn time_to_exit_s(&self, object: &BodyState) -> f64 {
-        /// Fraction of the distance covered by one step, unless the object is close.
-        const APPROACH_FRACTION: f64 = 0.5;
-        /// Within this distance, as a fraction of the largest reach, one step covers the whole distance.
-        const CLOSE_DISTANCE: f64 = 1e-6;
-        let (clearance_m, rate_m_s) = self.clearance(object);
-        if clearance_m >= 0.0 || rate_m_s <= 0.0 {
-            return f64::INFINITY;
-        }
-        let fraction = if -clearance_m > CLOSE_DISTANCE * self.boundary_m() / BOUNDARY_TOLERANCE {
-            APPROACH_FRACTION
-        } else {
-            1.0
-        };
-        fraction * -clearance_m / rate_m_s
+        time_to_boundary_s(self.clearance(object), self.boundary_m() / BOUNDARY_TOLERANCE)
     }
 
     fn boundary_m(&self) -> f64 {

@@ -3,7 +3,7 @@
 
 use std::ops::Index;
 
-use super::{BodyState, ContactSample, Energy, FingerContact, FingerState, Reach, RequiredData, Sample};
+use super::{BodyState, ContactSample, Energy, Exit, FingerContact, FingerState, RequiredData, Sample};
 use crate::analytic::multibody::{CONTACTS, GraspMode, Multibody, kinematics_of};
 use crate::analytic::{ContactReading, ContactState, Energies, FingerMode, FingerMotion, PassiveJoints};
 use crate::drive::Profile;
@@ -79,7 +79,7 @@ pub(crate) struct Start<M: System> {
     pub kernel: M,
     pub state: State<M::Layout>,
     pub settings: Integrator,
-    pub reach: Option<Reach>,
+    pub exit: Option<Exit>,
 }
 
 /// A use of the kernel of a scene, whose type depends on the scene.

@@ -1,12 +1,12 @@
 //! Converts the steps of the analytic model into samples, events and summary figures.
 
-use super::contact_tracker::{ContactTracker, ReportedEvent, has_surface_touched, update_summaries};
+use super::contact_tracker::{ContactTracker, ReportedEvent, has_hand_touched, update_summaries};
 use super::extrema::{
     BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, Reason, StepExtrema, bisect, find_crossing, parabola_peak,
 };
 use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::reading::Kernel;
-use super::{ContactSummary, Energy, EventKind, Outcome, Reach, RequiredData, Sample, Sink, SinkError, Work};
+use super::{ContactSummary, Energy, EventKind, Exit, Outcome, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
 use crate::analytic::mechanism::EXCHANGE_SINE;
 use crate::integrator::{Layout, Observer, State, Step, StepTools, System};
@@ -102,9 +102,9 @@ pub(super) struct RecorderState<R: Kernel> {
     is_refined: bool,
     times: RecordingTimes,
     end_s: f64,
-    /// Region whose boundary ends the run.
-    reach: Option<Reach>,
-    /// Time at which the object left the region.
+    /// Condition that ends the run.
+    exit: Option<Exit>,
+    /// Time at which the object left the hand.
     ejected_s: Option<f64>,
     mode: R::Mode,
     start_energy: Energy,
@@ -137,7 +137,7 @@ impl<R: Kernel> RecorderState<R> {
     pub fn new(
         kernel: &R,
         (start, mode): (&State<R::Layout>, R::Mode),
-        reach: Option<Reach>,
+        exit: Option<Exit>,
         RecordingOptions { counts, span, required_data, threshold_n, .. }: RecordingOptions,
     ) -> Self {
         let [mut last, end, within] = [0; 3].map(|_| Sample::new(0.0, counts));
@@ -150,7 +150,7 @@ impl<R: Kernel> RecorderState<R> {
             is_refined: span.is_refined,
             times: RecordingTimes::new(span, required_data.point_interval_s),
             end_s: span.end_s,
-            reach,
+            exit,
             ejected_s: None,
             mode: mode.clone(),
             start_energy,
@@ -355,21 +355,20 @@ impl<R: Kernel> Recorder<'_, '_, R> {
         Ok(())
     }
 
-    /// Shortens the current step to where the object leaves the reach of the fingers, if something has touched the
-    /// object; returns whether it does.
+    /// Shortens the current step to where the object leaves the hand, if the hand has touched the object; returns whether it
+    /// does.
     fn end_at_exit(&mut self, interior: &mut Interior<'_, R>) -> bool {
-        let Some(reach) = self.state.reach.filter(|reach| reach.leaves(&self.state.last, &self.state.end)) else {
-            return false;
+        let leaves = |exit: &&Exit| {
+            exit.leaves(&self.state.last, &self.state.end)
+                && has_hand_touched(&self.state.trackers, &self.state.end, exit)
         };
-        if !has_surface_touched(&self.state.trackers, &self.state.end) {
-            return false;
-        }
+        let Some(exit) = self.state.exit.as_ref().filter(leaves).cloned() else { return false };
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (inside + outside);
             let (time_s, mode) = (interior.time_s(middle), interior.mode);
             self.read_within(time_s, interior.tools.resolve(middle), mode);
-            if reach.is_outside(&self.state.within.body(0)) { outside = middle } else { inside = middle }
+            if exit.is_outside(&self.state.within) { outside = middle } else { inside = middle }
         }
         if outside < 1.0 {
             self.state.last_mode.clone_from(interior.mode);

@@ -311,6 +311,22 @@ impl Sample {
         self.state(self.counts.contact(index))
     }
 
+    /// Returns the normal force of a contact. Reading single numbers is faster than [`Sample::contact`].
+    pub(crate) fn normal_n(&self, contact: usize) -> f64 {
+        self.values[self.counts.contact(contact) + ContactSample::NORMAL]
+    }
+
+    /// Returns gap and gap rate of a contact.
+    pub(crate) fn gap(&self, contact: usize) -> [f64; 2] {
+        let first = self.counts.contact(contact);
+        [self.values[first], self.values[first + 1]]
+    }
+
+    /// Returns the sliding speed of a contact.
+    pub(crate) fn slip_m_s(&self, contact: usize) -> f64 {
+        self.values[self.counts.contact(contact) + ContactSample::SLIP]
+    }
+
     pub fn set_contact(&mut self, index: usize, contact: &ContactSample) {
         self.set_state(self.counts.contact(index), contact);
     }

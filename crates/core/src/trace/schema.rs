@@ -245,6 +245,12 @@ pub struct ContactSample {
     pub normal: [f64; 2],
 }
 
+impl ContactSample {
+    /// Indices of slip and normal force among the quantities.
+    pub(super) const SLIP: usize = 2;
+    pub(super) const NORMAL: usize = 3;
+}
+
 impl State<11> for ContactSample {
     const QUANTITIES: [Quantity; 11] = [
         linear("gap_m", "m"),

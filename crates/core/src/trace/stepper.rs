@@ -57,15 +57,15 @@ pub(crate) struct AnalyticStepper<M: Kernel> {
 impl<M: Kernel + Hybrid> AnalyticStepper<M> {
     /// Creates the stepper of a kernel at its start.
     pub fn new(start: Start<M>, duration_s: f64, recording: RecordingOptions) -> Self {
-        let Start { kernel, state, settings, reach } = start;
+        let Start { kernel, state, settings, exit } = start;
         let method: RadauOrRodas<M::Layout> = match settings.method {
             Method::Rodas5p => RadauOrRodas::rodas(kernel.layout()),
             Method::RadauIIa5 => integrator::Method::new(kernel.layout()),
         };
         let mode = kernel.mode_at(0.0, &state.q, &state.v);
-        let reach = reach.filter(|_| recording.ends_at_exit);
+        let exit = exit.filter(|_| recording.ends_at_exit);
         Self {
-            recorder: RecorderState::new(&kernel, (&state, mode), reach, recording),
+            recorder: RecorderState::new(&kernel, (&state, mode), exit, recording),
             integration: Integration::new(method, &kernel, &options(&settings), 0.0, state),
             kernel,
             duration_s,

@@ -30,13 +30,14 @@ pub struct ForceClosure {
     pub weakest: [f64; 3],
 }
 
-type Wrench = nalgebra::Vector3<f64>;
+/// A force and a moment divided by the radius of the object.
+pub type Wrench = nalgebra::Vector3<f64>;
 
 /// Q1 below this is rounding.
 const ZERO_TOLERANCE: f64 = 1e-12;
 
 /// Edges of a contact's friction cone for a normal force of 1.
-fn edges(contact: &FrictionContact, centre_m: [f64; 2], radius_m: f64) -> [Wrench; 2] {
+pub(super) fn edges(contact: &FrictionContact, centre_m: [f64; 2], radius_m: f64) -> [Wrench; 2] {
     let [nx, ny] = contact.push;
     let lever = [contact.point_m[0] - centre_m[0], contact.point_m[1] - centre_m[1]];
     [contact.mu, -contact.mu].map(|mu| {

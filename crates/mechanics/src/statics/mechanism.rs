@@ -9,7 +9,8 @@ use super::balance::{
     BrakeLoad, Certified, Cone, ContactMotion, Equations, Largest, direction_at, largest_multiple, unit_direction,
 };
 use super::form_closure::{Certificate, decide_by_linear_program};
-use super::{FormClosure, Result, Roles, Row, Unilateral, Unknown};
+use super::simplex::{LinearProgram, Outcome, Rule};
+use super::{FormClosure, Result, Roles, Row, StaticsError, Unilateral, Unknown};
 use crate::gripper::number;
 use crate::mechanism::tendon::{center_in, length_in, segment};
 use crate::mechanism::{
@@ -71,6 +72,31 @@ pub struct MechanismAtRest<'a> {
     pub contacts: &'a [ContactAtRest],
     pub drives: DriveState,
     pub roles: &'a Roles,
+}
+
+/// Loads of a motion that has come to rest, which stay as they are while the base is accelerated.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadsAtRest {
+    /// Efforts of the actuators of joints, N·m or N.
+    pub efforts: Vec<f64>,
+    /// What the actuators and their brakes can add to them.
+    pub slack: Vec<[f64; 2]>,
+    /// Tensions of all cables, N, and the part of each that its actuator pulls.
+    pub tensions_n: Vec<f64>,
+    pub pulls_n: Vec<f64>,
+}
+
+/// Largest part of the loads that no forces within their cones balance, relative to the largest load: 1 %, far above the rest
+/// of a motion that decays, and far below a load that causes a motion.
+pub const MAX_REMAINDER: f64 = 0.01;
+
+/// Accelerations that a motion at rest can balance.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BalanceAtRest {
+    /// Limits in all directions.
+    Limits(Vec<MechanismBalance>),
+    /// The unbalanced part of the loads, relative to the largest one.
+    NotAtRest { remainder: f64 },
 }
 
 /// Velocity of the frame of a body.
@@ -162,9 +188,53 @@ pub fn mechanism_balance_towards(at_rest: &MechanismAtRest<'_>, direction: [f64;
 /// [`mechanism_balance_towards`] in `count` equally spaced directions from x towards y.
 pub fn mechanism_balance(at_rest: &MechanismAtRest<'_>, count: usize) -> Result<Vec<MechanismBalance>> {
     let frame = Frame::new(at_rest, at_rest.drives);
-    let equations = frame.equations()?;
-    let angle_rad = |index: usize| TAU * index as f64 / count as f64;
-    (0..count).map(|index| frame.balance(&equations, direction_at(angle_rad(index)))).collect()
+    frame.balance_all(&frame.equations()?, count)
+}
+
+/// Returns the largest acceleration of the base, in `count` equally spaced directions from x towards y, that the loads of a
+/// motion at rest can balance. What they cannot balance without an acceleration is subtracted.
+pub fn balance_at_rest(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest, count: usize) -> Result<BalanceAtRest> {
+    let frame = Frame::new(at_rest, at_rest.drives);
+    let (mut equations, largest) = frame.equations_at_rest(loads)?;
+    let unbalanced = unbalanced(&equations)?;
+    let size = unbalanced.iter().map(|part| part * part).sum::<f64>().sqrt();
+    if size > MAX_REMAINDER * largest {
+        return Ok(BalanceAtRest::NotAtRest { remainder: size / largest });
+    }
+    equations.fixed.iter_mut().zip(&unbalanced).for_each(|(load, part)| *load -= part);
+    frame.balance_all(&equations, count).map(BalanceAtRest::Limits)
+}
+
+/// The part of the fixed load that is left by the forces that balance most of it: of least sum of magnitudes.
+fn unbalanced(equations: &Equations) -> Result<Vec<f64>> {
+    let rows = equations.fixed.len();
+    let edges = |cone: &Cone| {
+        let edge = |mu: f64| -> Vec<f64> {
+            cone.columns[0].iter().zip(&cone.columns[1]).map(|(normal, friction)| normal + mu * friction).collect()
+        };
+        if cone.mu > 0.0 { vec![edge(cone.mu), edge(-cone.mu)] } else { vec![edge(0.0)] }
+    };
+    let mut columns: Vec<(Vec<f64>, [f64; 2], f64)> = Vec::new();
+    let pushes = equations.contacts.iter().flat_map(edges);
+    columns.extend(pushes.map(|column| (column, [0.0, f64::INFINITY], 0.0)));
+    columns.extend(equations.drives.iter().map(|(column, range)| (column.clone(), *range, 0.0)));
+    let forces = columns.len();
+    for sign in [1.0, -1.0] {
+        let unit = |row: usize| (0..rows).map(|other| if other == row { sign } else { 0.0 }).collect();
+        columns.extend((0..rows).map(|row| (unit(row), [0.0, f64::INFINITY], -1.0)));
+    }
+    let programme = LinearProgram {
+        matrix: DMatrix::from_fn(rows, columns.len(), |row, column| columns[column].0[row]),
+        right: DVector::from_fn(rows, |row, _| -equations.fixed[row]),
+        bounds: columns.iter().map(|(_, range, _)| *range).collect(),
+        objective: columns.iter().map(|(.., cost)| *cost).collect(),
+    };
+    for rule in [Rule::Steepest, Rule::First] {
+        if let Some(Outcome::Optimal { x, .. }) = programme.solve(rule) {
+            return Ok((0..rows).map(|row| x[forces + rows + row] - x[forces + row]).collect());
+        }
+    }
+    Err(StaticsError::Program { reason: "the least unbalanced load is not found".to_string() })
 }
 
 /// Efforts of all actuators at rest, without their brakes: those of joints, then those of tendons, N·m or N.
@@ -321,6 +391,12 @@ impl<'a> Frame<'a> {
         self.reduced(&load)
     }
 
+    /// Solves the equations for accelerations in `count` equally spaced directions from x towards y.
+    fn balance_all(&self, equations: &Equations, count: usize) -> Result<Vec<MechanismBalance>> {
+        let angle_rad = |index: usize| TAU * index as f64 / count as f64;
+        (0..count).map(|index| self.balance(equations, direction_at(angle_rad(index)))).collect()
+    }
+
     /// Solves the equations for an acceleration in a direction.
     fn balance(&self, equations: &Equations, direction: [f64; 2]) -> Result<MechanismBalance> {
         let direction = unit_direction(direction)?;
@@ -351,22 +427,54 @@ impl<'a> Frame<'a> {
         }
     }
 
+    /// All columns of the equations of a motion at rest, except the driving load, and the size of the largest load.
+    fn equations_at_rest(&self, loads: &LoadsAtRest) -> Result<(Equations, f64)> {
+        let mechanism = self.at_rest.mechanism;
+        let mut fixed = self.springs();
+        let size = |load: &DVector<f64>| DVector::from_vec(self.reduced(load)).norm();
+        let mut largest = size(&fixed).max(DVector::from_vec(self.field(mechanism.gravity_m_s2)).norm());
+        for (index, tendon) in mechanism.tendons.iter().enumerate() {
+            let is_blocked = tendon.actuator.is_some() && self.drives == DriveState::Blocked;
+            let tension_n = loads.tensions_n[index] - if is_blocked { loads.pulls_n[index] } else { 0.0 };
+            let load = -tension_n * self.tendon(tendon);
+            largest = largest.max(size(&load));
+            fixed += load;
+        }
+        let mut drives = Vec::new();
+        for (index, actuator) in mechanism.actuators.iter().enumerate() {
+            let on = self.combination(&actuator.on);
+            let load = loads.efforts[index] * &on;
+            largest = largest.max(size(&load));
+            fixed += load;
+            if self.drives != DriveState::Blocked && loads.slack[index] != [0.0; 2] {
+                drives.push((self.reduced(&on), loads.slack[index]));
+            }
+        }
+        Ok((self.with_contacts(&fixed, drives)?, largest))
+    }
+
     /// All columns of the equations, except the driving load.
     fn equations(&self) -> Result<Equations> {
-        let MechanismAtRest { mechanism, poses, time_s, contacts, .. } = self.at_rest;
+        let MechanismAtRest { mechanism, poses, time_s, .. } = self.at_rest;
+        let mut fixed = self.springs();
+        self.add_efforts(&efforts(mechanism, poses, *time_s), &mut fixed);
+        self.with_contacts(&fixed, self.brakes().collect())
+    }
+
+    /// Equations with the fixed load and these drives, the friction of joints, the weight, and the cones of contacts.
+    fn with_contacts(&self, fixed: &DVector<f64>, drives: Vec<(Vec<f64>, [f64; 2])>) -> Result<Equations> {
+        let MechanismAtRest { mechanism, contacts, .. } = self.at_rest;
         for contact in *contacts {
             number("mu_static", contact.mu, contact.mu >= 0.0, "must be finite, 0 or more")?;
         }
-        let mut fixed = self.springs();
-        self.add_efforts(&efforts(mechanism, poses, *time_s), &mut fixed);
         let weight = self.field(mechanism.gravity_m_s2);
-        let fixed = self.reduced(&fixed).iter().zip(&weight).map(|(load, weight)| load + weight).collect();
+        let fixed = self.reduced(fixed).iter().zip(&weight).map(|(load, weight)| load + weight).collect();
         let cones = contacts.iter().map(|contact| Cone { columns: self.contact(contact), mu: contact.mu });
         let coordinates = self.basis.ncols();
         let of_limit = |normal: Vec<f64>| Cone { columns: [normal, vec![0.0; coordinates]], mu: 0.0 };
         Ok(Equations {
             contacts: cones.chain(self.limits().chain(self.blocked_cables()).map(of_limit)).collect(),
-            drives: self.brakes().chain(self.joint_friction()).collect(),
+            drives: drives.into_iter().chain(self.joint_friction()).collect(),
             fixed,
             driving: Vec::new(),
             lengths: vec![self.length_m; coordinates],

@@ -13,6 +13,7 @@ mod equilibrium;
 mod force_closure;
 mod form_closure;
 mod hand;
+mod hull;
 mod mechanism;
 mod roles;
 mod simplex;
@@ -22,7 +23,7 @@ pub use equilibrium::{
     Birglen, Ejection, Equilibrium, StaticKinematics, StaticsError, birglen, contact_jacobian, drive_loads,
     equilibrium, equilibrium_with_mu, palm_force, palm_force_with_mu, static_kinematics,
 };
-pub use force_closure::{ForceClosure, FrictionContact, force_closure};
+pub use force_closure::{ForceClosure, FrictionContact, Wrench, force_closure};
 pub use form_closure::{
     BOUNDARY, Certificate, Decision, FormClosure, decide_by_linear_program, decide_form_closure, form_closure,
     gripper_closure,
@@ -31,12 +32,16 @@ pub use hand::{
     Blocked, ContactPoint, FingerGrip, GraspConfiguration, Hand, NecessaryCount, PerContact, PhalanxContact, Row,
     RowKind, Side, Unilateral, Unknown, gripper_unilateral, unilateral,
 };
-
+pub use hull::{GRIP_TOLERANCE, WrenchHull, hull_distance};
 pub use mechanism::{
-    BodyMotion, ContactAtRest, DriveState, MechanismAtRest, MechanismBalance, MechanismClosure, MechanismLimit,
-    efforts, mechanism_balance, mechanism_balance_towards, mechanism_closure,
+    BalanceAtRest, BodyMotion, ContactAtRest, DriveState, LoadsAtRest, MAX_REMAINDER, MechanismAtRest,
+    MechanismBalance, MechanismClosure, MechanismLimit, balance_at_rest, efforts, mechanism_balance,
+    mechanism_balance_towards, mechanism_closure,
 };
-pub use roles::{Roles, carries, default_base, roles};
+pub use roles::{
+    GraspKeys, GraspPair, GraspRoles, NoGrasp, Roles, carries, default_base, default_object, grasp_roles, radius_m,
+    roles,
+};
 
 /// Result of the functions of this module.
 pub type Result<T> = std::result::Result<T, StaticsError>;

@@ -1,10 +1,155 @@
-//! Roles of the bodies of a mechanism in a grasp: the base, which is accelerated, and the bodies that are balanced.
+//! Roles of the bodies of a mechanism in a grasp: the object, its pairs of outlines with the hand and the surroundings, the
+//! base, which is accelerated, and the bodies that are balanced.
 //!
 //! Bodies are connected by joints, couplings, springs, cables, actuators, and contacts that can push. The ground, the base
 //! and what carries the base do not move relative to the base. The object, the bodies of the hand that can touch it, and
 //! all bodies that are connected with these otherwise have to be at rest. Other bodies have no effect on the grasp.
 
-use crate::mechanism::{JointCombination, Mechanism, SpringKind};
+use crate::mechanism::{Body, JointCombination, Mechanism, OutlineId, OutlineShape, SpringKind};
+use crate::numeric::elementary::hypot;
+use crate::numeric::plane::sub;
+
+/// What a scene says about its grasp; everything else has a default.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GraspKeys {
+    pub object: Option<usize>,
+    /// `Some(None)` is the ground.
+    pub base: Option<Option<usize>>,
+    /// Outlines that are no part of the hand.
+    pub surroundings: Vec<OutlineId>,
+    /// Time at which the hand releases the object.
+    pub release_s: Option<f64>,
+}
+
+/// Roles in the grasp of an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GraspRoles {
+    pub object: usize,
+    /// The body in whose frame the object travels; `None` is the ground.
+    pub base: Option<usize>,
+    /// Largest distance of the outlines of the object from its centre of mass, m.
+    pub radius_m: f64,
+    /// Pairs of the object with the hand and the surroundings.
+    pub pairs: Vec<GraspPair>,
+    /// Outlines of the ground that count as part of the hand although no key says so.
+    pub assumed_hand: Vec<OutlineId>,
+}
+
+/// An outline of the object and one of another body, with all their contact points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GraspPair {
+    /// `left.pad/object.skin`.
+    pub name: String,
+    /// Outline of the other body.
+    pub other: OutlineId,
+    /// Whether the other outline is one of the hand, or else of the surroundings.
+    pub is_hand: bool,
+    /// Indices of the contact points, in the order of [`Mechanism::point_contacts`].
+    pub points: Vec<usize>,
+}
+
+/// Reason why a scene has no grasp.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NoGrasp {
+    /// No joints, no body without joints that moves by forces, or no contact pair of the object with the hand.
+    #[error("there is no contact pair of a hand with a body that it could grasp")]
+    Nothing,
+    #[error("{} have contacts and no joints: name the one that is grasped with `object` in [grasp]", .0.join(" and "))]
+    SeveralObjects(Vec<String>),
+    #[error("the outline `{0}` of the object is a half plane, which has no extent")]
+    HalfPlane(String),
+}
+
+/// Returns the roles in the grasp of a scene.
+///
+/// # Errors
+/// Returns the reason why there is no grasp.
+pub fn grasp_roles(mechanism: &Mechanism, keys: &GraspKeys) -> std::result::Result<GraspRoles, NoGrasp> {
+    if mechanism.joints.is_empty() {
+        return Err(NoGrasp::Nothing);
+    }
+    let object = keys.object.map_or_else(|| default_object(mechanism), Ok)?;
+    let base = keys.base.unwrap_or_else(|| default_base(mechanism, object));
+    let is_hand = |id: OutlineId| {
+        let has_role = id.body.map_or(base.is_none(), |body| mechanism.has_joint(Some(body)));
+        has_role && !keys.surroundings.contains(&id)
+    };
+    let mut pairs: Vec<([OutlineId; 2], GraspPair)> = Vec::new();
+    for (index, point) in mechanism.point_contacts().iter().enumerate() {
+        let contact = &mechanism.contacts[point.pair];
+        let outlines = match [contact.points, contact.face] {
+            [other, own] if own.body == Some(object) => [other, own],
+            [own, other] if own.body == Some(object) => [other, own],
+            _ => continue,
+        };
+        match pairs.iter_mut().find(|(known, _)| *known == outlines) {
+            Some((_, pair)) => pair.points.push(index),
+            None => {
+                let name = outlines.map(|id| mechanism.outline_name(id)).join("/");
+                let name = contact.name.clone().unwrap_or(name);
+                let [other, _] = outlines;
+                pairs.push((outlines, GraspPair { name, other, is_hand: is_hand(other), points: vec![index] }));
+            }
+        }
+    }
+    let pairs: Vec<GraspPair> = pairs.into_iter().map(|(_, pair)| pair).collect();
+    if !pairs.iter().any(|pair| pair.is_hand) {
+        return Err(NoGrasp::Nothing);
+    }
+    let outlines = &mechanism.bodies[object].outlines;
+    if let Some(outline) = outlines.iter().position(|outline| matches!(outline.shape, OutlineShape::HalfPlane { .. })) {
+        let id = OutlineId { body: Some(object), outline };
+        return Err(NoGrasp::HalfPlane(mechanism.outline_name(id)));
+    }
+    let of_ground = pairs.iter().filter(|pair| pair.is_hand && pair.other.body.is_none()).map(|pair| pair.other);
+    let is_assumed = keys.base.is_none() && keys.surroundings.is_empty();
+    let mut assumed_hand: Vec<OutlineId> = of_ground.filter(|_| is_assumed).collect();
+    assumed_hand.dedup();
+    let radius_m = radius_m(&mechanism.bodies[object]);
+    Ok(GraspRoles { object, base, radius_m, pairs, assumed_hand })
+}
+
+/// Returns the body that a hand grasps: the body called `object`, or the only body with contacts that has no joints and
+/// moves by forces.
+///
+/// # Errors
+/// Returns an error if there is no such body, or several.
+pub fn default_object(mechanism: &Mechanism) -> std::result::Result<usize, NoGrasp> {
+    let bodies = &mechanism.bodies;
+    let moves = |body: &usize| bodies[*body].motion.is_none();
+    if let Some(called) = (0..bodies.len()).filter(moves).find(|body| bodies[*body].name == "object") {
+        return Ok(called);
+    }
+    let touches =
+        |body: &usize| mechanism.contacts.iter().any(|pair| [pair.points.body, pair.face.body].contains(&Some(*body)));
+    let free = (0..bodies.len()).filter(moves).filter(|body| !mechanism.has_joint(Some(*body)));
+    match free.filter(touches).collect::<Vec<_>>()[..] {
+        [] => Err(NoGrasp::Nothing),
+        [object] => Ok(object),
+        ref several => {
+            Err(NoGrasp::SeveralObjects(several.iter().map(|body| format!("`{}`", bodies[*body].name)).collect()))
+        }
+    }
+}
+
+/// Largest distance of the outlines of a body from its centre of mass, m; infinite with a half plane.
+pub fn radius_m(body: &Body) -> f64 {
+    let reach = |shape: &OutlineShape| match shape {
+        OutlineShape::HalfPlane { .. } => f64::INFINITY,
+        OutlineShape::Ellipse { center_m, semi_axes_m: [a, b], .. } => {
+            let [x, y] = sub(*center_m, body.com_m);
+            hypot(x, y) + a.max(*b)
+        }
+        other => {
+            let distances = other.vertices_m().into_iter().map(|vertex| {
+                let [x, y] = sub(vertex, body.com_m);
+                hypot(x, y)
+            });
+            distances.fold(0.0, f64::max) + other.radius_m()
+        }
+    };
+    body.outlines.iter().map(|outline| reach(&outline.shape)).fold(f64::MIN_POSITIVE, f64::max)
+}
 
 /// Roles of all bodies in the grasp of an object.
 #[derive(Clone, Debug, PartialEq)]

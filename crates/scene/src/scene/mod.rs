@@ -39,6 +39,7 @@ pub mod value;
 
 pub use crate::drive::{Brake, Interpolation, Profile};
 pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
+use crate::statics::{GraspKeys, GraspRoles, NoGrasp, grasp_roles};
 pub use builder::{FINGER_JOINTS, OpenLoop};
 pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
 pub use discs::{Disc, DiscMotion, Discs};
@@ -81,8 +82,10 @@ pub struct Scene {
     pub integrator: Integrator,
     pub engine: Engine,
     pub bounds: Bounds,
-    /// Thresholds of the grasp criteria of a gripper; unused in other kinds of scene.
+    /// Thresholds of the criteria of a grasp; unused in scenes without one.
     pub thresholds: Thresholds,
+    /// Keys of the section `[grasp]` of a mechanism; `None` without the section.
+    pub grasp: Option<GraspKeys>,
     pub log: LogSettings,
 }
 
@@ -100,6 +103,15 @@ impl Scene {
     /// Whether bodies are connected by joints.
     pub fn has_joints(&self) -> bool {
         self.mechanism.as_ref().map_or(self.finger_count() > 0, |mechanism| !mechanism.joints.is_empty())
+    }
+
+    /// Returns the roles in the grasp of a mechanism.
+    ///
+    /// # Errors
+    /// Returns the reason why there is no grasp.
+    pub fn grasp_roles(&self) -> Result<GraspRoles, NoGrasp> {
+        let mechanism = self.mechanism.as_ref().ok_or(NoGrasp::Nothing)?;
+        grasp_roles(mechanism, &self.grasp.clone().unwrap_or_default())
     }
 
     /// Returns the mechanism that both models simulate.

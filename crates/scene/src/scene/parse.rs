@@ -22,6 +22,7 @@ use super::template::{self, Template};
 use super::{Differential, FingerContactLaws, HalfPlane, Hand, HandFinger, Motor, ObjectMotion, Scene, Side};
 use crate::mechanism::assemble;
 use crate::shape;
+use crate::statics::grasp_roles;
 
 /// Parses, checks and resolves the scene of a finger; `file_name` appears in messages and gives the default name.
 ///
@@ -132,7 +133,6 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
     let law = discs.as_ref().map(|discs| discs.law);
     let engine = run::engine(&of_run.subsection("engine"), hand.as_ref(), law);
     let bounds = run::bounds(&of_run.subsection("validate"), duration_s);
-    let thresholds = run::thresholds(&of_run.subsection("criteria"), hand.as_ref(), duration_s);
     let log = run::log(&root.subsection("log"), duration_s);
     if let (Some((outline, inertia)), Some(of_object)) = (outline?, hand.as_mut().filter(|_| checker.is_clean())) {
         if of_object.palm_motion.is_some() {
@@ -164,6 +164,15 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
         bodies::check_initial_positions(&root, &discs);
         mechanism = Some(Some(discs.mechanism()));
     }
+    let mut keys = None;
+    if let (SceneKind::Mechanism, Some(Some(mechanism))) = (input.kind, &mechanism) {
+        keys = mechanism::grasp(&root.subsection("grasp"), mechanism)?;
+    }
+    let object_kg = mechanism.as_ref().and_then(Option::as_ref).and_then(|mechanism| {
+        let roles = grasp_roles(mechanism, &keys.clone().unwrap_or_default()).ok()?;
+        Some(mechanism.bodies[roles.object].mass_kg)
+    });
+    let thresholds = run::thresholds(&of_run.subsection("criteria"), hand.as_ref(), object_kg, duration_s);
     Some(Scene {
         name: settings.name.unwrap_or_else(|| stem(file_name)),
         kind,
@@ -176,6 +185,7 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
         engine,
         bounds,
         thresholds,
+        grasp: keys,
         log,
     })
 }

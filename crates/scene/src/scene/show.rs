@@ -13,7 +13,7 @@ use super::schema::top_level;
 use super::section::{Key, Section};
 use super::sections::{bodies, drive, extend, law, mechanism, motion};
 use super::value::ValueType;
-use super::{Bounds, Differential, Hand, HandFinger, Keyword, Scene, parse_any};
+use super::{Bounds, Differential, Hand, HandFinger, Keyword, Scene, Thresholds, parse_any};
 use crate::gripper::{Body, Lengths};
 use crate::law::ContactLaw;
 use crate::units::{self, Dimension, number};
@@ -22,7 +22,7 @@ use crate::units::{self, Dimension, number};
 const DIGITS: usize = 6;
 
 /// Sections that change a scene even if they are empty.
-const OPTIONAL: [&str; 5] = ["design", "lengths", "half_plane", "table", "differential"];
+const OPTIONAL: [&str; 6] = ["design", "lengths", "half_plane", "table", "differential", "grasp"];
 
 /// Returns the scene as simulated, with all values.
 pub fn show(scene: &Scene) -> String {
@@ -49,12 +49,16 @@ fn resolved(scene: &Scene) -> Table {
         "integrator": scene.integrator,
         "engine": scene.engine,
         "validate": validate,
-        "criteria": scene.thresholds,
+        // A mechanism without a grasp has none.
+        "criteria": Some(scene.thresholds).filter(|thresholds| hand.fingers.len() > 1 || *thresholds != Thresholds::NONE),
         "log": scene.log,
     });
     match (&scene.mechanism, scene.kind) {
         (Some(mechanism), SceneKind::Bodies) => extend(&mut file, bodies::discs_settings(mechanism)),
-        (Some(mechanism), _) => extend(&mut file, mechanism::mechanism_settings(mechanism)),
+        (Some(mechanism), _) => {
+            extend(&mut file, mechanism::mechanism_settings(mechanism));
+            file["grasp"] = scene.grasp.as_ref().map(|keys| mechanism::grasp_settings(keys, mechanism)).into();
+        }
         (None, _) => add_hand(&mut file, hand),
     }
     let file = to_toml(file).and_then(|file| file.try_into().ok());

@@ -82,7 +82,7 @@ pub fn figures(report: &RunReport) -> Vec<Value> {
 /// of its object.
 pub fn verdict(report: &RunReport) -> Option<String> {
     let class = report.criteria.flatten().map(|criteria| criteria.verdict());
-    let fate = || report.grasp.iter().flatten().find_map(|grasp| grasp.fate_reason.clone());
+    let fate = || report.grasp.iter().flatten().find_map(|grasp| grasp.reason().map(str::to_string));
     class.or_else(|| report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}"))).or_else(fate)
 }
 

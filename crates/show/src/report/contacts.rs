@@ -116,6 +116,19 @@ impl Contacts {
         })
     }
 
+    /// The contacts that have touched, without those of some indices.
+    pub(super) fn touched_without(&self, is_excluded: impl Fn(usize) -> bool) -> Self {
+        let is_shown = |(index, (_, contact)): &(usize, &(String, ContactReport))| {
+            let has_touched = match contact {
+                ContactReport::Surface(surface) => surface.first_s.is_some() || surface.passed_through,
+                ContactReport::Limit(limit) => limit.first_s.is_some(),
+            };
+            has_touched && !is_excluded(*index)
+        };
+        let shown = self.all.iter().enumerate().filter(is_shown).map(|(_, contact)| contact.clone()).collect();
+        Contacts { all: shown, has_own_names: self.has_own_names }
+    }
+
     /// Limits of joints with their display names.
     pub fn limits(&self) -> impl Iterator<Item = (String, &LimitReport)> {
         self.all.iter().filter_map(|(name, contact)| match contact {

@@ -7,13 +7,15 @@ use serde::{Serialize, Serializer};
 use super::check::{self, RunCheckReport};
 use super::contacts::Contacts;
 use super::grasp::GraspReport;
+use super::object::ObjectReport;
 use super::states::States;
 use super::tables;
-use crate::criteria::{Criteria, GraspCriteria, Rebound, scene_static_grasp};
+use crate::criteria::{Criteria, Fate, GraspCriteria, ObjectCriteria, Rebound, scene_static_grasp};
 use crate::format::numbers::{G_M_S2, format_number};
 use crate::format::{Report, ToReport, format_duration};
 use crate::scene::schema::{SettingsSection, columns};
 use crate::scene::{Engine, Integrator, Keyword, Response, Scene, Stepping, one_line};
+use crate::statics::NoGrasp;
 use crate::trace::{Energy, Model, Outcome, Schema, Work};
 
 /// One run. All results are null if the simulation failed without a partial outcome. Keys that do not apply to the kind
@@ -45,9 +47,12 @@ pub struct RunReport {
     /// Reason why a finger with an object has no criteria; null if it has criteria.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_criteria: Option<Option<String>>,
-    /// Fate of a gripper's object; null if the run was not completed.
+    /// Fate of the object of a hand; null if the run was not completed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub grasp: Option<Option<GraspReport>>,
+    pub grasp: Option<Option<Grasp>>,
+    /// Reason why a mechanism with a hand has no fate, and what to do; omitted without a reason.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub no_grasp: Option<String>,
     pub completed: bool,
     /// Time reached.
     pub end_s: Option<f64>,
@@ -78,6 +83,66 @@ pub struct RunReport {
     pub csv: Option<String>,
     /// Accuracy check; null if the run was not checked.
     pub check: Option<RunCheckReport>,
+    /// What the text contains; the JSON document contains everything.
+    #[serde(skip)]
+    pub detail: Detail,
+}
+
+/// What the summary of a grasp contains besides its answer and its pairs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Detail {
+    /// Contacts by their points.
+    pub points: bool,
+    /// The states of all bodies and joints.
+    pub all: bool,
+}
+
+/// The grasp of an object.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Grasp {
+    /// By a gripper of five-bar fingers.
+    Hand(Box<GraspReport>),
+    /// By the hand of a mechanism.
+    Object(Box<ObjectReport>),
+}
+
+impl Grasp {
+    /// Builds the report of a grasp that ended with an outcome.
+    pub fn new(
+        (hand, object): (Option<&GraspCriteria>, Option<&ObjectCriteria>),
+        scene: Option<&Scene>,
+        outcome: &Outcome,
+    ) -> Option<Self> {
+        let of_hand = || hand.map(|found| Grasp::Hand(Box::new(GraspReport::new(found, scene, &outcome.last))));
+        object.map(|found| Grasp::Object(Box::new(ObjectReport::new(found, scene)))).or_else(of_hand)
+    }
+
+    /// The fate of the object.
+    pub fn fate(&self) -> Fate {
+        match self {
+            Grasp::Hand(grasp) => grasp.criteria.fate,
+            Grasp::Object(grasp) => grasp.criteria.fate,
+        }
+    }
+
+    /// Reason for the fate; `None` without the scene.
+    pub fn reason(&self) -> Option<&str> {
+        match self {
+            Grasp::Hand(grasp) => grasp.fate_reason.as_deref(),
+            Grasp::Object(grasp) => Some(&grasp.criteria.reason),
+        }
+    }
+
+    /// The report of a gripper of five-bar fingers.
+    pub fn hand(&self) -> Option<&GraspReport> {
+        if let Grasp::Hand(grasp) = self { Some(grasp) } else { None }
+    }
+
+    /// The report of the hand of a mechanism.
+    pub fn object(&self) -> Option<&ObjectReport> {
+        if let Grasp::Object(grasp) = self { Some(grasp) } else { None }
+    }
 }
 
 /// Time and reason of the early end of a run.
@@ -105,6 +170,8 @@ pub struct RunData<'a> {
     pub criteria: Option<Criteria>,
     /// Criteria of a gripper.
     pub grasp: Option<&'a GraspCriteria>,
+    /// Criteria of the object of a mechanism.
+    pub object: Option<&'a ObjectCriteria>,
     /// Rebounds of pairs of discs.
     pub rebounds: &'a [Rebound],
     /// Reasons to doubt the results.
@@ -129,6 +196,12 @@ impl RunReport {
         let (finger, gripper) = (count == 1, count == 2);
         let palm = scene.hand.palm_motion.as_ref();
         let criteria = data.criteria.filter(|_| error.is_none());
+        let roles = scene.grasp_roles();
+        let no_grasp = roles
+            .as_ref()
+            .err()
+            .filter(|reason| **reason != NoGrasp::Nothing)
+            .map(|reason| format!("no grasp: {reason}"));
         RunReport {
             scene: scene.name.clone(),
             kind: scene.kind.keyword(),
@@ -141,9 +214,9 @@ impl RunReport {
             contacts: outcome.map(|outcome| Contacts::new(&schema, outcome, data.rebounds)),
             criteria: finger.then_some(criteria),
             no_criteria: finger.then(|| no_criteria(scene, error.is_none()).filter(|_| criteria.is_none())),
-            grasp: gripper.then(|| {
-                data.grasp.zip(outcome).map(|(found, outcome)| GraspReport::new(found, Some(scene), &outcome.last))
-            }),
+            grasp: (gripper || roles.is_ok())
+                .then(|| outcome.and_then(|outcome| Grasp::new((data.grasp, data.object), Some(scene), outcome))),
+            no_grasp,
             completed: error.is_none(),
             end_s: outcome.map(|outcome| outcome.last.time_s),
             palm_peak_acceleration_m_s2: gripper
@@ -159,13 +232,57 @@ impl RunReport {
             page: None,
             csv: None,
             check: None,
+            detail: Detail::default(),
         }
+    }
+
+    /// The grasp by the hand of a mechanism.
+    fn object(&self) -> Option<&ObjectReport> {
+        self.grasp.iter().flatten().find_map(Grasp::object)
+    }
+
+    /// The summary of a grasp: the answer first, then pairs, then what else there is.
+    fn grasp_report(&self, grasp: &ObjectReport) -> Report {
+        let Detail { points, all } = self.detail;
+        let mut sections =
+            vec![Report::from(grasp.heading()), self.heading().into(), grasp.pairs(self.contacts.as_ref())];
+        sections.extend(self.contacts.as_ref().map(|contacts| {
+            if points {
+                tables::contacts(contacts)
+            } else {
+                tables::contacts(&contacts.touched_without(|index| grasp.has_point(index)))
+            }
+        }));
+        sections.push(grasp.actuators().into());
+        let end_s = self.end_s.unwrap_or_default();
+        match all {
+            true => sections.extend(tables::states(&self.states, end_s)),
+            false => {
+                let (object, base) = (&grasp.criteria.object, &grasp.criteria.base);
+                let shown = self.states.bodies_without_joints([object, base]);
+                sections.push(tables::bodies_of(&shown, end_s));
+            }
+        }
+        sections.extend([
+            self.energy.map(|energy| tables::energies(&energy, self.has_joints)).into(),
+            check::summary_line(self.check.as_ref(), self.steps).into(),
+        ]);
+        let omitted = match (points, all) {
+            (false, false) => Some("--points prints single contact points, --all the states of all bodies and joints"),
+            (true, false) => Some("--all prints the states of all bodies and joints"),
+            (_, true) => None,
+        };
+        sections.push(omitted.map(|flags| format!("{flags}\n")).into());
+        Report::join(sections)
     }
 }
 
 /// The complete summary, with a final line end.
 impl ToReport for RunReport {
     fn report(&self) -> Report {
+        if let Some(grasp) = self.object() {
+            return self.grasp_report(grasp);
+        }
         let no_criteria = self.no_criteria.as_ref().and_then(Option::as_ref).filter(|_| self.completed);
         let mut sections = vec![Report::from(self.heading())];
         sections.extend(tables::states(&self.states, self.end_s.unwrap_or_default()));
@@ -174,7 +291,8 @@ impl ToReport for RunReport {
             self.energy.map(|energy| tables::energies(&energy, self.has_joints)).into(),
             self.criteria.flatten().as_ref().map(tables::criteria).into(),
             no_criteria.map(|reason| format!("no class: {reason}\n")).into(),
-            self.grasp.iter().flatten().next().map(GraspReport::text).into(),
+            self.grasp.iter().flatten().find_map(Grasp::hand).map(GraspReport::text).into(),
+            self.no_grasp.as_ref().map(|reason| format!("{reason}\n")).into(),
             check::summary_line(self.check.as_ref(), self.steps).into(),
         ]);
         Report::join(sections)
@@ -194,7 +312,8 @@ impl RunReport {
         }));
         let gap = self.loop_gap_m.flatten();
         lines.extend(gap.map(|gap_m| format!("joints open by at most {} µm", format_number(gap_m * 1e6, 3))));
-        let ejected_s = self.grasp.iter().flatten().find_map(GraspReport::ejected_s).map(format_duration);
+        let hand = self.grasp.iter().flatten().find_map(Grasp::hand);
+        let ejected_s = hand.and_then(GraspReport::ejected_s).map(format_duration);
         lines.extend(
             ejected_s.map(|time| {
                 format!("EJECTED: the object left the reach of both fingers at {time}, which ends the run")

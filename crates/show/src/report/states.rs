@@ -115,6 +115,13 @@ impl States {
         }
     }
 
+    /// Bodies that move without joints, and those of these names.
+    pub(super) fn bodies_without_joints(&self, names: [&str; 2]) -> Vec<(&str, &BodyReport)> {
+        let is_shown =
+            |(name, body): &&(String, BodyReport)| body.motion != "jointed" || names.contains(&name.as_str());
+        self.bodies.iter().filter(is_shown).map(|(name, body)| (name.as_str(), body)).collect()
+    }
+
     /// Returns the keys of the document and their values.
     pub fn entries(&self) -> Vec<(&'static str, Option<State<'_>>)> {
         let present = |state| self.has_outcome.then_some(state);

@@ -41,6 +41,12 @@ pub fn states(states: &States, end_s: f64) -> Vec<Report> {
     states.entries().into_iter().filter_map(state_table).collect()
 }
 
+/// Final states of some bodies.
+pub(super) fn bodies_of(all: &[(&str, &BodyReport)], end_s: f64) -> Report {
+    let heading = format!("at {}", format_duration(end_s));
+    if all.is_empty() { Report::default() } else { bodies(all.iter().copied(), &heading) }
+}
+
 fn is_slider(joint: &JointReport) -> bool {
     joint.0.iter().any(|(quantity, _)| ["position_m", "force_n"].contains(&quantity.key))
 }

@@ -52,7 +52,7 @@ pub use bodies::{DENSITY_KG_M3, DEPTH_M, DiscSettings, HalfPlaneSettings, Object
 pub use drive::{DifferentialSettings, MotorSettings, SizingResult, SpringSettings};
 pub use finger::{BodiesSettings, DesignSettings, FingerKeys, FingerLengths, LengthSettings, MaterialSettings};
 pub use law::{CommonLaw, ContactSettings, LimitSettings};
-pub use mechanism::MechanismSettings;
+pub use mechanism::{GraspSettings, MechanismSettings};
 pub use motion::{MoveSettings, PathSettings, VibrationSettings};
 pub use run::{
     Bounds, ENGINE_MAX_STEP_S, Engine, EngineSettings, Integrator, LogExcess, LogSettings, Method, Preset, Response,
@@ -88,6 +88,7 @@ const BODIES: &str = "bodies";
 const FINGERS: &str = "finger gripper";
 const NO_OR_TWO_FINGERS: &str = "bodies gripper mechanism";
 const NO_FINGERS: &str = "bodies mechanism";
+const WITH_HANDS: &str = "finger gripper mechanism";
 
 /// A scene of kind "finger": one finger, the object it grasps, and the settings of the simulation. Omitted keys
 /// have their defaults. Quantities are strings with a unit: "15 mm", "120 deg", "480 N*mm".
@@ -160,9 +161,11 @@ pub struct MechanismFile {
     pub top: SceneSettings,
     #[serde(flatten)]
     pub mechanism: MechanismSettings,
+    pub grasp: GraspSettings,
     pub integrator: Integrator,
     pub engine: Engine,
     pub validate: Bounds,
+    pub criteria: Thresholds,
     pub log: LogSettings,
 }
 

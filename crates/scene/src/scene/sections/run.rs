@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{FINGERS, NO_FINGERS, NO_OR_TWO_FINGERS};
+use super::{FINGERS, NO_FINGERS, NO_OR_TWO_FINGERS, WITH_HANDS};
 use crate::law::ContactLaw;
 use crate::limits::{MAX_PICTURES, MAX_SAMPLES};
 use crate::numeric::elementary::{log10, powi};
@@ -13,7 +13,7 @@ use crate::scene::quantity::{
     Angle, AngularRate, Force, Frequency, Length, NotNegative, Plain, Positive, Quantity, Time, keyword_enum,
 };
 use crate::scene::section_input::SectionInput;
-use crate::units::{self, Dimension};
+use crate::units::{self, Dimension, G_M_S2};
 
 /// Integration of the equations of motion. Defaults depend on the preset.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -246,8 +246,11 @@ pub struct Bounds {
     #[schemars(with = "Positive<Length>", extend("default" = "1e-4 mm"))]
     pub loop_gap_m: f64,
     /// Difference of the time to stability.
-    #[schemars(with = "Positive<Time>", extend("x-kinds" = FINGERS, "default" = "10 us", "x-gripper" = {
+    #[schemars(with = "Positive<Time>", extend("x-kinds" = WITH_HANDS, "default" = "10 us", "x-gripper" = {
         "default": "0.1 ms", "description": "Difference of the time to stability of the whole grasp."
+    }, "x-mechanism" = {
+        "default": "0.1 ms",
+        "description": "Difference of the time to stability of the whole grasp, and of the time at which the object is lost."
     }))]
     pub stability_time_s: f64,
     /// Difference of the coefficient of restitution of two discs without joints.
@@ -275,7 +278,8 @@ impl Bounds {
             until_s: duration_s,
         };
         match kind {
-            SceneKind::Finger | SceneKind::Bodies | SceneKind::Mechanism => finger,
+            SceneKind::Finger | SceneKind::Bodies => finger,
+            SceneKind::Mechanism => Self { stability_time_s: 1e-4, ..finger },
             SceneKind::Gripper => Self { angle_rad: 1e-4, final_force: 5e-3, stability_time_s: 1e-4, ..finger },
         }
     }
@@ -291,7 +295,9 @@ pub struct Thresholds {
     pub loss_time_s: f64,
     /// Largest normal force of a lost contact. Default: 1e-4 of the largest motor torque over the length of the
     /// proximal phalanx.
-    #[schemars(with = "NotNegative<Force>")]
+    #[schemars(with = "NotNegative<Force>", extend("x-mechanism" = {
+        "description": "Largest normal force of a lost contact. Default: 1e-3 of the weight of the object at 9.81 m/s²."
+    }))]
     pub loss_force_n: f64,
     /// An object counts as held if it is held without interruption for at least this time. Default: 1 ms, and at most
     /// 0.05 of the duration.
@@ -303,11 +309,10 @@ impl Thresholds {
     /// No thresholds, for scenes without a gripper: every loss of contact counts, and an object is held at once.
     pub const NONE: Self = Self { loss_time_s: 0.0, loss_force_n: 0.0, held_time_s: 0.0 };
 
-    /// Defaults for a run of this duration; `motor_force_n` is the largest motor torque over the length of the proximal
-    /// phalanx.
-    pub fn defaults_for_run(duration_s: f64, motor_force_n: f64) -> Self {
+    /// Defaults for a run of this duration.
+    pub fn defaults_for_run(duration_s: f64, loss_force_n: f64) -> Self {
         let loss_time_s = 1e-4f64.min(0.005 * duration_s);
-        Self { loss_time_s, loss_force_n: 1e-4 * motor_force_n, held_time_s: 10.0 * loss_time_s }
+        Self { loss_time_s, loss_force_n, held_time_s: 10.0 * loss_time_s }
     }
 }
 
@@ -411,12 +416,22 @@ pub fn bounds(input: &SectionInput<'_>, duration_s: Option<f64>) -> Bounds {
     bounds
 }
 
-/// Resolves the thresholds of the grasp criteria of a gripper.
-pub fn thresholds(input: &SectionInput<'_>, hand: Option<&Hand>, duration_s: Option<f64>) -> Thresholds {
-    let motor_force_n = hand.map_or(0.0, Hand::motor_force_n);
-    let defaults = match input.kind {
-        SceneKind::Gripper => Thresholds::defaults_for_run(duration_s.unwrap_or(DURATION_S), motor_force_n),
-        SceneKind::Finger | SceneKind::Bodies | SceneKind::Mechanism => Thresholds::NONE,
+/// Force threshold of a mechanism as a part of the weight of its object: below the forces that carry it, and above those of
+/// contacts that end.
+const LOSS_WEIGHT: f64 = 1e-3;
+
+/// Resolves the thresholds of the criteria of a grasp; `object_kg` is the mass of the object of a mechanism.
+pub fn thresholds(
+    input: &SectionInput<'_>,
+    hand: Option<&Hand>,
+    object_kg: Option<f64>,
+    duration_s: Option<f64>,
+) -> Thresholds {
+    let duration = duration_s.unwrap_or(DURATION_S);
+    let defaults = match (input.kind, object_kg) {
+        (SceneKind::Gripper, _) => Thresholds::defaults_for_run(duration, 1e-4 * hand.map_or(0.0, Hand::motor_force_n)),
+        (SceneKind::Mechanism, Some(mass_kg)) => Thresholds::defaults_for_run(duration, LOSS_WEIGHT * mass_kg * G_M_S2),
+        (SceneKind::Finger | SceneKind::Bodies | SceneKind::Mechanism, _) => Thresholds::NONE,
     };
     let thresholds: Thresholds = input.read_over(&defaults);
     for (key, time_s) in [("loss_time", thresholds.loss_time_s), ("held_time", thresholds.held_time_s)] {

@@ -285,13 +285,8 @@ type Pairs = Vec<([OutlineId; 2], Option<std::ops::Range<usize>>)>;
 
 /// All pairs of two patterns in all their directions.
 fn pairs_between(section: &SectionInput<'_>, between: &[String; 2], mechanism: &Mechanism) -> Option<Pairs> {
-    let ids = outline_ids(mechanism);
     let matching = |k: usize| {
-        let is_match = |id: &&OutlineId| {
-            let names = [mechanism.outline_name(**id), mechanism.body_name(id.body).to_owned()];
-            names.iter().any(|name| matches_pattern(&between[k], name))
-        };
-        let found: Vec<OutlineId> = ids.iter().filter(is_match).copied().collect();
+        let found = matching_outlines(mechanism, &between[k]);
         if found.is_empty() {
             // The message of an unknown name.
             outline_id(section, "between", k, &between[k], mechanism)?;
@@ -378,6 +373,15 @@ fn check_pair(
     false
 }
 
+/// Outlines that fit a name or pattern, by their own name or by that of their body.
+pub(super) fn matching_outlines(mechanism: &Mechanism, pattern: &str) -> Vec<OutlineId> {
+    let is_match = |id: &OutlineId| {
+        let names = [mechanism.outline_name(*id), mechanism.body_name(id.body).to_owned()];
+        names.iter().any(|name| matches_pattern(pattern, name))
+    };
+    outline_ids(mechanism).into_iter().filter(is_match).collect()
+}
+
 /// All outlines of all bodies, those of the ground last.
 fn outline_ids(mechanism: &Mechanism) -> Vec<OutlineId> {
     let outlines = |body: Option<usize>| {
@@ -388,7 +392,7 @@ fn outline_ids(mechanism: &Mechanism) -> Vec<OutlineId> {
 }
 
 /// Finds an outline by its name `body.outline`.
-fn outline_id(
+pub(super) fn outline_id(
     section: &SectionInput<'_>,
     key: &str,
     index: usize,

@@ -9,6 +9,7 @@
 //! | `tendon` | tendons |
 //! | `outline` | outlines of bodies |
 //! | `contact` | laws and contacts |
+//! | `grasp` | grasp |
 //! | `mirror` | mirror |
 //! | `names` | no section: names by which sections refer to each other, and checks that they share |
 //! | `show` | a mechanism as sections |
@@ -16,6 +17,7 @@
 
 mod actuator;
 mod contact;
+mod grasp;
 mod joint;
 mod mirror;
 mod names;
@@ -34,6 +36,7 @@ use crate::scene::quantity::{Angle, AngularRate, Density, Inertia, Length, Mass,
 use crate::scene::section_input::{SectionInput, Subsection};
 use actuator::{ActuatorSettings, actuator, limit_target_rates, pulls};
 use contact::{ContactEntry, NamedLawSettings, contacts, named_law};
+pub use grasp::{GraspSettings, grasp, grasp_settings};
 use joint::{
     CouplingSettings, JointSettings, LinkageSpringSettings, RotorSettings, coupling, joint, joint_bodies, joint_kind,
     rotor, spring,

@@ -1,0 +1,178 @@
+//! How firmly the object is held at the end: the accelerations that the contacts can balance, form closure and Q1.
+
+use super::actuators::{command, is_at_limit};
+use super::object::ObjectCriteria;
+use crate::criteria::Fate;
+use crate::drawing::states::in_sample;
+use crate::mechanism::{Actuator, Command, Mechanism, Pose, point_in};
+use crate::numeric::elementary::atan2;
+use crate::scene::Scene;
+use crate::statics::{
+    BalanceAtRest, ContactAtRest, DriveState, FrictionContact, GraspRoles, LoadsAtRest, MechanismAtRest,
+    MechanismLimit, balance_at_rest, force_closure, mechanism_closure, roles,
+};
+use crate::trace::Sample;
+
+/// Number of directions of an acceleration, evenly spaced from x towards y.
+pub const DIRECTIONS: usize = 24;
+
+/// Directions whose limits differ by less than this part are equally bad.
+const SAME_LIMIT: f64 = 1e-6;
+
+/// How firmly an object is held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Firmness {
+    /// With the actuators as they are at the end: a servo below its limit gives any effort within it, every other actuator its
+    /// effort at the end, a brake up to its limit more.
+    pub driven: Margin,
+    /// With actuators that give any effort.
+    pub blocked: Margin,
+    /// Whether the contacts hold the object and the hand with the actuators blocked, without friction; `None` if this cannot
+    /// be decided.
+    pub form_closed: Option<bool>,
+    /// Q1 for normal forces that sum to 1, with moments over the radius of the object.
+    pub q1: f64,
+}
+
+/// The largest acceleration of the base, in the worst direction, that the contacts active at the end can balance.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Margin {
+    /// Any acceleration in any direction.
+    Any,
+    Limited {
+        acceleration_m_s2: f64,
+        /// All directions with this limit, from x towards y.
+        directions_rad: Vec<f64>,
+    },
+    /// The loads at the end are not balanced: the part that is not, relative to the largest load.
+    NotAtRest { remainder: f64 },
+    /// The programme has no certified result.
+    Undecided { reason: String },
+}
+
+/// Returns how firmly the object is held at the end; `None` unless it is held or carried, and of a scene without a grasp.
+pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
+    let mechanism = scene.mechanism.as_ref()?;
+    let grasp = scene.grasp_roles().ok().filter(|_| matches!(found.fate, Fate::Held | Fate::Carried))?;
+    let sample = &found.end;
+    let states = in_sample(mechanism, sample).bodies.into_iter();
+    let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
+    let contacts = contacts(mechanism, &grasp, sample);
+    let at_rest: Vec<ContactAtRest> = contacts.iter().map(|contact| contact.at_rest.clone()).collect();
+    let of_object: Vec<FrictionContact> = contacts.iter().filter_map(|contact| contact.of_object).collect();
+    let roles = roles(mechanism, grasp.object, grasp.base, at_rest.iter().map(|contact| contact.bodies));
+    let posture = |drives| MechanismAtRest {
+        mechanism,
+        poses: &poses,
+        time_s: sample.time_s,
+        contacts: &at_rest,
+        drives,
+        roles: &roles,
+    };
+    let loads = loads(mechanism, sample);
+    let margin = |drives| margin(&posture(drives), &loads);
+    let object = &mechanism.bodies[grasp.object];
+    let centre_m = point_in(Some(grasp.object), object.com_m, &poses);
+    Some(Firmness {
+        driven: margin(DriveState::AtEffort),
+        blocked: margin(DriveState::Blocked),
+        form_closed: mechanism_closure(&posture(DriveState::Blocked)).ok().map(|found| found.closure.closed),
+        q1: force_closure(&of_object, centre_m, grasp.radius_m).q1_l1,
+    })
+}
+
+fn margin(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest) -> Margin {
+    let balances = match balance_at_rest(at_rest, loads, DIRECTIONS) {
+        Ok(BalanceAtRest::Limits(balances)) => balances,
+        Ok(BalanceAtRest::NotAtRest { remainder }) => return Margin::NotAtRest { remainder },
+        Err(error) => return Margin::Undecided { reason: error.to_string() },
+    };
+    let mut limits = Vec::new();
+    for balance in balances {
+        match balance.largest {
+            MechanismLimit::Infeasible { .. } => {
+                let reason = "no forces within the friction cones balance the loads at the end".to_string();
+                return Margin::Undecided { reason };
+            }
+            MechanismLimit::Unlimited => {}
+            MechanismLimit::Limited { acceleration_m_s2, .. } => limits.push((balance.direction, acceleration_m_s2)),
+        }
+    }
+    let Some(least) = limits.iter().map(|(_, limit)| *limit).reduce(f64::min) else { return Margin::Any };
+    let worst = limits.iter().filter(|(_, limit)| *limit <= least + SAME_LIMIT * least.abs());
+    let angle = |[x, y]: [f64; 2]| atan2(y, x).rem_euclid(std::f64::consts::TAU);
+    Margin::Limited {
+        acceleration_m_s2: least,
+        directions_rad: worst.map(|(direction, _)| angle(*direction)).collect(),
+    }
+}
+
+/// A contact that can push, without those of the surroundings.
+struct ActiveContact {
+    at_rest: ContactAtRest,
+    /// As a contact of the object.
+    of_object: Option<FrictionContact>,
+}
+
+/// Contacts with a force at the end, of the object with the hand and of the hand with itself.
+fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, sample: &Sample) -> Vec<ActiveContact> {
+    let is_hand = |body: Option<usize>| {
+        body.map_or(grasp.base.is_none(), |body| body == grasp.object || mechanism.has_joint(Some(body)))
+    };
+    let surroundings = || grasp.pairs.iter().filter(|pair| !pair.is_hand);
+    let contact = |(index, point): (usize, crate::mechanism::PointContact)| {
+        let (pair, found) = (&mechanism.contacts[point.pair], sample.contact(index));
+        let bodies = [pair.points.body, pair.face.body];
+        let is_outside = surroundings().any(|pair| pair.points.contains(&index)) || !bodies.into_iter().all(is_hand);
+        if found.normal_n <= 0.0 || is_outside {
+            return None;
+        }
+        let mu = pair.law.friction.map_or(0.0, |friction| friction.mu_static);
+        // From the face to the points.
+        let sign = if pair.is_reported_on_face { -1.0 } else { 1.0 };
+        let normal @ [x, y] = found.normal.map(|part| sign * part);
+        let push = match bodies.map(|body| body == Some(grasp.object)) {
+            [true, _] => Some([x, y]),
+            [_, true] => Some([-x, -y]),
+            _ => None,
+        };
+        Some(ActiveContact {
+            at_rest: ContactAtRest { bodies, point_m: found.point_m, normal, mu },
+            of_object: push.map(|push| FrictionContact { point_m: found.point_m, push, mu }),
+        })
+    };
+    mechanism.point_contacts().into_iter().enumerate().filter_map(contact).collect()
+}
+
+/// Loads at the end of a run.
+fn loads(mechanism: &Mechanism, sample: &Sample) -> LoadsAtRest {
+    let joints = mechanism.actuators.len();
+    let kept = |actuator: &Actuator| match (&actuator.command, actuator.limit) {
+        (Command::Servo { .. }, limit) if !is_at_limit(actuator, sample) => {
+            let limit = limit.unwrap_or(f64::INFINITY);
+            (0.0, [-limit, limit])
+        }
+        (_, limit) => {
+            let limit = limit.unwrap_or(f64::INFINITY);
+            (command(actuator, sample).clamp(-limit, limit), [0.0; 2])
+        }
+    };
+    let with_brake = |actuator: &Actuator| {
+        let (effort, [low, high]) = kept(actuator);
+        let brake = actuator.brake.map(|brake| (brake.torque_n_m * brake.engagement(sample.time_s).0, brake.one_way));
+        let (most, one_way) = brake.unwrap_or((0.0, false));
+        (effort, [low - if one_way { 0.0 } else { most }, high + most])
+    };
+    let (efforts, slack) = mechanism.actuators.iter().map(with_brake).unzip();
+    let mut pulls = joints..;
+    let pull = |tendon: &crate::mechanism::Tendon| match tendon.actuator {
+        Some(_) => pulls.next().map_or(0.0, |index| sample.actuator(index)),
+        None => 0.0,
+    };
+    LoadsAtRest {
+        efforts,
+        slack,
+        tensions_n: (0..mechanism.tendons.len()).map(|index| sample.tendon(index).tension_n).collect(),
+        pulls_n: mechanism.tendons.iter().map(pull).collect(),
+    }
+}

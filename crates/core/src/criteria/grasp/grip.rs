@@ -1,0 +1,84 @@
+//! Whether contacts grip the object: the distance of the origin from the convex hull of their wrenches.
+
+use crate::statics::{GRIP_TOLERANCE, Wrench, WrenchHull};
+
+/// Bisections of the time at which contacts begin or cease to grip: to 1e-12 of a step.
+const BISECTIONS: usize = 40;
+
+/// Edges of the friction cone of a contact.
+pub(super) type Edges = [Wrench; 2];
+
+/// Decides one instant after the other, with what is known of the instant before.
+#[derive(Clone, Debug, Default)]
+pub(super) struct GripSearch {
+    hull: WrenchHull,
+    /// A direction in which all wrenches of the last instant without a grip have a positive part.
+    separation: Wrench,
+    before: Option<Instant>,
+    /// Active points with their edges, and the distance of the hull, when it was last computed.
+    computed: Option<(Vec<(usize, Edges)>, f64)>,
+}
+
+#[derive(Clone, Debug)]
+struct Instant {
+    time_s: f64,
+    /// Active points with their edges.
+    contacts: Vec<(usize, Edges)>,
+    is_gripped: bool,
+}
+
+impl GripSearch {
+    /// Whether these active points grip the object at a time, and the time since which they do or do not: a change between
+    /// two instants with the same active points is searched on edges that change linearly.
+    pub fn evaluate(&mut self, time_s: f64, contacts: Vec<(usize, Edges)>) -> (bool, Option<f64>) {
+        let is_gripped = self.still_grips(&contacts) || self.is_gripped(&contacts);
+        let before = self.before.take();
+        let is_same = |before: &Instant| {
+            let points = |contacts: &[(usize, Edges)]| contacts.iter().map(|(point, _)| *point).collect::<Vec<_>>();
+            before.is_gripped != is_gripped && points(&before.contacts) == points(&contacts)
+        };
+        let changed_s = before.filter(is_same).map(|before| {
+            let (mut from, mut to) = (0.0, 1.0);
+            for _ in 0..BISECTIONS {
+                let middle = 0.5 * (from + to);
+                let between = |k: usize| {
+                    let (point, [a, b]) = (contacts[k].0, [before.contacts[k].1, contacts[k].1]);
+                    (point, [0, 1].map(|edge: usize| a[edge] + (b[edge] - a[edge]) * middle))
+                };
+                let contacts: Vec<(usize, Edges)> = (0..contacts.len()).map(between).collect();
+                if self.is_gripped(&contacts) == is_gripped { to = middle } else { from = middle }
+            }
+            before.time_s + to * (time_s - before.time_s)
+        });
+        self.before = Some(Instant { time_s, contacts, is_gripped });
+        (is_gripped, changed_s)
+    }
+
+    /// Whether the same points gripped the object when the distance was last computed, and have moved so little that they
+    /// still do: the distance changes by at most the largest displacement of an edge.
+    fn still_grips(&self, contacts: &[(usize, Edges)]) -> bool {
+        let Some((computed, distance)) = &self.computed else { return false };
+        let is_near = |((point, edges), (other, before)): (&(usize, Edges), &(usize, Edges))| {
+            let moved = (0..2).map(|edge| (edges[edge] - before[edge]).norm()).fold(0.0, f64::max);
+            point == other && distance + moved < GRIP_TOLERANCE
+        };
+        computed.len() == contacts.len() && contacts.iter().zip(computed).all(is_near)
+    }
+
+    fn is_gripped(&mut self, contacts: &[(usize, Edges)]) -> bool {
+        self.hull.clear();
+        contacts.iter().for_each(|(_, edges)| self.hull.add(*edges));
+        // A normal force alone is not balanced.
+        if contacts.len() < 2 || self.hull.is_separated(&self.separation) {
+            return false;
+        }
+        let Some(nearest) = self.hull.nearest() else { return false };
+        let distance = nearest.norm();
+        let is_gripped = distance < GRIP_TOLERANCE;
+        self.computed = Some((contacts.to_vec(), distance));
+        if !is_gripped {
+            self.separation = nearest;
+        }
+        is_gripped
+    }
+}

@@ -1,0 +1,161 @@
+//! History of each pair, and its forces at the end.
+
+use super::pose::RelativePose;
+use crate::mechanism::ContactPair;
+use crate::numeric::elementary::{hypot, sin_cos};
+use crate::numeric::plane::{add, dot, perp, rotate, scale, sub};
+use crate::statics::{FrictionContact, GraspPair};
+use crate::trace::{BodyState, ContactSample, Sample};
+use serde::Serialize;
+
+/// A point of a pair.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairPoint {
+    /// Index among the contacts of a sample.
+    pub contact: usize,
+    /// Sign of the normal of a sample for the direction into the object, and of its force for that on the object.
+    sign: f64,
+    pub mu: f64,
+}
+
+impl PairPoint {
+    pub fn new(object: usize, contact: usize, pair: &ContactPair) -> Self {
+        let reported = if pair.is_reported_on_face { pair.face } else { pair.points };
+        let sign = if reported.body == Some(object) { 1.0 } else { -1.0 };
+        PairPoint { contact, sign, mu: pair.law.friction.map_or(0.0, |friction| friction.mu_static) }
+    }
+
+    /// Unit normal into the object.
+    pub fn push(&self, contact: &ContactSample) -> [f64; 2] {
+        scale(contact.normal, self.sign)
+    }
+
+    pub fn friction_contact(&self, contact: &ContactSample) -> FrictionContact {
+        FrictionContact { point_m: contact.point_m, push: self.push(contact), mu: self.mu }
+    }
+}
+
+/// History of one pair up to the present. A loss that is shorter than the threshold is none.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PairHistory {
+    pub first_s: Option<f64>,
+    /// Start of the current active interval, and the pose of the object then.
+    pub active_since: Option<(f64, RelativePose)>,
+    was_active: bool,
+    inactive_since_s: Option<f64>,
+    pub times_lost: u32,
+    pub lost_s: f64,
+}
+
+impl PairHistory {
+    /// Adds a part of the run, at whose start the object has this pose.
+    pub fn add(
+        &mut self,
+        (has_touched, is_active): (bool, bool),
+        [from_s, to_s]: [f64; 2],
+        pose: RelativePose,
+        loss_time_s: f64,
+    ) {
+        if has_touched {
+            self.first_s.get_or_insert(from_s);
+        }
+        if is_active {
+            (self.was_active, self.inactive_since_s) = (true, None);
+            self.active_since.get_or_insert((from_s, pose));
+        } else if self.was_active {
+            let inactive_since_s = *self.inactive_since_s.get_or_insert(from_s);
+            match self.active_since {
+                Some(_) if to_s - inactive_since_s < loss_time_s => {}
+                Some(_) => {
+                    self.active_since = None;
+                    self.times_lost += 1;
+                    self.lost_s += to_s - inactive_since_s;
+                }
+                None => self.lost_s += to_s - from_s,
+            }
+        }
+    }
+}
+
+/// A pair at the end of a run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PairCriteria {
+    #[serde(skip)]
+    pub name: String,
+    /// Whether the other body is one of the hand, or else of the surroundings.
+    #[serde(rename = "role", serialize_with = "role")]
+    pub is_hand: bool,
+    /// First touch of any of its points; `None` if there was none.
+    #[serde(rename = "first_touch_s")]
+    pub first_s: Option<f64>,
+    /// Start of the interval up to the end in which it is active; `None` if it is not active then.
+    #[serde(rename = "presses_since_s")]
+    pub active_since_s: Option<f64>,
+    /// Number of losses after it was first active, and their total duration, s.
+    pub times_lost: u32,
+    pub lost_s: f64,
+    /// Smallest gap of its points at the end; `None` without a point near the object.
+    pub gap_m: Option<f64>,
+    /// Sum of the normal forces.
+    pub normal_n: f64,
+    /// Component of the force on the object across the sum of the normal forces, positive to the left of the direction into
+    /// the object.
+    pub friction_n: f64,
+    /// Σ |F_t| / Σ μ_s F_n over its points; `None` without friction or force.
+    pub friction_used: Option<f64>,
+    /// Centre of pressure in the frame of the object; `None` without a force.
+    pub pressure_centre_m: Option<[f64; 2]>,
+    /// Indices of its points among the contacts of a sample.
+    #[serde(skip)]
+    pub points: Vec<usize>,
+    /// Whether it slides faster than slow over the last `held_time`.
+    #[serde(rename = "slips")]
+    pub is_sliding: bool,
+}
+
+fn role<S: serde::Serializer>(is_hand: &bool, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(if *is_hand { "hand" } else { "surroundings" })
+}
+
+/// Returns a pair in a sample.
+pub(super) fn pair_at_end(
+    (pair, history): (&GraspPair, &PairHistory),
+    points: &[PairPoint],
+    (sample, object): (&Sample, &BodyState),
+    is_sliding: bool,
+) -> PairCriteria {
+    let contacts: Vec<(&PairPoint, ContactSample)> =
+        points.iter().map(|point| (point, sample.contact(point.contact))).collect();
+    let sum = |of: &dyn Fn(&PairPoint, &ContactSample) -> f64| -> f64 {
+        contacts.iter().map(|(point, contact)| of(point, contact)).sum()
+    };
+    let normal_n = sum(&|_, contact| contact.normal_n);
+    let (mut normals, mut force) = ([0.0; 2], [0.0; 2]);
+    let mut pressure = [0.0; 2];
+    for (point, contact) in &contacts {
+        normals = add(normals, scale(point.push(contact), contact.normal_n));
+        force = add(force, scale(contact.force_n(), point.sign));
+        pressure = add(pressure, scale(contact.point_m, contact.normal_n));
+    }
+    let length = hypot(normals[0], normals[1]);
+    let friction_n = if length > 0.0 { dot(force, perp(scale(normals, 1.0 / length))) } else { 0.0 };
+    let limit_n = sum(&|point, contact| point.mu * contact.normal_n);
+    let (sin, cos) = sin_cos(object.angle_rad);
+    let centre = |pressure: [f64; 2]| rotate(sub(scale(pressure, 1.0 / normal_n), object.centre_m), [cos, -sin]);
+    let gap_m = contacts.iter().map(|(_, contact)| contact.gap_m).fold(f64::INFINITY, f64::min);
+    PairCriteria {
+        name: pair.name.clone(),
+        is_hand: pair.is_hand,
+        first_s: history.first_s,
+        active_since_s: history.active_since.map(|(since_s, _)| since_s),
+        times_lost: history.times_lost,
+        lost_s: history.lost_s,
+        gap_m: gap_m.is_finite().then_some(gap_m),
+        normal_n,
+        friction_n,
+        friction_used: (limit_n > 0.0).then(|| sum(&|_, contact| contact.tangential_n.abs()) / limit_n),
+        pressure_centre_m: (normal_n > 0.0).then(|| centre(pressure)),
+        points: pair.points.clone(),
+        is_sliding,
+    }
+}

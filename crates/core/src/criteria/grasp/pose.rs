@@ -1,0 +1,82 @@
+//! Poses of the object in the frame of the base, between samples.
+
+use crate::criteria::segments::Hermite;
+use crate::drawing::states::in_sample;
+use crate::mechanism::Mechanism;
+use crate::numeric::elementary::sin_cos;
+use crate::numeric::plane::{add, rotate, sub};
+use crate::trace::{BodyState, Sample};
+
+/// Position of the centre of mass of the object, m, and its angle, rad, in a frame.
+pub(super) type RelativePose = [f64; 3];
+
+/// Where the state of a frame is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Frame {
+    /// At rest in the frame of the samples.
+    Fixed,
+    /// Index among the reported bodies.
+    Reported(usize),
+    /// The ground beside a palm that moves, or a body whose state follows from its joints.
+    Derived(Option<usize>),
+}
+
+impl Frame {
+    pub fn of(mechanism: &Mechanism, body: Option<usize>) -> Self {
+        let palm = mechanism.palm().map(|(palm, _)| palm);
+        match body {
+            None if palm.is_none() => Frame::Fixed,
+            Some(body) if palm == Some(body) => Frame::Fixed,
+            Some(body) => {
+                let reported = mechanism.reported_bodies().position(|other| other == body);
+                reported.map_or(Frame::Derived(Some(body)), Frame::Reported)
+            }
+            None => Frame::Derived(None),
+        }
+    }
+
+    pub fn state(self, mechanism: &Mechanism, sample: &Sample) -> BodyState {
+        match self {
+            Frame::Fixed => BodyState::default(),
+            Frame::Reported(index) => sample.body(index),
+            Frame::Derived(body) => *in_sample(mechanism, sample).of(body),
+        }
+    }
+}
+
+/// Motion of a body between two instants.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BodyMotion([Hermite; 3]);
+
+impl BodyMotion {
+    pub fn between((t0, from): (f64, &BodyState), (t1, to): (f64, &BodyState)) -> Self {
+        let along = |axis: usize| {
+            let of = |state: &BodyState| (state.centre_m[axis], state.velocity_m_s[axis]);
+            let ((q0, v0), (q1, v1)) = (of(from), of(to));
+            Hermite::new((t0, q0, v0), (t1, q1, v1))
+        };
+        let angle = Hermite::new((t0, from.angle_rad, from.spin_rad_s), (t1, to.angle_rad, to.spin_rad_s));
+        BodyMotion([along(0), along(1), angle])
+    }
+
+    pub fn at(&self, time_s: f64) -> [f64; 3] {
+        self.0.map(|coordinate| coordinate.value(time_s))
+    }
+}
+
+/// Pose of a body in a frame: of its centre of mass, which is `com_m` in its own frame.
+pub(super) fn relative([x, y, angle]: [f64; 3], com_m: [f64; 2], [u, v, turn]: [f64; 3]) -> RelativePose {
+    let rotation = |angle: f64| {
+        let (sin, cos) = sin_cos(angle);
+        [cos, sin]
+    };
+    let centre = add([x, y], rotate(com_m, rotation(angle)));
+    let [x, y] = rotate(sub(centre, [u, v]), rotation(-turn));
+    [x, y, angle - turn]
+}
+
+/// Pose of a state.
+pub(super) fn pose_of(state: &BodyState) -> [f64; 3] {
+    let [x, y] = state.centre_m;
+    [x, y, state.angle_rad]
+}

@@ -1,0 +1,477 @@
+//! The tracker: from samples and events to points, pairs and poses in parts of the run in which nothing changes.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use super::actuators::ActuatorCriteria;
+use super::fate::Evidence;
+use super::grip::{Edges, GripSearch};
+use super::hold::{HoldHistory, Part};
+use super::object::{ObjectCriteria, Slip};
+use super::pairs::{PairHistory, PairPoint, pair_at_end};
+use super::pose::{BodyMotion, Frame, RelativePose, pose_of, relative};
+use super::recent::{Instant, Recent, RecentRates};
+use crate::criteria::Fate;
+use crate::criteria::segments::{Hermite, Segment, SegmentObserver, SegmentSplitter};
+use crate::mechanism::Mechanism;
+use crate::numeric::elementary::hypot;
+use crate::numeric::plane::{add, rotate};
+use crate::scene::{Scene, Thresholds};
+use crate::statics::{GraspRoles, WrenchHull};
+use crate::trace::{
+    BOUNDARY_TOLERANCE, BodyState, ContactSample, Event, RequiredData, Sample, Sink, SinkError, interpolate,
+};
+
+/// A gap below this part of the extent of the object is near; motion by it within `held_time` is slow.
+const SMALL: f64 = 1e-3;
+
+/// A [`Sink`] that computes the [`ObjectCriteria`] of a run, in memory that grows only with the number of changes.
+#[derive(Clone, Debug)]
+pub struct ObjectTracker {
+    segments: SegmentSplitter,
+    state: State,
+}
+
+/// What the criteria depend on.
+#[derive(Clone, Debug)]
+struct Setup {
+    mechanism: Mechanism,
+    roles: GraspRoles,
+    thresholds: Thresholds,
+    release_s: Option<f64>,
+    object: Frame,
+    base: Frame,
+    ground: Frame,
+    com_m: [f64; 2],
+    /// Points of all pairs: those of one pair follow each other.
+    points: Vec<PairPoint>,
+    /// Pair of each point, and the points of each pair.
+    pair_of: Vec<usize>,
+    points_of: Vec<Range<usize>>,
+}
+
+#[derive(Clone, Debug)]
+struct State {
+    setup: Setup,
+    hold: HoldHistory,
+    grip: GripSearch,
+    /// Parts whose active points are not known yet: a loss at their time may prove short.
+    queue: VecDeque<Slice>,
+    points: Vec<PointState>,
+    pairs: Vec<PairHistory>,
+    recent: Recent,
+    actuators: Vec<ActuatorCriteria>,
+    escaped_s: Option<f64>,
+    /// The sample at the release.
+    released: Option<Sample>,
+}
+
+/// A point at the start of the queue.
+#[derive(Clone, Copy, Debug, Default)]
+struct PointState {
+    is_active: bool,
+    lost_since_s: Option<f64>,
+    /// Its edges when it last pressed.
+    edges: Option<Edges>,
+}
+
+/// A part of a run.
+#[derive(Clone, Debug)]
+struct Slice {
+    from_s: f64,
+    to_s: f64,
+    poses: [RelativePose; 2],
+    /// Whether each point presses, and its edges then.
+    presses: Vec<Option<Edges>>,
+    is_hand_near: bool,
+    are_surroundings_near: bool,
+    are_surroundings_active: bool,
+}
+
+/// Motions of object and base between two samples.
+struct Motions {
+    object: BodyMotion,
+    base: BodyMotion,
+}
+
+impl Motions {
+    fn pose(&self, com_m: [f64; 2], time_s: f64) -> RelativePose {
+        relative(self.object.at(time_s), com_m, self.base.at(time_s))
+    }
+}
+
+impl Setup {
+    /// Largest extent of the object.
+    fn extent_m(&self) -> f64 {
+        2.0 * self.roles.radius_m
+    }
+
+    /// Largest slow speed of the object; infinite without a `held_time`.
+    fn slow_m_s(&self) -> f64 {
+        let held_time_s = self.thresholds.held_time_s;
+        if held_time_s > 0.0 { SMALL * self.extent_m() / held_time_s } else { f64::INFINITY }
+    }
+
+    fn is_hand(&self, point: usize) -> bool {
+        self.roles.pairs[self.pair_of[point]].is_hand
+    }
+
+    fn states(&self, sample: &Sample) -> [BodyState; 3] {
+        let [object, base] = [self.object, self.base].map(|frame| frame.state(&self.mechanism, sample));
+        let ground = if self.ground == self.base { base } else { self.ground.state(&self.mechanism, sample) };
+        [object, base, ground]
+    }
+}
+
+impl ObjectTracker {
+    /// Creates a tracker for runs of a scene; `None` without a grasp.
+    pub fn for_scene(scene: &Scene) -> Option<Self> {
+        let (mechanism, roles) = (scene.mechanism.as_ref()?, scene.grasp_roles().ok()?);
+        let all = mechanism.point_contacts();
+        let indices = roles.pairs.iter().enumerate().flat_map(|(pair, of)| of.points.iter().map(move |k| (pair, *k)));
+        let (pair_of, contacts): (Vec<usize>, Vec<usize>) = indices.unzip();
+        let point = |index: &usize| PairPoint::new(roles.object, *index, &mechanism.contacts[all[*index].pair]);
+        let laws = contacts.iter().map(|index| mechanism.contacts[all[*index].pair].law.normal).collect();
+        let setup = Setup {
+            thresholds: scene.thresholds,
+            release_s: scene.grasp.as_ref().and_then(|keys| keys.release_s),
+            object: Frame::of(mechanism, Some(roles.object)),
+            base: Frame::of(mechanism, roles.base),
+            ground: Frame::of(mechanism, None),
+            com_m: mechanism.bodies[roles.object].com_m,
+            points: contacts.iter().map(point).collect(),
+            points_of: (0..roles.pairs.len())
+                .map(|pair| {
+                    let first = pair_of.partition_point(|other| *other < pair);
+                    first..first + roles.pairs[pair].points.len()
+                })
+                .collect(),
+            pair_of,
+            mechanism: mechanism.clone(),
+            roles,
+        };
+        let Thresholds { loss_time_s, loss_force_n, held_time_s } = setup.thresholds;
+        Some(ObjectTracker {
+            segments: SegmentSplitter::new(contacts, Some(loss_force_n)).with_laws(laws),
+            state: State {
+                hold: HoldHistory::new(loss_time_s, held_time_s),
+                grip: GripSearch::default(),
+                queue: VecDeque::new(),
+                points: vec![PointState::default(); setup.points.len()],
+                pairs: vec![PairHistory::default(); setup.roles.pairs.len()],
+                recent: Recent::default(),
+                actuators: ActuatorCriteria::of(mechanism),
+                escaped_s: None,
+                released: None,
+                setup,
+            },
+        })
+    }
+
+    /// Returns the criteria of the run up to the last sample, or up to the release; `None` for a run without duration.
+    pub fn criteria(&self) -> Option<ObjectCriteria> {
+        let end = self.state.released.as_ref().or(self.segments.last())?;
+        let mut state = self.state.clone();
+        state.process(true);
+        state.finish(end)
+    }
+}
+
+impl State {
+    /// Passes on the parts whose active points are known; at the end of the run, a loss that is unfinished and short is none.
+    fn process(&mut self, is_end: bool) {
+        let Some(now_s) = self.queue.back().map(|slice| slice.to_s) else { return };
+        while let Some(active) = self.active_points(now_s, is_end) {
+            let Some(slice) = self.queue.pop_front() else { return };
+            for (point, (presses, is_active)) in self.points.iter_mut().zip(slice.presses.iter().zip(&active)) {
+                point.lost_since_s = match (is_active, presses) {
+                    (true, None) => point.lost_since_s.or(Some(slice.from_s)),
+                    _ => None,
+                };
+                point.is_active = *is_active;
+                point.edges = presses.or(point.edges);
+            }
+            self.add(&slice, &active);
+        }
+    }
+
+    /// Whether each point of the hand is active in the first part of the queue; `None` if this is not known yet.
+    fn active_points(&self, now_s: f64, is_end: bool) -> Option<Vec<bool>> {
+        let first = self.queue.front()?;
+        let loss_time_s = self.setup.thresholds.loss_time_s;
+        let is_active = |(index, point): (usize, &PointState)| {
+            if first.presses[index].is_some() || !point.is_active {
+                return Some(first.presses[index].is_some());
+            }
+            let lost_since_s = point.lost_since_s.unwrap_or(first.from_s);
+            let again = self.queue.iter().find(|slice| slice.presses[index].is_some());
+            match again {
+                Some(slice) => Some(slice.from_s - lost_since_s < loss_time_s),
+                None if now_s - lost_since_s >= loss_time_s => Some(false),
+                None => is_end.then_some(true),
+            }
+        };
+        self.points.iter().enumerate().map(is_active).collect()
+    }
+
+    fn add(&mut self, slice: &Slice, active: &[bool]) {
+        let edges = |(index, is_active): (usize, &bool)| {
+            let edges = self.points[index].edges.filter(|_| *is_active && self.setup.is_hand(index))?;
+            Some((index, edges))
+        };
+        let contacts: Vec<(usize, Edges)> = active.iter().enumerate().filter_map(edges).collect();
+        let (is_gripped, changed_s) = self.grip.evaluate(slice.to_s, contacts);
+        let changed_s = changed_s.map(|changed_s| changed_s.clamp(slice.from_s, slice.to_s));
+        let pose_at = |time_s: f64| {
+            let fraction = (time_s - slice.from_s) / (slice.to_s - slice.from_s);
+            let [from, to] = slice.poses;
+            std::array::from_fn(|k| from[k] + fraction * (to[k] - from[k]))
+        };
+        let ends = [Some(slice.from_s), changed_s, Some(slice.to_s)];
+        let ends: Vec<f64> = ends.into_iter().flatten().collect();
+        for (index, ends) in ends.windows(2).enumerate() {
+            if ends[1] > ends[0] {
+                self.hold.add(&Part {
+                    from_s: ends[0],
+                    to_s: ends[1],
+                    is_gripped: if changed_s.is_some() && index == 0 { !is_gripped } else { is_gripped },
+                    is_hand_near: slice.is_hand_near,
+                    are_surroundings_near: slice.are_surroundings_near,
+                    are_surroundings_active: slice.are_surroundings_active,
+                    pose: pose_at(ends[0]),
+                });
+            }
+        }
+    }
+
+    /// The contact of a point between two samples.
+    fn edges(&mut self, point: usize, last: &Sample, next: &Sample, object: &BodyState) -> Option<Edges> {
+        let found = self.setup.points[point];
+        let [before, after] = [last, next].map(|sample| sample.contact(found.contact));
+        let contact = if is_located(&after) { after } else { before };
+        if !is_located(&contact) {
+            return self.points[point].edges;
+        }
+        let (sin, cos) = crate::numeric::elementary::sin_cos(object.angle_rad);
+        let centre_m = add(object.centre_m, rotate(self.setup.com_m, [cos, sin]));
+        Some(WrenchHull::edges_of(&found.friction_contact(&contact), centre_m, self.setup.roles.radius_m))
+    }
+
+    /// Finds the time at which the object leaves the hand in the step between two samples.
+    fn search_escape(&mut self, last: &Sample, next: &Sample) {
+        let pairs = self.setup.roles.pairs.iter().zip(&self.pairs);
+        let has_touched = pairs.clone().any(|(pair, history)| pair.is_hand && history.first_s.is_some());
+        if self.escaped_s.is_some() || !has_touched {
+            return;
+        }
+        let hand = || (0..self.setup.points.len()).filter(|point| self.setup.is_hand(*point));
+        let nearest = |sample: &Sample| {
+            let gaps = hand().map(|point| sample.gap(self.setup.points[point].contact));
+            gaps.min_by(|[a, _], [b, _]| a.total_cmp(b))
+        };
+        // Within the tolerance with which a run ends there.
+        let extent_m = (1.0 - BOUNDARY_TOLERANCE) * self.setup.extent_m();
+        let Some(after @ [gap_m, rate_m_s]) = nearest(next) else { return };
+        let mut others = (0..self.setup.points.len()).filter(|point| !self.setup.is_hand(*point));
+        if gap_m < extent_m
+            || rate_m_s < 0.0
+            || others.any(|point| next.normal_n(self.setup.points[point].contact) > 0.0)
+        {
+            return;
+        }
+        let mut times = Vec::new();
+        if let Some(before) = nearest(last).filter(|[gap_m, _]| *gap_m < extent_m && after[0].is_finite()) {
+            let gap = Hermite::new((last.time_s, before[0], before[1]), (next.time_s, after[0], after[1]));
+            gap.crossings(extent_m, &mut times);
+        }
+        self.escaped_s = Some(times.last().copied().unwrap_or(next.time_s));
+    }
+
+    /// Adds the state at the end of a step.
+    fn add_instant(&mut self, last: Option<&Sample>, next: &Sample) {
+        let [object, base, ground] = self.setup.states(next);
+        let mut slid_m =
+            self.recent.last().map_or_else(|| vec![0.0; self.setup.points.len()], |last| last.slid_m.clone());
+        if let Some(last) = last {
+            for (slid_m, point) in slid_m.iter_mut().zip(&self.setup.points) {
+                let speed = |sample: &Sample| sample.slip_m_s(point.contact).abs();
+                *slid_m += 0.5 * (speed(last) + speed(next)) * (next.time_s - last.time_s);
+            }
+        }
+        let instant = Instant { time_s: next.time_s, object, base, ground, slid_m };
+        self.recent.add(instant, self.setup.thresholds.held_time_s);
+        ActuatorCriteria::add(&mut self.actuators, &self.setup.mechanism, next);
+    }
+
+    /// Returns the criteria at the end.
+    fn finish(&self, end: &Sample) -> Option<ObjectCriteria> {
+        let Setup { mechanism, roles, thresholds, com_m, .. } = &self.setup;
+        let Thresholds { held_time_s, .. } = *thresholds;
+        self.hold.end_state()?;
+        let [object, base, _] = self.setup.states(end);
+        let rates = self.recent.rates(*com_m, held_time_s).unwrap_or_else(|| RecentRates {
+            sliding_m_s: vec![0.0; self.setup.points.len()],
+            ..RecentRates::default()
+        });
+        let slow_m_s = self.setup.slow_m_s();
+        let pair = |(index, pair): (usize, &crate::statics::GraspPair)| {
+            let of_pair = self.setup.points_of[index].clone();
+            let points: Vec<PairPoint> = of_pair.clone().map(|point| self.setup.points[point]).collect();
+            let mut pressing = of_pair.filter(|point| end.contact(self.setup.points[*point].contact).normal_n > 0.0);
+            let is_sliding = match pressing.next() {
+                Some(first) => std::iter::once(first).chain(pressing).all(|point| rates.sliding_m_s[point] > slow_m_s),
+                None => false,
+            };
+            pair_at_end((pair, &self.pairs[index]), &points, (end, &object), is_sliding)
+        };
+        let pairs: Vec<_> = roles.pairs.iter().enumerate().map(pair).collect();
+        let is_slow = |[vx, vy, spin]: RelativePose| hypot(vx, vy).max(roles.radius_m * spin.abs()) < slow_m_s;
+        let speed = |[vx, vy, _]: RelativePose| hypot(vx, vy);
+        let (fate, reason) = Evidence {
+            hold: &self.hold,
+            held_time_s,
+            pairs: &pairs,
+            is_slow_in_base: is_slow(rates.in_base),
+            is_slow_in_world: is_slow(rates.in_world),
+            speeds_m_s: [speed(rates.in_base), speed(rates.in_world)],
+            escaped_s: self.escaped_s,
+        }
+        .decide();
+        let is_held = fate == Fate::Held;
+        let was_held = self.hold.past.is_some()
+            || self.hold.grip.is_some_and(|grip| self.hold.until_s - grip.since_s >= held_time_s);
+        // Start of the last of the intervals in which a pair is active or the object is gripped.
+        let active = self.pairs.iter().filter_map(|pair| pair.active_since);
+        let stable = self.hold.grip.filter(|_| is_held).map(|grip| {
+            active.fold((grip.since_s, grip.pose), |last, since| if since.0 > last.0 { since } else { last })
+        });
+        let end_pose = relative(pose_of(&object), *com_m, pose_of(&base));
+        let slip = stable.map(|(_, pose)| Slip {
+            displacement_m: hypot(end_pose[0] - pose[0], end_pose[1] - pose[1]),
+            rotation_rad: end_pose[2] - pose[2],
+        });
+        Some(ObjectCriteria {
+            object: mechanism.body_name(Some(roles.object)).to_string(),
+            base: mechanism.body_name(roles.base).to_string(),
+            assumed_hand: roles.assumed_hand.iter().map(|id| mechanism.outline_name(*id)).collect(),
+            radius_m: roles.radius_m,
+            fate,
+            reason,
+            states: self.hold.states.clone(),
+            grasped_s: self.hold.first_gripped_s.filter(|_| was_held),
+            held_since_s: self.hold.grip.map(|grip| grip.since_s),
+            tts_s: stable.map(|(since_s, _)| since_s),
+            until_s: fate.lost_at_s().filter(|_| !matches!(fate, Fate::Escaped { .. })),
+            escaped_s: self.escaped_s,
+            slip,
+            creep_m_s: is_held.then(|| speed(rates.in_base)),
+            pairs,
+            actuators: self.actuators.clone(),
+            end: end.clone(),
+        })
+    }
+}
+
+/// Whether a contact of a sample has a direction: one without a candidate has none.
+fn is_located(contact: &ContactSample) -> bool {
+    contact.normal != [0.0; 2]
+}
+
+impl SegmentObserver for State {
+    type Interpolant = Motions;
+
+    fn begin(&mut self, first: &Sample) {
+        self.add_instant(None, first);
+    }
+
+    fn interpolate(&mut self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> Motions {
+        let times = [last.time_s, next.time_s];
+        cuts_s.extend(self.setup.release_s.filter(|time_s| times[0] < *time_s && *time_s < times[1]));
+        let near_m = SMALL * self.setup.extent_m();
+        for point in &self.setup.points {
+            let [from, to] = [last, next].map(|sample| sample.gap(point.contact));
+            if (from[0] < near_m) != (to[0] < near_m) && from[0].is_finite() && to[0].is_finite() {
+                let [from, to] = [(times[0], from), (times[1], to)].map(|(t, [gap_m, rate])| (t, gap_m, rate));
+                Hermite::new(from, to).crossings(near_m, cuts_s);
+            }
+        }
+        let ([object, base, _], [next_object, next_base, _]) = (self.setup.states(last), self.setup.states(next));
+        Motions {
+            object: BodyMotion::between((times[0], &object), (times[1], &next_object)),
+            base: BodyMotion::between((times[0], &base), (times[1], &next_base)),
+        }
+    }
+
+    fn observe(&mut self, motions: &Motions, segment: &Segment<'_>) {
+        let Segment { from_s, to_s, last, next, has_touched, is_active } = *segment;
+        if self.setup.release_s.is_some_and(|release_s| from_s >= release_s) {
+            return;
+        }
+        let poses = [from_s, to_s].map(|time_s| motions.pose(self.setup.com_m, time_s));
+        let Thresholds { loss_time_s, loss_force_n, .. } = self.setup.thresholds;
+        let near_m = SMALL * self.setup.extent_m();
+        let fraction = (0.5 * (from_s + to_s) - last.time_s) / (next.time_s - last.time_s);
+        let is_near = |point: usize| {
+            let [from, to] = [last, next].map(|sample| sample.gap(self.setup.points[point].contact)[0]);
+            is_active[point] || from + fraction * (to - from) < near_m
+        };
+        let any = |is_hand: bool, is: &dyn Fn(usize) -> bool| {
+            (0..is_active.len()).any(|point| self.setup.is_hand(point) == is_hand && is(point))
+        };
+        let (is_hand_near, are_surroundings_near) = (any(true, &is_near), any(false, &is_near));
+        let are_surroundings_active = any(false, &|point| is_active[point]);
+        for (index, history) in self.pairs.iter_mut().enumerate() {
+            let of_pair = || self.setup.points_of[index].clone();
+            let force_n = |sample: &Sample| -> f64 {
+                of_pair().map(|point| sample.normal_n(self.setup.points[point].contact)).sum()
+            };
+            let presses = of_pair().any(|point| is_active[point]) || force_n(last).min(force_n(next)) > loss_force_n;
+            let touched = of_pair().any(|point| has_touched[point]);
+            history.add((touched, presses), [from_s, to_s], poses[0], loss_time_s);
+        }
+        let object = self.setup.object.state(&self.setup.mechanism, next);
+        let presses = (0..is_active.len()).map(|point| {
+            let presses = is_active[point] && self.setup.is_hand(point);
+            if presses { self.edges(point, last, next, &object) } else { None }
+        });
+        let presses = presses.collect();
+        self.queue.push_back(Slice {
+            from_s,
+            to_s,
+            poses,
+            presses,
+            is_hand_near,
+            are_surroundings_near,
+            are_surroundings_active,
+        });
+        self.process(false);
+        let is_release = self.setup.release_s.is_some_and(|release_s| to_s >= release_s);
+        if is_release && to_s < next.time_s {
+            let released = interpolate(last, next, to_s);
+            self.add_instant(Some(last), &released);
+            self.released = Some(released);
+        } else if to_s == next.time_s {
+            self.search_escape(last, next);
+            self.add_instant(Some(last), next);
+            if is_release {
+                self.released = Some(next.clone());
+            }
+        }
+    }
+}
+
+impl Sink for ObjectTracker {
+    fn required_data(&self) -> RequiredData {
+        RequiredData { peaks: true, passive: true, ..RequiredData::NONE }
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.segments.sample(sample, &mut self.state);
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.segments.event(event);
+        Ok(())
+    }
+}

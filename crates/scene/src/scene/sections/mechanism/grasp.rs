@@ -1,0 +1,96 @@
+//! What is grasped by what, and until when.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use super::contact::{matching_outlines, outline_id};
+use super::names::{GROUND, find};
+use crate::mechanism::Mechanism;
+use crate::scene::quantity::{NotNegative, Time};
+use crate::scene::section_input::SectionInput;
+use crate::statics::GraspKeys;
+
+/// The grasp that is judged. With this section, a run ends when the object leaves the hand. Without it, a run is judged by the
+/// defaults, and not ended.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct GraspSettings {
+    /// The body that is grasped. Default: the body called `object`, or else the only body with contacts that has no joints.
+    #[schemars(extend("minLength" = 1))]
+    pub object: Option<String>,
+    /// The body in whose frame travel and slip are measured, and which a load accelerates: the palm. Default: the last body
+    /// that carries all bodies of the hand that can touch the object and from which two joints lead on to them, or else
+    /// `ground`.
+    #[schemars(extend("minLength" = 1))]
+    pub base: Option<String>,
+    /// Bodies or outlines that are no part of the hand, as in `between` of a contact: surroundings = ["ground.table"].
+    /// Bodies without joints, and with a base other than the ground its outlines, are none in any case.
+    #[schemars(extend("default" = []))]
+    pub surroundings: Vec<String>,
+    /// Time at which the hand releases the object: the fate of the grasp is that at this time. Default: the end.
+    pub release: Option<NotNegative<Time>>,
+}
+
+/// Resolves `[grasp]`; `None` if any part is invalid.
+pub fn grasp(section: &SectionInput<'_>, mechanism: &Mechanism) -> Option<Option<GraspKeys>> {
+    if !section.is_present() {
+        return Some(None);
+    }
+    let GraspSettings { object, base, surroundings, release } = section.read();
+    let bodies: Vec<&str> = mechanism.bodies.iter().map(|body| body.name.as_str()).collect();
+    let object = object.map(|name| {
+        let found = find(section, "object", &name, "body", &bodies)?;
+        if mechanism.bodies[found].motion.is_some() {
+            let message = format!("`{}` has a prescribed motion, which no force affects", section.path("object"));
+            let help = "name a body that moves by forces";
+            return section.refuse("object", message, "cannot be grasped", help);
+        }
+        Some(found)
+    });
+    let base = base.map(|name| {
+        let known: Vec<&str> = [GROUND].into_iter().chain(bodies.iter().copied()).collect();
+        find(section, "base", &name, "body", &known).map(|found| found.checked_sub(1))
+    });
+    if let (Some(Some(object)), Some(Some(Some(base)))) = (object, base)
+        && object == base
+    {
+        let message = format!("`{}` is the grasped body", section.path("base"));
+        return section.refuse("base", message, "the object", "name a body of the hand, or `ground`");
+    }
+    let surroundings = surroundings.iter().enumerate().map(|(index, pattern)| {
+        let found = matching_outlines(mechanism, pattern);
+        if found.is_empty() {
+            // The message of an unknown name.
+            outline_id(section, "surroundings", index, pattern, mechanism)?;
+        }
+        Some(found)
+    });
+    let surroundings: Vec<_> = surroundings.collect();
+    let mut surroundings = surroundings.into_iter().collect::<Option<Vec<_>>>()?.concat();
+    surroundings.sort_by_key(|id| (id.body.map_or(usize::MAX, |body| body), id.outline));
+    surroundings.dedup();
+    Some(Some(GraspKeys {
+        object: all_or(object)?,
+        base: all_or(base)?,
+        surroundings,
+        release_s: release.map(|time| *time),
+    }))
+}
+
+/// A name that is not given is valid; one that is given must be found.
+fn all_or<T>(found: Option<Option<T>>) -> Option<Option<T>> {
+    match found {
+        None => Some(None),
+        Some(found) => found.map(Some),
+    }
+}
+
+/// Settings of a grasp.
+pub fn grasp_settings(keys: &GraspKeys, mechanism: &Mechanism) -> Value {
+    json!({
+        "object": keys.object.map(|body| mechanism.body_name(Some(body))),
+        "base": keys.base.map(|body| mechanism.body_name(body)),
+        "surroundings": keys.surroundings.iter().map(|id| mechanism.outline_name(*id)).collect::<Value>(),
+        "release": keys.release_s,
+    })
+}

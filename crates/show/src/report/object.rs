@@ -1,0 +1,275 @@
+//! The grasp of an object by the hand of a mechanism: JSON document and text.
+
+use serde::{Serialize, Serializer};
+
+use super::contacts::{ContactReport, Contacts};
+use super::named::{Named, Object};
+use super::tables::{DEGREES, milliseconds, resolved};
+use crate::criteria::{ActuatorCriteria, Fate, Firmness, Margin, ObjectCriteria, PairCriteria, firmness};
+use crate::format::numbers::{G_M_S2, format_number, or_dash};
+use crate::format::report::{Report, table_of};
+use crate::scene::Scene;
+use crate::units::Dimension;
+
+/// The slowest creep that the answer names, m/s: 1 µm in a second.
+const MIN_CREEP_M_S: f64 = 1e-6;
+
+/// The grasp of an object.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ObjectReport {
+    pub criteria: ObjectCriteria,
+    /// How firmly the object is held; `None` unless it is held or carried, and without the scene.
+    firmness: Option<Firmness>,
+}
+
+impl ObjectReport {
+    /// Builds the report; without the scene there is no margin.
+    pub fn new(found: &ObjectCriteria, scene: Option<&Scene>) -> Self {
+        ObjectReport { criteria: found.clone(), firmness: scene.and_then(|scene| firmness(scene, found)) }
+    }
+
+    /// Pairs that have touched.
+    fn touched(&self) -> impl Iterator<Item = &PairCriteria> {
+        self.criteria.pairs.iter().filter(|pair| pair.first_s.is_some())
+    }
+
+    /// Names of the pairs that have not touched.
+    fn untouched(&self) -> Vec<&str> {
+        let untouched = self.criteria.pairs.iter().filter(|pair| pair.first_s.is_none());
+        untouched.map(|pair| pair.name.as_str()).collect()
+    }
+
+    /// Whether a contact of this name is a point of a pair.
+    pub(super) fn has_point(&self, index: usize) -> bool {
+        self.criteria.pairs.iter().any(|pair| pair.points.contains(&index))
+    }
+
+    /// The answer in one sentence: fate and time, forces, friction, slip and margin, or the reason.
+    pub fn answer(&self) -> String {
+        let found = &self.criteria;
+        let ms = |time_s: Option<f64>| format!("{} ms", format_number(time_s.unwrap_or_default() * 1e3, 4));
+        match found.fate {
+            Fate::Held => {
+                let parts = [
+                    Some(self.presses()),
+                    found.friction_used().map(|used| format!("friction used {} %", percent(used))),
+                    found.slip.map(|slip| format!("slips {}", distance(slip.displacement_m))),
+                    found
+                        .creep_m_s
+                        .filter(|creep| *creep > MIN_CREEP_M_S)
+                        .map(|creep| format!("creeps {}/s", distance(creep))),
+                    self.firmness.as_ref().map(|firmness| balances(&firmness.driven)),
+                ];
+                let parts: Vec<String> = parts.into_iter().flatten().collect();
+                format!("held since {}: {}", ms(found.held_since_s), parts.join("; "))
+            }
+            Fate::Carried => {
+                let since_s = found.states.last().map(|(since_s, _)| *since_s);
+                let parts = [Some(self.presses()), self.firmness.as_ref().map(|firmness| balances(&firmness.driven))];
+                let parts: Vec<String> = parts.into_iter().flatten().collect();
+                format!("carried since {} without a grip: {}", ms(since_s), parts.join("; "))
+            }
+            Fate::Placed { until_s } | Fate::Dropped { since_s: until_s } => {
+                format!("{} at {}: {}", found.fate.name(), ms(Some(until_s)), found.reason)
+            }
+            Fate::Escaped { at_s } | Fate::Ejected { at_s } => {
+                format!("{} at {}: {}", found.fate.name(), ms(Some(at_s)), found.reason)
+            }
+            Fate::NotGrasped => format!("not grasped: {}", found.reason),
+        }
+    }
+
+    /// The pairs of the hand that press at the end, with their forces.
+    fn presses(&self) -> String {
+        let pressing = self.criteria.pairs.iter().filter(|pair| pair.is_hand && pair.active_since_s.is_some());
+        let pressing: Vec<&PairCriteria> = pressing.collect();
+        let outline = |pair: &PairCriteria| {
+            let other = pair.name.split('/').next().unwrap_or_default();
+            other.rsplit('.').next().unwrap_or_default().to_string()
+        };
+        let first = pressing.first().map(|pair| outline(pair));
+        let is_same = pressing.iter().all(|pair| Some(outline(pair)) == first);
+        let word = first.filter(|_| is_same).unwrap_or_else(|| "contact".to_string());
+        let forces: Vec<String> =
+            pressing.iter().map(|pair| format!("{} N", format_number(pair.normal_n, 3))).collect();
+        let forces = match &forces[..] {
+            [] => return "nothing presses".to_string(),
+            [force] => return format!("1 {word} presses with {force}"),
+            [first @ .., last] => format!("{} and {last}", first.join(", ")),
+        };
+        format!("{} {word}s press with {forces}", pressing.len())
+    }
+
+    /// The answer and its notes.
+    pub fn heading(&self) -> String {
+        let mut lines = vec![self.answer()];
+        let blocked = self.firmness.as_ref().filter(|firmness| firmness.blocked != firmness.driven);
+        lines.extend(blocked.map(|firmness| format!("with blocked actuators it {}", balances(&firmness.blocked))));
+        if !self.criteria.assumed_hand.is_empty() {
+            let names = self.criteria.assumed_hand.join(", ");
+            let (counts, it) = if self.criteria.assumed_hand.len() == 1 { ("counts", "it") } else { ("count", "them") };
+            lines.push(format!(
+                "note: {names} {counts} as part of the hand; list {it} under [grasp] surroundings if the object only lies there"
+            ));
+        }
+        lines.join("\n") + "\n"
+    }
+
+    /// Table of the pairs that touched, and one line of those that did not.
+    pub fn pairs(&self, contacts: Option<&Contacts>) -> Report {
+        let of_points = |pair: &PairCriteria, of: &dyn Fn(&ContactReport) -> Option<f64>| -> Vec<f64> {
+            let points = pair.points.iter().filter_map(|index| contacts?.all.0.get(*index));
+            points.filter_map(|(_, contact)| of(contact)).collect()
+        };
+        let depth_m = |pair: &PairCriteria| {
+            let depths = of_points(pair, &|contact| match contact {
+                ContactReport::Surface(surface) => surface.max_penetration_m,
+                ContactReport::Limit(_) => None,
+            });
+            depths.into_iter().reduce(f64::max)
+        };
+        let impulse = |pair: &PairCriteria| {
+            let impulses = of_points(pair, &|contact| match contact {
+                ContactReport::Surface(surface) => Some(surface.impulse_n_s),
+                ContactReport::Limit(_) => None,
+            });
+            impulses.into_iter().sum::<f64>()
+        };
+        let force = |force_n: f64| resolved(force_n, Dimension::Force, 1.0, 4);
+        let centre = |[x, y]: [f64; 2]| {
+            let [x, y] = [x, y].map(|part| resolved(part, Dimension::Length, 1e3, 4));
+            format!("({x}, {y})")
+        };
+        let mut text = Report::default();
+        if self.touched().next().is_some() {
+            text.push(table_of(
+                self.touched(),
+                &[
+                    ("pair", &|pair| pair.name.clone()),
+                    ("", &|pair| if pair.is_hand { "hand" } else { "surroundings" }.to_string()),
+                    ("first, ms", &|pair| milliseconds(pair.first_s)),
+                    ("normal, N", &|pair| force(pair.normal_n)),
+                    ("friction, N", &|pair| force(pair.friction_n)),
+                    ("used, %", &|pair| or_dash(pair.friction_used, percent)),
+                    ("at, mm", &|pair| or_dash(pair.pressure_centre_m, centre)),
+                    ("depth, µm", &|pair| or_dash(depth_m(pair), |depth_m| format_number(depth_m * 1e6, 4))),
+                    ("impulse, mN·s", &|pair| format_number(impulse(pair) * 1e3, 4)),
+                    ("lost", &|pair| pair.times_lost.to_string()),
+                ],
+            ));
+        }
+        let untouched = self.untouched();
+        text.push((!untouched.is_empty()).then(|| format!("never touched: {}\n", untouched.join(", "))));
+        text
+    }
+
+    /// Table of the actuators.
+    pub fn actuators(&self) -> Option<Report> {
+        let all = &self.criteria.actuators;
+        all.first()?;
+        let unit = |actuator: &ActuatorCriteria, [linear, angular]: [&str; 2]| {
+            if actuator.is_linear { linear.to_string() } else { angular.to_string() }
+        };
+        Some(table_of(
+            all,
+            &[
+                ("actuator", &|actuator| actuator.name.clone()),
+                ("largest effort", &|actuator| {
+                    format!("{} {}", format_number(actuator.largest_effort, 4), unit(actuator, ["N", "N·m"]))
+                }),
+                ("rate", &|actuator| {
+                    format!("{} {}", format_number(actuator.largest_rate, 4), unit(actuator, ["m/s", "rad/s"]))
+                }),
+                ("power, W", &|actuator| format_number(actuator.largest_power_w, 4)),
+                ("energy, mJ", &|actuator| format_number(actuator.energy_j * 1e3, 4)),
+                ("saturated", &|actuator| if actuator.saturated { "yes" } else { "no" }.to_string()),
+            ],
+        ))
+    }
+}
+
+/// A fraction in percent.
+fn percent(fraction: f64) -> String {
+    format_number(fraction * 100.0, 2)
+}
+
+/// A length in the unit that suits it.
+fn distance(length_m: f64) -> String {
+    match length_m {
+        length_m if length_m < 1e-9 => "0 µm".to_string(),
+        length_m if length_m < 1e-3 => format!("{} µm", format_number(length_m * 1e6, 2)),
+        length_m => format!("{} mm", format_number(length_m * 1e3, 3)),
+    }
+}
+
+/// Describes a margin.
+fn balances(margin: &Margin) -> String {
+    match margin {
+        Margin::Any => "balances any acceleration".to_string(),
+        Margin::Limited { acceleration_m_s2, directions_rad } => {
+            let directions: Vec<String> =
+                directions_rad.iter().map(|angle| format!("{:.0}", angle * DEGREES)).collect();
+            let several = if directions.len() > 1 { "directions" } else { "direction" };
+            let size = format_number(acceleration_m_s2 / G_M_S2, 2);
+            format!("balances {size} g in the worst {several} ({} deg)", directions.join(", "))
+        }
+        Margin::NotAtRest { remainder } => {
+            format!("is not at rest at the end: {} % of the largest load are not balanced", percent(*remainder))
+        }
+        Margin::Undecided { reason } => format!("has an undecided margin: {reason}"),
+    }
+}
+
+/// JSON of a margin: the acceleration is the text `any` without a limit, and null where there is none.
+fn margin(found: &Margin) -> Object<'_> {
+    match found {
+        Margin::Any => Object::default().with("acceleration_m_s2", "any"),
+        Margin::Limited { acceleration_m_s2, directions_rad } => {
+            Object::default().with("acceleration_m_s2", acceleration_m_s2).with("directions_rad", directions_rad)
+        }
+        Margin::NotAtRest { remainder } => {
+            Object::default().with("acceleration_m_s2", None::<f64>).with("unbalanced", remainder)
+        }
+        Margin::Undecided { reason } => Object::default().with("acceleration_m_s2", None::<f64>).with("reason", reason),
+    }
+}
+
+impl Serialize for ObjectReport {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let found = &self.criteria;
+        let pairs: Named<_> = found.pairs.iter().map(|pair| (pair.name.clone(), pair)).collect();
+        let actuators: Named<_> = found.actuators.iter().map(|one| (one.name.clone(), one)).collect();
+        let firmness = self.firmness.as_ref();
+        let margins = firmness.map(|found| {
+            Object::default().with("driven", margin(&found.driven)).with("blocked", margin(&found.blocked))
+        });
+        let states: Vec<(f64, &str)> = found.states.iter().map(|(time_s, state)| (*time_s, state.name())).collect();
+        Object::default()
+            // `held`, `carried`, `placed`, `dropped`, `escaped` or `not grasped`.
+            .with("fate", found.fate.name())
+            .with("fate_reason", &found.reason)
+            .with("answer", self.answer())
+            .with("object", &found.object)
+            .with("base", &found.base)
+            .with("assumed_hand", &found.assumed_hand)
+            // Changes of the state, each with its time.
+            .with("states", states)
+            .with("grasped_s", found.grasped_s)
+            .with("held_since_s", found.held_since_s)
+            .with("tts_s", found.tts_s)
+            .with("until_s", found.until_s)
+            .with("escaped_s", found.escaped_s)
+            .with("contacts_lost", found.contacts_lost())
+            .with("slip", found.slip)
+            .with("creep_m_s", found.creep_m_s)
+            .with("grip_n", found.grip_n())
+            .with("friction_used", found.friction_used())
+            .with("margin", margins)
+            .with("form_closed", firmness.and_then(|found| found.form_closed))
+            .with("q1", firmness.map(|found| found.q1))
+            .with("pairs", pairs)
+            .with("never_touched", self.untouched())
+            .with("actuators", actuators)
+            .serialize(serializer)
+    }
+}
