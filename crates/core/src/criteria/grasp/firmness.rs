@@ -58,7 +58,7 @@ pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
     let states = in_sample(mechanism, sample).bodies.into_iter();
     let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
     let contacts = contacts(mechanism, &grasp, sample);
-    let at_rest: Vec<ContactAtRest> = contacts.iter().map(|contact| contact.at_rest.clone()).collect();
+    let at_rest: Vec<ContactAtRest> = contacts.iter().map(|contact| contact.at_rest).collect();
     let of_object: Vec<FrictionContact> = contacts.iter().filter_map(|contact| contact.of_object).collect();
     let roles = roles(mechanism, grasp.object, grasp.base, at_rest.iter().map(|contact| contact.bodies));
     let posture = |drives| MechanismAtRest {
