@@ -133,13 +133,17 @@ pub(crate) struct Controller {
     last_rejection: (f64, f64),
 }
 
+/// Safety factor of the proposed step: that of Hairer's RADAU5 and RODAS.
 const SAFETY: f64 = 0.9;
+/// Largest growth of a step: FACR = 1/8 of RADAU5.
 const MAX_GROWTH: f64 = 8.0;
+/// Largest reduction of a step: between FACL = 1/5 of RADAU5 and 1/10 of other codes. It acts only after failed attempts.
 const MAX_REDUCTION: f64 = 0.15;
 /// Number of rejected attempts after which their errors give the order. In a stiff transient the error hardly depends on
 /// the step size, so that the order of the method would suggest dozens of attempts.
 const REJECTIONS_WITH_NOMINAL_ORDER: u32 = 2;
-/// Smallest order that is assumed, and largest reduction by this order.
+/// Smallest order that is assumed, and largest reduction by this order. They bound a division by a measured slope, and are
+/// not tuned.
 const MIN_ORDER: f64 = 0.5;
 const MAX_REPEATED_REDUCTION: f64 = 0.1;
 

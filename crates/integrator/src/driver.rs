@@ -666,7 +666,7 @@ impl<L: Layout> InsideMemory<L> {
             interpolated: State::zero(layout),
             resolved: Attempt::new(layout),
             refinement: Refinement::new(layout),
-            refined: Vec::with_capacity(MAX_REFINED_STATES),
+            refined: (0..MAX_REFINED_STATES).map(|_| (0.0, State::zero(layout))).collect(),
             refined_count: 0,
         }
     }
@@ -732,11 +732,7 @@ impl<Y: Hybrid, K: Method<Y::Layout>> StepTools<Y::Layout> for StepEvaluator<'_,
             self.memory.refinement.state.copy_from(&self.memory.interpolated);
         }
         let InsideMemory { refinement: Refinement { state, .. }, refined, refined_count, .. } = &mut *self.memory;
-        if *refined_count < MAX_REFINED_STATES {
-            if *refined_count == refined.len() {
-                refined.push((theta, state.clone()));
-            }
-            let (at, refined) = &mut refined[*refined_count];
+        if let Some((at, refined)) = refined.get_mut(*refined_count) {
             *at = theta;
             refined.copy_from(state);
             *refined_count += 1;

@@ -9,6 +9,8 @@ use super::method::{Attempt, Method, StepStart};
 use super::{Dense, Linearised, Rates, State, System};
 use crate::numeric::elementary::{cbrt, powi};
 
+/// Largest number of iterations of Newton's method. RADAU5 allows 7 with a looser criterion; here the iteration goes on to
+/// [`NEWTON_TOLERANCE`].
 const MAX_NEWTON: usize = 12;
 
 /// Abscissae and Runge–Kutta matrix of Radau IIA of order 5; the last row of the matrix contains the weights.
@@ -318,7 +320,8 @@ impl<L: Layout> Radau5<L> {
     }
 }
 
-/// The Newton iteration ends when its remaining error is this part of the tolerance, or at the level of rounding.
+/// The Newton iteration ends when its remaining error is this part of the tolerance, or at the level of rounding. RADAU5 stops
+/// at 3e-2 at most; a contact force is a large multiple of a small depth or rate.
 const NEWTON_TOLERANCE: f64 = 1e-5;
 
 impl<L: Layout> Method<L> for Radau5<L> {

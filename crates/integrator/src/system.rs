@@ -169,7 +169,6 @@ pub struct EventSet<L: Layout> {
     /// Memory of error weights; the first `weight_count` are in use, in ascending order of their event functions.
     weights: Vec<ErrorWeight<L>>,
     weight_count: usize,
-    layout: L,
     /// Not negative while the equations are valid.
     pub clearance: f64,
     pub clearance_rate: f64,
@@ -180,9 +179,14 @@ impl<L: Layout> EventSet<L> {
     pub fn new(layout: L, count: usize) -> Self {
         Self {
             functions: vec![EventFunction::INACTIVE; count],
-            weights: Vec::new(),
+            weights: (0..count)
+                .map(|index| ErrorWeight {
+                    index,
+                    quantity: WeightedQuantity::Slip { slip_scale: 0.0, normal_force: 0.0 },
+                    row: layout.vector(0.0),
+                })
+                .collect(),
             weight_count: 0,
-            layout,
             clearance: f64::INFINITY,
             clearance_rate: 0.0,
         }
@@ -196,14 +200,11 @@ impl<L: Layout> EventSet<L> {
         (self.clearance, self.clearance_rate) = (f64::INFINITY, 0.0);
     }
 
-    /// Adds the error weight of an event function, and returns its row, which the caller fills. Weights may be added in any
-    /// order.
+    /// Adds the error weight of an event function, at most one for each, and returns its row, which the caller fills. Weights
+    /// may be added in any order.
     #[inline(always)]
     pub fn add_weight(&mut self, index: usize, quantity: WeightedQuantity) -> &mut VectorOf<L> {
         let count = self.weight_count;
-        if count == self.weights.len() {
-            self.weights.push(ErrorWeight { index, quantity, row: self.layout.vector(0.0) });
-        }
         (self.weights[count].index, self.weights[count].quantity) = (index, quantity);
         let place =
             self.weights[..count].iter().rposition(|before| before.index < index).map_or(0, |before| before + 1);

@@ -6,9 +6,10 @@
 //! twice the derivative of the rates by the coordinates.
 
 use super::actuator::{BrakeEffort, Effort, brake_effort, effort};
+use super::contacts::{Contact, Surfaces};
 use super::factor::Factor;
 use super::group::{Element, PlacedGroup};
-use super::model::{Contact, MechanismMode, MechanismModel, Span, Surfaces};
+use super::model::{MechanismMode, MechanismModel, Span};
 use super::motion::{LANES, Lanes, Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;

@@ -3,8 +3,9 @@
 
 use super::actuator::{Ranges, margin, margin_tolerance, range, range_after};
 use super::cable::Cable;
+use super::contacts::Surfaces;
 use super::dyad::PivotLine;
-use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::model::{MechanismMode, MechanismModel, Scratch};
 use super::motion::Motions;
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use crate::analytic::ContactState;
@@ -537,13 +538,16 @@ impl Hybrid for MechanismModel {
     /// and rates, which are continuous.
     fn pass_discontinuity(&self, t: f64, q: &Vec<f64>, v: &Vec<f64>, mode: &mut MechanismMode) {
         self.count_turns_as(mode);
-        let (ranges, last_s) = (self.ranges(t, (q, v)), mode.times_s[1]);
+        let last_s = mode.times_s[1];
         mode.times_s = self.times_around(t);
-        for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
-            if actuator.command.profile().next_discontinuity(last_s) <= t {
-                mode.ranges.0[index] = ranges.0[index];
+        self.with_motions((q, v), |motions| {
+            for (range_of, actuator) in mode.ranges.0.iter_mut().zip(&self.mechanism.actuators) {
+                if actuator.command.profile().next_discontinuity(last_s) <= t {
+                    let motion = motions.combination(&actuator.on);
+                    *range_of = range(actuator, t, motion.coordinate, motion.rate);
+                }
             }
-        }
+        });
     }
 
     fn restart_step(&self, event: usize, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode) -> Option<f64> {
@@ -551,11 +555,17 @@ impl Hybrid for MechanismModel {
         if event >= 3 * count || mode[event % count] != ContactState::Active {
             return None;
         }
-        let ContactVariables { law, rate, normal_row, .. } =
-            self.variables_at((q, v), event % count, mode.features[event % count]);
-        let mut response = normal_row.clone();
-        self.with_factors((q, v), |_, factors| self.solve(factors, &mut response));
-        let mobility = row_dot(&normal_row, &response);
+        let index = event % count;
+        let Scratch { row, response, .. } = &mut *self.scratch.borrow_mut();
+        let law = &self.contacts[index].normal;
+        let rate = self.with_columns((q, v), |motions| {
+            let contact = self.contact_variables(motions, v, index, mode.features[index]);
+            contact.normal_row.write(row);
+            contact.rate
+        });
+        response.copy_from_slice(row);
+        self.with_factors((q, v), |_, factors| self.solve(factors, response));
+        let mobility = row_dot(row, response);
         (mobility > 0.0).then(|| first_impact_step(law, rate.abs(), 1.0 / mobility))
     }
 

@@ -1,7 +1,8 @@
 //! Bounds of the gaps of contacts, limits and cables over a part of a step, from those of bodies and joints.
 
 use super::bounds::{Coordinates, MechanismBounds, length};
-use super::model::{MechanismModel, Surfaces};
+use super::contacts::Surfaces;
+use super::model::MechanismModel;
 use super::motion::Motions;
 use super::nearest::PointOnFace;
 use crate::analytic::motion_bound::{RateBound, nothing_known};

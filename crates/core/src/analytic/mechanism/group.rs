@@ -204,15 +204,13 @@ impl PlacedGroup {
         }
     }
 
-    /// Evaluates poses and rates of all bodies and joints of the group at the coordinates `q` and rates `v` of the group.
-    pub fn evaluate(&self, mechanism: &Mechanism, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>) {
-        self.place(mechanism, q, motions);
-        self.propagate(mechanism, (q.first().copied().unwrap_or_default(), v), motions, Part::Rates);
-    }
-
-    /// Evaluates derivatives by the coordinates and bias accelerations in a state, after [`PlacedGroup::evaluate`].
-    pub fn evaluate_derivatives(&self, mechanism: &Mechanism, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>) {
-        self.propagate(mechanism, (q.first().copied().unwrap_or_default(), v), motions, Part::Derivatives);
+    /// Evaluates a part of the motions of all bodies and joints of the group at the coordinates `q` and rates `v` of the group.
+    /// Derivatives alone are those of a state whose poses and rates are evaluated.
+    pub fn evaluate(&self, mechanism: &Mechanism, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>, part: Part) {
+        if part.has_rates() {
+            self.place(mechanism, q, motions);
+        }
+        self.propagate(mechanism, (q.first().copied().unwrap_or_default(), v), motions, part);
     }
 
     /// Evaluates the motions with derivatives by the coordinates of the group from `chunk` times [`LANES`] on, from the motions

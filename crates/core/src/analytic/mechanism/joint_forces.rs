@@ -3,7 +3,8 @@
 //! A revolute joint transmits a force, a prismatic joint a force across its axis and a moment; a coupling adds one
 //! unknown. Without redundant constraints, the 3 equations of every body determine all of them.
 
-use super::model::{MechanismMode, MechanismModel, Span, Surfaces};
+use super::contacts::Surfaces;
+use super::model::{MechanismMode, MechanismModel, Span};
 use super::motion::Motions;
 use super::nearest::PointOnFace;
 use super::pairs;

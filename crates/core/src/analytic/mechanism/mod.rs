@@ -6,6 +6,7 @@ mod actuator;
 mod bounds;
 mod cable;
 mod conditioning;
+mod contacts;
 mod dyad;
 mod dynamics;
 mod events;

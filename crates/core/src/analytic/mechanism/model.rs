@@ -6,18 +6,19 @@ use super::actuator::{Ranges, range};
 use super::bounds::MechanismBounds;
 use super::cable::Cable;
 use super::conditioning::conditioned_groups;
+use super::contacts::{Bristles, Contact, contacts};
 use super::factor::Factor;
 use super::free::{FreeBody, center_frame, free_body, is_round};
 use super::group::{PlacedGroup, start_of};
-use super::motion::{LANES, Lanes, Motions, Support};
-use super::nearest::{Face, Feature, PointOnFace};
+use super::motion::{LANES, Lanes, Motions, Part, Support};
+use super::nearest::Feature;
 use super::palm_frame::{exchange_ground, palm_of_frame};
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactMode, EventTolerances, Mode, StateRef};
 use crate::integrator::{Dynamic, Layout, Linearised, State};
-use crate::law::{Bristle, FrictionLaw, NormalLaw};
+use crate::law::Bristle;
 use crate::mechanism::structure::{Group, StructureError, find_groups};
-use crate::mechanism::{Actuator, Body, Limit, Mechanism, Pose, SpringKind};
+use crate::mechanism::{Actuator, Body, Mechanism, Pose, SpringKind};
 use crate::numeric::plane::scale_by;
 use crate::scene::{PalmMotion, Profile};
 use std::borrow::Cow;
@@ -25,38 +26,6 @@ use std::ops::Index;
 
 /// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
 const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-7, force: 1e-8 };
-
-/// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint.
-#[derive(Clone, Debug)]
-pub(super) enum Surfaces {
-    Point(PointOnFace),
-    Limit(Limit),
-    /// A cable with a spring or a damper, by its index: the depth is its elongation.
-    Tendon(usize),
-    /// Friction of a joint, by its index, under a normal force of 1.
-    Friction(usize),
-}
-
-#[derive(Clone, Debug)]
-pub(super) struct Contact {
-    pub surfaces: Surfaces,
-    pub normal: NormalLaw,
-    pub friction: Option<FrictionLaw>,
-    /// Rolling resistance of a contact between surfaces.
-    pub rolling: Option<FrictionLaw>,
-    /// Index of the contact's bristle state among the rates, if the contact has a bristle.
-    pub bristle: Option<usize>,
-    /// See [`ContactPair::is_reported_on_face`](crate::mechanism::ContactPair::is_reported_on_face).
-    pub is_reported_on_face: bool,
-}
-
-impl Contact {
-    /// A contact without friction.
-    fn frictionless(surfaces: Surfaces, normal: NormalLaw) -> Self {
-        let (friction, rolling, bristle, is_reported_on_face) = (None, None, None, false);
-        Self { surfaces, normal, friction, rolling, bristle, is_reported_on_face }
-    }
-}
 
 /// Branches of the contact laws, the features of the faces, and the ranges of the actuators; and the times for which it is
 /// valid.
@@ -135,8 +104,10 @@ struct Workspace {
 /// Memory of evaluations within a state.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
-    /// Derivative of the length of a cable by the coordinates.
+    /// Derivative of the length of a cable, or of a gap, by the coordinates.
     pub row: Vec<f64>,
+    /// Accelerations per unit of a normal force.
+    pub response: Vec<f64>,
     /// Its second derivatives, in the place of those of loads; without cables it has no entries.
     pub second: Linearised<Dynamic>,
 }
@@ -236,27 +207,24 @@ fn has_bits_of(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).fold(0, |difference, (a, b)| difference | (a.to_bits() ^ b.to_bits())) == 0
 }
 
-/// Joints with friction, with their laws.
-fn joint_frictions(mechanism: &Mechanism) -> impl Iterator<Item = (usize, FrictionLaw)> {
-    mechanism.joints.iter().enumerate().filter_map(|(index, joint)| Some((index, joint.friction?)))
-}
-
-/// Tendons with a spring or a damper, with their laws.
-fn elastic_tendons(mechanism: &Mechanism) -> impl Iterator<Item = (usize, NormalLaw)> {
-    mechanism.tendons.iter().enumerate().filter_map(|(index, tendon)| Some((index, tendon.law()?)))
-}
-
-/// Bristles of contacts and brakes in the order of their states: those of contacts first, then of actuators.
-fn bristles_of_brakes(mechanism: &Mechanism) -> impl Iterator<Item = Option<Bristle>> + '_ {
-    mechanism.actuators.iter().map(|actuator| actuator.brake.and_then(|brake| brake.bristle))
-}
-
 /// Whether an event of an actuator depends on time.
 fn depends_on_time(mechanism: &Mechanism) -> bool {
     mechanism.actuators.iter().any(|actuator| {
         let is_constant = actuator.command.profile().next_discontinuity(f64::NEG_INFINITY).is_infinite();
         !is_constant && (actuator.limit.is_some() || actuator.no_load_speed.is_some())
     })
+}
+
+/// Sets the poses of all bodies at the start, which those that do not move or rotate keep, and removes inertia without effect.
+fn fix_bodies(mechanism: &mut Mechanism, poses: &[Pose]) {
+    for (body, pose) in mechanism.bodies.iter_mut().zip(poses) {
+        if body.motion.is_none() {
+            body.pose = *pose;
+        }
+        let [moves, _, rotates] = body.moves_by_forces();
+        body.mass_kg *= f64::from(moves);
+        body.inertia_kg_m2 = if rotates { body.inertia_kg_m2 } else { 0.0 };
+    }
 }
 
 impl MechanismModel {
@@ -303,72 +271,25 @@ impl MechanismModel {
         let prescribed = groups.iter().position(PlacedGroup::has_prescribed);
         let group_of = |body| groups.iter().position(|placed| placed.group.bodies.contains(&body));
         let group_of: Vec<Option<usize>> = (0..mechanism.bodies.len()).map(group_of).collect();
-        let mut next = first;
-        let mut bristles = Vec::new();
-        let mut add_bristle = |bristle: Option<Bristle>| {
-            bristles.push((next, bristle?));
-            next += 1;
-            Some(next - 1)
-        };
-        let mut contacts = Vec::new();
-        for point in mechanism.point_contacts() {
-            let pair = &mechanism.contacts[point.pair];
-            let bristle = add_bristle(pair.law.bristle());
-            let surfaces = Surfaces::Point(PointOnFace {
-                bodies: [point.body, pair.face.body],
-                point: point.point,
-                face: Face::new(&mechanism.outline(pair.face).shape),
-                force_point: pair.force_point,
-            });
-            contacts.push(Contact {
-                surfaces,
-                normal: pair.law.normal,
-                friction: pair.law.friction,
-                rolling: pair.rolling,
-                bristle,
-                is_reported_on_face: pair.is_reported_on_face,
-            });
-        }
-        let limits = mechanism.limits().into_iter();
-        contacts.extend(limits.map(|limit| Contact::frictionless(Surfaces::Limit(limit), limit.law)));
+        let mut bristles = Bristles::after(first);
         let mut cables: Vec<Cable> = mechanism.tendons.iter().map(Cable::new).collect();
-        for (index, normal) in elastic_tendons(&mechanism) {
-            cables[index].contact = Some(contacts.len());
-            contacts.push(Contact::frictionless(Surfaces::Tendon(index), normal));
-        }
-        for (joint, law) in joint_frictions(&mechanism) {
-            let (surfaces, normal) = (Surfaces::Friction(joint), NormalLaw::constant_force(1.0));
-            let bristle = add_bristle(law.bristle);
-            let contact = Contact::frictionless(surfaces, normal);
-            contacts.push(Contact { friction: Some(law), bristle, ..contact });
-        }
-        let brake_bristles = bristles_of_brakes(&mechanism).map(add_bristle).collect();
+        let contacts = contacts(&mechanism, &mut cables, &mut bristles);
+        let brakes = mechanism.actuators.iter().map(|actuator| actuator.brake.and_then(|brake| brake.bristle));
+        let brake_bristles = brakes.map(|bristle| bristles.add(bristle)).collect();
+        let next = bristles.next();
         let time_index = prescribed.map(|group: usize| groups[group].first);
         let clock_index = (time_index.is_none() && depends_on_time(&mechanism)).then_some(next);
         let palm = mechanism.palm().map(|(body, _)| body).filter(|_| world.is_none());
         let moves_by_forces = mechanism.bodies.iter().map(Body::moves_by_forces).collect();
-        for (body, pose) in mechanism.bodies.iter_mut().zip(poses) {
-            if body.motion.is_none() {
-                body.pose = *pose;
-            }
-            // These have no effect.
-            let [moves, _, rotates] = body.moves_by_forces();
-            body.mass_kg *= f64::from(moves);
-            body.inertia_kg_m2 = if rotates { body.inertia_kg_m2 } else { 0.0 };
-        }
+        fix_bodies(&mut mechanism, poses);
         let coordinate_count = next + usize::from(clock_index.is_some());
         // A new input of an actuator can depend on time.
         let may_have_clock = time_index.is_none() && !mechanism.actuators.is_empty();
         let layout = Dynamic { coordinates: next + usize::from(may_have_clock), quadratures: contacts.len() + 2 };
         let workspace = Workspace::new(&mechanism, &groups, layout);
-        let scratch = Scratch {
-            row: layout.vector(0.0),
-            second: Linearised::zero(if cables.is_empty() {
-                Dynamic { coordinates: 0, quadratures: 0 }
-            } else {
-                layout
-            }),
-        };
+        let of_cables = if cables.is_empty() { Dynamic { coordinates: 0, quadratures: 0 } } else { layout };
+        let scratch =
+            Scratch { row: layout.vector(0.0), response: layout.vector(0.0), second: Linearised::zero(of_cables) };
         let event_tolerances = if mechanism.joints.is_empty() { EventTolerances::COLLISION } else { EVENT_TOLERANCES };
         Ok(Self {
             mechanism,
@@ -380,7 +301,7 @@ impl MechanismModel {
             dyad_of,
             contacts,
             cables,
-            bristles,
+            bristles: bristles.into_states(),
             brake_bristles,
             time_index,
             clock_index,
@@ -626,7 +547,7 @@ impl MechanismModel {
         let Workspace { q, v, motions, is_evaluated, .. } = workspace;
         if !std::mem::replace(&mut is_evaluated[index], true) {
             let group = &self.groups[index];
-            group.evaluate(&self.mechanism, group.state((q, v)), motions);
+            group.evaluate(&self.mechanism, group.state((q, v)), motions, Part::Rates);
         }
     }
 
@@ -647,11 +568,14 @@ impl MechanismModel {
 
     /// Evaluates the motions of a state with derivatives by the coordinates, unless they are there.
     fn update_derivatives(&self, state: StateRef<'_, Dynamic>, workspace: &mut Workspace) {
-        self.update(state, workspace);
-        if !std::mem::replace(&mut workspace.has_derivatives, true) {
-            for group in &self.groups {
-                group.evaluate_derivatives(&self.mechanism, group.state((state.0, state.1)), &mut workspace.motions);
-            }
+        self.enter(state, workspace);
+        if std::mem::replace(&mut workspace.has_derivatives, true) {
+            return;
+        }
+        let Workspace { q, v, motions, is_evaluated, .. } = workspace;
+        for (group, is_evaluated) in self.groups.iter().zip(is_evaluated) {
+            let part = if std::mem::replace(is_evaluated, true) { Part::Derivatives } else { Part::All };
+            group.evaluate(&self.mechanism, group.state((q, v)), motions, part);
         }
     }
 

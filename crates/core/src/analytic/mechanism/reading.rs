@@ -1,7 +1,8 @@
 //! Readings of a state: poses, joints, actuators, contacts and energies.
 
 use super::actuator::effort;
-use super::model::{MechanismMode, MechanismModel, Surfaces};
+use super::contacts::Surfaces;
+use super::model::{MechanismMode, MechanismModel};
 use super::motion::Motions;
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactReading, Energies, Geometry, StateRef, normal_force_on_branch, row_dot};

@@ -4,8 +4,9 @@
 //! that of the straight segments between the centres of the path elements.
 
 use super::cable::{Cable, Tension};
+use super::contacts::{Contact, Surfaces};
 use super::dynamics::{Chunk, Sums};
-use super::model::{Contact, MechanismMode, MechanismModel, Scratch, Surfaces};
+use super::model::{MechanismMode, MechanismModel, Scratch};
 use super::motion::{LANES, Lanes, Motions, pair};
 use super::nearest::{Frame, POSES};
 use crate::analytic::contact::{StateRef, WithDerivatives, row_dot};

@@ -1,0 +1,112 @@
+//! Contacts of a mechanism: between surfaces, with the limits of joints, along tendons, and the friction of joints.
+
+use super::cable::Cable;
+use super::nearest::{Face, PointOnFace};
+use crate::law::{Bristle, FrictionLaw, NormalLaw};
+use crate::mechanism::{Limit, Mechanism};
+
+/// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint.
+#[derive(Clone, Debug)]
+pub(super) enum Surfaces {
+    Point(PointOnFace),
+    Limit(Limit),
+    /// A cable with a spring or a damper, by its index: the depth is its elongation.
+    Tendon(usize),
+    /// Friction of a joint, by its index, under a normal force of 1.
+    Friction(usize),
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Contact {
+    pub surfaces: Surfaces,
+    pub normal: NormalLaw,
+    pub friction: Option<FrictionLaw>,
+    /// Rolling resistance of a contact between surfaces.
+    pub rolling: Option<FrictionLaw>,
+    /// Index of the contact's bristle state among the rates, if the contact has a bristle.
+    pub bristle: Option<usize>,
+    /// See [`ContactPair::is_reported_on_face`](crate::mechanism::ContactPair::is_reported_on_face).
+    pub is_reported_on_face: bool,
+}
+
+impl Contact {
+    /// A contact without friction.
+    fn frictionless(surfaces: Surfaces, normal: NormalLaw) -> Self {
+        let (friction, rolling, bristle, is_reported_on_face) = (None, None, None, false);
+        Self { surfaces, normal, friction, rolling, bristle, is_reported_on_face }
+    }
+}
+
+/// States of bristles among the rates, in the order in which they are added.
+pub(super) struct Bristles {
+    first: usize,
+    states: Vec<(usize, Bristle)>,
+}
+
+impl Bristles {
+    /// No states yet; the first one will have this index among the rates.
+    pub fn after(first: usize) -> Self {
+        Self { first, states: Vec::new() }
+    }
+
+    /// Index after the last state.
+    pub fn next(&self) -> usize {
+        self.first + self.states.len()
+    }
+
+    /// Adds the state of a bristle and returns its index.
+    pub fn add(&mut self, bristle: Option<Bristle>) -> Option<usize> {
+        let index = self.next();
+        self.states.push((index, bristle?));
+        Some(index)
+    }
+
+    /// All bristles with the indices of their states.
+    pub fn into_states(self) -> Vec<(usize, Bristle)> {
+        self.states
+    }
+}
+
+/// All contacts in the order of [`Mechanism::point_contacts`], of [`Mechanism::limits`], of the tendons, then of friction in
+/// joints. Adds the states of their bristles, and the contacts of elastic cables to these.
+pub(super) fn contacts(mechanism: &Mechanism, cables: &mut [Cable], bristles: &mut Bristles) -> Vec<Contact> {
+    let mut contacts = Vec::new();
+    for point in mechanism.point_contacts() {
+        let pair = &mechanism.contacts[point.pair];
+        let surfaces = Surfaces::Point(PointOnFace {
+            bodies: [point.body, pair.face.body],
+            point: point.point,
+            face: Face::new(&mechanism.outline(pair.face).shape),
+            force_point: pair.force_point,
+        });
+        contacts.push(Contact {
+            surfaces,
+            normal: pair.law.normal,
+            friction: pair.law.friction,
+            rolling: pair.rolling,
+            bristle: bristles.add(pair.law.bristle()),
+            is_reported_on_face: pair.is_reported_on_face,
+        });
+    }
+    let limits = mechanism.limits().into_iter();
+    contacts.extend(limits.map(|limit| Contact::frictionless(Surfaces::Limit(limit), limit.law)));
+    for (index, normal) in elastic_tendons(mechanism) {
+        cables[index].contact = Some(contacts.len());
+        contacts.push(Contact::frictionless(Surfaces::Tendon(index), normal));
+    }
+    for (joint, law) in joint_frictions(mechanism) {
+        let contact = Contact::frictionless(Surfaces::Friction(joint), NormalLaw::constant_force(1.0));
+        contacts.push(Contact { friction: Some(law), bristle: bristles.add(law.bristle), ..contact });
+    }
+    contacts
+}
+
+/// Joints with friction, with their laws.
+fn joint_frictions(mechanism: &Mechanism) -> impl Iterator<Item = (usize, FrictionLaw)> {
+    mechanism.joints.iter().enumerate().filter_map(|(index, joint)| Some((index, joint.friction?)))
+}
+
+/// Tendons with a spring or a damper, with their laws.
+fn elastic_tendons(mechanism: &Mechanism) -> impl Iterator<Item = (usize, NormalLaw)> {
+    mechanism.tendons.iter().enumerate().filter_map(|(index, tendon)| Some((index, tendon.law()?)))
+}
