@@ -234,26 +234,25 @@ pub(crate) fn add_scaled(y: &mut [f64], w: f64, x: &[f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += w * x);
 }
 
-/// y += Σ wⱼ xⱼ, term by term for each entry.
+/// y += Σ wⱼ xⱼ, term by term for each entry, with the vectors xⱼ of these terms.
 #[inline(always)]
-pub(crate) fn add_weighted<const J: usize>(y: &mut [f64], w: &[f64], x: &[&[f64]; J]) {
-    let (n, count) = (y.len(), w.len().min(J));
-    let x = x.map(|x| &x[..n]);
+pub(crate) fn add_weighted<X>(y: &mut [f64], w: &[f64], terms: &[X], x: impl Fn(&X) -> &[f64]) {
+    let n = y.len();
     let mut start = 0;
     // Four sums at a time stay in registers.
     while start + 4 <= n {
         let y = &mut y[start..start + 4];
         let mut sums = [y[0], y[1], y[2], y[3]];
-        for j in 0..count {
-            let (weight, x) = (w[j], &x[j][start..start + 4]);
+        for (weight, term) in w.iter().zip(terms) {
+            let x = &x(term)[start..start + 4];
             (0..4).for_each(|k| sums[k] += weight * x[k]);
         }
         y.copy_from_slice(&sums);
         start += 4;
     }
-    for i in start..n {
-        for j in 0..count {
-            y[i] += w[j] * x[j][i];
+    if start < n {
+        for (weight, term) in w.iter().zip(terms) {
+            add_scaled(&mut y[start..], *weight, &x(term)[start..]);
         }
     }
 }

@@ -46,9 +46,9 @@ fn quadratures<L: Layout>(
     q.as_mut().fill(0.0);
     v.as_mut().fill(0.0);
     z.as_mut().fill(0.0);
-    add_weighted(q.as_mut(), weights, &stages.each_ref().map(|k| k.q.as_ref()));
-    add_weighted(v.as_mut(), weights, &stages.each_ref().map(|k| k.v.as_ref()));
-    add_weighted(z.as_mut(), weights, &stages.each_ref().map(|k| k.z.as_ref()));
+    add_weighted(q.as_mut(), &weights[..], &stages[..], |k| k.q.as_ref());
+    add_weighted(v.as_mut(), &weights[..], &stages[..], |k| k.v.as_ref());
+    add_weighted(z.as_mut(), &weights[..], &stages[..], |k| k.z.as_ref());
     let time_weight: f64 = weights.iter().zip(D).fold(0.0, |sum, (weight, d)| sum + weight * d);
     for m in 0..z.as_ref().len() {
         let by_state = dot(&lin.g_q[m], q.as_ref()) + dot(&lin.g_v[m], v.as_ref());
@@ -97,8 +97,8 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
                 copy(q, &from.q);
                 copy(v, &from.v);
                 let weights = &A[i][..i];
-                add_weighted(&mut q.as_mut()[..m], weights, &k.each_ref().map(|k| k.q.as_ref()));
-                add_weighted(v.as_mut(), weights, &k.each_ref().map(|k| k.v.as_ref()));
+                add_weighted(&mut q.as_mut()[..m], weights, &k[..], |k| k.q.as_ref());
+                add_weighted(v.as_mut(), weights, &k[..], |k| k.v.as_ref());
             } else if i > 5 {
                 add(&mut q.as_mut()[..m], k[i - 1].q.as_ref());
                 add(v.as_mut(), k[i - 1].v.as_ref());
@@ -113,8 +113,8 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
             copy(r_q, v);
             copy(r_v, &rates.a);
             let weights: [f64; STAGES - 1] = array_from(|j| C[i][j] / h);
-            add_weighted(&mut r_q.as_mut()[..m], &weights[..i], &k.each_ref().map(|k| k.q.as_ref()));
-            add_weighted(r_v.as_mut(), &weights[..i], &k.each_ref().map(|k| k.v.as_ref()));
+            add_weighted(&mut r_q.as_mut()[..m], &weights[..i], &k[..], |k| k.q.as_ref());
+            add_weighted(r_v.as_mut(), &weights[..i], &k[..], |k| k.v.as_ref());
             if D[i] != 0.0 {
                 add_scaled(r_v.as_mut(), h * D[i], lin.a_t.as_ref());
             }
@@ -206,8 +206,8 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
             }
             d.q.as_mut().fill(0.0);
             d.v.as_mut().fill(0.0);
-            add_weighted(d.q.as_mut(), &H[i], &self.k.each_ref().map(|k| k.q.as_ref()));
-            add_weighted(d.v.as_mut(), &H[i], &self.k.each_ref().map(|k| k.v.as_ref()));
+            add_weighted(d.q.as_mut(), &H[i], &self.k, |k| k.q.as_ref());
+            add_weighted(d.v.as_mut(), &H[i], &self.k, |k| k.v.as_ref());
         }
     }
 
@@ -215,7 +215,7 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
     fn dense_positions(&self, d: &mut [VectorOf<L>; 3]) {
         for i in 0..3 {
             d[i].as_mut().fill(0.0);
-            add_weighted(d[i].as_mut(), &H[i], &self.k.each_ref().map(|k| k.q.as_ref()));
+            add_weighted(d[i].as_mut(), &H[i], &self.k, |k| k.q.as_ref());
         }
     }
 }

@@ -411,8 +411,9 @@ pub(super) fn move_inner_joint<T: Real>(
     part: Part,
 ) {
     let inner = &mechanism.joints[index];
-    let of = inner_bodies(inner, outer).map(|k| outer[k].body);
-    let [first, second] = of.map(|body| &motions.bodies[body]);
+    let of = inner_bodies(inner, outer);
+    let of = pair(|k| outer[of[k]].body);
+    let [first, second] = pair(|k| &motions.bodies[of[k]]);
     // The motion of the joint from those of both bodies.
     match inner.kind {
         JointKind::Revolute => {
@@ -430,7 +431,7 @@ pub(super) fn move_inner_joint<T: Real>(
                 let turning = first.rate[2].squared() * motions.joints[index].coordinate;
                 motions.joints[index].bias = bias + turning;
             }
-            let across = arms.map(perp);
+            let across = [perp(arms[0]), perp(arms[1])];
             move_by_bodies(of, index, motions, part, |bodies| {
                 let [first, second] = pair(|k| carried(bodies[k], across[k]));
                 let along = |axis: usize| u[axis] * (second[axis] - first[axis]);
@@ -450,13 +451,13 @@ fn move_by_bodies<T: Real>(
     motion: impl Fn([[T; 3]; 2]) -> T,
 ) {
     if part.has_rates() {
-        motions.joints[joint].rate = motion(bodies.map(|body| motions.bodies[body].rate));
+        motions.joints[joint].rate = motion(pair(|k| motions.bodies[bodies[k]].rate));
     }
     if part.has_derivatives() {
         let Motions { body_supports, joint_supports, columns, rows, .. } = motions;
-        let (of_row, of_bodies) = (joint_supports[joint].first, bodies.map(|body| body_supports[body].first));
+        let (of_row, of_bodies) = (joint_supports[joint].first, pair(|k| body_supports[bodies[k]].first));
         for &k in &joint_supports[joint].coordinates {
-            rows[of_row + k] = motion(of_bodies.map(|first| columns[first + k]));
+            rows[of_row + k] = motion(pair(|side| columns[of_bodies[side] + k]));
         }
     }
 }

@@ -7,7 +7,7 @@ use super::dyad::{
 };
 use super::motion::{
     BodyMotion, LANES, Lanes, Motions, Part, Support, carried, carried_bias, column, joint_coordinate, joint_rate,
-    pair, place,
+    pair, place, triple,
 };
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
 use crate::mechanism::{
@@ -479,7 +479,7 @@ fn move_with_joint<T: Real>(
     let (across, by_joint) = (perp(sub(body.origin, base.origin)), column(joint, at, [base, body]));
     let moved = |base: [T; 3], rate: T| {
         let carried = carried(base, across);
-        [0, 1, 2].map(|axis| carried[axis] + by_joint[axis] * rate)
+        triple(|axis| carried[axis] + by_joint[axis] * rate)
     };
     if part.has_rates() {
         let rate = match source {
@@ -530,7 +530,7 @@ fn move_with_joint<T: Real>(
     };
     let carried = carried_bias(joint, at, [base, body], joints[at.joint].rate);
     joints[at.joint].bias = bias;
-    bodies[at.body].bias = [0, 1, 2].map(|axis| carried[axis] + by_joint[axis] * bias);
+    bodies[at.body].bias = triple(|axis| carried[axis] + by_joint[axis] * bias);
 }
 
 /// Coordinates of a group on which the pose of each body, and the coordinate of each joint, depend.
