@@ -70,6 +70,39 @@ fn pairs_that_never_touched_are_named_in_one_line() {
 }
 
 #[test]
+fn an_object_that_leaves_after_its_release_ends_the_run() {
+    let directory = directory("grasp-released");
+    let scene = format!("{}\n[grasp]\nrelease = \"50 ms\"\n", anchor(2));
+    let (path, log) = (write(&directory, "released.toml", &scene), path_in(&directory, "run.mcap"));
+    let run = succeed_json(&["run", &path, "--no-check", "--log", &log]);
+    // The fate is that at the release; the brake opens 10 ms later, and the object falls.
+    let grasp = &run["grasp"];
+    assert_eq!((&grasp["fate"], &grasp["escaped_s"]), (&Value::from("held"), &Value::Null));
+    let left_s = grasp["left_s"].as_f64().expect("a time");
+    assert!((left_s - 0.1619129580902287).abs() < 1e-6, "{left_s}");
+    let text = succeed(&["run", &path, "--no-check"]);
+    assert_contains(
+        &text,
+        &["object: object, base: ground", "the object left the hand at 161.9", "which ends the run"],
+    );
+    let text = succeed(&["replay", &log]);
+    assert_contains(&text, &["held since ", "the object left the hand at 161.9"]);
+    assert_eq!(succeed_json(&["replay", &log])["grasp"], run["grasp"]);
+}
+
+#[test]
+fn a_hand_without_contacts_has_a_reason() {
+    let directory = directory("grasp-nothing");
+    let scene = anchor(0);
+    let (scene, _) = scene.split_once("[[contacts]]").expect("contacts");
+    let path = write(&directory, "without.toml", scene);
+    assert!(!succeed(&["run", &path, "--no-check"]).contains("no grasp"));
+    let path = write(&directory, "section.toml", &format!("{scene}[grasp]\n"));
+    let text = succeed(&["run", &path, "--no-check"]);
+    assert_contains(&text, &["no grasp: there is no contact pair of a hand", "in [[contacts]]"]);
+}
+
+#[test]
 fn several_objects_are_named_instead_of_a_fate() {
     let directory = directory("grasp-objects");
     let scene = anchor(0);

@@ -5,7 +5,7 @@ use phalanx::mechanism::{
     Body, ContactPair, ForcePoint, Joint, JointKind, Mechanism, Outline, OutlineId, OutlineShape,
 };
 use phalanx::scene::{Scene, parse_any};
-use phalanx::statics::{GraspKeys, NoGrasp, default_base, grasp_roles};
+use phalanx::statics::{GraspKeys, NoGrasp, carries, default_base, grasp_roles, roles};
 use serde_json::Value;
 
 fn body(name: &str) -> Body {
@@ -82,7 +82,7 @@ fn the_base_of_role_units_is_the_last_body_that_branches() {
         mechanism.joints = joints.into_iter().map(joint).collect();
         let outline = |body| OutlineId { body, outline: 0 };
         mechanism.contacts = touching.into_iter().map(|body| pair(outline(body), outline(Some(0)))).collect();
-        let base = mechanism.body_name(default_base(&mechanism, 0)).to_string();
+        let base = mechanism.body_name(default_base(&mechanism, 0, &[])).to_string();
         assert_eq!(base, unit["base"].as_str().expect("a name"), "{what}");
     }
 }
@@ -167,7 +167,32 @@ fn keys_choose_object_base_surroundings_and_release() {
     let listed = jaws("[grasp]\nsurroundings = [\"ground.floor\"]\n").grasp_roles().expect("a grasp");
     let surroundings: Vec<_> = listed.pairs.iter().filter(|pair| !pair.is_hand).map(|pair| &pair.name).collect();
     assert_eq!(surroundings, ["ground.floor/cube.skin"]);
-    assert!(listed.assumed_hand.is_empty());
+    // The other outline of the ground still counts as part of the hand, and the note says so.
+    let palms: Vec<_> = listed.pairs.iter().filter(|pair| pair.name.starts_with("ground.palm")).collect();
+    assert_eq!(listed.assumed_hand, palms.iter().map(|pair| pair.other).collect::<Vec<_>>());
+    assert_eq!(listed.assumed_hand.len(), 1);
+    let named = jaws("[grasp]\nbase = \"ground\"\n").grasp_roles().expect("a grasp");
+    assert!(named.assumed_hand.is_empty());
+}
+
+#[test]
+fn listed_outlines_do_not_decide_the_base() {
+    // A palm on a lift with two fingers, and a shelf on a slider of its own.
+    let bodies = ["object", "palm", "left", "right", "shelf"].map(body).to_vec();
+    let joints = [[None, Some(1)], [Some(1), Some(2)], [Some(1), Some(3)], [None, Some(4)]].map(joint).to_vec();
+    let outline = |body: usize| OutlineId { body: Some(body), outline: 0 };
+    let contacts = vec![pair(outline(2), outline(0)), pair(outline(0), outline(3)), pair(outline(0), outline(4))];
+    let mechanism = Mechanism { bodies, joints, contacts, ..Mechanism::default() };
+    assert_eq!(default_base(&mechanism, 0, &[]), None);
+    assert_eq!(default_base(&mechanism, 0, &[outline(4)]), Some(1));
+    let keys = GraspKeys { surroundings: vec![outline(4)], ..GraspKeys::default() };
+    let found = grasp_roles(&mechanism, &keys).expect("a grasp");
+    assert_eq!((found.base, found.surroundings), (Some(1), vec![outline(4)]));
+    assert!(!carries(&mechanism, (0, 1), &[]) && carries(&mechanism, (0, 1), &[outline(4)]));
+    // On the ground as base, the shelf is not balanced with the object.
+    let balanced = |surroundings: &[OutlineId]| roles(&mechanism, (0, None), surroundings, [].into_iter()).is_balanced;
+    assert_eq!(balanced(&[]), [true, true, true, true, true]);
+    assert_eq!(balanced(&[outline(4)]), [true, true, true, true, false]);
 }
 
 #[test]
@@ -199,12 +224,23 @@ fn scenes_without_a_grasp_have_a_reason() {
 
 #[test]
 fn wrong_names_in_a_grasp_are_reported() {
+    // A second jaw, which the first one does not carry.
+    let right = "[bodies.right]\nmass = \"80 g\"\ninertia = \"5000 g*mm^2\"\n[bodies.right.outlines.pad]\ntype = \"disc\"\n\
+                 radius = \"5 mm\"\n[joints.right]\ntype = \"prismatic\"\nbodies = [\"ground\", \"right\"]\n\
+                 points = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\nstart = \"25 mm\"\n";
     for (keys, part) in [
+        (
+            "base = \"left\"",
+            "`left`, which is not the base of the hand: joints connect other bodies that can touch `cube`",
+        ),
+        ("base = \"left\"", "name a body that carries all of them: `ground`"),
+        ("release = \"0 s\"", "must be"),
         ("object = \"cub\"", "did you mean `cube`?"),
         ("base = \"cube\"\nobject = \"cube\"", "is the grasped body"),
         ("surroundings = [\"ground.flor\"]", "did you mean `ground.floor`?"),
     ] {
-        let error = parse_any(&format!("{JAWS}[grasp]\n{keys}\n"), "jaws.toml").expect_err("a wrong name").to_string();
+        let error =
+            parse_any(&format!("{JAWS}{right}[grasp]\n{keys}\n"), "jaws.toml").expect_err("a wrong name").to_string();
         assert!(error.contains(part), "{keys}: {error}");
     }
 }

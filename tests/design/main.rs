@@ -8,6 +8,7 @@ mod support;
 mod assembly;
 mod closure;
 mod form_closure;
+mod grasp_firmness;
 mod grasp_roles;
 mod gripper_balance;
 mod gripper_design;

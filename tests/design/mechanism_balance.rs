@@ -500,7 +500,7 @@ fn compare(seeds: std::ops::Range<u64>, directions: usize) -> [usize; 4] {
     for seed in seeds {
         let case = random_case(seed);
         let (mechanism, poses) = (&case.mechanism, poses(&case.mechanism));
-        let roles = roles(mechanism, case.object, case.base, case.contacts.iter().map(|contact| contact.bodies));
+        let roles = roles(mechanism, (case.object, case.base), &[], case.contacts.iter().map(|contact| contact.bodies));
         let is_of_hand = |contact: &&ContactAtRest| !roles.is_surroundings(mechanism, contact.bodies);
         let contacts: Vec<ContactAtRest> = case.contacts.iter().filter(is_of_hand).cloned().collect();
         let case = Case { contacts, ..random_case(seed) };

@@ -281,7 +281,7 @@ fn any_acceleration_is_certified() {
 }
 
 /// An arm that a cord pulls against a ball at a wall.
-const CORD: &str = r#"
+pub const CORD: &str = r#"
 kind = "mechanism"
 duration = "1 ms"
 [bodies.obj]

@@ -13,6 +13,7 @@ use serde::{Serialize, Serializer};
 use super::contacts::Contacts;
 use super::document::{Failure, Grasp, serialize_settings, settings_text};
 use super::grasp::GraspReport;
+use super::object::ObjectReport;
 use super::states::States;
 use super::tables;
 use crate::criteria::{Criteria, Fate, RunCriteria};
@@ -170,8 +171,8 @@ impl ReplayReport {
         let ends_at_exit = reading.finger_count() == 2 || scene.is_some_and(|scene| scene.grasp.is_some());
         let may_end_early = ends_at_exit
             && report.grasp.as_ref().is_none_or(|grasp| {
-                let has_escaped = grasp.object().is_some_and(|object| object.criteria.escaped_s.is_some());
-                has_escaped || matches!(grasp.fate(), Fate::Ejected { .. })
+                let has_left = grasp.object().is_some_and(|object| object.criteria.left_s.is_some());
+                has_left || matches!(grasp.fate(), Fate::Ejected { .. })
             });
         if let Some(time_s) = ends_early(reading, report.duration_s).filter(|_| !may_end_early) {
             let requested = report.duration_s.map_or("an unknown time".to_string(), format_duration);
@@ -215,6 +216,8 @@ impl ReplayReport {
             (None, None, Some(end)) => format!("NOT COMPLETE: the log reaches {end} of {requested}"),
             (None, None, None) => format!("NOT COMPLETE: the log contains no sample of the {requested} run"),
         };
+        let leaving = self.grasp.as_ref().and_then(Grasp::object).and_then(ObjectReport::leaving);
+        let leaving = leaving.filter(|_| ends_early(&self.reading, self.duration_s).is_some());
         let LogSummary { samples, events, unknown_messages, .. } = self.reading;
         let plural = |count: u64| if count == 1 { "" } else { "s" };
         let mut content = format!("{samples} sample{}, {events} event{}", plural(samples), plural(events));
@@ -227,6 +230,7 @@ impl ReplayReport {
             end,
             content,
         ];
+        lines.extend(leaving);
         lines.extend(self.csv.iter().map(|csv| format!("samples: {}", one_line(csv))));
         lines.extend(self.page.iter().map(|page| format!("page: {}", one_line(page))));
         lines.extend(self.reading.losses.iter().map(|loss| format!("LOST: {}", loss.description)));

@@ -100,7 +100,7 @@ pub fn gripper_at_rest(hand: &Hand, grasp: &GraspState<'_>, mode: DriveMode) -> 
             ContactAtRest { bodies, point_m: point.point_m, normal: point.normal, mu }
         })
         .collect();
-    let roles = roles(&mechanism, object, None, contacts.iter().map(|contact| contact.bodies));
+    let roles = roles(&mechanism, (object, None), &[], contacts.iter().map(|contact| contact.bodies));
     Ok(GripperAtRest { mechanism, poses, time_s: grasp.time_s, object, contacts, roles })
 }
 

@@ -4,7 +4,7 @@
 //! object and hand with the actuators blocked, and the accelerations of the base that the contacts can balance.
 
 use crate::drawing::states::in_sample;
-use crate::mechanism::{JointCombination, Mechanism, Pose, point_in};
+use crate::mechanism::{JointCombination, Mechanism, OutlineId, Pose, point_in};
 use crate::scene::{Scene, WrongKind};
 use crate::statics::{
     ContactAtRest, DriveState, MechanismAtRest, MechanismClosure, NoGrasp, Roles, StaticsError, carries, default_base,
@@ -75,7 +75,7 @@ pub struct ActuatorAtRest {
     pub pulls_cable: bool,
 }
 
-/// What an actuator moves.
+/// Bodies that an actuator moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActuatorRole {
     /// Object or hand: it is blocked, or at its effort.
@@ -163,7 +163,9 @@ pub fn mechanism_grasp(
     let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
     let base = base_of(scene, mechanism, object, request.base.as_deref())?;
     let active = active_contacts(mechanism, &sample, object, request.within_m);
-    let roles = roles(mechanism, object, base, active.iter().map(|contact| contact.at_rest.bodies));
+    let surroundings = surroundings_of(scene);
+    let of_bodies = active.iter().map(|contact| contact.at_rest.bodies);
+    let roles = roles(mechanism, (object, base), surroundings, of_bodies);
     let (surroundings, contacts): (Vec<HeldContact>, Vec<HeldContact>) =
         active.into_iter().partition(|contact| roles.is_surroundings(mechanism, contact.at_rest.bodies));
     let base = mechanism.body_name(base).to_string();
@@ -240,6 +242,11 @@ fn object_of(scene: &Scene, mechanism: &Mechanism, name: Option<&str>) -> Result
     })
 }
 
+/// Outlines that are no part of the hand.
+fn surroundings_of(scene: &Scene) -> &[OutlineId] {
+    scene.grasp.as_ref().map_or(&[], |keys| &keys.surroundings)
+}
+
 /// Finds the base; `None` is the ground.
 fn base_of(
     scene: &Scene,
@@ -250,18 +257,19 @@ fn base_of(
     let base = match name {
         None => {
             let given = scene.grasp.as_ref().and_then(|keys| keys.base);
-            return Ok(given.unwrap_or_else(|| default_base(mechanism, object)));
+            return Ok(given.unwrap_or_else(|| default_base(mechanism, object, surroundings_of(scene))));
         }
         Some(GROUND) => return Ok(None),
         Some(name) => mechanism.bodies.iter().position(|body| body.name == name),
     };
+    let surroundings = surroundings_of(scene);
     let (scene, body) = (scene.name.clone(), name.unwrap_or_default().to_string());
     let Some(base) = base else {
         let names = mechanism.bodies.iter().map(|body| body.name.as_str()).chain([GROUND]);
         let bodies = names.map(|name| format!("`{name}`")).collect();
         return Err(MechanismGraspError::NoBody { scene, body, bodies, flag: "--base" });
     };
-    match carries(mechanism, object, base) {
+    match carries(mechanism, (object, base), surroundings) {
         true => Ok(Some(base)),
         false => Err(MechanismGraspError::NotBase { scene, base: body }),
     }

@@ -83,7 +83,7 @@ struct Scaled {
 
 impl Cone {
     /// Columns of unit forces along the edges; without friction there is one edge.
-    fn edges(&self) -> impl Iterator<Item = Load> + '_ {
+    pub(super) fn edges(&self) -> impl Iterator<Item = Load> + '_ {
         let [normal, tangential] = &self.columns;
         let edge =
             move |mu: f64| normal.iter().zip(tangential).map(|(normal, tangent)| normal + mu * tangent).collect();

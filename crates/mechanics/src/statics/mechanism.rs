@@ -53,7 +53,7 @@ impl ContactAtRest {
     }
 }
 
-/// What the actuators of the hand do; those that move its base are blocked.
+/// State of the actuators of the hand; those that move its base are blocked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveState {
     /// Every actuator holds with any torque or force, on a cable with any tension.
@@ -79,11 +79,10 @@ pub struct MechanismAtRest<'a> {
 pub struct LoadsAtRest {
     /// Efforts of the actuators of joints, N·m or N.
     pub efforts: Vec<f64>,
-    /// What the actuators and their brakes can add to them.
+    /// Ranges of the efforts that the actuators and their brakes can add to them.
     pub slack: Vec<[f64; 2]>,
-    /// Tensions of all cables, N, and the part of each that its actuator pulls.
+    /// Tensions of all cables, N. A cable whose actuator is blocked has any tension instead.
     pub tensions_n: Vec<f64>,
-    pub pulls_n: Vec<f64>,
 }
 
 /// Largest part of the loads that no forces within their cones balance, relative to the largest load: 1 %, far above the rest
@@ -208,14 +207,8 @@ pub fn balance_at_rest(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest, count
 /// The part of the fixed load that is left by the forces that balance most of it: of least sum of magnitudes.
 fn unbalanced(equations: &Equations) -> Result<Vec<f64>> {
     let rows = equations.fixed.len();
-    let edges = |cone: &Cone| {
-        let edge = |mu: f64| -> Vec<f64> {
-            cone.columns[0].iter().zip(&cone.columns[1]).map(|(normal, friction)| normal + mu * friction).collect()
-        };
-        if cone.mu > 0.0 { vec![edge(cone.mu), edge(-cone.mu)] } else { vec![edge(0.0)] }
-    };
     let mut columns: Vec<(Vec<f64>, [f64; 2], f64)> = Vec::new();
-    let pushes = equations.contacts.iter().flat_map(edges);
+    let pushes = equations.contacts.iter().flat_map(Cone::edges);
     columns.extend(pushes.map(|column| (column, [0.0, f64::INFINITY], 0.0)));
     columns.extend(equations.drives.iter().map(|(column, range)| (column.clone(), *range, 0.0)));
     let forces = columns.len();
@@ -435,7 +428,7 @@ impl<'a> Frame<'a> {
         let mut largest = size(&fixed).max(DVector::from_vec(self.field(mechanism.gravity_m_s2)).norm());
         for (index, tendon) in mechanism.tendons.iter().enumerate() {
             let is_blocked = tendon.actuator.is_some() && self.drives == DriveState::Blocked;
-            let tension_n = loads.tensions_n[index] - if is_blocked { loads.pulls_n[index] } else { 0.0 };
+            let tension_n = if is_blocked { 0.0 } else { loads.tensions_n[index] };
             let load = -tension_n * self.tendon(tendon);
             largest = largest.max(size(&load));
             fixed += load;

@@ -5,11 +5,11 @@
 //! and what carries the base do not move relative to the base. The object, the bodies of the hand that can touch it, and
 //! all bodies that are connected with these otherwise have to be at rest. Other bodies have no effect on the grasp.
 
-use crate::mechanism::{Body, JointCombination, Mechanism, OutlineId, OutlineShape, SpringKind};
+use crate::mechanism::{Body, ContactPair, JointCombination, Mechanism, OutlineId, OutlineShape, SpringKind};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::sub;
 
-/// What a scene says about its grasp; everything else has a default.
+/// Keys of a scene about its grasp; everything else has a default.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GraspKeys {
     pub object: Option<usize>,
@@ -31,6 +31,8 @@ pub struct GraspRoles {
     pub radius_m: f64,
     /// Pairs of the object with the hand and the surroundings.
     pub pairs: Vec<GraspPair>,
+    /// Outlines listed as surroundings.
+    pub surroundings: Vec<OutlineId>,
     /// Outlines of the ground that count as part of the hand although no key says so.
     pub assumed_hand: Vec<OutlineId>,
 }
@@ -52,11 +54,16 @@ pub struct GraspPair {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoGrasp {
     /// No joints, no body without joints that moves by forces, or no contact pair of the object with the hand.
-    #[error("there is no contact pair of a hand with a body that it could grasp")]
+    #[error(
+        "there is no contact pair of a hand with a body that it could grasp: connect the bodies of the hand by joints, and list \
+         a pair of one of their outlines with the object in [[contacts]]"
+    )]
     Nothing,
     #[error("{} have contacts and no joints: name the one that is grasped with `object` in [grasp]", .0.join(" and "))]
     SeveralObjects(Vec<String>),
-    #[error("the outline `{0}` of the object is a half plane, which has no extent")]
+    #[error(
+        "the outline `{0}` of the object is a half plane, which has no extent: give it another shape, such as a box"
+    )]
     HalfPlane(String),
 }
 
@@ -69,7 +76,7 @@ pub fn grasp_roles(mechanism: &Mechanism, keys: &GraspKeys) -> std::result::Resu
         return Err(NoGrasp::Nothing);
     }
     let object = keys.object.map_or_else(|| default_object(mechanism), Ok)?;
-    let base = keys.base.unwrap_or_else(|| default_base(mechanism, object));
+    let base = keys.base.unwrap_or_else(|| default_base(mechanism, object, &keys.surroundings));
     let is_hand = |id: OutlineId| {
         let has_role = id.body.map_or(base.is_none(), |body| mechanism.has_joint(Some(body)));
         has_role && !keys.surroundings.contains(&id)
@@ -102,11 +109,11 @@ pub fn grasp_roles(mechanism: &Mechanism, keys: &GraspKeys) -> std::result::Resu
         return Err(NoGrasp::HalfPlane(mechanism.outline_name(id)));
     }
     let of_ground = pairs.iter().filter(|pair| pair.is_hand && pair.other.body.is_none()).map(|pair| pair.other);
-    let is_assumed = keys.base.is_none() && keys.surroundings.is_empty();
-    let mut assumed_hand: Vec<OutlineId> = of_ground.filter(|_| is_assumed).collect();
+    let mut assumed_hand: Vec<OutlineId> = of_ground.filter(|_| keys.base.is_none()).collect();
+    assumed_hand.sort_by_key(|id| id.outline);
     assumed_hand.dedup();
-    let radius_m = radius_m(&mechanism.bodies[object]);
-    Ok(GraspRoles { object, base, radius_m, pairs, assumed_hand })
+    let (radius_m, surroundings) = (radius_m(&mechanism.bodies[object]), keys.surroundings.clone());
+    Ok(GraspRoles { object, base, radius_m, pairs, surroundings, assumed_hand })
 }
 
 /// Returns the body that a hand grasps: the body called `object`, or the only body with contacts that has no joints and
@@ -162,14 +169,15 @@ pub struct Roles {
     pub is_balanced: Vec<bool>,
 }
 
-/// Returns the roles in the grasp of `object`, with the pairs of bodies of the contacts that can push.
+/// Returns the roles in the grasp of `object` by a hand without the outlines listed as surroundings, with the pairs of bodies of
+/// the contacts that can push.
 pub fn roles(
     mechanism: &Mechanism,
-    object: usize,
-    base: Option<usize>,
+    (object, base): (usize, Option<usize>),
+    surroundings: &[OutlineId],
     contacts: impl Iterator<Item = [Option<usize>; 2]>,
 ) -> Roles {
-    let graph = Graph { mechanism, object };
+    let graph = Graph { mechanism, object, surroundings };
     let mut moves_with_base: Vec<bool> = mechanism.bodies.iter().map(|body| body.motion.is_some()).collect();
     if let Some(base) = base.filter(|base| mechanism.bodies[*base].motion.is_none()) {
         let carriers = graph.ground_side(base);
@@ -201,18 +209,18 @@ pub fn roles(
 ///
 /// The base is the last body through which every path of joints from the ground leads to the bodies that can touch the
 /// object, and from which at least two joints lead on to such bodies: the palm of a hand on a lift. A body with a
-/// prescribed motion that carries all of them is a base as well.
-pub fn default_base(mechanism: &Mechanism, object: usize) -> Option<usize> {
-    let graph = Graph { mechanism, object };
+/// prescribed motion that carries all of them is a base as well. Outlines listed as surroundings do not count as touching.
+pub fn default_base(mechanism: &Mechanism, object: usize, surroundings: &[OutlineId]) -> Option<usize> {
+    let graph = Graph { mechanism, object, surroundings };
     let touching = graph.touching();
     let candidates = (0..mechanism.bodies.len()).filter(|body| graph.leads_to(*body, &touching) >= 2);
     let carriers = |body: &usize| graph.ground_side(*body).into_iter().filter(|carries| *carries).count();
-    candidates.filter(|body| carries(mechanism, object, *body)).max_by_key(carriers)
+    candidates.filter(|body| carries(mechanism, (object, *body), surroundings)).max_by_key(carriers)
 }
 
 /// Whether every path of joints from the ground to the bodies that can touch the object leads through a body.
-pub fn carries(mechanism: &Mechanism, object: usize, base: usize) -> bool {
-    let graph = Graph { mechanism, object };
+pub fn carries(mechanism: &Mechanism, (object, base): (usize, usize), surroundings: &[OutlineId]) -> bool {
+    let graph = Graph { mechanism, object, surroundings };
     let without = graph.ground_side(base);
     let can_carry = mechanism.has_joint(Some(base)) && base != object;
     can_carry && graph.touching().into_iter().all(|body| body == base || !without[body])
@@ -243,16 +251,21 @@ impl Roles {
 struct Graph<'a> {
     mechanism: &'a Mechanism,
     object: usize,
+    /// Outlines that are no part of the hand.
+    surroundings: &'a [OutlineId],
 }
 
 impl Graph<'_> {
     /// Bodies with joints and a contact pair with the object, without those of a prescribed motion.
     fn touching(&self) -> Vec<usize> {
-        let Self { mechanism, object } = *self;
+        let Self { mechanism, object, surroundings } = *self;
         let is_touching = |body: &usize| {
-            let pairs = mechanism.contacts.iter().map(|pair| [pair.points.body, pair.face.body]);
-            let mut touches = pairs.filter(|bodies| bodies.contains(&Some(object)) && bodies.contains(&Some(*body)));
-            *body != object && mechanism.bodies[*body].motion.is_none() && touches.next().is_some()
+            let touches = |pair: &ContactPair| {
+                let sides = [[pair.points, pair.face], [pair.face, pair.points]];
+                let is_of_body = |own: OutlineId| own.body == Some(*body) && !surroundings.contains(&own);
+                sides.into_iter().any(|[own, other]| is_of_body(own) && other.body == Some(object))
+            };
+            *body != object && mechanism.bodies[*body].motion.is_none() && mechanism.contacts.iter().any(touches)
         };
         (0..mechanism.bodies.len()).filter(is_touching).filter(|body| mechanism.has_joint(Some(*body))).collect()
     }

@@ -200,7 +200,8 @@ impl RunReport {
         let no_grasp = roles
             .as_ref()
             .err()
-            .filter(|reason| **reason != NoGrasp::Nothing)
+            // Scenes without a section [grasp] need no grasp.
+            .filter(|reason| **reason != NoGrasp::Nothing || scene.grasp.is_some())
             .map(|reason| format!("no grasp: {reason}"));
         RunReport {
             scene: scene.name.clone(),
@@ -319,6 +320,8 @@ impl RunReport {
                 format!("EJECTED: the object left the reach of both fingers at {time}, which ends the run")
             }),
         );
+        let ends_early = self.error.is_none() && self.end_s.is_some_and(|end_s| end_s < self.duration_s);
+        lines.extend(self.object().filter(|_| ends_early).and_then(ObjectReport::leaving));
         lines.extend(self.error.as_ref().map(|error| error.text(&format_duration(self.duration_s))));
         lines.extend(self.warnings.iter().map(|warning| format!("Warning: {warning}")));
         for (name, path) in [("log", &self.log), ("samples", &self.csv), ("page", &self.page)] {

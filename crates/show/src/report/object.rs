@@ -6,6 +6,7 @@ use super::contacts::{ContactReport, Contacts};
 use super::named::{Named, Object};
 use super::tables::{DEGREES, milliseconds, resolved};
 use crate::criteria::{ActuatorCriteria, Fate, Firmness, Margin, ObjectCriteria, PairCriteria, firmness};
+use crate::format::format_duration;
 use crate::format::numbers::{G_M_S2, format_number, or_dash};
 use crate::format::report::{Report, table_of};
 use crate::scene::Scene;
@@ -97,12 +98,12 @@ impl ObjectReport {
             [force] => return format!("1 {word} presses with {force}"),
             [first @ .., last] => format!("{} and {last}", first.join(", ")),
         };
-        format!("{} {word}s press with {forces}", pressing.len())
+        format!("{} {} press with {forces}", pressing.len(), plural(&word))
     }
 
     /// The answer and its notes.
     pub fn heading(&self) -> String {
-        let mut lines = vec![self.answer()];
+        let mut lines = vec![self.answer(), format!("object: {}, base: {}", self.criteria.object, self.criteria.base)];
         let blocked = self.firmness.as_ref().filter(|firmness| firmness.blocked != firmness.driven);
         lines.extend(blocked.map(|firmness| format!("with blocked actuators it {}", balances(&firmness.blocked))));
         if !self.criteria.assumed_hand.is_empty() {
@@ -113,6 +114,12 @@ impl ObjectReport {
             ));
         }
         lines.join("\n") + "\n"
+    }
+
+    /// Note on a run that ends because the object leaves the hand.
+    pub fn leaving(&self) -> Option<String> {
+        let left_s = self.criteria.left_s?;
+        Some(format!("the object left the hand at {}, which ends the run", format_duration(left_s)))
     }
 
     /// Table of the pairs that touched, and one line of those that did not.
@@ -188,6 +195,12 @@ impl ObjectReport {
     }
 }
 
+/// Plural of a noun.
+fn plural(word: &str) -> String {
+    let ending = if ["s", "x", "ch", "sh"].iter().any(|ending| word.ends_with(ending)) { "es" } else { "s" };
+    format!("{word}{ending}")
+}
+
 /// A fraction in percent.
 fn percent(fraction: f64) -> String {
     format_number(fraction * 100.0, 2)
@@ -214,7 +227,7 @@ fn balances(margin: &Margin) -> String {
             format!("balances {size} g in the worst {several} ({} deg)", directions.join(", "))
         }
         Margin::NotAtRest { remainder } => {
-            format!("is not at rest at the end: {} % of the largest load are not balanced", percent(*remainder))
+            format!("is not at rest at the end: {} % of the largest load is not balanced", percent(*remainder))
         }
         Margin::Undecided { reason } => format!("has an undecided margin: {reason}"),
     }
@@ -259,6 +272,7 @@ impl Serialize for ObjectReport {
             .with("tts_s", found.tts_s)
             .with("until_s", found.until_s)
             .with("escaped_s", found.escaped_s)
+            .with("left_s", found.left_s)
             .with("contacts_lost", found.contacts_lost())
             .with("slip", found.slip)
             .with("creep_m_s", found.creep_m_s)
@@ -271,5 +285,15 @@ impl Serialize for ObjectReport {
             .with("never_touched", self.untouched())
             .with("actuators", actuators)
             .serialize(serializer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn plurals_of_outlines_are_those_of_their_endings() {
+        for (word, expected) in [("pad", "pads"), ("boss", "bosses"), ("box", "boxes"), ("notch", "notches")] {
+            assert_eq!(super::plural(word), expected);
+        }
     }
 }

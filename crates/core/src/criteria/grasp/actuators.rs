@@ -1,4 +1,4 @@
-//! What the actuators do during a run.
+//! Efforts, rates, powers and energies of the actuators during a run.
 
 use crate::mechanism::{Actuator, Command, Mechanism};
 use crate::trace::Sample;

@@ -4,7 +4,7 @@ use super::hold::{HoldHistory, HoldState};
 use super::pairs::PairCriteria;
 use crate::criteria::Fate;
 
-/// What decides a fate.
+/// Figures that decide a fate.
 pub(super) struct Evidence<'a> {
     pub hold: &'a HoldHistory,
     pub held_time_s: f64,
@@ -41,11 +41,14 @@ impl Evidence<'_> {
             && self.is_slow_in_world
         {
             let at = ms(lifted.until_s);
-            return (Fate::Placed { until_s: lifted.until_s }, format!("released at {at}; it rests outside the hand"));
+            return (
+                Fate::Placed { until_s: lifted.until_s },
+                format!("released at {at}; it lies on its surroundings"),
+            );
         }
         let past = hold.past.map(|past| past.until_s);
-        if let Some(until_s) = past.or(steady.map(|_| end_s)) {
-            return (Fate::Dropped { since_s: until_s }, self.dropped(until_s, slides));
+        if let Some(until_s) = steady.map(|_| end_s).or(past) {
+            return (Fate::Dropped { since_s: until_s }, self.dropped(until_s, steady.is_some()));
         }
         match self.escaped_s {
             Some(at_s) => (
@@ -74,10 +77,10 @@ impl Evidence<'_> {
         format!("gripped from {} on by {pairs} with {} in all", ms(since_s), newtons(grip_n))
     }
 
-    fn dropped(&self, until_s: f64, slides: bool) -> String {
+    fn dropped(&self, until_s: f64, is_steady: bool) -> String {
         let (hold, at) = (self.hold, ms(until_s));
         match (hold.grip, hold.end_state()) {
-            (Some(grip), _) if slides => {
+            (Some(grip), _) if is_steady => {
                 format!("gripped from {} on, but every pair of the hand slides at the end", ms(grip.since_s))
             }
             (Some(grip), _) => {
@@ -97,9 +100,8 @@ impl Evidence<'_> {
                 }
                 (Some(_), _) => format!("no longer gripped from {at} on; the hand still presses on it"),
             },
-            (None, Some((_, HoldState::Carried))) => {
-                let [speed, _] = self.speeds_m_s;
-                format!("no longer gripped from {at} on; it moves in the hand at {}", mm_s(speed))
+            (None, Some((since_s, HoldState::Carried))) => {
+                format!("no longer gripped from {at} on; {}", self.not_carried(since_s))
             }
             (None, _) => match self.escaped_s {
                 Some(left_s) => format!("no longer gripped from {at} on; it left the hand at {}", ms(left_s)),
@@ -108,14 +110,23 @@ impl Evidence<'_> {
         }
     }
 
+    /// Reason why an object in the state `carried` since a time is not carried: too short a time, or its speed.
+    fn not_carried(&self, since_s: f64) -> String {
+        let [speed, _] = self.speeds_m_s;
+        match self.hold.until_s - since_s >= self.held_time_s {
+            true => format!("it moves in the hand at {}", mm_s(speed)),
+            false => format!("the hand carries it only from {} on, less than {}", ms(since_s), ms(self.held_time_s)),
+        }
+    }
+
     fn not_grasped(&self) -> String {
         let (hold, required) = (self.hold, ms(self.held_time_s));
         let touched = self.pairs.iter().filter(|pair| pair.is_hand && pair.first_s.is_some()).count();
         let rest = match hold.end_state() {
-            Some((_, HoldState::Resting)) => "it rests outside the hand",
-            Some((_, HoldState::Carried)) => "the hand touches it at the end, but does not grip it",
-            Some((_, HoldState::Free)) => "nothing touches it at the end",
-            Some((_, HoldState::Gripped)) | None => "",
+            Some((_, HoldState::Resting)) => "it lies on its surroundings".to_string(),
+            Some((since_s, HoldState::Carried)) => self.not_carried(since_s),
+            Some((_, HoldState::Free)) => "nothing touches it at the end".to_string(),
+            Some((_, HoldState::Gripped)) | None => String::new(),
         };
         match (hold.grip, hold.first_gripped_s, touched) {
             (Some(grip), ..) => format!("gripped only from {} on, less than {required}", ms(grip.since_s)),
@@ -146,4 +157,98 @@ fn mm_s(speed_m_s: f64) -> String {
 fn significant(value: f64, digits: usize) -> String {
     let rounded: f64 = format!("{value:.*e}", digits - 1).parse().unwrap_or(value);
     format!("{rounded}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::hold::Part;
+    use super::super::pose::RelativePose;
+    use super::*;
+
+    const HELD_S: f64 = 1.0;
+
+    /// History of parts that last up to their times: gripped, hand near, surroundings near and active.
+    fn history(parts: &[(f64, bool, bool, bool)]) -> HoldHistory {
+        let mut history = HoldHistory::new(0.1, HELD_S);
+        let mut from_s = 0.0;
+        for &(to_s, is_gripped, is_hand_near, touches) in parts {
+            let pose = RelativePose::default();
+            let (are_surroundings_near, are_surroundings_active) = (touches, touches);
+            history.add(&Part {
+                from_s,
+                to_s,
+                is_gripped,
+                is_hand_near,
+                are_surroundings_near,
+                are_surroundings_active,
+                pose,
+            });
+            from_s = to_s;
+        }
+        history
+    }
+
+    /// An active pair of the hand.
+    fn pair(is_sliding: bool) -> PairCriteria {
+        PairCriteria {
+            name: "pad/object".to_string(),
+            is_hand: true,
+            first_s: Some(0.0),
+            active_since_s: Some(0.0),
+            times_lost: 0,
+            lost_s: 0.0,
+            gap_m: None,
+            normal_n: 1.0,
+            friction_n: 0.0,
+            friction_used: None,
+            pressure_centre_m: None,
+            points: Vec::new(),
+            is_sliding,
+        }
+    }
+
+    fn decide(hold: &HoldHistory, is_sliding: bool, is_slow: bool) -> (Fate, String) {
+        Evidence {
+            hold,
+            held_time_s: HELD_S,
+            pairs: &[pair(is_sliding)],
+            is_slow_in_base: is_slow,
+            is_slow_in_world: is_slow,
+            speeds_m_s: [0.5, 0.25],
+            escaped_s: None,
+        }
+        .decide()
+    }
+
+    #[test]
+    fn the_last_of_two_grips_that_slides_is_lost_at_the_end() {
+        let hold = history(&[(2.0, true, true, false), (3.0, false, true, false), (5.0, true, true, false)]);
+        let (fate, reason) = decide(&hold, true, true);
+        assert_eq!(fate, Fate::Dropped { since_s: 5.0 });
+        assert_eq!(reason, "gripped from 3000 ms on, but every pair of the hand slides at the end");
+        assert_eq!(decide(&hold, false, true).0, Fate::Held);
+        // A last grip that is too short is none.
+        let hold = history(&[(2.0, true, true, false), (3.0, false, true, false), (3.5, true, true, false)]);
+        let (fate, reason) = decide(&hold, true, true);
+        assert_eq!(fate, Fate::Dropped { since_s: 2.0 });
+        assert!(reason.ends_with("gripped again only from 3000 ms on, less than 1000 ms"), "{reason}");
+    }
+
+    #[test]
+    fn a_slow_object_is_not_carried_because_of_the_time() {
+        let short = [(2.0, true, true, false), (2.5, false, true, false)];
+        let (fate, reason) = decide(&history(&short), false, true);
+        assert_eq!(fate, Fate::Dropped { since_s: 2.0 });
+        assert!(reason.ends_with("the hand carries it only from 2000 ms on, less than 1000 ms"), "{reason}");
+        let long = [(2.0, true, true, false), (3.5, false, true, false)];
+        assert_eq!(decide(&history(&long), false, true).0, Fate::Carried);
+        let (_, reason) = decide(&history(&long), false, false);
+        assert!(reason.ends_with("it moves in the hand at 500 mm/s"), "{reason}");
+        // Never gripped.
+        let (fate, reason) = decide(&history(&[(0.5, false, true, false)]), false, true);
+        assert_eq!(fate, Fate::NotGrasped);
+        assert!(reason.ends_with("the hand carries it only from 0 ms on, less than 1000 ms"), "{reason}");
+        let (_, reason) = decide(&history(&[(2.0, false, true, true)]), false, true);
+        assert!(reason.ends_with("it lies on its surroundings"), "{reason}");
+    }
 }

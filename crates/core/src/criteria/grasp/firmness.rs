@@ -57,10 +57,11 @@ pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
     let sample = &found.end;
     let states = in_sample(mechanism, sample).bodies.into_iter();
     let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
-    let contacts = contacts(mechanism, &grasp, sample);
+    let contacts = contacts(mechanism, &grasp, (sample, scene.thresholds.loss_force_n));
     let at_rest: Vec<ContactAtRest> = contacts.iter().map(|contact| contact.at_rest).collect();
     let of_object: Vec<FrictionContact> = contacts.iter().filter_map(|contact| contact.of_object).collect();
-    let roles = roles(mechanism, grasp.object, grasp.base, at_rest.iter().map(|contact| contact.bodies));
+    let of_bodies = at_rest.iter().map(|contact| contact.bodies);
+    let roles = roles(mechanism, (grasp.object, grasp.base), &grasp.surroundings, of_bodies);
     let posture = |drives| MechanismAtRest {
         mechanism,
         poses: &poses,
@@ -114,17 +115,17 @@ struct ActiveContact {
     of_object: Option<FrictionContact>,
 }
 
-/// Contacts with a force at the end, of the object with the hand and of the hand with itself.
-fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, sample: &Sample) -> Vec<ActiveContact> {
+/// Contacts active at the end, with forces above a threshold, of the object with the hand and of the hand with itself.
+fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (&Sample, f64)) -> Vec<ActiveContact> {
     let is_hand = |body: Option<usize>| {
         body.map_or(grasp.base.is_none(), |body| body == grasp.object || mechanism.has_joint(Some(body)))
     };
-    let surroundings = || grasp.pairs.iter().filter(|pair| !pair.is_hand);
     let contact = |(index, point): (usize, crate::mechanism::PointContact)| {
         let (pair, found) = (&mechanism.contacts[point.pair], sample.contact(index));
         let bodies = [pair.points.body, pair.face.body];
-        let is_outside = surroundings().any(|pair| pair.points.contains(&index)) || !bodies.into_iter().all(is_hand);
-        if found.normal_n <= 0.0 || is_outside {
+        let is_listed = [pair.points, pair.face].iter().any(|id| grasp.surroundings.contains(id));
+        let is_outside = is_listed || !bodies.into_iter().all(is_hand);
+        if found.normal_n <= loss_force_n || is_outside {
             return None;
         }
         let mu = pair.law.friction.map_or(0.0, |friction| friction.mu_static);
@@ -146,7 +147,6 @@ fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, sample: &Sample) -> Vec<A
 
 /// Loads at the end of a run.
 fn loads(mechanism: &Mechanism, sample: &Sample) -> LoadsAtRest {
-    let joints = mechanism.actuators.len();
     let kept = |actuator: &Actuator| match (&actuator.command, actuator.limit) {
         (Command::Servo { .. }, limit) if !is_at_limit(actuator, sample) => {
             let limit = limit.unwrap_or(f64::INFINITY);
@@ -159,20 +159,13 @@ fn loads(mechanism: &Mechanism, sample: &Sample) -> LoadsAtRest {
     };
     let with_brake = |actuator: &Actuator| {
         let (effort, [low, high]) = kept(actuator);
-        let brake = actuator.brake.map(|brake| (brake.torque_n_m * brake.engagement(sample.time_s).0, brake.one_way));
-        let (most, one_way) = brake.unwrap_or((0.0, false));
-        (effort, [low - if one_way { 0.0 } else { most }, high + most])
+        let [least, most] = actuator.brake.map_or([0.0; 2], |brake| brake.torque_range(sample.time_s));
+        (effort, [low + least, high + most])
     };
     let (efforts, slack) = mechanism.actuators.iter().map(with_brake).unzip();
-    let mut pulls = joints..;
-    let pull = |tendon: &crate::mechanism::Tendon| match tendon.actuator {
-        Some(_) => pulls.next().map_or(0.0, |index| sample.actuator(index)),
-        None => 0.0,
-    };
     LoadsAtRest {
         efforts,
         slack,
         tensions_n: (0..mechanism.tendons.len()).map(|index| sample.tendon(index).tension_n).collect(),
-        pulls_n: mechanism.tendons.iter().map(pull).collect(),
     }
 }

@@ -10,7 +10,7 @@
 //! | `pose` | poses in the frame of the base |
 //! | `recent` | the last part of the run: creep and sliding |
 //! | `fate` | the fate, with its reason |
-//! | `actuators` | what the actuators do |
+//! | `actuators` | efforts, rates, powers and energies of the actuators |
 //! | `firmness` | margin, form closure and Q1 at the end |
 
 mod actuators;

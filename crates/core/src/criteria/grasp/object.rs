@@ -31,6 +31,8 @@ pub struct ObjectCriteria {
     pub until_s: Option<f64>,
     /// Time at which the object left the hand: all gaps to it exceed the extent of the object and grow.
     pub escaped_s: Option<f64>,
+    /// The same time, also after the release, which does not change the fate: it ends a run with `[grasp]`.
+    pub left_s: Option<f64>,
     /// Travel of the object from `tts_s` to the end.
     pub slip: Option<Slip>,
     /// Rate of its travel over the last `held_time`, m/s; `None` unless it is held.

@@ -32,7 +32,7 @@ pub struct ObjectTracker {
     state: State,
 }
 
-/// What the criteria depend on.
+/// Settings of the criteria.
 #[derive(Clone, Debug)]
 struct Setup {
     mechanism: Mechanism,
@@ -61,7 +61,9 @@ struct State {
     pairs: Vec<PairHistory>,
     recent: Recent,
     actuators: Vec<ActuatorCriteria>,
-    escaped_s: Option<f64>,
+    /// Whether the hand has touched the object, and the time at which the object left it, also after the release.
+    has_touched: bool,
+    left_s: Option<f64>,
     /// The sample at the release.
     released: Option<Sample>,
 }
@@ -161,7 +163,8 @@ impl ObjectTracker {
                 pairs: vec![PairHistory::default(); setup.roles.pairs.len()],
                 recent: Recent::default(),
                 actuators: ActuatorCriteria::of(mechanism),
-                escaped_s: None,
+                has_touched: false,
+                left_s: None,
                 released: None,
                 setup,
             },
@@ -258,10 +261,8 @@ impl State {
     }
 
     /// Finds the time at which the object leaves the hand in the step between two samples.
-    fn search_escape(&mut self, last: &Sample, next: &Sample) {
-        let pairs = self.setup.roles.pairs.iter().zip(&self.pairs);
-        let has_touched = pairs.clone().any(|(pair, history)| pair.is_hand && history.first_s.is_some());
-        if self.escaped_s.is_some() || !has_touched {
+    fn search_leaving(&mut self, last: &Sample, next: &Sample) {
+        if self.left_s.is_some() || !self.has_touched {
             return;
         }
         let hand = || (0..self.setup.points.len()).filter(|point| self.setup.is_hand(*point));
@@ -284,7 +285,7 @@ impl State {
             let gap = Hermite::new((last.time_s, before[0], before[1]), (next.time_s, after[0], after[1]));
             gap.crossings(extent_m, &mut times);
         }
-        self.escaped_s = Some(times.last().copied().unwrap_or(next.time_s));
+        self.left_s = Some(times.last().copied().unwrap_or(next.time_s));
     }
 
     /// Adds the state at the end of a step.
@@ -306,7 +307,7 @@ impl State {
     /// Returns the criteria at the end.
     fn finish(&self, end: &Sample) -> Option<ObjectCriteria> {
         let Setup { mechanism, roles, thresholds, com_m, .. } = &self.setup;
-        let Thresholds { held_time_s, .. } = *thresholds;
+        let Thresholds { loss_force_n, held_time_s, .. } = *thresholds;
         self.hold.end_state()?;
         let [object, base, _] = self.setup.states(end);
         let rates = self.recent.rates(*com_m, held_time_s).unwrap_or_else(|| RecentRates {
@@ -317,9 +318,10 @@ impl State {
         let pair = |(index, pair): (usize, &crate::statics::GraspPair)| {
             let of_pair = self.setup.points_of[index].clone();
             let points: Vec<PairPoint> = of_pair.clone().map(|point| self.setup.points[point]).collect();
-            let mut pressing = of_pair.filter(|point| end.contact(self.setup.points[*point].contact).normal_n > 0.0);
-            let is_sliding = match pressing.next() {
-                Some(first) => std::iter::once(first).chain(pressing).all(|point| rates.sliding_m_s[point] > slow_m_s),
+            let force_n = |point: usize| end.contact(self.setup.points[point].contact).normal_n;
+            let mut active = of_pair.filter(|point| force_n(*point) > loss_force_n);
+            let is_sliding = match active.next() {
+                Some(first) => std::iter::once(first).chain(active).all(|point| rates.sliding_m_s[point] > slow_m_s),
                 None => false,
             };
             pair_at_end((pair, &self.pairs[index]), &points, (end, &object), is_sliding)
@@ -327,6 +329,8 @@ impl State {
         let pairs: Vec<_> = roles.pairs.iter().enumerate().map(pair).collect();
         let is_slow = |[vx, vy, spin]: RelativePose| hypot(vx, vy).max(roles.radius_m * spin.abs()) < slow_m_s;
         let speed = |[vx, vy, _]: RelativePose| hypot(vx, vy);
+        // The fate is that at the release.
+        let escaped_s = self.left_s.filter(|left_s| *left_s <= end.time_s);
         let (fate, reason) = Evidence {
             hold: &self.hold,
             held_time_s,
@@ -334,7 +338,7 @@ impl State {
             is_slow_in_base: is_slow(rates.in_base),
             is_slow_in_world: is_slow(rates.in_world),
             speeds_m_s: [speed(rates.in_base), speed(rates.in_world)],
-            escaped_s: self.escaped_s,
+            escaped_s,
         }
         .decide();
         let is_held = fate == Fate::Held;
@@ -362,7 +366,8 @@ impl State {
             held_since_s: self.hold.grip.map(|grip| grip.since_s),
             tts_s: stable.map(|(since_s, _)| since_s),
             until_s: fate.lost_at_s().filter(|_| !matches!(fate, Fate::Escaped { .. })),
-            escaped_s: self.escaped_s,
+            escaped_s,
+            left_s: self.left_s,
             slip,
             creep_m_s: is_held.then(|| speed(rates.in_base)),
             pairs,
@@ -404,6 +409,10 @@ impl SegmentObserver for State {
 
     fn observe(&mut self, motions: &Motions, segment: &Segment<'_>) {
         let Segment { from_s, to_s, last, next, has_touched, is_active } = *segment;
+        self.has_touched |= (0..has_touched.len()).any(|point| has_touched[point] && self.setup.is_hand(point));
+        if to_s == next.time_s {
+            self.search_leaving(last, next);
+        }
         if self.setup.release_s.is_some_and(|release_s| from_s >= release_s) {
             return;
         }
@@ -451,7 +460,6 @@ impl SegmentObserver for State {
             self.add_instant(Some(last), &released);
             self.released = Some(released);
         } else if to_s == next.time_s {
-            self.search_escape(last, next);
             self.add_instant(Some(last), next);
             if is_release {
                 self.released = Some(next.clone());

@@ -1,4 +1,4 @@
-//! What is grasped by what, and until when.
+//! Object, base and surroundings of a grasp, and its release.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -7,9 +7,9 @@ use serde_json::{Value, json};
 use super::contact::{matching_outlines, outline_id};
 use super::names::{GROUND, find};
 use crate::mechanism::Mechanism;
-use crate::scene::quantity::{NotNegative, Time};
+use crate::scene::quantity::{Positive, Time};
 use crate::scene::section_input::SectionInput;
-use crate::statics::GraspKeys;
+use crate::statics::{GraspKeys, carries, default_object};
 
 /// The grasp that is judged. With this section, a run ends when the object leaves the hand. Without it, a run is judged by the
 /// defaults, and not ended.
@@ -28,7 +28,7 @@ pub struct GraspSettings {
     #[schemars(extend("default" = []))]
     pub surroundings: Vec<String>,
     /// Time at which the hand releases the object: the fate of the grasp is that at this time. Default: the end.
-    pub release: Option<NotNegative<Time>>,
+    pub release: Option<Positive<Time>>,
 }
 
 /// Resolves `[grasp]`; `None` if any part is invalid.
@@ -69,12 +69,25 @@ pub fn grasp(section: &SectionInput<'_>, mechanism: &Mechanism) -> Option<Option
     let mut surroundings = surroundings.into_iter().collect::<Option<Vec<_>>>()?.concat();
     surroundings.sort_by_key(|id| (id.body.map_or(usize::MAX, |body| body), id.outline));
     surroundings.dedup();
-    Some(Some(GraspKeys {
-        object: all_or(object)?,
-        base: all_or(base)?,
-        surroundings,
-        release_s: release.map(|time| *time),
-    }))
+    let (object, base) = (all_or(object)?, all_or(base)?);
+    // Without an object, there is no grasp and thus no wrong base.
+    if let (Some(Some(base)), Some(grasped)) = (base, object.or_else(|| default_object(mechanism).ok())) {
+        let carries = |base: usize| carries(mechanism, (grasped, base), &surroundings);
+        if !carries(base) {
+            let message = format!(
+                "`{}` is `{}`, which is not the base of the hand: joints connect other bodies that can touch `{}` with the \
+                 ground without it",
+                section.path("base"),
+                bodies[base],
+                bodies[grasped]
+            );
+            let allowed = (0..bodies.len()).filter(|body| carries(*body)).map(|body| format!("`{}`", bodies[body]));
+            let allowed: Vec<String> = allowed.chain([format!("`{GROUND}`")]).collect();
+            let help = format!("name a body that carries all of them: {}", allowed.join(", "));
+            return section.refuse("base", message, "does not carry the hand", help);
+        }
+    }
+    Some(Some(GraspKeys { object, base, surroundings, release_s: release.map(|time| *time) }))
 }
 
 /// A name that is not given is valid; one that is given must be found.
