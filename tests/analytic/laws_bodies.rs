@@ -104,7 +104,7 @@ fn the_engine_is_exact_in_free_motion() {
     assert!((ball.angle_rad - 2.0).abs() < 1e-13);
 }
 
-/// Twelve equal discs in a row, any two of which may touch: elastic impacts pass the speed of the first one to the last one.
+/// Twelve equal discs in a row, with contacts between all pairs: elastic impacts pass the speed of the first to the last.
 #[test]
 fn twelve_discs_pass_on_their_speed() {
     let speed = |i: i32| if i == 0 { 1.0 } else { 0.0 };

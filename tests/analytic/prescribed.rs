@@ -28,37 +28,11 @@ fn end_of_mechanism(model: Model, mechanism: &Mechanism, duration_s: f64) -> Sam
 }
 
 fn body(name: &str, com_m: [f64; 2], motion: Option<PrescribedMotion>) -> Body {
-    Body {
-        name: name.into(),
-        mass_kg: 0.1,
-        inertia_kg_m2: 2e-5,
-        com_m,
-        pose: [0.0; 3],
-        rate: [0.0; 3],
-        motion,
-        outlines: Vec::new(),
-        drawn_m: Vec::new(),
-        is_reported: true,
-    }
+    Body { com_m, motion, ..Body::new(name, 0.1, 2e-5) }
 }
 
 fn pin(name: &str, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2], start: Option<f64>) -> Joint {
-    Joint {
-        name: name.into(),
-        kind: JointKind::Revolute,
-        bodies,
-        points_m,
-        offset_rad: 0.0,
-        start,
-        start_rate: 0.0,
-        damping: 0.0,
-        armature: 0.0,
-        friction: None,
-        lower: None,
-        upper: None,
-        limit: None,
-        limit_name: None,
-    }
+    Joint { start, ..Joint::new(name, JointKind::Revolute, bodies, points_m) }
 }
 
 const GRAVITY: [f64; 2] = [0.0, -9.81];

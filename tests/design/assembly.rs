@@ -47,37 +47,11 @@ fn start_coordinates_that_determine_the_posture_outweigh_rough_guesses() {
 }
 
 fn bar(name: &str, pose: Pose) -> Body {
-    Body {
-        name: name.to_owned(),
-        mass_kg: 0.1,
-        inertia_kg_m2: 1e-5,
-        com_m: [0.0; 2],
-        pose,
-        rate: [0.0; 3],
-        motion: None,
-        outlines: Vec::new(),
-        drawn_m: Vec::new(),
-        is_reported: true,
-    }
+    Body { pose, ..Body::new(name, 0.1, 1e-5) }
 }
 
 fn pin(name: &str, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2]) -> Joint {
-    Joint {
-        name: name.to_owned(),
-        kind: JointKind::Revolute,
-        bodies,
-        points_m,
-        offset_rad: 0.0,
-        start: None,
-        start_rate: 0.0,
-        damping: 0.0,
-        armature: 0.0,
-        friction: None,
-        lower: None,
-        upper: None,
-        limit: None,
-        limit_name: None,
-    }
+    Joint::new(name, JointKind::Revolute, bodies, points_m)
 }
 
 /// A four-bar between pivots 100 mm apart: crank of 40 mm, coupler and rocker of these lengths.

@@ -10,37 +10,12 @@ use serde_json::Value;
 
 fn body(name: &str) -> Body {
     let shape = OutlineShape::Disc { center_m: [0.0; 2], radius_m: 0.01 };
-    Body {
-        name: name.to_string(),
-        mass_kg: 0.1,
-        inertia_kg_m2: 1e-5,
-        com_m: [0.0; 2],
-        pose: [0.0; 3],
-        rate: [0.0; 3],
-        motion: None,
-        outlines: vec![Outline { name: "skin".to_string(), shape }],
-        drawn_m: Vec::new(),
-        is_reported: true,
-    }
+    let outlines = vec![Outline { name: "skin".to_string(), shape }];
+    Body { outlines, ..Body::new(name, 0.1, 1e-5) }
 }
 
 fn joint(bodies: [Option<usize>; 2]) -> Joint {
-    Joint {
-        name: "joint".to_string(),
-        kind: JointKind::Revolute,
-        bodies,
-        points_m: [[0.0; 2]; 2],
-        offset_rad: 0.0,
-        start: None,
-        start_rate: 0.0,
-        damping: 0.0,
-        armature: 0.0,
-        friction: None,
-        lower: None,
-        upper: None,
-        limit: None,
-        limit_name: None,
-    }
+    Joint::new("joint", JointKind::Revolute, bodies, [[0.0; 2]; 2])
 }
 
 fn pair(points: OutlineId, face: OutlineId) -> ContactPair {

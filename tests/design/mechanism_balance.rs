@@ -110,17 +110,11 @@ fn random_case(seed: u64) -> Case {
     let has_moving_base = has_moving_base.into_iter().any(|body| mechanism.bodies[body].motion.is_some());
     let base = (!has_moving_base && random.chance(0.4)).then(|| put_on_lift(&mut mechanism));
     let count = mechanism.bodies.len();
+    let body = Body::new("object", random.log_within(0.01, 1.0), 1e-5);
     let object = Body {
-        name: "object".to_string(),
-        mass_kg: random.log_within(0.01, 1.0),
-        inertia_kg_m2: 1e-5,
         com_m: [random.within(-0.01, 0.01), random.within(-0.01, 0.01)],
         pose: [random.within(-0.05, 0.05), random.within(0.0, 0.1), random.within(-PI, PI)],
-        rate: [0.0; 3],
-        motion: None,
-        outlines: Vec::new(),
-        drawn_m: Vec::new(),
-        is_reported: true,
+        ..body
     };
     let [x, y, _] = object.pose;
     mechanism.bodies.push(object);

@@ -206,38 +206,12 @@ fn rapiers_own_contact_is_refused_for_mechanisms_with_joints() {
 
 /// A body of 1 g and 1e-7 kg·m² at the origin.
 fn body() -> Body {
-    Body {
-        name: "body".into(),
-        mass_kg: 1e-3,
-        inertia_kg_m2: 1e-7,
-        com_m: [0.0; 2],
-        pose: [0.0; 3],
-        rate: [0.0; 3],
-        motion: None,
-        outlines: Vec::new(),
-        drawn_m: Vec::new(),
-        is_reported: true,
-    }
+    Body::new("body", 1e-3, 1e-7)
 }
 
 /// A joint between the ground and a body.
 fn joint(kind: JointKind, body: usize, start: f64, start_rate: f64) -> Joint {
-    Joint {
-        name: "joint".into(),
-        kind,
-        bodies: [None, Some(body)],
-        points_m: [[0.0; 2]; 2],
-        offset_rad: 0.0,
-        start: Some(start),
-        start_rate,
-        damping: 0.0,
-        armature: 0.0,
-        friction: None,
-        lower: None,
-        upper: None,
-        limit: None,
-        limit_name: None,
-    }
+    Joint { start: Some(start), start_rate, ..Joint::new("joint", kind, [None, Some(body)], [[0.0; 2]; 2]) }
 }
 
 fn spring(joint: usize, stiffness: f64) -> Spring {

@@ -141,16 +141,11 @@ fn mechanism(scene: &Value) -> Mechanism {
 
 fn body(value: &Value) -> Body {
     Body {
-        name: text(&value["name"]),
-        mass_kg: number(&value["mass"]),
-        inertia_kg_m2: number(&value["inertia"]),
         com_m: numbers_or_zero(&value["com"]),
         pose: numbers(&value["start"]),
         rate: numbers_or_zero(&value["rate"]),
-        motion: None,
         outlines: list(&value["outline"]).map(outline).collect(),
-        drawn_m: Vec::new(),
-        is_reported: true,
+        ..Body::new(text(&value["name"]), number(&value["mass"]), number(&value["inertia"]))
     }
 }
 
@@ -183,21 +178,17 @@ fn joint(value: &Value, mechanism: &Mechanism) -> Joint {
         Some("prismatic") => JointKind::Prismatic { axis_rad: number(&value["axis"]) },
         other => panic!("joint {other:?}"),
     };
+    let points_m = [0, 1].map(|side| numbers(&value["points"][side]));
     Joint {
-        name: text(&value["name"]),
-        kind,
-        bodies: bodies(&value["bodies"], mechanism),
-        points_m: [0, 1].map(|side| numbers(&value["points"][side])),
         offset_rad: or(&value["offset"], 0.0),
         start: value["start"].as_f64(),
         start_rate: or(&value["start_rate"], 0.0),
         damping: or(&value["damping"], 0.0),
         armature: or(&value["armature"], 0.0),
-        friction: None,
         lower: value["lower"].as_f64(),
         upper: value["upper"].as_f64(),
         limit: value["limit"].is_object().then(|| normal_law(&value["limit"])),
-        limit_name: None,
+        ..Joint::new(text(&value["name"]), kind, bodies(&value["bodies"], mechanism), points_m)
     }
 }
 

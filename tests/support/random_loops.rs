@@ -22,37 +22,9 @@ pub struct RandomLoop {
 /// A body with the centre of mass on its axis.
 fn body(name: &str, random: &mut Random, length_m: f64, pose: [f64; 3]) -> Body {
     let mass_kg = random.within(0.02, 0.1);
-    Body {
-        name: name.to_string(),
-        mass_kg,
-        inertia_kg_m2: mass_kg * length_m * length_m * random.within(0.08, 0.3),
-        com_m: [random.within(0.2, 0.6) * length_m, 0.0],
-        pose,
-        rate: [0.0; 3],
-        motion: None,
-        outlines: Vec::new(),
-        drawn_m: Vec::new(),
-        is_reported: true,
-    }
-}
-
-fn joint(name: &str, kind: JointKind, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2]) -> Joint {
-    Joint {
-        name: name.to_string(),
-        kind,
-        bodies,
-        points_m,
-        offset_rad: 0.0,
-        start: None,
-        start_rate: 0.0,
-        damping: 0.0,
-        armature: 0.0,
-        friction: None,
-        lower: None,
-        upper: None,
-        limit: None,
-        limit_name: None,
-    }
+    let inertia_kg_m2 = mass_kg * length_m * length_m * random.within(0.08, 0.3);
+    let com_m = [random.within(0.2, 0.6) * length_m, 0.0];
+    Body { com_m, pose, ..Body::new(name, mass_kg, inertia_kg_m2) }
 }
 
 fn polar(length: f64, angle: f64) -> [f64; 2] {
@@ -92,13 +64,13 @@ fn slider_crank(random: &mut Random, crank: f64) -> Mechanism {
     ];
     let slide = Joint {
         offset_rad: turned,
-        ..joint("slide", JointKind::Prismatic { axis_rad }, [None, Some(2)], [origin, [0.0; 2]])
+        ..Joint::new("slide", JointKind::Prismatic { axis_rad }, [None, Some(2)], [origin, [0.0; 2]])
     };
     let pin = JointKind::Revolute;
     let joints = vec![
-        joint("crank", pin, [None, Some(0)], [[0.0; 2]; 2]),
-        joint("pin", pin, [Some(0), Some(1)], [[r, 0.0], [0.0; 2]]),
-        joint("wrist", pin, [Some(1), Some(2)], [[l, 0.0], [0.0; 2]]),
+        Joint::new("crank", pin, [None, Some(0)], [[0.0; 2]; 2]),
+        Joint::new("pin", pin, [Some(0), Some(1)], [[r, 0.0], [0.0; 2]]),
+        Joint::new("wrist", pin, [Some(1), Some(2)], [[l, 0.0], [0.0; 2]]),
         slide,
     ];
     Mechanism { bodies, joints, ..Mechanism::default() }
@@ -126,10 +98,10 @@ fn four_bar(random: &mut Random, crank: f64) -> Mechanism {
     ];
     let pin = JointKind::Revolute;
     let joints = vec![
-        joint("crank", pin, [None, Some(0)], [[0.0; 2]; 2]),
-        joint("a", pin, [Some(0), Some(1)], [[r, 0.0], [0.0; 2]]),
-        joint("b", pin, [Some(1), Some(2)], [[b, 0.0], [c, 0.0]]),
-        joint("rocker", pin, [None, Some(2)], [pivot, [0.0; 2]]),
+        Joint::new("crank", pin, [None, Some(0)], [[0.0; 2]; 2]),
+        Joint::new("a", pin, [Some(0), Some(1)], [[r, 0.0], [0.0; 2]]),
+        Joint::new("b", pin, [Some(1), Some(2)], [[b, 0.0], [c, 0.0]]),
+        Joint::new("rocker", pin, [None, Some(2)], [pivot, [0.0; 2]]),
     ];
     Mechanism { bodies, joints, ..Mechanism::default() }
 }
@@ -147,10 +119,10 @@ fn swinging_guide(random: &mut Random, crank: f64) -> Mechanism {
     ];
     let pin = JointKind::Revolute;
     let joints = vec![
-        joint("crank", pin, [None, Some(0)], [[0.0; 2]; 2]),
-        joint("pin", pin, [Some(0), Some(2)], [[r, 0.0], [0.0; 2]]),
-        joint("slide", JointKind::Prismatic { axis_rad: 0.0 }, [Some(1), Some(2)], [[0.0; 2]; 2]),
-        joint("pivot", pin, [None, Some(1)], [pivot, [0.0; 2]]),
+        Joint::new("crank", pin, [None, Some(0)], [[0.0; 2]; 2]),
+        Joint::new("pin", pin, [Some(0), Some(2)], [[r, 0.0], [0.0; 2]]),
+        Joint::new("slide", JointKind::Prismatic { axis_rad: 0.0 }, [Some(1), Some(2)], [[0.0; 2]; 2]),
+        Joint::new("pivot", pin, [None, Some(1)], [pivot, [0.0; 2]]),
     ];
     Mechanism { bodies, joints, ..Mechanism::default() }
 }
@@ -176,13 +148,13 @@ fn five_bar(random: &mut Random, crank: f64) -> Mechanism {
     let other_start = Joint {
         start: Some(other),
         start_rate: random.within(-40.0, 40.0),
-        ..joint("other", pin, [None, Some(1)], [pivot, [0.0; 2]])
+        ..Joint::new("other", pin, [None, Some(1)], [pivot, [0.0; 2]])
     };
     let joints = vec![
-        joint("crank", pin, [None, Some(0)], [[0.0; 2]; 2]),
-        joint("a", pin, [Some(0), Some(2)], [[long, 0.0], [0.0; 2]]),
-        joint("b", pin, [Some(1), Some(3)], [[short, 0.0], [0.0; 2]]),
-        joint("tip", pin, [Some(2), Some(3)], [[l, 0.0], [m, 0.0]]),
+        Joint::new("crank", pin, [None, Some(0)], [[0.0; 2]; 2]),
+        Joint::new("a", pin, [Some(0), Some(2)], [[long, 0.0], [0.0; 2]]),
+        Joint::new("b", pin, [Some(1), Some(3)], [[short, 0.0], [0.0; 2]]),
+        Joint::new("tip", pin, [Some(2), Some(3)], [[l, 0.0], [m, 0.0]]),
         other_start,
     ];
     Mechanism { bodies, joints, ..Mechanism::default() }
@@ -205,18 +177,18 @@ fn six_bar(random: &mut Random, crank: f64) -> (&'static str, Mechanism) {
     let link = mechanism.bodies.len();
     mechanism.bodies.push(body("link", random, a, [from[0], from[1], angle(from, end)]));
     let pin = JointKind::Revolute;
-    mechanism.joints.push(joint("knee", pin, [Some(base), Some(link)], [point, [0.0; 2]]));
+    mechanism.joints.push(Joint::new("knee", pin, [Some(base), Some(link)], [point, [0.0; 2]]));
     if random.chance(0.3) {
         // The axis is at least 60° off the link.
         let axis_rad = angle(from, end) + random.within(-PI, PI) / 3.0;
         mechanism.bodies.push(Body { com_m: [0.0; 2], ..body("output", random, 0.02, [end[0], end[1], 0.0]) });
-        mechanism.joints.push(joint("wrist", pin, [Some(link), Some(link + 1)], [[a, 0.0], [0.0; 2]]));
+        mechanism.joints.push(Joint::new("wrist", pin, [Some(link), Some(link + 1)], [[a, 0.0], [0.0; 2]]));
         let slide = JointKind::Prismatic { axis_rad };
-        mechanism.joints.push(joint("output", slide, [None, Some(link + 1)], [end, [0.0; 2]]));
+        mechanism.joints.push(Joint::new("output", slide, [None, Some(link + 1)], [end, [0.0; 2]]));
     } else {
         mechanism.bodies.push(body("output", random, b, [pivot[0], pivot[1], angle(pivot, end)]));
-        mechanism.joints.push(joint("wrist", pin, [Some(link), Some(link + 1)], [[a, 0.0], [b, 0.0]]));
-        mechanism.joints.push(joint("output", pin, [None, Some(link + 1)], [pivot, [0.0; 2]]));
+        mechanism.joints.push(Joint::new("wrist", pin, [Some(link), Some(link + 1)], [[a, 0.0], [b, 0.0]]));
+        mechanism.joints.push(Joint::new("output", pin, [None, Some(link + 1)], [pivot, [0.0; 2]]));
     }
     (if is_watt { "six-bar of Watt" } else { "six-bar of Stephenson" }, mechanism)
 }
@@ -318,7 +290,7 @@ fn add_component(mechanism: &mut Mechanism, random: &mut Random, component: &str
         "coupling" => {
             let gear = mechanism.bodies.len();
             mechanism.bodies.push(Body { com_m: [0.0; 2], ..body("gear", random, 0.02, [-0.1, 0.0, 0.0]) });
-            mechanism.joints.push(joint("gear", JointKind::Revolute, [None, Some(gear)], [[-0.1, 0.0], [0.0; 2]]));
+            mechanism.joints.push(Joint::new("gear", JointKind::Revolute, [None, Some(gear)], [[-0.1, 0.0], [0.0; 2]]));
             let ratio = random.within(0.4, 1.5) * random.choose(&[1.0, -1.0]) * pick(1.0, 0.02);
             let terms = vec![(on, 1.0), (mechanism.joints.len() - 1, ratio)];
             mechanism.couplings.push(Coupling { name: "c".to_string(), on: JointCombination { terms, offset: q } });
@@ -388,10 +360,10 @@ pub fn quick_line(gap_m: f64) -> Mechanism {
     ];
     let pin = JointKind::Revolute;
     let joints = vec![
-        Joint { start: Some(crank), start_rate: 10.0, ..joint("crank", pin, [None, Some(0)], [[0.0; 2]; 2]) },
-        joint("a", pin, [Some(0), Some(1)], [[r, 0.0], [0.0; 2]]),
-        joint("b", pin, [Some(1), Some(2)], [[l, 0.0], [m, 0.0]]),
-        joint("rocker", pin, [None, Some(2)], [pivot, [0.0; 2]]),
+        Joint { start: Some(crank), start_rate: 10.0, ..Joint::new("crank", pin, [None, Some(0)], [[0.0; 2]; 2]) },
+        Joint::new("a", pin, [Some(0), Some(1)], [[r, 0.0], [0.0; 2]]),
+        Joint::new("b", pin, [Some(1), Some(2)], [[l, 0.0], [m, 0.0]]),
+        Joint::new("rocker", pin, [None, Some(2)], [pivot, [0.0; 2]]),
     ];
     Mechanism { bodies, joints, ..Mechanism::default() }
 }

@@ -214,17 +214,13 @@ fn near(mechanism: &Mechanism, body: Option<usize>, random: &mut Random) -> [f64
 
 fn add_body(mechanism: &mut Mechanism, random: &mut Random, is_free: bool) {
     let velocity = if is_free { 0.5 } else { 0.0 };
+    let name = format!("body{}", mechanism.bodies.len());
+    let body = Body::new(name, random.log_within(0.01, 0.1), random.log_within(3e-6, 1e-4));
     mechanism.bodies.push(Body {
-        name: format!("body{}", mechanism.bodies.len()),
-        mass_kg: random.log_within(0.01, 0.1),
-        inertia_kg_m2: random.log_within(3e-6, 1e-4),
         com_m: [random.within(-0.02, 0.02), random.within(-0.02, 0.02)],
         pose: [random.within(-0.1, 0.1), random.within(-0.05, 0.15), random.within(-PI, PI)],
         rate: [(); 3].map(|()| velocity * random.within(-1.0, 1.0)),
-        motion: None,
-        outlines: Vec::new(),
-        drawn_m: Vec::new(),
-        is_reported: true,
+        ..body
     });
 }
 
@@ -254,21 +250,13 @@ fn add_joint(
         true => JointKind::Prismatic { axis_rad: world_axis - angle(bodies[0]) },
         false => JointKind::Revolute,
     };
+    let name = format!("joint{}", mechanism.joints.len());
+    let points_m = [local(mechanism, bodies[0], point), local(mechanism, bodies[1], second)];
     mechanism.joints.push(Joint {
-        name: format!("joint{}", mechanism.joints.len()),
-        kind,
-        bodies,
-        points_m: [local(mechanism, bodies[0], point), local(mechanism, bodies[1], second)],
         offset_rad: if is_sliding { turned } else { 0.0 },
-        start: None,
-        start_rate: 0.0,
         damping: if random.chance(0.5) { random.log_within(1e-6, 1e-3) } else { 0.0 },
         armature: if random.chance(0.2) { random.log_within(1e-7, 1e-5) } else { 0.0 },
-        friction: None,
-        lower: None,
-        upper: None,
-        limit: None,
-        limit_name: None,
+        ..Joint::new(name, kind, bodies, points_m)
     });
 }
 

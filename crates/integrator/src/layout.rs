@@ -26,9 +26,6 @@ pub trait Matrix<T>: Clone + Debug + Send + Index<usize, Output = [T]> + IndexMu
     /// Sets all entries.
     fn fill(&mut self, value: T);
 
-    /// Row `i`, and another row `k`.
-    fn rows_mut(&mut self, i: usize, k: usize) -> (&mut [T], &[T]);
-
     /// All entries by rows, and the number of columns.
     fn entries(&self) -> (&[T], usize);
 
@@ -70,12 +67,6 @@ impl<T: Entry, const ROWS: usize, const COLUMNS: usize> Matrix<T> for FixedMatri
     }
 
     #[inline(always)]
-    fn rows_mut(&mut self, i: usize, k: usize) -> (&mut [T], &[T]) {
-        let [row, other] = self.0.get_disjoint_mut([i, k]).expect("different rows");
-        (row, other)
-    }
-
-    #[inline(always)]
     fn entries(&self) -> (&[T], usize) {
         (self.0.as_flattened(), COLUMNS)
     }
@@ -102,17 +93,20 @@ impl<T> IndexMut<usize> for DynamicMatrix<T> {
     }
 }
 
-impl<T: Entry> Matrix<T> for DynamicMatrix<T> {
-    fn fill(&mut self, value: T) {
-        self.entries.fill(value);
-    }
-
+impl<T> DynamicMatrix<T> {
+    /// Row `i`, and another row `k`.
     #[inline(always)]
-    fn rows_mut(&mut self, i: usize, k: usize) -> (&mut [T], &[T]) {
+    pub fn rows_mut(&mut self, i: usize, k: usize) -> (&mut [T], &[T]) {
         let columns = self.columns;
         let (before, after) = self.entries.split_at_mut(i.max(k) * columns);
         let (low, high) = (&mut before[i.min(k) * columns..][..columns], &mut after[..columns]);
         if i < k { (low, high) } else { (high, low) }
+    }
+}
+
+impl<T: Entry> Matrix<T> for DynamicMatrix<T> {
+    fn fill(&mut self, value: T) {
+        self.entries.fill(value);
     }
 
     #[inline(always)]

@@ -36,6 +36,7 @@ pub use configuration::{
     FinalAngles, StaticGrasp, grasp_configuration, is_form_closed, normal_forces, sample_force_closure,
     scene_static_grasp, static_grasp,
 };
+pub(crate) use grasp::contact_at_rest;
 pub use grasp::{
     ActuatorCriteria, DIRECTIONS, Firmness, HoldState, Margin, ObjectCriteria, ObjectTracker, PairCriteria, Slip,
     firmness,

@@ -3,6 +3,7 @@
 //! The posture is that of a run at a time. The results are force closure of one body by its contacts, form closure of
 //! object and hand with the actuators blocked, and the accelerations of the base that the contacts can balance.
 
+use crate::criteria::contact_at_rest;
 use crate::drawing::states::in_sample;
 use crate::mechanism::{JointCombination, Mechanism, OutlineId, Pose, point_in};
 use crate::scene::{Scene, WrongKind};
@@ -322,12 +323,7 @@ fn active_contacts(mechanism: &Mechanism, sample: &Sample, object: usize, within
     let contact = |(index, point): (usize, crate::mechanism::PointContact)| {
         let (pair, found) = (&mechanism.contacts[point.pair], sample.contact(index));
         let is_active = found.normal_n > 0.0 || within_m.is_some_and(|within_m| found.gap_m <= within_m);
-        let bodies = [pair.points.body, pair.face.body];
-        let mu = pair.law.friction.map_or(0.0, |friction| friction.mu_static);
-        // From the face to the points.
-        let sign = if pair.is_reported_on_face { -1.0 } else { 1.0 };
-        let normal = found.normal.map(|component| sign * component);
-        let at_rest = ContactAtRest { bodies, point_m: found.point_m, normal, mu };
+        let at_rest = contact_at_rest(pair, &found);
         is_active.then_some(HeldContact {
             name: point.name,
             at_rest,

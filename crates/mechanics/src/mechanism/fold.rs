@@ -90,34 +90,8 @@ mod tests {
     /// A parallelogram with sides of 1 m and 2 m, whose crank is at an angle.
     fn parallelogram(angle: f64) -> (Mechanism, Vec<Pose>) {
         let (sin, cos) = crate::numeric::elementary::sin_cos(angle);
-        let body = |name: &str| Body {
-            name: name.to_string(),
-            mass_kg: 1.0,
-            inertia_kg_m2: 1.0,
-            com_m: [0.0; 2],
-            pose: [0.0; 3],
-            rate: [0.0; 3],
-            motion: None,
-            outlines: Vec::new(),
-            drawn_m: Vec::new(),
-            is_reported: true,
-        };
-        let joint = |bodies, points_m| Joint {
-            name: String::new(),
-            kind: JointKind::Revolute,
-            bodies,
-            points_m,
-            offset_rad: 0.0,
-            start: None,
-            start_rate: 0.0,
-            damping: 0.0,
-            armature: 0.0,
-            friction: None,
-            lower: None,
-            upper: None,
-            limit: None,
-            limit_name: None,
-        };
+        let body = |name: &str| Body::new(name, 1.0, 1.0);
+        let joint = |bodies, points_m| Joint::new("", JointKind::Revolute, bodies, points_m);
         let mechanism = Mechanism {
             bodies: ["crank", "coupler", "rocker"].map(body).to_vec(),
             joints: vec![

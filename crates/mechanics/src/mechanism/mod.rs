@@ -355,6 +355,22 @@ impl JointCombination {
 }
 
 impl Body {
+    /// A body at rest at the origin, with its centre of mass there, without outlines.
+    pub fn new(name: impl Into<String>, mass_kg: f64, inertia_kg_m2: f64) -> Self {
+        Self {
+            name: name.into(),
+            mass_kg,
+            inertia_kg_m2,
+            com_m: [0.0; 2],
+            pose: [0.0; 3],
+            rate: [0.0; 3],
+            motion: None,
+            outlines: Vec::new(),
+            drawn_m: Vec::new(),
+            is_reported: true,
+        }
+    }
+
     /// Whether the body can rotate.
     pub fn rotates(&self) -> bool {
         self.inertia_kg_m2.is_finite()
@@ -368,6 +384,28 @@ impl Body {
     /// Whether forces affect x, y and θ of the body.
     pub fn moves_by_forces(&self) -> [bool; 3] {
         [true, true, self.rotates()].map(|moves| moves && self.motion.is_none())
+    }
+}
+
+impl Joint {
+    /// A joint without damping, armature, friction and limits, whose coordinate at the start follows from other joints.
+    pub fn new(name: impl Into<String>, kind: JointKind, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2]) -> Self {
+        Self {
+            name: name.into(),
+            kind,
+            bodies,
+            points_m,
+            offset_rad: 0.0,
+            start: None,
+            start_rate: 0.0,
+            damping: 0.0,
+            armature: 0.0,
+            friction: None,
+            lower: None,
+            upper: None,
+            limit: None,
+            limit_name: None,
+        }
     }
 }
 

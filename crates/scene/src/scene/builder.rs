@@ -318,20 +318,14 @@ fn joints(driven: &HandFinger, mount: &Mount, first_body: usize, name: &dyn Fn(&
         };
         let limit = driven.limit.filter(|_| index == Q22);
         Joint {
-            name: name(FINGER_JOINTS[index]),
-            kind: JointKind::Revolute,
-            bodies,
-            points_m,
             offset_rad,
             start,
             start_rate,
-            damping: 0.0,
             armature: if index == Q11 { motor.inertia_kg_m2 } else { 0.0 },
-            friction: None,
             lower: limit.map(|_| -lengths.phi22_rad),
-            upper: None,
             limit,
             limit_name: limit.map(|_| name(FingerContact::Limit.name())),
+            ..Joint::new(name(FINGER_JOINTS[index]), JointKind::Revolute, bodies, points_m)
         }
     })
 }
@@ -420,8 +414,7 @@ pub(super) fn add_disc(
 
 /// A body without mass and outlines.
 pub(super) fn body(name: String, com_m: [f64; 2], pose: Pose, rate: Pose) -> Body {
-    let (motion, outlines, drawn_m, is_reported) = (None, Vec::new(), Vec::new(), true);
-    Body { name, mass_kg: 0.0, inertia_kg_m2: 0.0, com_m, pose, rate, motion, outlines, drawn_m, is_reported }
+    Body { com_m, pose, rate, ..Body::new(name, 0.0, 0.0) }
 }
 
 /// Adds an outline to a body, or to the ground for `None`.

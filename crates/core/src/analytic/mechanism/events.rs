@@ -191,16 +191,11 @@ impl MechanismModel {
         }
     }
 
-    /// State of a contact, with evaluated rows.
-    fn variables_at(
-        &self,
-        (q, v): StateRef<'_, Dynamic>,
-        index: usize,
-        feature: Option<Feature>,
-    ) -> ContactVariables<'_, Vec<f64>> {
+    /// State of a contact on its nearest feature, with evaluated rows.
+    fn variables_at(&self, (q, v): StateRef<'_, Dynamic>, index: usize) -> ContactVariables<'_, Vec<f64>> {
         self.with_columns((q, v), |motions| {
             let ContactVariables { delta, rate, slip, bristle_state, normal_row, tangent_row, .. } =
-                self.contact_variables(motions, v, index, feature);
+                self.contact_variables(motions, v, index, None);
             let evaluated = |row: RowAt<'_>| {
                 let mut evaluated = vec![0.0; v.len()];
                 row.write(&mut evaluated);
@@ -305,7 +300,7 @@ impl MechanismModel {
         let (ranges, times_s, count) = (self.ranges(t, (q, v)), self.times_around(t), self.contacts.len());
         let free = Mode::free(count);
         let mut mode = MechanismMode { contacts: free.clone(), features: vec![None; count], ranges, counts, times_s };
-        let variables = |index| Some(self.variables_at((q, v), index, None));
+        let variables = |index| Some(self.variables_at((q, v), index));
         let contacts = free.at_state(&self.event_tolerances, variables, |contacts| {
             mode.contacts.clone_from(contacts);
             let mut rates = Rates::zero(self.sizes());
@@ -361,16 +356,19 @@ impl Hybrid for MechanismModel {
             if mode[index] != ContactState::Active || !pair.bodies.iter().all(|body| self.mechanism.is_base(*body)) {
                 continue;
             }
-            let after = |dt: f64| {
+            let delta_rate_slip_after = |dt: f64| {
                 let mut q = q.clone();
                 q[time] += dt;
-                self.variables_at((&q, v), index, mode.features[index])
+                self.with_contact((&q, v), index, |motions| {
+                    let contact = self.contact_variables(motions, v, index, mode.features[index]);
+                    [contact.delta, contact.rate, contact.slip]
+                })
             };
-            let contact = after(0.0);
-            let depth = contact.delta.max(contact.law.depth_scale_m());
-            let mut dt = MAX_DRIVEN_STEP_S.min(DRIVEN_FRACTION * depth / contact.rate.abs());
+            let [delta, rate, slip] = delta_rate_slip_after(0.0);
+            let depth = delta.max(contact.normal.depth_scale_m());
+            let mut dt = MAX_DRIVEN_STEP_S.min(DRIVEN_FRACTION * depth / rate.abs());
             let max_change = contact.friction.map_or(f64::INFINITY, |law| DRIVEN_FRACTION * law.v_static_m_s);
-            while (after(dt).slip - contact.slip).abs() > max_change {
+            while (delta_rate_slip_after(dt)[2] - slip).abs() > max_change {
                 dt *= 0.5;
             }
             max_dt = max_dt.min(dt);

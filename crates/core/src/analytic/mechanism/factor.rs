@@ -1,6 +1,6 @@
 //! Cholesky factorisation of the mass matrix of a group.
 
-use crate::integrator::{DynamicMatrix, Matrix};
+use crate::integrator::DynamicMatrix;
 
 /// Cholesky factor of the mass matrix of one group, by rows.
 #[derive(Clone, Debug)]

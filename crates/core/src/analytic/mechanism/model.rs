@@ -87,10 +87,10 @@ struct Workspace {
     v: Vec<f64>,
     has_state: bool,
     /// Poses and rates of those groups that are evaluated, with derivatives by the coordinates and bias accelerations of all if
-    /// `has_derivatives`.
+    /// `has_columns`.
     motions: Motions<f64>,
     is_evaluated: Vec<bool>,
-    has_derivatives: bool,
+    has_columns: bool,
     /// Whether the motions contain all angles, see [`MechanismModel::with_angles`].
     has_angles: bool,
     /// Factors of the mass matrices of all groups, in this state if `has_factors`.
@@ -108,7 +108,7 @@ pub(super) struct Scratch {
     pub row: Vec<f64>,
     /// Accelerations per unit of a normal force.
     pub response: Vec<f64>,
-    /// Its second derivatives, in the place of those of loads; without cables it has no entries.
+    /// Second derivatives of the length of a cable, in the place of those of loads; without cables it has no entries.
     pub second: Linearised<Dynamic>,
 }
 
@@ -180,7 +180,7 @@ impl Workspace {
             has_state: false,
             motions,
             is_evaluated: vec![false; groups.len()],
-            has_derivatives: false,
+            has_columns: false,
             has_angles: false,
             factors: groups.iter().map(|group| Factor::new(group.size(), group.has_prescribed())).collect(),
             has_factors: false,
@@ -496,7 +496,7 @@ impl MechanismModel {
     #[inline(always)]
     pub(super) fn with_columns<R>(&self, state: StateRef<'_, Dynamic>, f: impl FnOnce(&Motions<f64>) -> R) -> R {
         let mut workspace = self.workspace.borrow_mut();
-        self.update_derivatives(state, &mut workspace);
+        self.update_columns(state, &mut workspace);
         f(&workspace.motions)
     }
 
@@ -509,7 +509,7 @@ impl MechanismModel {
     ) -> R {
         let mut workspace = self.workspace.borrow_mut();
         let workspace = &mut *workspace;
-        self.update_derivatives(state, workspace);
+        self.update_columns(state, workspace);
         if !std::mem::replace(&mut workspace.has_factors, true) {
             for (group, factor) in self.groups.iter().zip(&mut workspace.factors) {
                 self.evaluate_mass(group, &workspace.motions, factor.mass());
@@ -559,7 +559,7 @@ impl MechanismModel {
         for free in &self.free_bodies {
             free.place((&q[free.first..], &v[free.first..]), &mut workspace.motions);
         }
-        (workspace.has_angles, workspace.has_derivatives, workspace.has_factors) = (false, false, false);
+        (workspace.has_angles, workspace.has_columns, workspace.has_factors) = (false, false, false);
         workspace.has_state = true;
         workspace.is_evaluated.fill(false);
         workspace.q.copy_from_slice(q);
@@ -567,9 +567,9 @@ impl MechanismModel {
     }
 
     /// Evaluates the motions of a state with derivatives by the coordinates, unless they are there.
-    fn update_derivatives(&self, state: StateRef<'_, Dynamic>, workspace: &mut Workspace) {
+    fn update_columns(&self, state: StateRef<'_, Dynamic>, workspace: &mut Workspace) {
         self.enter(state, workspace);
-        if std::mem::replace(&mut workspace.has_derivatives, true) {
+        if std::mem::replace(&mut workspace.has_columns, true) {
             return;
         }
         let Workspace { q, v, motions, is_evaluated, .. } = workspace;
@@ -588,7 +588,7 @@ impl MechanismModel {
     ) -> R {
         let mut workspace = self.workspace.borrow_mut();
         let workspace = &mut *workspace;
-        self.update_derivatives(state, workspace);
+        self.update_columns(state, workspace);
         for group in &self.groups {
             let state = group.state((state.0, state.1));
             for (chunk, motions) in workspace.with_derivatives.iter_mut().enumerate().take(group.chunks()) {

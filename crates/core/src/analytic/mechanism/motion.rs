@@ -238,7 +238,7 @@ impl<T: Real> Motions<T> {
         }
     }
 
-    /// Makes room for derivatives, of which the supports of a model's motions say where they are.
+    /// Makes room for derivatives, at the places that the supports of a model's motions give.
     pub fn reserve<U>(&mut self, like: &Motions<U>) {
         self.body_supports.clone_from(&like.body_supports);
         self.joint_supports.clone_from(&like.joint_supports);

@@ -4,14 +4,14 @@ use super::actuators::{command, is_at_limit};
 use super::object::ObjectCriteria;
 use crate::criteria::Fate;
 use crate::drawing::states::in_sample;
-use crate::mechanism::{Actuator, Command, Mechanism, Pose, point_in};
+use crate::mechanism::{Actuator, Command, ContactPair, Mechanism, PointContact, Pose, point_in};
 use crate::numeric::elementary::atan2;
 use crate::scene::Scene;
 use crate::statics::{
     BalanceAtRest, ContactAtRest, DriveState, FrictionContact, GraspRoles, LoadsAtRest, MechanismAtRest,
     MechanismLimit, balance_at_rest, force_closure, mechanism_closure, roles,
 };
-use crate::trace::Sample;
+use crate::trace::{ContactSample, Sample};
 
 /// Number of directions of an acceleration, evenly spaced from x towards y.
 pub const DIRECTIONS: usize = 24;
@@ -58,15 +58,18 @@ pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
     let states = in_sample(mechanism, sample).bodies.into_iter();
     let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
     let contacts = contacts(mechanism, &grasp, (sample, scene.thresholds.loss_force_n));
-    let at_rest: Vec<ContactAtRest> = contacts.iter().map(|contact| contact.at_rest).collect();
-    let of_object: Vec<FrictionContact> = contacts.iter().filter_map(|contact| contact.of_object).collect();
-    let of_bodies = at_rest.iter().map(|contact| contact.bodies);
+    let on_object = |contact: &ContactAtRest| {
+        let push = contact.push_on(grasp.object)?;
+        Some(FrictionContact { point_m: contact.point_m, push, mu: contact.mu })
+    };
+    let of_object: Vec<FrictionContact> = contacts.iter().filter_map(on_object).collect();
+    let of_bodies = contacts.iter().map(|contact| contact.bodies);
     let roles = roles(mechanism, (grasp.object, grasp.base), &grasp.surroundings, of_bodies);
     let posture = |drives| MechanismAtRest {
         mechanism,
         poses: &poses,
         time_s: sample.time_s,
-        contacts: &at_rest,
+        contacts: &contacts,
         drives,
         roles: &roles,
     };
@@ -108,39 +111,28 @@ fn margin(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest) -> Margin {
     }
 }
 
-/// A contact that can push, without those of the surroundings.
-struct ActiveContact {
-    at_rest: ContactAtRest,
-    /// As a contact of the object.
-    of_object: Option<FrictionContact>,
+/// A contact of a sample, as one that can push.
+pub(crate) fn contact_at_rest(pair: &ContactPair, found: &ContactSample) -> ContactAtRest {
+    // From the face to the points.
+    let sign = if pair.is_reported_on_face { -1.0 } else { 1.0 };
+    ContactAtRest {
+        bodies: [pair.points.body, pair.face.body],
+        point_m: found.point_m,
+        normal: found.normal.map(|component| sign * component),
+        mu: pair.law.friction.map_or(0.0, |friction| friction.mu_static),
+    }
 }
 
 /// Contacts active at the end, with forces above a threshold, of the object with the hand and of the hand with itself.
-fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (&Sample, f64)) -> Vec<ActiveContact> {
+fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (&Sample, f64)) -> Vec<ContactAtRest> {
     let is_hand = |body: Option<usize>| {
         body.map_or(grasp.base.is_none(), |body| body == grasp.object || mechanism.has_joint(Some(body)))
     };
-    let contact = |(index, point): (usize, crate::mechanism::PointContact)| {
+    let contact = |(index, point): (usize, PointContact)| {
         let (pair, found) = (&mechanism.contacts[point.pair], sample.contact(index));
-        let bodies = [pair.points.body, pair.face.body];
-        let is_listed = [pair.points, pair.face].iter().any(|id| grasp.surroundings.contains(id));
-        let is_outside = is_listed || !bodies.into_iter().all(is_hand);
-        if found.normal_n <= loss_force_n || is_outside {
-            return None;
-        }
-        let mu = pair.law.friction.map_or(0.0, |friction| friction.mu_static);
-        // From the face to the points.
-        let sign = if pair.is_reported_on_face { -1.0 } else { 1.0 };
-        let normal @ [x, y] = found.normal.map(|part| sign * part);
-        let push = match bodies.map(|body| body == Some(grasp.object)) {
-            [true, _] => Some([x, y]),
-            [_, true] => Some([-x, -y]),
-            _ => None,
-        };
-        Some(ActiveContact {
-            at_rest: ContactAtRest { bodies, point_m: found.point_m, normal, mu },
-            of_object: push.map(|push| FrictionContact { point_m: found.point_m, push, mu }),
-        })
+        let outlines = [pair.points, pair.face];
+        let is_outside = outlines.iter().any(|id| grasp.surroundings.contains(id) || !is_hand(id.body));
+        (found.normal_n > loss_force_n && !is_outside).then(|| contact_at_rest(pair, &found))
     };
     mechanism.point_contacts().into_iter().enumerate().filter_map(contact).collect()
 }

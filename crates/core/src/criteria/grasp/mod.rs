@@ -25,6 +25,7 @@ mod recent;
 mod tracker;
 
 pub use actuators::ActuatorCriteria;
+pub(crate) use firmness::contact_at_rest;
 pub use firmness::{DIRECTIONS, Firmness, Margin, firmness};
 pub use hold::HoldState;
 pub use object::{ObjectCriteria, Slip};

@@ -216,10 +216,6 @@ pub(super) fn joint(
         (None, None) => return None,
     };
     units_fit.then(|| Joint {
-        name: name.to_owned(),
-        kind,
-        bodies,
-        points_m,
         offset_rad: *settings.offset,
         start: settings.start.map(|start| *start),
         start_rate: settings.start_rate.map_or(0.0, |rate| *rate),
@@ -229,7 +225,7 @@ pub(super) fn joint(
         lower: limits[0],
         upper: limits[1],
         limit,
-        limit_name: None,
+        ..Joint::new(name, kind, bodies, points_m)
     })
 }
 

@@ -324,8 +324,7 @@ fn body(name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Opt
     }
     let outlines = outlines?;
     let (mass_kg, inertia_kg_m2, com_m) = inertia(section, &keys, &outlines)?;
-    let (name, drawn_m) = (name.to_owned(), Vec::new());
-    Some(Body { name, mass_kg, inertia_kg_m2, com_m, pose, rate, motion: None, outlines, drawn_m, is_reported: true })
+    Some(Body { com_m, pose, rate, outlines, ..Body::new(name, mass_kg, inertia_kg_m2) })
 }
 
 /// Mass, moment of inertia and centre of mass of a body.
