@@ -55,9 +55,10 @@ pub fn folded_joints(mechanism: &Mechanism, poses: &[Pose]) -> Option<Vec<usize>
 }
 
 impl Mechanism {
-    /// Describes a posture in which the joints of a dyad, the inner one in the middle, are in line and no other coordinates of
-    /// the analytic model are regular: a fold of the mechanism, or a loop that is no row of dyads in the regular ones.
-    pub fn describe_singularity(&self, poses: &[Pose], joints: [usize; 3]) -> String {
+    /// Describes a posture in which the joints of a dyad, the inner one in the middle, or those of a larger Assur group, which
+    /// has six or more, are singular, and no other coordinates of the analytic model are regular: a fold of the mechanism in
+    /// nearly all cases.
+    pub fn describe_singularity(&self, poses: &[Pose], joints: &[usize]) -> String {
         let name = |joint: &usize| &self.joints[*joint].name[..];
         let list = |joints: &[usize]| match joints {
             [others @ .., last] if !others.is_empty() => {
@@ -65,18 +66,24 @@ impl Mechanism {
             }
             joints => joints.iter().map(name).collect(),
         };
-        match folded_joints(self, poses) {
-            Some(folded) => format!(
+        let remedies = "Give one of these joints a stop (`lower` or `upper`) before this posture, start with a motion that does \
+             not reach it, or simulate with `--model engine`, which may go on in one of them";
+        match (folded_joints(self, poses), joints) {
+            (Some(folded), [_, inner, _]) => format!(
                 "singular configuration: the joints {} are in line, and the mechanism can go on in two ways: {} bends to either \
-                 side. Give one of these joints a stop (`lower` or `upper`) before this posture, start with a motion that does \
-                 not reach it, or simulate with `--model engine`, which may go on in one of them",
+                 side. {remedies}",
                 list(&folded),
-                name(&joints[1])
+                name(inner)
             ),
-            None => format!(
-                "singular configuration: the joints {} are in line, and the loop is no row of dyads in other coordinates: \
-                 simulate with `--model engine`, or give one of these joints a stop (`lower` or `upper`) before this posture",
-                list(&joints)
+            (Some(folded), _) => format!(
+                "singular configuration: the joints {} fold, and the mechanism can go on in two ways. {remedies}",
+                list(&folded)
+            ),
+            (None, _) => format!(
+                "singular configuration: the joints {} fail as coordinates, and so do all others that the analytic model can \
+                 choose: simulate with `--model engine`, or give one of these joints a stop (`lower` or `upper`) before this \
+                 posture",
+                list(joints)
             ),
         }
     }

@@ -16,6 +16,7 @@ pub mod structure;
 pub mod tendon;
 
 mod assembly;
+mod assur;
 mod fold;
 mod mirror;
 mod outline;

@@ -5,12 +5,14 @@
 //! group. All bodies with prescribed motion are in one group, whose first coordinate is time. Within a group, an
 //! independent coordinate opens a joint, a coupling gives the coordinate of a joint from other joints, and a dyad (two
 //! bodies with three joints) is placed by the intersection of two circles or lines. Nearly every planar linkage is a row
-//! of dyads after its driven joints. The search tries joints with a start, an actuator, a spring or a limit first. Where
-//! these coordinates fail, because the joints of a dyad come into line, [`regroup`] searches others.
+//! of dyads after its driven joints. Where there is no row of dyads, a larger Assur group is placed by Newton's method. The
+//! search tries joints with a start, an actuator, a spring or a limit first. Where these coordinates fail, because the joints
+//! of a dyad come into line, [`regroup`] searches others.
 
 use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
 
+use super::assur::{ClosedSet, closed_set};
 use super::{Mechanism, PrescribedMotion, Spring};
 
 /// A group of connected bodies, with the order of their placement.
@@ -24,9 +26,19 @@ pub struct Group {
 }
 
 impl Group {
-    /// Number of dyads, which does not depend on the choice of the coordinates.
+    /// Number of joints that close loops: one in each dyad. It does not depend on the choice of the coordinates.
     pub fn count_of_dyads(&self) -> usize {
-        self.placements.iter().filter(|placement| matches!(placement, Placement::Dyad { .. })).count()
+        let count = |placement: &Placement| match placement {
+            Placement::Dyad { .. } => 1,
+            Placement::Assur { closing, .. } => closing.len(),
+            _ => 0,
+        };
+        self.placements.iter().map(count).sum()
+    }
+
+    /// Whether Newton's method places some of the bodies.
+    pub fn has_assur(&self) -> bool {
+        self.placements.iter().any(|placement| matches!(placement, Placement::Assur { .. }))
     }
 }
 
@@ -40,7 +52,7 @@ pub enum Coordinate {
     Time,
 }
 
-/// One or two bodies that are placed from bodies with a known pose.
+/// Bodies that are placed from bodies with a known pose.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Placement {
     /// A body whose pose is coordinates, from `first` on: three `axes`, or two for a body that does not rotate.
@@ -51,6 +63,18 @@ pub enum Placement {
     Joint { at: Attachment, coordinate: Source },
     /// Two bodies that close a loop at the joint `inner`.
     Dyad { outer: [Attachment; 2], inner: usize },
+    /// Bodies whose joints determine their poses, without a dyad among them: each one is attached to a body before it by the
+    /// joints of `tree`, and the joints `closing` close the loops. The coordinate of a joint of the tree may be an independent
+    /// one of the group, by its index in `known`.
+    Assur { tree: Vec<Attachment>, known: Vec<Option<usize>>, closing: Vec<usize> },
+}
+
+/// Placements that a search may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Closures {
+    Dyads,
+    /// Also Assur groups beyond dyads.
+    All,
 }
 
 /// A body, the joint that attaches it, and the body on the other side of the joint, whose pose is known.
@@ -86,8 +110,9 @@ pub enum Source {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StructureError {
     #[error(
-        "the loop through the joints {} is no row of dyads (two bodies with three joints each): give one of these joints \
-         an actuator or a start, which makes its coordinate independent, or simulate with `--model engine`",
+        "the loop through the joints {} is no row of dyads (two bodies with three joints each), nor of larger groups of \
+         bodies that turn and that joints alone determine: give one of these joints an actuator or a start, which makes \
+         its coordinate independent, or simulate with `--model engine`",
         joints.join(", ")
     )]
     NoDyad { joints: Vec<String> },
@@ -102,14 +127,18 @@ pub enum StructureError {
 /// Returns the groups of a mechanism, in the order of their first bodies.
 ///
 /// # Errors
-/// Returns an error for a loop that is no row of dyads, a coupling of determined joints, or a mechanism that cannot move.
+/// Returns an error for a loop that is no row of dyads or larger Assur groups, a coupling of determined joints, or a mechanism
+/// that cannot move.
 pub fn find_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> {
     let group_of = connected_bodies(mechanism);
     let mut groups = Vec::new();
     for first in 0..mechanism.bodies.len() {
         if group_of[first] == first {
             let search = Search::new(mechanism, |body| group_of[body] == first);
-            groups.push(search.run()?);
+            groups.push(search.run().or_else(|error| match error {
+                StructureError::NoDyad { .. } => search.with(Closures::All).run().map_err(|_| error),
+                _ => Err(error),
+            })?);
         }
     }
     match groups.iter().all(|group| group.coordinates.is_empty()) {
@@ -124,9 +153,14 @@ const MAX_EXTENSIONS: usize = 2000;
 
 /// Returns a group with other coordinates, all of whose placements are accepted; `None` if there is none. Its coordinates
 /// are those of the group as far as possible, then as of [`find_groups`]. Number and layout of the coordinates are the same.
-pub fn regroup(mechanism: &Mechanism, group: &Group, accepts: &dyn Fn(&Placement) -> bool) -> Option<Group> {
-    let search =
-        Search { kept: &group.coordinates, accepts, ..Search::new(mechanism, |body| group.bodies.contains(&body)) };
+pub fn regroup(
+    mechanism: &Mechanism,
+    group: &Group,
+    closures: Closures,
+    accepts: &dyn Fn(&Placement) -> bool,
+) -> Option<Group> {
+    let search = Search::new(mechanism, |body| group.bodies.contains(&body));
+    let search = Search { kept: &group.coordinates, accepts, ..search.with(closures) };
     let found = search.run().ok()?;
     (found.coordinates.len() == group.coordinates.len() && found.count_of_dyads() == group.count_of_dyads())
         .then_some(found)
@@ -162,6 +196,7 @@ struct Search<'a> {
     couplings: Vec<usize>,
     /// Coordinates that are tried first.
     kept: &'a [Coordinate],
+    closures: Closures,
     accepts: &'a dyn Fn(&Placement) -> bool,
     /// Sets of placed joints that lead to no placement of all bodies.
     failed: RefCell<HashSet<Vec<usize>>>,
@@ -174,6 +209,8 @@ struct Partial {
     group: Group,
     joints: Vec<usize>,
     couplings: Vec<usize>,
+    /// Joints between bodies that are not placed whose coordinates are independent, with the indices of the coordinates.
+    known: Vec<(usize, usize)>,
 }
 
 impl<'a> Search<'a> {
@@ -187,9 +224,23 @@ impl<'a> Search<'a> {
                 .filter(|coupling| mechanism.couplings[*coupling].on.terms.iter().any(|(joint, _)| has_member(*joint)))
                 .collect(),
             kept: &[],
+            closures: Closures::Dyads,
             accepts: &|_| true,
             failed: RefCell::default(),
             extensions: Cell::new(0),
+        }
+    }
+
+    /// A new search with these placements.
+    fn with(&self, closures: Closures) -> Self {
+        Self {
+            bodies: self.bodies.clone(),
+            joints: self.joints.clone(),
+            couplings: self.couplings.clone(),
+            closures,
+            failed: RefCell::default(),
+            extensions: Cell::new(0),
+            ..*self
         }
     }
 
@@ -253,8 +304,10 @@ impl<'a> Search<'a> {
         // The order in which joints were placed has no effect on what is left.
         let mut placed = partial.joints.clone();
         placed.sort_unstable();
-        if !self.kept.is_empty() && (self.failed.borrow().contains(&placed) || self.extensions.get() >= MAX_EXTENSIONS)
-        {
+        placed.push(usize::MAX);
+        placed.extend(partial.known.iter().map(|(joint, _)| joint));
+        let is_limited = !self.kept.is_empty() || self.closures == Closures::All;
+        if is_limited && (self.failed.borrow().contains(&placed) || self.extensions.get() >= MAX_EXTENSIONS) {
             return None;
         }
         self.extensions.set(self.extensions.get() + 1);
@@ -264,10 +317,32 @@ impl<'a> Search<'a> {
             next.add(Placement::Joint { at, coordinate: Source::Coordinate(next.group.coordinates.len() - 1) });
             self.extend(next, furthest)
         });
+        let found = found.or_else(|| self.extend_with_known(&partial, furthest));
         if found.is_none() {
             self.failed.borrow_mut().insert(placed);
         }
         found
+    }
+
+    /// Places all bodies with the coordinate of a joint between two bodies that are not placed, if the search may use it.
+    fn extend_with_known(&self, partial: &Partial, furthest: &mut Partial) -> Option<Group> {
+        if self.closures == Closures::Dyads {
+            return None;
+        }
+        // Joints in ascending order, so that no choice of several is tried twice.
+        let last = partial.known.last().map_or(0, |(joint, _)| joint + 1);
+        let is_between = |joint: &usize| {
+            let bodies = self.mechanism.joints[*joint].bodies;
+            *joint >= last && bodies.into_iter().all(|body| body.is_some() && !partial.is_placed(body))
+        };
+        let mut between: Vec<usize> = self.joints.iter().copied().filter(is_between).collect();
+        between.sort_by_key(|joint| (!self.kept.contains(&Coordinate::Joint(*joint)), self.rank(*joint)));
+        between.into_iter().find_map(|joint| {
+            let mut next = partial.clone();
+            next.known.push((joint, next.group.coordinates.len()));
+            next.group.coordinates.push(Coordinate::Joint(joint));
+            self.extend(next, furthest)
+        })
     }
 
     /// Returns the group, if the placement of every body that does not rotate keeps its angle.
@@ -292,6 +367,7 @@ impl<'a> Search<'a> {
                     let is_shared = is_slider(*inner) && slides_on != [false; 2];
                     (0..2).for_each(|k| turns[outer[k].body] = !slides_on[k] && !is_shared);
                 }
+                Placement::Assur { tree, .. } => tree.iter().for_each(|at| turns[at.body] = true),
             }
         }
         match group.bodies.iter().find(|body| turns[**body] && bodies[**body].moves_by_forces() == [true, true, false])
@@ -334,6 +410,13 @@ impl<'a> Search<'a> {
 
     /// Returns a placement that needs no further coordinate.
     fn determined(&self, partial: &Partial) -> Option<Placement> {
+        let known = partial.known.iter().find_map(|(joint, index)| {
+            let at = self.attachment(partial, *joint)?;
+            Some(Placement::Joint { at, coordinate: Source::Coordinate(*index) })
+        });
+        if known.is_some() {
+            return known;
+        }
         let coupled = self.couplings.iter().find_map(|coupling| {
             let terms = &self.mechanism.couplings[*coupling].on.terms;
             let mut unknown = terms.iter().map(|(joint, _)| *joint).filter(|joint| !partial.joints.contains(joint));
@@ -349,7 +432,30 @@ impl<'a> Search<'a> {
             })?;
             Some(Placement::Joint { at, coordinate: Source::Angle })
         };
-        coupled.or_else(angle).or_else(|| self.joints.iter().find_map(|inner| self.dyad(partial, *inner)))
+        let dyad = || self.joints.iter().find_map(|inner| self.dyad(partial, *inner));
+        coupled.or_else(angle).or_else(dyad).or_else(|| self.assur(partial))
+    }
+
+    /// Returns the smallest Assur group beyond a dyad that the placed bodies determine, if the search may use it.
+    fn assur(&self, partial: &Partial) -> Option<Placement> {
+        if self.closures == Closures::Dyads {
+            return None;
+        }
+        let is_left = |body: &usize| !partial.is_placed(Some(*body));
+        let bodies: Vec<usize> = self.bodies.iter().copied().filter(is_left).collect();
+        let has_left = |joint: &usize| self.mechanism.joints[*joint].bodies.iter().flatten().any(is_left);
+        let joints: Vec<usize> = self.joints.iter().copied().filter(has_left).collect();
+        let known: Vec<usize> = partial.known.iter().map(|(joint, _)| *joint).collect();
+        let ClosedSet { tree, closing } = closed_set(self.mechanism, (&bodies, &joints), &known)?;
+        let attachment = |(joint, side): (usize, usize)| {
+            let bodies = self.mechanism.joints[joint].bodies;
+            Some(Attachment { joint, body: bodies[side]?, base: bodies[1 - side], is_second: side == 1 })
+        };
+        let tree: Vec<Attachment> = tree.into_iter().map(attachment).collect::<Option<_>>()?;
+        let index_of = |at: &Attachment| partial.known.iter().find(|known| known.0 == at.joint).map(|known| known.1);
+        let known = tree.iter().map(index_of).collect();
+        // Two bodies between three slides are no dyad.
+        (tree.len() > 2).then_some(Placement::Assur { tree, known, closing })
     }
 
     /// Returns the dyad with this inner joint, if each of its bodies has one joint to a placed body.
@@ -366,7 +472,7 @@ impl<'a> Search<'a> {
         let outer = [outer_of(first)?, outer_of(second)?];
         let mut joints = [outer[0].joint, inner, outer[1].joint].into_iter();
         let has_pin = joints.any(|joint| self.mechanism.joints[joint].kind.is_angle());
-        has_pin.then_some(Placement::Dyad { outer, inner })
+        (has_pin && partial.known.iter().all(|known| known.0 != inner)).then_some(Placement::Dyad { outer, inner })
     }
 }
 
@@ -388,6 +494,10 @@ impl Partial {
             Placement::Dyad { outer, inner } => {
                 self.group.bodies.extend(outer.map(|at| at.body));
                 self.joints.extend([outer[0].joint, *inner, outer[1].joint]);
+            }
+            Placement::Assur { tree, closing, .. } => {
+                self.group.bodies.extend(tree.iter().map(|at| at.body));
+                self.joints.extend(tree.iter().map(|at| at.joint).chain(closing.iter().copied()));
             }
         }
         self.group.placements.push(placement);

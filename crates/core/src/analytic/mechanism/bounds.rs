@@ -1,6 +1,9 @@
 //! Bounds of the motion of bodies and joints over a part of a step, from bounds of the coordinates: body by body in the order
 //! of placement, with lengths of the links and the pose at one end of the part.
 
+use super::assur::Assur;
+use super::assur_bounds::AssurBounds;
+use super::body_bounds::{Coordinates, MechanismBounds, arms, joint_between, length};
 use super::dyad::{inner_bodies, transmission};
 use super::group::{PlacedGroup, coupled_joints};
 use super::motion::Motions;
@@ -8,71 +11,7 @@ use crate::analytic::motion_bound::{MotionBound, PinnedPair, RateBound, sine_rea
 use crate::integrator::{CoordinateBounds, Dynamic};
 use crate::mechanism::structure::{Attachment, Placement, Source};
 use crate::mechanism::{Joint, JointKind, Mechanism};
-use crate::numeric::plane::{Vector, dot, sub};
-
-/// Bounds of all bodies and joints of a mechanism.
-#[derive(Clone, Debug)]
-pub(super) struct MechanismBounds {
-    /// Bodies of the mechanism, then the ground.
-    pub bodies: Vec<MotionBound>,
-    pub joints: Vec<RateBound>,
-    /// Part of the step in which all dyads and cables stay regular.
-    pub clearance_reach: f64,
-}
-
-pub(super) fn length(vector: Vector<f64>) -> f64 {
-    dot(vector, vector).sqrt()
-}
-
-impl MechanismBounds {
-    pub fn new(mechanism: &Mechanism) -> Self {
-        Self {
-            bodies: vec![MotionBound::default(); mechanism.bodies.len() + 1],
-            joints: vec![RateBound::default(); mechanism.joints.len()],
-            clearance_reach: f64::INFINITY,
-        }
-    }
-
-    pub fn body(&self, body: Option<usize>) -> &MotionBound {
-        &self.bodies[body.unwrap_or(self.bodies.len() - 1)]
-    }
-}
-
-/// Bounds of coordinates over a part of a step, by their index in a group, with the width of the part.
-pub(super) struct Coordinates<'a> {
-    pub rate: &'a [f64],
-    pub acceleration: &'a [f64],
-    pub width: f64,
-}
-
-impl Coordinates<'_> {
-    fn bound(&self, index: usize) -> RateBound {
-        RateBound { rate: self.rate[index], acceleration: self.acceleration[index] }
-    }
-
-    /// Bound of a body whose pose is coordinates from `first` on.
-    pub fn free_body(&self, first: usize, axes: usize) -> MotionBound {
-        let [x, y] = [first, first + 1].map(|index| self.bound(index));
-        let turn = if axes == 3 { self.bound(first + 2) } else { RateBound::default() };
-        MotionBound {
-            speed: length([x.rate, y.rate]),
-            acceleration: length([x.acceleration, y.acceleration]),
-            spin: turn.rate,
-            spin_acceleration: turn.acceleration,
-        }
-    }
-
-    /// Largest value of a length that has this value at one end of the part.
-    fn largest(&self, value: f64, rate: f64) -> f64 {
-        value.abs() + rate * self.width
-    }
-}
-
-/// A joint that attaches a body: the distances of its point from the origins of base and body.
-fn arms(joint: &Joint, at: &Attachment) -> [f64; 2] {
-    let own = usize::from(at.is_second);
-    [1 - own, own].map(|k| length(joint.points_m[k]))
-}
+use crate::numeric::plane::{Vector, sub};
 
 impl PlacedGroup {
     /// Bounds of the bodies and joints of the group, whose motions at one end of the part are `motions`.
@@ -135,6 +74,10 @@ impl PlacedGroup {
                     let dyad = Dyad { mechanism, outer, inner: *inner, step_s: all.step_s, width: all.width };
                     dyad.bound(motions, bounds);
                 }
+                Placement::Assur { tree, known, closing } => {
+                    let assur = Assur { mechanism, tree, known, closing };
+                    AssurBounds { assur, step_s: all.step_s, width: all.width }.bound(&coordinates, motions, bounds);
+                }
             }
         }
     }
@@ -180,14 +123,8 @@ impl Dyad<'_> {
             bounds.joints[at.joint] = if slides[k] { slide } else { base.plus(body.turn()) };
             bounds.bodies[at.body] = body;
         }
-        let [a, b] = inner_bodies(inner, self.outer).map(|k| bounds.bodies[self.outer[k].body]);
-        bounds.joints[self.inner] = match inner.kind {
-            JointKind::Revolute => a.turn().plus(b.turn()),
-            JointKind::Prismatic { .. } => {
-                let between = a.point(length(inner.points_m[0])).plus(b.point(length(inner.points_m[1])));
-                RateBound { acceleration: between.acceleration + a.spin * between.rate, ..between }
-            }
-        };
+        let of = inner_bodies(inner, self.outer).map(|k| bounds.bodies[self.outer[k].body]);
+        bounds.joints[self.inner] = joint_between(inner, of);
     }
 
     /// Distance of the point of the inner joint from that of outer joint `k`, in body `k`.

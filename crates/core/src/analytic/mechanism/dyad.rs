@@ -183,11 +183,11 @@ pub(super) struct Transmission {
 }
 
 /// Derivatives of the two closure functions of an inner joint by x, y and θ of each body of the dyad.
-type Closure<T> = [[[T; 3]; 2]; 2];
+pub(super) type Closure<T> = [[[T; 3]; 2]; 2];
 
 /// Closure of an inner joint whose bodies A and B are the bodies `of` of the dyad.
 #[inline(always)]
-fn closure<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T>; 2]) -> Closure<T> {
+pub(super) fn closure<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T>; 2]) -> Closure<T> {
     let (zero, one) = (T::zero(), T::constant(1.0));
     let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
     let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
@@ -217,7 +217,7 @@ fn closure<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T>; 2]) 
 
 /// Terms of the accelerations of the closure that are quadratic in the rates.
 #[inline(always)]
-fn quadratic_terms<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T>; 2]) -> [T; 2] {
+pub(super) fn quadratic_terms<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T>; 2]) -> [T; 2] {
     let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
     let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
     let squared = [first.rate[2].squared(), second.rate[2].squared()];
@@ -237,7 +237,7 @@ fn quadratic_terms<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<
 
 /// A function of the closure at a motion of one body.
 #[inline(always)]
-fn applied<T: Real>(closure: &Closure<T>, equation: usize, body: usize, motion: [T; 3]) -> T {
+pub(super) fn applied<T: Real>(closure: &Closure<T>, equation: usize, body: usize, motion: [T; 3]) -> T {
     let [x, y, angle] = closure[equation][body];
     x * motion[0] + y * motion[1] + angle * motion[2]
 }
@@ -410,9 +410,20 @@ pub(super) fn move_inner_joint<T: Real>(
     motions: &mut Motions<T>,
     part: Part,
 ) {
+    let of = inner_bodies(&mechanism.joints[index], outer);
+    move_joint_between(mechanism, pair(|k| outer[of[k]].body), index, motions, part);
+}
+
+/// Evaluates the motion of a joint whose coordinate is known from those of its bodies.
+#[inline(always)]
+pub(super) fn move_joint_between<T: Real>(
+    mechanism: &Mechanism,
+    of: [usize; 2],
+    index: usize,
+    motions: &mut Motions<T>,
+    part: Part,
+) {
     let inner = &mechanism.joints[index];
-    let of = inner_bodies(inner, outer);
-    let of = pair(|k| outer[of[k]].body);
     let [first, second] = pair(|k| &motions.bodies[of[k]]);
     // The motion of the joint from those of both bodies.
     match inner.kind {

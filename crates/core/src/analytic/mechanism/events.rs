@@ -2,6 +2,7 @@
 //! singularities of its dyads.
 
 use super::actuator::{Ranges, margin, margin_tolerance, range, range_after};
+use super::assur::Assur;
 use super::cable::Cable;
 use super::contacts::Surfaces;
 use super::dyad::PivotLine;
@@ -295,11 +296,23 @@ impl MechanismModel {
         self.groups.iter().flat_map(move |group| group.pivot_lines(&self.mechanism, motions))
     }
 
+    /// The Assur groups beyond dyads, in this mode.
+    fn assurs(&self, mode: &MechanismMode) -> impl Iterator<Item = Assur<'_>> + '_ {
+        let groups = if mode.near.is_empty() { &[] } else { &self.groups[..] };
+        groups.iter().flat_map(move |group| group.assurs(&self.mechanism))
+    }
+
     /// The mode of a state, with the turns that are counted in evaluations.
-    fn mode_with_counts(&self, t: f64, (q, v): StateRef<'_, Dynamic>, counts: Vec<i32>) -> MechanismMode {
+    fn mode_with_counts(
+        &self,
+        t: f64,
+        (q, v): StateRef<'_, Dynamic>,
+        (counts, near): (Vec<i32>, Vec<f64>),
+    ) -> MechanismMode {
         let (ranges, times_s, count) = (self.ranges(t, (q, v)), self.times_around(t), self.contacts.len());
         let free = Mode::free(count);
-        let mut mode = MechanismMode { contacts: free.clone(), features: vec![None; count], ranges, counts, times_s };
+        let mut mode =
+            MechanismMode { contacts: free.clone(), features: vec![None; count], ranges, counts, near, times_s };
         let variables = |index| Some(self.variables_at((q, v), index));
         let contacts = free.at_state(&self.event_tolerances, variables, |contacts| {
             mode.contacts.clone_from(contacts);
@@ -347,8 +360,10 @@ impl Hybrid for MechanismModel {
     fn max_step(&self, _t: f64, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode) -> f64 {
         self.count_turns_as(mode);
         let mut max_dt = self.with_motions((q, v), |motions| {
-            self.pivot_lines(motions)
-                .fold(f64::INFINITY, |max_dt, (_, (offset, rate))| max_dt.min(PivotLine::max_step(offset, rate)))
+            let of_lines = self
+                .pivot_lines(motions)
+                .fold(f64::INFINITY, |max_dt, (_, (offset, rate))| max_dt.min(PivotLine::max_step(offset, rate)));
+            self.assurs(mode).fold(of_lines, |max_dt, assur| max_dt.min(assur.max_step(motions)))
         });
         let Some(time) = self.time_index else { return max_dt };
         for (index, contact) in self.contacts.iter().enumerate() {
@@ -380,6 +395,7 @@ impl Hybrid for MechanismModel {
         self.count_turns_as(mode);
         self.with_motions((q, v), |motions| {
             self.pivot_lines(motions).all(|(line, motion)| line.is_valid(dt, &mode.counts, motion))
+                && self.assurs(mode).all(|assur| assur.is_valid(dt, motions))
         })
     }
 
@@ -393,6 +409,9 @@ impl Hybrid for MechanismModel {
                 if let Some(count) = line.recounted(&mode.counts, offset) {
                     mode.counts[line.count] = count;
                 }
+            }
+            for joint in self.assurs(mode).flat_map(Assur::joints).collect::<Vec<_>>() {
+                mode.near[joint] = motions.joints[joint].coordinate;
             }
         });
     }
@@ -523,13 +542,14 @@ impl Hybrid for MechanismModel {
 
     fn mode_at(&self, t: f64, q: &Vec<f64>, v: &Vec<f64>) -> MechanismMode {
         let counts = vec![0; self.groups.last().map_or(0, |group| group.counts().end)];
-        self.count_turns_in(&counts);
-        self.mode_with_counts(t, (q, v), counts)
+        let near = self.near_at_start().to_vec();
+        self.count_turns_in(&counts, &near);
+        self.mode_with_counts(t, (q, v), (counts, near))
     }
 
     fn mode_after(&self, t: f64, q: &Vec<f64>, v: &Vec<f64>, last: &MechanismMode) -> MechanismMode {
         self.count_turns_as(last);
-        self.mode_with_counts(t, (q, v), last.counts.clone())
+        self.mode_with_counts(t, (q, v), (last.counts.clone(), last.near.clone()))
     }
 
     /// Chooses anew the ranges of the actuators whose commands are discontinuous; the laws of contacts depend on positions
@@ -581,7 +601,11 @@ impl Hybrid for MechanismModel {
             }
             match dyads.min_by(|a, b| sine(a.1.sine).total_cmp(&sine(b.1.sine))) {
                 Some((Placement::Dyad { outer, inner }, _)) => {
-                    self.describe_singularity(motions, [outer[0].joint, *inner, outer[1].joint])
+                    self.describe_singularity(motions, &[outer[0].joint, *inner, outer[1].joint])
+                }
+                Some((Placement::Assur { tree, known, closing }, _)) => {
+                    let assur = Assur { mechanism: &self.mechanism, tree, known, closing };
+                    self.describe_singularity(motions, &assur.joints().collect::<Vec<_>>())
                 }
                 _ => "the nearest points of two outlines are not defined".to_string(),
             }

@@ -15,7 +15,7 @@ use crate::numeric::elementary::atan2;
 type Exchanged = (MechanismModel, (Vec<f64>, Vec<f64>), MechanismMode);
 
 impl MechanismModel {
-    /// Smallest |sine| of the transmission angles of all dyads.
+    /// Smallest |sine| of the transmission angles of all dyads and Assur groups.
     pub fn conditioning(&self, state: StateRef<'_, Dynamic>, mode: &MechanismMode) -> f64 {
         self.count_turns_as(mode);
         self.with_motions(state, |motions| {
@@ -35,8 +35,8 @@ impl MechanismModel {
         mechanism
     }
 
-    /// Describes the singularity of a dyad with these joints, the inner one in the middle.
-    pub(super) fn describe_singularity(&self, motions: &Motions<f64>, joints: [usize; 3]) -> String {
+    /// Describes the singularity of a dyad with these joints, the inner one in the middle, or of an Assur group.
+    pub(super) fn describe_singularity(&self, motions: &Motions<f64>, joints: &[usize]) -> String {
         let bodies = motions.bodies[..self.mechanism.bodies.len()].iter();
         let pose = |[x, y]: [f64; 2], [cos, sin]: [f64; 2]| [x, y, atan2(sin, cos)];
         let poses: Vec<Pose> = bodies.map(|body| pose(body.origin, body.direction)).collect();
@@ -81,6 +81,7 @@ impl MechanismModel {
             next_mode.counts[old.counts()].fill(0);
             next.replace_group(index, group, &poses);
         }
+        next_mode.near = next.near_at_start().to_vec();
         Some((next, state, next_mode))
     }
 }

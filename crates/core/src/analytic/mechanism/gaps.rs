@@ -1,6 +1,6 @@
 //! Bounds of the gaps of contacts, limits and cables over a part of a step, from those of bodies and joints.
 
-use super::bounds::{Coordinates, MechanismBounds, length};
+use super::body_bounds::{Coordinates, MechanismBounds, length};
 use super::contacts::Surfaces;
 use super::model::MechanismModel;
 use super::motion::Motions;

@@ -1,6 +1,7 @@
 //! A group of connected bodies with the assembly modes of its dyads: evaluation of all its motions, placement by
 //! placement.
 
+use super::assur::Assur;
 use super::dyad::{
     AssemblyMode, PivotLine, Transmission, close_dyad, inner_bodies, middles, mode_at_start, move_inner_joint,
     outer_angle, pivot_offset, place_dyad, transmission,
@@ -64,7 +65,15 @@ impl PlacedGroup {
         let motions = motions_at(mechanism, poses);
         let mut count = first_count;
         let mode = |placement: &Placement| {
-            let Placement::Dyad { outer, inner } = placement else { return None };
+            let (outer, inner) = match placement {
+                Placement::Dyad { outer, inner } => (outer, inner),
+                Placement::Assur { tree, known, closing } => {
+                    count += closing.len();
+                    let sign = Assur { mechanism, tree, known, closing }.sign(&motions);
+                    return Some(AssemblyMode { sign, middles_rad: [0.0; 2], line: None, has_angles: true });
+                }
+                _ => return None,
+            };
             let joints = [outer[0].joint, outer[1].joint, *inner].map(|joint| &mechanism.joints[joint]);
             let coordinates = joints.map(|joint| joint_coordinate(joint, |body| *motions.body(body)));
             let bases = pair(|k| motions.body(outer[k].base));
@@ -81,7 +90,8 @@ impl PlacedGroup {
                 error(0) + error(1)
             };
             let sign = if distance(-1.0) < distance(1.0) { -1.0 } else { 1.0 };
-            let is_base = |body: usize| group.placements.iter().any(|other| bases_of(other).contains(&Some(body)));
+            let is_base =
+                |body: usize| group.placements.iter().any(|other| bases_of(mechanism, other).contains(&Some(body)));
             let both_slide = outer.iter().all(|at| !mechanism.joints[at.joint].kind.is_angle());
             let has_angles = both_slide
                 || outer.iter().any(|at| is_base(at.body))
@@ -93,6 +103,7 @@ impl PlacedGroup {
             Placement::Free { .. } | Placement::Prescribed { .. } => Vec::new(),
             Placement::Joint { at, .. } => vec![at.joint],
             Placement::Dyad { outer, inner } => vec![outer[0].joint, outer[1].joint, *inner],
+            Placement::Assur { tree, known, closing } => Assur { mechanism, tree, known, closing }.joints().collect(),
         });
         let joints: Vec<usize> = joints.collect();
         let is_member = |on: &&JointCombination| on.terms.iter().any(|(joint, _)| joints.contains(joint));
@@ -287,6 +298,10 @@ impl PlacedGroup {
                     let coordinate = if is_needed { inner_coordinate(mechanism, *inner, motions) } else { 0.0 };
                     motions.joints[*inner].coordinate = coordinate;
                 }
+                Placement::Assur { tree, known, closing } => {
+                    let Some(mode) = mode else { continue };
+                    Assur { mechanism, tree, known, closing }.place(mode.sign, q, motions);
+                }
             }
         }
     }
@@ -371,6 +386,9 @@ impl PlacedGroup {
                     close_dyad(mechanism, (outer, *inner), motions, part);
                     move_inner_joint(mechanism, (outer, *inner), motions, part);
                 }
+                Placement::Assur { tree, known, closing } => {
+                    Assur { mechanism, tree, known, closing }.close(v, motions, part)
+                }
             }
         }
         for &body in &self.group.bodies {
@@ -391,7 +409,7 @@ impl PlacedGroup {
         }
     }
 
-    /// Transmission of every dyad; a dyad without transmission is singular.
+    /// Transmission of every dyad and of every Assur group; one without transmission is singular.
     pub fn transmissions<'a>(
         &'a self,
         mechanism: &'a Mechanism,
@@ -399,6 +417,17 @@ impl PlacedGroup {
     ) -> impl Iterator<Item = (usize, Transmission)> + 'a {
         self.group.placements.iter().enumerate().filter_map(|(index, placement)| match placement {
             Placement::Dyad { outer, inner } => Some((index, transmission(mechanism, (outer, *inner), motions))),
+            Placement::Assur { tree, known, closing } => {
+                Some((index, Assur { mechanism, tree, known, closing }.transmission(motions)))
+            }
+            _ => None,
+        })
+    }
+
+    /// The Assur groups beyond dyads.
+    pub fn assurs<'a>(&'a self, mechanism: &'a Mechanism) -> impl Iterator<Item = Assur<'a>> + 'a {
+        self.group.placements.iter().filter_map(move |placement| match placement {
+            Placement::Assur { tree, known, closing } => Some(Assur { mechanism, tree, known, closing }),
             _ => None,
         })
     }
@@ -560,17 +589,30 @@ fn dependent_coordinates(mechanism: &Mechanism, group: &Group) -> (Vec<Vec<usize
                 outer.iter().for_each(|at| of_bodies[at.body] = union.clone());
                 [outer[0].joint, outer[1].joint, *inner].into_iter().for_each(|joint| of_joints[joint] = union.clone());
             }
+            Placement::Assur { tree, known, closing } => {
+                let bases = bases_of(mechanism, placement).into_iter().map(of_base);
+                let bases: Vec<Vec<usize>> = bases.chain([known.iter().copied().flatten().collect()]).collect();
+                let union = Support::union(bases.iter().map(|base| &base[..]));
+                tree.iter().for_each(|at| of_bodies[at.body] = union.clone());
+                let joints = Assur { mechanism, tree, known, closing }.joints();
+                joints.for_each(|joint| of_joints[joint] = union.clone());
+            }
         }
     }
     (of_bodies, of_joints)
 }
 
 /// Bodies from which a placement places others.
-fn bases_of(placement: &Placement) -> [Option<usize>; 2] {
+fn bases_of(mechanism: &Mechanism, placement: &Placement) -> Vec<Option<usize>> {
     match placement {
-        Placement::Free { .. } | Placement::Prescribed { .. } => [None; 2],
-        Placement::Joint { at, .. } => [at.base, None],
-        Placement::Dyad { outer, .. } => [outer[0].base, outer[1].base],
+        Placement::Free { .. } | Placement::Prescribed { .. } => Vec::new(),
+        Placement::Joint { at, .. } => vec![at.base],
+        Placement::Dyad { outer, .. } => vec![outer[0].base, outer[1].base],
+        Placement::Assur { tree, known, closing } => {
+            let is_base = |body: &Option<usize>| body.is_none_or(|body| tree.iter().all(|at| at.body != body));
+            let joints = Assur { mechanism, tree, known, closing }.joints();
+            joints.flat_map(|joint| mechanism.joints[joint].bodies).filter(is_base).collect()
+        }
     }
 }
 

@@ -3,6 +3,9 @@
 //! mechanism and the scalar laws.
 
 mod actuator;
+mod assur;
+mod assur_bounds;
+mod body_bounds;
 mod bounds;
 mod cable;
 mod conditioning;

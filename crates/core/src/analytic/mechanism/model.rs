@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use super::actuator::{Ranges, range};
-use super::bounds::MechanismBounds;
+use super::body_bounds::MechanismBounds;
 use super::cable::Cable;
 use super::conditioning::conditioned_groups;
 use super::contacts::{Bristles, Contact, contacts};
@@ -18,7 +18,7 @@ use crate::analytic::contact::{ContactMode, EventTolerances, Mode, StateRef};
 use crate::integrator::{Dynamic, Layout, Linearised, State};
 use crate::law::Bristle;
 use crate::mechanism::structure::{Group, StructureError, find_groups};
-use crate::mechanism::{Actuator, Body, Mechanism, Pose, SpringKind};
+use crate::mechanism::{Actuator, Body, Mechanism, Pose, SpringKind, coordinate_in};
 use crate::numeric::plane::scale_by;
 use crate::scene::{PalmMotion, Profile};
 use std::borrow::Cow;
@@ -37,6 +37,8 @@ pub struct MechanismMode {
     pub(super) ranges: Ranges,
     /// Turns of the lines between pivots of dyads since the start, in counts.
     pub(super) counts: Vec<i32>,
+    /// Coordinates of all joints at the last accepted state, near which Newton's method places bodies; empty if it places none.
+    pub(super) near: Vec<f64>,
     /// First and last time between two discontinuities of commands and prescribed motions. A step sees the commands between
     /// them only, whatever the rounding error of the time as a coordinate.
     pub(super) times_s: [f64; 2],
@@ -49,6 +51,7 @@ impl Clone for MechanismMode {
             features: self.features.clone(),
             ranges: self.ranges.clone(),
             counts: self.counts.clone(),
+            near: self.near.clone(),
             times_s: self.times_s,
         }
     }
@@ -59,6 +62,7 @@ impl Clone for MechanismMode {
         self.features.clone_from(&other.features);
         self.ranges.0.clone_from(&other.ranges.0);
         self.counts.clone_from(&other.counts);
+        self.near.clone_from(&other.near);
         self.times_s = other.times_s;
     }
 }
@@ -159,6 +163,7 @@ pub struct MechanismModel {
     workspace: RefCell<Workspace>,
     pub(super) scratch: RefCell<Scratch>,
     start: Vec<(f64, f64)>,
+    near_at_start: Vec<f64>,
 }
 
 impl Workspace {
@@ -199,6 +204,14 @@ fn in_frame(mechanism: &Mechanism) -> Cow<'_, Mechanism> {
             exchange_ground(&mut mechanism, palm);
             Cow::Owned(mechanism)
         }
+    }
+}
+
+/// Coordinates of all joints in poses of the bodies; none if Newton's method places no bodies.
+fn near_at(mechanism: &Mechanism, groups: &[PlacedGroup], poses: &[Pose]) -> Vec<f64> {
+    match groups.iter().any(|placed| placed.group.has_assur()) {
+        true => mechanism.joints.iter().map(|joint| coordinate_in(joint, poses)).collect(),
+        false => Vec::new(),
     }
 }
 
@@ -286,7 +299,9 @@ impl MechanismModel {
         // A new input of an actuator can depend on time.
         let may_have_clock = time_index.is_none() && !mechanism.actuators.is_empty();
         let layout = Dynamic { coordinates: next + usize::from(may_have_clock), quadratures: contacts.len() + 2 };
-        let workspace = Workspace::new(&mechanism, &groups, layout);
+        let near_at_start = near_at(&mechanism, &groups, poses);
+        let mut workspace = Workspace::new(&mechanism, &groups, layout);
+        workspace.motions.near.clone_from(&near_at_start);
         let of_cables = if cables.is_empty() { Dynamic { coordinates: 0, quadratures: 0 } } else { layout };
         let scratch =
             Scratch { row: layout.vector(0.0), response: layout.vector(0.0), second: Linearised::zero(of_cables) };
@@ -316,6 +331,7 @@ impl MechanismModel {
             workspace: RefCell::new(workspace),
             scratch: RefCell::new(scratch),
             start,
+            near_at_start,
         })
     }
 
@@ -348,10 +364,17 @@ impl MechanismModel {
             self.dyad_of[joint] = Some((index, placement));
         }
         self.groups[index] = placed;
+        self.near_at_start = near_at(&self.mechanism, &self.groups, poses);
         let counts = self.workspace.get_mut().motions.counts.clone();
         let mut workspace = Workspace::new(&self.mechanism, &self.groups, self.layout);
         workspace.motions.counts = counts;
+        workspace.motions.near.clone_from(&self.near_at_start);
         self.workspace = RefCell::new(workspace);
+    }
+
+    /// Coordinates of all joints near which Newton's method places bodies at the start; empty if it places none.
+    pub(super) fn near_at_start(&self) -> &[f64] {
+        &self.near_at_start
     }
 
     /// Replaces the effort of an actuator over time, or the target of a servo, from time `t` on. The ranges of the mode
@@ -448,15 +471,20 @@ impl MechanismModel {
     /// of a state need it before them.
     #[inline(always)]
     pub fn count_turns_as(&self, mode: &MechanismMode) {
-        self.count_turns_in(&mode.counts);
+        self.count_turns_in(&mode.counts, &mode.near);
     }
 
     #[inline(always)]
-    pub(super) fn count_turns_in(&self, counts: &[i32]) {
+    pub(super) fn count_turns_in(&self, counts: &[i32], near: &[f64]) {
         let mut workspace = self.workspace.borrow_mut();
         let counted = &mut workspace.motions.counts;
         if counted[..] != *counts {
             counted.copy_from_slice(counts);
+            workspace.has_state = false;
+        }
+        if !near.is_empty() && workspace.motions.near[..] != *near {
+            workspace.motions.near.clear();
+            workspace.motions.near.extend_from_slice(near);
             workspace.has_state = false;
         }
     }

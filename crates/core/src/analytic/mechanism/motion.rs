@@ -208,6 +208,8 @@ pub(super) struct Motions<T> {
     pub joints: Vec<JointMotion<T>>,
     /// Counts of the turns of the lines between pivots of dyads.
     pub counts: Vec<i32>,
+    /// Coordinates of all joints near which Newton's method places bodies; empty if it places none.
+    pub near: Vec<f64>,
     /// Poses of bodies with prescribed motion, by the body, with their derivatives by time.
     pub prescribed: Vec<scene::Pose>,
     /// Derivatives of bodies, the ground last, and of joints.
@@ -229,6 +231,7 @@ impl<T: Real> Motions<T> {
             centers: vec![BodyMotion::ground().point([0.0; 2]); bodies],
             joints: vec![JointMotion::at(T::zero()); joints],
             counts: Vec::new(),
+            near: Vec::new(),
             prescribed: vec![scene::Pose::default(); bodies],
             body_supports: vec![Support::default(); bodies + 1],
             joint_supports: vec![Support::default(); joints],

@@ -1,0 +1,81 @@
+//! Bounds of bodies, joints and coordinates over a part of a step.
+
+use crate::analytic::motion_bound::{MotionBound, RateBound};
+use crate::mechanism::structure::Attachment;
+use crate::mechanism::{Joint, JointKind, Mechanism};
+use crate::numeric::plane::{Vector, dot};
+
+/// Bounds of all bodies and joints of a mechanism.
+#[derive(Clone, Debug)]
+pub(super) struct MechanismBounds {
+    /// Bodies of the mechanism, then the ground.
+    pub bodies: Vec<MotionBound>,
+    pub joints: Vec<RateBound>,
+    /// Part of the step in which all dyads and cables stay regular.
+    pub clearance_reach: f64,
+}
+
+pub(super) fn length(vector: Vector<f64>) -> f64 {
+    dot(vector, vector).sqrt()
+}
+
+impl MechanismBounds {
+    pub fn new(mechanism: &Mechanism) -> Self {
+        Self {
+            bodies: vec![MotionBound::default(); mechanism.bodies.len() + 1],
+            joints: vec![RateBound::default(); mechanism.joints.len()],
+            clearance_reach: f64::INFINITY,
+        }
+    }
+
+    pub fn body(&self, body: Option<usize>) -> &MotionBound {
+        &self.bodies[body.unwrap_or(self.bodies.len() - 1)]
+    }
+}
+
+/// Bounds of coordinates over a part of a step, by their index in a group, with the width of the part.
+pub(super) struct Coordinates<'a> {
+    pub rate: &'a [f64],
+    pub acceleration: &'a [f64],
+    pub width: f64,
+}
+
+impl Coordinates<'_> {
+    pub fn bound(&self, index: usize) -> RateBound {
+        RateBound { rate: self.rate[index], acceleration: self.acceleration[index] }
+    }
+
+    /// Bound of a body whose pose is coordinates from `first` on.
+    pub fn free_body(&self, first: usize, axes: usize) -> MotionBound {
+        let [x, y] = [first, first + 1].map(|index| self.bound(index));
+        let turn = if axes == 3 { self.bound(first + 2) } else { RateBound::default() };
+        MotionBound {
+            speed: length([x.rate, y.rate]),
+            acceleration: length([x.acceleration, y.acceleration]),
+            spin: turn.rate,
+            spin_acceleration: turn.acceleration,
+        }
+    }
+
+    /// Largest value of a length that has this value at one end of the part.
+    pub fn largest(&self, value: f64, rate: f64) -> f64 {
+        value.abs() + rate * self.width
+    }
+}
+
+/// A joint that attaches a body: the distances of its point from the origins of base and body.
+pub(super) fn arms(joint: &Joint, at: &Attachment) -> [f64; 2] {
+    let own = usize::from(at.is_second);
+    [1 - own, own].map(|k| length(joint.points_m[k]))
+}
+
+/// Bound of the coordinate of a joint between bodies with these bounds.
+pub(super) fn joint_between(joint: &Joint, [a, b]: [MotionBound; 2]) -> RateBound {
+    match joint.kind {
+        JointKind::Revolute => a.turn().plus(b.turn()),
+        JointKind::Prismatic { .. } => {
+            let between = a.point(length(joint.points_m[0])).plus(b.point(length(joint.points_m[1])));
+            RateBound { acceleration: between.acceleration + a.spin * between.rate, ..between }
+        }
+    }
+}
