@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::support::laws::{disc, free, free_translation, mechanism_scene, scene, scene_on_plane, spring};
 use crate::support::mechanism_cases::mechanism_case;
 use crate::support::random::Random;
-use crate::support::random_loops::random_loop;
+use crate::support::random_loops::{random_assur, random_loop, with_start};
 use crate::support::random_mechanisms::random_mechanism;
 use crate::support::runs::{assert_below, assert_near, assert_relative, experiment_95};
 use phalanx::drive::{Interpolation, Profile};
@@ -288,6 +288,31 @@ fn random_parameter(mechanism: &Mechanism, random: &mut Random) -> (f64, impl Fn
         changed
     };
     (value, at)
+}
+
+/// Six-bars that Newton's method places: by a mass, by a length, and by the height of gravity.
+#[test]
+fn derivatives_of_assur_groups_agree_with_differences() {
+    for seed in [0, 1] {
+        let (mechanism, crank, rate) = random_assur(seed);
+        let base = Mechanism { gravity_m_s2: [0.0, -9.0], ..with_start(&mechanism, 0, crank, 0.3 * rate) };
+        type Access = fn(&mut Mechanism) -> &mut f64;
+        let accesses: [Access; 3] = [
+            |mechanism| &mut mechanism.bodies[1].mass_kg,
+            |mechanism| &mut mechanism.joints[1].points_m[0][0],
+            |mechanism| &mut mechanism.gravity_m_s2[1],
+        ];
+        for (index, access) in accesses.into_iter().enumerate() {
+            let at = |value: f64| {
+                let mut changed = base.clone();
+                *access(&mut changed) = value;
+                mechanism_scene(changed, 0.02)
+            };
+            let parameter = parameter(*access(&mut base.clone()), at);
+            assert_eq!(gradient_of(&parameter).end.reason, None, "seed {seed}, parameter {index}");
+            assert_differences(&format!("seed {seed}, parameter {index}"), &parameter, 1e-3, 1e-6);
+        }
+    }
 }
 
 /// Relative error of the derivatives of a random mechanism at its end; `None` if there are none.

@@ -10,16 +10,17 @@ use phalanx::integrator::{
     System, Tolerances, integrate_by,
 };
 use phalanx::law::Bristle;
-use phalanx::mechanism::structure::{Group, Placement, find_groups};
+use phalanx::mechanism::structure::{Closures, Group, Placement, find_groups, regroup};
 use phalanx::mechanism::{
-    self, ContactPair, ForcePoint, JointCombination, Mechanism, OutlineId, PathElement, PrescribedMotion, Tendon,
-    TendonActuator, assemble,
+    self, ContactPair, ForcePoint, JointCombination, JointKind, Mechanism, OutlineId, PathElement, PrescribedMotion,
+    Spring, SpringKind, Start, Tendon, TendonActuator, assemble,
 };
 use phalanx::scene::{Axis, Move, PalmMotion, Ramp, Scene, Vibration};
 
 use super::jacobian::{Entry, Equations, Variable};
 use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
 use crate::support::random::Random;
+use crate::support::random_loops::{on_moving_base, random_assur, with_start};
 use crate::support::random_mechanisms::random_mechanism;
 use crate::support::runs::experiment_95;
 
@@ -170,38 +171,75 @@ impl Observer<Dynamic, MechanismMode> for States {
 fn jacobians_match_differences_along_the_reference_cases() {
     let on_palm = ["c_f85_link_pad", "c_f85_two_disc", "d_tendon2", "b_swinging_slider"].map(on_a_moving_palm);
     for case in all_cases().into_iter().chain([with_all_components()]).chain(on_palm) {
-        let model = MechanismModel::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
-        let mut states = States::default();
-        let options =
-            Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 1_000_000 };
-        let (method, start) = (RadauOrRodas::rodas(model.sizes()), model.start());
-        let end = integrate_by(method, &model, &options, 0.0, start, case.duration_s, &mut states);
-        end.result.unwrap_or_else(|failure| panic!("{}: {failure}", case.name));
-        let stride = states.0.len().div_ceil(40);
-        for (t, state, mode) in states.0.into_iter().step_by(stride) {
-            // Penetrations limit the differences of positions, slips those of rates.
-            let active = (0..model.contact_count()).filter(|index| mode[*index].has_force());
-            let depths = active.map(|index| model.contact_reading((&state.q, &state.v), index, mode[index]).delta);
-            let depth = depths.fold(1e-2, f64::min);
-            if depth < 1e-8 {
-                continue;
-            }
-            let next = model.next_discontinuity(t - 2e-5);
-            let time_step = if next < t + 2e-5 { 0.0 } else { 1e-5 };
-            // The friction law changes over 1e-2 m/s.
-            let rate_step = if depth < 1e-2 { 2e-5 } else { 1e-3 * (1.0 + largest(&state.v)) };
-            let steps = [time_step, 0.02 * depth, rate_step];
-            let equations = Equations { hand: &model, mode, t, q: state.q.clone(), v: state.v.clone() };
-            let allowed = |entry: &Entry| {
-                2e-5 * (entry.row_size + 1e-6 * entry.value.abs() / entry.h) + 1e-7 * entry.largest[1] * entry.h + 1e-7
-            };
-            let step = |variable: Variable| match variable {
-                // Time as a coordinate moves surfaces at up to 1 m/s, with up to 100 m/s².
-                Variable::Coordinate(index) if state.v[index] == 1.0 => (0.1 * time_step).min(steps[1]),
-                _ => steps[variable.kind()],
-            };
-            equations.check(&case.name, 4, step, allowed);
+        check_jacobians(&case.name, (&case.mechanism, &case.start), case.duration_s);
+    }
+}
+
+/// Four bodies without a dyad, with forces on the joints that Newton's method places, on the ground and on a moving body.
+#[test]
+fn jacobians_of_assur_groups_match_differences() {
+    for seed in 0..8 {
+        let (mut mechanism, crank, rate) = random_assur(seed);
+        mechanism.gravity_m_s2 = [3.0, -8.0];
+        for joint in &mut mechanism.joints {
+            (joint.damping, joint.armature) = (1e-5, 1e-6);
         }
+        let pins = mechanism.joints.iter().enumerate().filter(|(_, joint)| joint.kind == JointKind::Revolute);
+        let terms = pins.map(|(index, _)| (index, 0.3 + 0.1 * index as f64)).collect();
+        mechanism.springs.push(Spring {
+            name: "torsion".to_string(),
+            kind: SpringKind::Torsional { on: JointCombination { terms, offset: 0.0 }, preload: 0.0 },
+            stiffness: 1e-3,
+            damping: 1e-6,
+            rest: 0.2,
+        });
+        mechanism.springs.push(Spring {
+            name: "spring".to_string(),
+            kind: SpringKind::Linear { bodies: [None, Some(1)], points_m: [[0.1, 0.3], [0.02, 0.01]] },
+            stiffness: 5.0,
+            damping: 0.01,
+            rest: 0.1,
+        });
+        let fixed = with_start(&mechanism, 0, crank, 0.3 * rate);
+        for mechanism in [on_moving_base(&fixed), fixed] {
+            let start = assemble(&mechanism).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+            check_jacobians(&format!("seed {seed}"), (&mechanism, &start), 0.02);
+        }
+    }
+}
+
+/// Compares the Jacobians of a mechanism with differences along its motion.
+fn check_jacobians(name: &str, (mechanism, start): (&Mechanism, &Start), duration_s: f64) {
+    let model = MechanismModel::new(mechanism, (&start.poses, &start.rates)).expect("coordinates");
+    let mut states = States::default();
+    let options = Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 1_000_000 };
+    let (method, start) = (RadauOrRodas::rodas(model.sizes()), model.start());
+    let end = integrate_by(method, &model, &options, 0.0, start, duration_s, &mut states);
+    end.result.unwrap_or_else(|failure| panic!("{name}: {failure}"));
+    let stride = states.0.len().div_ceil(40);
+    for (t, state, mode) in states.0.into_iter().step_by(stride) {
+        // Penetrations limit the differences of positions, slips those of rates.
+        let active = (0..model.contact_count()).filter(|index| mode[*index].has_force());
+        let depths = active.map(|index| model.contact_reading((&state.q, &state.v), index, mode[index]).delta);
+        let depth = depths.fold(1e-2, f64::min);
+        if depth < 1e-8 {
+            continue;
+        }
+        let next = model.next_discontinuity(t - 2e-5);
+        let time_step = if next < t + 2e-5 { 0.0 } else { 1e-5 };
+        // The friction law changes over 1e-2 m/s.
+        let rate_step = if depth < 1e-2 { 2e-5 } else { 1e-3 * (1.0 + largest(&state.v)) };
+        let steps = [time_step, 0.02 * depth, rate_step];
+        let equations = Equations { hand: &model, mode, t, q: state.q.clone(), v: state.v.clone() };
+        let allowed = |entry: &Entry| {
+            2e-5 * (entry.row_size + 1e-6 * entry.value.abs() / entry.h) + 1e-7 * entry.largest[1] * entry.h + 1e-7
+        };
+        let step = |variable: Variable| match variable {
+            // Time as a coordinate moves surfaces at up to 1 m/s, with up to 100 m/s².
+            Variable::Coordinate(index) if state.v[index] == 1.0 => (0.1 * time_step).min(steps[1]),
+            _ => steps[variable.kind()],
+        };
+        equations.check(name, 4, step, allowed);
     }
 }
 
@@ -240,6 +278,40 @@ fn loops_beyond_dyads_are_refused_by_name() {
     let start = (&case.start.poses[..], &case.start.rates[..]);
     let error = MechanismModel::new(&case.mechanism, start).unwrap_err().to_string();
     assert!(error.contains("no row of dyads") || error.contains("can move"), "{error}");
+}
+
+/// Without a row of dyads, four bodies are left beside the one with the coordinate; all five if the coordinate is that of a
+/// joint between two of them.
+#[test]
+fn six_bars_on_their_long_side_leave_an_assur_group() {
+    for seed in 0..4 {
+        let (mechanism, ..) = random_assur(seed);
+        let [group] = &find_groups(&mechanism).expect("a group")[..] else { panic!("one group") };
+        let sizes = |placement: &Placement| match placement {
+            Placement::Joint { .. } => [1, 0, 0],
+            Placement::Assur { tree, known, closing } => {
+                [tree.len(), closing.len(), known.iter().filter(|index| index.is_some()).count()]
+            }
+            other => panic!("{other:?}"),
+        };
+        let found = |group: &Group| group.placements.iter().map(sizes).collect::<Vec<_>>();
+        assert_eq!((found(group), group.count_of_dyads()), (vec![[1, 0, 0], [4, 2, 0]], 2), "seed {seed}");
+        let accepts = |placement: &Placement| match placement {
+            Placement::Assur { known, .. } => known.iter().any(Option::is_some),
+            _ => true,
+        };
+        assert_eq!(regroup(&mechanism, group, Closures::Dyads, &|_| true), None, "seed {seed}");
+        let inner = regroup(&mechanism, group, Closures::All, &accepts).expect("an inner joint");
+        assert_eq!(found(&inner), [[5, 2, 1]], "seed {seed}");
+    }
+}
+
+#[test]
+fn assur_groups_with_bodies_that_do_not_rotate_are_refused_by_name() {
+    let (mut mechanism, ..) = random_assur(0);
+    mechanism.bodies[0].inertia_kg_m2 = f64::INFINITY;
+    let error = find_groups(&mechanism).expect_err("a body that does not rotate").to_string();
+    assert!(error.contains("no row of dyads") && error.contains("wrist"), "{error}");
 }
 
 /// The five-bar of a finger that closes on a fixed disc, with what the model supports: on a fixed disc, forces act on the

@@ -4,8 +4,8 @@ use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{Damping, NormalLaw};
 use phalanx::mechanism::tendon::length_in;
 use phalanx::mechanism::{
-    Actuator, Body, Command, Coupling, Joint, JointCombination, JointKind, Mechanism, PathElement, Spring, SpringKind,
-    Tendon, assemble,
+    Actuator, Body, Command, Coupling, Joint, JointCombination, JointKind, Mechanism, PathElement, PrescribedMotion,
+    Spring, SpringKind, Tendon, assemble,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -209,6 +209,60 @@ pub fn random_linkage(seed: u64) -> (&'static str, Mechanism, f64) {
         body.pose = *pose;
     }
     (kind, mechanism, rate)
+}
+
+/// The same mechanism with one of its bodies as the ground, which becomes a body in its place.
+fn inverted(mechanism: &Mechanism, ground: usize) -> Mechanism {
+    let mut inverted = mechanism.clone();
+    let [x, y, turn] = mechanism.bodies[ground].pose;
+    let (sin, cos) = turn.sin_cos();
+    for body in &mut inverted.bodies {
+        let [dx, dy] = [body.pose[0] - x, body.pose[1] - y];
+        body.pose = [cos * dx + sin * dy, cos * dy - sin * dx, body.pose[2] - turn];
+    }
+    let frame = &mut inverted.bodies[ground];
+    (frame.name, frame.com_m, frame.pose) =
+        ("frame".to_string(), [0.01, 0.0], [-cos * x - sin * y, sin * x - cos * y, -turn]);
+    for body in inverted.joints.iter_mut().flat_map(|joint| &mut joint.bodies) {
+        *body = match *body {
+            None => Some(ground),
+            Some(body) if body == ground => None,
+            other => other,
+        };
+    }
+    inverted
+}
+
+/// Returns a six-bar of Stephenson on one of the two links of its long side, assembled: whatever its coordinate, four bodies
+/// without a dyad among them are left. With it the coordinate of the joint `crank`, and a rate of it.
+pub fn random_assur(seed: u64) -> (Mechanism, f64, f64) {
+    let six_bars = (0..).map(|k| random_linkage(3 * (64 * seed + k) + 2));
+    let mut stephenson = six_bars.filter(|(kind, ..)| *kind == "six-bar of Stephenson");
+    let (_, mechanism, rate) = stephenson.next().expect("every second one");
+    (inverted(&mechanism, 3 + (seed % 2) as usize), mechanism.bodies[0].pose[2], rate)
+}
+
+/// The same mechanism on a body that turns and accelerates in place of the ground.
+pub fn on_moving_base(mechanism: &Mechanism) -> Mechanism {
+    let mut moving = mechanism.clone();
+    let base = moving.bodies.len();
+    let motion = Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [4.0, -7.0] });
+    moving.bodies.push(Body { motion, rate: [0.2, 0.3, 6.0], ..Body::new("base", 1.0, 1e-3) });
+    moving.joints.iter_mut().flat_map(|joint| &mut joint.bodies).for_each(|body| *body = body.or(Some(base)));
+    moving
+}
+
+/// Returns a six-bar of [`random_assur`] in motion, with a component on one of its joints.
+pub fn random_assur_loop(seed: u64) -> RandomLoop {
+    let (mechanism, crank, rate) = random_assur(seed);
+    let mut mechanism = with_start(&mechanism, 0, crank, rate);
+    let start = assemble(&mechanism).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+    let component = COMPONENTS[seed as usize % COMPONENTS.len()];
+    let on = (seed as usize / COMPONENTS.len()) % mechanism.joints.len();
+    let (q, _) = start.joint(&mechanism.joints[on]);
+    add_component(&mut mechanism, &mut Random::for_seed(seed), component, (on, q));
+    let name = &mechanism.joints[on].name;
+    RandomLoop { description: format!("six-bar on its long side, {component} on {name}"), mechanism, duration_s: 0.1 }
 }
 
 /// A mechanism with a start of a joint.

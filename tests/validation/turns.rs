@@ -1,7 +1,7 @@
 //! Whole turns of joints: angles are continuous in both models, whatever closes the loop and whatever acts on the joint.
 
 use crate::support::laws::mechanism_scene;
-use crate::support::random_loops::{RandomLoop, quick_line, random_loop};
+use crate::support::random_loops::{RandomLoop, quick_line, random_assur_loop, random_loop};
 use crate::support::runs::{CollectSink, load, run_engine, run_to_end};
 use phalanx::mechanism::{JointCombination, JointKind, Mechanism, Spring, SpringKind};
 use phalanx::scene::{ENGINE_MAX_STEP_S, Integrator, Preset, Scene, Stepping, parse_any};
@@ -94,7 +94,7 @@ fn compare(of: &RandomLoop) -> Found {
 }
 
 /// Compares loops with these seeds; returns the largest difference and turns.
-fn compare_all(seeds: impl Iterator<Item = u64>) -> (f64, f64) {
+fn compare_all(random_loop: fn(u64) -> RandomLoop, seeds: impl Iterator<Item = u64>) -> (f64, f64) {
     let (mut largest, mut turns) = (0.0f64, 0.0f64);
     let mut failures = Vec::new();
     for seed in seeds {
@@ -113,7 +113,7 @@ fn compare_all(seeds: impl Iterator<Item = u64>) -> (f64, f64) {
 /// Slider-cranks, four-bars, swinging guides and five-bars, with stops, springs, couplings, spools and servos.
 #[test]
 fn random_loops_turn_alike_in_both_models() {
-    let (_, turns) = compare_all((0..20).map(|k| 29 * k));
+    let (_, turns) = compare_all(random_loop, (0..20).map(|k| 29 * k));
     assert!(turns > 2.0, "{turns} turns");
 }
 
@@ -121,9 +121,28 @@ fn random_loops_turn_alike_in_both_models() {
 #[test]
 #[ignore = "a minute"]
 fn many_random_loops_turn_alike_in_both_models() {
-    let range = std::env::var("PHALANX_SEEDS").unwrap_or_else(|_| "0..500".to_string());
+    let (largest, turns) = compare_all(random_loop, seeds("0..500"));
+    println!("largest difference {largest:e}, at most {turns} turns");
+}
+
+fn seeds(default: &str) -> std::ops::Range<u64> {
+    let range = std::env::var("PHALANX_SEEDS").unwrap_or_else(|_| default.to_string());
     let seeds: Vec<u64> = range.split("..").map(|end| end.parse().expect("a seed")).collect();
-    let (largest, turns) = compare_all(seeds[0]..seeds[1]);
+    seeds[0]..seeds[1]
+}
+
+/// Six-bars without a row of dyads, with the same components on joints that Newton's method places.
+#[test]
+fn assur_groups_turn_alike_in_both_models() {
+    let (_, turns) = compare_all(random_assur_loop, (0..14).map(|k| 5 * k));
+    assert!(turns > 0.3, "{turns} turns");
+}
+
+/// 200 of them; `PHALANX_SEEDS` is the range of seeds.
+#[test]
+#[ignore = "a minute"]
+fn many_assur_groups_turn_alike_in_both_models() {
+    let (largest, turns) = compare_all(random_assur_loop, seeds("0..200"));
     println!("largest difference {largest:e}, at most {turns} turns");
 }
 
