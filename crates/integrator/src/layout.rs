@@ -122,6 +122,8 @@ impl<T: Entry> Matrix<T> for DynamicMatrix<T> {
 
 /// Numbers of coordinates and quadratures of a system, with the types of its vectors and matrices.
 pub trait Layout: Copy + Debug + Send + Sync + 'static {
+    /// Whether the sizes are constants.
+    const IS_FIXED: bool;
     /// One entry for each coordinate.
     type Vector<T: Entry + PartialEq>: Vector<T>;
     /// One row and column for each coordinate.
@@ -155,6 +157,7 @@ pub struct Dynamic {
 }
 
 impl<const N: usize, const Z: usize> Layout for Fixed<N, Z> {
+    const IS_FIXED: bool = true;
     type Vector<T: Entry + PartialEq> = [T; N];
     type Square<T: Entry> = FixedMatrix<T, N, N>;
     type Quadratures = [f64; Z];
@@ -192,6 +195,7 @@ impl<const N: usize, const Z: usize> Layout for Fixed<N, Z> {
 }
 
 impl Layout for Dynamic {
+    const IS_FIXED: bool = false;
     type Vector<T: Entry + PartialEq> = Vec<T>;
     type Square<T: Entry> = DynamicMatrix<T>;
     type Quadratures = Vec<f64>;
@@ -233,15 +237,13 @@ pub(crate) fn add_scaled(y: &mut [f64], w: f64, x: &[f64]) {
 pub(crate) fn add_weighted<X>(y: &mut [f64], w: &[f64], terms: &[X], x: impl Fn(&X) -> &[f64]) {
     let n = y.len();
     let mut start = 0;
-    // Four sums at a time stay in registers.
-    while start + 4 <= n {
-        let y = &mut y[start..start + 4];
-        let mut sums = [y[0], y[1], y[2], y[3]];
-        for (weight, term) in w.iter().zip(terms) {
-            let x = &x(term)[start..start + 4];
-            (0..4).for_each(|k| sums[k] += weight * x[k]);
-        }
-        y.copy_from_slice(&sums);
+    // Eight or four sums at a time stay in registers.
+    while start + 8 <= n {
+        add_to_chunk::<8, X>(&mut y[start..], w, terms, |term| &x(term)[start..]);
+        start += 8;
+    }
+    if start + 4 <= n {
+        add_to_chunk::<4, X>(&mut y[start..], w, terms, |term| &x(term)[start..]);
         start += 4;
     }
     if start < n {
@@ -249,6 +251,18 @@ pub(crate) fn add_weighted<X>(y: &mut [f64], w: &[f64], terms: &[X], x: impl Fn(
             add_scaled(&mut y[start..], *weight, &x(term)[start..]);
         }
     }
+}
+
+/// [`add_weighted`] for the first N entries.
+#[inline(always)]
+fn add_to_chunk<'a, const N: usize, X>(y: &mut [f64], w: &[f64], terms: &'a [X], x: impl Fn(&'a X) -> &'a [f64]) {
+    let Some(y) = y.first_chunk_mut::<N>() else { return };
+    let mut sums = *y;
+    for (weight, term) in w.iter().zip(terms) {
+        let Some(x) = x(term).first_chunk::<N>() else { continue };
+        (0..N).for_each(|k| sums[k] += weight * x[k]);
+    }
+    *y = sums;
 }
 
 /// y += x.

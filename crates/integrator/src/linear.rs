@@ -5,10 +5,37 @@ use std::ops::{Add, Div, Mul, Sub};
 use num_complex::Complex64;
 
 use super::layout::{Entry, Layout, Matrix};
+use crate::numeric::array_from;
+
+/// Evaluates an expression with a constant in place of a number of at most [`MAX_UNROLLED`].
+macro_rules! unrolled {
+    ($number:expr, $constant:ident => $value:expr) => {
+        unrolled!($number, $constant => $value, [0 1 2 3 4 5 6 7 8 9 10 11])
+    };
+    ($number:expr, $constant:ident => $value:expr, [$($size:literal)*]) => {
+        match $number {
+            $($size => {
+                const $constant: usize = $size;
+                $value
+            })*
+            _ => {
+                const $constant: usize = MAX_UNROLLED;
+                $value
+            }
+        }
+    };
+}
 
 /// Entries of a matrix.
 pub trait Field:
-    Entry + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + From<f64>
+    Entry
+    + Default
+    + PartialEq
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + From<f64>
 {
     fn magnitude(self) -> f64;
 }
@@ -78,9 +105,7 @@ impl<F: Field, L: Layout> Lu<F, L> {
                 if size > MAX_DENSE_SIZE && factor.magnitude() == 0.0 {
                     continue;
                 }
-                for j in k + 1..n {
-                    row[j] = row[j] - factor * of_pivot[j];
-                }
+                subtract_scaled(&mut row[k + 1..], factor, &of_pivot[k + 1..]);
             }
         }
     }
@@ -97,14 +122,12 @@ impl<F: Field, L: Layout> Lu<F, L> {
         }
         for i in 1..n {
             let (done, rest) = x.split_at_mut(i);
-            let row = &lu[i * width..][..i];
-            rest[0] = row.iter().zip(done).fold(rest[0], |sum, (entry, x)| sum - *entry * *x);
+            rest[0] = rest[0] - dot(&lu[i * width..][..i], done);
         }
         for i in (0..n).rev() {
             let (rest, done) = x.split_at_mut(i + 1);
             let row = &lu[i * width + i..][..n - i];
-            let sum = row[1..].iter().zip(done).fold(rest[i], |sum, (entry, x)| sum - *entry * *x);
-            rest[i] = sum * row[0];
+            rest[i] = (rest[i] - dot(&row[1..], done)) * row[0];
         }
         b.copy_from_slice(x);
     }
@@ -132,17 +155,24 @@ pub(crate) type Sizes = [usize; 2];
 /// Sum of products, in two parts, which the compiler can vectorise.
 #[inline(always)]
 pub(crate) fn dot<A: Copy, F: Field + From<A>>(row: &[A], x: &[F]) -> F {
-    let n = row.len().min(x.len());
-    let (row, x) = (&row[..n], &x[..n]);
     let mut sums = [F::from(0.0); 2];
-    for k in 0..n / 2 {
-        sums[0] = sums[0] + F::from(row[2 * k]) * x[2 * k];
-        sums[1] = sums[1] + F::from(row[2 * k + 1]) * x[2 * k + 1];
+    let ((rows, row_rest), (xs, x_rest)) = (row.as_chunks::<4>(), x.as_chunks::<4>());
+    for (row, x) in rows.iter().zip(xs) {
+        for k in [0, 2] {
+            sums[0] = sums[0] + F::from(row[k]) * x[k];
+            sums[1] = sums[1] + F::from(row[k + 1]) * x[k + 1];
+        }
     }
-    if n % 2 == 1 {
-        sums[0] = sums[0] + F::from(row[n - 1]) * x[n - 1];
+    for (k, (entry, x)) in row_rest.iter().zip(x_rest).enumerate() {
+        sums[k % 2] = sums[k % 2] + F::from(*entry) * *x;
     }
     sums[0] + sums[1]
+}
+
+/// y −= w x.
+#[inline(always)]
+fn subtract_scaled<F: Field>(y: &mut [F], w: F, x: &[F]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y = *y - w * *x);
 }
 
 impl<F: Field, L: Layout> ShiftedSolver<F, L> {
@@ -164,33 +194,45 @@ impl<F: Field, L: Layout> ShiftedSolver<F, L> {
         let size = self.pivots.as_ref().len();
         let (n, m) = (n.min(size), second_order.min(n).min(size));
         let inverse_shift = F::from(1.0) / shift;
+        self.inverse_shift = inverse_shift;
         // These are loops, because closures over nested arrays of the size of a gripper are not inlined.
         let Self { state_rows, state_columns, pivots, lu, .. } = self;
+        if !L::IS_FIXED && m <= MAX_UNROLLED {
+            let (matrix, width) = lu.lu.entries_mut();
+            let factored = Factored {
+                matrix,
+                width,
+                order: lu.order.as_mut(),
+                state_rows: state_rows.entries_mut().0,
+                state_columns: state_columns.entries_mut().0,
+                pivots: pivots.as_mut(),
+            };
+            let [a_q, a_v] = [a_q, a_v].map(|matrix| matrix.entries().0);
+            return unrolled!(m, M => factored.factor::<M>(n, [shift, inverse_shift], [a_q, a_v]));
+        }
         let matrix = &mut lu.lu;
         for i in 0..m {
             let (row, by_q, by_v) = (&mut matrix[i][..m], &a_q[i][..m], &a_v[i][..m]);
-            for j in 0..m {
-                row[j] = F::from(-by_v[j]) - F::from(by_q[j]) * inverse_shift;
+            for (entry, (by_q, by_v)) in row.iter_mut().zip(by_q.iter().zip(by_v)) {
+                *entry = F::from(-by_v) - F::from(*by_q) * inverse_shift;
             }
             row[i] = row[i] + shift;
         }
         for state in m..n {
-            for j in 0..m {
-                state_rows[state][j] = F::from(a_v[state][j]) + F::from(a_q[state][j]) * inverse_shift;
+            let (of_state, by_q, by_v) = (&mut state_rows[state][..m], &a_q[state][..m], &a_v[state][..]);
+            for (entry, (by_q, by_v)) in of_state.iter_mut().zip(by_q.iter().zip(by_v)) {
+                *entry = F::from(*by_v) + F::from(*by_q) * inverse_shift;
             }
-            pivots[state] = F::from(1.0) / (shift - F::from(a_v[state][state]));
-            for i in 0..m {
-                state_columns[state][i] = a_v[i][state];
-                if a_v[i][state] != 0.0 {
-                    let factor = F::from(a_v[i][state]) * pivots[state];
-                    for j in 0..m {
-                        matrix[i][j] = matrix[i][j] - factor * state_rows[state][j];
-                    }
+            pivots[state] = F::from(1.0) / (shift - F::from(by_v[state]));
+            let column = &mut state_columns[state][..m];
+            for (i, entry) in column.iter_mut().enumerate() {
+                *entry = a_v[i][state];
+                if *entry != 0.0 {
+                    subtract_scaled(&mut matrix[i][..m], F::from(*entry) * pivots[state], of_state);
                 }
             }
         }
         lu.factor(m);
-        self.inverse_shift = inverse_shift;
     }
 
     /// Replaces the right-hand side by (x_q, x_v), with the matrix a_q and the sizes from which this was factored. The
@@ -206,9 +248,12 @@ impl<F: Field, L: Layout> ShiftedSolver<F, L> {
         let size = self.pivots.as_ref().len();
         let (n, m) = (n.min(size), second_order.min(n).min(size));
         let (r_q, r_v) = (r_q.as_mut(), r_v.as_mut());
-        let (x_q, rest) = r_q.split_at_mut(m);
+        r_q[m..].fill(F::from(0.0));
+        if !L::IS_FIXED && m <= MAX_UNROLLED {
+            return self.solve_unrolled(a_q, [m, n], (r_q, r_v));
+        }
+        let x_q = &mut r_q[..m];
         x_q.iter_mut().for_each(|x| *x = *x * self.inverse_shift);
-        rest.fill(F::from(0.0));
         let (entries, width) = a_q.entries();
         for (row, r_v) in entries.chunks_exact(width).zip(r_v.iter_mut()).take(n) {
             // Without first-order states the products are added in order, so that closings keep their rounding.
@@ -229,6 +274,166 @@ impl<F: Field, L: Layout> ShiftedSolver<F, L> {
         }
         x_q.iter_mut().zip(&*r_v).for_each(|(x, v)| *x = *x + *v * self.inverse_shift);
     }
+
+    /// [`ShiftedSolver::solve`] for few coordinates, whose loops the compiler unrolls.
+    #[inline(always)]
+    fn solve_unrolled(&self, a_q: &L::Square<f64>, [m, n]: Sizes, r: (&mut [F], &mut [F])) {
+        let parts = Parts {
+            inverse_shift: self.inverse_shift,
+            a_q: a_q.entries().0,
+            state_rows: self.state_rows.entries().0,
+            state_columns: self.state_columns.entries().0,
+            pivots: self.pivots.as_ref(),
+            lu: self.lu.lu.entries(),
+            order: self.lu.order.as_ref(),
+        };
+        unrolled!(m, M => parts.solve::<M>(n, r))
+    }
+}
+
+/// Largest number of coordinates for which factorisation and solution are compiled by themselves.
+const MAX_UNROLLED: usize = 12;
+
+/// Memory of the factors of a [`ShiftedSolver`]: entries by rows, all of one width.
+struct Factored<'a, F> {
+    matrix: &'a mut [F],
+    width: usize,
+    order: &'a mut [usize],
+    state_rows: &'a mut [F],
+    state_columns: &'a mut [f64],
+    pivots: &'a mut [F],
+}
+
+impl<F: Field> Factored<'_, F> {
+    /// [`ShiftedSolver::factor`] for M coordinates with equations of second order, of n, with the shift and its inverse.
+    #[inline(never)]
+    fn factor<const M: usize>(self, n: usize, [shift, inverse_shift]: [F; 2], [a_q, a_v]: [&[f64]; 2]) {
+        let Self { matrix, width, order, state_rows, state_columns, pivots } = self;
+        let rows = |i: usize| (first::<_, M>(&a_q[i * width..]), first::<_, M>(&a_v[i * width..]));
+        for i in 0..M {
+            let (by_q, by_v) = rows(i);
+            let row = first_mut::<_, M>(&mut matrix[i * width..]);
+            for j in 0..M {
+                row[j] = F::from(-by_v[j]) - F::from(by_q[j]) * inverse_shift;
+            }
+            row[i] = row[i] + shift;
+        }
+        for state in M..n {
+            let (by_q, by_v) = rows(state);
+            let of_state: [F; M] = array_from(|j| F::from(by_v[j]) + F::from(by_q[j]) * inverse_shift);
+            let pivot = F::from(1.0) / (shift - F::from(a_v[state * width + state]));
+            for i in 0..M {
+                let entry = a_v[i * width + state];
+                state_columns[state * width + i] = entry;
+                if entry != 0.0 {
+                    subtract_row(first_mut(&mut matrix[i * width..]), F::from(entry) * pivot, &of_state, 0);
+                }
+            }
+            state_rows[state * width..][..M].copy_from_slice(&of_state);
+            pivots[state] = pivot;
+        }
+        (0..M).for_each(|i| order[i] = i);
+        for k in 0..M {
+            let mut pivot = k;
+            for i in k + 1..M {
+                if matrix[i * width + k].magnitude() > matrix[pivot * width + k].magnitude() {
+                    pivot = i;
+                }
+            }
+            let mut of_pivot: [F; M] = *first(&matrix[pivot * width..]);
+            if pivot != k {
+                matrix.copy_within(k * width..k * width + M, pivot * width);
+                order.swap(k, pivot);
+            }
+            of_pivot[k] = F::from(1.0) / of_pivot[k];
+            matrix[k * width..][..M].copy_from_slice(&of_pivot);
+            for i in k + 1..M {
+                let row = first_mut::<_, M>(&mut matrix[i * width..]);
+                row[k] = row[k] * of_pivot[k];
+                if row[k].magnitude() != 0.0 {
+                    subtract_row(row, row[k], &of_pivot, k + 1);
+                }
+            }
+        }
+    }
+}
+
+/// A factored [`ShiftedSolver`] with its matrix a_q: entries by rows, all of the width of `lu`.
+struct Parts<'a, F> {
+    inverse_shift: F,
+    a_q: &'a [f64],
+    state_rows: &'a [F],
+    state_columns: &'a [f64],
+    pivots: &'a [F],
+    lu: (&'a [F], usize),
+    order: &'a [usize],
+}
+
+impl<F: Field> Parts<'_, F> {
+    /// [`ShiftedSolver::solve`] for M coordinates with equations of second order, of n.
+    #[inline(never)]
+    fn solve<const M: usize>(&self, n: usize, (r_q, r_v): (&mut [F], &mut [F])) {
+        let (lu, width) = self.lu;
+        let x_q: [F; M] = array_from(|i| r_q[i] * self.inverse_shift);
+        let mut products = self.a_q.chunks_exact(width).map(|row| dot_of(first::<_, M>(row), &x_q));
+        let mut right: [F; M] = *first(r_v);
+        for (entry, product) in right.iter_mut().zip(&mut products) {
+            *entry = *entry + product;
+        }
+        for (state, product) in (M..n).zip(products) {
+            let rate = (r_v[state] + product) * self.pivots[state];
+            r_v[state] = rate;
+            let column = first::<_, M>(&self.state_columns[state * width..]);
+            right.iter_mut().zip(column).for_each(|(entry, by_state)| *entry = *entry + F::from(*by_state) * rate);
+        }
+        let mut x: [F; M] = array_from(|i| right[self.order[i]]);
+        for i in 1..M {
+            let row = first::<_, M>(&lu[i * width..]);
+            x[i] = (0..i).fold(x[i], |sum, k| sum - row[k] * x[k]);
+        }
+        for i in (0..M).rev() {
+            let row = first::<_, M>(&lu[i * width..]);
+            x[i] = (i + 1..M).fold(x[i], |sum, k| sum - row[k] * x[k]) * row[i];
+        }
+        r_v[..M].copy_from_slice(&x);
+        for state in M..n {
+            let row = first::<_, M>(&self.state_rows[state * width..]);
+            r_v[state] = r_v[state] + self.pivots[state] * dot_of(row, &x);
+        }
+        for i in 0..M {
+            r_q[i] = x_q[i] + x[i] * self.inverse_shift;
+        }
+    }
+}
+
+/// y −= w x for the entries from `start` on.
+#[inline(always)]
+fn subtract_row<F: Field, const M: usize>(y: &mut [F; M], w: F, x: &[F; M], start: usize) {
+    for j in start..M {
+        y[j] = y[j] - w * x[j];
+    }
+}
+
+/// The first M numbers, to be changed.
+#[inline(always)]
+fn first_mut<T, const M: usize>(numbers: &mut [T]) -> &mut [T; M] {
+    numbers.first_chunk_mut().expect("a row is as long as the number of coordinates")
+}
+
+/// The first M numbers.
+#[inline(always)]
+fn first<T, const M: usize>(numbers: &[T]) -> &[T; M] {
+    numbers.first_chunk().expect("a row is as long as the number of coordinates")
+}
+
+/// [`dot`] of a constant length.
+#[inline(always)]
+fn dot_of<A: Copy, F: Field + From<A>, const M: usize>(row: &[A; M], x: &[F; M]) -> F {
+    let mut sums = [F::from(0.0); 2];
+    for k in 0..M {
+        sums[k % 2] = sums[k % 2] + F::from(row[k]) * x[k];
+    }
+    sums[0] + sums[1]
 }
 
 #[cfg(test)]

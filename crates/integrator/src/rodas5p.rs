@@ -87,7 +87,8 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
         let shift = 1.0 / (h * GAMMA);
         let Self { k, solver, rates, right: [r_q, r_v], scratch, .. } = self;
         let sizes = [system.second_order_count(), system.coordinate_count()];
-        let m = sizes[0];
+        // Coordinates of first-order states stay at 0: whole vectors need no remainders of loops.
+        let of_q = if L::IS_FIXED { sizes[0] } else { r_q.as_ref().len() };
         solver.factor(shift, (&lin.a_q, &lin.a_v), sizes);
         let Attempt { end: State { q, v, .. }, .. } = &mut *attempt;
         copy(q, &from.q);
@@ -97,10 +98,10 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
                 copy(q, &from.q);
                 copy(v, &from.v);
                 let weights = &A[i][..i];
-                add_weighted(&mut q.as_mut()[..m], weights, &k[..], |k| k.q.as_ref());
+                add_weighted(&mut q.as_mut()[..of_q], weights, &k[..], |k| k.q.as_ref());
                 add_weighted(v.as_mut(), weights, &k[..], |k| k.v.as_ref());
             } else if i > 5 {
-                add(&mut q.as_mut()[..m], k[i - 1].q.as_ref());
+                add(&mut q.as_mut()[..of_q], k[i - 1].q.as_ref());
                 add(v.as_mut(), k[i - 1].v.as_ref());
             }
             let time = (t + NODES[i] * h).min(latest_time);
@@ -113,7 +114,7 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
             copy(r_q, v);
             copy(r_v, &rates.a);
             let weights: [f64; STAGES - 1] = array_from(|j| C[i][j] / h);
-            add_weighted(&mut r_q.as_mut()[..m], &weights[..i], &k[..], |k| k.q.as_ref());
+            add_weighted(&mut r_q.as_mut()[..of_q], &weights[..i], &k[..], |k| k.q.as_ref());
             add_weighted(r_v.as_mut(), &weights[..i], &k[..], |k| k.v.as_ref());
             if D[i] != 0.0 {
                 add_scaled(r_v.as_mut(), h * D[i], lin.a_t.as_ref());

@@ -76,21 +76,17 @@ impl<L: Layout> Dense<L> {
     pub(crate) fn write(&self, theta: f64, state: &mut State<L>) {
         self.motion(theta, &mut state.q, &mut state.v);
         let [a, b, c] = &self.d;
-        for i in 0..state.z.as_ref().len() {
-            state.z[i] = blend(theta, self.start.z[i], self.end.z[i], [a.z[i], b.z[i], c.z[i]]);
-        }
+        let d = [a.z.as_ref(), b.z.as_ref(), c.z.as_ref()];
+        blend(theta, state.z.as_mut(), (self.start.z.as_ref(), self.end.z.as_ref(), d));
     }
 
     /// Writes the coordinates and rates at the fraction `theta` of the step.
     #[inline(always)]
     pub(crate) fn motion(&self, theta: f64, q: &mut VectorOf<L>, v: &mut VectorOf<L>) {
         let [a, b, c] = &self.d;
-        for i in 0..q.as_ref().len() {
-            q[i] = blend(theta, self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]]);
-        }
-        for i in 0..v.as_ref().len() {
-            v[i] = blend(theta, self.start.v[i], self.end.v[i], [a.v[i], b.v[i], c.v[i]]);
-        }
+        let (of_q, of_v) = (a.q.as_ref(), a.v.as_ref());
+        blend(theta, q.as_mut(), (self.start.q.as_ref(), self.end.q.as_ref(), [of_q, b.q.as_ref(), c.q.as_ref()]));
+        blend(theta, v.as_mut(), (self.start.v.as_ref(), self.end.v.as_ref(), [of_v, b.v.as_ref(), c.v.as_ref()]));
     }
 
     /// Writes the coordinates at the fraction `theta` of the step, and their derivative, which differs from the dense output
@@ -98,8 +94,9 @@ impl<L: Layout> Dense<L> {
     pub(crate) fn coordinates_with_derivative(&self, theta: f64, q: &mut VectorOf<L>, v: &mut VectorOf<L>) {
         let [a, b, c] = &self.d;
         let slope = Slope::new(theta, self.h);
+        let d = [a.q.as_ref(), b.q.as_ref(), c.q.as_ref()];
+        blend(theta, q.as_mut(), (self.start.q.as_ref(), self.end.q.as_ref(), d));
         for i in 0..q.as_ref().len() {
-            q[i] = blend(theta, self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]]);
             v[i] = slope.of(self.start.q[i], self.end.q[i], [a.q[i], b.q[i], c.q[i]]);
         }
     }
@@ -150,10 +147,16 @@ impl Slope {
     }
 }
 
-/// y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ d₃)).
+/// y = y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ d₃)).
 #[inline(always)]
-fn blend(theta: f64, y0: f64, y1: f64, d: [f64; 3]) -> f64 {
-    y0 + theta * (y1 - y0) + theta * (1.0 - theta) * (d[0] + theta * (d[1] + theta * d[2]))
+fn blend(theta: f64, y: &mut [f64], (y0, y1, [d1, d2, d3]): (&[f64], &[f64], [&[f64]; 3])) {
+    // Slices of one length, so that the loop needs no bounds checks.
+    let n = y.len();
+    let (y0, y1, d1, d2, d3) = (&y0[..n], &y1[..n], &d1[..n], &d2[..n], &d3[..n]);
+    let bump = theta * (1.0 - theta);
+    for i in 0..n {
+        y[i] = y0[i] + theta * (y1[i] - y0[i]) + bump * (d1[i] + theta * (d2[i] + theta * d3[i]));
+    }
 }
 
 /// The coordinates of [`Dense`] alone.
