@@ -332,9 +332,8 @@ fn run_finger(contacts: FingerContactLaws) -> CollectSink {
     run_to_end(&scene).1
 }
 
-/// The model of a gripper with bristles has 16 coordinates and its own Jacobian. On a fixed disc each of its fingers
-/// moves like a single finger: with bristles on both phalanges, on one phalanx, and with soft bristles, which slip
-/// more.
+/// On a fixed disc each finger of a gripper, a mechanism, moves like the closed form of a single finger: with bristles on
+/// both phalanges, on one phalanx, and with soft bristles, which slip more.
 #[test]
 fn each_finger_of_a_gripper_on_a_fixed_disc_matches_a_single_finger() {
     let all_sticking = load_with_stiction("experiment-95").finger().contact;

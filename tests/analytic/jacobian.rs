@@ -1,13 +1,18 @@
 //! Jacobians of the equations of motion against extrapolated central differences of their right-hand sides: of a finger
 //! on every branch of every law, with bristles, of grippers, and of hands beyond scene files.
 
-use phalanx::analytic::multibody::{CONTACTS, GraspMode, MAX_GRASP_COORDINATES, Multibody};
+use phalanx::analytic::mechanism::MechanismModel;
 use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Model, QUADRATURES};
 use phalanx::gripper::{self, FingerContact};
-use phalanx::integrator::{Fixed, Layout, Linearised, Rates, State, System, VectorOf};
+use phalanx::integrator::{Fixed, Hybrid, Layout, Linearised, Rates, State, System, VectorOf};
 use phalanx::law::unclamped_normal_force;
-use phalanx::scene::{Axis, Interpolation, Move, Placement, Profile, Scene, Spring, SpringKind};
+use phalanx::scene::{
+    Axis, Hand, HandContact, Initial, Interpolation, Move, Object, ObjectMotion, Placement, Profile, Scene, Spring,
+    SpringKind,
+};
+use phalanx::trace::{BodyState, Sample};
 
+use super::gripper::kernel;
 use super::hands_in_code;
 use crate::support::reference_cases::reference_case;
 use crate::support::runs::{
@@ -347,6 +352,31 @@ fn bristles_of_a_finger() {
     assert_eq!(slipping, 4, "four of the eight bristles slip; slipping bristles relax at 1/ms");
 }
 
+/// Lets the fingers and a moving object of a hand start at these coordinates and rates: (q11, q21) of each finger, then
+/// (x, y, θ).
+fn start_at(hand: &mut Hand, q: &[f64], v: &[f64]) {
+    for (finger, (q, v)) in hand.fingers.iter_mut().zip(q.chunks(2).zip(v.chunks(2))) {
+        finger.initial = Initial { q11_rad: q[0], q21_rad: q[1], qd11_rad_s: v[0], qd21_rad_s: v[1] };
+    }
+    let object = 2 * hand.fingers.len();
+    if let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (&q[object..], &v[object..]) {
+        let Object { centre_m, angle_rad: angle, motion, .. } = hand.grasped_mut();
+        (*centre_m, *angle) = ([*x, *y], *angle_rad);
+        let ObjectMotion::Free { velocity_m_s, spin_rad_s: spin, .. } = motion else { panic!("a fixed object") };
+        (*velocity_m_s, *spin) = ([*vx, *vy], *spin_rad_s);
+    }
+}
+
+/// The equations of a hand at its start at time `t`, with all contacts in this state, or in that of the posture.
+fn equations_at_start(model: &MechanismModel, t: f64, state: Option<ContactState>) -> Equations<'_, MechanismModel> {
+    let State { mut q, v, .. } = model.start();
+    // Time is the only coordinate with a rate of 1.
+    v.iter().position(|rate| *rate == 1.0).into_iter().for_each(|time| q[time] = t);
+    let mut mode = model.mode_at(t, &q, &v);
+    state.into_iter().for_each(|state| (0..model.contact_count()).for_each(|index| mode.contacts[index] = state));
+    Equations { hand: model, mode, t, q, v }
+}
+
 /// Grippers with all contacts active. Both fingers are in contact with an object off centre; contacts with negative gaps
 /// have forces.
 #[test]
@@ -357,18 +387,18 @@ fn grippers_at_rest() {
             SpringKind::Torsional { stiffness_n_m_per_rad: 0.08, preload_rad: 1.0 };
         hand.table.iter_mut().for_each(|table| table.level_m = 0.0399);
         hand.differential.iter_mut().for_each(|input| input.motor.no_load_speed_rad_s = Some(300.0));
-        let model = Multibody::<7>::new(&hand);
         let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02];
-        let v = [12.0, -7.0, 9.0, 5.0, 0.3, -0.2, 4.0];
-        let has_force = |index: &usize| model.contact_reading(&q, &v, *index, Active).is_some();
-        assert!((0..CONTACTS).filter(has_force).count() >= 7);
+        start_at(&mut hand, &q, &[12.0, -7.0, 9.0, 5.0, 0.3, -0.2, 4.0]);
+        let model = kernel(&hand);
+        assert!(model.contact_count() >= 7);
+        let equations = equations_at_start(&model, 1e-3, Some(Active));
+        (0..7).for_each(|i| assert!((equations.q[i] - q[i]).abs() < 1e-15, "{letter}: {:?}", equations.q));
         let h = |variable| match variable {
             Variable::Time => 0.0,
             Variable::Coordinate(4 | 5) => 4e-7,
             Variable::Coordinate(_) => 1e-5,
             Variable::Rate(_) => 2e-3,
         };
-        let equations = Equations { hand: &model, mode: [Active; CONTACTS].into(), t: 1e-3, q, v };
         equations.check(letter, 2, h, |entry| 1e-6 * entry.row_size);
     }
 }
@@ -381,13 +411,15 @@ fn a_gripper_on_a_moving_palm() {
     motion.moves.push(Move { axis: Axis::Angle, distance: 0.3, start_s: 0.05, length_s: 0.06 });
     // The palm is at its pose at time t, and the table is within reach.
     let (t, [x, y, angle]) = (0.073, motion.pose(0.073).position);
-    let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02, t];
+    let q = [0.08, 1.22, 0.11, 1.31, 1e-3, 0.01998, 0.02];
     hand.table.as_mut().expect("a table").level_m = y + angle.sin() * q[4] + angle.cos() * q[5] + 0.01998;
     assert!(x != 0.0);
-    let v = [4e-3, -7.0, -6e-3, 5.0, 0.3, 0.2, 4.0, 1.0];
-    let model = Multibody::<8>::new(&hand);
-    let equations = Equations { hand: &model, mode: [Active; CONTACTS].into(), t, q, v };
-    assert!(equations.outputs(Variable::Time, 0.0)[8 + 7] > 0.0, "the table is in contact");
+    start_at(&mut hand, &q, &[4e-3, -7.0, -6e-3, 5.0, 0.3, 0.2, 4.0]);
+    let model = kernel(&hand);
+    let equations = equations_at_start(&model, t, Some(Active));
+    assert!((0..7).all(|i| (equations.q[i] - q[i]).abs() < 1e-15) && equations.q[7] == t, "{:?}", equations.q);
+    let table = hand.contact_index(HandContact::Table).expect("a table");
+    assert!(equations.outputs(Variable::Time, 0.0)[equations.q.len() + table] > 0.0, "the table is in contact");
     let h = |variable| match variable {
         Variable::Coordinate(4 | 5) => 4e-7,
         Variable::Coordinate(7) | Variable::Time => 2e-7,
@@ -407,44 +439,29 @@ fn a_gripper_on_a_moving_palm() {
 #[test]
 fn hands_with_active_contacts() {
     for (name, scene) in hands_in_code::cases() {
-        check_hand(name, &scene);
+        let (_, log) = run_to_end(&with_reference_settings(&scene));
+        let strong_contacts = |sample: &&Sample| sample.contacts().filter(|contact| contact.normal_n > 0.1).count();
+        let sample = log.samples.iter().max_by_key(strong_contacts).expect("samples");
+        let mut hand = scene.hand;
+        let (mut q, mut v) = (Vec::new(), Vec::new());
+        for finger in sample.fingers() {
+            q.extend([finger.q11_rad, finger.q21_rad]);
+            v.extend([finger.qd11_rad_s, finger.qd21_rad_s]);
+        }
+        for BodyState { centre_m, angle_rad, velocity_m_s, spin_rad_s } in sample.bodies() {
+            q.extend([centre_m[0], centre_m[1], angle_rad]);
+            v.extend([velocity_m_s[0], velocity_m_s[1], spin_rad_s]);
+        }
+        start_at(&mut hand, &q, &v);
+        let model = kernel(&hand);
+        let equations = equations_at_start(&model, sample.time_s, None);
+        let active_contacts = (0..model.contact_count()).filter(|contact| equations.mode[*contact] == Active).count();
+        assert!(active_contacts > 0, "{name}");
+        // The steps of coordinates are a fraction of the penetration.
+        let allowed = |entry: &Entry| {
+            let noise = 2e-15 * entry.value.abs().max(entry.row_size) / entry.h;
+            2e-5 * entry.row_size + 30.0 * noise
+        };
+        equations.check(name, 2, |variable| [0.0, 2e-11, 2e-5][variable.kind()], allowed);
     }
-}
-
-fn check_hand(name: &str, scene: &Scene) {
-    let (_, log) = run_to_end(&with_reference_settings(scene));
-    let strong_contacts =
-        |sample: &&phalanx::trace::Sample| sample.contacts().filter(|contact| contact.normal_n > 0.1).count();
-    let sample = log.samples.iter().max_by_key(strong_contacts).expect("samples");
-    let model = Multibody::<MAX_GRASP_COORDINATES>::new(&scene.hand);
-    let State { mut q, mut v, .. } = model.start(&scene.hand);
-    for (index, finger) in sample.fingers().enumerate() {
-        q[2 * index..][..2].copy_from_slice(&[finger.q11_rad, finger.q21_rad]);
-        v[2 * index..][..2].copy_from_slice(&[finger.qd11_rad_s, finger.qd21_rad_s]);
-    }
-    let next = 2 * sample.counts().fingers;
-    if scene.hand.moving_object().is_some() {
-        let body = sample.body(0);
-        let ([x, y], [vx, vy]) = (body.centre_m, body.velocity_m_s);
-        q[next..][..3].copy_from_slice(&[x, y, body.angle_rad]);
-        v[next..][..3].copy_from_slice(&[vx, vy, body.spin_rad_s]);
-    }
-    let t = sample.time_s;
-    if scene.hand.palm_motion.is_some() {
-        // The index of time is the only rate of 1 at the start.
-        let time = model.start(&scene.hand).v.iter().position(|rate| *rate == 1.0).expect("time");
-        q[time] = t;
-    }
-    let mut mode = GraspMode::FREE;
-    let active = scene.hand.contacts().zip(sample.contacts()).filter(|(_, contact)| contact.normal_n > 0.0);
-    let active_contacts = active.map(|(contact, _)| mode[contact.index()] = Active).count();
-    assert!(active_contacts > usize::from(!name.ends_with("no object")), "{name}: {active_contacts} contacts");
-    // The steps of coordinates are a fraction of the penetration.
-    let rate_step = if name.ends_with("bristles") { 2e-8 } else { 2e-5 };
-    let allowed = |entry: &Entry| {
-        let noise = 2e-15 * entry.value.abs().max(entry.row_size) / entry.h;
-        2e-5 * entry.row_size + 30.0 * noise
-    };
-    let equations = Equations { hand: &model, mode, t, q, v };
-    equations.check(name, 2, |variable| [0.0, 2e-11, rate_step][variable.kind()], allowed);
 }

@@ -3,7 +3,7 @@
 
 use crate::support::runs::Random;
 use nalgebra::{SMatrix, SVector};
-use phalanx::fivebar::dynamics::{AccelerationField, absolute_rates};
+use phalanx::fivebar::dynamics::absolute_rates;
 use phalanx::fivebar::joint_forces::{LinkLoads, LinkMotion, joint_forces};
 use phalanx::fivebar::kinematics::{directions, passive_bias, passive_rates};
 use phalanx::gripper::{Body, Finger};
@@ -120,13 +120,13 @@ fn random_fingers_agree_with_free_bodies() {
         let expected = free_body_forces(&bodies, gravity);
         let arm = [points[1][0] - a22[0], points[1][1] - a22[1]];
         let loads = LinkLoads {
-            field: AccelerationField { uniform: gravity, ..AccelerationField::default() },
+            gravity_m_s2: gravity,
             proximal_n: contacts[0],
             distal_n: contacts[1],
             distal_moment_n_m: cross(arm, contacts[1]),
             torques_n_m: torques,
         };
-        let found = joint_forces(&finger, ground, &pose, &LinkMotion { rates, accelerations }, &loads);
+        let found = joint_forces(&finger, &pose, &LinkMotion { rates, accelerations }, &loads);
         let scale = expected.iter().flatten().fold(0.0f64, |largest, force| largest.max(force.abs()));
         for (a, b) in found.iter().flatten().zip(expected.iter().flatten()) {
             worst = worst.max((a - b).abs() / scale);

@@ -134,7 +134,7 @@ fn andrews_squeezer_agrees_with_the_published_solution() {
     let options = Options { tolerances, max_steps: 1_000_000 };
     let method = Radau5::new(model.sizes());
     let end = integrate_by(method, &model, &options, 0.0, model.start(), 0.03, &mut ());
-    let published = [
+    let published: [(_, f64); 7] = [
         ("beta", 15.81077119629904),
         ("theta", -15.75637105984298),
         ("gamma", 0.04082224013073101),
@@ -143,9 +143,11 @@ fn andrews_squeezer_agrees_with_the_published_solution() {
         ("omega", 0.5347301163226948),
         ("epsilon", 1.048080741042263),
     ];
+    let mut angles = Vec::new();
+    model.read_joints((&end.state.q, &end.state.v), |_, (angle_rad, _)| angles.push(angle_rad));
     for (name, value) in published {
         let joint = case.mechanism.joints.iter().position(|joint| joint.name == name).expect("a joint");
-        let (found, _) = model.joint((&end.state.q, &end.state.v), joint);
+        let found: f64 = angles[joint];
         assert!((found - value).abs() < 1e-9 * value.abs().max(1.0), "{name}: {found}, {value}");
     }
 }
@@ -252,8 +254,8 @@ fn largest_group(mechanism: &Mechanism) -> usize {
 
 #[test]
 fn sizes_and_structure_of_the_reference_cases() {
+    // Coordinates with a place for time, which a new input of an actuator may need; the model has them in units of 4.
     let sizes = [
-        // A new input of an actuator may need time as a coordinate.
         ("e_tendon3", 5, 3),
         ("a_andrews", 2, 1),
         ("b_swinging_slider", 3, 2),
@@ -264,7 +266,7 @@ fn sizes_and_structure_of_the_reference_cases() {
         let case = mechanism_case(name);
         let model = MechanismModel::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
         let found = (model.sizes().coordinates, largest_group(&case.mechanism));
-        assert_eq!(found, (coordinates, group), "{name}");
+        assert_eq!(found, (usize::next_multiple_of(coordinates, 4), group), "{name}");
     }
 }
 

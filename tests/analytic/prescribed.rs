@@ -1,5 +1,5 @@
 //! Mechanisms with joints on bodies with prescribed motion, and on bodies that do not rotate: closed forms, both models,
-//! and the gripper with a moving palm against its own kernel.
+//! and grippers on a moving palm against their closed form.
 
 use phalanx::mechanism::structure::find_groups;
 use phalanx::mechanism::{Body, Joint, JointKind, Mechanism, PrescribedMotion, Spring, SpringKind};
@@ -157,43 +157,46 @@ fn a_pendulum_on_a_vibrating_palm_follows_its_scalar_equation() {
     assert!((analytic.angle_rad - engine.angle_rad).abs() < 2e-5, "{analytic:?} {engine:?}");
 }
 
-/// Grippers on a moving palm as mechanisms equal the closed-form kernel: fingers, object, contacts, and energies.
+/// Angles q11, q12, q21 and q22 of both fingers, and the position of the object, at the end of a run.
+struct GripperEnd {
+    name: &'static str,
+    fingers_rad: [[f64; 4]; 2],
+    object_m: [f64; 2],
+}
+
+/// Ends after 100 ms by the closed form of a gripper, a kernel that the model had until November 2026.
+const GRIPPERS_BY_CLOSED_FORM: [GripperEnd; 2] = [
+    GripperEnd {
+        name: "lift",
+        fingers_rad: [[0.03633040722879805, 1.409413636229334, 1.1355431203838837, -1.058323148235351]; 2],
+        object_m: [0.0, 0.020012750335567132],
+    },
+    GripperEnd {
+        name: "cycle-fast",
+        fingers_rad: [
+            [0.03645783838131098, 1.408994211542445, 1.1352389814686343, -1.057453446855748],
+            [0.036451544504188686, 1.4086568860683601, 1.134885495856049, -1.0567537166948686],
+        ],
+        object_m: [-2.1375526838851304e-06, 0.020000751444204917],
+    },
+];
+
+/// Grippers on a moving palm end as the closed form of a gripper does.
 #[test]
-fn grippers_on_a_moving_palm_equal_their_closed_form_kernel() {
-    for name in ["lift", "cycle-fast"] {
+fn grippers_on_a_moving_palm_end_as_by_their_closed_form() {
+    for GripperEnd { name, fingers_rad, object_m } in GRIPPERS_BY_CLOSED_FORM {
         let mut scene =
             scene::load_any(format!("scenes/gripper/{name}.toml")).unwrap_or_else(|error| panic!("{error}"));
-        scene.integrator = Integrator::preset(Preset::Reference);
-        scene.duration_s = scene.duration_s.min(0.1);
-        let mechanism = scene.mechanism().expect("closed loops").into_owned();
-        let general = Scene { mechanism: Some(mechanism), ..scene.clone() };
-        let [kernel, general] = [&scene, &general].map(|scene| end_of(Model::Analytic, scene));
-        for (index, finger) in kernel.fingers().enumerate() {
-            for (joint, angle_rad) in
-                [finger.q11_rad, finger.q12_rad, finger.q21_rad, finger.q22_rad].iter().enumerate()
-            {
-                let found = general.joint_state(5 * index + joint).angle_rad;
-                assert!((found - angle_rad).abs() < 1e-8, "{name}, finger {index}, joint {joint}: {found} {angle_rad}");
+        (scene.integrator, scene.duration_s) = (Integrator::preset(Preset::Reference), 0.1);
+        let found = end_of(Model::Analytic, &scene);
+        for (finger, expected) in found.fingers().zip(fingers_rad) {
+            let angles = [finger.q11_rad, finger.q12_rad, finger.q21_rad, finger.q22_rad];
+            for (found, expected) in angles.into_iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-8, "{name}: {angles:?}");
             }
         }
-        let [expected, found] = [kernel.body(0), general.body(0)];
-        for k in 0..2 {
-            assert!((expected.centre_m[k] - found.centre_m[k]).abs() < 1e-9, "{name}: {expected:?} {found:?}");
-        }
-        for (contact, (expected, found)) in kernel.contacts().zip(general.contacts()).enumerate() {
-            let difference = (expected.normal_n - found.normal_n).abs();
-            assert!(difference < 1e-4 * expected.normal_n.max(1.0), "{name}, {contact}: {expected:?} {found:?}");
-        }
-        let [expected, found] = [kernel.energy(), general.energy()];
-        for (expected, found) in [
-            (expected.kinetic_j, found.kinetic_j),
-            (expected.gravity_j, found.gravity_j),
-            (expected.motor_work_j, found.motor_work_j),
-            (expected.dissipated_j, found.dissipated_j),
-            (expected.balance_j, found.balance_j),
-        ] {
-            assert!((expected - found).abs() < 1e-7, "{name}: {expected} {found}");
-        }
+        let [x, y] = [0, 1].map(|k| (found.body(0).centre_m[k] - object_m[k]).abs());
+        assert!(x < 1e-9 && y < 1e-9, "{name}: {:?}", found.body(0));
     }
 }
 

@@ -186,7 +186,8 @@ fn force_on_object(sample: &Sample) -> [f64; 2] {
 /// The fingers are mirror images of each other, with the same sign conventions in both models.
 #[test]
 fn a_symmetric_grasp_remains_symmetric_in_both_models() {
-    let scene = reference_case("a").scene;
+    // At everyday tolerances the events of both fingers are located one after the other.
+    let scene = with_reference_settings(&reference_case("a").scene);
     for model in BOTH_MODELS {
         let last = run_model(model, &scene).0.last;
         let (right, left) = (last.finger(0), last.finger(1));

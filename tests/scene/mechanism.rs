@@ -521,7 +521,14 @@ fn objects_of_fingers_have_any_outline() {
     }
     let egg = "object.outline.type=ellipse|object.outline.semi_axes=[\"20 mm\", \"17 mm\"]|object.outline.angle=20 deg";
     let boxed = "object.outline.type=box|object.outline.size=[\"30 mm\", \"28 mm\"]|object.outline.rounding=3 mm|object.radius=19.3 mm|object.height=20 mm|object.angle=3 deg|duration=20 ms";
-    for (file, more, joint) in [("experiment-95", egg, "q22"), ("gripper/design-95", boxed, "left_q22")] {
+    let lifted = "object.outline.type=box|object.outline.size=[\"28 mm\", \"26 mm\"]|object.outline.rounding=3 mm|object.radius=18 mm|object.height=20 mm|object.angle=3 deg|duration=60 ms";
+    let cases = [
+        ("experiment-95", egg, "q22"),
+        ("gripper/design-95", boxed, "left_q22"),
+        // The palm moves.
+        ("gripper/lift", lifted, "right_q22"),
+    ];
+    for (file, more, joint) in cases {
         let scene = with_object(file, more);
         let [analytic, engine] = [Model::Analytic, Model::Engine].map(|model| end(&scene, model, joint));
         assert!((analytic - engine).abs() < 2e-5, "{file}: {analytic} {engine}");

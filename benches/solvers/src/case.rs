@@ -1,19 +1,19 @@
 //! The scenes of the work–precision diagrams, with the kernels that phalanx uses for them.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 
-use phalanx::analytic::multibody::{CONTACTS, GraspMode, Multibody};
+use phalanx::analytic::mechanism::MechanismModel;
 use phalanx::analytic::{FingerMode, Model};
-use phalanx::integrator::{Hybrid, Linearised, Rates, State, VectorOf};
+use phalanx::integrator::{Hybrid, Linearised, State, System};
+use phalanx::mechanism::assemble;
 use phalanx::scene::{Integrator, Profile, Scene, parse_any};
 use phalanx::shape::max_radius;
 
 use crate::equations::{Equations, InitialValueProblem};
 use crate::support::problem::TORQUE_STEP;
 
-/// Coordinates of a gripper with a free object, and with a moving palm and bristles as well.
-pub const GRIPPER: usize = 7;
-pub const CYCLE: usize = 16;
+/// Coordinates of a gripper with a free object. The time of a moving palm follows, then bristle states.
+const GRIPPER: usize = 7;
 
 /// A scene whose torques are multiplied by a factor near 1.
 pub struct Case<M: Hybrid> {
@@ -63,31 +63,32 @@ pub fn finger(member: usize) -> Case<Model> {
     }
 }
 
-type GripperCase<const N: usize> = Case<Multibody<N>>;
-
-fn gripper_of<const N: usize>(scene: &Scene) -> GripperCase<N> {
-    let kernel = Multibody::<N>::new(&scene.hand);
-    let bristles = (0..CONTACTS).filter_map(|contact| kernel.bristle_index(contact));
-    let brakes = (0..2).filter_map(|drive| kernel.brake_bristle_index(drive));
+fn gripper_of(scene: &Scene) -> Case<MechanismModel> {
+    let mechanism = scene.mechanism().unwrap_or_else(|error| panic!("{error}"));
+    let placed = assemble(&mechanism).unwrap_or_else(|error| panic!("{error}"));
+    let kernel = MechanismModel::new(&mechanism, (&placed.poses, &placed.rates)).unwrap_or_else(|error| panic!("{error}"));
+    let start = kernel.start();
+    let mut clamped = kernel.mode_at(0.0, &start.q, &start.v);
+    (0..kernel.event_count()).for_each(|event| kernel.clamp_law(event, &mut clamped));
     let object = scene.object().unwrap_or_else(|| panic!("the scene has no object"));
     Case {
-        start: kernel.start(&scene.hand),
-        clamped: GraspMode::CLAMPED,
+        start,
+        clamped,
         duration_s: scene.duration_s,
         everyday: scene.integrator,
         coordinate_count: GRIPPER,
-        rates: (0..GRIPPER).chain(bristles).chain(brakes).collect(),
+        rates: (0..GRIPPER).chain(kernel.second_order_count()..kernel.coordinate_count()).collect(),
         time: scene.hand.palm_motion.is_some().then_some(GRIPPER),
         object_radius_m: Some(max_radius(&object.shape)),
         kernel,
     }
 }
 
-pub fn gripper(member: usize) -> GripperCase<GRIPPER> {
+pub fn gripper(member: usize) -> Case<MechanismModel> {
     gripper_of(&scene(include_str!("../../../scenes/gripper/design-95.toml"), member))
 }
 
-pub fn cycle(member: usize) -> GripperCase<CYCLE> {
+pub fn cycle(member: usize) -> Case<MechanismModel> {
     gripper_of(&scene(include_str!("../../../scenes/gripper/cycle.toml"), member))
 }
 
@@ -110,6 +111,7 @@ impl<M: Hybrid> CaseEquations<'_, M> {
 /// The equations of a case with clamped laws; counts evaluations.
 pub struct CaseEquations<'a, M: Hybrid> {
     case: &'a Case<M>,
+    memory: RefCell<(State<M::Layout>, Linearised<M::Layout>)>,
     latest_time: Cell<f64>,
     pub rhs: Cell<u64>,
     pub jacobians: Cell<u64>,
@@ -117,20 +119,21 @@ pub struct CaseEquations<'a, M: Hybrid> {
 
 impl<'a, M: Hybrid> CaseEquations<'a, M> {
     pub fn new(case: &'a Case<M>) -> Self {
-        Self { case, latest_time: Cell::new(f64::INFINITY), rhs: Cell::new(0), jacobians: Cell::new(0) }
+        let layout = case.kernel.layout();
+        let memory = RefCell::new((State::zero(layout), Linearised::zero(layout)));
+        Self { case, memory, latest_time: Cell::new(f64::INFINITY), rhs: Cell::new(0), jacobians: Cell::new(0) }
     }
 
-    /// Time, coordinates and rates of the kernel.
-    fn state(&self, t: f64, y: &[f64]) -> (f64, VectorOf<M::Layout>, VectorOf<M::Layout>) {
+    /// Writes coordinates and rates of the kernel, and returns the time.
+    fn set_state(&self, t: f64, y: &[f64], State { q, v, .. }: &mut State<M::Layout>) -> f64 {
         let Case { coordinate_count, rates, time, .. } = self.case;
         let t = t.min(self.latest_time.get());
-        let State { mut q, mut v, .. } = State::<M::Layout>::zero(self.case.kernel.layout());
         q.as_mut()[..*coordinate_count].copy_from_slice(&y[..*coordinate_count]);
         for (index, rate) in rates.iter().zip(&y[*coordinate_count..]) {
             v[*index] = *rate;
         }
         time.iter().for_each(|time| (q[*time], v[*time]) = (t, 1.0));
-        (t, q, v)
+        t
     }
 }
 
@@ -141,9 +144,10 @@ impl<M: Hybrid> Equations for CaseEquations<'_, M> {
 
     fn rates(&self, t: f64, y: &[f64], out: &mut [f64]) {
         self.rhs.set(self.rhs.get() + 1);
-        let (t, q, v) = self.state(t, y);
-        let mut found = Rates::zero(self.case.kernel.layout());
-        self.case.kernel.rates(t, &q, &v, &self.case.clamped, &mut found);
+        let (state, Linearised { rates: found, .. }) = &mut *self.memory.borrow_mut();
+        let t = self.set_state(t, y, state);
+        let State { q, v, .. } = state;
+        self.case.kernel.rates(t, q, v, &self.case.clamped, found);
         let (coordinates, rates) = out.split_at_mut(self.case.coordinate_count);
         coordinates.copy_from_slice(&v.as_ref()[..coordinates.len()]);
         for (rate, index) in rates.iter_mut().zip(&self.case.rates) {
@@ -153,9 +157,9 @@ impl<M: Hybrid> Equations for CaseEquations<'_, M> {
 
     fn jacobian(&self, t: f64, y: &[f64], columns: &mut [f64]) {
         self.jacobians.set(self.jacobians.get() + 1);
-        let (t, q, v) = self.state(t, y);
-        let mut derivatives = Linearised::zero(self.case.kernel.layout());
-        self.case.kernel.linearise(t, &q, &v, &self.case.clamped, &mut derivatives);
+        let (state, derivatives) = &mut *self.memory.borrow_mut();
+        let t = self.set_state(t, y, state);
+        self.case.kernel.linearise(t, &state.q, &state.v, &self.case.clamped, derivatives);
         let (size, count, rates) = (y.len(), self.case.coordinate_count, &self.case.rates);
         columns.fill(0.0);
         for (row, i) in rates.iter().enumerate() {

@@ -1,15 +1,13 @@
-//! The analytic model: Lagrange equations under the contact laws. [`mechanism`] has those of any planar mechanism,
-//! [`multibody`] those of two fingers with their object; the closed form of one finger (thesis §2.1) checks them.
+//! The analytic model: Lagrange equations under the contact laws. [`mechanism`] has those of any planar mechanism; the
+//! closed form of one finger (thesis §2.1) checks them.
 //!
 //! The model is independent of the engine model, which it checks: both share lengths, masses and scalar laws, nothing
 //! else.
 
 mod closed_form;
 mod contact;
-mod inertial_field;
 pub mod mechanism;
 mod motion_bound;
-pub mod multibody;
 
 pub use closed_form::{
     BristleModel, DistalShape, EVENT_FUNCTIONS, FingerMode, FingerMotion, Model, PassiveJoints, QUADRATURES, distal,

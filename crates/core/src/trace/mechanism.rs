@@ -41,12 +41,11 @@ impl Kernel for MechanismModel {
         if required_data.joint_forces {
             model.joint_forces(t, qv, mode, joint_forces);
         }
-        for index in 0..counts.joints {
-            let (angle_rad, rate_rad_s) = model.joint(qv, index);
+        model.read_joints(qv, |index, (angle_rad, rate_rad_s)| {
             let force = joint_forces.forces.get(index).copied().unwrap_or_default();
             let (force_n, moment_n_m) = (force.force_n, force.moment_n_m);
             sample.set_joint(index, &JointState { angle_rad, rate_rad_s, force_n, moment_n_m });
-        }
+        });
         for index in 0..counts.actuators {
             let effort = if required_data.passive { model.actuator(t, qv, mode, index) } else { 0.0 };
             sample.set_actuator(index, effort);
@@ -59,7 +58,9 @@ impl Kernel for MechanismModel {
             let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = model.body(qv, body);
             sample.set_body(index, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
         }
-        (0..counts.contacts).for_each(|index| sample.set_contact(index, &self.contact(state, index, mode)));
+        model.read_contacts(qv, mode, counts.contacts, |index, reading| {
+            sample.set_contact(index, &contact_sample(Some(&reading), state.z[index]));
+        });
         sample.set_energy(&match required_data.energies {
             true => {
                 let work = state.z[contacts + 1] + model.frame_work(qv);

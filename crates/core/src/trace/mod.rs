@@ -13,7 +13,6 @@ mod engine_reading;
 mod engine_recorder;
 mod extrema;
 mod grid;
-#[cfg(feature = "mechanisms")]
 mod mechanism;
 mod model;
 mod outcome;

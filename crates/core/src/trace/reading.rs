@@ -3,13 +3,11 @@
 
 use std::ops::Index;
 
-use super::{BodyState, ContactSample, Energy, Exit, FingerContact, FingerState, RequiredData, Sample};
-use crate::analytic::multibody::{CONTACTS, GraspMode, Multibody, kinematics_of};
+use super::{ContactSample, Energy, Exit, FingerContact, FingerState, RequiredData, Sample};
 use crate::analytic::{ContactReading, ContactState, Energies, FingerMode, FingerMotion, PassiveJoints};
 use crate::drive::Profile;
 use crate::integrator::{Hybrid, State, System};
-use crate::numeric::plane::scale;
-use crate::scene::{Integrator, Side};
+use crate::scene::Integrator;
 
 /// A kernel of the analytic model, as runs use it: its states become samples, and its inputs can change.
 pub(crate) trait Kernel:
@@ -182,99 +180,5 @@ impl<const N: usize, const W: usize> Kernel for FingerMotion<N, W> {
 
     fn set_input(&mut self, _: usize, input: Profile, _: f64, _: (&mut State<Self::Layout>, &mut FingerMode)) {
         self.set_actuation(input);
-    }
-}
-
-impl<const N: usize> Kernel for Multibody<N> {
-    type History = ();
-
-    fn read(
-        &self,
-        (state, mode): (&State<Self::Layout>, &GraspMode),
-        start: &Energy,
-        required_data: RequiredData,
-        (): &mut (),
-        sample: &mut Sample,
-    ) {
-        let (model, t, counts, State { q, v, z }) = (self, sample.time_s, sample.counts(), state);
-        let terms = model.terms(q);
-        let kinematics = |finger: usize| kinematics_of(&terms[finger]);
-        let finger = |finger: usize| {
-            let passive = match required_data.passive {
-                true => model.passive_joints(finger, &kinematics(finger), (q, v)),
-                false => PassiveJoints::default(),
-            };
-            let first = 2 * finger;
-            FingerState {
-                q11_rad: q[first],
-                q21_rad: q[first + 1],
-                q12_rad: passive.q12,
-                q22_rad: passive.q22,
-                q13_rad: passive.q13,
-                qd11_rad_s: v[first],
-                qd21_rad_s: v[first + 1],
-                qd12_rad_s: passive.qd12,
-                qd22_rad_s: passive.qd22,
-            }
-        };
-        (0..counts.fingers).for_each(|k| sample.set_finger(k, &finger(k)));
-        for actuator in 0..counts.actuators {
-            sample.set_actuator(actuator, if required_data.passive { model.effort(t, v, actuator) } else { 0.0 });
-        }
-        if counts.bodies > 0 {
-            let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = (model.object_pose(q), model.object_rates(v));
-            sample.set_body(0, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
-        }
-        for contact in 0..counts.contacts {
-            let index = self.contact_index(contact);
-            let reading = model.reading_in_pose(&kinematics, (q, v), index, mode[index]);
-            sample.set_contact(contact, &contact_sample(reading.as_ref(), z[index]));
-        }
-        let order = model.contact_order();
-        if required_data.joint_forces {
-            let contact_force = |index: usize| {
-                let contact = sample.contact(order.contact(index));
-                match sample.is_stop(order.contact(index)) {
-                    true => [[contact.normal_n, 0.0]; 2],
-                    false => [contact.force_n(), contact.point_m],
-                }
-            };
-            let forces_n = model.joint_forces(t, state, mode, &terms, contact_force);
-            // The joints of a left finger connect the links in the opposite order.
-            for (k, (forces_n, side)) in forces_n.iter().zip(Side::BOTH).enumerate().take(counts.fingers) {
-                sample.set_joint_forces(k, &forces_n.map(|force| scale(force, side.mirror())));
-            }
-        } else {
-            (0..counts.fingers).for_each(|k| sample.set_joint_forces(k, &[[0.0; 2]; 5]));
-        }
-        sample.set_energy(&match required_data.energies {
-            true => {
-                let energies =
-                    model.energies_in_pose(&terms, (q, v), |index| sample.contact(order.contact(index)).gap_m);
-                stored_energy(&energies).relative_to(start, z[CONTACTS], z[CONTACTS + 1])
-            }
-            false => Energy::default(),
-        });
-    }
-
-    fn contact_index(&self, contact: usize) -> usize {
-        self.contact_order().index(contact)
-    }
-
-    fn is_slipping(&self, index: usize, mode: &GraspMode) -> Option<bool> {
-        mode.is_slipping(index).filter(|_| self.has_stiction(index))
-    }
-
-    fn contact_count(&self) -> usize {
-        CONTACTS
-    }
-
-    fn contact(&self, state: &State<Self::Layout>, index: usize, mode: &GraspMode) -> ContactSample {
-        let reading = self.contact_reading(&state.q, &state.v, index, mode[index]);
-        contact_sample(reading.as_ref(), state.z[index])
-    }
-
-    fn set_input(&mut self, index: usize, input: Profile, _: f64, _: (&mut State<Self::Layout>, &mut GraspMode)) {
-        self.set_actuation(index, input);
     }
 }

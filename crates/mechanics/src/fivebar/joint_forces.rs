@@ -1,7 +1,6 @@
 //! Forces in the joints of a finger, from the Newton–Euler equations of its links. The equations of motion in q_a do not
 //! contain them; here they follow from a known motion and known loads.
 
-use super::dynamics::AccelerationField;
 use super::kinematics::Directions;
 use crate::gripper::{Body, Finger};
 use crate::numeric::plane::{Vector, add, cross, perp, rotate, scale_by, sub};
@@ -13,11 +12,10 @@ pub struct LinkMotion {
     pub accelerations: [f64; 4],
 }
 
-/// Loads on the links besides the joint forces, in the frame of the finger.
+/// Loads on the links besides the joint forces.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LinkLoads {
-    /// Gravity and inertial accelerations of a moving frame.
-    pub field: AccelerationField,
+    pub gravity_m_s2: [f64; 2],
     /// Sum of the contact forces on l21, N.
     pub proximal_n: [f64; 2],
     /// Sum of the contact forces on l22, N, and of their moments about its joint with l21, N·m.
@@ -28,30 +26,24 @@ pub struct LinkLoads {
 }
 
 /// Returns the forces of five pins, N: of q11 on l11, q21 on l21, q12 on l12, q22 on l22, and of q13, which closes the
-/// loop, on l22. `ground_m` is the position of the ground joint. Not finite where l12 and l22 are in line.
+/// loop, on l22. Not finite where l12 and l22 are in line.
 ///
 /// The moments of l12 about its joint with l11, and of l22 about its joint with l21, determine the force in q13.
-pub fn joint_forces(
-    finger: &Finger,
-    ground_m: [f64; 2],
-    pose: &Directions<f64>,
-    motion: &LinkMotion,
-    loads: &LinkLoads,
-) -> [[f64; 2]; 5] {
+pub fn joint_forces(finger: &Finger, pose: &Directions<f64>, motion: &LinkMotion, loads: &LinkLoads) -> [[f64; 2]; 5] {
     let (lengths, bodies) = (&finger.lengths, &finger.bodies);
-    let still = Point { position: ground_m, velocity: [0.0; 2], acceleration: [0.0; 2] };
+    let still = [0.0; 2];
     let [one, two, three, four] = [0, 1, 2, 3].map(|k| (motion.rates[k], motion.accelerations[k]));
-    let first_end = still.moved(scale_by(pose.e1, lengths.l11_m), one);
-    let second_end = still.moved(scale_by(pose.e2, lengths.l21_m), two);
-    let inertial = |body: &Body, joint: &Point, direction: Vector<f64>, rate: (f64, f64)| {
+    let first_end = accelerated(still, scale_by(pose.e1, lengths.l11_m), one);
+    let second_end = accelerated(still, scale_by(pose.e2, lengths.l21_m), two);
+    let inertial = |body: &Body, joint: [f64; 2], direction: Vector<f64>, rate: (f64, f64)| {
         let arm = rotate(direction, body.com_m);
-        let force = scale_by(loads.field.relative_to(&joint.moved(arm, rate)), body.mass_kg);
-        (force, cross(arm, force) - body.inertia_kg_m2 * (rate.1 + loads.field.euler))
+        let force = scale_by(sub(loads.gravity_m_s2, accelerated(joint, arm, rate)), body.mass_kg);
+        (force, cross(arm, force) - body.inertia_kg_m2 * rate.1)
     };
-    let (f11, _) = inertial(&bodies.l11, &still, pose.e1, one);
-    let (f21, _) = inertial(&bodies.l21, &still, pose.e2, two);
-    let (f12, moment12) = inertial(&bodies.l12, &first_end, pose.e3, three);
-    let (f22, moment22) = inertial(&bodies.l22, &second_end, pose.e4, four);
+    let (f11, _) = inertial(&bodies.l11, still, pose.e1, one);
+    let (f21, _) = inertial(&bodies.l21, still, pose.e2, two);
+    let (f12, moment12) = inertial(&bodies.l12, first_end, pose.e3, three);
+    let (f22, moment22) = inertial(&bodies.l22, second_end, pose.e4, four);
     // With the force F in q13 on l22: l12 e3 × F = moment12 + torque, and l22 e4 × F = −(moment22 + contacts + torque).
     let sine = cross(pose.e3, pose.e4);
     let along4 = (moment12 + loads.torques_n_m[0]) / (lengths.l12_m * sine);
@@ -62,35 +54,7 @@ pub fn joint_forces(
     [sub(q12, f11), sub(sub(q22, f21), loads.proximal_n), q12, q22, q13]
 }
 
-/// Motion of a point in the frame of the finger.
-#[derive(Clone, Copy, Debug)]
-struct Point {
-    position: [f64; 2],
-    velocity: [f64; 2],
-    acceleration: [f64; 2],
-}
-
-impl Point {
-    /// Returns the point at the end of an arm from this point that rotates with a rate and an acceleration.
-    fn moved(&self, arm: Vector<f64>, (rate, acceleration): (f64, f64)) -> Point {
-        let normal = perp(arm);
-        Point {
-            position: add(self.position, arm),
-            velocity: add(self.velocity, scale_by(normal, rate)),
-            acceleration: add(self.acceleration, sub(scale_by(normal, acceleration), scale_by(arm, rate * rate))),
-        }
-    }
-}
-
-impl AccelerationField {
-    /// Acceleration of the field at a point, minus that of the point: force per mass of d'Alembert's principle.
-    fn relative_to(&self, point: &Point) -> [f64; 2] {
-        let (euler, coriolis) = (perp(point.position), perp(point.velocity));
-        [0, 1].map(|k| {
-            self.uniform[k] + self.centrifugal * point.position[k]
-                - self.euler * euler[k]
-                - 2.0 * self.coriolis * coriolis[k]
-                - point.acceleration[k]
-        })
-    }
+/// Acceleration of the end of an arm that rotates with a rate and an angular acceleration, from that of its start.
+fn accelerated(start: [f64; 2], arm: Vector<f64>, (rate, acceleration): (f64, f64)) -> [f64; 2] {
+    add(start, sub(scale_by(perp(arm), acceleration), scale_by(arm, rate * rate)))
 }

@@ -152,7 +152,7 @@ pub fn is_damped(law: &NormalLaw) -> bool {
 /// Force of the spring k δᵉ, in N (limit: N·m); 0 for δ ≤ 0.
 #[inline(always)]
 pub fn spring_force(law: &NormalLaw, delta: f64) -> f64 {
-    law.stiffness_n_per_m_e * pow(delta.max(0.0), law.exponent)
+    if delta > 0.0 { law.stiffness_n_per_m_e * pow(delta, law.exponent) } else { 0.0 }
 }
 
 /// Normal force k δᵉ + c(δ) δ̇ for δ > 0, without the clamp: negative where a real contact would release. Zero for δ ≤

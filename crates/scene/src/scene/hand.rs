@@ -140,17 +140,13 @@ impl Hand {
         self.fingers.iter().map(force).fold(0.0, f64::max)
     }
 
-    /// Number of bristles of contacts and brakes.
-    pub fn bristle_count(&self) -> usize {
-        let contacts = self.contacts().filter_map(|contact| self.contact_laws(contact)?.1?.bristle);
-        let input = self.differential.iter().map(|differential| &differential.motor);
-        let motors = self.fingers.iter().map(|finger| &finger.motor).chain(input);
-        contacts.count() + motors.filter(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some())).count()
-    }
-
     /// Whether any contact or brake has stiction, that is, a bristle.
     pub fn has_stiction(&self) -> bool {
-        self.bristle_count() > 0
+        let mut laws = self.contacts().filter_map(|contact| self.contact_laws(contact)?.1);
+        let input = self.differential.iter().map(|differential| &differential.motor);
+        let mut motors = self.fingers.iter().map(|finger| &finger.motor).chain(input);
+        laws.any(|friction| friction.bristle.is_some())
+            || motors.any(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some()))
     }
 
     /// Narrowest slip range of any friction law, m/s; infinite without friction.

@@ -135,13 +135,6 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
     let bounds = run::bounds(&of_run.subsection("validate"), duration_s);
     let log = run::log(&root.subsection("log"), duration_s);
     if let (Some((outline, inertia)), Some(of_object)) = (outline?, hand.as_mut().filter(|_| checker.is_clean())) {
-        if of_object.palm_motion.is_some() {
-            let section = root.subsection("object").subsection("outline");
-            let message = format!("`{}` is for palms at rest, but the palm moves", section.path(""));
-            let help = "remove [moves], [vibrations] and [path], or the outline; a mechanism whose base slides on a joint with a \
-                        servo moves any object (scenes/real/2f85-lift.toml)";
-            return section.refuse("", message, "with a moving palm", help);
-        }
         match of_object.mechanism_with_object(&outline, inertia) {
             Ok(found) => {
                 let section = root.subsection("object").subsection("outline");

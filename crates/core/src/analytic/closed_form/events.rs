@@ -2,7 +2,10 @@
 
 use super::finger::FingerKinematics;
 use super::model::{EVENT_FUNCTIONS, FingerLayout, FingerMode, FingerMotion, finger_coordinates, pad};
-use crate::analytic::contact::{ContactState, ContactVariables, EventTolerances, StateRef, first_impact_step};
+use crate::analytic::contact::{
+    ContactState, ContactVariables, DIFFERENCE_STEP_S, EventTolerances, Settling, StateRef, first_impact_step,
+    max_chatter_rate, may_chatter, settling,
+};
 use crate::analytic::motion_bound::RateBound;
 use crate::fivebar::dynamics::{absolute_rates, solve_mass};
 use crate::fivebar::kinematics::{SINGULAR_SINE, nearest_singularity};
@@ -10,9 +13,7 @@ use crate::gripper::FingerContact;
 use crate::integrator::{
     CoordinateBounds, EventFunction, EventSet, GapBounds, Hybrid, QuasiStaticState, Rates, System, Tolerances,
 };
-use crate::law::damping;
 use crate::numeric::array_from;
-use crate::numeric::elementary::pow;
 use crate::numeric::plane::{cross, dot};
 
 /// Returns the contact that an event function belongs to. Normal laws come first, then friction laws, then dampers.
@@ -49,17 +50,6 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     }
 }
 
-/// Largest contact rate that counts as chatter, m/s (limit: rad/s), at a relative tolerance of 1e-5; it decreases with
-/// the square root of the tolerance. Projecting a contact to equilibrium changes the rate with which it is released
-/// later, so finer runs, including those of a check, use a smaller limit.
-const MAX_CHATTER_RATE: f64 = 0.05;
-/// Smallest [`MAX_CHATTER_RATE`]: the reference, too, must treat 3e-3 rad/s as chatter (scenes/hard/limit-trembles).
-const MIN_CHATTER_RATE_LIMIT: f64 = 5e-3;
-/// Largest depth that counts as chatter, m (limit: rad).
-const MAX_CHATTER_DEPTH: f64 = 1e-8;
-/// Largest damping of a chattering contact, as a fraction of the critical damping.
-const MAX_CHATTER_DAMPING_RATIO: f64 = 0.1;
-
 impl<const N: usize, const W: usize> FingerMotion<N, W> {
     /// Returns the state with one contact at rest at its equilibrium depth, where the spring balances the load; `None`
     /// if the contact does not chatter about that depth.
@@ -73,9 +63,8 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     ) -> Option<QuasiStaticState<FingerLayout<N>>> {
         let terms = self.finger.terms(finger_coordinates(q));
         let variables = self.contact_variables(&(terms.pose, terms.rates), v, contact)?;
-        let law = variables.law;
-        let is_small = variables.delta.abs() <= MAX_CHATTER_DEPTH && variables.rate.abs() <= max_rate;
-        if !is_small || law.stiffness_n_per_m_e == 0.0 {
+        let (law, motion) = (variables.law, [variables.delta, variables.rate]);
+        if !may_chatter(law, motion, max_rate) {
             return None;
         }
         let mut mode_without_contact = *mode;
@@ -94,29 +83,16 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         let row = finger_coordinates(&variables.normal_row);
         let response = solve_mass(&terms.mass, row);
         let mobility = dot(row, response);
-        let load = -(dot(row, finger_coordinates(&free)) + row_change) / mobility;
-        if load <= 0.0 {
-            return None;
-        }
-        let depth = pow(load / law.stiffness_n_per_m_e, 1.0 / law.exponent);
-        let stiffness = law.exponent * load / depth;
-        let critical = 2.0 * (stiffness / mobility).sqrt();
-        if depth > MAX_CHATTER_DEPTH || damping(law, depth).0 > MAX_CHATTER_DAMPING_RATIO * critical {
-            return None;
-        }
-        // Moves the contact to the equilibrium depth and removes its rate.
-        let (gap, rate) = ((variables.delta - depth) / mobility, variables.rate / mobility);
+        let free_acceleration = dot(row, finger_coordinates(&free)) + row_change;
+        let Settling { of_depth, of_rate, decay_rate } = settling(law, motion, free_acceleration, mobility)?;
         let response: [f64; N] = pad(response);
         Some(QuasiStaticState {
-            q: array_from(|i| q[i] + gap * response[i]),
-            v: array_from(|i| v[i] + rate * response[i]),
-            decay_rate: 0.5 * damping(law, depth).0 * mobility,
+            q: array_from(|i| q[i] + of_depth * response[i]),
+            v: array_from(|i| v[i] + of_rate * response[i]),
+            decay_rate,
         })
     }
 }
-
-/// Step of the central difference of a row along the free motion, s.
-const DIFFERENCE_STEP_S: f64 = 1e-7;
 
 impl<const N: usize, const W: usize> Hybrid for FingerMotion<N, W> {
     #[inline(always)]
@@ -243,8 +219,7 @@ impl<const N: usize, const W: usize> Hybrid for FingerMotion<N, W> {
         tolerances: &Tolerances,
     ) -> Option<QuasiStaticState<FingerLayout<N>>> {
         let mut projected = QuasiStaticState { q: *q, v: *v, decay_rate: f64::INFINITY };
-        let max_rate = MAX_CHATTER_RATE * (tolerances.rtol_v / 1e-5).sqrt();
-        let max_rate = max_rate.clamp(MIN_CHATTER_RATE_LIMIT, MAX_CHATTER_RATE);
+        let max_rate = max_chatter_rate(tolerances);
         for contact in FingerContact::ALL {
             if let Some(state) = self.contact_at_equilibrium(t, (&projected.q, &projected.v), mode, contact, max_rate) {
                 projected = QuasiStaticState { decay_rate: projected.decay_rate.min(state.decay_rate), ..state };

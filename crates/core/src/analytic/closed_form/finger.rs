@@ -3,7 +3,7 @@
 
 use crate::analytic::contact::Geometry;
 use crate::analytic::motion_bound::{MotionBound, PinnedPair, RateBound, sine_reach, smallest_sine};
-use crate::fivebar::dynamics::{AccelerationField, Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
+use crate::fivebar::dynamics::{Dynamics, Terms, absolute_rates, bias, gravity_energy, terms};
 use crate::fivebar::joint_forces::{LinkLoads, LinkMotion, joint_forces};
 use crate::fivebar::kinematics::{
     Capsule, ClosestPoints, Directions, PassiveBias, PassiveRates, PassiveTurns, SpringModel, closest_points,
@@ -12,18 +12,18 @@ use crate::fivebar::kinematics::{
 use crate::gripper::{Assembly, Finger, FingerContact};
 use crate::integrator::GapBound;
 use crate::law::{FrictionLaw, NormalLaw};
+use crate::numeric::Real;
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, angle_between, cross, dot, perp, rotate, scale_by, sub};
-use crate::numeric::{Dual, Real, map_array};
 use crate::scene::{FingerContactLaws, HandFinger};
 use crate::shape::{PlacedShape, Support};
 
 /// Pose of a finger with its passive rates.
-pub(crate) type FingerKinematics = (Directions<f64>, PassiveRates<f64>);
+pub(super) type FingerKinematics = (Directions<f64>, PassiveRates<f64>);
 
 /// A finger with all constant terms precomputed.
 #[derive(Clone, Debug)]
-pub(crate) struct FingerModel {
+pub(super) struct FingerModel {
     pub(in crate::analytic) dynamics: Dynamics,
     pub(super) spring: Option<SpringModel>,
     pub(super) limit: Option<NormalLaw>,
@@ -60,13 +60,13 @@ impl FingerModel {
 
     /// Position-dependent terms at q_a.
     #[inline(always)]
-    pub(in crate::analytic) fn terms<T: Real>(&self, q: [T; 2]) -> Terms<T> {
+    pub(super) fn terms<T: Real>(&self, q: [T; 2]) -> Terms<T> {
         terms(&self.dynamics, directions(&self.dynamics.lengths, self.dynamics.gamma, q))
     }
 
     /// Link directions and passive rates at q_a, the part of [`FingerModel::terms`] that contact geometry needs.
     #[inline(always)]
-    pub(in crate::analytic) fn kinematics(&self, q: [f64; 2]) -> FingerKinematics {
+    pub(super) fn kinematics(&self, q: [f64; 2]) -> FingerKinematics {
         let pose = directions(&self.dynamics.lengths, self.dynamics.gamma, q);
         let rates = passive_rates(&self.dynamics.lengths, &pose);
         (pose, rates)
@@ -74,7 +74,7 @@ impl FingerModel {
 
     /// Geometry of a phalanx against an object. For the joint limit, see [`FingerModel::limit_geometry`].
     #[inline(always)]
-    pub(in crate::analytic) fn phalanx_geometry<T: Real>(
+    pub(super) fn phalanx_geometry<T: Real>(
         &self,
         pose: &Directions<T>,
         rates: &PassiveRates<T>,
@@ -89,11 +89,7 @@ impl FingerModel {
 
     /// Geometry of the joint limit. Its gap is q22 + φ22, the angle from l21 to the tip phalanx.
     #[inline(always)]
-    pub(in crate::analytic) fn limit_geometry<T: Real>(
-        &self,
-        pose: &Directions<T>,
-        rates: &PassiveRates<T>,
-    ) -> Geometry<T> {
+    pub(super) fn limit_geometry<T: Real>(&self, pose: &Directions<T>, rates: &PassiveRates<T>) -> Geometry<T> {
         let gap = self.bend(pose);
         let row = [rates.a4[0], rates.a4[1] - 1.0];
         let none = [T::zero(); 2];
@@ -103,7 +99,7 @@ impl FingerModel {
     /// Bounds of the motion of the finger over a part of a step of this width, from those of q11 and q21 and the sine of the
     /// angle between l12 and l22 at one end of the part.
     #[inline(always)]
-    pub(in crate::analytic) fn bounds(&self, sine: f64, [first, second]: [RateBound; 2], width: f64) -> FingerBounds {
+    pub(super) fn bounds(&self, sine: f64, [first, second]: [RateBound; 2], width: f64) -> FingerBounds {
         let lengths = &self.dynamics.lengths;
         let pivot = |turn: RateBound, length: f64| MotionBound::new(RateBound::default(), turn).point(length);
         let pivots = [pivot(first, lengths.l11_m), pivot(second, lengths.l21_m)];
@@ -122,7 +118,7 @@ impl FingerModel {
     /// Bound of the gap between a phalanx and a disc, whose centre has this bound and is at most at this distance from the
     /// base of the finger.
     #[inline(always)]
-    pub(in crate::analytic) fn phalanx_bound(
+    pub(super) fn phalanx_bound(
         &self,
         bounds: &FingerBounds,
         contact: FingerContact,
@@ -143,7 +139,7 @@ impl FingerModel {
     }
 
     #[inline(always)]
-    pub(in crate::analytic) fn normal_law(&self, contact: FingerContact) -> Option<&NormalLaw> {
+    pub(super) fn normal_law(&self, contact: FingerContact) -> Option<&NormalLaw> {
         match contact {
             FingerContact::Proximal => Some(&self.contacts.proximal.normal),
             FingerContact::Distal => Some(&self.contacts.distal.normal),
@@ -152,7 +148,7 @@ impl FingerModel {
     }
 
     #[inline(always)]
-    pub(in crate::analytic) fn friction_law(&self, contact: FingerContact) -> Option<&FrictionLaw> {
+    pub(super) fn friction_law(&self, contact: FingerContact) -> Option<&FrictionLaw> {
         match contact {
             FingerContact::Proximal => self.contacts.proximal.friction.as_ref(),
             FingerContact::Distal => self.contacts.distal.friction.as_ref(),
@@ -162,7 +158,7 @@ impl FingerModel {
 
     /// τ − c of (2.24) without contacts: motor, spring, gravity and velocity-dependent inertial forces of the links.
     #[inline(always)]
-    pub(in crate::analytic) fn load<T: Real>(&self, motor_torque: T, terms: &Terms<T>, v: [T; 2]) -> [T; 2] {
+    pub(super) fn load<T: Real>(&self, motor_torque: T, terms: &Terms<T>, v: [T; 2]) -> [T; 2] {
         let c = bias(terms, absolute_rates(&terms.rates, v));
         let load = [motor_torque - c[0], -c[1]];
         let Some(spring) = &self.spring else { return load };
@@ -170,38 +166,17 @@ impl FingerModel {
         [load[0] + force[0], load[1] + force[1]]
     }
 
-    /// [`FingerModel::load`] without the motor: with derivatives with respect to both angles, and separately those with
-    /// respect to both rates, in which it is quadratic.
-    #[inline(always)]
-    pub(in crate::analytic) fn load_with_derivatives(
-        &self,
-        terms: &Terms<Dual<2>>,
-        v: [f64; 2],
-    ) -> ([Dual<2>; 2], [[f64; 2]; 2]) {
-        let rate_of = |row: [Dual<2>; 2]| row[0] * v[0] + row[1] * v[1];
-        let ([a3, a4], [first, second]) = ([terms.rates.a3, terms.rates.a4], map_array(v, Dual::constant));
-        let rates = [first, second, rate_of(a3), rate_of(a4)];
-        let c = bias(terms, rates);
-        let by_rates = terms.quadratic.map(|row| {
-            let slope: [f64; 4] = std::array::from_fn(|k| -2.0 * row[k].value * rates[k].value);
-            std::array::from_fn(|j| slope[j] + (slope[2] * a3[j].value + slope[3] * a4[j].value))
-        });
-        let force = self.spring.as_ref().map_or([Dual::zero(); 2], |s| s.generalised_force(&terms.pose, &terms.rates));
-        ([force[0] - c[0], force[1] - c[1]], by_rates)
-    }
-
     /// Gravity and spring energy in a pose, J.
-    pub(in crate::analytic) fn potential_energies(&self, pose: &Directions<f64>) -> [f64; 2] {
+    pub(super) fn potential_energies(&self, pose: &Directions<f64>) -> [f64; 2] {
         [gravity_energy(&self.dynamics, pose), self.spring.as_ref().map_or(0.0, |spring| spring.energy(pose))]
     }
 
     /// Forces in the joints, in the order of [`joint_forces`], at these rates and accelerations of q11 and q21.
-    /// `contact_forces` are the forces on both phalanges with their contact points; `field` is added to gravity.
-    pub(crate) fn joint_forces(
+    /// `contact_forces` are the forces on both phalanges with their contact points.
+    pub(super) fn joint_forces(
         &self,
         (pose, passive): (&Directions<f64>, &PassiveRates<f64>),
         [v, accelerations]: [[f64; 2]; 2],
-        (ground_m, field): ([f64; 2], AccelerationField),
         contact_forces: impl Iterator<Item = (FingerContact, [[f64; 2]; 2])>,
     ) -> [[f64; 2]; 5] {
         let rates = absolute_rates(passive, v);
@@ -212,11 +187,11 @@ impl FingerModel {
         let absolute =
             [first, second, dot(passive.a3, accelerations) + bias(b3), dot(passive.a4, accelerations) + bias(b4)];
         let mut loads = LinkLoads {
-            field: AccelerationField { uniform: add(self.gravity_m_s2, field.uniform), ..field },
+            gravity_m_s2: self.gravity_m_s2,
             torques_n_m: self.spring.map_or([0.0; 2], |spring| spring.link_torques(pose)),
             ..LinkLoads::default()
         };
-        let distal_joint = add(ground_m, scale_by(pose.e2, self.dynamics.lengths.l21_m));
+        let distal_joint = scale_by(pose.e2, self.dynamics.lengths.l21_m);
         for (contact, [force, point]) in contact_forces {
             match contact {
                 FingerContact::Proximal => loads.proximal_n = add(loads.proximal_n, force),
@@ -228,16 +203,11 @@ impl FingerModel {
                 FingerContact::Limit => loads.torques_n_m[1] += force[0],
             }
         }
-        joint_forces(&self.links, ground_m, pose, &LinkMotion { rates, accelerations: absolute }, &loads)
+        joint_forces(&self.links, pose, &LinkMotion { rates, accelerations: absolute }, &loads)
     }
 
     /// Angles and rates of the passive joints (2.2), (2.8).
-    pub(in crate::analytic) fn passive_joints(
-        &self,
-        (pose, rates): &FingerKinematics,
-        q: [f64; 2],
-        v: [f64; 2],
-    ) -> PassiveJoints {
+    pub(super) fn passive_joints(&self, (pose, rates): &FingerKinematics, q: [f64; 2], v: [f64; 2]) -> PassiveJoints {
         let [_, _, qd3, qd4] = absolute_rates(rates, v);
         let q12 = continued_angle(angle_between(pose.e1, pose.e3), self.turns.near_q12(pose.q_rad));
         let q22 = self.bend(pose) - self.dynamics.lengths.phi22_rad;
@@ -247,7 +217,7 @@ impl FingerModel {
 
 /// Bounds of the motion of a finger over a part of a step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FingerBounds {
+pub(super) struct FingerBounds {
     /// The proximal phalanx, with its origin at the base of the finger.
     proximal: MotionBound,
     /// The distal phalanx, with its origin at A22.

@@ -6,5 +6,4 @@ mod finger;
 mod model;
 
 pub use finger::{DistalShape, PassiveJoints, distal, proximal};
-pub(in crate::analytic) use finger::{FingerBounds, FingerKinematics, FingerModel};
 pub use model::{BristleModel, EVENT_FUNCTIONS, FingerMode, FingerMotion, Model, QUADRATURES};

@@ -7,7 +7,7 @@ use super::finger::{FingerKinematics, FingerModel, PassiveJoints};
 use crate::analytic::contact::{
     ContactMode, ContactReading, ContactState, Energies, Geometry, Mode, normal_force_on_branch,
 };
-use crate::fivebar::dynamics::{AccelerationField, Terms, kinetic_energy, solve_mass};
+use crate::fivebar::dynamics::{Terms, kinetic_energy, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Fixed, FixedMatrix, Linearised, Rates, State, System};
@@ -294,7 +294,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
             })
         });
         let motion = [finger_coordinates(v), finger_coordinates(&a)];
-        self.finger.joint_forces((&terms.pose, &terms.rates), motion, ([0.0; 2], AccelerationField::default()), forces)
+        self.finger.joint_forces((&terms.pose, &terms.rates), motion, forces)
     }
 
     /// Motor torque at time `t`, in N·m.

@@ -165,8 +165,8 @@ impl<'a> Assur<'a> {
 
     fn place_at(&self, coordinates: &[f64], motions: &mut Motions<f64>) {
         for (k, at) in self.tree.iter().enumerate() {
-            let placed = place(self.joint(k), at, motions.body(at.base), coordinates[k]);
-            motions.bodies[at.body].place_at(&placed);
+            let base = *motions.body(at.base);
+            place(self.joint(k), at, &base, coordinates[k], &mut motions.bodies[at.body]);
             motions.joints[at.joint].coordinate = coordinates[k];
         }
     }

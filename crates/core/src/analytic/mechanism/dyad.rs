@@ -23,6 +23,9 @@ pub(super) struct AssemblyMode {
     pub line: Option<PivotLine>,
     /// Whether its angles are evaluated with its positions, because forces or other bodies depend on them.
     pub has_angles: bool,
+    /// Whether the motions of its outer joints and of its inner one are evaluated with those of its bodies, because forces
+    /// or other joints depend on them.
+    pub moves_joints: [bool; 3],
 }
 
 /// The line from the pivot of the first outer joint of a dyad to that of the second.
@@ -171,7 +174,7 @@ pub(super) fn mode_at_start(
             (pair(middle), None)
         }
     };
-    AssemblyMode { sign: 1.0, middles_rad, line, has_angles: true }
+    AssemblyMode { sign: 1.0, middles_rad, line, has_angles: true, moves_joints: [true; 3] }
 }
 
 /// A dyad as it is in one pose: outer joints, and the sine and cosine of the transmission angle with its rate.
@@ -242,11 +245,12 @@ pub(super) fn applied<T: Real>(closure: &Closure<T>, equation: usize, body: usiz
     x * motion[0] + y * motion[1] + angle * motion[2]
 }
 
-/// Evaluates the motions of the two placed bodies of a dyad and of its outer joints.
+/// Evaluates the motions of the two placed bodies of a dyad, and of its outer joints where `moves_joints` asks for them.
 #[inline(always)]
 pub(super) fn close_dyad<T: Real>(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
+    moves_joints: [bool; 2],
     motions: &mut Motions<T>,
     part: Part,
 ) {
@@ -255,7 +259,7 @@ pub(super) fn close_dyad<T: Real>(
     let of = inner_bodies(inner, outer);
     if joints[0].kind.is_angle() && joints[1].kind.is_angle() && inner.kind.is_angle() {
         let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
-        return close_pins((joints, outer, points), motions, part);
+        return close_pins((joints, outer, points), moves_joints, motions, part);
     }
     let base_of = pair(|k| motions.index(outer[k].base));
     let bases = pair(|k| motions.bodies[base_of[k]]);
@@ -271,7 +275,8 @@ pub(super) fn close_dyad<T: Real>(
         pair(|k| -(inverse[k][0] * residual[0] + inverse[k][1] * residual[1]))
     };
     let across = pair(|k| perp(sub(bodies[k].origin, bases[k].origin)));
-    move_closed(outer, motions, part, |bases| {
+    // Coriolis terms of slides contain the rates of the joints.
+    move_closed(outer, [true; 2], motions, part, |bases| {
         let carried = pair(|k| carried(bases[k], across[k]));
         let rows = closing(carried, [T::zero(); 2]);
         (rows, pair(|k| triple(|axis| carried[k][axis] + columns[k][axis] * rows[k])))
@@ -296,6 +301,7 @@ pub(super) fn close_dyad<T: Real>(
 #[inline(always)]
 fn move_closed<T: Real>(
     outer: &[Attachment; 2],
+    moves_joints: [bool; 2],
     motions: &mut Motions<T>,
     part: Part,
     closed: impl Fn([[T; 3]; 2]) -> ([T; 2], [[T; 3]; 2]),
@@ -304,8 +310,10 @@ fn move_closed<T: Real>(
     if part.has_rates() {
         let (turns, moved) = closed(pair(|k| motions.bodies[bases[k]].rate));
         for k in 0..2 {
-            motions.joints[outer[k].joint].rate = turns[k];
             motions.bodies[outer[k].body].rate = moved[k];
+            if moves_joints[k] {
+                motions.joints[outer[k].joint].rate = turns[k];
+            }
         }
     }
     if !part.has_derivatives() {
@@ -318,8 +326,10 @@ fn move_closed<T: Real>(
     for &i in &body_supports[outer[0].body].coordinates {
         let (turns, moved) = closed(pair(|k| columns[of_bases[k] + i]));
         for k in 0..2 {
-            rows[of_joints[k] + i] = turns[k];
             columns[of_bodies[k] + i] = moved[k];
+            if moves_joints[k] {
+                rows[of_joints[k] + i] = turns[k];
+            }
         }
     }
 }
@@ -331,57 +341,76 @@ fn move_closed<T: Real>(
 #[inline(always)]
 fn close_pins<T: Real>(
     (joints, outer, points): ([&Joint; 2], &[Attachment; 2], [[f64; 2]; 2]),
+    moves_joints: [bool; 2],
     motions: &mut Motions<T>,
     part: Part,
 ) {
-    let base_of = pair(|k| motions.index(outer[k].base));
-    let bases = pair(|k| motions.bodies[base_of[k]]);
-    let [first, second] = pair(|k| motions.bodies[outer[k].body]);
+    let [a, b] = pair(|k| motions.index(outer[k].base));
+    let [first, second] = pair(|k| outer[k].body);
+    let Motions { bodies, joints: of_joints, body_supports, joint_supports, columns, rows, .. } = motions;
     let pivot = |k: usize| joints[k].points_m[usize::from(outer[k].is_second)];
-    let signs = pair(|k| outer[k].sign());
-    let arms = [first.rotated(points[0]), second.rotated(points[1])];
-    let from_pivot = [first.rotated(sub(points[0], pivot(0))), second.rotated(sub(points[1], pivot(1)))];
-    let from_base =
-        [sub(add(first.origin, arms[0]), bases[0].origin), sub(add(second.origin, arms[1]), bases[1].origin)];
-    let across = [perp(from_base[0]), perp(from_base[1])];
-    let (arms_across, turning) = ([perp(arms[0]), perp(arms[1])], perp(from_pivot[0]));
+    let arms = [bodies[first].rotated(points[0]), bodies[second].rotated(points[1])];
+    let to_inner = add(bodies[first].origin, arms[0]);
+    let from_pivot =
+        [bodies[first].rotated(sub(points[0], pivot(0))), bodies[second].rotated(sub(points[1], pivot(1)))];
+    let from_base = [sub(to_inner, bodies[a].origin), sub(to_inner, bodies[b].origin)];
     let inverse = cross(from_pivot[0], from_pivot[1]).recip();
+    let [by_first, by_second] = [scale(from_pivot[1], inverse), scale(from_pivot[0], inverse)];
     // Motion of the inner joint and rates about both pivots, from its motions with both bases.
-    let closed = |carried: [[T; 2]; 2]| {
-        let gap = sub(carried[1], carried[0]);
-        let turns = [dot(gap, from_pivot[1]) * inverse, dot(gap, from_pivot[0]) * inverse];
-        (add(carried[0], scale(turning, turns[0])), turns)
+    let closed = |[with_a, with_b]: [[T; 2]; 2]| {
+        let gap = sub(with_b, with_a);
+        let turns = [dot(gap, by_first), dot(gap, by_second)];
+        ([with_a[0] - from_pivot[0][1] * turns[0], with_a[1] + from_pivot[0][0] * turns[0]], turns)
     };
-    move_closed(outer, motions, part, |bases| {
-        let (motion, turns) = closed(pair(|k| {
-            let [x, y, _] = carried(bases[k], across[k]);
-            [x, y]
-        }));
-        let moved = |k: usize| {
-            let turn = bases[k][2] + turns[k];
-            [motion[0] - arms_across[k][0] * turn, motion[1] - arms_across[k][1] * turn, turn]
+    let with_base = |[x, y, turn]: [T; 3], arm: [T; 2]| [x - arm[1] * turn, y + arm[0] * turn];
+    // Motions of both bodies and rates about both pivots, from the motions of both bases.
+    let moved = |of_a: [T; 3], of_b: [T; 3]| {
+        let (motion, turns) = closed([with_base(of_a, from_base[0]), with_base(of_b, from_base[1])]);
+        let of_body = |k: usize, base_turn: T| {
+            let turn = base_turn + turns[k];
+            [motion[0] + arms[k][1] * turn, motion[1] - arms[k][0] * turn, turn]
         };
-        (pair(|k| turns[k] * signs[k]), pair(moved))
-    });
+        ([of_body(0, of_a[2]), of_body(1, of_b[2])], turns)
+    };
+    if part.has_rates() {
+        let (rates, turns) = moved(bodies[a].rate, bodies[b].rate);
+        (bodies[first].rate, bodies[second].rate) = (rates[0], rates[1]);
+        for k in 0..2 {
+            if moves_joints[k] {
+                of_joints[outer[k].joint].rate = turns[k] * outer[k].sign();
+            }
+        }
+    }
     if !part.has_derivatives() {
         return;
     }
-    let squared = pair(|k| motions.bodies[outer[k].body].rate[2].squared());
+    let [of_a, of_b, of_first, of_second] = [a, b, first, second].map(|body| body_supports[body].first);
+    for &i in &body_supports[first].coordinates {
+        let (of_bodies, turns) = moved(columns[of_a + i], columns[of_b + i]);
+        (columns[of_first + i], columns[of_second + i]) = (of_bodies[0], of_bodies[1]);
+        for k in 0..2 {
+            if moves_joints[k] {
+                rows[joint_supports[outer[k].joint].first + i] = turns[k] * outer[k].sign();
+            }
+        }
+    }
+    let squared = [bodies[first].rate[2].squared(), bodies[second].rate[2].squared()];
+    let bases = [a, b].map(|base| (bodies[base].bias, bodies[base].rate[2].squared()));
     let carried = pair(|k| {
-        let (base, base_squared) = (&bases[k], bases[k].rate[2].squared());
-        let base_arm = sub(from_base[k], from_pivot[k]);
-        pair(|axis| {
-            base.bias[axis] + across[k][axis] * base.bias[2]
-                - base_arm[axis] * base_squared
-                - from_pivot[k][axis] * squared[k]
-        })
+        let (bias, base_squared) = bases[k];
+        let [x, y] = with_base(bias, from_base[k]);
+        let centripetal =
+            |axis: usize| (from_base[k][axis] - from_pivot[k][axis]) * base_squared + from_pivot[k][axis] * squared[k];
+        [x - centripetal(0), y - centripetal(1)]
     });
     let (motion, turns) = closed(carried);
-    for k in 0..2 {
-        let turn = bases[k].bias[2] + turns[k];
-        motions.joints[outer[k].joint].bias = turns[k] * signs[k];
-        let [x, y] = pair(|axis| motion[axis] - arms_across[k][axis] * turn + arms[k][axis] * squared[k]);
-        motions.bodies[outer[k].body].bias = [x, y, turn];
+    for (k, body) in [first, second].into_iter().enumerate() {
+        let turn = bases[k].0[2] + turns[k];
+        let [x, y] = arms[k];
+        bodies[body].bias = [motion[0] + y * turn + x * squared[k], motion[1] - x * turn + y * squared[k], turn];
+        if moves_joints[k] {
+            of_joints[outer[k].joint].bias = turns[k] * outer[k].sign();
+        }
     }
 }
 
@@ -520,6 +549,7 @@ pub(super) fn outer_angle(
 
 /// Poses of the two bodies of a dyad and coordinates of its outer joints, from the intersection of the loci of its inner
 /// joint. Not a number if there is none. Angles of circles are 0 unless the mode has angles.
+#[inline(always)]
 pub(super) fn place_dyad(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),
@@ -542,7 +572,11 @@ pub(super) fn place_dyad(
     if let JointKind::Prismatic { axis_rad } = inner.kind {
         let raw = slide(joints, (inner, of, axis_rad), outer, bases, (&loci, mode.sign));
         let coordinates = pair(|k| nearest(k, raw[k]));
-        return (pair(|k| place(joints[k], &outer[k], bases[k], coordinates[k])), coordinates);
+        let mut bodies = [BodyMotion::ground(); 2];
+        for (k, body) in bodies.iter_mut().enumerate() {
+            place(joints[k], &outer[k], bases[k], coordinates[k], body);
+        }
+        return (bodies, coordinates);
     }
     let position = intersection(&loci, mode.sign);
     let mut bodies = [BodyMotion::ground(); 2];

@@ -8,17 +8,18 @@
 use super::actuator::{BrakeEffort, Effort, brake_effort, effort};
 use super::contacts::{Contact, Surfaces};
 use super::factor::Factor;
-use super::group::{Element, PlacedGroup};
+use super::free::FreeBody;
+use super::group::{Element, PlacedGroup, Row};
+use super::inertial_field::{AccelerationField, InertialField, inertial_field};
 use super::model::{MechanismMode, MechanismModel, Span};
-use super::motion::{LANES, Lanes, Motions, pair};
+use super::motion::{BodyMotion, LANES, Lanes, Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;
-use super::palm_frame::{Inertia, inertial_loads, power};
+use super::palm_frame::{Inertia, power};
 use crate::analytic::contact::{
     ContactForces, ContactKinematics, ContactLaws, WithDerivatives, contact_forces, contact_forces_with_derivatives,
     normal_force_on_branch,
 };
-use crate::analytic::inertial_field::{InertialField, inertial_field};
 use crate::integrator::{Dynamic, DynamicMatrix, Linearised, Rates, System};
 use crate::law::{FrictionRange, friction_coefficient, friction_force, friction_with_state};
 use crate::numeric::{Dual, Real, array_from};
@@ -88,6 +89,30 @@ impl<'a> Sums<'a> {
         }
     }
 
+    /// [`Sums::add_block`] for a force and a moment on a body, with its motion per unit of the rate of each coordinate.
+    #[inline(always)]
+    pub fn add_body_block(
+        &mut self,
+        chunk: Chunk,
+        (support, columns): (&[usize], &[[Lanes; 3]]),
+        loads: [(Lanes, [f64; LANES]); 3],
+    ) {
+        let Chunk { group, start, count } = chunk;
+        for &i in support {
+            let (mut by_q, mut by_v) = ([0.0; LANES], [0.0; LANES]);
+            for (entry, (load, load_by_v)) in columns[i].iter().zip(&loads) {
+                for lane in 0..LANES {
+                    by_q[lane] += entry.grad[lane] * load.value + entry.value * load.grad[lane];
+                    by_v[lane] += entry.value * load_by_v[lane];
+                }
+            }
+            let load_q = &mut self.load_q[group + i][group + start..][..count];
+            load_q.iter_mut().zip(by_q).for_each(|(load, part)| *load += part);
+            let load_v = &mut self.load_v[group + i][group + start..][..count];
+            load_v.iter_mut().zip(by_v).for_each(|(load, part)| *load += part);
+        }
+    }
+
     /// Adds the derivatives of the power of a force on a group; `by_v` are those of the power by the rates.
     #[inline(always)]
     pub fn add_power(&mut self, work: usize, Chunk { group, start, count }: Chunk, power: Lanes, by_v: [f64; LANES]) {
@@ -98,6 +123,9 @@ impl<'a> Sums<'a> {
         add(&mut self.g_v[work], by_v);
     }
 }
+
+/// Loads on all coordinates, and rates of all quadratures.
+type Loads<'a> = (&'a mut [f64], &'a mut [f64]);
 
 impl MechanismModel {
     /// Index of the quadrature for the work of contacts, limits, dampers and brakes; that of actuators and prescribed
@@ -128,27 +156,50 @@ impl MechanismModel {
         pair(|side| Frame::variable(&frames[side], side, bodies[side].is_none()))
     }
 
-    /// Evaluates the lower triangle of the mass matrix of a group, by rows.
-    pub(super) fn evaluate_mass(&self, group: &PlacedGroup, motions: &Motions<f64>, mass: &mut [f64]) {
-        let size = group.size();
-        mass.fill(0.0);
-        for &index in &group.group.bodies {
-            let (body, support) = (&self.mechanism.bodies[index], &motions.body_supports[index]);
+    /// Evaluates the lower triangle of the mass matrix of a group, by rows, and the loads of inertia, gravity and constant
+    /// forces.
+    pub(super) fn evaluate_inertia(&self, group: &PlacedGroup, motions: &Motions<f64>, (mass, load): Loads<'_>) {
+        let (size, gravity) = (group.size(), self.mechanism.gravity_m_s2);
+        let (mass, load) = (&mut mass[..size * size], &mut load[..size]);
+        mass.copy_from_slice(&group.constant.mass);
+        load.copy_from_slice(&group.constant.load);
+        for &(index, inertia) in &group.inertias {
+            let support = &motions.body_supports[index];
             let columns = &motions.columns[support.first..][..size];
-            let centers = &motions.center_columns[support.first..][..size];
-            for (place, &i) in support.coordinates.iter().enumerate() {
-                let [by_x, by_y] = [body.mass_kg * centers[i][0], body.mass_kg * centers[i][1]];
-                let by_turn = body.inertia_kg_m2 * columns[i][2];
-                let row = &mut mass[i * size..][..size];
-                for &j in &support.coordinates[..=place] {
-                    row[j] += by_x * centers[j][0] + by_y * centers[j][1] + by_turn * columns[j][2];
+            let [x, y, turn] = motions.bodies[index].bias;
+            let of_body = [inertia.mass * (gravity[0] - x), inertia.mass * (gravity[1] - y), -inertia.moment * turn];
+            let along = |[x, y, turn]: [f64; 3]| of_body[0] * x + of_body[1] * y + of_body[2] * turn;
+            let product = |[x, y, turn]: [f64; 3], other: [f64; 3]| {
+                inertia.mass * (x * other[0] + y * other[1]) + inertia.moment * (turn * other[2])
+            };
+            match support.coordinates[..] {
+                // Most bodies depend on one or two coordinates.
+                [i] => {
+                    let column = columns[i];
+                    mass[i * size + i] += product(column, column);
+                    load[i] += along(column);
+                }
+                [i, j] => {
+                    let (first, second) = (columns[i], columns[j]);
+                    mass[i * size + i] += product(first, first);
+                    mass[j * size + i] += product(first, second);
+                    mass[j * size + j] += product(second, second);
+                    load[i] += along(first);
+                    load[j] += along(second);
+                }
+                ref coordinates => {
+                    for (place, &i) in coordinates.iter().enumerate() {
+                        let row = &mut mass[i * size..][..size];
+                        coordinates[..=place].iter().for_each(|&j| row[j] += product(columns[i], columns[j]));
+                        load[i] += along(columns[i]);
+                    }
                 }
             }
         }
-        for element in group.elements.iter().filter(|element| element.inertia != 0.0) {
-            for (place, &i) in element.support.iter().enumerate() {
+        for element in group.varying.iter().map(|index| &group.elements[*index]).filter(|of| of.inertia != 0.0) {
+            for (place, &i) in element.row.support.iter().enumerate() {
                 let by_i = element.inertia * motions.row_entry(&element.on, i);
-                for &j in &element.support[..=place] {
+                for &j in &element.row.support[..=place] {
                     mass[i * size + j] += by_i * motions.row_entry(&element.on, j);
                 }
             }
@@ -161,41 +212,18 @@ impl MechanismModel {
         Some(inertial_field(motion, self.mechanism.gravity_m_s2, t))
     }
 
-    /// Adds the inertial loads on all bodies in the frame of a moving palm. Their power is work of the palm.
-    fn add_inertial_loads(&self, t: f64, motions: &Motions<f64>, load: &mut [f64], g: &mut [f64]) {
-        let Some(InertialField { field, .. }) = self.inertial_field(t) else { return };
-        for (index, of_body) in inertial_loads(&self.mechanism, (&field, motions)) {
-            let (Span { first, is_free, .. }, motion) = (self.spans[index], &motions.bodies[index]);
-            g[self.drive_work()] += power(of_body, motions.centers[index].rate, motion.rate[2]);
-            if is_free {
-                load[first..first + 3].iter_mut().zip(of_body).for_each(|(load, part)| *load += part);
-                continue;
-            }
-            for &i in &motions.body_supports[index].coordinates {
-                let ([x, y], [.., turn]) = (motions.center_column(index, i), motions.column(index, i));
-                load[first + i] += of_body[0] * x + of_body[1] * y + of_body[2] * turn;
-            }
-        }
-    }
-
-    /// Adds the derivatives of the inertial loads.
-    fn add_inertial_derivatives(
+    /// Adds the loads of inertia in the frame of a moving palm on a free body. Their power is work of the palm.
+    fn add_free_inertia(
         &self,
-        t: f64,
-        (plain, motions): (&Motions<f64>, &[Motions<Lanes>]),
-        sums: &mut Sums<'_>,
+        free: &FreeBody,
+        field: &AccelerationField,
+        motions: &Motions<f64>,
+        (load, g): Loads<'_>,
     ) {
-        let Some(field) = self.inertial_field(t) else { return };
-        for (index, Span { first, size, is_free }) in self.spans.iter().copied().enumerate() {
-            let inertia = Inertia::of(&self.mechanism.bodies[index]);
-            if is_free {
-                sums.add_free_inertia((first, inertia, self.drive_work()), &field, &plain.bodies[index]);
-                continue;
-            }
-            for (chunk, of_chunk) in Chunk::of_group(first, size) {
-                sums.add_group_inertia((of_chunk, inertia, self.drive_work()), &field, (&motions[chunk], index));
-            }
-        }
+        let BodyMotion { origin, rate, .. } = motions.bodies[free.body];
+        let of_body = Inertia::of(&self.mechanism.bodies[free.body]).load(field, origin, [rate[0], rate[1]]);
+        g[self.drive_work()] += power(of_body, rate);
+        load[free.first..free.first + free.axes].iter_mut().zip(of_body).for_each(|(load, part)| *load += part);
     }
 
     /// Adds a load along the coordinate of a joint.
@@ -213,17 +241,20 @@ impl MechanismModel {
         t: f64,
         v: &[f64],
         mode: &MechanismMode,
-        motions: &Motions<f64>,
-        (load, g): (&mut [f64], &mut [f64]),
+        (motions, factors): (&Motions<f64>, &[Factor]),
+        (load, g): Loads<'_>,
     ) {
         let contact_work = self.contact_work();
+        let field = self.inertial_field(t).map(|field| field.field);
         for free in &self.free_bodies {
             load[free.first..free.first + 2].copy_from_slice(&free.weight);
+            field.iter().for_each(|field| self.add_free_inertia(free, field, motions, (&mut *load, &mut *g)));
         }
-        for group in &self.groups {
+        for (group, factor) in self.groups.iter().zip(factors) {
+            load[group.first..][..group.size()].copy_from_slice(factor.load());
+            field.iter().for_each(|field| self.add_group_inertia(group, field, motions, (&mut *load, &mut *g)));
             self.add_group_loads(t, (group, v), mode, motions, (&mut *load, &mut *g));
         }
-        self.add_inertial_loads(t, motions, load, g);
         for (index, bodies, points_m) in self.linear_springs() {
             let state = pairs::spring(points_m, &Self::frames(motions, bodies));
             let rates = Self::pair_rates(motions, bodies);
@@ -278,37 +309,40 @@ impl MechanismModel {
         }
     }
 
-    /// Adds the loads of inertia, gravity, elements, actuators and brakes on a group, and the powers of elements, actuators
-    /// and brakes.
+    /// Adds the loads of inertia on a group in the frame of a moving palm. Their power is work of the palm.
+    fn add_group_inertia(
+        &self,
+        group: &PlacedGroup,
+        field: &AccelerationField,
+        motions: &Motions<f64>,
+        (load, g): Loads<'_>,
+    ) {
+        let load = &mut load[group.first..][..group.size()];
+        for &(index, inertia) in &group.inertias {
+            let BodyMotion { origin, rate, .. } = motions.bodies[index];
+            let of_body = inertia.load(field, origin, [rate[0], rate[1]]);
+            g[self.drive_work()] += power(of_body, rate);
+            motions.add_body_load(index, of_body, load);
+        }
+    }
+
+    /// Adds the other loads of elements, and those of actuators and brakes on a group, and their powers.
     fn add_group_loads(
         &self,
         t: f64,
         (group, v): (&PlacedGroup, &[f64]),
         mode: &MechanismMode,
         motions: &Motions<f64>,
-        (load, g): (&mut [f64], &mut [f64]),
+        (load, g): Loads<'_>,
     ) {
-        let (size, gravity) = (group.size(), self.mechanism.gravity_m_s2);
-        let load = &mut load[group.first..][..size];
-        for &index in &group.group.bodies {
-            let (body, motion, center) =
-                (&self.mechanism.bodies[index], &motions.bodies[index], &motions.centers[index]);
-            let [x, y] = pair(|axis| body.mass_kg * (gravity[axis] - center.bias[axis]));
-            let turn = -body.inertia_kg_m2 * motion.bias[2];
-            let support = &motions.body_supports[index];
-            let columns = &motions.columns[support.first..][..size];
-            let centers = &motions.center_columns[support.first..][..size];
-            for &i in &support.coordinates {
-                load[i] += centers[i][0] * x + centers[i][1] * y + columns[i][2] * turn;
-            }
-        }
-        for element in &group.elements {
+        let load = &mut load[group.first..][..group.size()];
+        for element in group.varying.iter().map(|index| &group.elements[*index]) {
             let motion = motions.combination(&element.on);
             g[self.contact_work()] -= element.damping * motion.rate * motion.rate;
             let effort = element.effort(motion.coordinate, motion.rate) - element.inertia * motion.bias;
-            element.support.iter().for_each(|i| load[*i] += motions.row_entry(&element.on, *i) * effort);
+            element.row.add_load(motions, &element.on, effort, load);
         }
-        for (index, support) in &group.actuators {
+        for (index, row) in &group.actuators {
             let actuator = &self.mechanism.actuators[*index];
             let motion = motions.combination(&actuator.on);
             let range = self.range_at(t, mode, *index, motion.coordinate, motion.rate);
@@ -318,7 +352,7 @@ impl MechanismModel {
                 g[self.contact_work()] += brake.effort.value * motion.rate;
                 effort += brake.effort.value;
             }
-            support.iter().for_each(|i| load[*i] += motions.row_entry(&actuator.on, *i) * effort);
+            row.add_load(motions, &actuator.on, effort, load);
         }
     }
 
@@ -345,10 +379,7 @@ impl MechanismModel {
                 load.iter_mut().zip(of_body).for_each(|(load, part)| *load += part);
                 continue;
             }
-            for &i in &motions.body_supports[body].coordinates {
-                let [x, y, turn] = motions.column(body, i);
-                load[i] += of_body[0] * x + of_body[1] * y + of_body[2] * turn;
-            }
+            motions.add_body_load(body, of_body, load);
         }
     }
 
@@ -389,29 +420,37 @@ impl MechanismModel {
         &self,
         t: f64,
         (group, v, a): (&PlacedGroup, &[f64], &[f64]),
-        mode: &MechanismMode,
+        (mode, field): (&MechanismMode, Option<&InertialField>),
         (chunk, motions): (Chunk, &Motions<Lanes>),
         sums: &mut Sums<'_>,
     ) {
         let a = &a[group.first..][..group.size()];
-        for &index in &group.group.bodies {
-            let (body, motion, center) =
-                (&self.mechanism.bodies[index], &motions.bodies[index], &motions.centers[index]);
-            let support = &motions.body_supports[index];
-            let columns = &motions.columns[support.first..][..group.size()];
-            let centers = &motions.center_columns[support.first..][..group.size()];
-            let support = &support.coordinates[..];
-            for (axis, gravity) in self.mechanism.gravity_m_s2.into_iter().enumerate() {
-                let total = support.iter().fold(center.bias[axis], |sum, k| sum + centers[*k][axis] * a[*k]) - gravity;
-                let by_v = center.rate[axis].grad.map(|grad| -2.0 * body.mass_kg * grad);
-                sums.add_block(chunk, (support, |i| centers[i][axis]), total * -body.mass_kg, by_v);
+        let lanes = chunk.start..chunk.start + LANES;
+        for &(index, inertia) in &group.inertias {
+            let (motion, support) = (&motions.bodies[index], &motions.body_supports[index]);
+            if !support.meets(&lanes) {
+                continue;
             }
-            let total = support.iter().fold(motion.bias[2], |sum, k| sum + columns[*k][2] * a[*k]);
-            let by_v = motion.rate[2].grad.map(|grad| -2.0 * body.inertia_kg_m2 * grad);
-            sums.add_block(chunk, (support, |i| columns[i][2]), total * -body.inertia_kg_m2, by_v);
+            let columns = &motions.columns[support.first..][..group.size()];
+            let support = &support.coordinates[..];
+            let of_field =
+                field.map(|field| sums.add_group_inertia((chunk, inertia, self.drive_work()), field, (motions, index)));
+            let [x, y] = self.mechanism.gravity_m_s2;
+            let by_axis = [(inertia.mass, x), (inertia.mass, y), (inertia.moment, 0.0)];
+            let load = |axis: usize| {
+                let (inertia, gravity) = by_axis[axis];
+                let total = support.iter().fold(motion.bias[axis], |sum, k| sum + columns[*k][axis] * a[*k]) - gravity;
+                let (mut load, mut by_v) = (total * -inertia, motion.rate[axis].grad.map(|grad| -2.0 * inertia * grad));
+                if let Some(of_field) = &of_field {
+                    load += of_field[axis].0;
+                    by_v.iter_mut().zip(of_field[axis].1).for_each(|(sum, part)| *sum += part);
+                }
+                (load, by_v)
+            };
+            sums.add_body_block(chunk, (support, columns), [load(0), load(1), load(2)]);
         }
-        for element in &group.elements {
-            let Element { stiffness, damping, inertia, ref on, ref support, .. } = *element;
+        for element in group.varying.iter().map(|index| &group.elements[*index]) {
+            let Element { stiffness, damping, inertia, ref on, row: Row { ref support, .. }, .. } = *element;
             let motion = motions.combination(on);
             let effort = element.effort(motion.coordinate.value, motion.rate.value);
             let acceleration = support.iter().fold(motion.bias, |sum, k| sum + motions.row_entry(on, *k) * a[*k]);
@@ -423,7 +462,7 @@ impl MechanismModel {
             let power_by_rate = -2.0 * damping * motion.rate.value;
             sums.add_power(self.contact_work(), chunk, power, values.map(|value| power_by_rate * value));
         }
-        for (index, support) in &group.actuators {
+        for (index, Row { support, .. }) in &group.actuators {
             let actuator = &self.mechanism.actuators[*index];
             let (on, motion) = (&actuator.on, motions.combination(&actuator.on));
             let values = chunk.each(|_, j| motions.row_entry(on, j).value);
@@ -733,7 +772,7 @@ impl System for MechanismModel {
         a.fill(0.0);
         g.fill(0.0);
         self.with_factors((q, v), |motions, factors| {
-            self.add_loads(t, v, mode, motions, (a, g));
+            self.add_loads(t, v, mode, (motions, factors), (a, g));
             self.add_tendon_loads(t, mode, motions, (a, g));
             g[self.drive_work()] += self.solve(factors, a);
         });
@@ -752,12 +791,17 @@ impl System for MechanismModel {
         self.rates(t, q, v, mode, &mut linearised.rates);
         let (rates, mut sums) = Sums::of(linearised);
         self.with_derivatives((q, v), |plain, motions| {
+            let field = self.inertial_field(t);
             for group in &self.groups {
                 for (at, chunk) in Chunk::of_group(group.first, group.size()) {
-                    self.add_group_derivatives(t, (group, v, &rates.a), mode, (chunk, &motions[at]), &mut sums);
+                    let (of_group, in_mode) = ((group, &v[..], &rates.a[..]), (mode, field.as_ref()));
+                    self.add_group_derivatives(t, of_group, in_mode, (chunk, &motions[at]), &mut sums);
                 }
             }
-            self.add_inertial_derivatives(t, (plain, motions), &mut sums);
+            for (free, field) in self.free_bodies.iter().flat_map(|free| field.iter().map(move |field| (free, field))) {
+                let inertia = Inertia::of(&self.mechanism.bodies[free.body]);
+                sums.add_free_inertia((free.first, inertia, self.drive_work()), field, &plain.bodies[free.body]);
+            }
             self.add_all_pair_derivatives(v, mode, (plain, motions), &mut sums);
             self.add_tendon_derivatives(t, v, mode, (plain, motions), &mut sums);
         });

@@ -13,7 +13,8 @@ use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactMode, ContactVariables, Mode, Row, StateRef, first_impact_step, row_dot};
 use crate::fivebar::kinematics::SINGULAR_SINE;
 use crate::integrator::{
-    CoordinateBounds, Dynamic, EventFunction, EventSet, GapBounds, Hybrid, Rates, RootSearch, System,
+    CoordinateBounds, Dynamic, EventFunction, EventSet, GapBounds, Hybrid, QuasiStaticState, Rates, RootSearch, System,
+    Tolerances,
 };
 use crate::mechanism::Actuator;
 use crate::mechanism::structure::Placement;
@@ -69,7 +70,7 @@ enum ContactRow<'a> {
 }
 
 /// A row in a state.
-struct RowAt<'a> {
+pub(super) struct RowAt<'a> {
     model: &'a MechanismModel,
     motions: &'a Motions<f64>,
     row: ContactRow<'a>,
@@ -120,7 +121,7 @@ impl MechanismModel {
 
     /// State of a contact, with its laws.
     #[inline(always)]
-    fn contact_variables<'a>(
+    pub(super) fn contact_variables<'a>(
         &'a self,
         motions: &'a Motions<f64>,
         v: &[f64],
@@ -178,7 +179,12 @@ impl MechanismModel {
 
     /// Evaluates a function of the motions on which a contact depends.
     #[inline(always)]
-    fn with_contact<R>(&self, state: StateRef<'_, Dynamic>, index: usize, f: impl FnOnce(&Motions<f64>) -> R) -> R {
+    pub(super) fn with_contact<R>(
+        &self,
+        state: StateRef<'_, Dynamic>,
+        index: usize,
+        f: impl FnOnce(&Motions<f64>) -> R,
+    ) -> R {
         let of_joint = |joint: usize| self.mechanism.joints[joint].bodies;
         match &self.contacts[index].surfaces {
             Surfaces::Point(pair) => self.with_bodies(state, pair.bodies, f),
@@ -432,7 +438,7 @@ impl Hybrid for MechanismModel {
         };
         match has_weights {
             true => self.with_columns((q, v), evaluate),
-            false => self.with_motions((q, v), evaluate),
+            false => self.with_motions_of_equations((q, v), evaluate),
         }
     }
 
@@ -585,6 +591,17 @@ impl Hybrid for MechanismModel {
         self.with_factors((q, v), |_, factors| self.solve(factors, response));
         let mobility = row_dot(row, response);
         (mobility > 0.0).then(|| first_impact_step(law, rate.abs(), 1.0 / mobility))
+    }
+
+    fn project_quasi_static(
+        &self,
+        t: f64,
+        (q, v): (&Vec<f64>, &Vec<f64>),
+        mode: &MechanismMode,
+        tolerances: &Tolerances,
+    ) -> Option<QuasiStaticState<Dynamic>> {
+        self.count_turns_as(mode);
+        self.settled(t, (q, v), mode, tolerances)
     }
 
     fn describe_obstacle(&self, q: &Vec<f64>) -> String {

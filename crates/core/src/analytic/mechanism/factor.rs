@@ -8,6 +8,8 @@ pub(super) struct Factor {
     /// Lower triangle of the mass matrix, and then of its factor, whose diagonal contains reciprocals.
     lower: Vec<f64>,
     size: usize,
+    /// Loads of inertia, gravity and constant forces in this state.
+    load: Vec<f64>,
     /// Whether the first coordinate is prescribed: it does not accelerate.
     is_prescribed: bool,
     /// Load on a prescribed first coordinate per acceleration of the others.
@@ -18,12 +20,17 @@ impl Factor {
     /// Memory for a matrix.
     pub fn new(size: usize, is_prescribed: bool) -> Self {
         let inertia = if is_prescribed { vec![0.0; size] } else { Vec::new() };
-        Self { lower: vec![0.0; size * size], size, is_prescribed, inertia }
+        Self { lower: vec![0.0; size * size], size, load: vec![0.0; size], is_prescribed, inertia }
     }
 
-    /// The mass matrix, by rows, which is to be written before it is factored.
-    pub fn mass(&mut self) -> &mut [f64] {
-        &mut self.lower
+    /// The mass matrix, by rows, which is to be written before it is factored, and the loads.
+    pub fn inertia(&mut self) -> (&mut [f64], &mut [f64]) {
+        (&mut self.lower, &mut self.load)
+    }
+
+    /// Loads of inertia, gravity and constant forces.
+    pub fn load(&self) -> &[f64] {
+        &self.load
     }
 
     /// Factors the mass matrix. Not a number for one that is not positive definite.
@@ -33,31 +40,24 @@ impl Factor {
             (1..size).for_each(|i| self.inertia[i] = std::mem::take(&mut lower[i * size]));
             lower[0] = 1.0;
         }
-        for i in 0..size {
-            for j in 0..=i {
-                let (row, other) = (i * size, j * size);
-                let sum = (0..j).fold(lower[row + j], |sum, k| sum - lower[row + k] * lower[other + k]);
-                lower[row + j] = if i == j { 1.0 / sum.sqrt() } else { sum * lower[other + j] };
-            }
+        // Most groups have few coordinates: of a constant number, the compiler unrolls the loops.
+        match size {
+            1 => factor(lower, 1),
+            2 => factor(lower, 2),
+            3 => factor(lower, 3),
+            4 => factor(lower, 4),
+            _ => factor(lower, size),
         }
     }
 
     /// Solves for one right-hand side, in place.
     pub fn solve(&self, x: &mut [f64]) {
-        let (lower, size) = (&self.lower, self.size);
-        let x = &mut x[..size];
-        for i in 0..size {
-            let row = &lower[i * size..][..size];
-            for k in 0..i {
-                x[i] -= row[k] * x[k];
-            }
-            x[i] *= row[i];
-        }
-        for i in (0..size).rev() {
-            for k in i + 1..size {
-                x[i] -= lower[k * size + i] * x[k];
-            }
-            x[i] *= lower[i * size + i];
+        match self.size {
+            1 => solve(&self.lower, x, 1),
+            2 => solve(&self.lower, x, 2),
+            3 => solve(&self.lower, x, 3),
+            4 => solve(&self.lower, x, 4),
+            size => solve(&self.lower, x, size),
         }
     }
 
@@ -95,6 +95,31 @@ impl Factor {
             let loads = matrix[first][..count].iter_mut().map(std::mem::take);
             powers.iter_mut().zip(loads).for_each(|(power, load)| *power += load);
         }
+    }
+}
+
+/// Factors a mass matrix of this size.
+#[inline(always)]
+fn factor(lower: &mut [f64], size: usize) {
+    let lower = &mut lower[..size * size];
+    for i in 0..size {
+        for j in 0..=i {
+            let (row, other) = (i * size, j * size);
+            let sum = (0..j).fold(lower[row + j], |sum, k| sum - lower[row + k] * lower[other + k]);
+            lower[row + j] = if i == j { 1.0 / sum.sqrt() } else { sum * lower[other + j] };
+        }
+    }
+}
+
+/// Solves with the factor of a matrix of this size.
+#[inline(always)]
+fn solve(lower: &[f64], x: &mut [f64], size: usize) {
+    let (lower, x) = (&lower[..size * size], &mut x[..size]);
+    for i in 0..size {
+        x[i] = (0..i).fold(x[i], |sum, k| sum - lower[i * size + k] * x[k]) * lower[i * size + i];
+    }
+    for i in (0..size).rev() {
+        x[i] = (i + 1..size).fold(x[i], |sum, k| sum - lower[k * size + i] * x[k]) * lower[i * size + i];
     }
 }
 

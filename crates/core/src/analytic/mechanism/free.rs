@@ -1,4 +1,4 @@
-//! Bodies without joints: their coordinates are the pose of their centre of mass.
+//! Bodies without joints, whose coordinates are the pose of their centre of mass, and frames at centres of mass.
 
 use super::motion::{BodyMotion, Motions};
 use crate::mechanism::structure::{Group, Placement};
@@ -6,7 +6,7 @@ use crate::mechanism::{Mechanism, Outline, OutlineShape, Pose, SpringKind};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::sub;
 
-/// A body without joints. Its frame is moved to its centre of mass, so that its mass matrix is diagonal and constant.
+/// A body without joints. Its mass matrix is diagonal and constant, because its frame is at its centre of mass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FreeBody {
     pub body: usize,
@@ -35,8 +35,6 @@ impl FreeBody {
             let (sin, cos) = sin_cos(body.angle);
             body.direction = [cos, sin];
         }
-        let center = &mut motions.centers[self.body];
-        (center.position, center.rate) = (body.origin, [v[0], v[1]]);
     }
 }
 
@@ -48,7 +46,7 @@ pub(super) fn free_body(group: &Group) -> Option<(usize, usize)> {
     }
 }
 
-/// Moves the frame of a free body to its centre of mass.
+/// Moves the frame of a body to its centre of mass.
 pub(super) fn center_frame(mechanism: &mut Mechanism, index: usize, (poses, rates): (&mut [Pose], &mut [Pose])) {
     let [x, y] = std::mem::take(&mut mechanism.bodies[index].com_m);
     if [x, y] == [0.0; 2] {
@@ -59,6 +57,10 @@ pub(super) fn center_frame(mechanism: &mut Mechanism, index: usize, (poses, rate
     poses[index][..2].copy_from_slice(&center.position);
     rates[index][..2].copy_from_slice(&center.rate);
     let shift = |point: &mut [f64; 2]| *point = sub(*point, [x, y]);
+    for joint in &mut mechanism.joints {
+        let ends = joint.bodies.iter().zip(&mut joint.points_m);
+        ends.filter(|(body, _)| **body == Some(index)).for_each(|(_, point)| shift(point));
+    }
     for outline in &mut mechanism.bodies[index].outlines {
         outline.shape = outline.shape.moved([-x, -y], 0.0);
     }

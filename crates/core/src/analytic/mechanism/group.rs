@@ -7,25 +7,59 @@ use super::dyad::{
     outer_angle, pivot_offset, place_dyad, transmission,
 };
 use super::motion::{
-    BodyMotion, LANES, Lanes, Motions, Part, Support, carried, carried_bias, column, joint_coordinate, joint_rate,
-    pair, place, triple,
+    BodyMotion, JointMotion, LANES, Lanes, Motions, Part, Support, carried, carried_bias, column, joint_coordinate,
+    joint_rate, pair, place, triple,
 };
+use super::palm_frame::Inertia;
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
 use crate::mechanism::{
-    Actuator, Body, Command, Joint, JointCombination, Mechanism, Pose, PrescribedMotion, Spring, SpringKind,
+    Actuator, Body, Command, Joint, JointCombination, JointKind, Mechanism, Pose, PrescribedMotion, Spring, SpringKind,
 };
 use crate::numeric::elementary::atan2;
-use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, sub};
+use crate::numeric::plane::{cross, dot, nearest_equivalent_angle, perp, sub};
 use crate::numeric::{Dual, Real};
 use crate::scene;
 use std::ops::Range;
+
+/// Derivative of a combination of joint coordinates by the coordinates of the group.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Row {
+    /// Coordinates on which the combination depends.
+    pub support: Vec<usize>,
+    /// Its derivatives by them, if all joints are coordinates.
+    constant: Option<Vec<f64>>,
+}
+
+impl Row {
+    fn new(mechanism: &Mechanism, group: &Group, on: &JointCombination) -> Self {
+        let of_joints = dependent_coordinates(mechanism, group).1;
+        let terms = || on.terms.iter().filter(|(_, factor)| *factor != 0.0);
+        let support = Support::union(terms().map(|(joint, _)| &of_joints[*joint][..]));
+        let is_coordinate = |joint: usize| group.coordinates.contains(&Coordinate::Joint(joint));
+        let factor = |index: &usize| match group.coordinates[*index] {
+            Coordinate::Joint(joint) => on.factor(joint),
+            Coordinate::Body(..) | Coordinate::Time => 0.0,
+        };
+        let is_constant = terms().all(|(joint, _)| is_coordinate(*joint));
+        let constant = is_constant.then(|| support.iter().map(factor).collect());
+        Self { support, constant }
+    }
+
+    /// Adds an effort on the combination to the loads on the coordinates.
+    #[inline(always)]
+    pub fn add_load(&self, motions: &Motions<f64>, on: &JointCombination, effort: f64, load: &mut [f64]) {
+        match &self.constant {
+            Some(entries) => self.support.iter().zip(entries).for_each(|(i, entry)| load[*i] += entry * effort),
+            None => self.support.iter().for_each(|i| load[*i] += motions.row_entry(on, *i) * effort),
+        }
+    }
+}
 
 /// Stiffness, damping and inertia on a combination of joint coordinates: Q = preload − k (q − rest) − d q̇ − I q̈.
 #[derive(Clone, Debug)]
 pub(super) struct Element {
     pub on: JointCombination,
-    /// Coordinates of the group on which the combination depends.
-    pub support: Vec<usize>,
+    pub row: Row,
     pub preload: f64,
     pub stiffness: f64,
     pub rest: f64,
@@ -40,17 +74,31 @@ impl Element {
     }
 }
 
+/// Loads on the coordinates of a group and entries of its mass matrix, by rows, that do not change: those of springs of
+/// constant force and of rotors on joints that are coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Constant {
+    pub load: Vec<f64>,
+    pub mass: Vec<f64>,
+}
+
 /// A group with the assembly modes of its dyads, in the order of its placements.
 #[derive(Clone, Debug)]
 pub(super) struct PlacedGroup {
     pub group: Group,
     pub modes: Vec<Option<AssemblyMode>>,
+    /// Bodies with inertia.
+    pub inertias: Vec<(usize, Inertia)>,
     /// Stiffness, damping and inertia on the joints of the group.
     pub elements: Vec<Element>,
+    /// Indices of the elements whose effort or inertia is not constant in the coordinates; those of the others are in
+    /// `constant`.
+    pub varying: Vec<usize>,
+    pub constant: Constant,
     /// Joints of the group.
     pub joints: Vec<usize>,
-    /// Actuators of the group, with the coordinates of the group on which they act.
-    pub actuators: Vec<(usize, Vec<usize>)>,
+    /// Actuators of the group.
+    pub actuators: Vec<(usize, Row)>,
     /// Index of the first coordinate of the group.
     pub first: usize,
     /// Whether the equations are written in the frame of a moving palm, so that the prescribed motion is that of the world.
@@ -70,7 +118,13 @@ impl PlacedGroup {
                 Placement::Assur { tree, known, closing } => {
                     count += closing.len();
                     let sign = Assur { mechanism, tree, known, closing }.sign(&motions);
-                    return Some(AssemblyMode { sign, middles_rad: [0.0; 2], line: None, has_angles: true });
+                    return Some(AssemblyMode {
+                        sign,
+                        middles_rad: [0.0; 2],
+                        line: None,
+                        has_angles: true,
+                        moves_joints: [true; 3],
+                    });
                 }
                 _ => return None,
             };
@@ -96,7 +150,8 @@ impl PlacedGroup {
             let has_angles = both_slide
                 || outer.iter().any(|at| is_base(at.body))
                 || [outer[0].joint, outer[1].joint, *inner].into_iter().any(|joint| has_force(mechanism, joint));
-            Some(AssemblyMode { sign, has_angles, ..of_ranges })
+            let moves_joints = [outer[0].joint, outer[1].joint, *inner].map(|joint| is_in_force(mechanism, joint));
+            Some(AssemblyMode { sign, has_angles, moves_joints, ..of_ranges })
         };
         let modes = group.placements.iter().map(mode).collect();
         let joints = group.placements.iter().flat_map(|placement| match placement {
@@ -107,14 +162,9 @@ impl PlacedGroup {
         });
         let joints: Vec<usize> = joints.collect();
         let is_member = |on: &&JointCombination| on.terms.iter().any(|(joint, _)| joints.contains(joint));
-        let of_joints = dependent_coordinates(mechanism, &group).1;
-        let support = |on: &JointCombination| {
-            let of_terms = on.terms.iter().filter(|(_, factor)| *factor != 0.0);
-            Support::union(of_terms.map(|(joint, _)| &of_joints[*joint][..]))
-        };
         let none = Element {
             on: JointCombination::default(),
-            support: Vec::new(),
+            row: Row::default(),
             preload: 0.0,
             stiffness: 0.0,
             rest: 0.0,
@@ -140,11 +190,18 @@ impl PlacedGroup {
         let rotors = mechanism.rotors.iter().filter(|rotor| is_member(&&rotor.on));
         let rotors = rotors.map(|rotor| Element { on: rotor.on.clone(), inertia: rotor.inertia, ..none.clone() });
         let actuators = mechanism.actuators.iter().enumerate().filter(|(_, actuator)| is_member(&&actuator.on));
-        let actuators = actuators.map(|(index, actuator)| (index, support(&actuator.on)));
-        let with_support = |element: Element| Element { support: support(&element.on), ..element };
+        let actuators = actuators.map(|(index, actuator)| (index, Row::new(mechanism, &group, &actuator.on)));
+        let with_row = |element: Element| Element { row: Row::new(mechanism, &group, &element.on), ..element };
+        let elements: Vec<Element> = on_joints.chain(springs).chain(rotors).map(with_row).collect();
+        let (constant, varying) = constant_parts(&group, &elements);
+        let inertias = group.bodies.iter().map(|body| (*body, Inertia::of(&mechanism.bodies[*body])));
+        let inertias = inertias.filter(|(_, inertia)| inertia.mass != 0.0 || inertia.moment != 0.0).collect();
         Self {
             modes,
-            elements: on_joints.chain(springs).chain(rotors).map(with_support).collect(),
+            inertias,
+            elements,
+            varying,
+            constant,
             actuators: actuators.collect(),
             joints,
             group,
@@ -212,6 +269,10 @@ impl PlacedGroup {
             let (first, coordinates) = (motions.rows.len(), of_joints[joint].clone());
             motions.joint_supports[joint] = Support { first, coordinates };
             motions.rows.resize(first + size, 0.0);
+            // The row of a coordinate does not change.
+            if let Some(index) = self.group.coordinates.iter().position(|of| *of == Coordinate::Joint(joint)) {
+                motions.rows[first + index] = 1.0;
+            }
         }
     }
 
@@ -221,7 +282,7 @@ impl PlacedGroup {
         if part.has_rates() {
             self.place(mechanism, q, motions);
         }
-        self.propagate(mechanism, (q.first().copied().unwrap_or_default(), v), motions, part);
+        self.propagate(mechanism, (q.first().copied().unwrap_or_default(), v), motions, (part, None));
     }
 
     /// Evaluates the motions with derivatives by the coordinates of the group from `chunk` times [`LANES`] on, from the motions
@@ -235,22 +296,36 @@ impl PlacedGroup {
         motions: &mut Motions<Lanes>,
     ) {
         let (first, size) = (chunk * LANES, self.size());
+        let lanes = first..first + LANES;
         for &body in &self.group.bodies {
-            let columns = &plain.columns[plain.body_supports[body].first..][..size];
-            motions.bodies[body] = plain.bodies[body].lifted(columns, first);
+            let support = &plain.body_supports[body];
+            let columns = &plain.columns[support.first..][..size];
             motions.prescribed[body] = plain.prescribed[body];
+            if support.meets(&lanes) {
+                motions.bodies[body] = plain.bodies[body].lifted(columns, first);
+                continue;
+            }
+            motions.bodies[body] = plain.bodies[body].constant();
+            for &k in &support.coordinates {
+                motions.columns[support.first + k] = columns[k].map(Dual::constant);
+            }
         }
         for &joint in &self.joints {
-            let row = &plain.rows[plain.joint_supports[joint].first..][..size];
-            let mut coordinate = Dual::constant(plain.joints[joint].coordinate);
+            let (support, of) = (&plain.joint_supports[joint], &plain.joints[joint]);
+            let row = &plain.rows[support.first..][..size];
+            let mut coordinate = Dual::constant(of.coordinate);
             coordinate.grad.iter_mut().zip(&row[first..]).for_each(|(grad, entry)| *grad = *entry);
-            motions.joints[joint].coordinate = coordinate;
+            let [rate, bias] = [of.rate, of.bias].map(Dual::constant);
+            motions.joints[joint] = JointMotion { coordinate, rate, bias };
+            for &k in &support.coordinates {
+                motions.rows[support.first + k] = Dual::constant(row[k]);
+            }
         }
         let time = q.first().map_or(Dual::constant(0.0), |time| match chunk {
             0 => Dual::variable(*time, 0),
             _ => Dual::constant(*time),
         });
-        self.propagate(mechanism, (time, v), motions, Part::All);
+        self.propagate(mechanism, (time, v), motions, (Part::All, Some(lanes)));
     }
 
     /// Evaluates the poses of all bodies and the coordinates of all joints.
@@ -282,13 +357,16 @@ impl PlacedGroup {
                         }
                     };
                     motions.joints[at.joint].coordinate = coordinate;
-                    let placed = place(&mechanism.joints[at.joint], at, motions.body(at.base), coordinate);
-                    motions.bodies[at.body].place_at(&placed);
+                    let base = *motions.body(at.base);
+                    place(&mechanism.joints[at.joint], at, &base, coordinate, &mut motions.bodies[at.body]);
                 }
                 Placement::Dyad { outer, inner } => {
                     let Some(mode) = mode else { continue };
                     let bases = pair(|k| motions.body(outer[k].base));
-                    let middles = middles(mechanism, outer, mode, motions);
+                    // Only angles depend on the middles of their ranges; those of a slide are found with its pose.
+                    let is_pin = mechanism.joints[*inner].kind.is_angle();
+                    let middles =
+                        if mode.has_angles || !is_pin { middles(mechanism, outer, mode, motions) } else { [0.0; 2] };
                     let (bodies, coordinates) = place_dyad(mechanism, (outer, *inner), bases, (mode, middles));
                     for (k, at) in outer.iter().enumerate() {
                         motions.bodies[at.body].place_at(&bodies[k]);
@@ -306,9 +384,17 @@ impl PlacedGroup {
         }
     }
 
-    /// Evaluates the angles of the bodies of dyads and the coordinates of their joints, if they were not evaluated with
-    /// their positions.
+    /// Evaluates the angles of the bodies of dyads, and the coordinates and rates of their joints, if they were not evaluated
+    /// with the positions and rates of the bodies.
     pub fn evaluate_angles(&self, mechanism: &Mechanism, motions: &mut Motions<f64>) {
+        for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
+            let (Placement::Dyad { outer, inner }, Some(mode)) = (placement, mode) else { continue };
+            for (joint, moves) in [outer[0].joint, outer[1].joint, *inner].into_iter().zip(mode.moves_joints) {
+                if !moves {
+                    motions.joints[joint].rate = joint_rate(&mechanism.joints[joint], |body| *motions.body(body));
+                }
+            }
+        }
         for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
             let (Placement::Dyad { outer, inner }, Some(mode @ AssemblyMode { has_angles: false, .. })) =
                 (placement, mode)
@@ -358,9 +444,18 @@ impl PlacedGroup {
     }
 
     /// Evaluates a part of the motions of all bodies and joints, whose poses and coordinates are known; `first` is the first
-    /// coordinate.
-    fn propagate<T: Real>(&self, mechanism: &Mechanism, (first, v): (T, &[f64]), motions: &mut Motions<T>, part: Part) {
-        for placement in &self.group.placements {
+    /// coordinate. Numbers with derivatives by the coordinates `lanes` are evaluated where they depend on these.
+    fn propagate<T: Real>(
+        &self,
+        mechanism: &Mechanism,
+        (first, v): (T, &[f64]),
+        motions: &mut Motions<T>,
+        (part, lanes): (Part, Option<Range<usize>>),
+    ) {
+        for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
+            if lanes.as_ref().is_some_and(|lanes| !motions.body_supports[body_of(placement)].meets(lanes)) {
+                continue;
+            }
             match placement {
                 Placement::Free { body, first, axes } => {
                     let of_body = motions.body_supports[*body].first;
@@ -380,30 +475,23 @@ impl PlacedGroup {
                     }
                 }
                 Placement::Joint { at, coordinate: source } => {
-                    move_with_joint(mechanism, (at, source), v, motions, part);
+                    let joint = &mechanism.joints[at.joint];
+                    match (source, joint.kind) {
+                        (Source::Coordinate(index), JointKind::Revolute) => {
+                            move_with_pin(joint, (at, *index), v[*index], motions, part);
+                        }
+                        _ => move_with_joint(mechanism, (at, source), v, motions, part),
+                    }
                 }
                 Placement::Dyad { outer, inner } => {
-                    close_dyad(mechanism, (outer, *inner), motions, part);
-                    move_inner_joint(mechanism, (outer, *inner), motions, part);
+                    let [first, second, of_inner] = mode.map_or([true; 3], |mode| mode.moves_joints);
+                    close_dyad(mechanism, (outer, *inner), [first, second], motions, part);
+                    if of_inner {
+                        move_inner_joint(mechanism, (outer, *inner), motions, part);
+                    }
                 }
                 Placement::Assur { tree, known, closing } => {
-                    Assur { mechanism, tree, known, closing }.close(v, motions, part)
-                }
-            }
-        }
-        for &body in &self.group.bodies {
-            let motion = &motions.bodies[body];
-            let arm = motion.rotated(mechanism.bodies[body].com_m);
-            let center = &mut motions.centers[body];
-            if part.has_rates() {
-                (center.position, center.rate) = (add(motion.origin, arm), motion.rate_at(arm));
-            }
-            if part.has_derivatives() {
-                center.bias = motion.bias_at(arm);
-                let (across, Support { first, coordinates }) = (perp(arm), &motions.body_supports[body]);
-                for &k in coordinates {
-                    let [x, y, _] = carried(motions.columns[first + k], across);
-                    motions.center_columns[first + k] = [x, y];
+                    Assur { mechanism, tree, known, closing }.close(v, motions, part);
                 }
             }
         }
@@ -447,6 +535,26 @@ impl PlacedGroup {
     }
 }
 
+/// The constant parts of elements, and the indices of the others.
+fn constant_parts(group: &Group, elements: &[Element]) -> (Constant, Vec<usize>) {
+    let size = group.coordinates.len();
+    let (mut constant, mut varying) = (Constant { load: vec![0.0; size], mass: vec![0.0; size * size] }, Vec::new());
+    for (index, element) in elements.iter().enumerate() {
+        let Element { row: Row { support, constant: Some(entries) }, stiffness: 0.0, damping: 0.0, .. } = element
+        else {
+            varying.push(index);
+            continue;
+        };
+        for (i, by_i) in support.iter().zip(entries) {
+            constant.load[*i] += by_i * element.preload;
+            for (j, by_j) in support.iter().zip(entries) {
+                constant.mass[i * size + j] += element.inertia * by_i * by_j;
+            }
+        }
+    }
+    (constant, varying)
+}
+
 /// Motions of bodies at rest in these poses.
 pub(super) fn motions_at(mechanism: &Mechanism, poses: &[Pose]) -> Motions<f64> {
     let mut motions = Motions::<f64>::new(mechanism);
@@ -483,14 +591,81 @@ fn bases_length(bases: [&BodyMotion<f64>; 2], motions: &Motions<f64>, outer: &[A
     (squared(0) + squared(1)).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// Whether a spring, a servo, a coupling or a tendon depends on the coordinate of a joint.
+/// Whether a spring, a servo, a coupling or a tendon depends on the coordinate of a joint. A spring of constant force does
+/// not.
 pub(super) fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
     let is_servo = |actuator: &&Actuator| matches!(actuator.command, Command::Servo { .. });
-    let springs = mechanism.springs.iter().filter_map(Spring::on);
+    let springs = mechanism.springs.iter().filter(|spring| spring.stiffness != 0.0).filter_map(Spring::on);
     let servos = mechanism.actuators.iter().filter(is_servo).map(|actuator| &actuator.on);
     let mut all = springs.chain(servos).chain(mechanism.couplings.iter().map(|coupling| &coupling.on));
     all.any(|on| on.factor(joint) != 0.0)
         || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
+}
+
+/// Whether a force acts on a joint, or another joint is coupled to it.
+fn is_in_force(mechanism: &Mechanism, joint: usize) -> bool {
+    let Joint { damping, armature, ref friction, limit, .. } = mechanism.joints[joint];
+    let springs = mechanism.springs.iter().filter_map(Spring::on);
+    let actuators = mechanism.actuators.iter().map(|actuator| &actuator.on);
+    let rotors = mechanism.rotors.iter().map(|rotor| &rotor.on);
+    let couplings = mechanism.couplings.iter().map(|coupling| &coupling.on);
+    let mut all = springs.chain(actuators).chain(rotors).chain(couplings);
+    damping != 0.0
+        || armature != 0.0
+        || friction.is_some()
+        || limit.is_some()
+        || all.any(|on| on.factor(joint) != 0.0)
+        || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
+}
+
+/// [`move_with_joint`] for a revolute joint whose angle is coordinate `index`, and its rate.
+#[inline(always)]
+fn move_with_pin<T: Real>(
+    joint: &Joint,
+    (at, index): (&Attachment, usize),
+    rate: f64,
+    motions: &mut Motions<T>,
+    part: Part,
+) {
+    let base_of = motions.index(at.base);
+    let Motions { bodies, joints, body_supports, columns, .. } = motions;
+    let (own, sign) = (usize::from(at.is_second), at.sign());
+    let arm = bodies[at.body].rotated(joint.points_m[own]);
+    let by_joint = [arm[1] * sign, -(arm[0] * sign), T::constant(sign)];
+    if at.base.is_none() {
+        let body = &mut bodies[at.body];
+        let [x, y, _] = by_joint;
+        if part.has_rates() {
+            joints[at.joint].rate = T::constant(rate);
+            body.rate = [x * rate, y * rate, T::constant(sign * rate)];
+        }
+        if part.has_derivatives() {
+            let squared = rate * rate;
+            body.bias = [arm[0] * squared, arm[1] * squared, T::zero()];
+            columns[body_supports[at.body].first + index] = by_joint;
+        }
+        return;
+    }
+    let from_base = sub(bodies[at.body].origin, bodies[base_of].origin);
+    let across = perp(from_base);
+    if part.has_rates() {
+        let with_base = carried(bodies[base_of].rate, across);
+        joints[at.joint].rate = T::constant(rate);
+        bodies[at.body].rate = triple(|axis| with_base[axis] + by_joint[axis] * rate);
+    }
+    if part.has_derivatives() {
+        let (base_squared, squared) = (bodies[base_of].rate[2].squared(), bodies[at.body].rate[2].squared());
+        let [x, y, turn] = carried(bodies[base_of].bias, across);
+        let to_joint = [from_base[0] + arm[0], from_base[1] + arm[1]];
+        let centripetal = |axis: usize| arm[axis] * squared - to_joint[axis] * base_squared;
+        bodies[at.body].bias = [x + centripetal(0), y + centripetal(1), turn];
+        let [of_base, of_body] = [base_of, at.body].map(|body| body_supports[body].first);
+        // The base does not depend on the coordinate of the joint.
+        for &k in &body_supports[base_of].coordinates {
+            columns[of_body + k] = carried(columns[of_base + k], across);
+        }
+        columns[of_body + index] = by_joint;
+    }
 }
 
 /// Evaluates the motion of a placed body at a joint, and of the joint.
@@ -530,11 +705,11 @@ fn move_with_joint<T: Real>(
     let of_row = joint_supports[at.joint].first;
     let bias = match source {
         Source::Coordinate(index) => {
-            for &k in &body_supports[at.body].coordinates {
+            // The base does not depend on the coordinate of the joint.
+            for &k in &body_supports[base_of].coordinates {
                 columns[of_body + k] = carried(columns[of_base + k], across);
             }
-            (0..3).for_each(|axis| columns[of_body + index][axis] += by_joint[axis]);
-            rows[of_row + index] = T::constant(1.0);
+            columns[of_body + index] = by_joint;
             T::zero()
         }
         Source::Coupling(index) => {
@@ -600,6 +775,16 @@ fn dependent_coordinates(mechanism: &Mechanism, group: &Group) -> (Vec<Vec<usize
         }
     }
     (of_bodies, of_joints)
+}
+
+/// A body of a placement. All bodies of a loop depend on the same coordinates.
+fn body_of(placement: &Placement) -> usize {
+    match placement {
+        Placement::Free { body, .. } | Placement::Prescribed { body } => *body,
+        Placement::Joint { at, .. } => at.body,
+        Placement::Dyad { outer, .. } => outer[0].body,
+        Placement::Assur { tree, .. } => tree[0].body,
+    }
 }
 
 /// Bodies from which a placement places others.

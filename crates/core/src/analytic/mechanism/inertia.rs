@@ -1,10 +1,9 @@
 //! Derivatives of the inertial loads in the frame of a moving palm.
 
 use super::dynamics::{Chunk, Sums};
-use super::motion::{BodyMotion, Lanes, Motions};
+use super::inertial_field::{AccelerationField, InertialField};
+use super::motion::{BodyMotion, LANES, Lanes, Motions};
 use super::palm_frame::{Inertia, power};
-use crate::analytic::inertial_field::InertialField;
-use crate::fivebar::dynamics::AccelerationField;
 use crate::numeric::plane::Vector;
 use crate::numeric::{Dual, Real};
 
@@ -16,7 +15,7 @@ impl Sums<'_> {
         field: &InertialField,
         motion: &BodyMotion<f64>,
     ) {
-        let ([x, y], [vx, vy, spin]) = (motion.origin, motion.rate);
+        let ([x, y], [vx, vy, _]) = (motion.origin, motion.rate);
         let load = inertia.load(&field.field, [x, y], [vx, vy]);
         let load_rate = inertia.load(&field.rate, [x, y], [vx, vy]);
         let AccelerationField { centrifugal, coriolis, euler, .. } = field.field;
@@ -36,41 +35,37 @@ impl Sums<'_> {
         let without_velocity = inertia.load(&field.field, [x, y], [0.0; 2]);
         (0..2).for_each(|i| self.g_v[work][first + i] += without_velocity[i]);
         self.g_v[work][first + 2] += load[2];
-        self.g_t[work] += power(load_rate, [vx, vy], spin);
+        self.g_t[work] += power(load_rate, motion.rate);
     }
 
-    /// Adds the derivatives of the inertial load on a body of a group by these coordinates, and of its power.
+    /// Adds the derivatives of the power of the inertial load on a body of a group by these coordinates, and those of the
+    /// load by time. Returns the load and its derivatives by the rates of these coordinates.
     pub fn add_group_inertia(
         &mut self,
         (chunk, inertia, work): (Chunk, Inertia, usize),
         field: &InertialField,
         (motions, body): (&Motions<Lanes>, usize),
-    ) {
-        let (center, spin) = (&motions.centers[body], motions.bodies[body].rate[2]);
-        let load = inertia.load(&field.field, center.position, center.rate);
+    ) -> [(Lanes, [f64; LANES]); 3] {
+        let BodyMotion { origin, rate, .. } = motions.bodies[body];
+        let velocity = [rate[0], rate[1]];
+        let load = inertia.load(&field.field, origin, velocity);
         let values = |vector: Vector<Lanes>| vector.map(|part| part.value);
-        let load_rate = inertia.load(&field.rate, values(center.position), values(center.rate));
-        let support = &motions.body_supports[body].coordinates[..];
-        let entry = |axis: usize, k: usize| match axis {
-            2 => motions.column(body, k)[2],
-            _ => motions.center_column(body, k)[axis],
-        };
-        let rows = [0, 1, 2].map(|axis| chunk.each(|_, j| entry(axis, j).value));
+        let load_rate = inertia.load(&field.rate, values(origin), values(velocity));
+        let rows = [0, 1, 2].map(|axis| chunk.each(|_, j| motions.column(body, j)[axis].value));
         // Derivatives by the velocity: of x by ẏ, and of y by ẋ.
         let across = 2.0 * inertia.mass * field.field.coriolis;
-        let by_velocity = [(across, 1), (-across, 0), (0.0, 2)];
-        for (axis, (load, (factor, by))) in load.into_iter().zip(by_velocity).enumerate() {
-            self.add_block(chunk, (support, |i| entry(axis, i)), load, rows[by].map(|value| factor * value));
-        }
         for (row, load_rate) in rows.iter().zip(load_rate) {
             let loads = self.load_t[chunk.group + chunk.start..].iter_mut().zip(row).take(chunk.count);
             loads.for_each(|(load, value)| *load += value * load_rate);
         }
-        let without_velocity = inertia.load(&field.field, center.position, [Dual::zero(); 2]);
+        let without_velocity = inertia.load(&field.field, origin, [Dual::zero(); 2]);
         let by_v = chunk.each(|lane, _| (0..3).map(|k| without_velocity[k].value * rows[k][lane]).sum());
-        self.add_power(work, chunk, power(without_velocity, center.rate, spin), by_v);
+        self.add_power(work, chunk, power(without_velocity, rate), by_v);
         if chunk.start == 0 {
-            self.g_t[work] += power(load_rate, values(center.rate), spin.value);
+            self.g_t[work] += power(load_rate, rate.map(|part| part.value));
         }
+        let [x, y, turn] = load;
+        let by_rates = |factor: f64, row: [f64; LANES]| row.map(|value| factor * value);
+        [(x, by_rates(across, rows[1])), (y, by_rates(-across, rows[0])), (turn, [0.0; LANES])]
     }
 }

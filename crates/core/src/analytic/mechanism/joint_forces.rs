@@ -4,13 +4,13 @@
 //! unknown. Without redundant constraints, the 3 equations of every body determine all of them.
 
 use super::contacts::Surfaces;
+use super::inertial_field::InertialField;
 use super::model::{MechanismMode, MechanismModel, Span};
 use super::motion::Motions;
 use super::nearest::PointOnFace;
 use super::pairs;
 use super::palm_frame::inertial_loads;
 use crate::analytic::contact::StateRef;
-use crate::analytic::inertial_field::InertialField;
 use crate::integrator::{Dynamic, Rates, System};
 use crate::mechanism::{ForcePoint, JointCombination, JointKind, Limit, Mechanism};
 use crate::numeric::elementary::sin_cos;
@@ -143,7 +143,8 @@ impl MechanismModel {
         let a = &rates.a;
         self.with_columns((q, v), |motions| {
             let unknowns = 2 * self.mechanism.joints.len() + self.mechanism.couplings.len();
-            system.clear(motions.centers.iter().map(|center| center.position), unknowns);
+            let centers = motions.bodies.iter().take(self.mechanism.bodies.len()).map(|body| body.origin);
+            system.clear(centers, unknowns);
             self.add_accelerations(t, a, motions, system);
             self.subtract_loads(t, (a, v), mode, motions, system);
         });
@@ -171,26 +172,24 @@ impl MechanismModel {
     /// Adds the wrenches that give all bodies their accelerations.
     fn add_accelerations(&self, t: f64, a: &[f64], motions: &Motions<f64>, system: &mut JointForces) {
         let (gravity, right) = (self.mechanism.gravity_m_s2, system.unknowns);
-        for (index, (body, center)) in self.mechanism.bodies.iter().zip(&motions.centers).enumerate() {
-            let (Span { first, size, is_free }, motion) = (self.spans[index], &motions.bodies[index]);
-            let acceleration = |entry: &dyn Fn(usize) -> f64, bias: f64| {
-                let support = &motions.body_supports[index].coordinates;
-                support.iter().fold(bias, |sum, k| sum + entry(*k) * a[first + k])
-            };
+        for (index, (body, motion)) in self.mechanism.bodies.iter().zip(&motions.bodies).enumerate() {
+            let Span { first, size, is_free } = self.spans[index];
+            let support = &motions.body_supports[index].coordinates;
             let [x, y, turn] = match is_free {
                 true => [a[first], a[first + 1], if size > 2 { a[first + 2] } else { 0.0 }],
-                false => {
-                    let [x, y] = [0, 1].map(|k| acceleration(&|j| motions.center_column(index, j)[k], center.bias[k]));
-                    [x, y, acceleration(&|j| motions.column(index, j)[2], motion.bias[2])]
-                }
+                false => [0, 1, 2].map(|axis| {
+                    support
+                        .iter()
+                        .fold(motion.bias[axis], |sum, k| sum + motions.column(index, *k)[axis] * a[first + k])
+                }),
             };
             let force = [x - gravity[0], y - gravity[1]].map(|part| body.mass_kg * part);
             let moment = body.inertia_kg_m2 * turn;
-            system.add(right, Some(index), force, center.position, moment);
+            system.add(right, Some(index), force, motion.origin, moment);
         }
         if let Some(InertialField { field, .. }) = self.inertial_field(t) {
             for (index, [x, y, moment]) in inertial_loads(&self.mechanism, (&field, motions)) {
-                system.add(right, Some(index), [-x, -y], motions.centers[index].position, -moment);
+                system.add(right, Some(index), [-x, -y], motions.bodies[index].origin, -moment);
             }
         }
     }
@@ -239,7 +238,7 @@ impl MechanismModel {
         for group in &self.groups {
             for element in &group.elements {
                 let motion = motions.combination(&element.on);
-                let row = element.support.iter().map(|k| motions.row_entry(&element.on, *k) * a[group.first + k]);
+                let row = element.row.support.iter().map(|k| motions.row_entry(&element.on, *k) * a[group.first + k]);
                 let acceleration = row.fold(motion.bias, |sum, part| sum + part);
                 let effort = element.effort(motion.coordinate, motion.rate) - element.inertia * acceleration;
                 subtract_combined(&element.on, effort);
@@ -268,7 +267,7 @@ impl MechanismModel {
     fn subtract_contacts(&self, state: StateRef<'_, Dynamic>, mode: &MechanismMode, system: &mut JointForces) {
         let right = system.unknowns;
         for (index, contact) in self.contacts.iter().enumerate() {
-            let reading = self.world_reading(state, index, mode[index]);
+            let reading = self.with_motions(state, |motions| self.world_reading(motions, state.1, index, mode[index]));
             match contact.surfaces {
                 Surfaces::Point(PointOnFace { bodies: [body, face], force_point, .. }) => {
                     let (normal, tangent) = (reading.geometry.normal, perp(reading.geometry.normal));

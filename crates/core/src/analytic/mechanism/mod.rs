@@ -19,12 +19,14 @@ mod free;
 mod gaps;
 mod group;
 mod inertia;
+mod inertial_field;
 mod joint_forces;
 mod model;
 mod motion;
 mod nearest;
 mod pairs;
 mod palm_frame;
+mod quasi_static;
 mod reading;
 mod tendon;
 

@@ -1,6 +1,6 @@
 //! Constant data of a mechanism: groups, contacts, the layout of its coordinates, and its start.
 
-use std::cell::RefCell;
+use std::cell::{RefCell, RefMut};
 
 use super::actuator::{Ranges, range};
 use super::body_bounds::MechanismBounds;
@@ -160,13 +160,20 @@ pub struct MechanismModel {
     pub(super) event_tolerances: EventTolerances,
     /// Numbers of coordinates, with a place for time, and of quadratures.
     layout: Dynamic,
-    workspace: RefCell<Workspace>,
+    /// Motions at the last state of the equations, and at the last state that was sampled within a step.
+    workspaces: [RefCell<Workspace>; 2],
     pub(super) scratch: RefCell<Scratch>,
     start: Vec<(f64, f64)>,
     near_at_start: Vec<f64>,
 }
 
 impl Workspace {
+    /// Whether the motions are those of a state.
+    #[inline(always)]
+    fn is_at(&self, (q, v): StateRef<'_, Dynamic>) -> bool {
+        self.has_state && has_bits_of(&self.q, q) && has_bits_of(&self.v, v)
+    }
+
     /// Memory for the states of these groups.
     fn new(mechanism: &Mechanism, groups: &[PlacedGroup], layout: Dynamic) -> Self {
         let mut motions = Motions::new(mechanism);
@@ -176,7 +183,6 @@ impl Workspace {
         let (largest, ground) = (groups.iter().map(PlacedGroup::size).max().unwrap_or(0), mechanism.bodies.len());
         motions.body_supports[ground] = Support { first: motions.columns.len(), coordinates: Vec::new() };
         motions.columns.resize(motions.columns.len() + largest, [0.0; 3]);
-        motions.center_columns = vec![[0.0; 2]; motions.columns.len()];
         let mut with_derivatives = Motions::new(mechanism);
         with_derivatives.reserve(&motions);
         Self {
@@ -215,9 +221,12 @@ fn near_at(mechanism: &Mechanism, groups: &[PlacedGroup], poses: &[Pose]) -> Vec
     }
 }
 
-/// Whether two lists have the same bits; compared without branches, because they nearly always have.
+/// Lengths of vectors are multiples of this number, so that loops over them need no remainder.
+const VECTOR_UNIT: usize = 4;
+
+/// Whether two lists have the same bits. Different states nearly always differ in the first coordinate.
 fn has_bits_of(a: &[f64], b: &[f64]) -> bool {
-    a.iter().zip(b).fold(0, |difference, (a, b)| difference | (a.to_bits() ^ b.to_bits())) == 0
+    a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
 /// Whether an event of an actuator depends on time.
@@ -240,6 +249,52 @@ fn fix_bodies(mechanism: &mut Mechanism, poses: &[Pose]) {
     }
 }
 
+/// The coordinates of all groups, in the order of the groups.
+struct Coordinates {
+    groups: Vec<PlacedGroup>,
+    free_bodies: Vec<FreeBody>,
+    spans: Vec<Span>,
+    dyad_of: Vec<Option<(usize, usize)>>,
+    /// Their values and rates at the start.
+    start: Vec<(f64, f64)>,
+}
+
+impl Coordinates {
+    /// Places the groups in these poses, whose bodies have the origins `reported_origins` in samples.
+    fn of_groups(
+        mechanism: &Mechanism,
+        found: Vec<Group>,
+        (poses, rates): (&[Pose], &[Pose]),
+        (is_in_palm_frame, reported_origins): (bool, &[[f64; 2]]),
+    ) -> Self {
+        let spans = vec![Span::default(); mechanism.bodies.len()];
+        let dyad_of = vec![None; mechanism.joints.len()];
+        let mut all = Self { groups: Vec::new(), free_bodies: Vec::new(), spans, dyad_of, start: Vec::new() };
+        for group in found {
+            let (first, size, free) = (all.start.len(), group.coordinates.len(), free_body(&group));
+            group.bodies.iter().for_each(|body| all.spans[*body] = Span { first, size, is_free: free.is_some() });
+            all.start.extend(start_of(&group, mechanism, (poses, rates)));
+            if let Some((body, axes)) = free {
+                let of = &mechanism.bodies[body];
+                let (mobility, weight) = (1.0 / of.mass_kg, scale_by(mechanism.gravity_m_s2, of.mass_kg));
+                let mobility = [mobility, mobility, 1.0 / of.inertia_kg_m2];
+                let is_round = reported_origins[body] == [0.0; 2] && is_round(mechanism, body);
+                let angle_rad = poses[body][2];
+                all.free_bodies.push(FreeBody { body, first, axes, is_round, angle_rad, mobility, weight });
+                continue;
+            }
+            let counts = all.groups.last().map_or(0, |placed| placed.counts().end);
+            let mut placed = PlacedGroup::new(mechanism, group, (first, counts), poses);
+            placed.is_in_palm_frame = is_in_palm_frame;
+            for (placement, joint) in placed.joints_on_demand(mechanism) {
+                all.dyad_of[joint] = Some((all.groups.len(), placement));
+            }
+            all.groups.push(placed);
+        }
+        all
+    }
+}
+
 impl MechanismModel {
     /// Builds the model from the assembled poses and rates of all bodies.
     ///
@@ -250,41 +305,23 @@ impl MechanismModel {
         let (mut mechanism, mut poses, mut rates) = (in_frame(mechanism).into_owned(), poses.to_vec(), rates.to_vec());
         let found = find_groups(&mechanism)?;
         let mut reported_origins = vec![[0.0; 2]; mechanism.bodies.len()];
-        for (body, _) in found.iter().filter_map(free_body) {
-            reported_origins[body] = scale_by(mechanism.bodies[body].com_m, -1.0);
-            center_frame(&mut mechanism, body, (&mut poses, &mut rates));
+        for (body, origin) in reported_origins.iter_mut().enumerate() {
+            if mechanism.bodies[body].motion.is_none() {
+                *origin = scale_by(mechanism.bodies[body].com_m, -1.0);
+                center_frame(&mut mechanism, body, (&mut poses, &mut rates));
+            }
         }
         let (poses, rates) = (&poses[..], &rates[..]);
+        let moves_by_forces = mechanism.bodies.iter().map(Body::moves_by_forces).collect();
+        fix_bodies(&mut mechanism, poses);
         let found = conditioned_groups(&mechanism, found, poses);
-        let mut first = 0;
-        let (mut groups, mut free_bodies, mut start) = (Vec::new(), Vec::new(), Vec::new());
-        let mut spans = vec![Span::default(); mechanism.bodies.len()];
-        let mut dyad_of = vec![None; mechanism.joints.len()];
-        for group in found {
-            let (size, free) = (group.coordinates.len(), free_body(&group));
-            group.bodies.iter().for_each(|body| spans[*body] = Span { first, size, is_free: free.is_some() });
-            start.extend(start_of(&group, &mechanism, (poses, rates)));
-            if let Some((body, axes)) = free {
-                let of = &mechanism.bodies[body];
-                let (mobility, weight) = (1.0 / of.mass_kg, scale_by(mechanism.gravity_m_s2, of.mass_kg));
-                let mobility = [mobility, mobility, 1.0 / of.inertia_kg_m2];
-                let is_round = reported_origins[body] == [0.0; 2] && is_round(&mechanism, body);
-                free_bodies.push(FreeBody { body, first, axes, is_round, angle_rad: poses[body][2], mobility, weight });
-            } else {
-                let counts = groups.last().map_or(0, |placed: &PlacedGroup| placed.counts().end);
-                let mut placed = PlacedGroup::new(&mechanism, group, (first, counts), poses);
-                placed.is_in_palm_frame = world.is_some();
-                placed
-                    .joints_on_demand(&mechanism)
-                    .for_each(|(placement, joint)| dyad_of[joint] = Some((groups.len(), placement)));
-                groups.push(placed);
-            }
-            first += size;
-        }
+        let Coordinates { groups, free_bodies, spans, dyad_of, start } =
+            Coordinates::of_groups(&mechanism, found, (poses, rates), (world.is_some(), &reported_origins));
+        let second_order = start.len();
         let prescribed = groups.iter().position(PlacedGroup::has_prescribed);
         let group_of = |body| groups.iter().position(|placed| placed.group.bodies.contains(&body));
         let group_of: Vec<Option<usize>> = (0..mechanism.bodies.len()).map(group_of).collect();
-        let mut bristles = Bristles::after(first);
+        let mut bristles = Bristles::after(second_order);
         let mut cables: Vec<Cable> = mechanism.tendons.iter().map(Cable::new).collect();
         let contacts = contacts(&mechanism, &mut cables, &mut bristles);
         let brakes = mechanism.actuators.iter().map(|actuator| actuator.brake.and_then(|brake| brake.bristle));
@@ -293,15 +330,19 @@ impl MechanismModel {
         let time_index = prescribed.map(|group: usize| groups[group].first);
         let clock_index = (time_index.is_none() && depends_on_time(&mechanism)).then_some(next);
         let palm = mechanism.palm().map(|(body, _)| body).filter(|_| world.is_none());
-        let moves_by_forces = mechanism.bodies.iter().map(Body::moves_by_forces).collect();
-        fix_bodies(&mut mechanism, poses);
         let coordinate_count = next + usize::from(clock_index.is_some());
         // A new input of an actuator can depend on time.
         let may_have_clock = time_index.is_none() && !mechanism.actuators.is_empty();
-        let layout = Dynamic { coordinates: next + usize::from(may_have_clock), quadratures: contacts.len() + 2 };
+        let layout = Dynamic {
+            coordinates: (next + usize::from(may_have_clock)).next_multiple_of(VECTOR_UNIT),
+            quadratures: (contacts.len() + 2).next_multiple_of(VECTOR_UNIT),
+        };
         let near_at_start = near_at(&mechanism, &groups, poses);
-        let mut workspace = Workspace::new(&mechanism, &groups, layout);
-        workspace.motions.near.clone_from(&near_at_start);
+        let workspaces = [(); 2].map(|()| {
+            let mut workspace = Workspace::new(&mechanism, &groups, layout);
+            workspace.motions.near.clone_from(&near_at_start);
+            RefCell::new(workspace)
+        });
         let of_cables = if cables.is_empty() { Dynamic { coordinates: 0, quadratures: 0 } } else { layout };
         let scratch =
             Scratch { row: layout.vector(0.0), response: layout.vector(0.0), second: Linearised::zero(of_cables) };
@@ -320,7 +361,7 @@ impl MechanismModel {
             brake_bristles,
             time_index,
             clock_index,
-            second_order: first,
+            second_order,
             prescribed,
             palm,
             world,
@@ -328,7 +369,7 @@ impl MechanismModel {
             used_coordinates: coordinate_count,
             event_tolerances,
             layout,
-            workspace: RefCell::new(workspace),
+            workspaces,
             scratch: RefCell::new(scratch),
             start,
             near_at_start,
@@ -365,11 +406,12 @@ impl MechanismModel {
         }
         self.groups[index] = placed;
         self.near_at_start = near_at(&self.mechanism, &self.groups, poses);
-        let counts = self.workspace.get_mut().motions.counts.clone();
-        let mut workspace = Workspace::new(&self.mechanism, &self.groups, self.layout);
-        workspace.motions.counts = counts;
-        workspace.motions.near.clone_from(&self.near_at_start);
-        self.workspace = RefCell::new(workspace);
+        for workspace in &mut self.workspaces {
+            let counts = std::mem::take(&mut workspace.get_mut().motions.counts);
+            *workspace.get_mut() = Workspace::new(&self.mechanism, &self.groups, self.layout);
+            let motions = &mut workspace.get_mut().motions;
+            (motions.counts, motions.near) = (counts, self.near_at_start.clone());
+        }
     }
 
     /// Coordinates of all joints near which Newton's method places bodies at the start; empty if it places none.
@@ -476,23 +518,45 @@ impl MechanismModel {
 
     #[inline(always)]
     pub(super) fn count_turns_in(&self, counts: &[i32], near: &[f64]) {
-        let mut workspace = self.workspace.borrow_mut();
-        let counted = &mut workspace.motions.counts;
-        if counted[..] != *counts {
-            counted.copy_from_slice(counts);
-            workspace.has_state = false;
+        for workspace in &self.workspaces {
+            let workspace = &mut *workspace.borrow_mut();
+            let motions = &mut workspace.motions;
+            if motions.counts[..] != *counts {
+                motions.counts.copy_from_slice(counts);
+                workspace.has_state = false;
+            }
+            if !near.is_empty() && motions.near[..] != *near {
+                motions.near.clear();
+                motions.near.extend_from_slice(near);
+                workspace.has_state = false;
+            }
         }
-        if !near.is_empty() && workspace.motions.near[..] != *near {
-            workspace.motions.near.clear();
-            workspace.motions.near.extend_from_slice(near);
-            workspace.has_state = false;
-        }
+    }
+
+    /// The workspace that is at a state, or the one for samples.
+    #[inline(always)]
+    fn workspace_at(&self, state: StateRef<'_, Dynamic>) -> RefMut<'_, Workspace> {
+        let [of_equations, of_samples] = &self.workspaces;
+        let workspace = of_equations.borrow_mut();
+        if workspace.is_at(state) { workspace } else { of_samples.borrow_mut() }
     }
 
     /// Evaluates a function of the poses and rates of all bodies and joints in a state.
     #[inline(always)]
     pub(super) fn with_motions<R>(&self, state: StateRef<'_, Dynamic>, f: impl FnOnce(&Motions<f64>) -> R) -> R {
-        let mut workspace = self.workspace.borrow_mut();
+        let mut workspace = self.workspace_at(state);
+        self.update(state, &mut workspace);
+        f(&workspace.motions)
+    }
+
+    /// Like [`MechanismModel::with_motions`], for a state whose equations follow.
+    #[inline(always)]
+    pub(super) fn with_motions_of_equations<R>(
+        &self,
+        state: StateRef<'_, Dynamic>,
+        f: impl FnOnce(&Motions<f64>) -> R,
+    ) -> R {
+        let mut workspace = self.workspaces[0].borrow_mut();
         self.update(state, &mut workspace);
         f(&workspace.motions)
     }
@@ -500,7 +564,7 @@ impl MechanismModel {
     /// Like [`MechanismModel::with_motions`], with the angles of all bodies and the coordinates of all joints: evaluations
     /// of forces omit those of dyads that no force depends on.
     pub(super) fn with_angles<R>(&self, state: StateRef<'_, Dynamic>, f: impl FnOnce(&Motions<f64>) -> R) -> R {
-        let mut workspace = self.workspace.borrow_mut();
+        let mut workspace = self.workspace_at(state);
         self.update(state, &mut workspace);
         if !std::mem::replace(&mut workspace.has_angles, true) {
             self.groups.iter().for_each(|group| group.evaluate_angles(&self.mechanism, &mut workspace.motions));
@@ -514,7 +578,7 @@ impl MechanismModel {
         state: StateRef<'_, Dynamic>,
         f: impl FnOnce(&Motions<f64>, &mut MechanismBounds) -> R,
     ) -> R {
-        let mut workspace = self.workspace.borrow_mut();
+        let mut workspace = self.workspace_at(state);
         let workspace = &mut *workspace;
         self.update(state, workspace);
         f(&workspace.motions, &mut workspace.bounds)
@@ -523,7 +587,7 @@ impl MechanismModel {
     /// Like [`MechanismModel::with_motions`], with derivatives by the coordinates and bias accelerations.
     #[inline(always)]
     pub(super) fn with_columns<R>(&self, state: StateRef<'_, Dynamic>, f: impl FnOnce(&Motions<f64>) -> R) -> R {
-        let mut workspace = self.workspace.borrow_mut();
+        let mut workspace = self.workspaces[0].borrow_mut();
         self.update_columns(state, &mut workspace);
         f(&workspace.motions)
     }
@@ -535,12 +599,12 @@ impl MechanismModel {
         state: StateRef<'_, Dynamic>,
         f: impl FnOnce(&Motions<f64>, &[Factor]) -> R,
     ) -> R {
-        let mut workspace = self.workspace.borrow_mut();
+        let mut workspace = self.workspaces[0].borrow_mut();
         let workspace = &mut *workspace;
         self.update_columns(state, workspace);
         if !std::mem::replace(&mut workspace.has_factors, true) {
             for (group, factor) in self.groups.iter().zip(&mut workspace.factors) {
-                self.evaluate_mass(group, &workspace.motions, factor.mass());
+                self.evaluate_inertia(group, &workspace.motions, factor.inertia());
                 factor.factor();
             }
         }
@@ -555,7 +619,7 @@ impl MechanismModel {
         bodies: impl IntoIterator<Item = Option<usize>>,
         f: impl FnOnce(&Motions<f64>) -> R,
     ) -> R {
-        let mut workspace = self.workspace.borrow_mut();
+        let mut workspace = self.workspace_at(state);
         self.enter(state, &mut workspace);
         for group in bodies.into_iter().flatten().filter_map(|body| self.group_of[body]) {
             self.evaluate_group(group, &mut workspace);
@@ -581,7 +645,7 @@ impl MechanismModel {
 
     /// Enters a state, in which only free bodies are evaluated, unless it is the last one.
     fn enter(&self, (q, v): StateRef<'_, Dynamic>, workspace: &mut Workspace) {
-        if workspace.has_state && has_bits_of(&workspace.q, q) && has_bits_of(&workspace.v, v) {
+        if workspace.is_at((q, v)) {
             return;
         }
         for free in &self.free_bodies {
@@ -614,7 +678,7 @@ impl MechanismModel {
         state: StateRef<'_, Dynamic>,
         f: impl FnOnce(&Motions<f64>, &[Motions<Lanes>]) -> R,
     ) -> R {
-        let mut workspace = self.workspace.borrow_mut();
+        let mut workspace = self.workspaces[0].borrow_mut();
         let workspace = &mut *workspace;
         self.update_columns(state, workspace);
         for group in &self.groups {

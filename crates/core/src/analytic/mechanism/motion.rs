@@ -7,6 +7,7 @@ use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, scale_by, sub};
 use crate::numeric::{Dual, Real};
 use crate::scene;
+use std::ops::Range;
 
 /// Rotates a vector of a frame with this direction (cos θ, sin θ) to the world.
 #[inline(always)]
@@ -14,13 +15,14 @@ pub(super) fn rotated<T: Real>([cos, sin]: Vector<T>, [x, y]: [f64; 2]) -> Vecto
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// Number of coordinates by which numbers have derivatives; a group with more is evaluated several times.
+/// Number of coordinates by which numbers have derivatives; a group with more is evaluated several times. Bodies that
+/// depend on none of these coordinates are not evaluated.
 pub(super) const LANES: usize = 4;
 
 /// A number with derivatives by up to [`LANES`] coordinates of a group.
 pub(super) type Lanes = Dual<LANES>;
 
-/// Pose of the frame of a body, its rate, and its acceleration without accelerations of the coordinates. Components are x, y
+/// Pose of the frame of a body, whose origin is its centre of mass, its rate, and its acceleration without accelerations of the coordinates. Components are x, y
 /// and θ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BodyMotion<T> {
@@ -40,12 +42,11 @@ pub(super) struct JointMotion<T> {
     pub bias: T,
 }
 
-/// Motion of a point of a body: position, rate and bias acceleration.
+/// Motion of a point of a body: position and rate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointMotion<T> {
     pub position: Vector<T>,
     pub rate: Vector<T>,
-    pub bias: Vector<T>,
 }
 
 impl BodyMotion<f64> {
@@ -76,6 +77,18 @@ impl BodyMotion<f64> {
             direction: [lift(cos, &|column| -sin * column[2]), lift(sin, &|column| cos * column[2])],
             angle: lift(self.angle, &|column| column[2]),
             ..BodyMotion::ground()
+        }
+    }
+
+    /// The same motion as constants.
+    pub fn constant(&self) -> BodyMotion<Lanes> {
+        let constant = |numbers: [f64; 3]| numbers.map(Dual::constant);
+        BodyMotion {
+            origin: self.origin.map(Dual::constant),
+            direction: self.direction.map(Dual::constant),
+            angle: Dual::constant(self.angle),
+            rate: constant(self.rate),
+            bias: constant(self.bias),
         }
     }
 }
@@ -134,7 +147,7 @@ impl<T: Real> BodyMotion<T> {
     #[inline(always)]
     pub fn point(&self, point: [f64; 2]) -> PointMotion<T> {
         let arm = self.rotated(point);
-        PointMotion { position: add(self.origin, arm), rate: self.rate_at(arm), bias: self.bias_at(arm) }
+        PointMotion { position: add(self.origin, arm), rate: self.rate_at(arm) }
     }
 }
 
@@ -189,6 +202,11 @@ pub(super) struct Support {
 }
 
 impl Support {
+    /// Whether it contains one of these coordinates.
+    pub fn meets(&self, range: &Range<usize>) -> bool {
+        self.coordinates.iter().any(|coordinate| range.contains(coordinate))
+    }
+
     /// The coordinates of both.
     pub fn union<'a>(all: impl IntoIterator<Item = &'a [usize]>) -> Vec<usize> {
         let mut union: Vec<usize> = all.into_iter().flatten().copied().collect();
@@ -203,8 +221,6 @@ impl Support {
 pub(super) struct Motions<T> {
     /// Bodies of the mechanism, then the ground.
     pub bodies: Vec<BodyMotion<T>>,
-    /// Centres of mass of the bodies.
-    pub centers: Vec<PointMotion<T>>,
     pub joints: Vec<JointMotion<T>>,
     /// Counts of the turns of the lines between pivots of dyads.
     pub counts: Vec<i32>,
@@ -215,9 +231,8 @@ pub(super) struct Motions<T> {
     /// Derivatives of bodies, the ground last, and of joints.
     pub body_supports: Vec<Support>,
     pub joint_supports: Vec<Support>,
-    /// Motion of each body per unit of each coordinate rate of its group, and of its centre of mass.
+    /// Motion of each body per unit of each coordinate rate of its group.
     pub columns: Vec<[T; 3]>,
-    pub center_columns: Vec<[T; 2]>,
     /// Derivative of each joint by each coordinate of its group.
     pub rows: Vec<T>,
 }
@@ -228,7 +243,6 @@ impl<T: Real> Motions<T> {
         let (bodies, joints) = (mechanism.bodies.len(), mechanism.joints.len());
         Self {
             bodies: vec![BodyMotion::ground(); bodies + 1],
-            centers: vec![BodyMotion::ground().point([0.0; 2]); bodies],
             joints: vec![JointMotion::at(T::zero()); joints],
             counts: Vec::new(),
             near: Vec::new(),
@@ -236,18 +250,16 @@ impl<T: Real> Motions<T> {
             body_supports: vec![Support::default(); bodies + 1],
             joint_supports: vec![Support::default(); joints],
             columns: Vec::new(),
-            center_columns: Vec::new(),
             rows: Vec::new(),
         }
     }
 
     /// Makes room for derivatives, at the places that the supports of a model's motions give.
-    pub fn reserve<U>(&mut self, like: &Motions<U>) {
+    pub fn reserve(&mut self, like: &Motions<f64>) {
         self.body_supports.clone_from(&like.body_supports);
         self.joint_supports.clone_from(&like.joint_supports);
         self.columns = vec![[T::zero(); 3]; like.columns.len()];
-        self.center_columns = vec![[T::zero(); 2]; like.columns.len()];
-        self.rows = vec![T::zero(); like.rows.len()];
+        self.rows = like.rows.iter().map(|entry| T::constant(*entry)).collect();
     }
 
     /// Motion of a combination of joint coordinates.
@@ -282,10 +294,21 @@ impl<T: Real> Motions<T> {
         self.columns[self.body_supports[body].first + k]
     }
 
-    /// Motion of the centre of mass of a body per unit of the rate of a coordinate of its group.
+    /// Adds a force at the origin of a body and a moment to the loads on the coordinates of its group.
     #[inline(always)]
-    pub fn center_column(&self, body: usize, k: usize) -> [T; 2] {
-        self.center_columns[self.body_supports[body].first + k]
+    pub fn add_body_load(&self, body: usize, of_body: [T; 3], load: &mut [T]) {
+        let Support { first, coordinates } = &self.body_supports[body];
+        let columns = &self.columns[*first..][..load.len()];
+        let along = |[x, y, turn]: [T; 3]| of_body[0] * x + of_body[1] * y + of_body[2] * turn;
+        match coordinates[..] {
+            // Most bodies depend on one or two coordinates.
+            [i] => load[i] += along(columns[i]),
+            [i, j] => {
+                load[i] += along(columns[i]);
+                load[j] += along(columns[j]);
+            }
+            ref all => all.iter().for_each(|&i| load[i] += along(columns[i])),
+        }
     }
 
     /// Motion of a body; `None` is the ground.
@@ -308,18 +331,26 @@ pub(super) fn axis<T: Real>(axis_rad: f64, first: &BodyMotion<T>) -> Vector<T> {
     first.rotated([cos, sin])
 }
 
-/// Pose of a body at a joint with this coordinate.
-pub(super) fn place(joint: &Joint, at: &Attachment, base: &BodyMotion<f64>, coordinate: f64) -> BodyMotion<f64> {
+/// Moves a body to its pose at a joint with this coordinate.
+#[inline(always)]
+pub(super) fn place(
+    joint: &Joint,
+    at: &Attachment,
+    base: &BodyMotion<f64>,
+    coordinate: f64,
+    body: &mut BodyMotion<f64>,
+) {
     let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
     let turn = if joint.kind.is_angle() { coordinate } else { 0.0 };
-    let mut body = BodyMotion::at([0.0, 0.0, base.angle + sign * (turn + joint.offset_rad)], [0.0; 3]);
+    body.angle = base.angle + sign * (turn + joint.offset_rad);
+    let (sin, cos) = sin_cos(body.angle);
+    body.direction = [cos, sin];
     let mut point = base.position(joint.points_m[1 - own]);
     if let JointKind::Prismatic { axis_rad } = joint.kind {
-        let u = if at.is_second { axis(axis_rad, base) } else { axis(axis_rad, &body) };
+        let u = if at.is_second { axis(axis_rad, base) } else { axis(axis_rad, body) };
         point = add(point, scale_by(u, sign * coordinate));
     }
     body.origin = sub(point, body.rotated(joint.points_m[own]));
-    body
 }
 
 /// Motion of a placed body with that of its base, as if the joint between them were locked; `across` is its arm from the base,

@@ -3,11 +3,11 @@
 //! Stiff contacts with the palm rest in this frame. In the frame of the world they chase a moving surface, which takes twice
 //! the steps.
 
+use super::inertial_field::AccelerationField;
 use super::motion::Motions;
-use crate::fivebar::dynamics::AccelerationField;
 use crate::mechanism::{Body, Mechanism, SpringKind};
 use crate::numeric::Real;
-use crate::numeric::plane::{Vector, dot};
+use crate::numeric::plane::Vector;
 
 /// The moving palm, if the equations are written in its frame: no other body has a prescribed motion, and no body keeps its
 /// angle in the world.
@@ -47,7 +47,7 @@ pub(super) fn acceleration_at<T: Real>(field: &AccelerationField, [x, y]: Vector
 }
 
 /// Mass and moment of inertia of a body.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Inertia {
     pub mass: f64,
     pub moment: f64,
@@ -66,8 +66,8 @@ impl Inertia {
 }
 
 /// Power of a load on a body in this motion.
-pub(super) fn power<T: Real>(load: [T; 3], rate: Vector<T>, spin: T) -> T {
-    dot([load[0], load[1]], rate) + load[2] * spin
+pub(super) fn power<T: Real>(load: [T; 3], rate: [T; 3]) -> T {
+    load[0] * rate[0] + load[1] * rate[1] + load[2] * rate[2]
 }
 
 /// The inertial loads on all bodies of a state, as [`Inertia::load`], with their positions.
@@ -75,10 +75,8 @@ pub(super) fn inertial_loads<'a>(
     mechanism: &'a Mechanism,
     (field, motions): (&'a AccelerationField, &'a Motions<f64>),
 ) -> impl Iterator<Item = (usize, [f64; 3])> + 'a {
-    mechanism
-        .bodies
-        .iter()
-        .zip(&motions.centers)
-        .enumerate()
-        .map(|(index, (body, center))| (index, Inertia::of(body).load(field, center.position, center.rate)))
+    mechanism.bodies.iter().zip(&motions.bodies).enumerate().map(|(index, (body, motion))| {
+        let [x, y, _] = motion.rate;
+        (index, Inertia::of(body).load(field, motion.origin, [x, y]))
+    })
 }

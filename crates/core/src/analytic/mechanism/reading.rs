@@ -35,9 +35,11 @@ impl MechanismModel {
         self.mechanism.reported_bodies()
     }
 
-    /// Coordinate of a joint and its rate.
-    pub fn joint(&self, state: StateRef<'_, Dynamic>, joint: usize) -> (f64, f64) {
-        self.with_angles(state, |motions| (motions.joints[joint].coordinate, motions.joints[joint].rate))
+    /// Reads the coordinates and rates of all joints.
+    pub fn read_joints(&self, state: StateRef<'_, Dynamic>, mut read: impl FnMut(usize, (f64, f64))) {
+        self.with_angles(state, |motions| {
+            motions.joints.iter().enumerate().for_each(|(index, joint)| read(index, (joint.coordinate, joint.rate)));
+        });
     }
 
     /// Torque or force of an actuator with its brake; those of tendons follow those of joints.
@@ -66,13 +68,40 @@ impl MechanismModel {
     /// Geometry and forces of a contact as samples report them, relative to a moving palm; those of a limit are an angle and
     /// a torque, or a distance and a force.
     pub fn contact_reading(&self, state: StateRef<'_, Dynamic>, index: usize, branch: ContactState) -> ContactReading {
-        let mut reading = self.world_reading(state, index, branch);
+        match self.palm {
+            Some(_) => {
+                self.with_motions(state, |motions| self.reading_relative_to_palm(motions, state.1, index, branch))
+            }
+            None => self
+                .with_contact(state, index, |motions| self.reading_relative_to_palm(motions, state.1, index, branch)),
+        }
+    }
+
+    /// Reads the first `count` contacts in a mode, as [`MechanismModel::contact_reading`].
+    pub fn read_contacts(
+        &self,
+        state: StateRef<'_, Dynamic>,
+        mode: &MechanismMode,
+        count: usize,
+        mut read: impl FnMut(usize, ContactReading),
+    ) {
+        self.with_motions(state, |motions| {
+            (0..count).for_each(|k| read(k, self.reading_relative_to_palm(motions, state.1, k, mode[k])));
+        });
+    }
+
+    fn reading_relative_to_palm(
+        &self,
+        motions: &Motions<f64>,
+        v: &[f64],
+        index: usize,
+        branch: ContactState,
+    ) -> ContactReading {
+        let mut reading = self.world_reading(motions, v, index, branch);
         if self.palm.is_some() {
-            self.with_motions(state, |motions| {
-                let palm = motions.body(self.palm);
-                reading.geometry.point = palm.point_in_frame(reading.geometry.point);
-                reading.geometry.normal = palm.in_frame(reading.geometry.normal);
-            });
+            let palm = motions.body(self.palm);
+            reading.geometry.point = palm.point_in_frame(reading.geometry.point);
+            reading.geometry.normal = palm.in_frame(reading.geometry.normal);
         }
         if self.contacts[index].is_reported_on_face {
             reading.geometry.normal = reading.geometry.normal.map(|component| -component);
@@ -83,50 +112,46 @@ impl MechanismModel {
     /// [`MechanismModel::contact_reading`] in the world.
     pub(super) fn world_reading(
         &self,
-        (q, v): StateRef<'_, Dynamic>,
+        motions: &Motions<f64>,
+        v: &[f64],
         index: usize,
         branch: ContactState,
     ) -> ContactReading {
         let (contact, none) = (&self.contacts[index], [0.0; 2]);
-        self.with_motions((q, v), |motions| {
-            let (gap, gap_rate, slip, normal, point) = match &contact.surfaces {
-                Surfaces::Point(pair) => {
-                    let (kinematics, rates) = self.point_kinematics(motions, pair, None);
-                    let [gap_rate, slip] =
-                        [kinematics.normal_row, kinematics.tangent_row].map(|row| row_dot(&row, &rates));
-                    (kinematics.gap, gap_rate, slip, kinematics.normal, kinematics.point)
-                }
-                Surfaces::Limit(limit) => {
-                    let motion = &motions.joints[limit.joint];
-                    let gap = limit.side * (limit.value - self.joint_coordinate(motions, limit.joint));
-                    (gap, -limit.side * motion.rate, 0.0, none, none)
-                }
-                Surfaces::Friction(joint) => (-1.0, 0.0, motions.joints[*joint].rate, none, none),
-                Surfaces::Tendon(index) => {
-                    let elongation = self.elongation(motions, &self.cables[*index].tendon);
-                    (-elongation.value, -elongation.rate, 0.0, none, none)
-                }
-            };
-            let force = normal_force_on_branch(&contact.normal, branch, -gap, -gap_rate).force.max(0.0);
-            let bristle_state = contact.bristle.map(|bristle| v[bristle]);
-            let friction = |law| friction_with_state(law, slip, bristle_state, force, FrictionRange::Any);
-            let tangential = contact.friction.as_ref().map_or(0.0, friction);
-            let geometry =
-                Geometry { gap, normal_row: none, tangent_row: none, normal, point, support: Support::none() };
-            ContactReading { geometry, delta: -gap, delta_rate: -gap_rate, slip, normal: force, tangential }
-        })
+        let (gap, gap_rate, slip, normal, point) = match &contact.surfaces {
+            Surfaces::Point(pair) => {
+                let (kinematics, rates) = self.point_kinematics(motions, pair, None);
+                let [gap_rate, slip] = [kinematics.normal_row, kinematics.tangent_row].map(|row| row_dot(&row, &rates));
+                (kinematics.gap, gap_rate, slip, kinematics.normal, kinematics.point)
+            }
+            Surfaces::Limit(limit) => {
+                let motion = &motions.joints[limit.joint];
+                let gap = limit.side * (limit.value - self.joint_coordinate(motions, limit.joint));
+                (gap, -limit.side * motion.rate, 0.0, none, none)
+            }
+            Surfaces::Friction(joint) => (-1.0, 0.0, motions.joints[*joint].rate, none, none),
+            Surfaces::Tendon(index) => {
+                let elongation = self.elongation(motions, &self.cables[*index].tendon);
+                (-elongation.value, -elongation.rate, 0.0, none, none)
+            }
+        };
+        let force = normal_force_on_branch(&contact.normal, branch, -gap, -gap_rate).force.max(0.0);
+        let bristle_state = contact.bristle.map(|bristle| v[bristle]);
+        let friction = |law| friction_with_state(law, slip, bristle_state, force, FrictionRange::Any);
+        let tangential = contact.friction.as_ref().map_or(0.0, friction);
+        let geometry = Geometry { gap, normal_row: none, tangent_row: none, normal, point, support: Support::none() };
+        ContactReading { geometry, delta: -gap, delta_rate: -gap_rate, slip, normal: force, tangential }
     }
 
     /// Kinetic energy of the bodies and their energy in gravity, in the frame of a body.
     fn body_energies(&self, motions: &Motions<f64>, frame: Option<usize>) -> [f64; 2] {
         let (frame, gravity) = (motions.body(frame), self.mechanism.gravity_m_s2);
-        self.mechanism.bodies.iter().zip(&motions.centers).enumerate().fold([0.0; 2], |[kinetic, potential], of| {
-            let (index, (body, center)) = of;
-            let rate = frame.velocity_in_frame(center.position, center.rate);
-            let spin = motions.bodies[index].rate[2] - frame.rate[2];
+        self.mechanism.bodies.iter().zip(&motions.bodies).fold([0.0; 2], |[kinetic, potential], (body, motion)| {
+            let [x, y, spin] = motion.rate;
+            let (rate, spin) = (frame.velocity_in_frame(motion.origin, [x, y]), spin - frame.rate[2]);
             [
                 kinetic + 0.5 * (body.mass_kg * dot(rate, rate) + body.inertia_kg_m2 * spin * spin),
-                potential - body.mass_kg * dot(gravity, frame.point_in_frame(center.position)),
+                potential - body.mass_kg * dot(gravity, frame.point_in_frame(motion.origin)),
             ]
         })
     }
@@ -154,7 +179,7 @@ impl MechanismModel {
         gap_of: impl Fn(usize) -> Option<f64>,
     ) -> Energies {
         let mut energies = Energies::default();
-        self.with_motions(state, |motions| {
+        self.with_angles(state, |motions| {
             [energies.kinetic, energies.gravity] = self.body_energies(motions, self.palm);
             for element in self.groups.iter().flat_map(|group| &group.elements) {
                 let motion = motions.combination(&element.on);
@@ -167,13 +192,13 @@ impl MechanismModel {
                 let stretch = pairs::spring(points_m, &Self::frames(motions, bodies)).length - spring.rest;
                 energies.spring += 0.5 * spring.stiffness * stretch * stretch;
             }
-        });
-        for (index, contact) in self.contacts.iter().enumerate() {
-            if !matches!(contact.surfaces, Surfaces::Friction(_)) {
-                let gap = gap_of(index).unwrap_or_else(|| -self.world_reading(state, index, ContactState::Free).delta);
-                energies.elastic += elastic_energy(&contact.normal, -gap);
+            for (index, contact) in self.contacts.iter().enumerate() {
+                if !matches!(contact.surfaces, Surfaces::Friction(_)) {
+                    let depth = || self.world_reading(motions, state.1, index, ContactState::Free).delta;
+                    energies.elastic += elastic_energy(&contact.normal, gap_of(index).map_or_else(depth, |gap| -gap));
+                }
             }
-        }
+        });
         energies.elastic += self.bristles.iter().map(|(index, bristle)| bristle.energy(state.1[*index])).sum::<f64>();
         energies
     }

@@ -1,19 +1,31 @@
 //! Inertial accelerations in the frame of a moving palm (Spec 6.5).
 
-use crate::fivebar::dynamics::AccelerationField;
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{perp, rotate};
 use crate::scene::{PalmMotion, Pose};
 
+/// Inertial accelerations in a moving frame, or their time derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct AccelerationField {
+    /// Uniform acceleration e, m/s².
+    pub uniform: [f64; 2],
+    /// Ω², or its time derivative.
+    pub centrifugal: f64,
+    /// Ω, or its time derivative.
+    pub coriolis: f64,
+    /// α, or its time derivative.
+    pub euler: f64,
+}
+
 /// Field of inertial accelerations beyond gravity in the world's frame, and its time derivative.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct InertialField {
+pub(super) struct InertialField {
     pub field: AccelerationField,
     pub rate: AccelerationField,
 }
 
 /// Inertial field of a moving palm (Spec 6.5): inertial accelerations, and the change of gravity by the rotated frame.
-pub(crate) fn inertial_field(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> InertialField {
+pub(super) fn inertial_field(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> InertialField {
     let Pose { position, rate, acceleration, jerk } = motion.pose(t);
     let ([_, _, angle], [_, _, omega]) = (position, rate);
     let (sin, cos) = sin_cos(angle);
