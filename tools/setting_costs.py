@@ -86,7 +86,7 @@ TABLES = [
     ("Contact", "the same run with the other setting", [
         row("bristle friction in place of regularised, analytic model", "contacts at rest do not creep", BRISTLE, REGULARISED),
         row("bristle friction in place of regularised, engine model", "the same", {k: [*ENGINE, *BRISTLE.get(k, [])] for k in ALL}, {k: [*ENGINE, *REGULARISED.get(k, [])] for k in ALL}),
-        row("`object.outline` a disc, analytic model", "none: a mechanism in place of a gripper", DISC, (), ("gripper",)),
+        row("`object.outline` a disc, analytic model", "none: the default tolerance of a mechanism is finer", DISC, (), ("gripper",)),
         row("… a polygon of 6 corners", "outlines that are no discs", polygon(6), (), ("gripper",)),
         row("… of 10 corners", "the same", polygon(10), (), ("gripper",)),
         row("`object.outline` a disc, engine model", "none", [*ENGINE, *DISC], ENGINE, ("gripper",)),
