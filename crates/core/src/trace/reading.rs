@@ -162,7 +162,7 @@ impl<const N: usize, const W: usize> Kernel for FingerMotion<N, W> {
     }
 
     fn contact_index(&self, contact: usize) -> usize {
-        self.contact_order().index(contact)
+        self.contact_of_sample(contact)
     }
 
     fn is_slipping(&self, index: usize, mode: &FingerMode) -> Option<bool> {

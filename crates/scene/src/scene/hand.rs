@@ -372,39 +372,6 @@ impl HandContact {
     }
 }
 
-/// Order of the contacts of a hand in samples, for the closed forms, whose contacts have the indices of
-/// [`HandContact::ALL`] whether they exist or not.
-#[derive(Clone, Copy, Debug)]
-pub struct ContactOrder {
-    /// Index in [`HandContact::ALL`] of each contact of a sample.
-    indices: [usize; HandContact::ALL.len()],
-    /// Contact of a sample of each index.
-    contacts: [usize; HandContact::ALL.len()],
-}
-
-impl ContactOrder {
-    pub fn new(hand: &Hand) -> Self {
-        let mut order = Self { indices: [0; HandContact::ALL.len()], contacts: [0; HandContact::ALL.len()] };
-        for (contact, of_hand) in hand.contacts().enumerate() {
-            order.indices[contact] = of_hand.index();
-            order.contacts[of_hand.index()] = contact;
-        }
-        order
-    }
-
-    /// Returns the index in [`HandContact::ALL`] of a contact of a sample.
-    #[inline]
-    pub fn index(&self, contact: usize) -> usize {
-        self.indices[contact]
-    }
-
-    /// Returns the contact of a sample with an index in [`HandContact::ALL`]; 0 for one that does not exist.
-    #[inline]
-    pub fn contact(&self, index: usize) -> usize {
-        self.contacts[index]
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

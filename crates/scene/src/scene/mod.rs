@@ -45,8 +45,8 @@ pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_par
 pub use discs::{Disc, DiscMotion, Discs};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems, one_line};
 pub use hand::{
-    ContactOrder, Differential, FingerContactLaws, HalfPlane, Hand, HandContact, HandFinger, Initial, Motor, Object,
-    ObjectMotion, Side,
+    Differential, FingerContactLaws, HalfPlane, Hand, HandContact, HandFinger, Initial, Motor, Object, ObjectMotion,
+    Side,
 };
 pub use keys::closest_match;
 use keywords::SceneKind;

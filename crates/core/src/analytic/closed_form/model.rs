@@ -17,7 +17,7 @@ use crate::law::{
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array};
 use crate::scene;
-use crate::scene::{ContactOrder, Initial, Profile, Side};
+use crate::scene::{Initial, Profile, Side};
 use crate::shape::{PlacedShape, Support};
 
 /// Number of quadratures: normal impulses of the three contacts, work of all contact forces, work of the motor.
@@ -45,7 +45,8 @@ pub struct FingerMotion<const N: usize, const W: usize> {
     pub(super) finger: FingerModel,
     pub(super) actuation: Profile,
     pub(super) object: Option<PlacedShape>,
-    contact_order: ContactOrder,
+    /// Index in [`FingerContact::ALL`] of each contact of a sample.
+    sample_contacts: [usize; FingerContact::ALL.len()],
 }
 
 /// The model of a scene whose friction has no bristles.
@@ -69,17 +70,21 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
             "N and W must match the finger's coordinates and bristles"
         );
         let finger = hand.finger(Side::Right);
+        let mut sample_contacts = [0; FingerContact::ALL.len()];
+        for (index, contact) in sample_contacts.iter_mut().zip(hand.contacts()) {
+            *index = contact.index();
+        }
         Self {
             finger: FingerModel::new(finger, hand.gravity_m_s2),
             actuation: finger.motor.actuation.clone(),
             object: hand.object.as_ref().map(|object| object.placed()),
-            contact_order: ContactOrder::new(hand),
+            sample_contacts,
         }
     }
 
-    /// Order of the contacts in samples.
-    pub fn contact_order(&self) -> &ContactOrder {
-        &self.contact_order
+    /// Index in [`FingerContact::ALL`] of a contact of a sample.
+    pub fn contact_of_sample(&self, contact: usize) -> usize {
+        self.sample_contacts[contact]
     }
 
     /// Returns the coordinates and rates at the start.

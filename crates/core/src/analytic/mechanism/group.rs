@@ -31,8 +31,8 @@ pub(super) struct Row {
 }
 
 impl Row {
-    fn new(mechanism: &Mechanism, group: &Group, on: &JointCombination) -> Self {
-        let of_joints = dependent_coordinates(mechanism, group).1;
+    /// `of_joints` are the coordinates on which each joint depends.
+    fn new(group: &Group, of_joints: &[Vec<usize>], on: &JointCombination) -> Self {
         let terms = || on.terms.iter().filter(|(_, factor)| *factor != 0.0);
         let support = Support::union(terms().map(|(joint, _)| &of_joints[*joint][..]));
         let is_coordinate = |joint: usize| group.coordinates.contains(&Coordinate::Joint(joint));
@@ -128,7 +128,8 @@ impl PlacedGroup {
                 }
                 _ => return None,
             };
-            let joints = [outer[0].joint, outer[1].joint, *inner].map(|joint| &mechanism.joints[joint]);
+            let of_dyad = [outer[0].joint, outer[1].joint, *inner];
+            let joints = of_dyad.map(|joint| &mechanism.joints[joint]);
             let coordinates = joints.map(|joint| joint_coordinate(joint, |body| *motions.body(body)));
             let bases = pair(|k| motions.body(outer[k].base));
             let of_ranges = mode_at_start(mechanism, (outer, *inner), &motions, count);
@@ -149,8 +150,8 @@ impl PlacedGroup {
             let both_slide = outer.iter().all(|at| !mechanism.joints[at.joint].kind.is_angle());
             let has_angles = both_slide
                 || outer.iter().any(|at| is_base(at.body))
-                || [outer[0].joint, outer[1].joint, *inner].into_iter().any(|joint| has_force(mechanism, joint));
-            let moves_joints = [outer[0].joint, outer[1].joint, *inner].map(|joint| is_in_force(mechanism, joint));
+                || of_dyad.into_iter().any(|joint| has_force(mechanism, joint));
+            let moves_joints = of_dyad.map(|joint| is_in_force(mechanism, joint));
             Some(AssemblyMode { sign, has_angles, moves_joints, ..of_ranges })
         };
         let modes = group.placements.iter().map(mode).collect();
@@ -190,9 +191,12 @@ impl PlacedGroup {
         let rotors = mechanism.rotors.iter().filter(|rotor| is_member(&&rotor.on));
         let rotors = rotors.map(|rotor| Element { on: rotor.on.clone(), inertia: rotor.inertia, ..none.clone() });
         let actuators = mechanism.actuators.iter().enumerate().filter(|(_, actuator)| is_member(&&actuator.on));
-        let actuators = actuators.map(|(index, actuator)| (index, Row::new(mechanism, &group, &actuator.on)));
-        let with_row = |element: Element| Element { row: Row::new(mechanism, &group, &element.on), ..element };
+        let of_joints = dependent_coordinates(mechanism, &group).1;
+        let row = |on: &JointCombination| Row::new(&group, &of_joints, on);
+        let actuators = actuators.map(|(index, actuator)| (index, row(&actuator.on)));
+        let with_row = |element: Element| Element { row: row(&element.on), ..element };
         let elements: Vec<Element> = on_joints.chain(springs).chain(rotors).map(with_row).collect();
+        let actuators = actuators.collect();
         let (constant, varying) = constant_parts(&group, &elements);
         let inertias = group.bodies.iter().map(|body| (*body, Inertia::of(&mechanism.bodies[*body])));
         let inertias = inertias.filter(|(_, inertia)| inertia.mass != 0.0 || inertia.moment != 0.0).collect();
@@ -202,7 +206,7 @@ impl PlacedGroup {
             elements,
             varying,
             constant,
-            actuators: actuators.collect(),
+            actuators,
             joints,
             group,
             first,
@@ -394,13 +398,9 @@ impl PlacedGroup {
                     motions.joints[joint].rate = joint_rate(&mechanism.joints[joint], |body| *motions.body(body));
                 }
             }
-        }
-        for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
-            let (Placement::Dyad { outer, inner }, Some(mode @ AssemblyMode { has_angles: false, .. })) =
-                (placement, mode)
-            else {
+            if mode.has_angles {
                 continue;
-            };
+            }
             for (at, middle) in outer.iter().zip(middles(mechanism, outer, mode, motions)) {
                 let joint = &mechanism.joints[at.joint];
                 if joint.kind.is_angle() {
@@ -608,14 +608,13 @@ fn is_in_force(mechanism: &Mechanism, joint: usize) -> bool {
     let springs = mechanism.springs.iter().filter_map(Spring::on);
     let actuators = mechanism.actuators.iter().map(|actuator| &actuator.on);
     let rotors = mechanism.rotors.iter().map(|rotor| &rotor.on);
-    let couplings = mechanism.couplings.iter().map(|coupling| &coupling.on);
-    let mut all = springs.chain(actuators).chain(rotors).chain(couplings);
-    damping != 0.0
+    let mut all = springs.chain(actuators).chain(rotors);
+    has_force(mechanism, joint)
+        || damping != 0.0
         || armature != 0.0
         || friction.is_some()
         || limit.is_some()
         || all.any(|on| on.factor(joint) != 0.0)
-        || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
 }
 
 /// [`move_with_joint`] for a revolute joint whose angle is coordinate `index`, and its rate.

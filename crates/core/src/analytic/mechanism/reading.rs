@@ -68,12 +68,10 @@ impl MechanismModel {
     /// Geometry and forces of a contact as samples report them, relative to a moving palm; those of a limit are an angle and
     /// a torque, or a distance and a force.
     pub fn contact_reading(&self, state: StateRef<'_, Dynamic>, index: usize, branch: ContactState) -> ContactReading {
+        let read = |motions: &Motions<f64>| self.reading_relative_to_palm(motions, state.1, index, branch);
         match self.palm {
-            Some(_) => {
-                self.with_motions(state, |motions| self.reading_relative_to_palm(motions, state.1, index, branch))
-            }
-            None => self
-                .with_contact(state, index, |motions| self.reading_relative_to_palm(motions, state.1, index, branch)),
+            Some(_) => self.with_motions(state, read),
+            None => self.with_contact(state, index, read),
         }
     }
 
