@@ -204,7 +204,7 @@ fn unique(taken: &mut HashSet<String>, name: &str, kind: &str) -> String {
 }
 
 fn is_prismatic(joint: &Joint) -> bool {
-    matches!(joint.kind, JointKind::Prismatic { .. })
+    !joint.kind.is_angle()
 }
 
 /// Whether a joint has something that MuJoCo knows only of joints in the tree of bodies.
@@ -320,7 +320,7 @@ fn omissions_of_joints(mechanism: &Mechanism, loops: &[usize]) -> Vec<String> {
                 lost.push(format!("its smaller value in motion ({} {unit})", friction.mu_dynamic));
             }
             lost.push("the rates over which it changes".to_owned());
-            if friction.bristle.is_some() {
+            if friction.has_state() {
                 lost.push("its bristle".to_owned());
             }
             let (lost, value) = (lost.join(", "), friction.mu_static);

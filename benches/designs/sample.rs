@@ -1,7 +1,7 @@
 //! Reproducible random designs.
 
 use phalanx::gripper::{Assembly, Design, Finger, ProximalLength, bodies, disc, lengths, start_posture};
-use phalanx::law::FrictionLaw;
+use phalanx::law::{FrictionKind, FrictionLaw};
 use phalanx::scene::{HandFinger, Initial, Motor, Object, Placement, Profile, Scene, Spring, SpringKind};
 use phalanx::sizing::{OPENING_RAD, Rule, Sizing, Task, size};
 
@@ -65,7 +65,7 @@ pub fn random_design(rng: &mut Rng, template: &Scene, drive: Drive) -> Option<Sc
         mu_dynamic: 0.7 * mu_static,
         v_static_m_s: 0.1,
         v_dynamic_m_s: 0.2,
-        bristle: None,
+        kind: FrictionKind::Regularised,
     });
     let mut contact = template.finger().contact;
     (contact.proximal.friction, contact.distal.friction) = (friction, friction);

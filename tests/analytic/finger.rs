@@ -7,10 +7,10 @@ use crate::support::runs::{
     finger_difference, load, load_with_stiction, max_angle_error, options, reference_settings, run_dense_reference,
     run_to_end, with_reference_settings,
 };
-use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Model, QUADRATURES};
+use phalanx::analytic::{ContactReading, ContactState, FingerMode, Model, QUADRATURES, StictionModel};
 use phalanx::gripper::FingerContact;
 use phalanx::integrator::{self, Fixed, Radau5, RadauOrRodas, Rodas5p, State, integrate};
-use phalanx::law::{Bristle, ContactLaw, bristle_force, elastic_energy};
+use phalanx::law::{Bristle, ContactLaw, FrictionKind, FrictionRange, elastic_energy};
 use phalanx::scene::{
     self, FingerContactLaws, Integrator, Interpolation, Method, Placement, Profile, Scene, Spring, SpringKind,
 };
@@ -338,14 +338,14 @@ fn run_finger(contacts: FingerContactLaws) -> CollectSink {
 fn each_finger_of_a_gripper_on_a_fixed_disc_matches_a_single_finger() {
     let all_sticking = load_with_stiction("experiment-95").finger().contact;
     let without_bristle = |mut law: ContactLaw| {
-        law.friction.as_mut().expect("friction").bristle = None;
+        law.friction.as_mut().expect("friction").kind = FrictionKind::Regularised;
         law
     };
     let proximal_only = FingerContactLaws { distal: without_bristle(all_sticking.distal), ..all_sticking };
     let mut soft = all_sticking;
     for law in soft.both_mut() {
-        law.friction.as_mut().expect("friction").bristle =
-            Some(Bristle { damping_n_s_per_m: 200.0, relaxation_s: 2e-4 });
+        law.friction.as_mut().expect("friction").kind =
+            FrictionKind::Bristle(Bristle { damping_n_s_per_m: 200.0, relaxation_s: 2e-4 });
     }
     for contacts in [all_sticking, proximal_only, soft] {
         let finger_log = run_finger(contacts);
@@ -386,7 +386,7 @@ struct EndContact {
 
 /// Runs a finger up to `time_s` and returns the contacts of both phalanges.
 fn contacts_at(scene: &Scene, time_s: f64) -> [EndContact; 2] {
-    let (model, start) = (BristleModel::new(&scene.hand), BristleModel::start(&scene.hand));
+    let (model, start) = (StictionModel::new(&scene.hand), StictionModel::start(&scene.hand));
     let end = integrate::<_, RadauOrRodas<Fixed<4, QUADRATURES>>, _>(
         &model,
         &options(&reference_settings()),
@@ -401,7 +401,7 @@ fn contacts_at(scene: &Scene, time_s: f64) -> [EndContact; 2] {
     PHALANGES.map(|contact| {
         let FingerContactLaws { proximal, distal } = scene.finger().contact;
         let law = [proximal, distal][contact as usize];
-        let bristle = law.bristle().expect("a bristle");
+        let FrictionKind::Bristle(bristle) = law.friction.expect("friction").kind else { panic!("no bristle") };
         let reading = model.contact_reading(q, v, contact, mode[contact as usize]).expect("a contact");
         EndContact { contact, law, bristle, state: v[2 + contact as usize], reading }
     })
@@ -418,7 +418,7 @@ fn sliders_of_sticking_contacts_are_at_rest() {
         }
         for EndContact { contact, law, bristle, state, reading } in contacts_at(&scene, 0.2) {
             let (context, friction) = (format!("{name} {contact:?}"), law.friction.expect("friction"));
-            let force = bristle_force(&friction, &bristle, reading.slip, state, reading.normal);
+            let force = -friction.force(reading.slip, Some(state), reading.normal, FrictionRange::Any);
             assert_below((reading.slip - (force / bristle.damping_n_s_per_m - state)).abs(), 1e-15, &context);
             assert_below(reading.slip.abs(), 1e-12, &context);
             assert_below(force.abs(), 0.999 * friction.mu_static * reading.normal, &context);

@@ -1,17 +1,17 @@
 //! Derivatives of runs with respect to parameters of their scenes: closed forms, and differences of whole runs.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use crate::support::laws::{disc, free, free_translation, mechanism_scene, scene, scene_on_plane, spring};
 use crate::support::mechanism_cases::mechanism_case;
 use crate::support::random::Random;
-use crate::support::random_loops::{random_assur, random_loop, with_start};
+use crate::support::random_loops::{random_assur, random_linkage, random_loop, with_start};
 use crate::support::random_mechanisms::random_mechanism;
-use crate::support::runs::{assert_below, assert_near, assert_relative, experiment_95};
+use crate::support::runs::{assert_below, assert_near, assert_relative, experiment_95, run_to_end};
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::gradient::{Gradient, Parameter, gradient};
 use phalanx::law::NormalLaw;
-use phalanx::mechanism::Mechanism;
+use phalanx::mechanism::{Mechanism, assemble};
 use phalanx::scene::{DiscMotion, Scene, parse_any};
 use phalanx::trace::{Event, Model, Recording, Schema, run};
 
@@ -311,6 +311,36 @@ fn derivatives_of_assur_groups_agree_with_differences() {
             let parameter = parameter(*access(&mut base.clone()), at);
             assert_eq!(gradient_of(&parameter).end.reason, None, "seed {seed}, parameter {index}");
             assert_differences(&format!("seed {seed}, parameter {index}"), &parameter, 1e-3, 1e-6);
+        }
+    }
+}
+
+/// Loops with the start on the joint that the crank drives: they pass their dead centres, where other coordinates take over.
+/// By a mass and by a length.
+#[test]
+fn derivatives_continue_where_coordinates_are_exchanged() {
+    for seed in [0, 1] {
+        let (kind, of, rate) = random_linkage(seed);
+        let start = assemble(&with_start(&of, 0, of.bodies[0].pose[2], rate)).unwrap_or_else(|error| panic!("{error}"));
+        let driven = of.joints.len() - 1;
+        let (value, driven_rate) = start.joint(&of.joints[driven]);
+        let base = Mechanism { gravity_m_s2: [0.0, -9.0], ..with_start(&of, driven, value, driven_rate) };
+        // More than half a turn of the crank, with a dead centre.
+        let duration_s = 8.0 / rate.abs();
+        type Access = fn(&mut Mechanism) -> &mut f64;
+        let accesses: [Access; 2] =
+            [|mechanism| &mut mechanism.bodies[1].mass_kg, |mechanism| &mut mechanism.joints[1].points_m[0][0]];
+        let turns = run_to_end(&mechanism_scene(base.clone(), duration_s)).0.last.joint_state(0).angle_rad / TAU;
+        assert!(turns.abs() > 0.5, "{kind} {seed}: {turns} turns");
+        for (index, access) in accesses.into_iter().enumerate() {
+            let at = |value: f64| {
+                let mut changed = base.clone();
+                *access(&mut changed) = value;
+                mechanism_scene(changed, duration_s)
+            };
+            let parameter = parameter(*access(&mut base.clone()), at);
+            assert_eq!(gradient_of(&parameter).end.reason, None, "{kind} {seed}, parameter {index}");
+            assert_differences(&format!("{kind} {seed}, parameter {index}"), &parameter, 1e-4, 1e-6);
         }
     }
 }

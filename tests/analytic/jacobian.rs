@@ -2,7 +2,7 @@
 //! on every branch of every law, with bristles, of grippers, and of hands beyond scene files.
 
 use phalanx::analytic::mechanism::MechanismModel;
-use phalanx::analytic::{BristleModel, ContactReading, ContactState, FingerMode, Model, QUADRATURES};
+use phalanx::analytic::{ContactReading, ContactState, FingerMode, Model, QUADRATURES, StictionModel};
 use phalanx::gripper::{self, FingerContact};
 use phalanx::integrator::{Fixed, Hybrid, Layout, Linearised, Rates, State, System, VectorOf};
 use phalanx::law::unclamped_normal_force;
@@ -330,7 +330,7 @@ fn time_dependent_torque_profiles() {
 /// Bristles that stick and slip, on both phalanges.
 #[test]
 fn bristles_of_a_finger() {
-    let model = BristleModel::new(&load_with_stiction("experiment-95").hand);
+    let model = StictionModel::new(&load_with_stiction("experiment-95").hand);
     let plain = Model::new(&experiment_95().hand);
     let q = penetrating_posture(&plain, [2e-6; 2]);
     let rows = PHALANGES.map(|contact| reading(&plain, q, contact).geometry);

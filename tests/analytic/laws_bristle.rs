@@ -1,7 +1,7 @@
 //! Stiction of discs, compared with closed-form motions.
 
 use phalanx::check::check;
-use phalanx::law::{Bristle, FrictionLaw};
+use phalanx::law::{Bristle, FrictionKind, FrictionLaw};
 use phalanx::log::Solver;
 use phalanx::mechanism::OutlineShape;
 use phalanx::scene::{self, Integrator, Preset, Scene};
@@ -187,11 +187,13 @@ fn a_pinched_disc_sinks_with_regularised_friction_and_stays_with_stiction() {
     mechanism(&mut scene).gravity_m_s2 = [0.0, -G];
     let (weight, normal) = (0.05 * G, 1e6 * 1e-4);
     let friction = laws::contact_law(&scene).friction.expect("friction");
-    let bristle = friction.bristle.expect("a bristle");
+    let FrictionKind::Bristle(bristle) = friction.kind else { panic!("no bristle") };
     let stretch = 0.5 * weight * bristle.relaxation_s / bristle.damping_n_s_per_m;
     let mut regularised = scene.clone();
     regularised.duration_s = 0.1;
-    change_contact_law(&mut regularised, |law| law.friction = Some(FrictionLaw { bristle: None, ..friction }));
+    change_contact_law(&mut regularised, |law| {
+        law.friction = Some(FrictionLaw { kind: FrictionKind::Regularised, ..friction })
+    });
     let sinking_speed = weight * friction.v_static_m_s / (1.5 * friction.mu_static * 2.0 * normal);
     for (model, duration_s) in [(Model::Analytic, 60.0), (Model::Engine, 0.2)] {
         scene.duration_s = duration_s;
@@ -265,8 +267,10 @@ fn separated_contacts_have_no_stiction() {
         laws::disc("object", 0.02, [0.0, 0.02], at_rest(0.053784, 0.02)),
         laws::disc("ball", 8e-3, [1e-3, 0.04795], at_rest(0.015, 8e-3)),
     ];
-    let friction =
-        FrictionLaw { bristle: Some(Bristle { damping_n_s_per_m: 1e6, relaxation_s: 1e-3 }), ..THESIS_FRICTION };
+    let friction = FrictionLaw {
+        kind: FrictionKind::Bristle(Bristle { damping_n_s_per_m: 1e6, relaxation_s: 1e-3 }),
+        ..THESIS_FRICTION
+    };
     let mut scene = laws::scene_on_plane(discs, THESIS_NORMAL, Some(friction), 1e-3);
     mechanism(&mut scene).gravity_m_s2 = [0.0, G];
     let (analytic, _) = run(Model::Analytic, &scene);

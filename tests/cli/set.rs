@@ -107,7 +107,7 @@ fn set_removes_fields_without_effect() {
     let disabling_fields = ["motor.brake=none", "table.present=false", "contact.friction.law=regularised"];
     let without_sections = set(&extending, &disabling_fields).expect("a scene without them");
     assert!(without_sections.finger().motor.brake.is_none() && without_sections.hand.table.is_none());
-    assert!(without_sections.finger().contact.distal.friction.expect("friction").bristle.is_none());
+    assert!(!without_sections.finger().contact.distal.friction.expect("friction").has_state());
     // Fields without effect in the file itself are still errors.
     let without_motor =
         write(&dir, "wrong.toml", "extends = \"own.toml\"\n[motor]\nbrake = \"none\"\nbrake_torque = \"1 N*m\"\n");

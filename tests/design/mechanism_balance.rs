@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use phalanx::drive::Profile;
 use phalanx::grasp::mechanism::{MechanismGraspRequest, mechanism_grasp};
-use phalanx::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
+use phalanx::law::{ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::tendon::length_in;
 use phalanx::mechanism::{
     Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlineId, Pose,
@@ -93,7 +93,7 @@ fn random_case(seed: u64) -> Case {
                 mu_dynamic: most,
                 v_static_m_s: 0.1,
                 v_dynamic_m_s: 0.2,
-                bristle: None,
+                kind: FrictionKind::Regularised,
             });
         }
     }

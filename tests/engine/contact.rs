@@ -4,7 +4,7 @@ use crate::support::laws::{THESIS_FRICTION, THESIS_NORMAL};
 use crate::support::runs::{Random, assert_relative, experiment_95};
 use nalgebra::{DMatrix, DVector};
 use phalanx::engine::{self, ContactSolver, Linkage, Motion, Plan, Row, Twist};
-use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::law::{ContactLaw, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::scene::{Scene, Stepping};
 use phalanx::trace::FingerContact;
 
@@ -94,7 +94,7 @@ fn single_contact_space(law: ContactLaw, mass: f64, gap: f64, rate: f64, slip: f
         normal: 0,
         tangent: law.friction.map(|_| 1),
         rolling: None,
-        bristle_state: 0.0,
+        friction_state: 0.0,
     });
     space.coupled = rows;
     space.w = vec![0.0; rows * rows];
@@ -192,7 +192,7 @@ fn random_laws_are_solved_at_random_step_sizes() {
             mu_dynamic: 0.0,
             v_static_m_s: 10f64.powf(random.within(-4.0, -1.0)),
             v_dynamic_m_s: 0.2,
-            bristle: None,
+            kind: FrictionKind::Regularised,
         });
         let gap = random.within(-1e-4, 1e-4);
         let (rate, slip) = (random.within(-10.0, 5.0), random.within(-5.0, 5.0));

@@ -6,7 +6,8 @@ use crate::support::random_mechanisms::{random_falling_bodies, random_mechanism,
 use crate::support::runs::{CollectSink, experiment_95};
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{
-    Bristle, Damping, FrictionLaw, NormalLaw, damping_from_restitution, friction_coefficient, stopping_depth,
+    Bristle, Damping, FrictionKind, FrictionLaw, NormalLaw, damping_from_restitution, friction_coefficient,
+    stopping_depth,
 };
 use phalanx::mechanism::{
     Actuator, Body, Command, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlineShape, Spring,
@@ -233,12 +234,22 @@ fn joints_after(mechanism: &Mechanism, time_s: f64) -> (Vec<[f64; 2]>, f64) {
 fn rolling_resistance_slows_a_disc_as_in_closed_form() {
     let (radius, arm, speed, time_s): (f64, f64, f64, f64) = (0.02, 5e-4, 0.5, 0.3);
     let mut mechanism = mechanism_case("g_ball").mechanism;
-    let friction =
-        FrictionLaw { mu_static: 0.8, mu_dynamic: 0.8, v_static_m_s: 1e-3, v_dynamic_m_s: 2e-3, bristle: None };
+    let friction = FrictionLaw {
+        mu_static: 0.8,
+        mu_dynamic: 0.8,
+        v_static_m_s: 1e-3,
+        v_dynamic_m_s: 2e-3,
+        kind: FrictionKind::Regularised,
+    };
     mechanism.gravity_m_s2 = [0.0, -9.81];
     mechanism.contacts[0].law.friction = Some(friction);
-    mechanism.contacts[0].rolling =
-        Some(FrictionLaw { mu_static: arm, mu_dynamic: arm, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None });
+    mechanism.contacts[0].rolling = Some(FrictionLaw {
+        mu_static: arm,
+        mu_dynamic: arm,
+        v_static_m_s: 0.1,
+        v_dynamic_m_s: 0.2,
+        kind: FrictionKind::Regularised,
+    });
     let law = mechanism.contacts[0].law.normal;
     let ball = &mut mechanism.bodies[0];
     let depth = (ball.mass_kg * 9.81 / law.stiffness_n_per_m_e).powf(law.exponent.recip());
@@ -284,12 +295,12 @@ fn laws_given_by_restitution_rebound_accordingly() {
 #[test]
 fn friction_of_joints_acts_as_in_closed_form() {
     let (torque, dynamic, largest, inertia) = (6e-4, 1e-3, 1.2e-3, 1e-5);
-    let law = |bristle| FrictionLaw {
+    let law = |bristle: Option<Bristle>| FrictionLaw {
         mu_static: largest,
         mu_dynamic: dynamic,
         v_static_m_s: 0.02,
         v_dynamic_m_s: 0.04,
-        bristle,
+        kind: bristle.into(),
     };
     let bristle = Bristle { damping_n_s_per_m: 2e-3, relaxation_s: 1e-3 };
     let rotor = |rate: f64, torque: f64, friction| {

@@ -1,6 +1,6 @@
 //! Scenes of discs: defaults, keys, round trips, and messages.
 
-use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::law::{ContactLaw, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::{Mechanism, OutlineShape, PrescribedMotion};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Bounds, Engine, Integrator, Preset, Response, Scene};
@@ -76,8 +76,13 @@ fn every_key_is_applied() {
     let plane = OutlineShape::HalfPlane { point_m: [0.0, -3e-3], normal: [0.0, 1.0] };
     assert_eq!(ground, [("c", &fixed), ("plane", &plane)]);
     let normal = NormalLaw::step(5.0, 1.0, 0.0, 1e-3);
-    let friction =
-        FrictionLaw { mu_static: 0.5, mu_dynamic: 0.35, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
+    let friction = FrictionLaw {
+        mu_static: 0.5,
+        mu_dynamic: 0.35,
+        v_static_m_s: 0.1,
+        v_dynamic_m_s: 0.2,
+        kind: FrictionKind::Regularised,
+    };
     assert_eq!((law(&scene).normal, law(&scene).friction), (normal, Some(friction)));
     assert_eq!(scene.engine.response, Response::Rapier { friction: 0.5, restitution: 0.4 });
     let bounds = Bounds {

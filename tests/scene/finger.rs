@@ -1,7 +1,7 @@
 //! Scenes of a finger are resolved with their defaults and with given keys.
 
 use phalanx::gripper::{self, Design, ProximalLength};
-use phalanx::law::{Bristle, FrictionLaw, NormalLaw};
+use phalanx::law::{Bristle, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
     self, Bounds, Engine, Integrator, Interpolation, Method, Placement, Preset, Profile, Response, Scene, SpringKind,
@@ -58,14 +58,15 @@ fn single_keys_override_the_preset() {
 #[test]
 fn stiction_applies_only_to_contacts_with_bristles() {
     let friction = "[contact.friction]\nmu_static = 0.8\n";
-    let bristle = |damping_n_s_per_m, relaxation_s| Some(Bristle { damping_n_s_per_m, relaxation_s });
-    for (keys, bristles) in [
-        ("", [None; 2]),
+    let none = FrictionKind::Regularised;
+    let bristle = |damping_n_s_per_m, relaxation_s| FrictionKind::Bristle(Bristle { damping_n_s_per_m, relaxation_s });
+    for (keys, kinds) in [
+        ("", [none; 2]),
         ("law = \"bristle\"\nbristle_damping = \"3e4 N*s/m\"\n", [bristle(3e4, 1e-3); 2]),
         (
             "[contact.proximal]\ndamping = \"5e5 N*s/m\"\n[contact.proximal.friction]\nlaw = \"bristle\"\n\
              bristle_relaxation = \"2 ms\"\n",
-            [bristle(5e5, 2e-3), None],
+            [bristle(5e5, 2e-3), none],
         ),
         // A contact that repeats the law keeps the other common keys.
         (
@@ -75,8 +76,8 @@ fn stiction_applies_only_to_contacts_with_bristles() {
     ] {
         let scene = finger_with(&format!("{friction}{keys}"));
         let contact = scene.finger().contact;
-        assert_eq!([contact.proximal.bristle(), contact.distal.bristle()], bristles, "{keys}");
-        assert_eq!(scene.hand.has_stiction(), bristles[0].is_some(), "{keys}");
+        assert_eq!([contact.proximal, contact.distal].map(|law| law.friction.expect("friction").kind), kinds, "{keys}");
+        assert_eq!(scene.hand.has_stiction(), kinds[0] != none, "{keys}");
     }
 }
 
@@ -87,7 +88,13 @@ fn friction_of_one_contact_overrides_the_common_one() {
          mu_static = 0.4\n[contact.distal]\ndamping = \"5 N*s/m\"\n",
     );
     let [proximal, distal] = [scene.finger().contact.proximal, scene.finger().contact.distal];
-    let common = FrictionLaw { mu_static: 0.8, mu_dynamic: 0.7, v_static_m_s: 0.1, v_dynamic_m_s: 0.3, bristle: None };
+    let common = FrictionLaw {
+        mu_static: 0.8,
+        mu_dynamic: 0.7,
+        v_static_m_s: 0.1,
+        v_dynamic_m_s: 0.3,
+        kind: FrictionKind::Regularised,
+    };
     assert_eq!(proximal.friction, Some(common));
     assert_eq!(distal.friction, Some(FrictionLaw { mu_static: 0.4, mu_dynamic: 0.28, ..common }));
     assert_eq!(proximal.normal.damping_max(), 1e6);

@@ -2,7 +2,7 @@
 
 pub use super::runs::CollectSink;
 use super::runs::run_model;
-use phalanx::law::{ContactLaw, FrictionLaw, NormalLaw};
+use phalanx::law::{ContactLaw, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::Mechanism;
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{
@@ -16,8 +16,13 @@ pub const BOTH_MODELS: [Model; 2] = [Model::Analytic, Model::Engine];
 pub const THESIS_NORMAL: NormalLaw = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
 
 /// Friction law of the thesis (Table 3.2, μ_d = 0.7 μ_s).
-pub const THESIS_FRICTION: FrictionLaw =
-    FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
+pub const THESIS_FRICTION: FrictionLaw = FrictionLaw {
+    mu_static: 0.8,
+    mu_dynamic: 0.56,
+    v_static_m_s: 0.1,
+    v_dynamic_m_s: 0.2,
+    kind: FrictionKind::Regularised,
+};
 
 pub fn spring(stiffness_n_per_m_e: f64, exponent: f64) -> NormalLaw {
     NormalLaw::step(stiffness_n_per_m_e, exponent, 0.0, 1e-5)

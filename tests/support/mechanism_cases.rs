@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use phalanx::drive::{Interpolation, Profile};
-use phalanx::law::{ContactLaw, Damping, FrictionLaw, NormalLaw};
+use phalanx::law::{ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::{
     Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
     OutlineId, OutlineShape, PathElement, Pose, Spring, SpringKind, Start, Tendon, TendonActuator,
@@ -266,7 +266,7 @@ fn contact(value: &Value, mechanism: &Mechanism) -> ContactPair {
         mu_dynamic: number(&friction["mu_d"]),
         v_static_m_s: number(&friction["v_s"]),
         v_dynamic_m_s: number(&friction["v_d"]),
-        bristle: None,
+        kind: FrictionKind::Regularised,
     });
     let force_point = match value["at"].as_str() {
         None | Some("face") => ForcePoint::Face,

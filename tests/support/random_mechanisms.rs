@@ -2,7 +2,7 @@
 //! outlines.
 
 use phalanx::drive::{Brake, Interpolation, Profile};
-use phalanx::law::{Bristle, ContactLaw, Damping, FrictionLaw, NormalLaw};
+use phalanx::law::{Bristle, ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::tendon::{center_in, length_in, wraps};
 use phalanx::mechanism::{
     Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
@@ -106,7 +106,7 @@ pub fn random_variant(seed: u64) -> Mechanism {
     }
     for joint in mechanism.joints.iter_mut().filter(|joint| joint.kind == JointKind::Revolute) {
         if let Some(friction) = joint.friction.as_mut().filter(|_| random.chance(0.4)) {
-            friction.bristle = Some(bristle);
+            friction.kind = FrictionKind::Bristle(bristle);
         }
     }
     mechanism
@@ -371,7 +371,7 @@ fn add_friction(mechanism: &mut Mechanism, random: &mut Random) {
             mu_dynamic: torque * random.within(0.6, 1.0),
             v_static_m_s: 0.1 * size,
             v_dynamic_m_s: 0.2 * size,
-            bristle: None,
+            kind: FrictionKind::Regularised,
         });
     }
 }
@@ -431,8 +431,13 @@ fn add_tendon(mechanism: &mut Mechanism, random: &mut Random) {
 
 /// Adds discs to some bodies, which can touch the floor and bars of other bodies from a distance.
 fn add_contacts(mechanism: &mut Mechanism, random: &mut Random) {
-    let friction =
-        FrictionLaw { mu_static: 0.6, mu_dynamic: 0.5, v_static_m_s: 0.01, v_dynamic_m_s: 0.02, bristle: None };
+    let friction = FrictionLaw {
+        mu_static: 0.6,
+        mu_dynamic: 0.5,
+        v_static_m_s: 0.01,
+        v_dynamic_m_s: 0.02,
+        kind: FrictionKind::Regularised,
+    };
     let rolling = FrictionLaw { mu_static: 1e-4, mu_dynamic: 1e-4, v_static_m_s: 1.0, v_dynamic_m_s: 2.0, ..friction };
     let step = Damping::Step { max_n_s_per_m: 30.0, transition_m: 1e-4 };
     for body in 0..mechanism.bodies.len() {

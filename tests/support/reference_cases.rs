@@ -90,7 +90,7 @@ fn law(value: &Value) -> ContactLaw {
     let [k, e, c, d] = ["k", "e", "c_max", "d_max"].map(|key| number(&value[key]));
     let [mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s] =
         ["mu_s", "mu_d", "v_s", "v_d"].map(|key| number(&value[key]));
-    let friction = FrictionLaw { mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s, bristle: bristle(value) };
+    let friction = FrictionLaw { mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s, kind: bristle(value).into() };
     ContactLaw { normal: normal([k, e, c, d]), friction: Some(friction) }
 }
 

@@ -7,7 +7,7 @@ use std::fmt::Display;
 use super::checked_run;
 use phalanx::gripper::{Assembly, Bodies, Body, Finger, FingerContact, Lengths};
 use phalanx::integrator::{Options, Tolerances};
-use phalanx::law::Bristle;
+use phalanx::law::{Bristle, FrictionKind};
 use phalanx::scene::{self, Integrator, Preset, Scene};
 use phalanx::trace::{Event, EventKind, FingerState, Model, Outcome, RunError, Sample, Sink, SinkError, interpolate};
 
@@ -37,7 +37,7 @@ pub fn load_with_stiction(name: &str) -> Scene {
     for law in scene.finger_mut().contact.both_mut() {
         let damping_n_s_per_m = law.normal.damping_max();
         let friction = law.friction.as_mut().expect("friction");
-        friction.bristle = Some(Bristle { damping_n_s_per_m, relaxation_s: 1e-3 });
+        friction.kind = FrictionKind::Bristle(Bristle { damping_n_s_per_m, relaxation_s: 1e-3 });
     }
     scene
 }

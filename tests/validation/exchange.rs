@@ -4,8 +4,7 @@
 use crate::support::laws::mechanism_scene;
 use crate::support::random_loops::{on_moving_base, random_assur, random_linkage, with_start};
 use crate::support::runs::{CollectSink, run_engine, run_to_end};
-use phalanx::gradient::{Parameter, gradient};
-use phalanx::law::{Bristle, ContactLaw, Damping, FrictionLaw, NormalLaw};
+use phalanx::law::{Bristle, ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::structure::{Group, find_groups};
 use phalanx::mechanism::{ContactPair, ForcePoint, JointKind, Mechanism, Outline, OutlineId, OutlineShape, assemble};
 use phalanx::scene::{ENGINE_MAX_STEP_S, Integrator, Method, Preset, Scene, Stepping, parse_any};
@@ -122,7 +121,7 @@ fn bristles_and_energies_are_carried_over() {
                 mu_dynamic: 3e-3,
                 v_static_m_s: 0.1,
                 v_dynamic_m_s: 1.0,
-                bristle: Some(Bristle { damping_n_s_per_m: 1e-3, relaxation_s: 1e-3 }),
+                kind: FrictionKind::Bristle(Bristle { damping_n_s_per_m: 1e-3, relaxation_s: 1e-3 }),
             });
         }
         Scene { integrator: scene.integrator.with_rtol(1e-9), ..scene }
@@ -176,19 +175,6 @@ fn assert_pieces_give_the_run(scene: &Scene) {
     assert!(simulation.time_s() < 0.15);
     simulation.advance_to(0.4).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(simulation.sample(), last);
-}
-
-#[test]
-fn derivatives_end_where_coordinates_are_exchanged() {
-    let scene_at = |mass_kg: f64| {
-        let mut scene = parse(DRIVEN_FROM_SLIDER);
-        scene.mechanism.as_mut().expect("a mechanism").bodies[2].mass_kg = mass_kg;
-        Ok(scene)
-    };
-    let scene = parse(DRIVEN_FROM_SLIDER);
-    let parameter = Parameter { name: "mass".to_string(), unit: "kg", value: 0.1, scene_at: Box::new(scene_at) };
-    let error = gradient(&scene, &[parameter], &|| true).expect_err("no derivatives").to_string();
-    assert!(error.contains("exchanges its coordinates"), "{error}");
 }
 
 /// A parallelogram is flat at a fold; the sentence names its joints and the remedies.

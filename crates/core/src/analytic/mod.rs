@@ -10,7 +10,7 @@ pub mod mechanism;
 mod motion_bound;
 
 pub use closed_form::{
-    BristleModel, DistalShape, EVENT_FUNCTIONS, FingerMode, FingerMotion, Model, PassiveJoints, QUADRATURES, distal,
+    DistalShape, EVENT_FUNCTIONS, FingerMode, FingerMotion, Model, PassiveJoints, QUADRATURES, StictionModel, distal,
     proximal,
 };
 pub use contact::{ContactMode, ContactReading, ContactState, Energies, Geometry, Mode};

@@ -3,7 +3,7 @@
 use crate::criteria::{Rebound, Rebounds};
 use crate::integrator::Reason;
 use crate::invariants::EnergyAudit;
-use crate::mechanism::{Body, JointKind, Mechanism, OutlinePoint, OutlineShape, SpringKind};
+use crate::mechanism::{Body, Mechanism, OutlinePoint, OutlineShape, SpringKind};
 use crate::numeric::elementary::hypot;
 use crate::scene::{Hand, Integrator, Keyword, Method, Scene, Stepping};
 use crate::shape::max_radius;
@@ -301,9 +301,9 @@ pub struct Errors {
 /// as the displacement of its outermost point.
 pub fn units(scene: &Scene) -> Vec<f64> {
     if let Some(mechanism) = &scene.mechanism {
-        let joints = mechanism.joints.iter().map(|joint| match joint.kind {
-            JointKind::Revolute => 1.0,
-            JointKind::Prismatic { .. } => REFERENCE_LENGTH_M,
+        let joints = mechanism.joints.iter().map(|joint| match joint.kind.is_angle() {
+            true => 1.0,
+            false => REFERENCE_LENGTH_M,
         });
         let (unit_m, has_joints) = if scene.has_joints() { (REFERENCE_LENGTH_M, true) } else { (1.0, false) };
         let turn = |body: &Body| if has_joints { 1.0 } else { body.reach_m().map_or(1.0, f64::recip) };

@@ -10,7 +10,7 @@ use super::{BodyRole, Drawing, DrawnBody, FramePose, Shape};
 use crate::law::NormalLaw;
 use crate::mechanism::tendon::{Segment, center_in, segment};
 use crate::mechanism::{
-    Command, ContactPair, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineId, OutlineShape, PathElement,
+    Command, ContactPair, Joint, JointCombination, Mechanism, Outline, OutlineId, OutlineShape, PathElement,
     PrescribedMotion,
 };
 use crate::numeric::elementary::{atan2, hypot, pow, sin_cos};
@@ -296,8 +296,7 @@ fn pins_from_ground(mechanism: &Mechanism) -> Vec<usize> {
     for _ in 0..mechanism.bodies.len() {
         for Joint { bodies: [a, b], kind, .. } in &mechanism.joints {
             for (from, to) in [(a, b), (b, a)] {
-                let reached =
-                    from.map_or(0, |body| pins[body]).saturating_add(usize::from(*kind == JointKind::Revolute));
+                let reached = from.map_or(0, |body| pins[body]).saturating_add(usize::from(kind.is_angle()));
                 if let Some(body) = *to {
                     pins[body] = pins[body].min(reached);
                 }
@@ -309,7 +308,7 @@ fn pins_from_ground(mechanism: &Mechanism) -> Vec<usize> {
 
 /// Pins of a body and the centres of its spools, in its frame.
 fn pins_m(mechanism: &Mechanism, body: Option<usize>) -> Vec<[f64; 2]> {
-    let pins = mechanism.joints.iter().filter(|joint| joint.kind == JointKind::Revolute);
+    let pins = mechanism.joints.iter().filter(|joint| joint.kind.is_angle());
     let points = pins.flat_map(|joint| joint.bodies.into_iter().zip(joint.points_m));
     let mut points: Vec<[f64; 2]> = points.filter(|(other, _)| *other == body).map(|(_, point)| point).collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
@@ -330,7 +329,7 @@ fn skeleton(
     let is_of_body = |joint: &&Joint| joint.bodies[1] == body;
     let spools = mechanism.tendons.iter().flat_map(|tendon| &tendon.joints);
     let spools = spools.map(|(joint, radius_m)| (&mechanism.joints[*joint], radius_m.abs()));
-    let spools = spools.filter(|(joint, _)| joint.kind == JointKind::Revolute && is_of_body(joint));
+    let spools = spools.filter(|(joint, _)| joint.kind.is_angle() && is_of_body(joint));
     let mut drawn: Vec<Vec<[f64; 2]>> = spools.map(|(joint, radius_m)| circle_m(joint.points_m[1], radius_m)).collect();
     match pins {
         [] => {}
@@ -339,7 +338,7 @@ fn skeleton(
     }
     if outlines.is_empty() {
         for joint in mechanism.joints.iter().filter(is_of_body) {
-            if let JointKind::Prismatic { axis_rad } = joint.kind {
+            if let Some(axis_rad) = joint.kind.axis_rad() {
                 let (sin, cos) = sin_cos(axis_rad - joint.offset_rad);
                 let corner = |[x, y]: [f64; 2]| add(joint.points_m[1], rotate([x * pin_m, y * pin_m], [cos, sin]));
                 drawn.push([[-3.0, -2.0], [3.0, -2.0], [3.0, 2.0], [-3.0, 2.0]].map(corner).to_vec());

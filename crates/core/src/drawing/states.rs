@@ -1,7 +1,7 @@
 //! States of all bodies of a mechanism: reported by a sample, or computed from its joints.
 
 use super::FramePose;
-use crate::mechanism::{JointKind, Mechanism, assemble};
+use crate::mechanism::{Mechanism, assemble};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, perp, rotate, scale, sub};
 use crate::trace::{BodyState, Sample};
@@ -59,7 +59,7 @@ pub(crate) fn in_sample(mechanism: &Mechanism, sample: &Sample) -> States {
     // Each pass places the bodies next to those that are placed.
     while let Some(joint) = mechanism.joints.iter().position(|joint| {
         let [a, b] = joint.bodies.map(|body| body.is_none_or(|body| is_placed[body]));
-        a != b && joint.kind == JointKind::Revolute
+        a != b && joint.kind.is_angle()
     }) {
         let (of, state) = (&mechanism.joints[joint], sample.joint_state(joint));
         let from = usize::from(!of.bodies[0].is_none_or(|body| is_placed[body]));

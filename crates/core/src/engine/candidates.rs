@@ -8,8 +8,7 @@ use super::linkage::Linkage;
 use super::plan::{Plan, PlannedBody, PlannedBrake, PlannedContact, PlannedMotor, PlannedServo, ServoLaw};
 use super::world::World;
 use crate::law::{
-    Bristle, BristleStep, FrictionLaw, NormalForce, NormalLaw, friction_coefficient, implicit_bristle_step,
-    normal_force,
+    FrictionLaw, FrictionPoint, FrictionStep, NormalForce, NormalLaw, friction_coefficient, normal_force,
 };
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{cross, perp, sub};
@@ -123,29 +122,24 @@ impl ContactCandidate {
     }
 
     /// Friction at the end of an implicit step: opposing force along the slip row at the rate `slip`, with its
-    /// derivatives with respect to rate and normal force, as in [`BristleStep`]. A law without internal state leaves
-    /// the bristle state unchanged.
+    /// derivatives with respect to rate and normal force, as in [`FrictionStep`]. A law without internal state leaves
+    /// the state unchanged.
     #[inline(always)]
-    pub(crate) fn friction_at_step_end(&self, [slip, bristle_state, normal]: [f64; 3], h: f64) -> BristleStep {
+    pub(crate) fn friction_at_step_end(&self, [slip, state, normal]: [f64; 3], h: f64) -> FrictionStep {
         if let Some(MotorSlope { sign, slope }) = self.motor {
             let relative_torque = slope * slip - sign;
-            return BristleStep {
-                force: normal * relative_torque,
-                d_slip: normal * slope,
-                d_normal: relative_torque,
-                state: bristle_state,
-            };
+            let force = normal * relative_torque;
+            return FrictionStep { force, d_slip: normal * slope, d_normal: relative_torque, state };
         }
-        if let Some((law, bristle)) = self.friction.as_ref().and_then(|law| Some((law, law.bristle.as_ref()?))) {
-            return implicit_bristle_step(law, bristle, [slip, bristle_state, normal], h, self.one_way);
+        match &self.friction {
+            Some(law) => law.implicit_step(FrictionPoint { slip, state, normal }, h, self.one_way),
+            None => FrictionStep { force: 0.0, d_slip: 0.0, d_normal: 0.0, state },
         }
-        let (mu, slope) = self.coefficient(slip);
-        BristleStep { force: mu * normal, d_slip: slope * normal, d_normal: mu, state: bristle_state }
     }
 
-    /// Returns the bristle of the friction law.
-    pub fn bristle(&self) -> Option<&Bristle> {
-        self.friction.as_ref().and_then(|law| law.bristle.as_ref())
+    /// Returns the friction law if it has an internal state.
+    pub fn law_with_state(&self) -> Option<&FrictionLaw> {
+        self.friction.as_ref().filter(|law| law.has_state())
     }
 
     /// Whether there is a force along the slip row.

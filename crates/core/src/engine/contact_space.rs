@@ -26,8 +26,8 @@ pub struct ActiveContact {
     pub tangent: Option<usize>,
     /// Index of the row of rolling resistance.
     pub rolling: Option<usize>,
-    /// Bristle state σ at the start of the step.
-    pub bristle_state: f64,
+    /// Internal state of friction at the start of the step.
+    pub friction_state: f64,
 }
 
 impl ActiveContact {
@@ -77,7 +77,7 @@ impl ContactSpace {
         world: &World,
         plan: &Plan,
         linkage: &mut Linkage,
-        (candidates, bristle_states): (&[ContactCandidate], &[f64]),
+        (candidates, friction_states): (&[ContactCandidate], &[f64]),
         velocities: &[Twist],
         accelerations: &[Twist],
         dt: f64,
@@ -97,13 +97,13 @@ impl ContactSpace {
             let normal = if candidate.has_prescribed_normal() { PENDING } else { push(&candidate.normal_row) };
             let tangent = candidate.has_tangent().then(|| push(&candidate.slip_row));
             let rolling = candidate.rolling.map(|_| push(&candidate.roll_row));
-            let bristle_state = bristle_states.get(candidate.index).copied().unwrap_or(0.0);
+            let friction_state = friction_states.get(candidate.index).copied().unwrap_or(0.0);
             self.active_contacts.push(ActiveContact {
                 candidate: candidate.clone(),
                 normal,
                 tangent,
                 rolling,
-                bristle_state,
+                friction_state,
             });
         }
         self.coupled = self.rows.len();
@@ -348,7 +348,7 @@ impl RateCorrection {
 const MAX_RESIDUAL: f64 = 1e-9;
 /// Fraction of its terms below which a residual is rounding error.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Smallest force scale of bristle friction, N. Without it, the residual of a contact with a vanishing normal force
+/// Smallest force scale of friction with stiction, N. Without it, the residual of a contact with a vanishing normal force
 /// would be dominated by rounding errors, such as slip rates of 1e-26 m/s.
 const MIN_FORCE_SCALE_N: f64 = 1.0;
 /// Fraction of the rate resolution below which a residual is ignored: a row of discs transmits rates of 1e-30 m/s.
@@ -366,8 +366,8 @@ pub struct Stage<'a> {
     pub rate: &'a [f64],
     /// Gaps g̃ at h = 0, one per contact.
     pub gap: &'a [f64],
-    /// Bristle states, one per contact.
-    pub bristle_state: &'a [f64],
+    /// Internal states of friction, one per contact.
+    pub friction_state: &'a [f64],
     pub h: f64,
 }
 
@@ -389,9 +389,9 @@ pub(crate) struct Workspace {
     /// Force magnitudes that determine the rounding error of the forces.
     force_scale: Vec<f64>,
     pub force: Vec<f64>,
-    /// Bristle states at the solution, one per contact.
-    pub bristle_state: Vec<f64>,
-    /// Whether each bristle state is at the edge of its friction cone.
+    /// Internal states of friction at the solution, one per contact.
+    pub friction_state: Vec<f64>,
+    /// Whether friction with stiction slips, for each contact.
     pub is_slipping: Vec<bool>,
 }
 
@@ -404,7 +404,7 @@ pub(crate) struct Diverged {
 impl Workspace {
     /// Resizes all arrays for a contact space.
     pub fn resize(&mut self, rows: usize, contacts: usize) {
-        reset(&mut self.bristle_state, contacts, 0.0);
+        reset(&mut self.friction_state, contacts, 0.0);
         reset(&mut self.is_slipping, contacts, false);
         reset(&mut self.jacobian, rows * rows, 0.0);
         let Self { residual, step, trial, diagonal_derivative, cross_derivative, force_scale, force, .. } = self;
@@ -515,13 +515,14 @@ impl Workspace {
             (self.force[n], self.diagonal_derivative[n]) = (law.force, slope);
             self.force_scale[n] = law.force.abs();
             if let Some(t) = contact.tangent {
-                let bristle_state = stage.bristle_state[index];
-                let friction = contact.candidate.friction_at_step_end([rate[t], bristle_state, law.force], h);
+                let state = stage.friction_state[index];
+                let friction = contact.candidate.friction_at_step_end([rate[t], state, law.force], h);
                 self.force[t] = -friction.force;
-                self.force_scale[t] = match contact.candidate.bristle() {
-                    Some(bristle) => {
+                let with_state = contact.candidate.friction.and_then(|law| law.sticking_scales(state, 0.0));
+                self.force_scale[t] = match with_state {
+                    Some([state_force, _]) => {
                         self.is_slipping[index] = friction.d_normal != 0.0;
-                        friction.force.abs().max(bristle.damping_n_s_per_m * bristle_state.abs()).max(MIN_FORCE_SCALE_N)
+                        friction.force.abs().max(state_force).max(MIN_FORCE_SCALE_N)
                     }
                     None => {
                         let slip_scale = contact.candidate.motor.map_or(0.0, |motor| 1.0 + motor.slope * rate[t].abs());
@@ -530,7 +531,7 @@ impl Workspace {
                 };
                 self.diagonal_derivative[t] = -friction.d_slip;
                 self.cross_derivative[t] = -friction.d_normal * slope;
-                self.bristle_state[index] = friction.state;
+                self.friction_state[index] = friction.state;
             }
             if let Some((r, rolling)) = contact.rolling.zip(contact.candidate.rolling.as_ref()) {
                 let (arm, arm_slope) = friction_coefficient(rolling, rate[r]);

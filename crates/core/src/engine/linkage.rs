@@ -7,14 +7,13 @@
 //!
 //! The system is general in bodies and joints; it uses only rapier's masses and anchors.
 
-use std::f64::consts::FRAC_PI_2;
 use std::ops::Range;
 
-use super::coordinate::{BodyPose, Coordinate, Row, Twist};
+use super::coordinate::{BodyPose, Row, Twist};
+use super::joint::{Pair, constraints};
 use super::lists::refill;
-use super::plan::{Plan, PlannedBody, PlannedGear, PlannedJoint, relative_angle};
+use super::plan::{Plan, PlannedBody, PlannedGear};
 use super::world::World;
-use crate::mechanism::JointKind;
 use crate::numeric::dense;
 use crate::numeric::elementary::{atan2, hypot, powi};
 use crate::numeric::plane::{dot, nearest_equivalent_angle, perp, rotate};
@@ -42,15 +41,6 @@ struct Side {
     arm: [f64; 2],
     /// Whether the reactions of the pair on bodies are not in equilibrium with one another.
     acts_on_ground: bool,
-}
-
-/// A pair of constraints: the openings, to be kept at zero.
-#[derive(Clone, Debug)]
-enum Pair {
-    /// x and y from the first anchor to the second, less an anchor on the ground.
-    Pin { ground: [f64; 2] },
-    /// Sums of ratios times coordinates, less their values in a closed pair.
-    Relation { terms: Vec<(Coordinate, [f64; 2])>, closed: [f64; 2] },
 }
 
 /// Consecutive pairs that share no body with other pairs, except for driven bodies, and their factorised part of A. The
@@ -119,28 +109,12 @@ impl Linkage {
             })
             .collect();
         let poses: Vec<BodyPose> = plan.bodies.iter().map(PlannedBody::pose).collect();
-        let joint_pair = |joint: &PlannedJoint| match joint.kind {
-            JointKind::Revolute => {
-                let ground = match joint.bodies {
-                    [None, _] => joint.anchors_m[0],
-                    [_, None] => joint.anchors_m[1].map(|x| -x),
-                    _ => [0.0; 2],
-                };
-                Pair::Pin { ground }
-            }
-            JointKind::Prismatic { axis_rad } => {
-                let across = (plan.joint_position(joint, axis_rad + FRAC_PI_2), [1.0, 0.0]);
-                // The angle between bodies that do not rotate needs no constraint.
-                let rotates = |body: usize| plan.bodies[body].body.inertia_kg_m2 > 0.0;
-                let ratio = f64::from(joint.bodies.into_iter().flatten().any(rotates));
-                Pair::Relation { terms: vec![across, (relative_angle(joint), [0.0, ratio])], closed: [0.0; 2] }
-            }
-        };
         let gear_pair = |gear: &PlannedGear| {
             let sum = |row: usize| gear.terms.iter().map(|(of, ratios)| ratios[row] * of.value(&poses)).sum();
             Pair::Relation { terms: gear.terms.clone(), closed: [sum(0), sum(1)] }
         };
-        let pairs: Vec<Pair> = plan.joints.iter().map(joint_pair).chain(plan.gears.iter().map(gear_pair)).collect();
+        let pairs: Vec<Pair> =
+            plan.joints.iter().map(|joint| constraints(plan, joint)).chain(plan.gears.iter().map(gear_pair)).collect();
         let (mut sides, mut unused_rows) = (Vec::new(), Vec::new());
         for (pair, of) in pairs.iter().enumerate() {
             let side = |body: usize| Side {

@@ -10,6 +10,7 @@ mod contact_space;
 mod coordinate;
 mod force_rates;
 mod forces;
+mod joint;
 mod linkage;
 mod lists;
 mod mechanism;

@@ -15,6 +15,7 @@ use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrec
 use super::coordinate::{Row, Twist};
 use super::force_rates::ForceRates;
 use super::forces;
+use super::joint::anchor_shift;
 use super::linkage::{Linkage, SingularConstraints};
 use super::lists::refill;
 use super::plan::Plan;
@@ -25,8 +26,7 @@ use super::world::{LawContactHook, World};
 use crate::drive::Profile;
 use crate::integrator::Clock;
 use crate::law::friction_coefficient;
-use crate::mechanism::JointKind;
-use crate::numeric::elementary::{cos, exp, hypot, sin};
+use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{add, dot, sub};
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -107,8 +107,8 @@ pub struct Motion {
     impulse: Vec<Twist>,
     /// Working array: predicted mean velocities of the next step.
     predicted_mean_velocities: Vec<Twist>,
-    /// Bristle state σ of every stop, contact, brake, motor and servo.
-    pub bristle_states: Vec<f64>,
+    /// Internal state of friction of every stop, contact, brake, motor and servo.
+    pub friction_states: Vec<f64>,
     /// Accelerations of driven bodies, with the body indices.
     driven: Vec<(usize, Twist)>,
     /// Openings with the anchor correction, and the corrections.
@@ -161,7 +161,7 @@ impl Motion {
             impulse: vec![[0.0; 3]; bodies],
             predicted_mean_velocities: vec![[0.0; 3]; bodies],
             driven: Vec::new(),
-            bristle_states: vec![0.0; elements],
+            friction_states: vec![0.0; elements],
             open: Vec::new(),
             overshoot: Vec::new(),
             opening_acceleration: 0.0,
@@ -201,7 +201,7 @@ impl Motion {
         loop {
             self.shift_anchors(dt);
             let Self { world, plan, linkage, .. } = self;
-            let candidates = (&self.candidates[..], &self.bristle_states[..]);
+            let candidates = (&self.candidates[..], &self.friction_states[..]);
             let (velocities, accelerations) = (&self.velocities, &self.step_accelerations);
             if !self.space.assemble(world, plan, linkage, candidates, velocities, accelerations, dt, keep_running) {
                 return Err(ContactSolveError::Stopped.into());
@@ -219,7 +219,7 @@ impl Motion {
                 break;
             }
         }
-        self.update_bristles(dt);
+        self.update_friction_states(dt);
         self.contact_work_j += self.contact.work;
         self.motor_work_j += self.contact.motor_work;
         let step = (self.clock.now(), dt);
@@ -279,22 +279,23 @@ impl Motion {
         Ok(())
     }
 
-    /// Updates the bristle states; bristles out of reach relax.
-    fn update_bristles(&mut self, dt: f64) {
+    /// Updates the internal states of friction; those out of reach relax.
+    fn update_friction_states(&mut self, dt: f64) {
         for candidate in &self.candidates {
-            if let Some(bristle) = candidate.bristle() {
-                self.bristle_states[candidate.index] *= exp(-dt * bristle.rate());
+            if let Some(law) = candidate.law_with_state() {
+                let state = &mut self.friction_states[candidate.index];
+                *state = law.kind.relaxed(*state, dt);
             }
         }
-        for (active, bristle_state) in self.space.active_contacts.iter().zip(&self.contact.bristle_state) {
-            self.bristle_states[active.candidate.index] = *bristle_state;
+        for (active, state) in self.space.active_contacts.iter().zip(&self.contact.friction_state) {
+            self.friction_states[active.candidate.index] = *state;
         }
     }
 
-    /// Returns the energy stored in bristles, J.
-    pub(crate) fn bristle_energy(&self) -> f64 {
+    /// Returns the energy of the internal states of friction, J.
+    pub(crate) fn friction_energy(&self) -> f64 {
         let energy = |candidate: &ContactCandidate| {
-            candidate.bristle().map_or(0.0, |bristle| bristle.energy(self.bristle_states[candidate.index]))
+            candidate.law_with_state().map_or(0.0, |law| law.kind.energy(self.friction_states[candidate.index]))
         };
         self.candidates.iter().map(energy).sum()
     }
@@ -347,7 +348,7 @@ impl Motion {
         candidates::find(&self.candidates, index)
     }
 
-    /// Whether the bristle of a contact slips at the end of the last step; `None` without a bristle or a load.
+    /// Whether friction with stiction slips at the end of the last step; `None` without stiction or a load.
     pub(crate) fn is_slipping(&self, index: usize) -> Option<bool> {
         self.contact.is_slipping(self.space.find(index)?.0, &self.space)
     }
@@ -419,7 +420,7 @@ impl Motion {
             let (normal, force) = (active.normal, contact.force[active.normal]);
             // Friction at the end of the contact's own equations.
             let friction = |candidate: &ContactCandidate, tangent: usize| {
-                candidate.friction_at_step_end([contact.rate[tangent], contact.bristle_state[index], force], dt)
+                candidate.friction_at_step_end([contact.rate[tangent], contact.friction_state[index], force], dt)
             };
             let tangent_row = |tangent: usize, row: Row, mu: f64, creep: f64| CorrectedRow {
                 index: tangent,
@@ -572,16 +573,9 @@ impl Motion {
         for ((planned, joint), overshoot) in self.plan.joints.iter().zip(&self.world.joints).zip(&self.overshoot) {
             let Some(joint) = self.world.physics.impulse_joints.get_mut(*joint, false) else { continue };
             let [first, _] = planned.bodies;
-            let shift = match planned.kind {
-                JointKind::Revolute => {
-                    // The shifted anchor rotates with its body; the shift solves (1 + ω dt ×) shift = overshoot.
-                    let rotation = dt * first.map_or(0.0, |body| self.predicted_mean_velocities[body][2]);
-                    let [a, b] = overshoot.map(|x| x / (1.0 + rotation * rotation));
-                    self.linkage.direction_in_body(first, [a + rotation * b, b - rotation * a])
-                }
-                // Across the axis, in the frame of the first body; the angle is linear.
-                JointKind::Prismatic { axis_rad } => [-sin(axis_rad), cos(axis_rad)].map(|x| overshoot[0] * x),
-            };
+            let turn = dt * first.map_or(0.0, |body| self.predicted_mean_velocities[body][2]);
+            let in_body = |shift| self.linkage.direction_in_body(first, shift);
+            let shift = anchor_shift(planned, *overshoot, turn, in_body);
             let [x, y] = planned.anchors_m[0];
             joint.data.set_local_anchor1(Vector::new(x - shift[0], y - shift[1]));
         }

@@ -2,11 +2,11 @@
 //!
 //! The plan is independent of rapier; `mechanism` builds it.
 
-use super::coordinate::{BodyPoint, BodyPose, Coordinate, Measure, Twist};
+use super::coordinate::{BodyPoint, BodyPose, Coordinate, Twist};
 use crate::gripper::Body;
 use crate::law::{ContactLaw, FrictionLaw, NormalForce, NormalLaw};
 use crate::mechanism::{JointKind, PrescribedMotion};
-use crate::numeric::elementary::{cos, sin, sin_cos};
+use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::{add, rotate, sub};
 use crate::scene::{Brake, PalmMotion, Profile, SpringKind};
 use crate::shape;
@@ -208,7 +208,7 @@ impl BrakeKind {
                 mu_dynamic: 1.0,
                 v_static_m_s: v_static_rad_s,
                 v_dynamic_m_s: 2.0 * v_static_rad_s,
-                bristle,
+                kind: bristle.into(),
             },
             BrakeKind::Friction(law) => law,
         }
@@ -411,29 +411,6 @@ impl Plan {
     pub(crate) fn body_point(&self, body: Option<usize>, point_m: [f64; 2]) -> BodyPoint {
         BodyPoint { body, arm_m: sub(point_m, body.map_or([0.0; 2], |body| self.bodies[body].body.com_m)) }
     }
-
-    /// Returns the coordinate of a joint: an angle or a position.
-    pub fn joint_coordinate(&self, joint: &PlannedJoint) -> Coordinate {
-        match joint.kind {
-            JointKind::Revolute if joint.is_reversed => relative_angle(joint).negated(),
-            JointKind::Revolute => relative_angle(joint),
-            JointKind::Prismatic { axis_rad } => self.joint_position(joint, axis_rad),
-        }
-    }
-
-    /// Position of the second anchor of a joint relative to the first, along an axis of the first body.
-    pub(crate) fn joint_position(&self, joint: &PlannedJoint, axis_rad: f64) -> Coordinate {
-        let (sin, cos) = sin_cos(axis_rad);
-        let points = [0, 1].map(|k: usize| self.body_point(joint.bodies[k], joint.anchors_m[k]));
-        Coordinate { measure: Measure::Slide { points, axis: [cos, sin] }, offset: 0.0 }
-    }
-}
-
-/// Angle of the second body of a joint relative to the first, less the offset of the joint.
-pub(crate) fn relative_angle(joint: &PlannedJoint) -> Coordinate {
-    let [first, second] = [joint.bodies[0].map(|body| (body, -1.0)), joint.bodies[1].map(|body| (body, 1.0))];
-    let on = second.or(first).unwrap_or_default();
-    Coordinate { measure: Measure::Angle { on, against: second.and(first) }, offset: joint.offset_rad }
 }
 
 impl PlannedMotor {

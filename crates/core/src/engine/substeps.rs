@@ -9,8 +9,8 @@ use super::cancellation::Cancellation;
 use super::candidates::{Element, GAP_ROUNDING};
 use super::contact_space::{ActiveContact, ContactSpace, Diverged, Stage, Workspace};
 use super::lists::{refill, reset};
-use crate::law::friction_range;
-use crate::numeric::elementary::{exp, hypot};
+use crate::law::FrictionPoint;
+use crate::numeric::elementary::hypot;
 use crate::scene::Stepping;
 
 /// Error of a sub-step's first-order solution relative to the speed at each contact. At 3e-3, undamped rebounds had
@@ -36,8 +36,8 @@ const MAX_SLIP_TOLERANCE: f64 = 0.1;
 const RANGE_MARGIN: f64 = 0.1;
 /// Fraction of the damper's transition that a first sub-step may cross.
 const FIRST_CROSSING: f64 = 0.05;
-/// Smallest friction limit, N, in the error scale of a bristle.
-const MIN_BRISTLE_FRICTION_N: f64 = 1e-3;
+/// Smallest friction limit, N, in the error scale of friction with stiction.
+const MIN_STICTION_N: f64 = 1e-3;
 /// Largest ratio of successive sub-steps.
 const MAX_GROWTH: f64 = 4.0;
 /// Largest number of sub-steps per step.
@@ -71,9 +71,9 @@ pub enum ChangeKind {
     Loads,
     /// The contact force ends.
     Unloads,
-    /// The bristle of an active contact reaches the edge of its friction cone.
+    /// The friction of an active contact with stiction reaches its limit.
     Slips,
-    /// The bristle is within its friction cone again.
+    /// The friction is below its limit again.
     Sticks,
 }
 
@@ -104,8 +104,8 @@ pub struct ContactSolver {
     pub gap: Vec<f64>,
     /// Rate along each row at the end of the step.
     pub rate: Vec<f64>,
-    /// Bristle states at the end, per contact.
-    pub bristle_state: Vec<f64>,
+    /// Internal states of friction at the end, per contact.
+    pub friction_state: Vec<f64>,
     /// State with the largest normal force, per contact.
     pub peak: Vec<ContactExtremum>,
     /// State with the largest penetration, per contact.
@@ -137,7 +137,7 @@ struct Buffers {
     first_force: Vec<f64>,
     base_rate: Vec<f64>,
     base_gap: Vec<f64>,
-    base_bristle_state: Vec<f64>,
+    base_friction_state: Vec<f64>,
     error: Vec<f64>,
     is_touching: Vec<bool>,
     is_loaded: Vec<bool>,
@@ -273,11 +273,12 @@ impl ContactSolver {
         self.integrals_at_changes[change * rows..(change + 1) * rows].iter().copied()
     }
 
-    /// Whether the bristle of a contact slips at the end of the step; `None` if it has no bristle or is not loaded.
+    /// Whether friction with stiction slips at the end of the step; `None` if the contact has no stiction or is not loaded.
     pub(crate) fn is_slipping(&self, index: usize, space: &ContactSpace) -> Option<bool> {
         let contact = &space.active_contacts[index];
-        let is_loaded =
-            contact.candidate.has_gap() && contact.candidate.bristle().is_some() && self.force[contact.normal] > 0.0;
+        let is_loaded = contact.candidate.has_gap()
+            && contact.candidate.law_with_state().is_some()
+            && self.force[contact.normal] > 0.0;
         is_loaded.then(|| self.buffers.is_slipping.get(index).copied()).flatten()
     }
 
@@ -290,10 +291,10 @@ impl ContactSolver {
             reset(list, rows, 0.0);
         }
         self.work_space.resize(rows, contacts);
-        refill(&mut self.bristle_state, space.active_contacts.iter().map(|contact| contact.bristle_state));
+        refill(&mut self.friction_state, space.active_contacts.iter().map(|contact| contact.friction_state));
         refill(&mut self.rate, space.rate.iter().copied());
         refill(&mut self.gap, space.active_contacts.iter().map(|contact| contact.candidate.gap));
-        reset(&mut self.buffers.base_bristle_state, contacts, 0.0);
+        reset(&mut self.buffers.base_friction_state, contacts, 0.0);
         reset(&mut self.buffers.base_gap, contacts, 0.0);
         reset(&mut self.peak, contacts, ContactExtremum::default());
         reset(&mut self.deepest, contacts, ContactExtremum::default());
@@ -309,7 +310,7 @@ impl ContactSolver {
             let force = contact.candidate.normal_force(contact.candidate.gap, space.rate[contact.normal]).force;
             self.force[contact.normal] = force;
             self.buffers.is_loaded.push(force > 0.0);
-            self.buffers.is_slipping.push(force > 0.0 && is_bristle_slipping(contact, space, force));
+            self.buffers.is_slipping.push(force > 0.0 && is_slipping(contact, space, force));
         }
     }
 
@@ -335,8 +336,8 @@ impl ContactSolver {
         for (rate, free) in self.rate.iter_mut().zip(&space.free) {
             *rate += time * free;
         }
-        for (bristle_state, contact) in self.bristle_state.iter_mut().zip(&space.active_contacts) {
-            *bristle_state *= contact.candidate.bristle().map_or(1.0, |bristle| exp(-time * bristle.rate()));
+        for (state, contact) in self.friction_state.iter_mut().zip(&space.active_contacts) {
+            *state = contact.candidate.law_with_state().map_or(*state, |law| law.kind.relaxed(*state, time));
         }
     }
 
@@ -374,12 +375,12 @@ impl ContactSolver {
         cancellation: &Cancellation,
     ) -> Result<f64, Diverged> {
         self.substeps += 1;
-        let Buffers { first, second, first_force, base_rate, base_gap, base_bristle_state, error, .. } =
+        let Buffers { first, second, first_force, base_rate, base_gap, base_friction_state, error, .. } =
             &mut self.buffers;
         let implicit = GAMMA * h;
 
         first.copy_from_slice(&self.rate);
-        let stage = Stage { rate: &self.rate, gap: &self.gap, bristle_state: &self.bristle_state, h: implicit };
+        let stage = Stage { rate: &self.rate, gap: &self.gap, friction_state: &self.friction_state, h: implicit };
         self.iterations += self.work_space.solve(space, &stage, first, cancellation)?;
         first_force.copy_from_slice(&self.work_space.force);
 
@@ -389,14 +390,14 @@ impl ContactSolver {
         }
         for (index, contact) in space.active_contacts.iter().enumerate() {
             base_gap[index] = self.gap[index] + (1.0 - GAMMA) * h * first[contact.normal];
-            base_bristle_state[index] =
-                self.bristle_state[index] + ratio * (self.work_space.bristle_state[index] - self.bristle_state[index]);
+            base_friction_state[index] = self.friction_state[index]
+                + ratio * (self.work_space.friction_state[index] - self.friction_state[index]);
         }
         // A better start than the solution of the first stage: its change, from the initial rates of the second.
         for i in 0..space.len() {
             second[i] = base_rate[i] + first[i] - self.rate[i];
         }
-        let stage = Stage { rate: base_rate, gap: base_gap, bristle_state: base_bristle_state, h: implicit };
+        let stage = Stage { rate: base_rate, gap: base_gap, friction_state: base_friction_state, h: implicit };
         self.iterations += self.work_space.solve(space, &stage, second, cancellation)?;
 
         // γ h (a₂ − a₁), with the stage accelerations aᵢ; the filter removes components that decay within the sub-step.
@@ -418,19 +419,20 @@ impl ContactSolver {
         let Buffers { second, .. } = &self.buffers;
         let mut fraction: Option<f64> = None;
         for contact in &space.active_contacts {
-            let law = contact.candidate.friction.as_ref().filter(|law| law.bristle.is_none());
+            let law = contact.candidate.friction.as_ref().filter(|law| !law.has_state());
             let Some((t, law)) = contact.tangent.zip(law) else { continue };
             let (force_before, force_after) = (self.force[contact.normal], self.work_space.force[contact.normal]);
             if force_before <= 0.0 && force_after <= 0.0 {
                 continue;
             }
             let (before, after) = (self.rate[t], second[t]);
-            let range = friction_range(law, before);
+            let at = |slip: f64| FrictionPoint { slip, state: 0.0, normal: force_after.max(force_before) };
+            let range = law.range(at(before));
             let margin = RANGE_MARGIN * law.min_slip_scale_m_s();
-            let distance_to_end = range.margin(law, after);
+            let distance_to_end = law.nominal_margin(range, at(after));
             if distance_to_end < -margin {
                 // Target the middle of the margin, assuming constant slip acceleration.
-                let distance_before = range.margin(law, before).max(0.0);
+                let distance_before = law.nominal_margin(range, at(before)).max(0.0);
                 let candidate =
                     ((distance_before + 0.5 * margin) / (distance_before - distance_to_end)).clamp(0.02, 0.9);
                 fraction = Some(fraction.map_or(candidate, |fraction| fraction.min(candidate)));
@@ -496,7 +498,7 @@ impl ContactSolver {
                 *deepest = end;
             }
         }
-        self.bristle_state.copy_from_slice(&self.work_space.bristle_state);
+        self.friction_state.copy_from_slice(&self.work_space.friction_state);
         self.rate.copy_from_slice(second);
         self.force.copy_from_slice(second_force);
     }
@@ -515,7 +517,7 @@ impl ContactSolver {
                 (self.buffers.is_touching[index], has_closed) = (true, true);
                 continue;
             }
-            if contact.candidate.has_gap() && contact.candidate.bristle().is_some() {
+            if contact.candidate.has_gap() && contact.candidate.law_with_state().is_some() {
                 let is_slipping = is_loaded && self.work_space.is_slipping[index];
                 if is_slipping != self.buffers.is_slipping[index] && is_loaded {
                     let kind = if is_slipping { ChangeKind::Slips } else { ChangeKind::Sticks };
@@ -548,11 +550,11 @@ impl ContactSolver {
     }
 }
 
-/// Whether the bristle of a contact is at the edge of its cone at the start of a step, under this normal force.
-fn is_bristle_slipping(contact: &ActiveContact, space: &ContactSpace, force: f64) -> bool {
-    let tangent = contact.candidate.bristle().and(contact.tangent);
+/// Whether friction with stiction is at its limit at the start of a step, under this normal force.
+fn is_slipping(contact: &ActiveContact, space: &ContactSpace, force: f64) -> bool {
+    let tangent = contact.candidate.law_with_state().and(contact.tangent);
     tangent.is_some_and(|t| {
-        contact.candidate.friction_at_step_end([space.rate[t], contact.bristle_state, force], 0.0).d_normal != 0.0
+        contact.candidate.friction_at_step_end([space.rate[t], contact.friction_state, force], 0.0).d_normal != 0.0
     })
 }
 
@@ -566,11 +568,11 @@ fn relative_error(space: &ContactSpace, [from, rate, force]: [&[f64]; 3], error:
         // A brake or a motor has no gap rate.
         let closing = if contact.candidate.has_gap() { rate[n] } else { 0.0 };
         let allowed = tolerance.absolute + tolerance.relative * hypot(rate[t], closing);
-        if let Some(bristle) = contact.candidate.bristle() {
-            let max_friction =
-                contact.candidate.friction.map_or(0.0, |law| law.mu_static) * force[n] + MIN_BRISTLE_FRICTION_N;
-            let sticking_tolerance = tolerance.slip * max_friction / bristle.damping_n_s_per_m;
-            let is_sticking = force[t].abs() < max_friction && rate[t].abs() < max_friction / bristle.damping_n_s_per_m;
+        if let Some(law) = contact.candidate.law_with_state() {
+            let max_friction = law.mu_static * force[n] + MIN_STICTION_N;
+            let slip_scale = law.sticking_scales(0.0, max_friction).map_or(f64::INFINITY, |[_, slip]| slip);
+            let sticking_tolerance = tolerance.slip * slip_scale;
+            let is_sticking = force[t].abs() < max_friction && rate[t].abs() < slip_scale;
             let slip_allowed = if is_sticking { sticking_tolerance.min(allowed) } else { allowed };
             return (error[n].abs() / allowed).max(error[t].abs() / slip_allowed);
         }

@@ -3,8 +3,8 @@
 use rapier2d_f64::na::Unit;
 use rapier2d_f64::prelude::*;
 
+use super::joint::joint_in_rapier;
 use super::plan::{Capsule, Plan, PlannedContact, PlannedJoint, PlannedSurface, Shape, SurfaceId};
-use crate::mechanism::JointKind;
 use crate::numeric::elementary::hypot;
 use crate::scene::Response;
 use crate::shape::max_radius;
@@ -141,15 +141,7 @@ fn parameters(plan: &Plan, response: Response, iterations: u32) -> IntegrationPa
 }
 
 fn joint(plan: &Plan, planned: &PlannedJoint) -> GenericJoint {
-    let [anchor, other_anchor] = planned.anchors_m.map(|[x, y]| Vector::new(x, y));
-    let joint = match planned.kind {
-        JointKind::Revolute => GenericJointBuilder::new(JointAxesMask::LOCKED_REVOLUTE_AXES)
-            .local_anchor1(anchor)
-            .local_anchor2(other_anchor),
-        JointKind::Prismatic { axis_rad } => GenericJointBuilder::new(JointAxesMask::LOCKED_PRISMATIC_AXES)
-            .local_frame1(Pose::new(anchor, axis_rad))
-            .local_frame2(Pose::new(other_anchor, axis_rad - planned.offset_rad)),
-    };
+    let joint = joint_in_rapier(planned);
     // Bodies of a joint pass through one another, unless the plan has a contact between them.
     let touch = |contact: &PlannedContact| {
         let bodies = [Some(contact.body), contact.against.body];

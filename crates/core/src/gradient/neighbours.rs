@@ -46,6 +46,26 @@ pub(super) struct Neighbours<'a, M: Kernel> {
     pub levels: [OnceCell<Result<Level<M>, String>>; LEVELS],
     /// Derivatives of the last and the next time at which the right-hand side is discontinuous.
     pub discontinuities: [f64; 2],
+    /// Exchanges of coordinates so far, which neighbours built later repeat.
+    exchanges: Vec<Exchange<M>>,
+}
+
+/// An exchange of coordinates: the kernel in the new ones, and state, mode and tangent in those before.
+#[derive(Clone)]
+pub(super) struct Exchange<M: System> {
+    pub kernel: M,
+    pub state: State<M::Layout>,
+    pub mode: M::Mode,
+    pub tangent: State<M::Layout>,
+}
+
+impl<M: Kernel + Hybrid> Exchange<M> {
+    /// Kernel and state of a neighbour, at a distance h of the parameter, in the new coordinates.
+    fn of_neighbour(&self, kernel: &M, h: f64) -> Option<(M, State<M::Layout>)> {
+        let state = along(&self.state, h, &self.tangent);
+        let (kernel, state, _) = kernel.in_coordinates_of(&self.kernel, &state, &self.mode)?;
+        Some((kernel, state))
+    }
 }
 
 /// Takes the kernel of a scene in whatever type it has.
@@ -62,7 +82,7 @@ impl KernelUser for Erase {
 impl<'a, M: Kernel> Neighbours<'a, M> {
     pub fn new(parameter: TangentParameter<'a>, kernel: M, start_mode: M::Mode) -> Self {
         let levels = [const { OnceCell::new() }; LEVELS];
-        Self { parameter, kernel, start_mode, levels, discontinuities: [0.0; 2] }
+        Self { parameter, kernel, start_mode, levels, discontinuities: [0.0; 2], exchanges: Vec::new() }
     }
 
     /// Returns the neighbours at a step.
@@ -96,7 +116,11 @@ impl<'a, M: Kernel> Neighbours<'a, M> {
                 let mut sample = Sample::new(0.0, counts);
                 let (none, mut history) = (Energy::default(), M::History::default());
                 kernel.read((&start, &start_mode), &none, RequiredData::EVALUATION, &mut history, &mut sample);
-                Ok(Neighbour { kernel, start, start_energy: sample.energy() })
+                let start_energy = sample.energy();
+                let exchanged = self.exchanges.iter().try_fold(kernel, |kernel, exchange| {
+                    exchange.of_neighbour(&kernel, value - self.parameter.value).map(|(kernel, _)| kernel)
+                });
+                Ok(Neighbour { kernel: exchanged.ok_or_else(other)?, start, start_energy })
             };
             let pair = |h: f64| -> Result<_, String> {
                 let [below, above] = [value - h, value + h];
@@ -106,6 +130,47 @@ impl<'a, M: Kernel> Neighbours<'a, M> {
             Ok(Level { pairs: [full, half], h: [h, half_h] })
         });
         built.as_ref().map_err(Clone::clone)
+    }
+
+    /// Continues in other coordinates; returns the tangent in these. Its part by the parameter is a difference quotient along
+    /// the tangent in the coordinates before.
+    ///
+    /// # Errors
+    /// Returns the reason why there is none.
+    pub fn exchange(&mut self, exchange: Exchange<M>, counts: Counts) -> Result<State<M::Layout>, String>
+    where
+        M: Hybrid,
+    {
+        let (mut found, mut errors) = (vec![exchange.tangent.clone(); LEVELS], [f64::INFINITY; LEVELS]);
+        for index in 0..LEVELS {
+            let Level { pairs, h } = self.level(index, counts)?;
+            let quotient = |k: usize| -> Option<State<M::Layout>> {
+                let [(_, below), (_, above)] = [
+                    exchange.of_neighbour(&pairs[k][0].kernel, -h[k])?,
+                    exchange.of_neighbour(&pairs[k][1].kernel, h[k])?,
+                ];
+                let mut quotient = State::zero(exchange.kernel.layout());
+                let scale = 1.0 / (2.0 * h[k]);
+                quotient.add_scaled(scale, &above);
+                quotient.add_scaled(-scale, &below);
+                Some(quotient)
+            };
+            let none = || "the coordinates of the model cannot be exchanged beside the parameter".to_string();
+            let [full, half] = [quotient(0).ok_or_else(none)?, quotient(1).ok_or_else(none)?];
+            let tangent = &mut found[index];
+            let (mut largest, mut error): (f64, f64) = (f64::MIN_POSITIVE, 0.0);
+            for (of, full, half) in [(&mut tangent.q, &full.q, &half.q), (&mut tangent.v, &full.v, &half.v)] {
+                for i in 0..exchange.kernel.layout().coordinates() {
+                    of[i] = extrapolate([full[i], half[i]]);
+                    (largest, error) = (largest.max(half[i].abs()), error.max((half[i] - full[i]).abs()));
+                }
+            }
+            errors[index] = error / largest;
+        }
+        let tangent = found.swap_remove(best_level(&errors));
+        self.exchanges.push(exchange);
+        self.levels = [const { OnceCell::new() }; LEVELS];
+        Ok(tangent)
     }
 }
 

@@ -1,13 +1,14 @@
 //! Runs with their derivatives: of the last sample, of samples at given times, and of events.
 
-use super::neighbours::TangentParameter;
+use super::neighbours::{Exchange, TangentParameter};
 use super::tangent::{EventDerivatives, SampleDerivatives, Tangent};
 use crate::analytic::ContactState;
 use crate::integrator::{Hybrid, Observer, State, Step, StepTools};
 use crate::scene::Scene;
 use crate::trace::{
     AnalyticStepper, Event, EventKind, Interruption, Kernel, KernelUser, Outcome, RecordingOptions, RequiredData,
-    RunError, Sample, Schema, Sink, SinkError, Span, Start, Stepper, check_supported, has_sampled_servos, with_kernel,
+    RunError, Sample, Schema, Sink, SinkError, Span, Start, StepObserver, Stepper, check_supported, has_sampled_servos,
+    with_kernel,
 };
 
 /// Fraction of the step before below which a step is too short for rates.
@@ -197,5 +198,20 @@ impl<M: Kernel + Hybrid> Observer<M::Layout, M::Mode> for Tangent<'_, M> {
         let derivatives = self.pass_event((t, state), index, mode);
         self.events.push((sample, derivatives));
         self.mode.clone_from(mode);
+    }
+}
+
+impl<M: Kernel + Hybrid> StepObserver<M> for Tangent<'_, M> {
+    fn exchange(&mut self, kernel: &M, state: &State<M::Layout>, mode: &M::Mode) {
+        self.pass_discontinuity(&self.mode.clone());
+        for (index, column) in self.columns.iter_mut().enumerate() {
+            if let Ok(tangent) = column {
+                let (before, tangent) = (self.state.clone(), tangent.clone());
+                let exchange = Exchange { kernel: kernel.clone(), state: before, mode: self.mode.clone(), tangent };
+                *column = self.neighbours[index].exchange(exchange, self.counts);
+            }
+            self.scales[index].iter_mut().for_each(|scale| scale.as_mut().fill(0.0));
+        }
+        (self.kernel, self.state, self.mode) = (kernel.clone(), state.clone(), mode.clone());
     }
 }

@@ -1,8 +1,7 @@
 //! Measures every invariant while a run progresses.
 
 use super::{Finding, Invariant, Tolerances, update_max};
-use crate::law::{FrictionLaw, NormalLaw, friction_coefficient, friction_cone};
-use crate::mechanism::JointKind;
+use crate::law::{FrictionLaw, NormalLaw, friction_coefficient};
 use crate::numeric::elementary::{hypot, pow};
 use crate::scene::{FINGER_JOINTS, Hand, ObjectMotion, Scene};
 use crate::trace::{ContactSample, Energy, Model, Sample, Sink, SinkError};
@@ -204,29 +203,16 @@ impl Invariants {
             return;
         };
         let mu = values.tangential_n / values.normal_n;
+        // A force of a step belongs to all slips of that step: near v = 0 the law can reverse within one step.
         let slips = match self.model {
             Model::Engine if previous.is_finite() => [previous, values.slip_m_s],
             _ => [values.slip_m_s; 2],
         };
-        let [lower, upper] = friction_range(&law, slips);
+        let [lower, upper] = law.ratio_bounds(slips);
         let allowed = self.tolerances.friction;
         self.update(Invariant::Friction, contact, time_s, (lower - mu).max(mu - upper), allowed);
         self.update(Invariant::Friction, contact, time_s, mu.abs() - law.mu_static, ROUNDING);
     }
-}
-
-/// Range of F_t / F_n by the law while the slip changes between two values. A force of a step belongs to all slips of
-/// that step: near v = 0 the law can reverse within one step.
-fn friction_range(law: &FrictionLaw, slips_m_s: [f64; 2]) -> [f64; 2] {
-    if law.bristle.is_some() {
-        // The slip does not determine the force of a bristle, which is only bounded by the cone.
-        let limit = slips_m_s.into_iter().map(|slip| friction_cone(law, slip).0).fold(0.0, f64::max);
-        return [-limit, limit];
-    }
-    let [from, to] = [slips_m_s[0].min(slips_m_s[1]), slips_m_s[0].max(slips_m_s[1])];
-    let peaks = [-law.v_static_m_s, law.v_static_m_s].into_iter().filter(|peak| (from..=to).contains(peak));
-    let ratios = [from, to].into_iter().chain(peaks).map(|slip| -friction_coefficient(law, slip).0);
-    ratios.fold([f64::INFINITY, f64::NEG_INFINITY], |[lower, upper], ratio| [lower.min(ratio), upper.max(ratio)])
 }
 
 /// Depth at which the spring of the law alone stores this energy; infinite without a spring.
@@ -284,8 +270,8 @@ fn monitored_contacts(scene: &Scene) -> Vec<MonitoredContact> {
     });
     let arm_m = |finger: usize| hand.fingers.get(finger).map_or(LIMIT_ARM_M, |finger| finger.linkage.lengths.l22_m);
     let limits = mechanism.limits().into_iter().map(|limit| {
-        let is_revolute = mechanism.joints[limit.joint].kind == JointKind::Revolute;
-        let reach_m = if is_revolute { arm_m(limit.joint / FINGER_JOINTS.len()) } else { 1.0 };
+        let is_angle = mechanism.joints[limit.joint].kind.is_angle();
+        let reach_m = if is_angle { arm_m(limit.joint / FINGER_JOINTS.len()) } else { 1.0 };
         monitored(mechanism.limit_name(&limit), (limit.law, None), Invariant::JointLimit, reach_m)
     });
     points.chain(limits).collect()

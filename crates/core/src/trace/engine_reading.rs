@@ -86,7 +86,7 @@ pub(super) fn stored_energy(motion: &Motion) -> Energy {
         gravity_j,
         spring_j,
         elastic_j: with_law.map(|candidate| elastic_energy(&candidate.law, -candidate.gap)).sum::<f64>()
-            + motion.bristle_energy(),
+            + motion.friction_energy(),
         ..Energy::default()
     }
 }

@@ -104,6 +104,16 @@ impl Kernel for MechanismModel {
         Some((kernel, State { q, v, z: state.z.clone() }, mode))
     }
 
+    fn in_coordinates_of(
+        &self,
+        other: &Self,
+        state: &State<Dynamic>,
+        mode: &MechanismMode,
+    ) -> Option<(Self, State<Dynamic>, MechanismMode)> {
+        let (kernel, (q, v), mode) = self.in_coordinates_of(other, (&state.q, &state.v), mode)?;
+        Some((kernel, State { q, v, z: state.z.clone() }, mode))
+    }
+
     fn has_coordinates_of(&self, other: &Self) -> bool {
         self.has_coordinates_of(other)
     }

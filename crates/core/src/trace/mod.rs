@@ -46,5 +46,6 @@ pub(crate) use analytic::with_kernel;
 pub(crate) use grid::{RecordingOptions, Span};
 pub(crate) use model::check_supported;
 pub(crate) use reading::{Kernel, KernelUser, Start};
+pub(crate) use recorder::StepObserver;
 pub(crate) use sampled::has_sampled_servos;
 pub(crate) use stepper::{AnalyticStepper, Interruption, Stepper};

@@ -37,7 +37,7 @@ pub(crate) trait Kernel:
         (0..contacts).find(|contact| self.contact_index(*contact) == index)
     }
 
-    /// Whether bristle friction slips at a contact; `None` if the contact is inactive, has no bristle, or the mode does
+    /// Whether friction with stiction slips at a contact; `None` if the contact is inactive, has no stiction, or the mode does
     /// not record it.
     fn is_slipping(&self, index: usize, mode: &Self::Mode) -> Option<bool>;
 
@@ -60,6 +60,17 @@ pub(crate) trait Kernel:
     /// are none.
     fn exchanged(
         &self,
+        _state: &State<Self::Layout>,
+        _mode: &Self::Mode,
+    ) -> Option<(Self, State<Self::Layout>, Self::Mode)> {
+        None
+    }
+
+    /// This kernel in the coordinates of another one of the same structure, with a state and its mode in these; `None` if it has
+    /// these coordinates.
+    fn in_coordinates_of(
+        &self,
+        _other: &Self,
         _state: &State<Self::Layout>,
         _mode: &Self::Mode,
     ) -> Option<(Self, State<Self::Layout>, Self::Mode)> {
@@ -166,7 +177,7 @@ impl<const N: usize, const W: usize> Kernel for FingerMotion<N, W> {
     }
 
     fn is_slipping(&self, index: usize, mode: &FingerMode) -> Option<bool> {
-        mode.is_slipping(index).filter(|_| self.bristle(FingerContact::ALL[index]).is_some())
+        mode.is_slipping(index).filter(|_| self.has_stiction(FingerContact::ALL[index]))
     }
 
     fn contact_count(&self) -> usize {

@@ -9,7 +9,7 @@ use super::reading::Kernel;
 use super::{ContactSummary, Energy, EventKind, Exit, Outcome, RequiredData, Sample, Sink, SinkError, Work};
 use crate::analytic::ContactState;
 use crate::analytic::mechanism::EXCHANGE_SINE;
-use crate::integrator::{Layout, Observer, State, Step, StepTools, System};
+use crate::integrator::{Layout, Observer, State, Step, StepTools};
 
 /// Memory for states inside a step, and the normal impulses at the last sample.
 #[derive(Clone)]
@@ -82,15 +82,18 @@ impl<R: Kernel> Interior<'_, R> {
 }
 
 /// Another observer of the steps that are recorded.
-pub(super) type StepObserver<'a, R> = dyn Observer<<R as System>::Layout, <R as System>::Mode> + 'a;
+pub(crate) trait StepObserver<R: Kernel>: Observer<R::Layout, R::Mode> {
+    /// Called where a kernel in other coordinates takes over, with the state and the mode at the end of the last step.
+    fn exchange(&mut self, kernel: &R, state: &State<R::Layout>, mode: &R::Mode);
+}
 
 /// Observer that records a run of the analytic model.
-pub(super) struct Recorder<'a, 'o, R: Kernel> {
+pub(super) struct Recorder<'a, R: Kernel> {
     pub kernel: &'a R,
     pub sink: &'a mut dyn Sink,
     pub state: &'a mut RecorderState<R>,
     /// Observer that receives each step and event first.
-    pub observer: Option<&'a mut StepObserver<'o, R>>,
+    pub observer: Option<&'a mut dyn StepObserver<R>>,
     pub error: Option<SinkError>,
 }
 
@@ -207,7 +210,7 @@ impl<R: Kernel> RecorderState<R> {
     }
 }
 
-impl<R: Kernel> Recorder<'_, '_, R> {
+impl<R: Kernel> Recorder<'_, R> {
     /// Emits the touch-downs of contacts that exist at the start, and the first sample.
     pub fn begin(&mut self) -> Result<(), SinkError> {
         for (index, tracker) in self.state.trackers.iter_mut().enumerate() {
@@ -448,7 +451,7 @@ fn exceeds_summaries(trackers: &[ContactTracker], sample: &Sample) -> bool {
 /// Position just after the start of a step.
 const STEP_START: f64 = 1e-9;
 
-impl<R: Kernel> Observer<R::Layout, R::Mode> for Recorder<'_, '_, R> {
+impl<R: Kernel> Observer<R::Layout, R::Mode> for Recorder<'_, R> {
     fn step(&mut self, step: &Step<R::Layout>, mode: &R::Mode, tools: &mut dyn StepTools<R::Layout>) -> bool {
         if let Some(observer) = &mut self.observer
             && !observer.step(step, mode, tools)
@@ -518,9 +521,7 @@ impl<R: Kernel> Observer<R::Layout, R::Mode> for Recorder<'_, '_, R> {
             self.state.exchange_below = EXCHANGE_SINE;
             return false;
         }
-        // Derivatives are not carried over.
-        self.state.is_suspended =
-            self.observer.is_none() && self.kernel.conditioning(state, mode) < self.state.exchange_below;
+        self.state.is_suspended = self.kernel.conditioning(state, mode) < self.state.exchange_below;
         self.state.is_suspended
     }
 }

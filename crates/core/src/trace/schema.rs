@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use crate::gripper::FingerContact;
-use crate::mechanism::{Joint, JointKind, Mechanism};
+use crate::mechanism::{Joint, Mechanism};
 use crate::scene::{FINGER_JOINTS, HandContact, Object, Scene, Side};
 use std::collections::HashSet;
 use std::ops::Range;
@@ -470,7 +470,7 @@ impl Schema {
     }
 
     fn from_mechanism(mechanism: &Mechanism) -> Self {
-        let is_linear = |joint: &Joint| matches!(joint.kind, JointKind::Prismatic { .. });
+        let is_linear = |joint: &Joint| !joint.kind.is_angle();
         let joint_name = |name: &str, joint| JointName { name: name.to_string(), is_linear: is_linear(joint) };
         let contact = |name, is_angular| ContactName { name, is_angular };
         let surfaces = mechanism.point_contacts().into_iter().map(|point| contact(point.name, false));

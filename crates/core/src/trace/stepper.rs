@@ -5,7 +5,7 @@ use super::reading::{Kernel, Start};
 use super::recorder::{Recorder, RecorderState, StepObserver};
 use super::{Outcome, Sample, Sink, SinkError, Work};
 use crate::drive::Profile;
-use crate::integrator::{self, Counters, Failure, Hybrid, Integration, Options, RadauOrRodas, Reason, Tolerances};
+use crate::integrator::{self, Counters, Failure, Hybrid, Integration, Options, RadauOrRodas, Tolerances};
 use crate::scene::{Integrator, Method};
 
 /// Reason why a stepper did not advance.
@@ -79,10 +79,8 @@ impl<M: Kernel + Hybrid> AnalyticStepper<M> {
         t: f64,
         exact: bool,
         sink: &mut dyn Sink,
-        observer: Option<&mut StepObserver<'_, M>>,
+        mut observer: Option<&mut dyn StepObserver<M>>,
     ) -> Result<(), Interruption> {
-        let has_observer = observer.is_some();
-        let mut observer = observer;
         loop {
             let end_s = f64::from(self.durations) * self.duration_s;
             let until_s = t.min(end_s);
@@ -90,7 +88,7 @@ impl<M: Kernel + Hybrid> AnalyticStepper<M> {
                 kernel: &self.kernel,
                 sink: &mut *sink,
                 state: &mut self.recorder,
-                observer: observer.as_deref_mut(),
+                observer: reborrow(&mut observer),
                 error: None,
             };
             let result = match exact {
@@ -100,9 +98,9 @@ impl<M: Kernel + Hybrid> AnalyticStepper<M> {
             if let Some(error) = recorder.error.take() {
                 return Err(error.into());
             }
-            result.map_err(|failure| if has_observer { self.without_exchange(failure) } else { failure })?;
+            result?;
             if self.recorder.take_suspended() {
-                self.exchange();
+                self.exchange(reborrow(&mut observer));
                 continue;
             }
             if t <= end_s {
@@ -113,32 +111,29 @@ impl<M: Kernel + Hybrid> AnalyticStepper<M> {
     }
 
     /// Continues from the end of the last step in other coordinates, if some are much better conditioned there.
-    fn exchange(&mut self) {
+    fn exchange(&mut self, observer: Option<&mut dyn StepObserver<M>>) {
         let (state, mode) = (self.integration.state(), self.integration.mode());
         match self.kernel.exchanged(state, mode) {
             None => self.recorder.keep(self.kernel.conditioning(state, mode)),
             Some((kernel, state, mode)) => {
                 self.kernel = kernel;
+                if let Some(observer) = observer {
+                    observer.exchange(&self.kernel, &state, &mode);
+                }
                 self.recorder.exchange(&state, &mode);
                 self.integration.restart(&self.kernel, state, mode);
             }
         }
     }
-
-    /// The failure of a run with derivatives, which are not carried over to other coordinates.
-    fn without_exchange(&self, failure: Failure) -> Failure {
-        let is_obstacle = matches!(failure.reason, Reason::Obstacle(_));
-        if is_obstacle && self.kernel.exchanged(self.integration.state(), self.integration.mode()).is_some() {
-            let reason = Reason::Obstacle(format!("{NO_DERIVATIVES} ({})", failure.reason));
-            return Failure { reason, ..failure };
-        }
-        failure
-    }
 }
 
-/// Why a run with derivatives ends where another one goes on.
-const NO_DERIVATIVES: &str = "derivatives end where the model exchanges its coordinates: give a joint a `start` whose \
-     coordinate lasts for the whole run, or shorten the run";
+/// The observer for a shorter time.
+fn reborrow<'a, M: Kernel>(observer: &'a mut Option<&mut dyn StepObserver<M>>) -> Option<&'a mut dyn StepObserver<M>> {
+    match observer {
+        Some(observer) => Some(*observer),
+        None => None,
+    }
+}
 
 impl<M: Kernel + Hybrid> Stepper for AnalyticStepper<M> {
     fn begin(&mut self, sink: &mut dyn Sink) -> Result<(), SinkError> {

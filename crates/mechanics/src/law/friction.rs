@@ -1,39 +1,48 @@
-//! Friction law: regularised Coulomb with stiction peak (thesis (2.35), Fig. 2.9, errata 8).
+//! Friction laws, and the interface by which models use any of them.
+//!
+//! A law is an arm of [`FrictionKind`] with a file of its own: its force, the rate of its internal state, the ranges of slip
+//! within which it is smooth, and an implicit step. Models call the methods of [`FrictionLaw`] only.
 
-use super::{FrictionLaw, smoothstep};
+use super::bristle::{self, Bristle};
+use super::regularised;
 use crate::numeric::Real;
 
-/// μ(v) and dμ/dv, odd in the slip velocity `v` (m/s).
-///
-/// |v| < v_s: μ_s [2 σ((v + v_s)/(2 v_s)) − 1];  v_s ≤ |v| < v_d: μ_s + (μ_d − μ_s) σ((|v| − v_s)/(v_d − v_s));
-/// beyond: μ_d. The force on the sliding surface is −μ(v) F_n.
-#[inline(always)]
-pub fn friction_coefficient(law: &FrictionLaw, v: f64) -> (f64, f64) {
-    let speed = v.abs();
-    if speed < law.v_static_m_s {
-        let (sigma, slope) = smoothstep((v + law.v_static_m_s) / (2.0 * law.v_static_m_s));
-        (law.mu_static * (2.0 * sigma - 1.0), law.mu_static * slope / law.v_static_m_s)
-    } else {
-        let width = law.v_dynamic_m_s - law.v_static_m_s;
-        let mu_change = law.mu_dynamic - law.mu_static;
-        let (sigma, slope) = smoothstep((speed - law.v_static_m_s) / width);
-        ((law.mu_static + mu_change * sigma).copysign(v), mu_change * slope / width)
-    }
+/// Parameters of a friction law: the coefficient over the slip rate, which all laws share, and the law itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionLaw {
+    pub mu_static: f64,
+    pub mu_dynamic: f64,
+    /// v_s: slip rate at which μ reaches μ_s.
+    pub v_static_m_s: f64,
+    /// v_d: slip rate from which μ = μ_d.
+    pub v_dynamic_m_s: f64,
+    pub kind: FrictionKind,
 }
 
-/// Friction on the sliding surface, −μ(v) F_n along the tangent (thesis (2.35)): `slip` in m/s, `normal` in N.
-#[inline(always)]
-pub fn friction_force<T: Real>(law: &FrictionLaw, slip: T, normal: T) -> T {
-    let (mu, slope) = friction_coefficient(law, slip.value());
-    slip.chain(mu, slope) * -normal
+/// The friction laws.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FrictionKind {
+    /// Regularised Coulomb friction (thesis (2.35), errata 8), which creeps.
+    Regularised,
+    /// Friction with stiction, which holds without creep.
+    Bristle(Bristle),
 }
 
-/// Ranges of slip within which the law is a single polynomial.
+/// Slip (m/s), internal state, and normal force (N) of a contact.
+#[derive(Clone, Copy, Debug)]
+pub struct FrictionPoint {
+    pub slip: f64,
+    /// 0 for a law without a state.
+    pub state: f64,
+    pub normal: f64,
+}
+
+/// Ranges of slip within which a law is smooth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrictionRange {
-    /// |v| ≤ v_s.
+    /// Regularised: |v| ≤ v_s. With stiction: the friction is within the cone.
     Sticking,
-    /// v_s < |v| ≤ v_d, with the sign of v given by `forward`.
+    /// Regularised: v_s < |v| ≤ v_d, with the sign of v given by `forward`. With stiction: at the cone, |v| ≤ v_d.
     Transition { forward: bool },
     /// v_d < |v|.
     Sliding { forward: bool },
@@ -41,153 +50,204 @@ pub enum FrictionRange {
     Any,
 }
 
-/// Returns the range of a slip velocity.
-#[inline(always)]
-pub fn friction_range(law: &FrictionLaw, v: f64) -> FrictionRange {
-    let (speed, forward) = (v.abs(), v > 0.0);
-    if speed <= law.v_static_m_s {
-        FrictionRange::Sticking
-    } else if speed <= law.v_dynamic_m_s {
-        FrictionRange::Transition { forward }
-    } else {
-        FrictionRange::Sliding { forward }
+/// Error weight of a slip rate.
+#[derive(Clone, Copy, Debug)]
+pub struct SlipWeight {
+    /// Slip rate over which the law changes, m/s.
+    pub slip_scale: f64,
+    /// Normal force under which an error of the slip counts, N; 0 for an error that always counts.
+    pub normal_force: f64,
+}
+
+/// Result of an implicit step: opposing force, its derivatives by slip and normal force, and the state at the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionStep {
+    pub force: f64,
+    pub d_slip: f64,
+    pub d_normal: f64,
+    pub state: f64,
+}
+
+/// A range ends this part of the finest slip scale beyond its nominal end, so that neighbouring ranges do not alternate.
+pub const RANGE_OVERLAP: f64 = 0.01;
+
+impl From<Option<Bristle>> for FrictionKind {
+    /// Friction with stiction by this bristle; the regularised law without one.
+    fn from(bristle: Option<Bristle>) -> Self {
+        bristle.map_or(FrictionKind::Regularised, FrictionKind::Bristle)
     }
 }
 
-impl FrictionRange {
-    /// Distance of `v` from the nearest end of the range, in m/s; negative outside the range.
+impl FrictionKind {
+    /// Number of internal states: 0 or 1. Models integrate a state with the rates.
     #[inline(always)]
-    pub fn margin(self, law: &FrictionLaw, v: f64) -> f64 {
-        let signed_speed = |forward: bool| if forward { v } else { -v };
+    pub fn states(&self) -> usize {
         match self {
-            FrictionRange::Sticking => law.v_static_m_s - v.abs(),
-            FrictionRange::Transition { forward } => {
-                (signed_speed(forward) - law.v_static_m_s).min(law.v_dynamic_m_s - signed_speed(forward))
-            }
-            FrictionRange::Sliding { forward } => signed_speed(forward) - law.v_dynamic_m_s,
-            FrictionRange::Any => f64::INFINITY,
+            FrictionKind::Regularised => 0,
+            FrictionKind::Bristle(_) => 1,
         }
     }
 
-    /// Returns the adjacent range at the end nearest to `v`.
-    pub fn neighbour(self, law: &FrictionLaw, v: f64) -> Self {
-        let forward = v > 0.0;
+    /// Rate of the internal state of a contact without a force.
+    #[inline(always)]
+    pub fn relaxation<T: Real>(&self, state: T) -> T {
         match self {
-            FrictionRange::Sticking => FrictionRange::Transition { forward },
-            FrictionRange::Transition { .. } => {
-                if v.abs() - law.v_static_m_s < law.v_dynamic_m_s - v.abs() {
-                    FrictionRange::Sticking
-                } else {
-                    FrictionRange::Sliding { forward }
-                }
-            }
-            FrictionRange::Sliding { .. } => FrictionRange::Transition { forward },
-            FrictionRange::Any => FrictionRange::Any,
+            FrictionKind::Regularised => T::zero(),
+            FrictionKind::Bristle(bristle) => bristle.relaxation(state),
+        }
+    }
+
+    /// Internal state after a time without a force, s.
+    pub fn relaxed(&self, state: f64, time_s: f64) -> f64 {
+        match self {
+            FrictionKind::Regularised => state,
+            FrictionKind::Bristle(bristle) => bristle.relaxed(state, time_s),
+        }
+    }
+
+    /// Energy of an internal state, J.
+    pub fn energy(&self, state: f64) -> f64 {
+        match self {
+            FrictionKind::Regularised => 0.0,
+            FrictionKind::Bristle(bristle) => bristle.energy(state),
         }
     }
 }
 
 impl FrictionLaw {
+    /// Whether the law has an internal state; it then holds without creep, and its slip events are reported.
+    #[inline(always)]
+    pub fn has_state(&self) -> bool {
+        self.kind.states() > 0
+    }
+
     /// Width of the narrowest range of the law, in m/s.
     #[inline(always)]
     pub fn min_slip_scale_m_s(&self) -> f64 {
         self.v_static_m_s.min(self.v_dynamic_m_s - self.v_static_m_s)
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::law::{NormalLaw, normal_force, normal_over_gap};
-    use crate::numeric::Dual;
-
-    const LAW: FrictionLaw =
-        FrictionLaw { mu_static: 0.8, mu_dynamic: 0.56, v_static_m_s: 0.1, v_dynamic_m_s: 0.2, bristle: None };
-
-    #[test]
-    fn errata_08_branches_are_continuous_and_the_law_is_odd() {
-        assert_eq!(friction_coefficient(&LAW, 0.0).0, 0.0);
-        for (v, mu) in [(0.1, 0.8), (0.2, 0.56), (5.0, 0.56), (0.15, 0.68)] {
-            assert!((friction_coefficient(&LAW, v).0 - mu).abs() < 1e-14, "{v}");
-            assert_eq!(friction_coefficient(&LAW, -v).0, -friction_coefficient(&LAW, v).0);
-        }
-        for edge in [0.1, 0.2] {
-            let (below, slope_below) = friction_coefficient(&LAW, edge - 1e-12);
-            let (above, slope_above) = friction_coefficient(&LAW, edge + 1e-12);
-            assert!((below - above).abs() < 1e-11 && (slope_below - slope_above).abs() < 1e-8);
-        }
-    }
-
-    #[test]
-    fn ranges_match_the_polynomial_pieces_of_the_law() {
-        use FrictionRange::{Sliding, Sticking, Transition};
-        for (v, range) in [
-            (0.0, Sticking),
-            (-0.1, Sticking),
-            (0.15, Transition { forward: true }),
-            (-0.15, Transition { forward: false }),
-            (0.3, Sliding { forward: true }),
-            (-7.0, Sliding { forward: false }),
-        ] {
-            assert_eq!(friction_range(&LAW, v), range);
-            assert!(range.margin(&LAW, v) >= 0.0, "{v}");
-            assert!(range.margin(&LAW, 0.1001) < 0.0 || v > 0.1 && v < 0.2);
-        }
-        assert_eq!(Transition { forward: false }.neighbour(&LAW, -0.101), Sticking);
-        assert_eq!(Transition { forward: true }.neighbour(&LAW, 0.199), Sliding { forward: true });
-        assert_eq!(Sticking.neighbour(&LAW, -0.0999), Transition { forward: false });
-    }
-
-    #[test]
-    fn slope_matches_central_differences() {
-        for v in [-0.17, -0.03, 0.0, 0.05, 0.13, 0.5] {
-            let step = 1e-6;
-            let slope =
-                (friction_coefficient(&LAW, v + step).0 - friction_coefficient(&LAW, v - step).0) / (2.0 * step);
-            assert!((friction_coefficient(&LAW, v).1 - slope).abs() < 1e-8, "{v}");
-        }
-    }
-
-    #[test]
-    fn coefficient_never_exceeds_the_static_one() {
-        for i in -400..=400 {
-            let v = i as f64 * 1e-3;
-            let mu = friction_coefficient(&LAW, v).0;
-            assert!(mu.abs() <= LAW.mu_static + 1e-15 && mu * v >= 0.0);
-        }
-    }
-
-    const NORMAL: NormalLaw = NormalLaw::step(1e8, 2.2, 1e6, 1e-5);
-    fn contact_forces<T: Real>(gap: T, rate: T, slip: T) -> [T; 2] {
-        let normal = normal_over_gap(|delta, rate| normal_force(&NORMAL, delta, rate), gap, rate);
-        [normal, friction_force(&LAW, slip, normal)]
-    }
-
-    /// The Jacobian of the composed law against its central differences.
-    #[test]
-    fn composed_law_has_exact_derivatives() {
-        let at = [-3e-6, -0.5, 0.07];
-        let step = [1e-11, 1e-6, 1e-7];
-        let dual = contact_forces(Dual::<3>::variable(at[0], 0), Dual::variable(at[1], 1), Dual::variable(at[2], 2));
-        for i in 0..3 {
-            let shifted = |sign: f64| {
-                let mut x = at;
-                x[i] += sign * step[i];
-                contact_forces(x[0], x[1], x[2])
-            };
-            let (up, down) = (shifted(1.0), shifted(-1.0));
-            for (k, force) in dual.iter().enumerate() {
-                let slope = (up[k] - down[k]) / (2.0 * step[i]);
-                assert!((force.grad[i] - slope).abs() <= 1e-7 * slope.abs().max(1.0), "{i} {k}");
+    /// Friction on the sliding surface, along the tangent, N; `state` is `None` for a law without a state. In a monitored
+    /// range the force is that of its branch, also beyond its end.
+    #[inline(always)]
+    pub fn force<T: Real>(&self, slip: T, state: Option<T>, normal: T, range: FrictionRange) -> T {
+        match (&self.kind, state) {
+            (FrictionKind::Bristle(bristle), Some(state)) => {
+                bristle::force_in_range(self, bristle, [slip, state, normal], range)
+            }
+            (FrictionKind::Bristle(_), None) | (FrictionKind::Regularised, _) => {
+                regularised::friction_force(self, slip, normal)
             }
         }
     }
 
-    #[test]
-    fn friction_opposes_slip_within_the_cone() {
-        for slip in [-1.0, -0.15, -0.01, 0.0, 0.05, 0.3] {
-            let [normal, tangential] = contact_forces(-2e-6, -0.3, slip);
-            assert!(normal > 0.0 && tangential * slip <= 0.0 && tangential.abs() <= 0.8 * normal);
+    /// Contribution of a contact with a friction force to the rate of the internal state, beside its
+    /// [relaxation](FrictionKind::relaxation).
+    #[inline(always)]
+    pub fn state_rate<T: Real>(&self, friction: T) -> T {
+        match &self.kind {
+            FrictionKind::Regularised => T::zero(),
+            FrictionKind::Bristle(bristle) => -friction * bristle.stretch_gain(),
+        }
+    }
+
+    /// Range of the law at a point.
+    #[inline(always)]
+    pub fn range(&self, at: FrictionPoint) -> FrictionRange {
+        match &self.kind {
+            FrictionKind::Regularised => regularised::range(self, at.slip),
+            FrictionKind::Bristle(bristle) => bristle::range(self, bristle, at),
+        }
+    }
+
+    /// Distance of a point from the end of a range, as a slip in m/s; negative beyond the end and its overlap.
+    #[inline(always)]
+    pub fn range_margin(&self, range: FrictionRange, at: FrictionPoint) -> f64 {
+        match &self.kind {
+            FrictionKind::Bristle(bristle) => bristle::range_margin(self, bristle, range, at),
+            FrictionKind::Regularised => regularised::margin(self, range, at.slip) + self.overlap_m_s(range),
+        }
+    }
+
+    /// Distance of a point from the nominal end of a range, as a slip in m/s; negative beyond it.
+    pub fn nominal_margin(&self, range: FrictionRange, at: FrictionPoint) -> f64 {
+        match &self.kind {
+            FrictionKind::Regularised => regularised::margin(self, range, at.slip),
+            FrictionKind::Bristle(_) => self.range_margin(range, at) - self.overlap_m_s(range),
+        }
+    }
+
+    /// Distance by which a range extends beyond its nominal end, in finest slip scales.
+    #[inline(always)]
+    pub fn range_overlap(&self, range: FrictionRange) -> f64 {
+        match (&self.kind, range) {
+            (FrictionKind::Bristle(_), FrictionRange::Sticking | FrictionRange::Transition { .. }) => {
+                bristle::CONE_OVERLAP
+            }
+            _ => RANGE_OVERLAP,
+        }
+    }
+
+    /// The same distance, m/s.
+    #[inline(always)]
+    fn overlap_m_s(&self, range: FrictionRange) -> f64 {
+        self.range_overlap(range) * self.min_slip_scale_m_s()
+    }
+
+    /// Range beyond the nearest end of a range.
+    pub fn neighbour_range(&self, range: FrictionRange, at: FrictionPoint) -> FrictionRange {
+        match &self.kind {
+            FrictionKind::Regularised => regularised::neighbour(self, range, at.slip),
+            FrictionKind::Bristle(bristle) => bristle::neighbour_range(self, bristle, range, at),
+        }
+    }
+
+    /// Whether a step may leave a range and return to it: within it, the law is smooth beyond its ends.
+    #[inline(always)]
+    pub fn may_return_to(&self, range: FrictionRange) -> bool {
+        range == FrictionRange::Sticking && !self.has_state()
+    }
+
+    /// Error weight of the slip in a range under a normal force, N; with a state, of the sum of slip and state. `None` if
+    /// the force hardly depends on it.
+    #[inline(always)]
+    pub fn slip_weight(&self, range: FrictionRange, normal: f64) -> Option<SlipWeight> {
+        match (&self.kind, range) {
+            (FrictionKind::Bristle(bristle), FrictionRange::Sticking) => Some(SlipWeight {
+                slip_scale: bristle::sticking_slip(bristle, self.mu_static * normal.max(0.0)),
+                normal_force: 0.0,
+            }),
+            (FrictionKind::Bristle(_), _) | (_, FrictionRange::Sliding { .. } | FrictionRange::Any) => None,
+            (FrictionKind::Regularised, _) => {
+                Some(SlipWeight { slip_scale: self.min_slip_scale_m_s(), normal_force: normal.max(0.0) })
+            }
+        }
+    }
+
+    /// Bounds of the ratio of friction to normal force while the slip changes between two values, m/s.
+    pub fn ratio_bounds(&self, slips: [f64; 2]) -> [f64; 2] {
+        match &self.kind {
+            FrictionKind::Regularised => regularised::ratio_bounds(self, slips),
+            FrictionKind::Bristle(_) => bristle::ratio_bounds(self, slips),
+        }
+    }
+
+    /// Friction at the end of an implicit Euler step of length `h`, s; `at` has the slip and the normal force at its end, and
+    /// the state at its start. `one_way` resists negative slip only.
+    #[inline(always)]
+    pub fn implicit_step(&self, at: FrictionPoint, h: f64, one_way: bool) -> FrictionStep {
+        match &self.kind {
+            FrictionKind::Regularised => regularised::implicit_step(self, at, one_way),
+            FrictionKind::Bristle(bristle) => bristle::implicit_step(self, bristle, at, h, one_way),
+        }
+    }
+
+    /// Force of an internal state, N, and slip rate over which friction below this limit, N, changes while it sticks, m/s;
+    /// `None` for a law without a state.
+    pub fn sticking_scales(&self, state: f64, limit: f64) -> Option<[f64; 2]> {
+        match &self.kind {
+            FrictionKind::Regularised => None,
+            FrictionKind::Bristle(Bristle { damping_n_s_per_m: c, .. }) => Some([c * state.abs(), limit / c]),
         }
     }
 }

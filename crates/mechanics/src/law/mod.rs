@@ -5,14 +5,16 @@
 mod bristle;
 mod friction;
 mod hunt_crossley;
+mod regularised;
 mod restitution;
 mod step;
 
 use crate::numeric::Real;
 use crate::numeric::elementary::{pow, powi};
 
-pub use bristle::{Bristle, BristleStep, bristle_force, friction_cone, friction_with_state, implicit_bristle_step};
-pub use friction::{FrictionRange, friction_coefficient, friction_force, friction_range};
+pub use bristle::Bristle;
+pub use friction::{FrictionKind, FrictionLaw, FrictionPoint, FrictionRange, FrictionStep, RANGE_OVERLAP, SlipWeight};
+pub use regularised::{friction_coefficient, friction_force};
 pub use restitution::damping_from_restitution;
 pub use step::smoothstep;
 
@@ -91,31 +93,11 @@ impl NormalLaw {
     }
 }
 
-/// Parameters of the regularised Coulomb law (thesis (2.35), errata 8), or of friction with stiction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrictionLaw {
-    pub mu_static: f64,
-    pub mu_dynamic: f64,
-    /// v_s: slip speed at which μ reaches μ_s.
-    pub v_static_m_s: f64,
-    /// v_d: slip speed from which μ = μ_d.
-    pub v_dynamic_m_s: f64,
-    /// Bristle of the stiction law; `None` selects the regularised law.
-    pub bristle: Option<Bristle>,
-}
-
 /// Law of one contact: normal law and friction law; without a friction law the contact is frictionless.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLaw {
     pub normal: NormalLaw,
     pub friction: Option<FrictionLaw>,
-}
-
-impl ContactLaw {
-    /// Bristle of the stiction law; `None` for the regularised law and without friction.
-    pub fn bristle(&self) -> Option<Bristle> {
-        self.friction.and_then(|friction| friction.bristle)
-    }
 }
 
 /// A force with its derivatives with respect to penetration and penetration rate.

@@ -6,10 +6,10 @@
 
 use std::borrow::Cow;
 
+use super::joint::{Terms, coordinate, joint_conditions};
 use super::{Body, Joint, JointKind, Mechanism, Pose};
 use crate::numeric::MORE_DECIMALS;
-use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{Vector, add, dot, perp, rotate, sub};
+use crate::numeric::plane::dot;
 
 /// Assembled state of all bodies, in the order of the mechanism.
 #[derive(Clone, Debug, PartialEq)]
@@ -508,83 +508,6 @@ fn largest(rows: &[Row]) -> f64 {
 
 fn inner(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// Gradient of a scalar by the poses of a joint's two bodies.
-enum Terms {
-    /// θ_B − θ_A.
-    Angle,
-    Point([[f64; 3]; 2]),
-}
-
-impl Terms {
-    fn by_pose(self) -> [Pose; 2] {
-        match self {
-            Terms::Angle => [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]],
-            Terms::Point(by_pose) => by_pose,
-        }
-    }
-}
-
-/// Lever arm of a joint's point in the world, and the point.
-fn point(joint: &Joint, side: usize, poses: &[Pose]) -> (Vector<f64>, Vector<f64>) {
-    let [x, y, angle] = joint.bodies[side].map_or([0.0; 3], |body| poses[body]);
-    let (sin, cos) = sin_cos(angle);
-    let arm = rotate(joint.points_m[side], [cos, sin]);
-    (arm, add([x, y], arm))
-}
-
-fn angle(joint: &Joint, poses: &[Pose]) -> f64 {
-    let [a, b] = joint.bodies.map(|body| body.map_or(0.0, |body| poses[body][2]));
-    b - a - joint.offset_rad
-}
-
-/// Unit vector of a prismatic joint's axis.
-fn axis(joint: &Joint, axis_rad: f64, poses: &[Pose]) -> Vector<f64> {
-    let (sin, cos) = sin_cos(axis_rad + joint.bodies[0].map_or(0.0, |body| poses[body][2]));
-    [cos, sin]
-}
-
-/// n·(P_B − P_A) for a direction n that turns with A (`turns`) or is fixed, with its gradient.
-fn along(joint: &Joint, n: Vector<f64>, turns: bool, poses: &[Pose]) -> (f64, Terms) {
-    let [(arm_a, a), (arm_b, b)] = [0, 1].map(|side| point(joint, side, poses));
-    let between = sub(b, a);
-    let by_turning = if turns { dot(perp(n), between) } else { 0.0 };
-    let by_a = [-n[0], -n[1], by_turning - dot(n, perp(arm_a))];
-    (dot(n, between), Terms::Point([by_a, [n[0], n[1], dot(n, perp(arm_b))]]))
-}
-
-/// Both constraints of a joint.
-fn joint_conditions(joint: &Joint, poses: &[Pose]) -> [(f64, Terms); 2] {
-    match joint.kind {
-        JointKind::Revolute => [[1.0, 0.0], [0.0, 1.0]].map(|n| along(joint, n, false, poses)),
-        JointKind::Prismatic { axis_rad } => {
-            [along(joint, perp(axis(joint, axis_rad, poses)), true, poses), (angle(joint, poses), Terms::Angle)]
-        }
-    }
-}
-
-/// Returns the coordinate of a joint in these poses.
-pub fn coordinate_in(joint: &Joint, poses: &[Pose]) -> f64 {
-    coordinate(joint, poses).0
-}
-
-/// Returns the gradient of the coordinate of a joint by the poses of its two bodies.
-pub fn coordinate_gradient(joint: &Joint, poses: &[Pose]) -> [Pose; 2] {
-    coordinate(joint, poses).1.by_pose()
-}
-
-/// Returns the gradients of the two constraints of a joint by the poses of its two bodies.
-pub fn constraint_gradients(joint: &Joint, poses: &[Pose]) -> [[Pose; 2]; 2] {
-    joint_conditions(joint, poses).map(|(_, terms)| terms.by_pose())
-}
-
-/// Coordinate of a joint.
-fn coordinate(joint: &Joint, poses: &[Pose]) -> (f64, Terms) {
-    match joint.kind {
-        JointKind::Revolute => (angle(joint, poses), Terms::Angle),
-        JointKind::Prismatic { axis_rad } => along(joint, axis(joint, axis_rad, poses), true, poses),
-    }
 }
 
 /// Orthonormal basis Q of rows A = L Q, from Gram and Schmidt with reorthogonalisation.

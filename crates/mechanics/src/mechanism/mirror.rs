@@ -4,10 +4,9 @@
 //! Joints of an image have the coordinates, rates and forces of the original.
 
 use super::{
-    Actuator, Body, ContactPair, Coupling, Joint, JointCombination, JointKind, Outline, OutlineId, OutlineShape,
-    PathElement, Rotor, Spring, SpringKind, Tendon,
+    Actuator, Body, ContactPair, Coupling, Joint, JointCombination, Outline, OutlineId, OutlineShape, PathElement,
+    Rotor, Spring, SpringKind, Tendon,
 };
-use std::f64::consts::PI;
 
 /// Indices of the images of bodies and joints; bodies and joints without an image have their own index.
 #[derive(Clone, Copy, Debug)]
@@ -51,22 +50,9 @@ impl Mirror<'_> {
         }
     }
 
-    /// Returns the image of a joint. A revolute joint connects the bodies in the opposite order, so that its coordinate
-    /// has the same sign.
+    /// Returns the image of a joint.
     pub fn joint(&self, joint: &Joint, name: String) -> Joint {
-        let mut bodies = joint.bodies.map(|body| self.of_body(body));
-        let mut points_m = joint.points_m.map(flip);
-        let (kind, offset_rad) = match joint.kind {
-            JointKind::Revolute => {
-                bodies.reverse();
-                points_m.reverse();
-                (JointKind::Revolute, joint.offset_rad)
-            }
-            JointKind::Prismatic { axis_rad } => {
-                (JointKind::Prismatic { axis_rad: PI - axis_rad }, 0.0 - joint.offset_rad)
-            }
-        };
-        Joint { name, kind, bodies, points_m, offset_rad, ..joint.clone() }
+        joint.image(name, joint.bodies.map(|body| self.of_body(body)), flip)
     }
 
     /// Returns the image of a spring.

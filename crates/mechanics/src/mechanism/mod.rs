@@ -6,6 +6,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `joint` | joints: their kinds, coordinates and constraints |
 //! | `mirror` | mirror images: the other side of a gripper |
 //! | `outline` | outlines of bodies and their contacts |
 //! | `overlap` | overlaps of outlines and excesses of limits, as at a wrong start |
@@ -18,21 +19,21 @@ pub mod tendon;
 mod assembly;
 mod assur;
 mod fold;
+mod joint;
 mod mirror;
 mod outline;
 mod overlap;
 
 use crate::drive::{Brake, Profile};
-use crate::law::{Damping, FrictionLaw, NormalLaw};
+use crate::law::{Damping, NormalLaw};
 use crate::numeric::Real;
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, rotate};
 use crate::palm_motion::{self, PalmMotion};
 
-pub use assembly::{
-    AssemblyError, Condition, Measure, Start, assemble, constraint_gradients, coordinate_gradient, coordinate_in,
-};
+pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
 pub use fold::folded_joints;
+pub use joint::{Joint, JointKind, constraint_gradients, coordinate_gradient, coordinate_in};
 pub use mirror::Mirror;
 pub use outline::{
     ContactPair, ForcePoint, Outline, OutlineId, OutlinePoint, OutlineShape, PlaneArea, PointContact, rounded_core,
@@ -93,43 +94,6 @@ pub enum PrescribedMotion {
     ConstantAcceleration { acceleration_m_s2: [f64; 2] },
     /// Motion of a palm, from rest at the origin. Samples of the other bodies are relative to the palm.
     Palm(PalmMotion),
-}
-
-/// A joint between bodies A and B at a point of each, in their frames. Its coordinate is q, its generalised force Q: a
-/// torque on B, or a force on B along the axis, with the reaction on A.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Joint {
-    pub name: String,
-    pub kind: JointKind,
-    pub bodies: [Option<usize>; 2],
-    pub points_m: [[f64; 2]; 2],
-    /// Revolute: q = θ_B − θ_A − offset. Prismatic: θ_B − θ_A = offset.
-    pub offset_rad: f64,
-    /// Coordinate at the start, rad or m; `None` if it follows from other joints.
-    pub start: Option<f64>,
-    pub start_rate: f64,
-    /// Q = −damping q̇, in N·m·s/rad or N·s/m.
-    pub damping: f64,
-    /// Inertia of rotor and gear: ½ armature q̇² of kinetic energy, kg·m² or kg.
-    pub armature: f64,
-    /// Coulomb friction against the rate, N·m or N with rates in rad/s or m/s: the law under a normal force of 1.
-    pub friction: Option<FrictionLaw>,
-    pub lower: Option<f64>,
-    pub upper: Option<f64>,
-    /// Law of both limits; `None` for a joint without limits.
-    pub limit: Option<NormalLaw>,
-    /// Name of its only limit in samples; by default `JOINT_lower` or `JOINT_upper`.
-    pub limit_name: Option<String>,
-}
-
-/// Kind of a joint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum JointKind {
-    Revolute,
-    /// B slides along u = e(θ_A + axis): q = u·(P_B − P_A).
-    Prismatic {
-        axis_rad: f64,
-    },
 }
 
 /// A coordinate q = Σ cᵢ qᵢ − offset over joints i with factors cᵢ: that of one joint, or the mean of two joints at the
@@ -269,14 +233,6 @@ pub struct Limit {
     pub law: NormalLaw,
 }
 
-impl JointKind {
-    /// Whether the coordinate is an angle; otherwise it is a length, and the bodies do not turn against each other.
-    #[inline]
-    pub fn is_angle(&self) -> bool {
-        matches!(self, JointKind::Revolute)
-    }
-}
-
 impl PrescribedMotion {
     /// Returns the pose at time `t` of a frame with this pose and rate at the start.
     #[inline]
@@ -385,28 +341,6 @@ impl Body {
     /// Whether forces affect x, y and θ of the body.
     pub fn moves_by_forces(&self) -> [bool; 3] {
         [true, true, self.rotates()].map(|moves| moves && self.motion.is_none())
-    }
-}
-
-impl Joint {
-    /// A joint without damping, armature, friction and limits, whose coordinate at the start follows from other joints.
-    pub fn new(name: impl Into<String>, kind: JointKind, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2]) -> Self {
-        Self {
-            name: name.into(),
-            kind,
-            bodies,
-            points_m,
-            offset_rad: 0.0,
-            start: None,
-            start_rate: 0.0,
-            damping: 0.0,
-            armature: 0.0,
-            friction: None,
-            lower: None,
-            upper: None,
-            limit: None,
-            limit_name: None,
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Geometry of the cable of a tendon: straight segments between eyelets and pulleys, and wraps around pulleys.
 
-use super::assembly::coordinate_in;
+use super::joint::coordinate_in;
 use super::{Mechanism, PathElement, Pose, Tendon, point_in};
 use crate::numeric::Real;
 use crate::numeric::plane::{Vector, dot, opening_angle, perp, scale, scale_by, sub};

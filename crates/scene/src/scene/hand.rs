@@ -140,12 +140,12 @@ impl Hand {
         self.fingers.iter().map(force).fold(0.0, f64::max)
     }
 
-    /// Whether any contact or brake has stiction, that is, a bristle.
+    /// Whether any contact or brake has stiction, that is, friction with an internal state.
     pub fn has_stiction(&self) -> bool {
         let mut laws = self.contacts().filter_map(|contact| self.contact_laws(contact)?.1);
         let input = self.differential.iter().map(|differential| &differential.motor);
         let mut motors = self.fingers.iter().map(|finger| &finger.motor).chain(input);
-        laws.any(|friction| friction.bristle.is_some())
+        laws.any(|friction| friction.has_state())
             || motors.any(|motor| motor.brake.is_some_and(|brake| brake.bristle.is_some()))
     }
 

@@ -39,12 +39,12 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
             delta: -geometry.gap,
             rate,
             slip,
-            bristle_state: 0.0,
+            friction_state: 0.0,
             normal_row: pad(geometry.normal_row),
             tangent_row: pad(geometry.tangent_row),
         };
-        if let Some(bristle) = Self::bristle_index(contact) {
-            (variables.bristle_state, variables.tangent_row[bristle]) = (v[bristle], 1.0);
+        if let Some(state) = Self::state_index(contact) {
+            (variables.friction_state, variables.tangent_row[state]) = (v[state], 1.0);
         }
         Some(variables)
     }

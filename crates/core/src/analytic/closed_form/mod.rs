@@ -6,4 +6,4 @@ mod finger;
 mod model;
 
 pub use finger::{DistalShape, PassiveJoints, distal, proximal};
-pub use model::{BristleModel, EVENT_FUNCTIONS, FingerMode, FingerMotion, Model, QUADRATURES};
+pub use model::{EVENT_FUNCTIONS, FingerMode, FingerMotion, Model, QUADRATURES, StictionModel};

@@ -1,6 +1,6 @@
 //! The analytic model of one finger: accelerations, their exact Jacobian, and the state of every contact.
 //!
-//! Coordinates are q_a = (q11, q21). If friction has bristles, the rates after theirs are the bristle states σ of both
+//! Coordinates are q_a = (q11, q21). If friction has an internal state, the rates after theirs are the states of both
 //! phalanges; nothing depends on the coordinates at these indices.
 
 use super::finger::{FingerKinematics, FingerModel, PassiveJoints};
@@ -11,9 +11,7 @@ use crate::fivebar::dynamics::{Terms, kinetic_energy, solve_mass};
 use crate::fivebar::kinematics::{Directions, PassiveRates};
 use crate::gripper::FingerContact;
 use crate::integrator::{Fixed, FixedMatrix, Linearised, Rates, State, System};
-use crate::law::{
-    Bristle, FrictionLaw, FrictionRange, elastic_energy, friction_force, friction_with_state, normal_over_gap,
-};
+use crate::law::{FrictionLaw, FrictionRange, elastic_energy, normal_over_gap};
 use crate::numeric::plane::dot;
 use crate::numeric::{Dual, Real, array_from, map_array};
 use crate::scene;
@@ -35,8 +33,8 @@ pub type FingerLayout<const N: usize> = Fixed<N, QUADRATURES>;
 /// Coordinates of a finger.
 pub(super) const FINGER_COORDINATES: usize = 2;
 
-/// Number of bristles, on the proximal and the distal phalanx.
-const BRISTLES: usize = 2;
+/// Number of internal states of friction with stiction, on the proximal and the distal phalanx.
+const STATES: usize = 2;
 
 /// The analytic model of a scene, with all constant terms precomputed. It has N coordinates, and its Jacobian is taken
 /// with respect to W = N + 2 variables: q11, q21, and all rates.
@@ -49,25 +47,25 @@ pub struct FingerMotion<const N: usize, const W: usize> {
     sample_contacts: [usize; FingerContact::ALL.len()],
 }
 
-/// The model of a scene whose friction has no bristles.
+/// The model of a scene whose friction has no internal states.
 pub type Model = FingerMotion<FINGER_COORDINATES, { 2 * FINGER_COORDINATES }>;
 
-/// The model of a scene whose friction has bristles, on the proximal and the distal phalanx.
-pub type BristleModel = FingerMotion<{ FINGER_COORDINATES + BRISTLES }, { 2 * FINGER_COORDINATES + BRISTLES }>;
+/// The model of a scene with stiction: friction has internal states, on the proximal and the distal phalanx.
+pub type StictionModel = FingerMotion<{ FINGER_COORDINATES + STATES }, { 2 * FINGER_COORDINATES + STATES }>;
 
 impl<const N: usize, const W: usize> FingerMotion<N, W> {
-    /// Whether friction has bristles.
-    const HAS_BRISTLES: bool = N > FINGER_COORDINATES;
+    /// Whether friction has internal states.
+    const HAS_STATES: bool = N > FINGER_COORDINATES;
 
     /// Builds the model of a scene.
     ///
     /// # Panics
     ///
-    /// Panics if N does not fit the presence of bristles in the scene.
+    /// Panics if N does not fit the presence of stiction in the scene.
     pub fn new(hand: &scene::Hand) -> Self {
         assert!(
-            Self::HAS_BRISTLES == hand.has_stiction() && W == FINGER_COORDINATES + N,
-            "N and W must match the finger's coordinates and bristles"
+            Self::HAS_STATES == hand.has_stiction() && W == FINGER_COORDINATES + N,
+            "N and W must match the finger's coordinates and internal states"
         );
         let finger = hand.finger(Side::Right);
         let mut sample_contacts = [0; FingerContact::ALL.len()];
@@ -93,26 +91,26 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         State { q: pad([q11_rad, q21_rad]), v: pad([qd11_rad_s, qd21_rad_s]), z: [0.0; QUADRATURES] }
     }
 
-    /// Index of a contact's bristle state among the rates; the joint limit has no bristle.
+    /// Index of the internal state of a contact's friction among the rates; the joint limit has none.
     #[inline(always)]
-    pub(super) fn bristle_index(contact: FingerContact) -> Option<usize> {
-        if Self::HAS_BRISTLES && contact != FingerContact::Limit {
+    pub(super) fn state_index(contact: FingerContact) -> Option<usize> {
+        if Self::HAS_STATES && contact != FingerContact::Limit {
             Some(FINGER_COORDINATES + contact as usize)
         } else {
             None
         }
     }
 
-    /// Returns the bristle of a contact's friction law.
-    pub(crate) fn bristle(&self, contact: FingerContact) -> Option<Bristle> {
-        self.finger.friction_law(contact).and_then(|friction| friction.bristle)
+    /// Whether the friction of a contact has an internal state.
+    pub(crate) fn has_stiction(&self, contact: FingerContact) -> bool {
+        self.finger.friction_law(contact).is_some_and(FrictionLaw::has_state)
     }
 
-    /// All bristles, with the indices of their states among the rates.
+    /// Friction laws with internal states, with the indices of these among the rates.
     #[inline(always)]
-    fn bristles(&self) -> impl Iterator<Item = (usize, Bristle)> {
-        let indexed_bristle = |contact| Self::bristle_index(contact).zip(self.bristle(contact));
-        FingerContact::ALL.into_iter().filter_map(indexed_bristle)
+    fn states(&self) -> impl Iterator<Item = (usize, &FrictionLaw)> {
+        let indexed = |contact| Self::state_index(contact).zip(self.finger.friction_law(contact));
+        FingerContact::ALL.into_iter().filter_map(indexed).filter(|(_, law)| law.has_state())
     }
 
     /// Friction of a contact at these rates.
@@ -124,10 +122,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         v: &[T; N],
         normal: T,
     ) -> T {
-        match Self::bristle_index(contact) {
-            Some(bristle) if Self::HAS_BRISTLES => friction_with_state(law, slip, Some(v[bristle]), normal, range),
-            _ => friction_force(law, slip, normal),
-        }
+        law.force(slip, Self::state_index(contact).map(|state| v[state]), normal, range)
     }
 
     /// Geometry of one contact; `None` where the scene has no such contact.
@@ -147,7 +142,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         Some(self.finger.phalanx_geometry(pose, rates, contact, &object))
     }
 
-    /// q̈_a (2.24) and the rates of bristle states and quadratures, from terms and geometry of the active contacts.
+    /// q̈_a (2.24) and the rates of internal states and quadratures, from terms and geometry of the active contacts.
     #[inline(always)]
     fn accelerations<T: Real>(
         &self,
@@ -158,10 +153,10 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         v: [T; N],
     ) -> ([T; N], [T; QUADRATURES]) {
         let finger_rates = finger_coordinates(&v);
-        let mut bristle_rates = [T::zero(); BRISTLES];
-        if Self::HAS_BRISTLES {
-            self.bristles().for_each(|(index, bristle)| {
-                bristle_rates[index - FINGER_COORDINATES] = v[index] * -bristle.rate();
+        let mut state_rates = [T::zero(); STATES];
+        if Self::HAS_STATES {
+            self.states().for_each(|(index, law)| {
+                state_rates[index - FINGER_COORDINATES] = law.kind.relaxation(v[index]);
             });
         }
         let mut load = self.finger.load(motor_torque, terms, finger_rates);
@@ -187,8 +182,8 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
                 load[0] += geometry.tangent_row[0] * tangential;
                 load[1] += geometry.tangent_row[1] * tangential;
                 contact_power += tangential * slip;
-                if let Some((bristle_index, bristle)) = Self::bristle_index(contact).zip(friction.bristle) {
-                    bristle_rates[bristle_index - FINGER_COORDINATES] += -tangential * bristle.stretch_gain();
+                if let Some(state) = Self::state_index(contact) {
+                    state_rates[state - FINGER_COORDINATES] += friction.state_rate(tangential);
                 }
             }
         }
@@ -197,7 +192,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         let finger_accelerations = solve_mass(&terms.mass, load);
         let mut all = [T::zero(); N];
         all[..FINGER_COORDINATES].copy_from_slice(&finger_accelerations);
-        all[FINGER_COORDINATES..].copy_from_slice(&bristle_rates[..N - FINGER_COORDINATES]);
+        all[FINGER_COORDINATES..].copy_from_slice(&state_rates[..N - FINGER_COORDINATES]);
         (all, quadratures)
     }
 
@@ -271,8 +266,8 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
                 _ => 0.0,
             });
         let mut elastic = springs.iter().sum();
-        if Self::HAS_BRISTLES {
-            elastic += self.bristles().map(|(index, bristle)| bristle.energy(v[index])).sum::<f64>();
+        if Self::HAS_STATES {
+            elastic += self.states().map(|(index, law)| law.kind.energy(v[index])).sum::<f64>();
         }
         let [gravity, spring] = self.finger.potential_energies(&terms.pose);
         let kinetic = kinetic_energy(&terms.mass, finger_coordinates(v));

@@ -1,7 +1,7 @@
 //! Forces of one contact between two surfaces, by the normal law and the friction law, with their derivatives.
 
 use super::mode::{ContactLaws, ContactState, row_dot};
-use crate::law::{NormalForce, NormalLaw, friction_with_state, normal_force, normal_over_gap, unclamped_normal_force};
+use crate::law::{NormalForce, NormalLaw, normal_force, normal_over_gap, unclamped_normal_force};
 use crate::numeric::plane::Vector;
 use crate::numeric::{Dual, Real, array_from};
 
@@ -33,51 +33,50 @@ pub(crate) struct ContactForces<T, const K: usize> {
     pub power: T,
     /// Generalised loads on the K coordinates.
     pub load: [T; K],
-    /// Contribution of the friction force T to the rate of the bristle state, k T/c².
-    pub bristle_rate: T,
+    /// Contribution of the friction force to the rate of the internal state of the law.
+    pub state_rate: T,
 }
 
-/// A number with its derivatives by the P positions of the contact geometry, the K rates, and the bristle state.
+/// A number with its derivatives by the P positions of the contact geometry, the K rates, and the internal state of friction.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WithDerivatives<const P: usize, const K: usize> {
     pub value: f64,
     pub by_q: [f64; P],
     pub by_v: [f64; K],
-    pub by_bristle: f64,
+    pub by_state: f64,
 }
 
 impl<const P: usize, const K: usize> Default for WithDerivatives<P, K> {
     fn default() -> Self {
-        Self { value: 0.0, by_q: [0.0; P], by_v: [0.0; K], by_bristle: 0.0 }
+        Self { value: 0.0, by_q: [0.0; P], by_v: [0.0; K], by_state: 0.0 }
     }
 }
 
-/// Normal force, friction, and rate of the bristle state due to them, at a gap, gap rate, slip and bristle state.
+/// Normal force, friction, and rate of its internal state due to them, at a gap, gap rate, slip and state.
 #[inline(always)]
 fn normal_and_friction<T: Real>([gap, gap_rate, slip]: [T; 3], state: Option<T>, laws: ContactLaws<'_>) -> [T; 3] {
     let normal =
         normal_over_gap(|depth, speed| normal_force_on_branch(laws.normal, laws.state, depth, speed), gap, gap_rate);
     let Some(friction) = laws.friction else { return [normal, T::zero(), T::zero()] };
-    let tangential = friction_with_state(friction, slip, state, normal, laws.range);
-    let bristle_rate = friction.bristle.map_or(T::zero(), |bristle| -tangential * bristle.stretch_gain());
-    [normal, tangential, bristle_rate]
+    let tangential = friction.force(slip, state, normal, laws.range);
+    [normal, tangential, friction.state_rate(tangential)]
 }
 
-/// Forces of a contact at the rates `v`; `bristle_state` is `None` if friction has no bristle.
+/// Forces of a contact at the rates `v`; `state` is `None` if friction has no internal state.
 #[inline(always)]
 pub(crate) fn contact_forces<const K: usize>(
     kinematics: &ContactKinematics<f64, K>,
     v: &[f64; K],
-    bristle_state: Option<f64>,
+    state: Option<f64>,
     laws: ContactLaws<'_>,
 ) -> ContactForces<f64, K> {
     let (gap_rate, slip) = (row_dot(&kinematics.normal_row, v), row_dot(&kinematics.tangent_row, v));
-    let [normal, tangential, bristle_rate] = normal_and_friction([kinematics.gap, gap_rate, slip], bristle_state, laws);
+    let [normal, tangential, state_rate] = normal_and_friction([kinematics.gap, gap_rate, slip], state, laws);
     ContactForces {
         normal,
         power: normal * gap_rate + tangential * slip,
         load: array_from(|k| kinematics.normal_row[k] * normal + kinematics.tangent_row[k] * tangential),
-        bristle_rate,
+        state_rate,
     }
 }
 
@@ -86,21 +85,21 @@ pub(crate) fn contact_forces<const K: usize>(
 pub(crate) fn contact_forces_with_derivatives<const P: usize, const K: usize>(
     kinematics: &ContactKinematics<Dual<P>, K>,
     v: &[f64; K],
-    bristle_state: Option<f64>,
+    state: Option<f64>,
     laws: ContactLaws<'_>,
 ) -> ContactForces<WithDerivatives<P, K>, K> {
-    match bristle_state {
+    match state {
         None => differentiate_forces::<P, K, 3>(kinematics, v, None, laws),
-        Some(bristle_state) => differentiate_forces::<P, K, 4>(kinematics, v, Some(bristle_state), laws),
+        Some(state) => differentiate_forces::<P, K, 4>(kinematics, v, Some(state), laws),
     }
 }
 
-/// Differentiates with respect to the D variables of the laws: gap, gap rate, slip, and the bristle state if D is 4.
+/// Differentiates with respect to the D variables of the laws: gap, gap rate, slip, and the internal state if D is 4.
 #[inline(always)]
 fn differentiate_forces<const P: usize, const K: usize, const D: usize>(
     kinematics: &ContactKinematics<Dual<P>, K>,
     v: &[f64; K],
-    bristle_state: Option<f64>,
+    state: Option<f64>,
     laws: ContactLaws<'_>,
 ) -> ContactForces<WithDerivatives<P, K>, K> {
     let values = |row: &[Dual<P>; K]| array_from(|k| row[k].value);
@@ -109,16 +108,13 @@ fn differentiate_forces<const P: usize, const K: usize, const D: usize>(
     let rate = |row: &[Dual<P>; K]| (1..K).fold(row[0] * v[0], |sum, k| sum + row[k] * v[k]);
     let arguments = [kinematics.gap, rate(&kinematics.normal_row), rate(&kinematics.tangent_row)];
     let [gap, gap_rate, slip] = array_from(|i| Dual::<D>::variable(arguments[i].value, i));
-    let [normal, tangential, bristle_rate] = normal_and_friction(
-        [gap, gap_rate, slip],
-        bristle_state.map(|bristle_state| Dual::variable(bristle_state, D - 1)),
-        laws,
-    );
+    let [normal, tangential, state_rate] =
+        normal_and_friction([gap, gap_rate, slip], state.map(|state| Dual::variable(state, D - 1)), laws);
     let with_derivatives = |force: Dual<D>| WithDerivatives {
         value: force.value,
         by_q: array_from(|j| (0..3).map(|i| force.grad[i] * arguments[i].grad[j]).sum()),
         by_v: array_from(|k| force.grad[1] * normal_row[k] + force.grad[2] * tangent_row[k]),
-        by_bristle: if D > 3 { force.grad[D - 1] } else { 0.0 },
+        by_state: if D > 3 { force.grad[D - 1] } else { 0.0 },
     };
     let (normal_force, friction) = (with_derivatives(normal), with_derivatives(tangential));
     let load = |k: usize| {
@@ -131,13 +127,13 @@ fn differentiate_forces<const P: usize, const K: usize, const D: usize>(
                     + (n.grad[j] * normal.value + t.grad[j] * tangential.value)
             }),
             by_v: array_from(|j| n.value * normal_force.by_v[j] + t.value * friction.by_v[j]),
-            by_bristle: t.value * friction.by_bristle,
+            by_state: t.value * friction.by_state,
         }
     };
     ContactForces {
         normal: normal_force,
         power: with_derivatives(normal * gap_rate + tangential * slip),
         load: array_from(load),
-        bristle_rate: with_derivatives(bristle_rate),
+        state_rate: with_derivatives(state_rate),
     }
 }

@@ -4,7 +4,7 @@ use std::ops::{Index, IndexMut};
 
 use crate::integrator::{EventFunction, EventSet, Layout, RootSearch, Vector, VectorOf, WeightedQuantity};
 use crate::law::{
-    Bristle, Damping, FrictionLaw, FrictionRange, NormalLaw, damping, friction_cone, friction_range, is_damped,
+    Damping, FrictionLaw, FrictionPoint, FrictionRange, NormalLaw, RANGE_OVERLAP, SlipWeight, damping, is_damped,
     spring_force, unclamped_normal_force,
 };
 
@@ -42,7 +42,7 @@ pub enum DamperRange {
 
 /// Branch of the normal law of one contact, and the ranges of its friction law and damper.
 ///
-/// The ranges change no force, except that a bristle keeps the branch of its law up to the event that ends the range. They
+/// The ranges change no force, except that friction with stiction keeps the branch of its law up to the event that ends the range. They
 /// prevent a step from skipping a part of a law, such as the whole sticking range between sliding in one direction and
 /// sliding in the other, which neither the stages of the step nor its error estimate would detect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,8 +124,8 @@ pub struct ContactVariables<'a, R> {
     pub delta: f64,
     pub rate: f64,
     pub slip: f64,
-    /// Bristle state σ.
-    pub bristle_state: f64,
+    /// Internal state of the friction law; 0 for a law without one.
+    pub friction_state: f64,
     pub normal_row: R,
     pub tangent_row: R,
 }
@@ -144,11 +144,6 @@ impl SpringDamperForce {
     }
 }
 
-/// A margin of this part of the friction cone plus [`CONE_TOLERANCE_N`] counts as the finest slip scale of the law.
-const CONE_RELATIVE_TOLERANCE: f64 = 0.1;
-/// Absolute part of that margin, N.
-const CONE_TOLERANCE_N: f64 = 1e-3;
-
 impl<R: Row> ContactVariables<'_, R> {
     #[inline(always)]
     fn force(&self) -> SpringDamperForce {
@@ -159,71 +154,15 @@ impl<R: Row> ContactVariables<'_, R> {
         SpringDamperForce { spring: spring_force(self.law, self.delta), damper }
     }
 
-    /// Margin between the friction force of a bristle and the cone, on one side of the cone, scaled to a slip in m/s.
-    fn cone_margin(&self, law: &FrictionLaw, bristle: &Bristle, force: f64, forward: bool) -> f64 {
-        let limit = friction_cone(law, self.slip).0 * force.max(0.0);
-        let friction = bristle.damping_n_s_per_m * (self.bristle_state + self.slip);
-        law.min_slip_scale_m_s() * (limit - if forward { friction } else { -friction })
-            / (CONE_RELATIVE_TOLERANCE * (limit + CONE_TOLERANCE_N))
+    /// Point of the friction law under a normal force, N.
+    #[inline(always)]
+    fn friction_point(&self, normal: f64) -> FrictionPoint {
+        FrictionPoint { slip: self.slip, state: self.friction_state, normal }
     }
 
-    /// Range of the friction law under a normal force; not monitored without a law. A bristle sticks within its cone,
-    /// and has two sliding ranges.
-    fn friction_range(&self, force: f64) -> FrictionRange {
-        let Some(law) = self.friction else { return FrictionRange::Any };
-        let Some(bristle) = &law.bristle else { return friction_range(law, self.slip) };
-        let forward = self.bristle_state + self.slip > 0.0;
-        if self.cone_margin(law, bristle, force, forward) >= 0.0 {
-            FrictionRange::Sticking
-        } else if self.slip.abs() <= law.v_dynamic_m_s {
-            FrictionRange::Transition { forward }
-        } else {
-            FrictionRange::Sliding { forward: self.slip > 0.0 }
-        }
-    }
-
-    /// Margin between the contact and the end of a friction range, as a slip in m/s. Ranges overlap by [`RANGE_MARGIN`],
-    /// those of a bristle at the surface of its cone by [`CONE_OVERLAP`], because the branch beyond is another force.
-    fn range_margin(&self, range: FrictionRange, law: &FrictionLaw, force: f64) -> f64 {
-        let overlap = RANGE_MARGIN * law.min_slip_scale_m_s();
-        match (range, &law.bristle) {
-            (FrictionRange::Sticking, Some(bristle)) => {
-                let [forward, backward] = [true, false].map(|forward| self.cone_margin(law, bristle, force, forward));
-                forward.min(backward)
-            }
-            (FrictionRange::Transition { forward }, Some(bristle)) => {
-                let to_sliding = law.v_dynamic_m_s - self.slip.abs() + overlap;
-                let to_sticking =
-                    CONE_OVERLAP * law.min_slip_scale_m_s() - self.cone_margin(law, bristle, force, forward);
-                to_sticking.min(to_sliding)
-            }
-            _ => range.margin(law, self.slip) + overlap,
-        }
-    }
-
-    /// Friction range beyond the nearest end of a range.
-    fn neighbour_range(&self, range: FrictionRange, force: f64) -> FrictionRange {
-        let Some(law) = self.friction else { return range };
-        let Some(bristle) = &law.bristle else { return range.neighbour(law, self.slip) };
-        match range {
-            FrictionRange::Sticking => FrictionRange::Transition { forward: self.bristle_state + self.slip > 0.0 },
-            FrictionRange::Sliding { forward } => FrictionRange::Transition { forward },
-            FrictionRange::Transition { forward }
-                if -self.cone_margin(law, bristle, force, forward) < law.v_dynamic_m_s - self.slip.abs() =>
-            {
-                FrictionRange::Sticking
-            }
-            FrictionRange::Transition { .. } => FrictionRange::Sliding { forward: self.slip > 0.0 },
-            FrictionRange::Any => FrictionRange::Any,
-        }
-    }
-
-    /// Weighted quantity of a sticking bristle: the sum of slip and bristle state, which the cone bounds tightly.
-    fn sticking_slip(&self, law: &FrictionLaw, force: f64) -> WeightedQuantity {
-        let limit = law.mu_static * force.max(0.0);
-        let slip_scale =
-            law.bristle.map_or(f64::INFINITY, |bristle| (limit + CONE_TOLERANCE_N) / bristle.damping_n_s_per_m);
-        WeightedQuantity::Slip { slip_scale, normal_force: 0.0 }
+    /// Range of the friction law under a normal force, N; not monitored without a law.
+    fn friction_range(&self, normal: f64) -> FrictionRange {
+        self.friction.map_or(FrictionRange::Any, |law| law.range(self.friction_point(normal)))
     }
 }
 
@@ -268,12 +207,7 @@ const MIN_REBOUND_SPEED: f64 = 1e-2;
 /// within one step; interpolation over a long step would keep a force that the law has ended.
 const WEAK_FORCE_RATIO: f64 = 0.5;
 
-/// A range ends this part of its width beyond its nominal end, so that neighbouring ranges do not alternate.
-const RANGE_MARGIN: f64 = 0.01;
-/// Overlap of sticking and transition of a bristle, in the same units: 1e-7 of the limit of the cone. Without it the
-/// ranges alternated for thousands of steps of 1e-13 s where the force stays at the cone.
-const CONE_OVERLAP: f64 = 1e-6;
-/// Tolerance of locating that end, as a fraction of the margin or overlap.
+/// Tolerance of locating the end of a range, as a fraction of its overlap with the next.
 const RANGE_TOLERANCE: f64 = 0.3;
 
 impl<const C: usize> Mode<[ContactMode; C]> {
@@ -372,7 +306,7 @@ impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> Mode<S> {
             }
             if let Some(friction) = contact.friction {
                 events.functions[index + count] = self.slip_event(index, friction, &contact, &force);
-                if let Some(slip) = self.weighted_slip(index, friction, &contact, &force) {
+                if let Some(slip) = self.weighted_slip(index, friction, &force) {
                     contact.tangent_row.write(events.add_weight(index + count, slip).as_mut());
                 }
             }
@@ -392,8 +326,7 @@ impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> Mode<S> {
         match (event / self.count(), contact.friction) {
             (0, _) => self.normal_event(index, event_tolerances, contact, &contact.force()),
             (1, Some(friction)) => {
-                let has_bristle = friction.bristle.is_some();
-                let force = if has_bristle { contact.force() } else { SpringDamperForce::default() };
+                let force = if friction.has_state() { contact.force() } else { SpringDamperForce::default() };
                 self.slip_event(index, friction, contact, &force)
             }
             (1, None) => EventFunction::INACTIVE,
@@ -472,32 +405,18 @@ impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> Mode<S> {
         if !self[index].has_force() || range == FrictionRange::Any {
             return EventFunction::INACTIVE;
         }
-        let (is_sticking, has_bristle) = (range == FrictionRange::Sticking, law.bristle.is_some());
-        let value = contact.range_margin(range, law, force.total());
-        // A regularised step may leave sticking and return; but a sliding step must not miss that it would have stuck.
-        let root_search = if is_sticking && !has_bristle { RootSearch::EndOnly } else { RootSearch::Smooth };
+        let value = law.range_margin(range, contact.friction_point(force.total()));
+        let root_search = if law.may_return_to(range) { RootSearch::EndOnly } else { RootSearch::Smooth };
         EventFunction { value, root_search, is_separated: false, ..EventFunction::INACTIVE }
     }
 
     /// Weighted slip of a contact with a force.
     #[inline(always)]
-    fn weighted_slip<R: Row>(
-        &self,
-        index: usize,
-        law: &FrictionLaw,
-        contact: &ContactVariables<'_, R>,
-        force: &SpringDamperForce,
-    ) -> Option<WeightedQuantity> {
-        match self.friction_range(index) {
-            _ if !self[index].has_force() => None,
-            FrictionRange::Sticking if law.bristle.is_some() => Some(contact.sticking_slip(law, force.total())),
-            _ if law.bristle.is_some() => None,
-            FrictionRange::Sliding { .. } | FrictionRange::Any => None,
-            _ => Some(WeightedQuantity::Slip {
-                slip_scale: law.min_slip_scale_m_s(),
-                normal_force: force.total().max(0.0),
-            }),
-        }
+    fn weighted_slip(&self, index: usize, law: &FrictionLaw, force: &SpringDamperForce) -> Option<WeightedQuantity> {
+        let weight = law.slip_weight(self.friction_range(index), force.total());
+        weight
+            .filter(|_| self[index].has_force())
+            .map(|SlipWeight { slip_scale, normal_force }| WeightedQuantity::Slip { slip_scale, normal_force })
     }
 
     #[inline(always)]
@@ -509,7 +428,7 @@ impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> Mode<S> {
             DamperRange::Engaging => [law.depth_scale_m() - delta, -rate],
             DamperRange::Engaged => [delta - law.depth_scale_m(), rate],
         };
-        let (value, root_search) = (margin + RANGE_MARGIN * law.depth_scale_m(), RootSearch::Gap);
+        let (value, root_search) = (margin + RANGE_OVERLAP * law.depth_scale_m(), RootSearch::Gap);
         EventFunction { value, rate: margin_rate, root_search, is_separated: false }
     }
 
@@ -523,14 +442,11 @@ impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> Mode<S> {
     ) -> f64 {
         let count = self.count();
         if event >= 2 * count {
-            return RANGE_TOLERANCE * RANGE_MARGIN * law.depth_scale_m();
+            return RANGE_TOLERANCE * RANGE_OVERLAP * law.depth_scale_m();
         }
         if event >= count {
             let Some(law) = friction else { return 0.0 };
-            let overlap = match self.friction_range(event - count) {
-                FrictionRange::Sticking | FrictionRange::Transition { .. } if law.bristle.is_some() => CONE_OVERLAP,
-                _ => RANGE_MARGIN,
-            };
+            let overlap = law.range_overlap(self.friction_range(event - count));
             return RANGE_TOLERANCE * overlap * law.min_slip_scale_m_s();
         }
         match self[event] {
@@ -550,12 +466,13 @@ impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> Mode<S> {
             mode.damper_range = if is_engaging { DamperRange::Engaged } else { DamperRange::Engaging };
             return;
         }
-        let force = contact.force().total();
-        let range = contact.friction_range(force);
+        let normal = contact.force().total();
+        let range = contact.friction_range(normal);
         if event >= count {
             // If the range is the old one, the event was located within its margin.
             let is_old = mode.friction_range == range;
-            mode.friction_range = if is_old { contact.neighbour_range(range, force) } else { range };
+            let neighbour = |law: &FrictionLaw| law.neighbour_range(range, contact.friction_point(normal));
+            mode.friction_range = if is_old { contact.friction.map_or(range, neighbour) } else { range };
             return;
         }
         mode.state = match mode.state {

@@ -6,12 +6,11 @@
 //! that are coordinates of the mechanism; the equations are the constraints of the joints that close the loops. For a dyad
 //! they are those of [`super::dyad`].
 
-use super::dyad::{Closure, Transmission, applied, closure, move_joint_between, quadratic_terms};
-use super::motion::{
-    BodyMotion, Motions, Part, axis, carried, carried_bias, column, joint_coordinate, pair, place, triple,
-};
+use super::dyad::{Transmission, applied, move_joint_between};
+use super::joint::{Closure, carried, carried_bias, closure, column, joint_coordinate, misfit, place, quadratic_terms};
+use super::motion::{BodyMotion, Motions, Part, pair, triple};
 use crate::mechanism::structure::Attachment;
-use crate::mechanism::{Joint, JointKind, Mechanism};
+use crate::mechanism::{Joint, Mechanism};
 use crate::numeric::plane::{dot, perp, sub};
 use crate::numeric::{Dual, Real};
 
@@ -149,18 +148,11 @@ impl<'a> Assur<'a> {
 
     /// Misfit of the constraints of the closing joints.
     fn misfits(&self, motions: &Motions<f64>) -> Vec<f64> {
-        let misfit = |joint: &usize| {
+        let of_joint = |joint: &usize| {
             let joint = &self.mechanism.joints[*joint];
-            let [first, second] = joint.bodies.map(|body| motions.body(body));
-            let [a, b] = [first.position(joint.points_m[0]), second.position(joint.points_m[1])];
-            match joint.kind {
-                JointKind::Revolute => sub(a, b),
-                JointKind::Prismatic { axis_rad } => {
-                    [dot(perp(axis(axis_rad, first)), sub(b, a)), second.angle - first.angle - joint.offset_rad]
-                }
-            }
+            misfit(joint, joint.bodies.map(|body| motions.body(body)))
         };
-        self.closing.iter().flat_map(misfit).collect()
+        self.closing.iter().flat_map(of_joint).collect()
     }
 
     fn place_at(&self, coordinates: &[f64], motions: &mut Motions<f64>) {
@@ -437,6 +429,7 @@ mod tests {
     use super::super::group::motions_at;
     use super::*;
     use crate::mechanism::Body;
+    use crate::mechanism::JointKind;
 
     /// A coupler and a rocker between the ground and a crank.
     fn dyad() -> Mechanism {

@@ -6,10 +6,10 @@
 //! either end of the step, and the group stays regular.
 
 use super::assur::Assur;
-use super::body_bounds::{Coordinates, MechanismBounds, arms, joint_between, length};
+use super::body_bounds::{Coordinates, MechanismBounds, length};
+use super::joint::{attached_body, joint_between};
 use super::motion::Motions;
-use crate::analytic::motion_bound::{MotionBound, RateBound};
-use crate::mechanism::JointKind;
+use crate::analytic::motion_bound::RateBound;
 use crate::numeric::plane::{Vector, sub};
 
 /// Smallest sine in a valid step, as a part of that at one end.
@@ -98,19 +98,11 @@ impl AssurBounds<'_> {
         let acceleration = (misfit.acceleration + quadratic) / smallest;
         for (k, at) in tree.iter().enumerate() {
             let (joint, base, root) = (&mechanism.joints[at.joint], *bounds.body(at.base), *bounds.body(roots[k]));
-            let [base_arm, own_arm] = arms(joint, at);
             let own = RateBound { rate: rate / scales[k], acceleration: acceleration / scales[k] };
             let own = known[k].filter(|_| is_slide(k)).map_or(own, |index| coordinates.bound(index));
-            let body = match joint.kind {
-                JointKind::Revolute => {
-                    let turn = root.turn().plus(known_turn).plus(own);
-                    MotionBound::about_pivot(base.point(base_arm), turn, own_arm)
-                }
-                JointKind::Prismatic { .. } => {
-                    let slide = motions.joints[at.joint].coordinate.abs() + slide_margin;
-                    base.sliding(own, base_arm + slide + own_arm)
-                }
-            };
+            let turn = root.turn().plus(known_turn).plus(own);
+            let slide = motions.joints[at.joint].coordinate.abs() + slide_margin;
+            let body = attached_body(joint, at, &base, turn, (own, slide));
             let body = body.with_known_rates(motions.bodies[at.body].rate, (self.step_s, self.width));
             bounds.joints[at.joint] = if is_slide(k) { own } else { base.turn().plus(body.turn()) };
             bounds.bodies[at.body] = body;

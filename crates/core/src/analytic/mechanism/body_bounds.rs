@@ -1,8 +1,7 @@
 //! Bounds of bodies, joints and coordinates over a part of a step.
 
 use crate::analytic::motion_bound::{MotionBound, RateBound};
-use crate::mechanism::structure::Attachment;
-use crate::mechanism::{Joint, JointKind, Mechanism};
+use crate::mechanism::Mechanism;
 use crate::numeric::plane::{Vector, dot};
 
 /// Bounds of all bodies and joints of a mechanism.
@@ -60,22 +59,5 @@ impl Coordinates<'_> {
     /// Largest value of a length that has this value at one end of the part.
     pub fn largest(&self, value: f64, rate: f64) -> f64 {
         value.abs() + rate * self.width
-    }
-}
-
-/// A joint that attaches a body: the distances of its point from the origins of base and body.
-pub(super) fn arms(joint: &Joint, at: &Attachment) -> [f64; 2] {
-    let own = usize::from(at.is_second);
-    [1 - own, own].map(|k| length(joint.points_m[k]))
-}
-
-/// Bound of the coordinate of a joint between bodies with these bounds.
-pub(super) fn joint_between(joint: &Joint, [a, b]: [MotionBound; 2]) -> RateBound {
-    match joint.kind {
-        JointKind::Revolute => a.turn().plus(b.turn()),
-        JointKind::Prismatic { .. } => {
-            let between = a.point(length(joint.points_m[0])).plus(b.point(length(joint.points_m[1])));
-            RateBound { acceleration: between.acceleration + a.spin * between.rate, ..between }
-        }
     }
 }

@@ -3,14 +3,15 @@
 
 use super::assur::Assur;
 use super::assur_bounds::AssurBounds;
-use super::body_bounds::{Coordinates, MechanismBounds, arms, joint_between, length};
+use super::body_bounds::{Coordinates, MechanismBounds, length};
 use super::dyad::{inner_bodies, transmission};
 use super::group::{PlacedGroup, coupled_joints};
+use super::joint::{arms, attached_body, joint_between};
 use super::motion::Motions;
 use crate::analytic::motion_bound::{MotionBound, PinnedPair, RateBound, sine_reach, smallest_sine};
 use crate::integrator::{CoordinateBounds, Dynamic};
 use crate::mechanism::structure::{Attachment, Placement, Source};
-use crate::mechanism::{Joint, JointKind, Mechanism};
+use crate::mechanism::{Joint, Mechanism};
 use crate::numeric::plane::{Vector, sub};
 
 impl PlacedGroup {
@@ -53,22 +54,14 @@ impl PlacedGroup {
                             }),
                         Source::Angle => base.turn(),
                     };
-                    let [base_arm, own_arm] = arms(joint, at);
+                    let turn = match coordinate {
+                        Source::Angle => RateBound::default(),
+                        _ => base.turn().plus(bound),
+                    };
+                    let slide = coordinates.largest(motions.joints[at.joint].coordinate, bound.rate);
                     bounds.joints[at.joint] = bound;
-                    bounds.bodies[at.body] = match joint.kind {
-                        JointKind::Revolute => {
-                            let turn = match coordinate {
-                                Source::Angle => RateBound::default(),
-                                _ => base.turn().plus(bound),
-                            };
-                            MotionBound::about_pivot(base.point(base_arm), turn, own_arm)
-                        }
-                        JointKind::Prismatic { .. } => {
-                            let slide = coordinates.largest(motions.joints[at.joint].coordinate, bound.rate);
-                            base.sliding(bound, base_arm + slide + own_arm)
-                        }
-                    }
-                    .with_known_rates(motions.bodies[at.body].rate, (all.step_s, all.width));
+                    bounds.bodies[at.body] = attached_body(joint, at, &base, turn, (bound, slide))
+                        .with_known_rates(motions.bodies[at.body].rate, (all.step_s, all.width));
                 }
                 Placement::Dyad { outer, inner } => {
                     let dyad = Dyad { mechanism, outer, inner: *inner, step_s: all.step_s, width: all.width };
@@ -105,10 +98,10 @@ impl Dyad<'_> {
         let sine = transmission(self.mechanism, (self.outer, self.inner), motions).sine.abs();
         let inner = &self.mechanism.joints[self.inner];
         let slides = [0, 1].map(|k| !self.joint(k).kind.is_angle());
-        let (bodies, angle_change) = match (inner.kind, slides) {
-            (JointKind::Revolute, _) => self.pinned(sine, motions, bounds),
-            (JointKind::Prismatic { .. }, [false, false]) => self.slotted(sine, motions, bounds),
-            (JointKind::Prismatic { .. }, _) => self.guided(sine, motions, bounds),
+        let (bodies, angle_change) = match (inner.kind.is_angle(), slides) {
+            (true, _) => self.pinned(sine, motions, bounds),
+            (false, [false, false]) => self.slotted(sine, motions, bounds),
+            (false, _) => self.guided(sine, motions, bounds),
         };
         // A reach that is not a number stays.
         let reach = sine_reach(sine, angle_change);

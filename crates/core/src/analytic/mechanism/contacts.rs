@@ -2,7 +2,7 @@
 
 use super::cable::Cable;
 use super::nearest::{Face, PointOnFace};
-use crate::law::{Bristle, FrictionLaw, NormalLaw};
+use crate::law::{FrictionKind, FrictionLaw, NormalLaw};
 use crate::mechanism::{Limit, Mechanism};
 
 /// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint.
@@ -23,8 +23,8 @@ pub(super) struct Contact {
     pub friction: Option<FrictionLaw>,
     /// Rolling resistance of a contact between surfaces.
     pub rolling: Option<FrictionLaw>,
-    /// Index of the contact's bristle state among the rates, if the contact has a bristle.
-    pub bristle: Option<usize>,
+    /// Index of the internal state of friction among the rates, if the law has one.
+    pub state: Option<usize>,
     /// See [`ContactPair::is_reported_on_face`](crate::mechanism::ContactPair::is_reported_on_face).
     pub is_reported_on_face: bool,
 }
@@ -32,18 +32,18 @@ pub(super) struct Contact {
 impl Contact {
     /// A contact without friction.
     fn frictionless(surfaces: Surfaces, normal: NormalLaw) -> Self {
-        let (friction, rolling, bristle, is_reported_on_face) = (None, None, None, false);
-        Self { surfaces, normal, friction, rolling, bristle, is_reported_on_face }
+        let (friction, rolling, state, is_reported_on_face) = (None, None, None, false);
+        Self { surfaces, normal, friction, rolling, state, is_reported_on_face }
     }
 }
 
-/// States of bristles among the rates, in the order in which they are added.
-pub(super) struct Bristles {
+/// Internal states of friction laws among the rates, in the order in which they are added.
+pub(super) struct FrictionStates {
     first: usize,
-    states: Vec<(usize, Bristle)>,
+    states: Vec<(usize, FrictionKind)>,
 }
 
-impl Bristles {
+impl FrictionStates {
     /// No states yet; the first one will have this index among the rates.
     pub fn after(first: usize) -> Self {
         Self { first, states: Vec::new() }
@@ -54,22 +54,22 @@ impl Bristles {
         self.first + self.states.len()
     }
 
-    /// Adds the state of a bristle and returns its index.
-    pub fn add(&mut self, bristle: Option<Bristle>) -> Option<usize> {
+    /// Adds the state of a law and returns its index; `None` if the law has no state.
+    pub fn add(&mut self, kind: Option<FrictionKind>) -> Option<usize> {
         let index = self.next();
-        self.states.push((index, bristle?));
+        self.states.push((index, kind.filter(|kind| kind.states() > 0)?));
         Some(index)
     }
 
-    /// All bristles with the indices of their states.
-    pub fn into_states(self) -> Vec<(usize, Bristle)> {
+    /// All laws with the indices of their states.
+    pub fn into_states(self) -> Vec<(usize, FrictionKind)> {
         self.states
     }
 }
 
 /// All contacts in the order of [`Mechanism::point_contacts`], of [`Mechanism::limits`], of the tendons, then of friction in
-/// joints. Adds the states of their bristles, and the contacts of elastic cables to these.
-pub(super) fn contacts(mechanism: &Mechanism, cables: &mut [Cable], bristles: &mut Bristles) -> Vec<Contact> {
+/// joints. Adds the internal states of their friction, and the contacts of elastic cables to these.
+pub(super) fn contacts(mechanism: &Mechanism, cables: &mut [Cable], states: &mut FrictionStates) -> Vec<Contact> {
     let mut contacts = Vec::new();
     for point in mechanism.point_contacts() {
         let pair = &mechanism.contacts[point.pair];
@@ -84,7 +84,7 @@ pub(super) fn contacts(mechanism: &Mechanism, cables: &mut [Cable], bristles: &m
             normal: pair.law.normal,
             friction: pair.law.friction,
             rolling: pair.rolling,
-            bristle: bristles.add(pair.law.bristle()),
+            state: states.add(pair.law.friction.map(|law| law.kind)),
             is_reported_on_face: pair.is_reported_on_face,
         });
     }
@@ -96,7 +96,7 @@ pub(super) fn contacts(mechanism: &Mechanism, cables: &mut [Cable], bristles: &m
     }
     for (joint, law) in joint_frictions(mechanism) {
         let contact = Contact::frictionless(Surfaces::Friction(joint), NormalLaw::constant_force(1.0));
-        contacts.push(Contact { friction: Some(law), bristle: bristles.add(law.bristle), ..contact });
+        contacts.push(Contact { friction: Some(law), state: states.add(Some(law.kind)), ..contact });
     }
     contacts
 }

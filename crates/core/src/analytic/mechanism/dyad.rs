@@ -2,9 +2,10 @@
 //! as the intersection of two circles or lines, then the rates of its outer joints from the closure of its inner joint,
 //! which is linear.
 
-use super::motion::{BodyMotion, Motions, Part, axis, carried, carried_bias, column, pair, place, rotated, triple};
+use super::joint::{Closure, axis, carried, carried_bias, closure, column, place, quadratic_terms};
+use super::motion::{BodyMotion, Motions, Part, pair, rotated, triple};
 use crate::mechanism::structure::Attachment;
-use crate::mechanism::{Joint, JointKind, Mechanism};
+use crate::mechanism::{Joint, Mechanism};
 use crate::numeric::Real;
 use crate::numeric::elementary::{atan2, sin_cos};
 use crate::numeric::plane::{add, cross, dot, nearest_equivalent_angle, perp, scale, scale_by, sub};
@@ -142,9 +143,9 @@ pub(super) fn mode_at_start(
     let points = if of[0] == 0 { inner.points_m } else { [inner.points_m[1], inner.points_m[0]] };
     let bodies = pair(|k| &motions.bodies[outer[k].body]);
     // The inner joint as seen from the pivot of a body, or the normal of a slide.
-    let arm = |k: usize| match inner.kind {
-        JointKind::Revolute => bodies[k].rotated(sub(points[k], joints[k].points_m[usize::from(outer[k].is_second)])),
-        JointKind::Prismatic { axis_rad } => perp(axis(axis_rad, bodies[of[0]])),
+    let arm = |k: usize| match inner.kind.axis_rad() {
+        None => bodies[k].rotated(sub(points[k], joints[k].points_m[usize::from(outer[k].is_second)])),
+        Some(axis_rad) => perp(axis(axis_rad, bodies[of[0]])),
     };
     let angle_from = |from: [f64; 2], k: usize| atan2(cross(from, arm(k)), dot(from, arm(k)));
     let (middles_rad, line) = match sliding_angle(mechanism, outer, |base| motions.body(base).angle) {
@@ -159,10 +160,10 @@ pub(super) fn mode_at_start(
             (pair(middle), Some(PivotLine { count, start }))
         }
         Some((slider, angle)) => {
-            let middle = |k: usize| match (inner.kind, joints[slider].kind) {
+            let middle = |k: usize| match (inner.kind.axis_rad(), joints[slider].kind.axis_rad()) {
                 _ if k == slider => 0.0,
                 // The component of the arm along the slide keeps its sign.
-                (JointKind::Revolute, JointKind::Prismatic { axis_rad }) => {
+                (None, Some(axis_rad)) => {
                     let at = &outer[slider];
                     let along = axis(axis_rad, if at.is_second { motions.body(at.base) } else { bodies[slider] });
                     let from = if dot(along, arm(k)) < 0.0 { scale_by(along, -1.0) } else { along };
@@ -183,59 +184,6 @@ pub(super) struct Transmission {
     pub sine: f64,
     pub cosine: f64,
     pub angle_rate: f64,
-}
-
-/// Derivatives of the two closure functions of an inner joint by x, y and θ of each body of the dyad.
-pub(super) type Closure<T> = [[[T; 3]; 2]; 2];
-
-/// Closure of an inner joint whose bodies A and B are the bodies `of` of the dyad.
-#[inline(always)]
-pub(super) fn closure<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T>; 2]) -> Closure<T> {
-    let (zero, one) = (T::zero(), T::constant(1.0));
-    let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
-    let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
-    let [across_a, across_b] = [perp(arms[0]), perp(arms[1])];
-    let mut by_motion = [[[zero; 3]; 2]; 2];
-    match joint.kind {
-        JointKind::Revolute => {
-            // P_A − P_B = 0.
-            by_motion[0][of[0]] = [one, zero, across_a[0]];
-            by_motion[1][of[0]] = [zero, one, across_a[1]];
-            by_motion[0][of[1]] = [-one, zero, -across_b[0]];
-            by_motion[1][of[1]] = [zero, -one, -across_b[1]];
-        }
-        JointKind::Prismatic { axis_rad } => {
-            // n·(P_B − P_A) = 0 and θ_B − θ_A = offset.
-            let u = axis(axis_rad, first);
-            let n = perp(u);
-            let offset = sub(add(second.origin, arms[1]), add(first.origin, arms[0]));
-            by_motion[0][of[0]] = [-n[0], -n[1], -dot(n, across_a) - dot(u, offset)];
-            by_motion[0][of[1]] = [n[0], n[1], dot(n, across_b)];
-            by_motion[1][of[0]] = [zero, zero, -one];
-            by_motion[1][of[1]] = [zero, zero, one];
-        }
-    }
-    by_motion
-}
-
-/// Terms of the accelerations of the closure that are quadratic in the rates.
-#[inline(always)]
-pub(super) fn quadratic_terms<T: Real>(joint: &Joint, of: [usize; 2], bodies: &[BodyMotion<T>; 2]) -> [T; 2] {
-    let [first, second] = [&bodies[of[0]], &bodies[of[1]]];
-    let arms = [first.rotated(joint.points_m[0]), second.rotated(joint.points_m[1])];
-    let squared = [first.rate[2].squared(), second.rate[2].squared()];
-    match joint.kind {
-        JointKind::Revolute => pair(|axis| arms[1][axis] * squared[1] - arms[0][axis] * squared[0]),
-        JointKind::Prismatic { axis_rad } => {
-            let u = axis(axis_rad, first);
-            let n = perp(u);
-            let offset = sub(add(second.origin, arms[1]), add(first.origin, arms[0]));
-            let speed = sub(second.rate_at(arms[1]), first.rate_at(arms[0]));
-            let centripetal = dot(n, arms[0]) * squared[0] - dot(n, arms[1]) * squared[1];
-            let turning = first.rate[2] * dot(u, speed) * 2.0 + squared[0] * dot(n, offset);
-            [centripetal - turning, T::zero()]
-        }
-    }
 }
 
 /// A function of the closure at a motion of one body.
@@ -455,14 +403,14 @@ pub(super) fn move_joint_between<T: Real>(
     let inner = &mechanism.joints[index];
     let [first, second] = pair(|k| &motions.bodies[of[k]]);
     // The motion of the joint from those of both bodies.
-    match inner.kind {
-        JointKind::Revolute => {
+    match inner.kind.axis_rad() {
+        None => {
             if part.has_derivatives() {
                 motions.joints[index].bias = second.bias[2] - first.bias[2];
             }
             move_by_bodies(of, index, motions, part, |[first, second]| second[2] - first[2]);
         }
-        JointKind::Prismatic { axis_rad } => {
+        Some(axis_rad) => {
             let u = axis(axis_rad, first);
             let arms = [first.rotated(inner.points_m[0]), second.rotated(inner.points_m[1])];
             if part.has_derivatives() {
@@ -518,9 +466,9 @@ impl Locus {
         let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
         let pivot = base.position(joint.points_m[1 - own]);
         let arm = sub(point, joint.points_m[own]);
-        match joint.kind {
-            JointKind::Revolute => Locus::Circle { center: pivot, arm },
-            JointKind::Prismatic { axis_rad } => {
+        match joint.kind.axis_rad() {
+            None => Locus::Circle { center: pivot, arm },
+            Some(axis_rad) => {
                 let angle = base.angle + sign * joint.offset_rad;
                 let (sin, cos) = sin_cos(angle);
                 let body = BodyMotion { direction: [cos, sin], angle, ..BodyMotion::ground() };
@@ -569,7 +517,7 @@ pub(super) fn place_dyad(
         }
         false => raw,
     };
-    if let JointKind::Prismatic { axis_rad } = inner.kind {
+    if let Some(axis_rad) = inner.kind.axis_rad() {
         let raw = slide(joints, (inner, of, axis_rad), outer, bases, (&loci, mode.sign));
         let coordinates = pair(|k| nearest(k, raw[k]));
         let mut bodies = [BodyMotion::ground(); 2];
@@ -688,20 +636,18 @@ pub(super) fn transmission(
     let direction = |k: usize| {
         let (joint, at) = (&mechanism.joints[outer[k].joint], &outer[k]);
         let (base, body) = (motions.body(at.base), &motions.bodies[at.body]);
-        match joint.kind {
-            JointKind::Revolute => {
+        match joint.kind.axis_rad() {
+            None => {
                 let own = usize::from(at.is_second);
                 (body.rotated(sub(points[k], joint.points_m[own])), body.rate[2])
             }
             // The normal of a line takes the place of an arm.
-            JointKind::Prismatic { axis_rad } => {
-                (perp(axis(axis_rad, if at.is_second { base } else { body })), body.rate[2])
-            }
+            Some(axis_rad) => (perp(axis(axis_rad, if at.is_second { base } else { body })), body.rate[2]),
         }
     };
-    let [first, second] = match inner.kind {
-        JointKind::Revolute => [direction(0), direction(1)],
-        JointKind::Prismatic { axis_rad } => {
+    let [first, second] = match inner.kind.axis_rad() {
+        None => [direction(0), direction(1)],
+        Some(axis_rad) => {
             let a = &motions.bodies[outer[of[0]].body];
             let slide = (axis(axis_rad, a), a.rate[2]);
             let is_circle = pair(|k| mechanism.joints[outer[k].joint].kind.is_angle());

@@ -21,7 +21,7 @@ use crate::analytic::contact::{
     normal_force_on_branch,
 };
 use crate::integrator::{Dynamic, DynamicMatrix, Linearised, Rates, System};
-use crate::law::{FrictionRange, friction_coefficient, friction_force, friction_with_state};
+use crate::law::{FrictionRange, friction_coefficient, friction_force};
 use crate::numeric::{Dual, Real, array_from};
 
 /// Derivatives of the loads on all coordinates, in place of those of accelerations, and of the rates of all quadratures.
@@ -267,8 +267,8 @@ impl MechanismModel {
             let Some(brake) = self.brake_effort(t, v, index, rate) else { continue };
             brake.bristle.into_iter().for_each(|bristle| load[bristle] += brake.gain * brake.effort.value);
         }
-        for &(index, bristle) in &self.bristles {
-            load[index] -= bristle.rate() * v[index];
+        for &(index, kind) in &self.friction_states {
+            load[index] += kind.relaxation(v[index]);
         }
         for (index, contact) in self.contacts.iter().enumerate() {
             let Some(laws) = contact.laws(mode, index) else { continue };
@@ -277,15 +277,13 @@ impl MechanismModel {
                     let frames = Self::frames(motions, pair.bodies);
                     let kinematics = pairs::contact(pair, &frames, pair.nearest_on(&frames, mode.features[index]));
                     let rates = Self::pair_rates(motions, pair.bodies);
-                    let state = contact.bristle.map(|bristle| v[bristle]);
+                    let state = contact.state.map(|state| v[state]);
                     let mut forces = contact_forces(&kinematics, &rates, state, laws);
                     contact.add_rolling(&rates, &mut forces);
                     self.add_pair_loads(motions, pair.bodies, &forces.load, load);
                     g[index] += forces.normal;
                     g[contact_work] += forces.power;
-                    if let Some(bristle) = contact.bristle {
-                        load[bristle] += forces.bristle_rate;
-                    }
+                    contact.state.into_iter().for_each(|state| load[state] += forces.state_rate);
                 }
                 Surfaces::Limit(limit) => {
                     let coordinate = self.joint_coordinate(motions, limit.joint);
@@ -298,11 +296,11 @@ impl MechanismModel {
                 }
                 Surfaces::Friction(joint) => {
                     let rate = motions.joints[*joint].rate;
-                    let state = contact.bristle.map(|bristle| v[bristle]);
-                    let effort = contact.friction_effort(rate, state, laws.range);
+                    let state = contact.state.map(|state| v[state]);
+                    let [effort, state_rate] = contact.joint_friction(rate, state, laws.range);
                     self.add_joint_load(motions, *joint, effort, load);
                     g[contact_work] += effort * rate;
-                    contact.bristle.into_iter().for_each(|bristle| load[bristle] -= effort * contact.stretch_gain());
+                    contact.state.into_iter().for_each(|state| load[state] += state_rate);
                 }
                 Surfaces::Tendon(_) => {}
             }
@@ -501,14 +499,14 @@ impl MechanismModel {
     }
 
     /// Adds the derivatives of forces between two bodies: loads on their relative pose, and numbers added to quadratures or
-    /// to the rates of bristle states.
+    /// to the rates of internal states of friction.
     pub(super) fn add_pair_derivatives(
         &self,
         (plain, motions): (&Motions<f64>, &[Motions<Lanes>]),
         bodies: [Option<usize>; 2],
         loads: &[WithDerivatives<POSES, POSES>; POSES],
         quadratures: &[(usize, WithDerivatives<POSES, POSES>)],
-        bristle: Option<(usize, WithDerivatives<POSES, POSES>)>,
+        state: Option<(usize, WithDerivatives<POSES, POSES>)>,
         sums: &mut Sums<'_>,
     ) {
         // Adds the derivatives of a number to rows over all coordinates and their rates.
@@ -531,8 +529,8 @@ impl MechanismModel {
                     }
                 }
             }
-            if let Some((index, _)) = bristle {
-                by_v[index] += number.by_bristle;
+            if let Some((index, _)) = state {
+                by_v[index] += number.by_state;
             }
         };
         for (side, body) in bodies.into_iter().enumerate() {
@@ -547,7 +545,7 @@ impl MechanismModel {
                         sum.by_q[k] += factor * load.by_q[k];
                         sum.by_v[k] += factor * load.by_v[k];
                     }
-                    sum.by_bristle += factor * load.by_bristle;
+                    sum.by_state += factor * load.by_state;
                 };
             if is_free {
                 for (i, (load, sign)) in of_body.into_iter().enumerate().take(size) {
@@ -574,7 +572,7 @@ impl MechanismModel {
         for (index, number) in quadratures {
             add(number, &mut sums.g_q[*index], &mut sums.g_v[*index]);
         }
-        if let Some((index, number)) = bristle {
+        if let Some((index, number)) = state {
             add(&number, &mut sums.load_q[index], &mut sums.load_v[index]);
         }
     }
@@ -603,13 +601,13 @@ impl MechanismModel {
                     let feature = mode.features[index].unwrap_or_else(|| pair.nearest(&frames).0);
                     let frames = Self::variable_frames(&frames, pair.bodies);
                     let kinematics = pairs::contact(pair, &frames, pair.on_feature(&frames, feature));
-                    let state = contact.bristle.map(|bristle| v[bristle]);
+                    let state = contact.state.map(|state| v[state]);
                     let rates = Self::pair_rates(plain, pair.bodies);
                     let mut forces = contact_forces_with_derivatives(&kinematics, &rates, state, laws);
                     contact.add_rolling_with_derivatives(&rates, &mut forces);
                     let quadratures = [(index, forces.normal), (contact_work, forces.power)];
-                    let bristle = contact.bristle.map(|bristle| (bristle, forces.bristle_rate));
-                    self.add_pair_derivatives((plain, motions), pair.bodies, &forces.load, &quadratures, bristle, sums);
+                    let state = contact.state.map(|state| (state, forces.state_rate));
+                    self.add_pair_derivatives((plain, motions), pair.bodies, &forces.load, &quadratures, state, sums);
                 }
                 Surfaces::Limit(limit) => {
                     let (span, side) = (self.span_of_joint(limit.joint), limit.side);
@@ -633,10 +631,9 @@ impl MechanismModel {
                 Surfaces::Friction(joint) => {
                     let Span { first, size, .. } = self.span_of_joint(*joint);
                     let rate = plain.joints[*joint].rate;
-                    let state = contact.bristle.map(|bristle| Dual::<2>::variable(v[bristle], 1));
-                    let Dual { value, grad: [by_rate, by_state] } =
-                        contact.friction_effort(Dual::<2>::variable(rate, 0), state, laws.range);
-                    let gain = contact.stretch_gain();
+                    let state = contact.state.map(|state| Dual::<2>::variable(v[state], 1));
+                    let [effort, state_rate] = contact.joint_friction(Dual::variable(rate, 0), state, laws.range);
+                    let Dual { value, grad: [by_rate, by_state] } = effort;
                     let support = &plain.joint_supports[*joint].coordinates[..];
                     for (at, chunk) in Chunk::of_group(first, size) {
                         let row = |i| motions[at].joint_entry(*joint, i);
@@ -648,23 +645,23 @@ impl MechanismModel {
                             let (i, rate_q) = (first + chunk.start + lane, rate_q.grad[lane]);
                             sums.g_q[contact_work][i] += (by_rate * rate + value) * rate_q;
                             sums.g_v[contact_work][i] += (by_rate * rate + value) * row;
-                            if let Some(bristle) = contact.bristle {
-                                sums.load_v[i][bristle] += row * by_state;
-                                sums.load_q[bristle][i] -= gain * by_rate * rate_q;
-                                sums.load_v[bristle][i] -= gain * by_rate * row;
+                            if let Some(state) = contact.state {
+                                sums.load_v[i][state] += row * by_state;
+                                sums.load_q[state][i] += state_rate.grad[0] * rate_q;
+                                sums.load_v[state][i] += state_rate.grad[0] * row;
                             }
                         }
                     }
-                    if let Some(bristle) = contact.bristle {
-                        sums.load_v[bristle][bristle] -= gain * by_state;
-                        sums.g_v[contact_work][bristle] += by_state * rate;
+                    if let Some(state) = contact.state {
+                        sums.load_v[state][state] += state_rate.grad[1];
+                        sums.g_v[contact_work][state] += by_state * rate;
                     }
                 }
                 Surfaces::Tendon(_) => {}
             }
         }
-        for &(index, bristle) in &self.bristles {
-            sums.load_v[index][index] -= bristle.rate();
+        for &(index, kind) in &self.friction_states {
+            sums.load_v[index][index] += kind.relaxation(Dual::<1>::variable(v[index], 0)).grad[0];
         }
     }
 
@@ -719,7 +716,7 @@ impl Contact {
             value: -arm * normal.value,
             by_q: array_from(|k| -arm * normal.by_q[k]),
             by_v: array_from(|k| -arm * normal.by_v[k] + by_spin * turn[k]),
-            by_bristle: 0.0,
+            by_state: 0.0,
         };
         let add = |sum: &mut WithDerivatives<POSES, POSES>, factor: f64, by_turn: f64| {
             sum.value += factor * moment.value;
@@ -733,15 +730,11 @@ impl Contact {
         add(&mut forces.power, spin, moment.value);
     }
 
-    /// Torque or force of the friction of a joint.
-    fn friction_effort<T: Real>(&self, rate: T, state: Option<T>, range: FrictionRange) -> T {
-        let one = T::constant(1.0);
-        self.friction.as_ref().map_or(T::zero(), |law| friction_with_state(law, rate, state, one, range))
-    }
-
-    /// Gain from the friction to the rate of the bristle state; 0 without a bristle.
-    fn stretch_gain(&self) -> f64 {
-        self.friction.and_then(|law| law.bristle).map_or(0.0, |bristle| bristle.stretch_gain())
+    /// Torque or force of the friction of a joint, and its contribution to the rate of the internal state.
+    fn joint_friction<T: Real>(&self, rate: T, state: Option<T>, range: FrictionRange) -> [T; 2] {
+        let Some(law) = &self.friction else { return [T::zero(); 2] };
+        let effort = law.force(rate, state, T::constant(1.0), range);
+        [effort, law.state_rate(effort)]
     }
 
     /// Returns the laws if the contact has a force in this mode.

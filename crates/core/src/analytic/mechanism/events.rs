@@ -52,17 +52,17 @@ const FEATURE_TOLERANCE_M: f64 = 3e-13;
 
 /// Derivatives of the gap or the slip of a contact.
 enum ContactRow<'a> {
-    /// A row over the relative pose of two bodies, and the index of a bristle state that is added to the slip.
+    /// A row over the relative pose of two bodies, and the index of an internal state of friction that is added to the slip.
     Pair {
         bodies: [Option<usize>; 2],
         row: [f64; POSES],
-        bristle: Option<usize>,
+        state: Option<usize>,
     },
-    /// A multiple of the coordinate of a joint, and the index of a bristle state.
+    /// A multiple of the coordinate of a joint, and the index of an internal state of friction.
     Joint {
         joint: usize,
         factor: f64,
-        bristle: Option<usize>,
+        state: Option<usize>,
     },
     /// The length of a cable.
     Cable(&'a Cable),
@@ -80,14 +80,14 @@ impl Row for RowAt<'_> {
     fn write(&self, row: &mut [f64]) {
         let Self { model, motions, row: of } = self;
         row.fill(0.0);
-        let bristle = match of {
-            ContactRow::Pair { bodies, row: over_poses, bristle } => {
+        let state = match of {
+            ContactRow::Pair { bodies, row: over_poses, state } => {
                 model.add_pair_loads(motions, *bodies, over_poses, row);
-                *bristle
+                *state
             }
-            ContactRow::Joint { joint, factor, bristle } => {
+            ContactRow::Joint { joint, factor, state } => {
                 model.add_joint_load(motions, *joint, *factor, row);
-                *bristle
+                *state
             }
             ContactRow::Cable(cable) => {
                 model.add_length_row(motions, &cable.tendon, row);
@@ -96,7 +96,7 @@ impl Row for RowAt<'_> {
             }
             ContactRow::Zero => None,
         };
-        bristle.into_iter().for_each(|bristle| row[bristle] = 1.0);
+        state.into_iter().for_each(|state| row[state] = 1.0);
     }
 }
 
@@ -129,11 +129,11 @@ impl MechanismModel {
         feature: Option<Feature>,
     ) -> ContactVariables<'a, RowAt<'a>> {
         let contact = &self.contacts[index];
-        let bristle = contact.bristle;
+        let state = contact.state;
         let ([delta, rate, slip], normal_row, tangent_row) = match &contact.surfaces {
             Surfaces::Point(pair) => {
                 let (kinematics, rates) = self.point_kinematics(motions, pair, feature);
-                let row = |row: [f64; POSES], bristle| ContactRow::Pair { bodies: pair.bodies, row, bristle };
+                let row = |row: [f64; POSES], state| ContactRow::Pair { bodies: pair.bodies, row, state };
                 (
                     [
                         -kinematics.gap,
@@ -141,7 +141,7 @@ impl MechanismModel {
                         row_dot(&kinematics.tangent_row, &rates),
                     ],
                     row(kinematics.normal_row, None),
-                    row(kinematics.tangent_row, bristle),
+                    row(kinematics.tangent_row, state),
                 )
             }
             Surfaces::Limit(limit) => {
@@ -149,14 +149,14 @@ impl MechanismModel {
                 let coordinate = self.joint_coordinate(motions, joint);
                 (
                     [side * (coordinate - limit.value), side * motions.joints[joint].rate, 0.0],
-                    ContactRow::Joint { joint, factor: -side, bristle: None },
+                    ContactRow::Joint { joint, factor: -side, state: None },
                     ContactRow::Zero,
                 )
             }
             Surfaces::Friction(joint) => (
                 [1.0, 0.0, motions.joints[*joint].rate],
                 ContactRow::Zero,
-                ContactRow::Joint { joint: *joint, factor: 1.0, bristle },
+                ContactRow::Joint { joint: *joint, factor: 1.0, state },
             ),
             Surfaces::Tendon(index) => {
                 let cable = &self.cables[*index];
@@ -171,7 +171,7 @@ impl MechanismModel {
             delta,
             rate,
             slip,
-            bristle_state: bristle.map_or(0.0, |bristle| v[bristle]),
+            friction_state: state.map_or(0.0, |state| v[state]),
             normal_row: row(normal_row),
             tangent_row: row(tangent_row),
         }
@@ -201,7 +201,7 @@ impl MechanismModel {
     /// State of a contact on its nearest feature, with evaluated rows.
     fn variables_at(&self, (q, v): StateRef<'_, Dynamic>, index: usize) -> ContactVariables<'_, Vec<f64>> {
         self.with_columns((q, v), |motions| {
-            let ContactVariables { delta, rate, slip, bristle_state, normal_row, tangent_row, .. } =
+            let ContactVariables { delta, rate, slip, friction_state, normal_row, tangent_row, .. } =
                 self.contact_variables(motions, v, index, None);
             let evaluated = |row: RowAt<'_>| {
                 let mut evaluated = vec![0.0; v.len()];
@@ -215,7 +215,7 @@ impl MechanismModel {
                 delta,
                 rate,
                 slip,
-                bristle_state,
+                friction_state,
                 normal_row: evaluated(normal_row),
                 tangent_row: evaluated(tangent_row),
             }

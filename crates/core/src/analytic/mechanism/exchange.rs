@@ -50,25 +50,50 @@ impl MechanismModel {
     }
 
     /// The model in coordinates that are much better conditioned in a state, with coordinates, rates and mode of that state.
-    /// Bristle states and the laws of contacts and actuators stay as they are; turns are counted from here on.
+    /// Internal states of friction and the laws of contacts and actuators stay as they are; turns are counted from here on.
     pub fn exchanged(&self, (q, v): StateRef<'_, Dynamic>, mode: &MechanismMode) -> Option<Exchanged> {
         self.count_turns_as(mode);
         let mechanism = self.as_described();
-        let (found, joints, poses) = self.with_angles((q, v), |motions| {
+        let groups = self.with_angles((q, v), |motions| {
             let better = |(index, placed): (usize, &PlacedGroup)| {
                 Some((index, better_group(&mechanism, &placed.group, motions)?))
             };
-            let found: Vec<(usize, Group)> = self.groups.iter().enumerate().filter_map(better).collect();
+            self.groups.iter().enumerate().filter_map(better).collect()
+        });
+        self.with_groups(groups, (q, v), mode)
+    }
+
+    /// The model in the coordinates of another one of the same structure; `None` if it has these coordinates.
+    pub fn in_coordinates_of(
+        &self,
+        other: &Self,
+        state: StateRef<'_, Dynamic>,
+        mode: &MechanismMode,
+    ) -> Option<Exchanged> {
+        let pairs = self.groups.iter().zip(&other.groups).enumerate();
+        let different = pairs.filter(|(_, (own, other))| own.group != other.group);
+        self.with_groups(different.map(|(index, (_, other))| (index, other.group.clone())).collect(), state, mode)
+    }
+
+    /// The model with other groups, by their indices; `None` without any.
+    fn with_groups(
+        &self,
+        groups: Vec<(usize, Group)>,
+        (q, v): StateRef<'_, Dynamic>,
+        mode: &MechanismMode,
+    ) -> Option<Exchanged> {
+        if groups.is_empty() {
+            return None;
+        }
+        self.count_turns_as(mode);
+        let (joints, poses) = self.with_angles((q, v), |motions| {
             let joints: Vec<(f64, f64)> = motions.joints.iter().map(|joint| (joint.coordinate, joint.rate)).collect();
             let bodies = motions.bodies.iter();
             let poses: Vec<Pose> = bodies.map(|body| [body.origin[0], body.origin[1], body.angle]).collect();
-            (found, joints, poses)
+            (joints, poses)
         });
-        if found.is_empty() {
-            return None;
-        }
         let (mut next, mut next_mode, mut state) = (self.clone(), mode.clone(), (q.clone(), v.clone()));
-        for (index, group) in found {
+        for (index, group) in groups {
             let old = &self.groups[index];
             for (i, coordinate) in group.coordinates.iter().enumerate() {
                 let kept = old.group.coordinates.iter().position(|other| other == coordinate);

@@ -6,10 +6,8 @@ use super::dyad::{
     AssemblyMode, PivotLine, Transmission, close_dyad, inner_bodies, middles, mode_at_start, move_inner_joint,
     outer_angle, pivot_offset, place_dyad, transmission,
 };
-use super::motion::{
-    BodyMotion, JointMotion, LANES, Lanes, Motions, Part, Support, carried, carried_bias, column, joint_coordinate,
-    joint_rate, pair, place, triple,
-};
+use super::joint::{carried, carried_bias, column, joint_coordinate, joint_rate, place};
+use super::motion::{BodyMotion, JointMotion, LANES, Lanes, Motions, Part, Support, pair, triple};
 use super::palm_frame::Inertia;
 use crate::mechanism::structure::{Attachment, Coordinate, Group, Placement, Source};
 use crate::mechanism::{

@@ -5,6 +5,7 @@
 
 use super::contacts::Surfaces;
 use super::inertial_field::InertialField;
+use super::joint::effort_direction;
 use super::model::{MechanismMode, MechanismModel, Span};
 use super::motion::Motions;
 use super::nearest::PointOnFace;
@@ -12,8 +13,7 @@ use super::pairs;
 use super::palm_frame::inertial_loads;
 use crate::analytic::contact::StateRef;
 use crate::integrator::{Dynamic, Rates, System};
-use crate::mechanism::{ForcePoint, JointCombination, JointKind, Limit, Mechanism};
-use crate::numeric::elementary::sin_cos;
+use crate::mechanism::{ForcePoint, JointCombination, Limit, Mechanism};
 use crate::numeric::plane::{add, cross, perp, scale, sub};
 
 /// Force and moment of a joint on its second body: the force acts at the joint.
@@ -206,14 +206,8 @@ impl MechanismModel {
     /// Point, direction and turn of the effort of a joint: a force along its axis, or a torque.
     fn effort_direction(&self, joint: usize, motions: &Motions<f64>) -> ([f64; 2], [f64; 2], f64) {
         let of = &self.mechanism.joints[joint];
-        let point = motions.body(of.bodies[1]).position(of.points_m[1]);
-        match of.kind {
-            JointKind::Revolute => (point, [0.0; 2], 1.0),
-            JointKind::Prismatic { axis_rad } => {
-                let (sin, cos) = sin_cos(axis_rad);
-                (point, motions.body(of.bodies[0]).rotated([cos, sin]), 0.0)
-            }
-        }
+        let (direction, turn) = effort_direction(of, motions.body(of.bodies[0]));
+        (motions.body(of.bodies[1]).position(of.points_m[1]), direction, turn)
     }
 
     /// Subtracts the loads of joints, actuators, springs and tendons at these accelerations and rates.

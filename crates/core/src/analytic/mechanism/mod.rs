@@ -20,6 +20,7 @@ mod gaps;
 mod group;
 mod inertia;
 mod inertial_field;
+mod joint;
 mod joint_forces;
 mod model;
 mod motion;

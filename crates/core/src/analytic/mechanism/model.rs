@@ -6,7 +6,7 @@ use super::actuator::{Ranges, range};
 use super::body_bounds::MechanismBounds;
 use super::cable::Cable;
 use super::conditioning::conditioned_groups;
-use super::contacts::{Bristles, Contact, contacts};
+use super::contacts::{Contact, FrictionStates, contacts};
 use super::factor::Factor;
 use super::free::{FreeBody, center_frame, free_body, is_round};
 use super::group::{PlacedGroup, start_of};
@@ -16,7 +16,7 @@ use super::palm_frame::{exchange_ground, palm_of_frame};
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactMode, EventTolerances, Mode, StateRef};
 use crate::integrator::{Dynamic, Layout, Linearised, State};
-use crate::law::Bristle;
+use crate::law::FrictionKind;
 use crate::mechanism::structure::{Group, StructureError, find_groups};
 use crate::mechanism::{Actuator, Body, Mechanism, Pose, SpringKind, coordinate_in};
 use crate::numeric::plane::scale_by;
@@ -118,7 +118,7 @@ pub(super) struct Scratch {
 
 /// The analytic model of a mechanism.
 ///
-/// Coordinates are the independent coordinates of all groups. First-order states follow: the bristle states of friction and
+/// Coordinates are the independent coordinates of all groups. First-order states follow: the internal states of friction and
 /// brakes, and time if an event of an actuator depends on it and it is no coordinate of a group. They are among the rates;
 /// nothing depends on the coordinates at these indices.
 #[derive(Clone, Debug)]
@@ -139,7 +139,7 @@ pub struct MechanismModel {
     /// friction in joints.
     pub(super) contacts: Vec<Contact>,
     pub(super) cables: Vec<Cable>,
-    pub(super) bristles: Vec<(usize, Bristle)>,
+    pub(super) friction_states: Vec<(usize, FrictionKind)>,
     /// Index of the bristle state of the brake of each actuator.
     pub(super) brake_bristles: Vec<Option<usize>>,
     /// Index of time among the coordinates, if bodies have prescribed motion.
@@ -321,12 +321,12 @@ impl MechanismModel {
         let prescribed = groups.iter().position(PlacedGroup::has_prescribed);
         let group_of = |body| groups.iter().position(|placed| placed.group.bodies.contains(&body));
         let group_of: Vec<Option<usize>> = (0..mechanism.bodies.len()).map(group_of).collect();
-        let mut bristles = Bristles::after(second_order);
+        let mut states = FrictionStates::after(second_order);
         let mut cables: Vec<Cable> = mechanism.tendons.iter().map(Cable::new).collect();
-        let contacts = contacts(&mechanism, &mut cables, &mut bristles);
+        let contacts = contacts(&mechanism, &mut cables, &mut states);
         let brakes = mechanism.actuators.iter().map(|actuator| actuator.brake.and_then(|brake| brake.bristle));
-        let brake_bristles = brakes.map(|bristle| bristles.add(bristle)).collect();
-        let next = bristles.next();
+        let brake_bristles = brakes.map(|bristle| states.add(bristle.map(FrictionKind::Bristle))).collect();
+        let next = states.next();
         let time_index = prescribed.map(|group: usize| groups[group].first);
         let clock_index = (time_index.is_none() && depends_on_time(&mechanism)).then_some(next);
         let palm = mechanism.palm().map(|(body, _)| body).filter(|_| world.is_none());
@@ -357,7 +357,7 @@ impl MechanismModel {
             dyad_of,
             contacts,
             cables,
-            bristles: bristles.into_states(),
+            friction_states: states.into_states(),
             brake_bristles,
             time_index,
             clock_index,
@@ -489,9 +489,9 @@ impl MechanismModel {
         self.used_coordinates
     }
 
-    /// Whether the friction of a contact has a bristle, so that it can stick.
+    /// Whether the friction of a contact has an internal state, so that it can stick.
     pub fn has_stiction(&self, contact: usize) -> bool {
-        self.contacts[contact].bristle.is_some()
+        self.contacts[contact].state.is_some()
     }
 
     /// Coordinates on which a joint depends.

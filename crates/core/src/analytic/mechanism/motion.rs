@@ -1,10 +1,9 @@
 //! Motions of bodies and joints: poses, Jacobians and bias accelerations as functions of the coordinates of a group, in plain
 //! numbers or in numbers with derivatives by some of these coordinates.
 
-use crate::mechanism::structure::Attachment;
-use crate::mechanism::{Joint, JointCombination, JointKind, Mechanism, Pose};
+use crate::mechanism::{JointCombination, Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
-use crate::numeric::plane::{Vector, add, dot, perp, scale_by, sub};
+use crate::numeric::plane::{Vector, add, perp, sub};
 use crate::numeric::{Dual, Real};
 use crate::scene;
 use std::ops::Range;
@@ -321,109 +320,5 @@ impl<T: Real> Motions<T> {
     #[inline(always)]
     pub fn index(&self, body: Option<usize>) -> usize {
         body.unwrap_or(self.bodies.len() - 1)
-    }
-}
-
-/// Unit vector along the axis of a prismatic joint, from a body of the joint.
-#[inline(always)]
-pub(super) fn axis<T: Real>(axis_rad: f64, first: &BodyMotion<T>) -> Vector<T> {
-    let (sin, cos) = sin_cos(axis_rad);
-    first.rotated([cos, sin])
-}
-
-/// Moves a body to its pose at a joint with this coordinate.
-#[inline(always)]
-pub(super) fn place(
-    joint: &Joint,
-    at: &Attachment,
-    base: &BodyMotion<f64>,
-    coordinate: f64,
-    body: &mut BodyMotion<f64>,
-) {
-    let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
-    let turn = if joint.kind.is_angle() { coordinate } else { 0.0 };
-    body.angle = base.angle + sign * (turn + joint.offset_rad);
-    let (sin, cos) = sin_cos(body.angle);
-    body.direction = [cos, sin];
-    let mut point = base.position(joint.points_m[1 - own]);
-    if let JointKind::Prismatic { axis_rad } = joint.kind {
-        let u = if at.is_second { axis(axis_rad, base) } else { axis(axis_rad, body) };
-        point = add(point, scale_by(u, sign * coordinate));
-    }
-    body.origin = sub(point, body.rotated(joint.points_m[own]));
-}
-
-/// Motion of a placed body with that of its base, as if the joint between them were locked; `across` is its arm from the base,
-/// turned by a quarter.
-#[inline(always)]
-pub(super) fn carried<T: Real>(base: [T; 3], across: Vector<T>) -> [T; 3] {
-    [base[0] + across[0] * base[2], base[1] + across[1] * base[2], base[2]]
-}
-
-/// Bias acceleration of a placed body without that of the joint that attaches it.
-#[inline(always)]
-pub(super) fn carried_bias<T: Real>(
-    joint: &Joint,
-    at: &Attachment,
-    [base, body]: [&BodyMotion<T>; 2],
-    joint_rate: T,
-) -> [T; 3] {
-    let arm = sub(body.origin, base.origin);
-    let (across, squared) = (perp(arm), base.rate[2].squared());
-    let carried = pair(|axis| base.bias[axis] + across[axis] * base.bias[2]);
-    let [x, y] = match joint.kind {
-        JointKind::Revolute => {
-            let own_arm = body.rotated(joint.points_m[usize::from(at.is_second)]);
-            let (base_arm, own_squared) = (add(arm, own_arm), body.rate[2].squared());
-            pair(|axis| carried[axis] - base_arm[axis] * squared + own_arm[axis] * own_squared)
-        }
-        JointKind::Prismatic { axis_rad } => {
-            let (first, sign) = if at.is_second { (base, 1.0) } else { (body, -1.0) };
-            let u_across = scale_by(perp(axis(axis_rad, first)), sign);
-            let coriolis = base.rate[2] * joint_rate * 2.0;
-            pair(|axis| carried[axis] - arm[axis] * squared + u_across[axis] * coriolis)
-        }
-    };
-    [x, y, base.bias[2]]
-}
-
-/// Motion of a placed body per unit rate of the joint that attaches it.
-#[inline(always)]
-pub(super) fn column<T: Real>(joint: &Joint, at: &Attachment, bodies: [&BodyMotion<T>; 2]) -> [T; 3] {
-    let [base, body] = bodies;
-    let (sign, own) = if at.is_second { (1.0, 1) } else { (-1.0, 0) };
-    match joint.kind {
-        JointKind::Revolute => {
-            let [x, y] = scale_by(perp(body.rotated(joint.points_m[own])), -sign);
-            [x, y, T::constant(sign)]
-        }
-        JointKind::Prismatic { axis_rad } => {
-            let [x, y] = scale_by(axis(axis_rad, if at.is_second { base } else { body }), sign);
-            [x, y, T::zero()]
-        }
-    }
-}
-
-/// Coordinate of a joint from the poses of its bodies.
-pub(super) fn joint_coordinate(joint: &Joint, motion: impl Fn(Option<usize>) -> BodyMotion<f64>) -> f64 {
-    let [first, second] = joint.bodies.map(motion);
-    match joint.kind {
-        JointKind::Revolute => second.angle - first.angle - joint.offset_rad,
-        JointKind::Prismatic { axis_rad } => {
-            let offset = sub(second.position(joint.points_m[1]), first.position(joint.points_m[0]));
-            dot(axis(axis_rad, &first), offset)
-        }
-    }
-}
-
-/// Rate of a joint from the motions of its bodies.
-pub(super) fn joint_rate(joint: &Joint, motion: impl Fn(Option<usize>) -> BodyMotion<f64>) -> f64 {
-    let [first, second] = joint.bodies.map(motion);
-    match joint.kind {
-        JointKind::Revolute => second.rate[2] - first.rate[2],
-        JointKind::Prismatic { axis_rad } => {
-            let [a, b] = [first.point(joint.points_m[0]), second.point(joint.points_m[1])];
-            dot(axis(axis_rad, &first), sub(b.rate, a.rate))
-        }
     }
 }

@@ -71,7 +71,7 @@ pub(super) fn spring_loads_with_derivatives(
             value: force.value,
             by_q: force.grad,
             by_v: array_from(|l| -data.damping * state.row[l].value * state.row[k].value),
-            by_bristle: 0.0,
+            by_state: 0.0,
         }
     };
     let power = -(rate * rate * data.damping);
@@ -79,7 +79,7 @@ pub(super) fn spring_loads_with_derivatives(
         value: power.value,
         by_q: power.grad,
         by_v: array_from(|l| -2.0 * data.damping * rate.value * state.row[l].value),
-        by_bristle: 0.0,
+        by_state: 0.0,
     };
     (array_from(load), power)
 }

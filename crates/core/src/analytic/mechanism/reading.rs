@@ -7,7 +7,7 @@ use super::motion::Motions;
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactReading, Energies, Geometry, StateRef, normal_force_on_branch, row_dot};
 use crate::integrator::Dynamic;
-use crate::law::{FrictionRange, elastic_energy, friction_with_state};
+use crate::law::{FrictionLaw, FrictionRange, elastic_energy};
 use crate::mechanism::Pose;
 use crate::numeric::plane::dot;
 use crate::shape::Support;
@@ -134,8 +134,8 @@ impl MechanismModel {
             }
         };
         let force = normal_force_on_branch(&contact.normal, branch, -gap, -gap_rate).force.max(0.0);
-        let bristle_state = contact.bristle.map(|bristle| v[bristle]);
-        let friction = |law| friction_with_state(law, slip, bristle_state, force, FrictionRange::Any);
+        let state = contact.state.map(|state| v[state]);
+        let friction = |law: &FrictionLaw| law.force(slip, state, force, FrictionRange::Any);
         let tangential = contact.friction.as_ref().map_or(0.0, friction);
         let geometry = Geometry { gap, normal_row: none, tangent_row: none, normal, point, support: Support::none() };
         ContactReading { geometry, delta: -gap, delta_rate: -gap_rate, slip, normal: force, tangential }
@@ -197,7 +197,7 @@ impl MechanismModel {
                 }
             }
         });
-        energies.elastic += self.bristles.iter().map(|(index, bristle)| bristle.energy(state.1[*index])).sum::<f64>();
+        energies.elastic += self.friction_states.iter().map(|(index, kind)| kind.energy(state.1[*index])).sum::<f64>();
         energies
     }
 }

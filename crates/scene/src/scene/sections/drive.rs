@@ -6,7 +6,6 @@ use serde_json::{Value, json};
 
 use super::bodies::Target;
 use super::finger::{FingerLengths, geometry};
-use super::law::FrictionType;
 use super::start::InitialSettings;
 use super::{GRIPPER, check_point_count, extend};
 use crate::gripper::{Finger, contact_angle_proximal};
@@ -91,7 +90,7 @@ pub struct MotorSettings {
     pub brake_v_static: Option<Positive<AngularRate>>,
     /// "regularised": creeps within `brake_v_static`; "bristle": holds without creep, by a spring and a damper.
     #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "brake = two-way|one-way", "default" = "regularised"))]
-    pub brake_law: Option<FrictionType>,
+    pub brake_law: Option<BrakeLaw>,
     /// Damping of the bristle. With its default and that of `brake_relaxation`, the stiffness is 1e4 N·m/rad, more than
     /// that of a real shaft.
     #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "brake_law = bristle", "default" = "2 N*m*s/rad"))]
@@ -119,7 +118,7 @@ pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Value {
         "brake_rise": brake.map(|brake| brake.rise_s),
         "brake_release": brake.and_then(|brake| brake.release_s),
         "brake_v_static": brake.map(|brake| brake.v_static_rad_s),
-        "brake_law": FrictionType::of(bristle),
+        "brake_law": if bristle.is_some() { BrakeLaw::Bristle } else { BrakeLaw::Regularised },
         "brake_damping": bristle.map(|bristle| bristle.damping_n_s_per_m),
         "brake_relaxation": bristle.map(|bristle| bristle.relaxation_s),
     });
@@ -146,6 +145,11 @@ pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Value {
 keyword_enum! {
     /// Kind of a brake in a file.
     pub enum BrakeKind { None = "none", TwoWay = "two-way", OneWay = "one-way" }
+}
+
+keyword_enum! {
+    /// Friction law of a brake in a file.
+    pub enum BrakeLaw { Regularised = "regularised", Bristle = "bristle" }
 }
 
 keyword_enum! {
@@ -252,8 +256,8 @@ fn brake(input: &SectionInput<'_>, settings: &MotorSettings, one_way: bool) -> O
     let (start_s, rise_s) = (*settings.brake_at?, *settings.brake_rise?);
     let release_s = settings.brake_release.map(|release| *release);
     let bristle = match settings.brake_law? {
-        FrictionType::Regularised => None,
-        FrictionType::Bristle => {
+        BrakeLaw::Regularised => None,
+        BrakeLaw::Bristle => {
             Some(Bristle { damping_n_s_per_m: *settings.brake_damping?, relaxation_s: *settings.brake_relaxation? })
         }
     };

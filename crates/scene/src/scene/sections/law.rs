@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{FINGERS, GRIPPER};
-use crate::law::{Bristle, ContactLaw, FrictionLaw, Material, NormalLaw, hertz_stiffness};
+use crate::law::{Bristle, ContactLaw, FrictionKind, FrictionLaw, Material, NormalLaw, hertz_stiffness};
 use crate::scene::quantity::{
     Angle, AngularDamping, Length, LinearDamping, NotNegative, Plain, Positive, Pressure, Quantity, Speed, Time,
     keyword_enum,
@@ -64,14 +64,18 @@ pub fn contact_settings(law: &ContactLaw) -> Value {
 /// Settings of a given friction law.
 pub(crate) fn friction_settings(law: Option<FrictionLaw>) -> Value {
     let Some(law) = law else { return json!({ "mu_static": 0.0, "mu_dynamic": 0.0 }) };
+    let (kind, bristle) = match law.kind {
+        FrictionKind::Regularised => (FrictionType::Regularised, None),
+        FrictionKind::Bristle(bristle) => (FrictionType::Bristle, Some(bristle)),
+    };
     json!({
         "mu_static": law.mu_static,
         "mu_dynamic": law.mu_dynamic,
         "v_static": law.v_static_m_s,
         "v_dynamic": law.v_dynamic_m_s,
-        "law": FrictionType::of(law.bristle),
-        "bristle_damping": law.bristle.map(|bristle| bristle.damping_n_s_per_m),
-        "bristle_relaxation": law.bristle.map(|bristle| bristle.relaxation_s),
+        "law": kind,
+        "bristle_damping": bristle.map(|bristle| bristle.damping_n_s_per_m),
+        "bristle_relaxation": bristle.map(|bristle| bristle.relaxation_s),
     })
 }
 
@@ -121,13 +125,6 @@ pub struct FrictionSettings {
 keyword_enum! {
     /// Type of a friction law in a file.
     pub enum FrictionType { Regularised = "regularised", Bristle = "bristle" }
-}
-
-impl FrictionType {
-    /// Type of a law with this bristle.
-    pub fn of(bristle: Option<Bristle>) -> Self {
-        if bristle.is_some() { FrictionType::Bristle } else { FrictionType::Regularised }
-    }
 }
 
 /// Materials and radii of the two surfaces, in place of stiffness and exponent: Hertz contact, k = 4/3 E* √R and e
@@ -313,15 +310,15 @@ pub(crate) fn friction(laws: &[&SectionInput<'_>], damping: f64) -> Option<Optio
         let help = "raise v_dynamic, lower v_static, or remove both (defaults: 0.2 m/s and 0.1 m/s)";
         return last.refuse(if last.has("v_dynamic") { "v_dynamic" } else { "v_static" }, message, "", help);
     }
-    let bristle = match law.law {
-        None | Some(FrictionType::Regularised) => None,
+    let kind = match law.law {
+        None | Some(FrictionType::Regularised) => FrictionKind::Regularised,
         Some(FrictionType::Bristle) => {
             let default = if damping > 0.0 { damping } else { BRISTLE_DAMPING_N_S_PER_M };
             let damping_n_s_per_m = law.bristle_damping.map_or(default, |damping| *damping);
-            Some(Bristle { damping_n_s_per_m, relaxation_s: *law.bristle_relaxation? })
+            FrictionKind::Bristle(Bristle { damping_n_s_per_m, relaxation_s: *law.bristle_relaxation? })
         }
     };
-    let law = FrictionLaw { mu_static, mu_dynamic, v_static_m_s: v_static, v_dynamic_m_s: v_dynamic, bristle };
+    let law = FrictionLaw { mu_static, mu_dynamic, v_static_m_s: v_static, v_dynamic_m_s: v_dynamic, kind };
     Some((mu_static > 0.0).then_some(law))
 }
 

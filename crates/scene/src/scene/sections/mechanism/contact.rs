@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::names::{Known, NamedLaw, find, find_at};
-use crate::law::{ContactLaw, Damping, FrictionLaw, NormalLaw, damping_from_restitution};
+use crate::law::{ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw, damping_from_restitution};
 use crate::limits::MAX_CONTACTS;
 use crate::mechanism::{ContactPair, ForcePoint, Mechanism, Mirror, OutlineId, OutlineShape};
 use crate::scene::quantity::{
@@ -243,7 +243,7 @@ fn contact_entry(section: &SectionInput<'_>, mechanism: &Mechanism, known: &Know
         mu_dynamic: *arm,
         v_static_m_s: *rolling_rate,
         v_dynamic_m_s: 2.0 * *rolling_rate,
-        bristle: None,
+        kind: FrictionKind::Regularised,
     });
     let law = law.and_then(|name| law_for(section, "law", &name, known, true, "a contact"));
     let pairs = match between {

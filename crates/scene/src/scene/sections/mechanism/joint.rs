@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::contact::law_for;
 use super::names::{Known, check_units, find_at, two_bodies};
 use super::outline::si;
-use crate::law::{Bristle, FrictionLaw};
+use crate::law::{Bristle, FrictionKind, FrictionLaw};
 use crate::mechanism::{Body, Coupling, Joint, JointCombination, JointKind, Rotor, Spring, SpringKind};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{rotate, sub};
@@ -155,14 +155,6 @@ pub(super) fn joint_kind(section: &SectionInput<'_>) -> Option<JointKind> {
     })
 }
 
-/// Words for messages: whether a joint slides, and its kind.
-pub(super) fn joint_words(kind: JointKind) -> (bool, &'static str) {
-    match kind {
-        JointKind::Revolute => (false, "a revolute joint"),
-        JointKind::Prismatic { .. } => (true, "a prismatic joint"),
-    }
-}
-
 pub(super) fn joint(
     name: &str,
     section: &SectionInput<'_>,
@@ -172,7 +164,7 @@ pub(super) fn joint(
 ) -> Option<Joint> {
     let settings: JointSettings = section.read();
     let kind = joint_kind(section)?;
-    let (linear, of) = joint_words(kind);
+    let (linear, of) = (!kind.is_angle(), kind.name());
     let units_fit = check_units(section, linear, of);
     if settings.start.is_none() {
         section.report_unused(["start_rate"], "without `start`");
@@ -245,10 +237,10 @@ fn joint_friction(section: &SectionInput<'_>, settings: &JointSettings, linear: 
         mu_dynamic: *friction,
         v_static_m_s,
         v_dynamic_m_s,
-        bristle: settings.friction_stiffness.map(|stiffness| Bristle {
+        kind: FrictionKind::from(settings.friction_stiffness.map(|stiffness| Bristle {
             damping_n_s_per_m: *stiffness * BRISTLE_RELAXATION_S,
             relaxation_s: BRISTLE_RELAXATION_S,
-        }),
+        })),
     };
     if law.mu_static < law.mu_dynamic {
         let message = format!("`{}` is below `friction`", section.path("static_friction"));
@@ -277,7 +269,7 @@ pub(super) fn combination(
     if let Some(joint) = joint {
         section.report_unused(["joints", "factors", "offset"], "with `joint`");
         let (joint, kind) = known.joint(section, "joint", joint)?;
-        let (linear, of) = joint_words(kind);
+        let (linear, of) = (!kind.is_angle(), kind.name());
         return Some((JointCombination::of_joint(joint), linear, of));
     }
     let names = joints?;
@@ -304,7 +296,7 @@ pub(super) fn combination(
         let message = format!("`{}` names `{}` twice", section.path("joints"), repeated.1);
         return section.refuse("joints", message, "named twice", "name every joint once, with the sum of its factors");
     }
-    let (linear, of) = joint_words(found[0].1);
+    let (linear, of) = (!found[0].1.is_angle(), found[0].1.name());
     let terms = found.iter().zip(factors).map(|((joint, _), factor)| (*joint, **factor)).collect();
     Some((JointCombination { terms, offset: 0.0 }, linear, of))
 }

@@ -4,14 +4,14 @@
 use serde_json::{Value, json};
 
 use super::contact::LawType;
-use super::joint::{JointType, SpringType, joint_words};
+use super::joint::{JointType, SpringType};
 use super::outline::outline_settings;
 use super::tendon::tendon_settings;
 use crate::drive::Brake;
-use crate::law::{ContactLaw, Damping, NormalLaw};
+use crate::law::{ContactLaw, Damping, FrictionKind, NormalLaw};
 use crate::mechanism::{
-    Actuator, Body, Command, ContactPair, Coupling, Joint, JointCombination, JointKind, Mechanism, Rotor, Spring,
-    SpringKind, TendonActuator,
+    Actuator, Body, Command, ContactPair, Coupling, Joint, JointCombination, Mechanism, Rotor, Spring, SpringKind,
+    TendonActuator,
 };
 use crate::scene::Profile;
 use crate::scene::quantity::Keyword;
@@ -81,13 +81,13 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Value {
 }
 
 fn joint_settings(joint: &Joint, mechanism: &Mechanism, laws: &Laws) -> (String, Value) {
-    let (linear, _) = joint_words(joint.kind);
-    let axis_rad = match joint.kind {
-        JointKind::Revolute => None,
-        JointKind::Prismatic { axis_rad } => Some(axis_rad),
-    };
+    let linear = !joint.kind.is_angle();
+    let axis_rad = joint.kind.axis_rad();
     let given = |value: f64| Some(value).filter(|value| *value != 0.0);
-    let bristle = joint.friction.and_then(|law| law.bristle);
+    let bristle = match joint.friction.map(|law| law.kind) {
+        Some(FrictionKind::Bristle(bristle)) => Some(bristle),
+        _ => None,
+    };
     let limit = joint.limit.filter(|_| joint.lower.or(joint.upper).is_some());
     let settings = json!({
         "linear": linear,
@@ -163,7 +163,7 @@ fn actuator_settings(actuator: &Actuator, mechanism: &Mechanism) -> (String, Val
 fn joints_settings(on: &JointCombination, mechanism: &Mechanism) -> Value {
     let joint = |(joint, _): &(usize, f64)| &mechanism.joints[*joint];
     json!({
-        "linear": on.terms.first().is_some_and(|term| joint_words(joint(term).kind).0),
+        "linear": on.terms.first().is_some_and(|term| !joint(term).kind.is_angle()),
         "joints": on.terms.iter().map(|term| joint(term).name.as_str()).collect::<Value>(),
         "factors": on.terms.iter().map(|(_, factor)| *factor).collect::<Value>(),
     })
@@ -200,7 +200,7 @@ impl Laws {
         let limits = mechanism
             .joints
             .iter()
-            .filter_map(|joint| Some((ContactLaw { normal: joint.limit?, friction: None }, joint_words(joint.kind).0)));
+            .filter_map(|joint| Some((ContactLaw { normal: joint.limit?, friction: None }, !joint.kind.is_angle())));
         let mut all: Vec<(ContactLaw, bool)> = Vec::new();
         for law in mechanism.contacts.iter().map(|contact| (contact.law, true)).chain(limits) {
             if !all.contains(&law) {

@@ -8,7 +8,7 @@ use super::mirror::Entries;
 use super::names::{GROUND, Known, find};
 use crate::limits::MAX_PLACES;
 use crate::mechanism::tendon::{center_in, length_in, wraps};
-use crate::mechanism::{JointKind, Mechanism, PathElement, Pose, Tendon};
+use crate::mechanism::{Mechanism, PathElement, Pose, Tendon};
 use crate::scene::quantity::{
     Force, Length, LinearDamping, LinearStiffness, NotNegative, Positive, Quantity, keyword_enum,
 };
@@ -153,7 +153,7 @@ fn element(entry: &SectionInput<'_>, bodies: &[&str]) -> Option<PathElement> {
 fn spool(entry: &SectionInput<'_>, known: &Known<'_>) -> Option<(usize, f64)> {
     let SpoolEntry { joint, radius, turn } = entry.read();
     let (joint, kind) = known.joint(entry, "joint", &joint?)?;
-    if kind != JointKind::Revolute {
+    if !kind.is_angle() {
         let message = format!("`{}` names a prismatic joint, which has no spool", entry.path("joint"));
         let help = "name a revolute joint; a cable to a slider ends in an eyelet of its body";
         return entry.refuse("joint", message, "a prismatic joint", help);
