@@ -166,13 +166,15 @@ impl Scene {
         moved
     }
 
-    /// Applies a preset of the integrator for this kind of scene and keeps the step budget. The reference preset
+    /// Applies a preset of the integrator for this scene and keeps the step budget. The reference preset
     /// resolves slip rates to 1e-5 of the narrowest slip range of a friction law: with a sticking range of 1 µm/s and a
     /// tolerance of 1e-9 m/s, two methods differed by 1.2e-7 m.
     pub fn apply_preset(&mut self, preset: Preset) {
         let max_steps = self.integrator.max_steps;
         self.integrator = match preset {
-            Preset::Engineering => Integrator { max_steps, ..Integrator::engineering_for(self.kind) },
+            Preset::Engineering => {
+                Integrator { max_steps, ..Integrator::engineering_for(self.kind, self.grasp_roles().is_ok()) }
+            }
             Preset::Reference => {
                 let reference = Integrator::preset(preset);
                 let range_m_s = match &self.mechanism {

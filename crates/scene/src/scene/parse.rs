@@ -129,7 +129,8 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
     let is_outlined = outline.as_ref().is_some_and(Option::is_some);
     let kind = if is_outlined { SceneKind::Mechanism } else { input.kind };
     let of_run = root.with_schema(kind, top_level(kind));
-    let integrator = run::integrator(&of_run.subsection("integrator"));
+    let of_integrator = of_run.subsection("integrator");
+    let mut integrator = run::integrator(&of_integrator, false);
     let law = discs.as_ref().map(|discs| discs.law);
     let engine = run::engine(&of_run.subsection("engine"), hand.as_ref(), law);
     let bounds = run::bounds(&of_run.subsection("validate"), duration_s);
@@ -165,6 +166,9 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
         let roles = grasp_roles(mechanism, &keys.clone().unwrap_or_default()).ok()?;
         Some(mechanism.bodies[roles.object].mass_kg)
     });
+    if object_kg.is_some() {
+        integrator = of_integrator.quietly(|input| run::integrator(input, true));
+    }
     let thresholds = run::thresholds(&of_run.subsection("criteria"), hand.as_ref(), object_kg, duration_s);
     Some(Scene {
         name: settings.name.unwrap_or_else(|| stem(file_name)),
