@@ -10,6 +10,7 @@ mod contact_geometry;
 mod finger;
 mod first_touch;
 mod gradient;
+mod grasp_tracker;
 mod gripper;
 mod gripper_criteria;
 mod hands_in_code;

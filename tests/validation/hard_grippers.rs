@@ -1,7 +1,7 @@
 //! Every gripper of scenes/hard and scenes/gripper: both models agree as in `hard_scenes`, and their criteria agree.
 
 use phalanx::check::perturbed;
-use phalanx::criteria::{Fate, GraspCriteria};
+use phalanx::criteria::{Fate, ObjectCriteria};
 use phalanx::scene::Scene;
 use phalanx::trace::Model;
 use phalanx::validate::{Recording, reference_scene};
@@ -27,7 +27,7 @@ fn every_gripper_scene_is_tested() {
     assert!(scenes_in("hard").iter().filter(|name| name.starts_with("gripper-")).all(is_hard_tested));
 }
 
-fn criteria(run: &Recording) -> &GraspCriteria {
+fn criteria(run: &Recording) -> &ObjectCriteria {
     run.run_criteria.as_ref().and_then(|all| all.grasp.as_ref()).expect("criteria")
 }
 

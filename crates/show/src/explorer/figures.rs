@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, zero_below_resolution};
 use crate::report::document::RunReport;
+use crate::report::object::ObjectReport;
 use crate::units::Dimension;
 
 /// Beginnings and ends of the keys listed first; the others follow in the order of the document.
@@ -78,11 +79,10 @@ pub fn figures(report: &RunReport) -> Vec<Value> {
     all.iter().map(entry).collect()
 }
 
-/// Returns the class of a finger with its reason, or the reason why it has none; for a gripper, the reason for the fate
-/// of its object.
+/// Returns the class of a finger with its reason, or the reason why it has none; for a grasp, its answer.
 pub fn verdict(report: &RunReport) -> Option<String> {
     let class = report.criteria.flatten().map(|criteria| criteria.verdict());
-    let fate = || report.grasp.iter().flatten().find_map(|grasp| grasp.reason().map(str::to_string));
+    let fate = || report.object().map(ObjectReport::answer);
     class.or_else(|| report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}"))).or_else(fate)
 }
 
