@@ -22,6 +22,7 @@ use crate::format::report::{Report, ToReport, table};
 use crate::log::{
     ChannelContent, Difference, EntryDifference, LogSummary, QuantityTally, Solver, Verification, settings,
 };
+use crate::page::PlayedGrasp;
 use crate::scene::{Engine, Integrator, one_line};
 use crate::trace::{Energy, FingerState};
 
@@ -180,6 +181,11 @@ impl ReplayReport {
             (report.criteria, report.grasp) = (None, None);
         }
         report
+    }
+
+    /// The grasp as a page shows it.
+    pub fn played_grasp(&self) -> Option<PlayedGrasp> {
+        self.grasp.as_deref().map(ObjectReport::played)
     }
 
     /// Returns error messages about missing topics and inconsistencies.

@@ -245,7 +245,7 @@ impl<A: Sink> Sink for Listeners<'_, A> {
 fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
     let mut recorder = PlaybackRecorder::default();
     let report = simulate(scene, &mut recorder);
-    let playback = recorder.into_playback(Model::Analytic.name(), scene, "");
+    let playback = recorder.into_playback(Model::Analytic.name(), scene, "").with_grasp(report.played_grasp());
     json!({
         "playback": playback_json::append_run(&playback, numbers),
         "figures": figures(&report),

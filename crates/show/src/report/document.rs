@@ -12,6 +12,7 @@ use super::tables;
 use crate::criteria::{Criteria, ObjectCriteria, Rebound, scene_static_grasp};
 use crate::format::numbers::{G_M_S2, format_number};
 use crate::format::{Report, ToReport, format_duration};
+use crate::playback::PlayedGrasp;
 use crate::scene::schema::{SettingsSection, columns};
 use crate::scene::{Engine, Integrator, Keyword, Response, Scene, Stepping, one_line};
 use crate::statics::NoGrasp;
@@ -188,6 +189,11 @@ impl RunReport {
     /// The grasp of an object.
     pub fn object(&self) -> Option<&ObjectReport> {
         self.grasp.as_ref()?.as_deref()
+    }
+
+    /// The grasp as a page shows it.
+    pub fn played_grasp(&self) -> Option<PlayedGrasp> {
+        self.object().map(ObjectReport::played)
     }
 
     /// The summary of a grasp: the answer first, then pairs, then what else there is.

@@ -11,6 +11,7 @@ use crate::criteria::{
 use crate::format::format_duration;
 use crate::format::numbers::{G_M_S2, format_number, or_dash};
 use crate::format::report::{Report, table_of};
+use crate::playback::{PlayedGrasp, PlayedState};
 use crate::scene::Scene;
 use crate::statics::ForceClosure;
 use crate::units::Dimension;
@@ -122,6 +123,14 @@ impl ObjectReport {
             ));
         }
         lines.join("\n") + "\n"
+    }
+
+    /// The grasp as a page shows it.
+    pub fn played(&self) -> PlayedGrasp {
+        let found = &self.criteria;
+        let states = found.states.iter().map(|(from_s, state)| PlayedState { from_s: *from_s, name: state.name() });
+        let released = found.cycle.release_s.map(|from_s| PlayedState { from_s, name: "released" });
+        PlayedGrasp { answer: self.answer(), states: states.chain(released).collect() }
     }
 
     /// Note on a run that ends because the object leaves the hand.
