@@ -63,7 +63,7 @@ fn case_a_is_held_by_four_contacts() {
     assert!((criteria.end_speed_m_s() - 0.0186).abs() < 1e-4, "{}", criteria.end_speed_m_s());
     assert!((criteria.travel.displacement_m - (last.body(0).centre_m[1] - 0.02)).abs() < 1e-9);
     let slip = criteria.slip.expect("a grasp").displacement_m;
-    assert!(slip > 1e-4 && slip < criteria.travel.displacement_m, "{slip}");
+    assert!(slip > 5e-5 && slip < criteria.travel.displacement_m, "{slip}");
 }
 
 /// The grasp centres its object: the offset decreases from 3.5 mm to 0.550 mm.
@@ -82,7 +82,8 @@ fn case_c_centres_its_object() {
     assert!(criteria_of(&criteria, HandContact::Finger(Side::Left, FingerContact::Proximal)).lost_s > 4e-3);
 }
 
-/// Before the left finger arrives there is no grasp. Without friction and table the object is grasped and then ejected.
+/// Before the left finger arrives there is no grasp. Without friction and table, the fingers press from both sides but never
+/// balance each other: the object is not gripped, and ejected.
 #[test]
 fn lost_objects_are_reported_with_their_fate() {
     let mut early_end = reference_case("c").scene;
@@ -97,17 +98,13 @@ fn lost_objects_are_reported_with_their_fate() {
         frictionless.duration_s = duration_s;
         run_with_tracker(&frictionless)
     };
-    // While the fingers still squeeze the object out, it counts as held; its speed shows that it is being ejected.
     let (criteria, _) = run_for(25e-3);
-    assert_eq!(criteria.fate, Fate::Held);
+    assert_eq!((criteria.fate, criteria.held_since_s), (Fate::NotGrasped, None));
     assert!((criteria.end_speed_m_s() - 1.5).abs() < 0.1, "thrown out at {} m/s", criteria.end_speed_m_s());
-    let (criteria, _) = run_for(33e-3);
-    let Fate::Dropped { since_s } = criteria.fate else { panic!("{:?}", criteria.fate) };
-    assert!(since_s > 25e-3, "{since_s}");
 
     let (criteria, _) = run_for(80e-3);
     let Fate::Ejected { at_s } = criteria.fate else { panic!("{:?}", criteria.fate) };
-    assert!(criteria.grasped_s.expect("a grasp at first") < 5e-3 && criteria.tts_s.is_none());
+    assert_eq!((criteria.grasped_s, criteria.tts_s, criteria.until_s), (None, None, Some(at_s)));
     let [x, y] = run_for(at_s).1.body(0).centre_m;
     let reach_m = 0.02 + 0.02443242165159721 + 0.012856584748806986 + 0.0025;
     assert!(((x.abs() - 0.0155).hypot(y) - reach_m).abs() < 1e-6, "out of reach at {at_s}: {x}, {y}");

@@ -5,6 +5,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod actuator_work;
 mod contact_definition;
 mod contact_geometry;
 mod finger;

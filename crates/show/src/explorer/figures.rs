@@ -15,6 +15,8 @@ const LEADING_KEYS: &str = "criteria.*class grasp.*fate criteria.*tts_s grasp.*t
      contacts.*first_s contacts.*peak_normal_n";
 /// Parts of the document that are not results, or that have their own request.
 const EXCLUDED_KEYS: &str = "scene kind model wall_s integrator engine log page check error work warnings no_criteria";
+/// Parts of the grasp that are names, sentences or lists.
+const EXCLUDED_PARTS: &str = "grasp.answer grasp.object grasp.base grasp.assumed_hand grasp.states grasp.never_touched";
 /// Suffix of keys with sentences, which are not figures. The page shows the sentence on the class or the fate
 /// separately: [`verdict`].
 const REASON_SUFFIX: &str = "_reason";
@@ -99,6 +101,7 @@ pub fn leaves(report: &RunReport) -> Vec<(String, Value)> {
 
 fn collect_leaves(key: &str, value: &Value, found: &mut Vec<(String, Value)>) {
     match value {
+        _ if EXCLUDED_PARTS.split(' ').any(|excluded| excluded == key) => {}
         Value::Object(parts) => {
             parts.iter().for_each(|(name, part)| collect_leaves(&format!("{key}.{name}"), part, found));
         }

@@ -58,6 +58,7 @@ impl ObjectReport {
     /// The answer in one sentence: fate and time, forces, friction, slip and margin, or the reason.
     pub fn answer(&self) -> String {
         let found = &self.criteria;
+        let ms = |time_s: f64| format!("{} ms", format_number(time_s * 1e3, 4));
         match found.fate {
             Fate::Held => {
                 let parts = [
@@ -211,12 +212,13 @@ impl ObjectReport {
             let [x, y] = [x, y].map(|part| resolved(part, Dimension::Length, 1e3, 4));
             format!("({x}, {y})")
         };
+        let name = |name: &str| contacts.map_or_else(|| name.to_string(), |contacts| contacts.display_name(name));
         let mut text = Report::default();
         if self.touched().next().is_some() {
             text.push(table_of(
                 self.touched(),
                 &[
-                    ("pair", &|pair| pair.name.clone()),
+                    ("pair", &|pair| name(&pair.name)),
                     ("", &|pair| if pair.is_hand { "hand" } else { "surroundings" }.to_string()),
                     ("first, ms", &|pair| milliseconds(pair.first_s)),
                     ("normal, N", &|pair| force(pair.normal_n)),
@@ -229,7 +231,7 @@ impl ObjectReport {
                 ],
             ));
         }
-        let untouched = self.untouched();
+        let untouched: Vec<String> = self.untouched().into_iter().map(name).collect();
         text.push((!untouched.is_empty()).then(|| format!("never touched: {}\n", untouched.join(", "))));
         text
     }

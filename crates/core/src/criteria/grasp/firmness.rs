@@ -1,6 +1,6 @@
 //! How firmly the object is held at the end: the accelerations that the contacts can balance, form closure and Q1.
 
-use super::actuators::{command, is_at_limit};
+use super::actuators::ActuatorCriteria;
 use super::fate::Fate;
 use super::object::ObjectCriteria;
 use super::pose::{fixed_object, poses_in};
@@ -76,7 +76,7 @@ pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
         drives,
         roles: &roles,
     };
-    let loads = loads(mechanism, sample);
+    let loads = loads(mechanism, found);
     let is_fixed = fixed_object(&scene.hand).is_some();
     let margin = |drives| match is_fixed {
         true => Margin::Undecided { reason: "the object is fixed".to_string() },
@@ -164,23 +164,21 @@ fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (
 }
 
 /// Loads at the end of a run.
-fn loads(mechanism: &Mechanism, sample: &Sample) -> LoadsAtRest {
-    let kept = |actuator: &Actuator| match (&actuator.command, actuator.limit) {
-        (Command::Servo { .. }, limit) if !is_at_limit(actuator, sample) => {
-            let limit = limit.unwrap_or(f64::INFINITY);
-            (0.0, [-limit, limit])
-        }
-        (_, limit) => {
-            let limit = limit.unwrap_or(f64::INFINITY);
-            (command(actuator, sample).clamp(-limit, limit), [0.0; 2])
+fn loads(mechanism: &Mechanism, found: &ObjectCriteria) -> LoadsAtRest {
+    let sample = &found.end;
+    let kept = |actuator: &Actuator, ActuatorCriteria { command, is_at_limit, .. }: &ActuatorCriteria| {
+        let limit = actuator.limit.unwrap_or(f64::INFINITY);
+        match actuator.command {
+            Command::Servo { .. } if !is_at_limit => (0.0, [-limit, limit]),
+            _ => (command.clamp(-limit, limit), [0.0; 2]),
         }
     };
-    let with_brake = |actuator: &Actuator| {
-        let (effort, [low, high]) = kept(actuator);
+    let with_brake = |(actuator, found): (&Actuator, &ActuatorCriteria)| {
+        let (effort, [low, high]) = kept(actuator, found);
         let [least, most] = actuator.brake.map_or([0.0; 2], |brake| brake.torque_range(sample.time_s));
         (effort, [low + least, high + most])
     };
-    let (efforts, slack) = mechanism.actuators.iter().map(with_brake).unzip();
+    let (efforts, slack) = mechanism.actuators.iter().zip(&found.actuators).map(with_brake).unzip();
     LoadsAtRest {
         efforts,
         slack,

@@ -337,7 +337,7 @@ impl State {
         }
         let instant = Instant { time_s: next.time_s, object, base, ground, slid_m };
         self.recent.add(instant, self.setup.thresholds.held_time_s);
-        ActuatorCriteria::add(&mut self.actuators, &self.setup.mechanism, next);
+        ActuatorCriteria::add(&mut self.actuators, &self.setup.mechanism, last, next);
     }
 
     /// Returns the criteria of a run that ends with a sample.
@@ -509,15 +509,14 @@ impl SegmentObserver for State {
         });
         self.process(false);
         let is_release = self.setup.release_s.is_some_and(|release_s| to_s >= release_s);
-        if is_release || to_s == next.time_s {
-            let end = if to_s < next.time_s { &interpolate(last, next, to_s) } else { next };
-            self.add_instant(Some(last), end);
-            if is_release {
-                // Drives and brakes are those that still hold the object.
-                let mut released = end.clone();
-                released.time_s = to_s.next_down();
-                self.released = Some(released);
-            }
+        if is_release {
+            let mut released = if to_s < next.time_s { interpolate(last, next, to_s) } else { next.clone() };
+            // Drives and brakes are those that still hold the object.
+            released.time_s = to_s.next_down();
+            self.add_instant(Some(last), &released);
+            self.released = Some(released);
+        } else if to_s == next.time_s {
+            self.add_instant(Some(last), next);
         }
     }
 }
