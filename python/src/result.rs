@@ -255,10 +255,14 @@ impl Result {
                 (&**scene.as_ref()?, label, simulate::playback_of_log(log)?)
             }
         };
+        let grasp = match &self.report {
+            ResultReport::Run(report) => report.played_grasp(),
+            ResultReport::Log(report) => report.played_grasp(),
+        };
         Some(render_page(&Page {
             title: scene.name.clone(),
             description: scene.description.clone(),
-            runs: vec![recorder.into_playback(&label, scene, self.report.report())],
+            runs: vec![recorder.into_playback(&label, scene, self.report.report()).with_grasp(grasp)],
             ..Page::default()
         }))
     }

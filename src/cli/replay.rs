@@ -53,6 +53,7 @@ fn replay_log(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failur
         reader.ensure_drawable()?;
         let (title, description) = reader.name_and_description();
         let playback = reader.into_playback(report.model.as_deref().unwrap_or("run"), report.report())?;
+        let playback = playback.with_grasp(report.played_grasp());
         save(target, &render_page(&Page { title, description, runs: vec![playback], ..Page::default() }))?;
         report.page = Some(target.display().to_string());
     }

@@ -92,9 +92,10 @@ fn build_page(logs: [LogReader<'_>; 2], report: &LogComparisonReport) -> Result<
     let [(first, description), (second, _)] = logs.each_ref().map(LogReader::name_and_description);
     let title = if first == second { first } else { format!("{first} and {second}") };
     let summaries = report.labels.iter().zip(&report.logs);
-    let runs =
-        logs.into_iter().zip(summaries).map(|(log, (label, summary))| log.into_playback(label, summary.report()));
-    let runs = runs.collect::<Result<Vec<_>, _>>()?;
+    let runs = logs.into_iter().zip(summaries).map(|(log, (label, summary))| {
+        Ok(log.into_playback(label, summary.report())?.with_grasp(summary.played_grasp()))
+    });
+    let runs = runs.collect::<Result<Vec<_>, Failure>>()?;
     let notes = vec![Note { title: "Side by side".to_string(), text: report.report() }];
     Ok(render_page(&Page { title, description, runs, notes, pictures: Vec::new() }))
 }

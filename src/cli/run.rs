@@ -214,6 +214,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     // Pages are shared, so the page does not contain local paths.
     let page_path = page.as_ref().zip(outputs.recorder).map(|(page, recorder)| {
         let playback = recorder.into_playback(args.model.name(), scene, report.report());
+        let playback = playback.with_grasp(report.played_grasp());
         page.write(name, &scene.description, playback)
     });
     report.detail = Detail { points: args.points || args.all, all: args.all };

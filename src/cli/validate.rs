@@ -193,5 +193,6 @@ fn record_run(
         }
         (Some(error), None) => return Err(write_failure(path, &error.reason)),
     }
-    Ok(recorder.into_playback(model.name(), scene, summary.report()))
+    let playback = recorder.into_playback(model.name(), scene, summary.report());
+    Ok(playback.with_grasp(summary.played_grasp()))
 }

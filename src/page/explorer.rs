@@ -60,7 +60,7 @@ pub(crate) fn explorer_page(module: &[u8], start: &InitialScene, version: &str) 
     let initial_preset = presets.iter().find(|preset| preset.file == start.file);
     let title = initial_preset.map_or(&start.file, |preset| &preset.name);
     // Names of results, from good to bad, and the CSS variable of the colour of each.
-    let names = [&Class::ALL.map(Class::name)[..], &Fate::OF_GRIPPERS, &["yes", "no"]];
+    let names = [&Class::ALL.map(Class::name)[..], &Fate::NAMES, &["yes", "no"]];
     let data = json!({
         "module": BASE64_STANDARD.encode(module),
         "start": start,

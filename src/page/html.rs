@@ -1,6 +1,6 @@
 //! Assembles a page from assets, texts and data; escapes all input.
 
-use super::{Note, Page, Picture};
+use super::{Note, Page, Picture, Playback};
 use crate::format::{Report, escape_chars, escape_markup, is_unsafe_char};
 use crate::plot::theme::variables;
 use phalanx_show::playback::json;
@@ -14,8 +14,8 @@ pub(super) use scripts;
 const TEMPLATE: &str = include_str!("assets/page.html");
 const STYLES: [&str; 2] = [include_str!("assets/texts.css"), include_str!("assets/layout.css")];
 /// Scripts of the playback viewer, in order of dependence; all share one scope.
-pub(super) const VIEWER_SCRIPTS: [&str; 21] = scripts! {
-    "format", "data", "interpolation", "clock", "axis", "canvas", "svg_context", "camera", "shapes", "symbols",
+pub(super) const VIEWER_SCRIPTS: [&str; 22] = scripts! {
+    "format", "data", "interpolation", "clock", "axis", "canvas", "states", "svg_context", "camera", "shapes", "symbols",
     "stage", "plots", "events", "gif", "animation", "save", "controls", "help", "keys", "viewer", "hooks"
 };
 const MAIN_SCRIPT: &str = include_str!("assets/main.js");
@@ -26,6 +26,7 @@ pub fn render_page(page: &Page) -> String {
         ("title", escape_markup(&page.title)),
         ("description", description_html(&page.description)),
         ("style", page_style(&STYLES)),
+        ("answers", answers_html(&page.runs)),
         ("summaries", summaries_html(page)),
         ("notes", notes_html(&page.notes)),
         ("pictures", pictures_html(&page.pictures)),
@@ -115,6 +116,19 @@ fn escape_for_script(json: &str) -> String {
 
 fn description_html(text: &str) -> String {
     if text.is_empty() { String::new() } else { format!("<p class=\"description\">{}</p>", escape_markup(text)) }
+}
+
+/// The answers of the grasps, each with the label of its run if there are several.
+fn answers_html(runs: &[Playback]) -> String {
+    let label = |run: &Playback| match runs.len() {
+        1 => String::new(),
+        _ => format!("<span class=\"soft\">{}:</span> ", escape_markup(&run.label)),
+    };
+    let answer = |run: &Playback| {
+        let answer = escape_markup(&run.grasp.as_ref()?.answer);
+        Some(format!("<p class=\"answer\">{}{answer}</p>\n", label(run)))
+    };
+    runs.iter().filter_map(answer).collect()
 }
 
 /// Sections with the summaries of the runs.

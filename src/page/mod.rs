@@ -15,8 +15,8 @@ pub(crate) use explorer::{InitialScene, explorer_page, is_gzip};
 pub(crate) use html::volume_page;
 pub use html::{render_page, report_page};
 pub use phalanx_show::playback::{
-    ContactSeries, EventMarker, MAX_SAMPLES, Panel, Playback, PlaybackRecorder, PlayedBody, Scale, Series,
-    build_playback,
+    ContactSeries, EventMarker, MAX_SAMPLES, Panel, Playback, PlaybackRecorder, PlayedBody, PlayedGrasp, PlayedState,
+    Scale, Series, build_playback,
 };
 pub(crate) use presets::standalone_text;
 pub use presets::{Preset, presets};

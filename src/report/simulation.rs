@@ -18,7 +18,6 @@ pub fn report_of<W>(model: Model, scene: &Scene, run: &FinishedRun<W>) -> RunRep
         outcome,
         criteria: run.criteria,
         grasp: run.grasp.as_ref(),
-        object: run.object.as_ref(),
         rebounds: &run.rebounds,
         warnings: &run.warnings,
     };

@@ -9,7 +9,7 @@
 use phalanx_show::format::object::Object;
 use serde::{Serialize, Serializer};
 
-use crate::criteria::{Fate, GraspTracker, Travel, is_form_closed};
+use crate::criteria::{Fate, ObjectTracker, Slip, is_form_closed};
 use crate::grasp::{geometric_posture, run};
 use crate::scene::{Layer, Scene, SceneError, Side, parse_any, parse_layers};
 use crate::statics::{Blocked, GraspConfiguration, PerContact, gripper_closure};
@@ -68,7 +68,7 @@ pub struct ObjectPlacement {
     pub y_m: Option<f64>,
     pub angle_rad: Option<f64>,
     pub speed_m_s: Option<f64>,
-    pub slip: Option<Travel>,
+    pub slip: Option<Slip>,
     /// Form closure by the contacts active at the end; `None` if the object is not held.
     pub form_closed: Option<bool>,
     pub steps: Option<u64>,
@@ -203,10 +203,13 @@ fn simulate_placement(
             });
         }
     };
-    let mut tracker = GraspTracker::for_scene(&scene);
+    let mut tracker = ObjectTracker::for_scene(&scene);
     let outcome = run(plan.model, &scene, &mut tracker, monitor.keep_running()).ok_or_else(|| monitor.stopped())?;
     let geometric_form_closed = geometric_form_closed(&scene);
-    let found = outcome.and_then(|outcome| Ok((tracker.criteria().ok_or("the run has no samples")?, outcome)));
+    let found = outcome.and_then(|outcome| {
+        let criteria = tracker.and_then(|tracker| tracker.criteria());
+        Ok((criteria.ok_or("the run has no samples")?, outcome))
+    });
     let (criteria, outcome) = match found {
         Ok(found) => found,
         Err(reason) => {
@@ -223,12 +226,12 @@ fn simulate_placement(
         geometric_form_closed,
         fate: Some(criteria.fate.name()),
         tts_s: criteria.tts_s,
-        x_m: Some(criteria.end.centre_m[0]),
-        y_m: Some(criteria.end.centre_m[1]),
-        angle_rad: Some(criteria.end.angle_rad),
+        x_m: Some(criteria.last.centre_m[0]),
+        y_m: Some(criteria.last.centre_m[1]),
+        angle_rad: Some(criteria.last.angle_rad),
         speed_m_s: Some(criteria.end_speed_m_s()),
         slip: criteria.slip,
-        form_closed: is_form_closed(&scene, &outcome.last).filter(|_| criteria.fate == Fate::Held),
+        form_closed: is_form_closed(&scene, &criteria.end).filter(|_| criteria.fate == Fate::Held),
         steps: Some(outcome.work.steps),
         reason: None,
     })

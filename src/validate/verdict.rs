@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::{Differences, MAX_STANDARD_ERRORS, Recording, Statistics, largest};
 use crate::check;
-use crate::criteria::{Criteria, EPSILON_RAD, Fate, GraspCriteria, ObjectCriteria, Rebound, is_form_closed};
+use crate::criteria::{Criteria, EPSILON_RAD, Fate, ObjectCriteria, Rebound, firmness};
 use crate::invariants::Finding;
 use crate::scene::{Bounds, Scene};
 use crate::trace::Schema;
@@ -214,14 +214,10 @@ impl Criterion {
 
 /// Compares the criteria of both runs of a scene; empty if there are none, as for a finger without an object.
 pub fn compare_criteria(scene: &Scene, analytic: &Recording, engine: &Recording) -> Vec<Criterion> {
-    let runs = [analytic, engine];
     let (Some(analytic), Some(engine)) = (&analytic.run_criteria, &engine.run_criteria) else { return Vec::new() };
-    if let (Some(analytic), Some(engine)) = (&analytic.object, &engine.object) {
-        return compare_objects(scene, [analytic, engine]);
-    }
     match (&analytic.criteria, &engine.criteria, &analytic.grasp, &engine.grasp) {
         (Some(analytic), Some(engine), ..) => compare_finger(scene, [analytic, engine]),
-        (.., Some(analytic), Some(engine)) => compare_gripper(scene, runs, [analytic, engine]),
+        (.., Some(analytic), Some(engine)) => compare_grasps(scene, [analytic, engine]),
         _ => {
             let schema = Schema::from_scene(scene);
             let contacts = schema.contacts.into_iter().zip(analytic.rebounds.iter().zip(&engine.rebounds));
@@ -243,30 +239,8 @@ fn compare_finger(scene: &Scene, both: [&Criteria; 2]) -> Vec<Criterion> {
     ]
 }
 
-fn compare_gripper(scene: &Scene, runs: [&Recording; 2], both: [&GraspCriteria; 2]) -> Vec<Criterion> {
-    let mut compared = vec![
-        Criterion::from_labels("fate", both.map(|found| found.fate.name())),
-        Criterion::from_numbers("stability_time_s", both.map(|found| found.tts_s), scene.bounds.stability_time_s),
-    ];
-    // Fingers that have released the object cannot be form-closed.
-    let is_held = |found: &GraspCriteria| found.fate == Fate::Held && found.cycle.release_s.is_none();
-    if both.into_iter().all(is_held) {
-        let form_closed = runs.map(|run| match is_form_closed(scene, &run.outcome.last) {
-            Some(true) => "yes",
-            Some(false) => "no",
-            None => "undecided",
-        });
-        compared.push(Criterion::from_labels("form_closed", form_closed));
-    }
-    let contacts = both[0].contacts.iter().zip(&both[1].contacts);
-    let lost_times = contacts.map(|(a, b)| (a.id.name(), [a.lost_s, b.lost_s]));
-    let losses = both.map(|found| found.contacts.iter().map(|contact| contact.times_lost).sum::<u32>());
-    compared.extend(compare_losses(scene, losses, lost_times));
-    compared
-}
-
-/// Compares the grasps of the object of a mechanism.
-fn compare_objects(scene: &Scene, both: [&ObjectCriteria; 2]) -> Vec<Criterion> {
+/// Compares the grasps of an object.
+fn compare_grasps(scene: &Scene, both: [&ObjectCriteria; 2]) -> Vec<Criterion> {
     let limit_s = scene.bounds.stability_time_s;
     let mut compared = vec![
         Criterion::from_labels("fate", both.map(|found| found.fate.name())),
@@ -275,6 +249,14 @@ fn compare_objects(scene: &Scene, both: [&ObjectCriteria; 2]) -> Vec<Criterion> 
     let lost_at_s = both.map(|found| found.fate.lost_at_s());
     if lost_at_s.iter().any(Option::is_some) {
         compared.push(Criterion::from_numbers("fate_time_s", lost_at_s, limit_s));
+    }
+    if both.into_iter().all(|found| matches!(found.fate, Fate::Held | Fate::Carried)) {
+        let form_closed = both.map(|found| match firmness(scene, found).and_then(|firmness| firmness.form_closed) {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "undecided",
+        });
+        compared.push(Criterion::from_labels("form_closed", form_closed));
     }
     let pairs = both[0].pairs.iter().zip(&both[1].pairs);
     let lost_times = pairs.map(|(a, b)| (a.name.clone(), [a.lost_s, b.lost_s]));

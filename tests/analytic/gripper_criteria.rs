@@ -1,6 +1,6 @@
 //! Grasp criteria of the gripper reference cases, and form closure of their final grasps.
 
-use phalanx::criteria::{ContactCriteria, Fate, GraspCriteria, GraspTracker, grasp_configuration, normal_forces};
+use phalanx::criteria::{Fate, ObjectCriteria, ObjectTracker, PairCriteria, grasp_configuration, normal_forces};
 use phalanx::gripper::{FingerContact, final_posture};
 use phalanx::scene::{HandContact, Scene, Side, Thresholds};
 use phalanx::shape::PlacedShape;
@@ -11,14 +11,14 @@ use crate::support::reference_cases::{cases_at_rest, reference_case};
 use crate::support::runs::assert_near;
 use crate::support::statics::check_certificate;
 
-fn run_with_tracker(scene: &Scene) -> (GraspCriteria, Sample) {
-    let mut tracker = GraspTracker::for_scene(scene);
+fn run_with_tracker(scene: &Scene) -> (ObjectCriteria, Sample) {
+    let mut tracker = ObjectTracker::for_scene(scene).expect("a grasp");
     let outcome = run(Model::Analytic, scene, &mut tracker).expect("a completed run");
     (tracker.criteria().expect("samples"), outcome.last)
 }
 
-fn criteria_of(criteria: &GraspCriteria, id: HandContact) -> ContactCriteria {
-    *criteria.contacts.iter().find(|contact| contact.id == id).expect("criteria of this contact")
+fn criteria_of(criteria: &ObjectCriteria, id: HandContact) -> &PairCriteria {
+    criteria.pairs.iter().find(|pair| pair.name == id.name()).expect("criteria of this contact")
 }
 
 const PHALANGES: [HandContact; 4] = [
@@ -36,7 +36,7 @@ fn every_case_is_held_and_first_contacts_match_the_independent_program() {
         assert_eq!(criteria.fate, Fate::Held, "{name}");
         for (id, expected) in PHALANGES.into_iter().zip(case.first_contact_s) {
             let contact = criteria_of(&criteria, id);
-            let first = contact.first_contact_s.expect("a first contact");
+            let first = contact.first_s.expect("a first contact");
             // Errors grow through impacts. Only the reference preset gives contact times after the first to 1e-8 s.
             assert_near(first, expected, 5e-8, format!("{name}: {id:?}"));
             assert!(contact.active_since_s.expect("a lasting contact") <= criteria.tts_s.expect("a stable grasp"));
@@ -44,7 +44,7 @@ fn every_case_is_held_and_first_contacts_match_the_independent_program() {
         let second_finger_s = case.first_contact_s[0].max(case.first_contact_s[2]);
         assert_near(criteria.grasped_s.expect("a grasp"), second_finger_s, 5e-8, format!("{name}: grasped"));
         let end = case.states.last().expect("states");
-        (0..2).for_each(|axis| assert_near(criteria.end.centre_m[axis], end.q[4 + axis], 2e-7, name));
+        (0..2).for_each(|axis| assert_near(criteria.last.centre_m[axis], end.q[4 + axis], 2e-7, name));
     }
 }
 
@@ -53,10 +53,9 @@ fn every_case_is_held_and_first_contacts_match_the_independent_program() {
 #[test]
 fn case_a_is_held_by_four_contacts() {
     let (criteria, last) = run_with_tracker(&reference_case("a").scene);
-    assert_eq!(criteria_of(&criteria, HandContact::Palm).first_contact_s, None);
-    assert!(criteria.contacts.iter().all(|contact| contact.id != HandContact::Table), "there is no table");
-    let first_contacts =
-        PHALANGES.map(|contact| criteria_of(&criteria, contact).first_contact_s.expect("a first contact"));
+    assert_eq!(criteria_of(&criteria, HandContact::Palm).first_s, None);
+    assert!(criteria.pairs.iter().all(|pair| pair.name != HandContact::Table.name()), "there is no table");
+    let first_contacts = PHALANGES.map(|contact| criteria_of(&criteria, contact).first_s.expect("a first contact"));
     assert_eq!(criteria.tts_s, Some(first_contacts.into_iter().fold(0.0, f64::max)));
     assert!(PHALANGES.iter().all(|contact| criteria_of(&criteria, *contact).times_lost == 0));
     assert_eq!(criteria.offset_ratio(), None, "the object starts at the centre");
@@ -64,7 +63,7 @@ fn case_a_is_held_by_four_contacts() {
     assert!((criteria.end_speed_m_s() - 0.0186).abs() < 1e-4, "{}", criteria.end_speed_m_s());
     assert!((criteria.travel.displacement_m - (last.body(0).centre_m[1] - 0.02)).abs() < 1e-9);
     let slip = criteria.slip.expect("a grasp").displacement_m;
-    assert!(slip > 1e-4 && slip < criteria.travel.displacement_m, "{slip}");
+    assert!(slip > 5e-5 && slip < criteria.travel.displacement_m, "{slip}");
 }
 
 /// The grasp centres its object: the offset decreases from 3.5 mm to 0.550 mm.
@@ -72,7 +71,7 @@ fn case_a_is_held_by_four_contacts() {
 fn case_c_centres_its_object() {
     // Without thresholds every loss of contact counts.
     let (criteria, _) = run_with_tracker(&Scene { thresholds: Thresholds::NONE, ..reference_case("c").scene });
-    assert!((criteria.end.centre_m[0] - 0.5504e-3).abs() < 2e-7, "{:?}", criteria.end.centre_m);
+    assert!((criteria.last.centre_m[0] - 0.5504e-3).abs() < 2e-7, "{:?}", criteria.last.centre_m);
     let ratio = criteria.offset_ratio().expect("an initial offset");
     assert!((ratio - 0.5504 / 3.5).abs() < 1e-4, "{ratio}");
     // The object still moves at the end, and has moved since the grasp.
@@ -83,7 +82,8 @@ fn case_c_centres_its_object() {
     assert!(criteria_of(&criteria, HandContact::Finger(Side::Left, FingerContact::Proximal)).lost_s > 4e-3);
 }
 
-/// Before the left finger arrives there is no grasp. Without friction and table the object is grasped and then ejected.
+/// Before the left finger arrives there is no grasp. Without friction and table, the fingers press from both sides but never
+/// balance each other: the object is not gripped, and ejected.
 #[test]
 fn lost_objects_are_reported_with_their_fate() {
     let mut early_end = reference_case("c").scene;
@@ -98,17 +98,13 @@ fn lost_objects_are_reported_with_their_fate() {
         frictionless.duration_s = duration_s;
         run_with_tracker(&frictionless)
     };
-    // While the fingers still squeeze the object out, it counts as held; its speed shows that it is being ejected.
     let (criteria, _) = run_for(25e-3);
-    assert_eq!(criteria.fate, Fate::Held);
+    assert_eq!((criteria.fate, criteria.held_since_s), (Fate::NotGrasped, None));
     assert!((criteria.end_speed_m_s() - 1.5).abs() < 0.1, "thrown out at {} m/s", criteria.end_speed_m_s());
-    let (criteria, _) = run_for(33e-3);
-    let Fate::Dropped { since_s } = criteria.fate else { panic!("{:?}", criteria.fate) };
-    assert!(since_s > 25e-3, "{since_s}");
 
     let (criteria, _) = run_for(80e-3);
     let Fate::Ejected { at_s } = criteria.fate else { panic!("{:?}", criteria.fate) };
-    assert!(criteria.grasped_s.expect("a grasp at first") < 5e-3 && criteria.tts_s.is_none());
+    assert_eq!((criteria.grasped_s, criteria.tts_s, criteria.until_s), (None, None, Some(at_s)));
     let [x, y] = run_for(at_s).1.body(0).centre_m;
     let reach_m = 0.02 + 0.02443242165159721 + 0.012856584748806986 + 0.0025;
     assert!(((x.abs() - 0.0155).hypot(y) - reach_m).abs() < 1e-6, "out of reach at {at_s}: {x}, {y}");

@@ -5,11 +5,13 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod actuator_work;
 mod contact_definition;
 mod contact_geometry;
 mod finger;
 mod first_touch;
 mod gradient;
+mod grasp_tracker;
 mod gripper;
 mod gripper_criteria;
 mod hands_in_code;

@@ -40,10 +40,10 @@ fn firmness_above(scene: &Scene, found: &ObjectCriteria, loss_force_n: f64) -> F
 fn contacts_below_the_threshold_do_not_hold() {
     let scene = walled();
     let found = held(&scene);
-    assert!(firmness_above(&scene, &found, 19.0).q1 > 0.3);
+    assert!(firmness_above(&scene, &found, 19.0).force_closure.q1_l1 > 0.3);
     // Both pads press with 20 N.
     let none = firmness_above(&scene, &found, 21.0);
-    assert_eq!(none.q1, 0.0);
+    assert_eq!(none.force_closure.q1_l1, 0.0);
     assert_eq!(none.form_closed, Some(false));
     assert!(matches!(none.driven, Margin::NotAtRest { .. }), "{none:?}");
 }

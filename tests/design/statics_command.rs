@@ -395,7 +395,7 @@ fn rejects_invalid_options_of_grippers() {
         (&[GRIPPER, "--within", "0 mm"], "more than 0"),
         (
             &[GRIPPER, "--at", "1 ms"],
-            "the object of \"gripper-design-95\" has no contacts at 1.000000 ms of its run, where its fate is \"not grasped\"",
+            "the object of \"gripper-design-95\" has no contacts at 1.000000 ms of its run, where its fate is \"carried\"",
         ),
         (&[GRIPPER, "--at", "1 ms", "--posture", "geometric"], "remove one of them"),
         (&[GRIPPER, "--posture", "geometric", "--within", "1 mm"], "remove --within"),

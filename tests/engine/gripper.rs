@@ -1,6 +1,6 @@
 //! Grippers in both models, compared with each other and with an independent program.
 
-use phalanx::criteria::{GraspCriteria, GraspTracker};
+use phalanx::criteria::{ObjectCriteria, ObjectTracker};
 use phalanx::scene::{self, Axis, HandContact, Move, ObjectMotion, Scene, Stepping};
 use phalanx::shape::max_radius;
 use phalanx::trace::{Energy, Model, Outcome, Sample, Simulation, run};
@@ -119,8 +119,8 @@ fn contact_times_and_impulses_match_an_independent_program() {
 #[test]
 fn grasp_criteria_match_the_analytic_model() {
     for case in cases_at_rest() {
-        let evaluate = |model| -> GraspCriteria {
-            let mut tracker = GraspTracker::for_scene(&case.scene);
+        let evaluate = |model| -> ObjectCriteria {
+            let mut tracker = ObjectTracker::for_scene(&case.scene).expect("a grasp");
             run(model, &case.scene, &mut tracker).expect("a completed run");
             tracker.criteria().expect("samples")
         };
@@ -136,10 +136,10 @@ fn grasp_criteria_match_the_analytic_model() {
         let [slip, other] = [&analytic, &engine].map(|criteria| criteria.slip.expect("a grasp"));
         assert_near(Some(slip.displacement_m), Some(other.displacement_m), 1e-6, "slip");
         assert_near(Some(slip.rotation_rad), Some(other.rotation_rad), 1e-4, "rotation");
-        for (a, b) in analytic.contacts.iter().zip(&engine.contacts) {
-            assert_near(a.first_contact_s, b.first_contact_s, 1e-6, &a.id.name());
-            assert_near(a.active_since_s, b.active_since_s, 1e-5, &a.id.name());
-            assert_near(Some(a.lost_s), Some(b.lost_s), 2e-5, &a.id.name());
+        for (a, b) in analytic.pairs.iter().zip(&engine.pairs) {
+            assert_near(a.first_s, b.first_s, 1e-6, &a.name);
+            assert_near(a.active_since_s, b.active_since_s, 1e-5, &a.name);
+            assert_near(Some(a.lost_s), Some(b.lost_s), 2e-5, &a.name);
         }
     }
 }

@@ -4,7 +4,7 @@
 use crate::hard_scenes::load;
 use crate::support::checked_run::record_run;
 use phalanx::check::perturbed;
-use phalanx::criteria::{Fate, GraspCriteria, LinkOverlap, Obstacle};
+use phalanx::criteria::{Fate, LinkOverlap, ObjectCriteria, Obstacle};
 use phalanx::scene::{Scene, parse_any};
 use phalanx::trace::{Model, Outcome, Reach};
 
@@ -55,7 +55,7 @@ const BOUNCING_OBJECT: &str = r#"
     transition = "1e-8 m"
 "#;
 
-fn run_with_criteria(scene: &Scene, model: Model) -> (GraspCriteria, Outcome) {
+fn run_with_criteria(scene: &Scene, model: Model) -> (ObjectCriteria, Outcome) {
     let run = record_run(model, scene);
     (run.run_criteria.and_then(|all| all.grasp).expect("criteria"), run.outcome)
 }
@@ -142,7 +142,7 @@ fn a_torque_change_of_1e_7_leaves_the_criteria_of_a_smooth_grasp_unchanged() {
         assert_eq!((original.fate, changed.fate), (Fate::Held, Fate::Held), "{name}");
         let [original_s, changed_s] = [&original, &changed].map(|criteria| criteria.tts_s.expect("a stable grasp"));
         assert!((original_s - changed_s).abs() < 1e-6, "{name}: {original_s} and {changed_s}");
-        let losses = |criteria: &GraspCriteria| criteria.contacts.iter().map(|contact| contact.times_lost).collect();
+        let losses = |criteria: &ObjectCriteria| criteria.pairs.iter().map(|pair| pair.times_lost).collect();
         let [original, changed]: [Vec<_>; 2] = [losses(&original), losses(&changed)];
         assert_eq!(original, changed, "{name}");
     }

@@ -99,7 +99,7 @@ fn differences(case: &Value, model: Model) -> Vec<String> {
         (Some(firmness), Some(_)) => {
             all.extend(compare_margin("margin_driven", &firmness.driven, &expected["margin_driven"]));
             all.extend(compare_margin("margin_blocked", &firmness.blocked, &expected["margin_blocked"]));
-            all.extend(compare("q1", Some(firmness.q1), &expected["q1"]));
+            all.extend(compare("q1", Some(firmness.force_closure.q1_l1), &expected["q1"]));
             if firmness.form_closed != expected["form_closed"].as_bool() {
                 all.push(format!("form_closed: {:?}", firmness.form_closed));
             }

@@ -11,9 +11,7 @@ use super::file::{LogError, LogFile, create};
 use super::metadata::{CHECK_NAME, RunInfo, check_entries};
 use super::threaded::ThreadedWriter;
 use phalanx_core::check::{self, Check};
-use phalanx_core::criteria::{
-    Criteria, GraspCriteria, LinkOverlap, ObjectCriteria, Rebound, RunCriteria, RunCriteriaTracker, fate_reason,
-};
+use phalanx_core::criteria::{Criteria, LinkOverlap, ObjectCriteria, Rebound, RunCriteria, RunCriteriaTracker};
 use phalanx_core::integrator::Reason;
 use phalanx_core::invariants::EnergyAudit;
 use phalanx_core::scene::Scene;
@@ -46,10 +44,8 @@ pub struct FinishedRun<W> {
     pub stopped: Option<(f64, String)>,
     /// Criteria of a completed run of a single finger that can grasp its object.
     pub criteria: Option<Criteria>,
-    /// Grasp criteria, only for a gripper.
-    pub grasp: Option<GraspCriteria>,
-    /// Criteria of the object of a completed run of a mechanism.
-    pub object: Option<ObjectCriteria>,
+    /// Criteria of the object that a hand grasps, of a completed run.
+    pub grasp: Option<ObjectCriteria>,
     /// Rebounds, one per pair of discs; empty for scenes with a finger.
     pub rebounds: Vec<Rebound>,
     /// Reasons to doubt the results, as sentences; also written to the log.
@@ -86,15 +82,11 @@ pub fn simulate<W: Write + Send + 'static>(
     let wall_s = start.elapsed().as_secs_f64();
     let last_sample = decimated.end().and_then(|()| decimated.sink.end());
     let RunSinks { log, criteria_tracker, audit, last_s, .. } = decimated.sink;
-    let RunCriteria { criteria, grasp, object, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
-    let fate_sentence = |criteria: &GraspCriteria| {
-        format!("{}: {}", criteria.fate.name(), fate_reason(criteria, scene.thresholds.held_time_s))
-    };
+    let RunCriteria { criteria, grasp, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
     let verdict = criteria
         .as_ref()
         .map(Criteria::verdict)
-        .or_else(|| grasp.as_ref().filter(|_| result.is_ok()).map(fate_sentence))
-        .or_else(|| object.as_ref().map(|object| format!("{}: {}", object.fate.name(), object.reason)));
+        .or_else(|| grasp.as_ref().map(|object| format!("{}: {}", object.fate.name(), object.reason)));
     let energy_warning = audit.sink.violation().map(|breach| breach.to_string());
     let warnings: Vec<String> = energy_warning.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
     let stopped = result.as_ref().err().map(|error| match error {
@@ -130,7 +122,7 @@ pub fn simulate<W: Write + Send + 'static>(
         log.finish()
     };
     let log = log.map(close).transpose();
-    FinishedRun { result, stopped, criteria, grasp, object, rebounds, warnings, check, wall_s, log }
+    FinishedRun { result, stopped, criteria, grasp, rebounds, warnings, check, wall_s, log }
 }
 
 /// All sinks of a run.

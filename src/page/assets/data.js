@@ -29,6 +29,7 @@ function decodeRun(raw, index, columns = raw.columns.map(decodeColumn)) {
     contacts: raw.contacts.map((item) => withColumns(item, contactColumns)),
     panels: raw.panels.map((panel) => ({ ...panel, series: panel.series.map((item) => withColumns(item, item.rates === undefined ? ["values"] : ["values", "rates"])) })),
     events: raw.events,
+    grasp: raw.grasp,
     arrowPerNewton: raw.arrow_m_per_n,
     longestArrow: raw.longest_arrow_m,
     extent: raw.extent_m,

@@ -47,6 +47,7 @@ function createViewer(playback, connectKeys) {
     if (showsAll) app.setWindow(playback.start, playback.end);
     else app.setWindow(...span);
     updateChoices(app);
+    showStates(playback);
   };
   app.showNearestImpact = () => {
     const moment = app.clock.nearest(app.events.nearest(app.clock.time));
@@ -128,6 +129,7 @@ function createViewer(playback, connectKeys) {
   app.events = new EventList(playback, byId("events"), app.seek);
   const refreshControls = connectControls(app);
   connectKeys(app);
+  showStates(playback);
   // Callbacks after each drawing.
   app.afterRender = [];
 

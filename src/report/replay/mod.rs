@@ -11,8 +11,7 @@ use std::path::Path;
 use serde::{Serialize, Serializer};
 
 use super::contacts::Contacts;
-use super::document::{Failure, Grasp, serialize_settings, settings_text};
-use super::grasp::GraspReport;
+use super::document::{Failure, serialize_settings, settings_text};
 use super::object::ObjectReport;
 use super::states::States;
 use super::tables;
@@ -23,6 +22,7 @@ use crate::format::report::{Report, ToReport, table};
 use crate::log::{
     ChannelContent, Difference, EntryDifference, LogSummary, QuantityTally, Solver, Verification, settings,
 };
+use crate::page::PlayedGrasp;
 use crate::scene::{Engine, Integrator, one_line};
 use crate::trace::{Energy, FingerState};
 
@@ -78,7 +78,7 @@ pub struct ReplayReport {
     pub criteria: Option<Criteria>,
     /// Criteria of the object of a hand; omitted under the same conditions.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub grasp: Option<Grasp>,
+    pub grasp: Option<Box<ObjectReport>>,
     pub energy: Option<Energy>,
     /// Reasons to doubt the results; empty for a valid run.
     pub warnings: Vec<String>,
@@ -108,8 +108,7 @@ impl ReplayReport {
         warnings: Vec<String>,
     ) -> Self {
         let (schema, outcome, scene) = (&observer.schema, observer.outcome(), observer.bodies_scene());
-        let (criteria, grasp, object) =
-            found.map_or((None, None, None), |found| (found.criteria, found.grasp, found.object));
+        let (criteria, grasp) = found.map_or((None, None), |found| (found.criteria, found.grasp));
         let entry = |key: &str| reading.metadata.get(key).cloned();
         let number = |key: &str| entry(key).and_then(|text| text.parse().ok());
         let (integrator, engine) = match settings(&reading.metadata).map(|settings| settings.solver) {
@@ -160,7 +159,7 @@ impl ReplayReport {
             states,
             contacts,
             criteria,
-            grasp: outcome.and_then(|outcome| Grasp::new((grasp.as_ref(), object.as_ref()), scene, outcome)),
+            grasp: grasp.map(|found| Box::new(ObjectReport::new(&found, scene))),
             energy: outcome.map(|outcome| outcome.last.energy()).filter(|energy| !energy.kinetic_j.is_nan()),
             warnings,
             is_inconsistent: false,
@@ -171,8 +170,7 @@ impl ReplayReport {
         let ends_at_exit = reading.finger_count() == 2 || scene.is_some_and(|scene| scene.grasp.is_some());
         let may_end_early = ends_at_exit
             && report.grasp.as_ref().is_none_or(|grasp| {
-                let has_left = grasp.object().is_some_and(|object| object.criteria.left_s.is_some());
-                has_left || matches!(grasp.fate(), Fate::Ejected { .. })
+                grasp.criteria.left_s.is_some() || matches!(grasp.criteria.fate, Fate::Ejected { .. })
             });
         if let Some(time_s) = ends_early(reading, report.duration_s).filter(|_| !may_end_early) {
             let requested = report.duration_s.map_or("an unknown time".to_string(), format_duration);
@@ -183,6 +181,11 @@ impl ReplayReport {
             (report.criteria, report.grasp) = (None, None);
         }
         report
+    }
+
+    /// The grasp as a page shows it.
+    pub fn played_grasp(&self) -> Option<PlayedGrasp> {
+        self.grasp.as_deref().map(ObjectReport::played)
     }
 
     /// Returns error messages about missing topics and inconsistencies.
@@ -216,7 +219,7 @@ impl ReplayReport {
             (None, None, Some(end)) => format!("NOT COMPLETE: the log reaches {end} of {requested}"),
             (None, None, None) => format!("NOT COMPLETE: the log contains no sample of the {requested} run"),
         };
-        let leaving = self.grasp.as_ref().and_then(Grasp::object).and_then(ObjectReport::leaving);
+        let leaving = self.grasp.as_ref().and_then(|grasp| grasp.leaving());
         let leaving = leaving.filter(|_| ends_early(&self.reading, self.duration_s).is_some());
         let LogSummary { samples, events, unknown_messages, .. } = self.reading;
         let plural = |count: u64| if count == 1 { "" } else { "s" };
@@ -250,18 +253,17 @@ fn or_unknown(entry: &Option<String>) -> String {
 
 impl ToReport for ReplayReport {
     fn report(&self) -> Report {
-        let object = self.grasp.as_ref().and_then(Grasp::object);
+        let object = self.grasp.as_ref();
         let mut sections: Vec<Report> = object.map(|object| object.heading().into()).into_iter().collect();
         sections.push(self.heading().into());
         sections.extend(object.map(|object| object.pairs(self.contacts.as_ref())));
-        sections.extend(object.map(|object| object.actuators().into()));
+        sections.extend(object.into_iter().flat_map(|object| [object.actuators().into(), object.motion().into()]));
         let last = self.states.as_ref().zip(self.reading.last_s);
         sections.extend(last.into_iter().flat_map(|(last, end_s)| tables::states(last, end_s)));
         sections.extend([
             self.contacts.as_ref().map(tables::contacts).into(),
             self.energy.map(|energy| tables::energies(&energy, self.has_joints)).into(),
             self.criteria.as_ref().map(tables::criteria).into(),
-            self.grasp.as_ref().and_then(Grasp::hand).map(GraspReport::text).into(),
             self.verification.as_ref().map(VerificationReport::section).into(),
         ]);
         Report::join(sections)

@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 use phalanx_show::format::object::Object;
 use serde::{Serialize, Serializer};
 
-use crate::criteria::{Fate, GraspTracker};
+use crate::criteria::{Fate, ObjectTracker};
 use crate::grasp::run;
 use crate::scene::Scene;
 use crate::thesis::monitor::{Monitor, StudyError, map};
@@ -99,7 +99,7 @@ pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, Ho
         Ok(outcome) => outcome,
     };
     let start = prepared.scene.with_palm_motion(Some(prepared.setup.prior_motion.clone()), prepared.setup.start_s);
-    let at_start = prepare::run_scene(plan.model, &start, &mut GraspTracker::for_scene(&start), monitor)?.last;
+    let at_start = prepare::run_scene(plan.model, &start, &mut ObjectTracker::for_scene(&start), monitor)?.last;
     let evaluate = |case: &LoadCase, peak_m_s2: f64| {
         let load = case.load(&prepared.setup, peak_m_s2);
         let outcome = simulate(plan.model, &prepared, load, monitor)?;
@@ -160,10 +160,11 @@ fn simulate(
     monitor: &Monitor<'_>,
 ) -> Result<Result<LoadOutcome, String>, StudyError> {
     let scene = prepared.scene.with_palm_motion(Some(load.motion), load.end_s + SETTLING_S);
-    let mut tracker = GraspTracker::for_scene(&scene).with_motion_start(prepared.setup.start_s);
+    let tracker = ObjectTracker::for_scene(&scene);
+    let mut tracker = tracker.map(|tracker| tracker.with_motion_start(prepared.setup.start_s));
     let outcome = run(model, &scene, &mut tracker, monitor.keep_running()).ok_or_else(|| monitor.stopped())?;
     Ok(outcome.and_then(|outcome| {
-        let criteria = tracker.criteria().ok_or("there is no sample")?;
+        let criteria = tracker.and_then(|tracker| tracker.criteria()).ok_or("there is no sample")?;
         Ok(LoadOutcome {
             fate: criteria.fate,
             // None only if the object left the hand before the load; `fate` reports this.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::load::{Load, LoadCase, LoadSetup, moves_start, peak_acceleration, rescale};
 use super::plan::{HoldError, Loads, Plan};
-use crate::criteria::{Fate, GraspTracker};
+use crate::criteria::{Fate, ObjectTracker};
 use crate::grasp::{DriveMode, grasp_state, gripper_at_rest, run};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::scene::{Axis, Cycle, Motor, Move, ObjectMotion, PalmMotion, Profile, Scene};
@@ -102,7 +102,7 @@ pub(super) fn prepare(scene: &Scene, plan: &Plan, monitor: &Monitor<'_>) -> Resu
 /// Evaluates the grasp criteria and the time from which the object stays slower than [`REST_SPEED_M_S`] up to the last
 /// sample.
 struct RestDetector {
-    tracker: GraspTracker,
+    tracker: Option<ObjectTracker>,
     rest_start_s: Option<f64>,
 }
 
@@ -143,9 +143,9 @@ fn load_start(
     }
     let end_s = cycle.release_s.unwrap_or(scene.duration_s).min(scene.duration_s);
     let resting_scene = scene.with_palm_motion(None, end_s);
-    let mut detector = RestDetector { tracker: GraspTracker::for_scene(&resting_scene), rest_start_s: None };
+    let mut detector = RestDetector { tracker: ObjectTracker::for_scene(&resting_scene), rest_start_s: None };
     run_scene(plan.model, &resting_scene, &mut detector, monitor)?;
-    let criteria = match detector.tracker.criteria() {
+    let criteria = match detector.tracker.and_then(|tracker| tracker.criteria()) {
         Some(criteria) if criteria.fate == Fate::Held => criteria,
         other => {
             let fate = other.map_or(Fate::NotGrasped, |criteria| criteria.fate);

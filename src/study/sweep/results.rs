@@ -210,13 +210,13 @@ impl Summary {
 pub fn summary(table: &Table) -> Result<Summary, TableError> {
     let (runs, status) = (table.integers("run")?, table.texts("status")?);
     let (class, classes) = match table.texts("grasp") {
-        Ok(fates) => (fates, Fate::OF_GRIPPERS),
-        Err(_) => (table.texts("class")?, Class::ALL.map(Class::name)),
+        Ok(fates) => (fates, Fate::NAMES.to_vec()),
+        Err(_) => (table.texts("class")?, Class::ALL.map(Class::name).to_vec()),
     };
     let reason = table.texts("reason")?;
-    let count = |column: &[Option<&str>], names: [&str; 4]| {
+    let count = |column: &[Option<&str>], names: &[&str]| {
         let count = |name| column.iter().filter(|cell| **cell == Some(name)).count() as u64;
-        names.into_iter().map(|name| (name.to_string(), count(name))).collect()
+        names.iter().map(|name| (name.to_string(), count(name))).collect()
     };
     let statuses = Status::ALL.map(Status::name);
     let rows = runs.iter().zip(&status).zip(&reason);
@@ -224,8 +224,8 @@ pub fn summary(table: &Table) -> Result<Summary, TableError> {
     let no_class = status.iter().zip(&class).filter(|(status, class)| **status == Some(statuses[0]) && class.is_none());
     Ok(Summary {
         runs: table.rows.len() as u64,
-        by_status: count(&status, statuses),
-        by_class: count(&class, classes),
+        by_status: count(&status, &statuses),
+        by_class: count(&class, &classes),
         no_class: no_class.count() as u64,
         reasons: group_reasons(&statuses, reasons),
     })

@@ -12,7 +12,7 @@ use super::results::{Cells, Row, Status};
 use super::{Filter, Study};
 use crate::check::{check_run, run_and_record};
 use crate::criteria::{
-    Fate, GraspCriteria, RunCriteriaTracker, StaticGrasp, Tracker, is_form_closed, scene_static_grasp,
+    Fate, ObjectCriteria, RunCriteriaTracker, StaticGrasp, Tracker, is_form_closed, scene_static_grasp,
 };
 use crate::gripper::total_mass;
 use crate::scene::{self, HandContact, Scene, SceneError, Side};
@@ -252,8 +252,8 @@ fn run_gripper(study: &Study, scene: &Scene, mut cells: Cells, keep_running: Kee
 }
 
 /// Sets the cells of the simulation of a gripper.
-fn set_grasp(cells: &mut Cells, scene: &Scene, criteria: &GraspCriteria, outcome: &Outcome) {
-    let (last, end) = (&outcome.last, &criteria.end);
+fn set_grasp(cells: &mut Cells, scene: &Scene, criteria: &ObjectCriteria, outcome: &Outcome) {
+    let (last, end) = (&outcome.last, &criteria.last);
     cells.set("grasp", criteria.fate.name());
     cells.set_all([("grasped_s", criteria.grasped_s), ("tts_s", criteria.tts_s)]);
     cells.set("until_s", criteria.fate.lost_at_s());
@@ -262,8 +262,8 @@ fn set_grasp(cells: &mut Cells, scene: &Scene, criteria: &GraspCriteria, outcome
     cells.set("speed_m_s", criteria.end_speed_m_s());
     cells.set("slip_m", criteria.slip.map(|slip| slip.displacement_m));
     cells.set("slip_rad", criteria.slip.map(|slip| slip.rotation_rad));
-    cells.set("contacts_lost", criteria.contacts.iter().map(|contact| i64::from(contact.times_lost)).sum::<i64>());
-    cells.set("form_closed", is_form_closed(scene, last).filter(|_| criteria.fate == Fate::Held));
+    cells.set("contacts_lost", i64::from(criteria.contacts_lost()));
+    cells.set("form_closed", is_form_closed(scene, &criteria.end).filter(|_| criteria.fate == Fate::Held));
     for ((contact, summary), last) in scene.hand.contacts().zip(&outcome.contacts).zip(last.contacts()) {
         if contact.is_stop() {
             continue;

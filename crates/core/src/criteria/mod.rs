@@ -14,13 +14,12 @@
 //!
 //! [`Rebounds`] computes the restitution of free discs.
 //!
-//! The criteria of a gripper are [`GraspCriteria`], computed by [`GraspTracker`]. [`is_form_closed`] decides form
-//! closure in a sample by [`gripper_closure`](crate::statics::gripper_closure).
+//! The criteria of an object that a hand grasps are [`ObjectCriteria`], computed by [`ObjectTracker`]. [`is_form_closed`]
+//! decides form closure by a five-bar hand in a sample ([`gripper_closure`](crate::statics::gripper_closure)).
 
 mod class;
 mod configuration;
 mod grasp;
-mod grasp_tracker;
 mod link_overlap;
 mod rebounds;
 mod segments;
@@ -38,10 +37,9 @@ pub use configuration::{
 };
 pub(crate) use grasp::contact_at_rest;
 pub use grasp::{
-    ActuatorCriteria, DIRECTIONS, Firmness, HoldState, Margin, ObjectCriteria, ObjectTracker, PairCriteria, Slip,
-    firmness,
+    ActuatorCriteria, CycleCriteria, DIRECTIONS, Fate, Firmness, HoldState, Margin, ObjectCriteria, ObjectTracker,
+    PairCriteria, Slip, Travel, firmness,
 };
-pub use grasp_tracker::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, GraspTracker, Travel, fate_reason};
 pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
 pub use rebounds::{Rebound, Rebounds};
 
@@ -273,8 +271,7 @@ impl Sink for Tracker {
 pub struct RunCriteriaTracker {
     finger: Option<Tracker>,
     static_grasp: Option<StaticGrasp>,
-    gripper: Option<GraspTracker>,
-    object: Option<ObjectTracker>,
+    grasp: Option<ObjectTracker>,
     rebounds: Option<Rebounds>,
     overlaps: Option<LinkOverlaps>,
 }
@@ -284,10 +281,8 @@ pub struct RunCriteriaTracker {
 pub struct RunCriteria {
     /// Criteria of a finger; `None` if it cannot grasp its object or the run was not completed.
     pub criteria: Option<Criteria>,
-    /// Criteria of a gripper; `None` if the run was not completed.
-    pub grasp: Option<GraspCriteria>,
-    /// Criteria of the object of a mechanism; `None` without a grasp, or if the run was not completed.
-    pub object: Option<ObjectCriteria>,
+    /// Criteria of the object that a hand grasps; `None` without a grasp, or if the run was not completed.
+    pub grasp: Option<ObjectCriteria>,
     /// Rebounds of all contacts of discs; empty in scenes with joints or other outlines.
     pub rebounds: Vec<Rebound>,
     /// Overlaps of links of a gripper with obstacles that they have no contact with.
@@ -303,8 +298,7 @@ impl RunCriteriaTracker {
         RunCriteriaTracker {
             finger: static_grasp.as_ref().map(|grasp| Tracker::new(grasp.final_angles())),
             static_grasp,
-            gripper: (count == 2).then(|| GraspTracker::for_scene(scene)),
-            object: ObjectTracker::for_scene(scene),
+            grasp: ObjectTracker::for_scene(scene),
             rebounds: scene.mechanism.as_ref().and_then(Rebounds::for_mechanism),
             overlaps: LinkOverlaps::for_scene(scene),
         }
@@ -315,8 +309,7 @@ impl RunCriteriaTracker {
         let finger = self.finger.filter(|_| completed).zip(self.static_grasp);
         RunCriteria {
             criteria: finger.and_then(|(tracker, grasp)| tracker.criteria(grasp.static_forces_n())),
-            grasp: self.gripper.filter(|_| completed).and_then(|tracker| tracker.criteria()),
-            object: self.object.filter(|_| completed).and_then(|tracker| tracker.criteria()),
+            grasp: self.grasp.filter(|_| completed).and_then(|tracker| tracker.criteria()),
             rebounds: self.rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default(),
             overlaps: self.overlaps.as_ref().map(LinkOverlaps::overlaps).unwrap_or_default(),
         }
@@ -325,23 +318,20 @@ impl RunCriteriaTracker {
 
 impl Sink for RunCriteriaTracker {
     fn required_data(&self) -> RequiredData {
-        let of_gripper = self.gripper.required_data().or(self.overlaps.required_data());
-        let of_object = self.object.required_data().or(self.rebounds.required_data());
-        self.finger.required_data().or(of_gripper).or(of_object)
+        let of_grasp = self.grasp.required_data().or(self.overlaps.required_data());
+        self.finger.required_data().or(of_grasp).or(self.rebounds.required_data())
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.finger.sample(sample)?;
-        self.gripper.sample(sample)?;
-        self.object.sample(sample)?;
+        self.grasp.sample(sample)?;
         self.overlaps.sample(sample)?;
         self.rebounds.sample(sample)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.finger.event(event)?;
-        self.gripper.event(event)?;
-        self.object.event(event)?;
+        self.grasp.event(event)?;
         self.rebounds.event(event)
     }
 }

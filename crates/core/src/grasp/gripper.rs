@@ -5,7 +5,7 @@
 
 use super::friction::{FrictionCase, Held, friction_cases};
 use super::gripper_at_rest::{DriveMode, GraspState, GripperAtRest, contact_value, grasp_state, gripper_at_rest};
-use crate::criteria::{Fate, GraspTracker};
+use crate::criteria::{Fate, ObjectTracker};
 use crate::gripper::{FingerContact, GraspError, Posture, close_loop, final_posture};
 use crate::mechanism::Actuator;
 use crate::numeric::elementary::hypot;
@@ -324,10 +324,11 @@ fn run_posture(
     // After the release there is no grasp, so the time is just before it.
     let duration_s = at_s.or(scene.cycle().release_s.map(f64::next_down)).unwrap_or(end_s);
     let short = Scene { duration_s, ..scene.clone() };
-    let mut tracker = GraspTracker::for_scene(&short);
+    let mut tracker = ObjectTracker::for_scene(&short);
     match run(Model::Analytic, &short, &mut tracker, keep_running) {
         Some(Ok(outcome)) => {
-            let fate = tracker.criteria().map_or(Fate::NotGrasped, |criteria| criteria.fate);
+            let fate =
+                tracker.and_then(|tracker| tracker.criteria()).map_or(Fate::NotGrasped, |criteria| criteria.fate);
             Ok((PostureSource::Run { time_s: outcome.last.time_s, fate }, outcome.last))
         }
         Some(Err(reason)) => Err(GripperGraspError::Run { scene: name, reason }),

@@ -4,9 +4,12 @@
 use crate::drive::{Brake, Profile};
 use crate::gripper::{Finger, FingerContact, Spring};
 use crate::law::{ContactLaw, FrictionLaw, NormalLaw};
+use crate::mechanism::{Mechanism, OutlineId};
 use crate::palm_motion::PalmMotion;
 use crate::shape::{PlacedShape, Shape};
+use crate::statics::GraspKeys;
 pub use crate::statics::Side;
+use std::borrow::Cow;
 
 /// Fingers, the object that they grasp, planes and contact laws, in SI units.
 ///
@@ -62,6 +65,27 @@ impl Hand {
     /// Returns the object, if it moves.
     pub fn moving_object(&self) -> Option<&Object> {
         self.object.as_ref().filter(|object| object.motion != ObjectMotion::Fixed)
+    }
+
+    /// Returns the hand with a fixed object as one that moves, so that it is a body of the mechanism. Neither palm nor table
+    /// can touch such an object.
+    pub(crate) fn judged(&self) -> Cow<'_, Hand> {
+        let Some(Object { motion: ObjectMotion::Fixed, .. }) = self.object else { return Cow::Borrowed(self) };
+        let motion = ObjectMotion::Free { mass_kg: 0.0, inertia_kg_m2: 0.0, velocity_m_s: [0.0; 2], spin_rad_s: 0.0 };
+        let object = self.object.clone().map(|object| Object { motion, ..object });
+        Cow::Owned(Hand { object, palm: None, table: None, ..self.clone() })
+    }
+
+    /// Returns the object, the base and the surroundings of the grasp in a mechanism of the hand, and its release in a run of
+    /// this duration. The base is the palm, which is the ground unless it moves; the table is no part of the hand.
+    pub(crate) fn grasp_keys(&self, mechanism: &Mechanism, duration_s: f64) -> GraspKeys {
+        let table = mechanism.ground_outlines.iter().position(|outline| outline.name == HandContact::Table.name());
+        GraspKeys {
+            object: mechanism.bodies.iter().position(|body| body.name == Object::NAME),
+            base: Some(mechanism.palm().map(|(palm, _)| palm)),
+            surroundings: table.map(|outline| OutlineId { body: None, outline }).into_iter().collect(),
+            release_s: self.cycle(duration_s).release_s,
+        }
     }
 
     /// Returns the object of a gripper, which always has one.

@@ -84,7 +84,7 @@ pub struct Scene {
     pub bounds: Bounds,
     /// Thresholds of the criteria of a grasp; unused in scenes without one.
     pub thresholds: Thresholds,
-    /// Keys of the section `[grasp]` of a mechanism; `None` without the section.
+    /// Keys of the section `[grasp]` of a mechanism, or of the hand of which it is made; `None` without both.
     pub grasp: Option<GraspKeys>,
     pub log: LogSettings,
 }
@@ -105,13 +105,32 @@ impl Scene {
         self.mechanism.as_ref().map_or(self.finger_count() > 0, |mechanism| !mechanism.joints.is_empty())
     }
 
-    /// Returns the roles in the grasp of a mechanism.
+    /// Returns the mechanism in which a grasp is judged, with the contacts of [`Scene::drawn_mechanism`]. A fixed object of a
+    /// hand is a body in it, the last one; it is an outline of the ground in the mechanism that is simulated.
+    pub fn judged_mechanism(&self) -> Cow<'_, Mechanism> {
+        match &self.mechanism {
+            Some(mechanism) => Cow::Borrowed(mechanism),
+            None => Cow::Owned(self.hand.judged().drawn_mechanism()),
+        }
+    }
+
+    /// Returns what the scene says about the grasp: its section `[grasp]`, or the palm, the table and the release of a hand.
+    pub fn grasp_keys(&self) -> Option<GraspKeys> {
+        match self.finger_count() {
+            0 => self.grasp.clone(),
+            _ => Some(self.hand.grasp_keys(&self.judged_mechanism(), self.duration_s)),
+        }
+    }
+
+    /// Returns the roles in the grasp of [`Scene::judged_mechanism`]. A single finger has no grasp: its class judges it.
     ///
     /// # Errors
     /// Returns the reason why there is no grasp.
     pub fn grasp_roles(&self) -> Result<GraspRoles, NoGrasp> {
-        let mechanism = self.mechanism.as_ref().ok_or(NoGrasp::Nothing)?;
-        grasp_roles(mechanism, &self.grasp.clone().unwrap_or_default())
+        if self.finger_count() == 1 {
+            return Err(NoGrasp::Nothing);
+        }
+        grasp_roles(&self.judged_mechanism(), &self.grasp_keys().unwrap_or_default())
     }
 
     /// Returns the mechanism that both models simulate.
@@ -227,13 +246,19 @@ pub struct Cycle {
 impl Scene {
     /// Returns the grasp cycle of a gripper.
     pub fn cycle(&self) -> Cycle {
-        let input = self.hand.differential.as_ref().map(|differential| &differential.motor);
-        let motors: Vec<&Motor> =
-            input.into_iter().chain(self.hand.fingers.iter().map(|finger| &finger.motor)).collect();
+        self.hand.cycle(self.duration_s)
+    }
+}
+
+impl Hand {
+    /// Returns the grasp cycle in a run of this duration.
+    pub fn cycle(&self, duration_s: f64) -> Cycle {
+        let input = self.differential.as_ref().map(|differential| &differential.motor);
+        let motors: Vec<&Motor> = input.into_iter().chain(self.fingers.iter().map(|finger| &finger.motor)).collect();
         let engaged_s = |motor: &Motor| motor.brake.map(|brake| brake.start_s + brake.rise_s);
-        let blocked_s = [0, 1].map(|side: usize| engaged_s(input.unwrap_or(&self.hand.fingers[side].motor)));
-        let motion = self.hand.palm_motion.as_ref();
-        let motion_start_s = motion.map(|motion| motion.start_s()).filter(|start| *start < self.duration_s);
+        let blocked_s = [0, 1].map(|side: usize| engaged_s(input.unwrap_or(&self.fingers[side].motor)));
+        let motion = self.palm_motion.as_ref();
+        let motion_start_s = motion.map(|motion| motion.start_s()).filter(|start| *start < duration_s);
         let closes = |t: f64| {
             motors.iter().any(|motor| {
                 let is_braked =
@@ -245,7 +270,7 @@ impl Scene {
             let release = motor.brake.and_then(|brake| brake.release_s);
             closing_end_candidates(&motor.actuation).into_iter().chain(release)
         });
-        let mut candidates: Vec<f64> = candidates.filter(|end| *end > 0.0 && *end < self.duration_s).collect();
+        let mut candidates: Vec<f64> = candidates.filter(|end| *end > 0.0 && *end < duration_s).collect();
         candidates.sort_by(f64::total_cmp);
         let first = candidates.iter().position(|end| closes(end.next_down()) && !closes(*end));
         let release_s = first.map(|index| candidates[index]);

@@ -120,6 +120,7 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
     let outline = bodies::object_outline(&root);
     let gravity_m_s2 = settings.gravity.map(|component| *component);
     let (mut hand, mut mechanism, mut discs) = (Some(Hand::EMPTY), Some(None), None);
+    let mut keys = None;
     match input.kind {
         SceneKind::Mechanism => mechanism = mechanism::mechanism(&root, gravity_m_s2).map(Some),
         SceneKind::Bodies => discs = bodies::discs(&root, gravity_m_s2),
@@ -145,6 +146,9 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
                     let help = "make the outline smaller, move the object, or open the fingers further";
                     section.report("", message, "starts inside", help);
                 }
+                // A fixed object is an outline of the ground, which no hand grasps.
+                keys = duration_s.map(|duration_s| of_object.grasp_keys(&found, duration_s));
+                keys = keys.filter(|keys| keys.object.is_some());
                 (*of_object, mechanism) = (Hand::EMPTY, Some(Some(found)));
             }
             Err(error) => {
@@ -158,7 +162,6 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
         bodies::check_initial_positions(&root, &discs);
         mechanism = Some(Some(discs.mechanism()));
     }
-    let mut keys = None;
     if let (SceneKind::Mechanism, Some(Some(mechanism))) = (input.kind, &mechanism) {
         keys = mechanism::grasp(&root.subsection("grasp"), mechanism)?;
     }

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, zero_below_resolution};
 use crate::report::document::RunReport;
+use crate::report::object::ObjectReport;
 use crate::units::Dimension;
 
 /// Beginnings and ends of the keys listed first; the others follow in the order of the document.
@@ -14,6 +15,8 @@ const LEADING_KEYS: &str = "criteria.*class grasp.*fate criteria.*tts_s grasp.*t
      contacts.*first_s contacts.*peak_normal_n";
 /// Parts of the document that are not results, or that have their own request.
 const EXCLUDED_KEYS: &str = "scene kind model wall_s integrator engine log page check error work warnings no_criteria";
+/// Parts of the grasp that are names, sentences or lists.
+const EXCLUDED_PARTS: &str = "grasp.answer grasp.object grasp.base grasp.assumed_hand grasp.states grasp.never_touched";
 /// Suffix of keys with sentences, which are not figures. The page shows the sentence on the class or the fate
 /// separately: [`verdict`].
 const REASON_SUFFIX: &str = "_reason";
@@ -78,11 +81,10 @@ pub fn figures(report: &RunReport) -> Vec<Value> {
     all.iter().map(entry).collect()
 }
 
-/// Returns the class of a finger with its reason, or the reason why it has none; for a gripper, the reason for the fate
-/// of its object.
+/// Returns the class of a finger with its reason, or the reason why it has none; for a grasp, its answer.
 pub fn verdict(report: &RunReport) -> Option<String> {
     let class = report.criteria.flatten().map(|criteria| criteria.verdict());
-    let fate = || report.grasp.iter().flatten().find_map(|grasp| grasp.reason().map(str::to_string));
+    let fate = || report.object().map(ObjectReport::answer);
     class.or_else(|| report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}"))).or_else(fate)
 }
 
@@ -99,6 +101,7 @@ pub fn leaves(report: &RunReport) -> Vec<(String, Value)> {
 
 fn collect_leaves(key: &str, value: &Value, found: &mut Vec<(String, Value)>) {
     match value {
+        _ if EXCLUDED_PARTS.split(' ').any(|excluded| excluded == key) => {}
         Value::Object(parts) => {
             parts.iter().for_each(|(name, part)| collect_leaves(&format!("{key}.{name}"), part, found));
         }

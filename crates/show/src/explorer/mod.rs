@@ -201,7 +201,7 @@ fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
     let Listeners { mut criteria_tracker, mut audit, .. } = decimated.sink;
     let _ = criteria_tracker.end().and_then(|()| audit.end());
     let energy = audit.sink.violation().map(|breach| breach.to_string());
-    let RunCriteria { criteria, grasp, object, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
+    let RunCriteria { criteria, grasp, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
     let (outcome, error) = match result {
         Ok(outcome) => (Some(outcome), None),
         Err(RunError::Simulation { failure, partial_outcome }) => {
@@ -210,8 +210,8 @@ fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
         Err(RunError::Sink(error)) => (None, Some(Failure { time_s: 0.0, reason: error.to_string() })),
     };
     let warnings: Vec<String> = energy.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
-    let (outcome, grasp, object) = (outcome.as_ref(), grasp.as_ref(), object.as_ref());
-    let data = RunData { wall_s: 0.0, outcome, criteria, grasp, object, rebounds: &rebounds, warnings: &warnings };
+    let (outcome, grasp) = (outcome.as_ref(), grasp.as_ref());
+    let data = RunData { wall_s: 0.0, outcome, criteria, grasp, rebounds: &rebounds, warnings: &warnings };
     RunReport::new(scene, Model::Analytic, &data, error)
 }
 
@@ -245,7 +245,7 @@ impl<A: Sink> Sink for Listeners<'_, A> {
 fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
     let mut recorder = PlaybackRecorder::default();
     let report = simulate(scene, &mut recorder);
-    let playback = recorder.into_playback(Model::Analytic.name(), scene, "");
+    let playback = recorder.into_playback(Model::Analytic.name(), scene, "").with_grasp(report.played_grasp());
     json!({
         "playback": playback_json::append_run(&playback, numbers),
         "figures": figures(&report),

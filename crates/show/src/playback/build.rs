@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::contacts::{ShownContact, display_name, shown_contacts};
 use super::decimate::{MAX_SAMPLES, select_samples};
+use super::grasp::PlayedGrasp;
 use super::panels::{PanelPlan, Scale, panels};
 use crate::drawing::{Drawing, DrawnBody, FramePose};
 use crate::format::Report;
@@ -25,6 +26,9 @@ pub struct Playback {
     /// Summary of the run, shown below the animation.
     #[serde(skip)]
     pub summary: Report,
+    /// The grasp of an object; `None` without one, or if the run was not completed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grasp: Option<PlayedGrasp>,
     /// Number of samples in the playback.
     pub samples: usize,
     /// Number of samples of the run before decimation.
@@ -48,6 +52,14 @@ pub struct Playback {
     /// The distinct columns: one value per sample, or a single one if all are equal.
     #[serde(skip)]
     pub columns: Vec<Vec<f64>>,
+}
+
+impl Playback {
+    /// Adds the grasp of the run.
+    #[must_use]
+    pub fn with_grasp(self, grasp: Option<PlayedGrasp>) -> Self {
+        Playback { grasp, ..self }
+    }
 }
 
 /// A body, and the columns of the pose of its frame (`x_m`, `y_m`, `angle_rad`) and of its time derivatives, for
@@ -199,6 +211,7 @@ pub fn build_playback(
     Playback {
         label: label.to_string(),
         summary: summary.into(),
+        grasp: None,
         samples: selected.len(),
         recorded: samples.len(),
         time_s,

@@ -137,7 +137,7 @@ impl Contacts {
         })
     }
 
-    fn display_name(&self, name: &str) -> String {
+    pub(super) fn display_name(&self, name: &str) -> String {
         match name {
             _ if self.has_own_names => name.to_string(),
             "limit" => "joint limit".to_string(),

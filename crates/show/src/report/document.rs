@@ -6,13 +6,13 @@ use serde::{Serialize, Serializer};
 
 use super::check::{self, RunCheckReport};
 use super::contacts::Contacts;
-use super::grasp::GraspReport;
 use super::object::ObjectReport;
 use super::states::States;
 use super::tables;
-use crate::criteria::{Criteria, Fate, GraspCriteria, ObjectCriteria, Rebound, scene_static_grasp};
+use crate::criteria::{Criteria, ObjectCriteria, Rebound, scene_static_grasp};
 use crate::format::numbers::{G_M_S2, format_number};
 use crate::format::{Report, ToReport, format_duration};
+use crate::playback::PlayedGrasp;
 use crate::scene::schema::{SettingsSection, columns};
 use crate::scene::{Engine, Integrator, Keyword, Response, Scene, Stepping, one_line};
 use crate::statics::NoGrasp;
@@ -49,7 +49,7 @@ pub struct RunReport {
     pub no_criteria: Option<Option<String>>,
     /// Fate of the object of a hand; null if the run was not completed.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub grasp: Option<Option<Grasp>>,
+    pub grasp: Option<Option<Box<ObjectReport>>>,
     /// Reason why a mechanism with a hand has no fate, and what to do; omitted without a reason.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_grasp: Option<String>,
@@ -97,54 +97,6 @@ pub struct Detail {
     pub all: bool,
 }
 
-/// The grasp of an object.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
-pub enum Grasp {
-    /// By a gripper of five-bar fingers.
-    Hand(Box<GraspReport>),
-    /// By the hand of a mechanism.
-    Object(Box<ObjectReport>),
-}
-
-impl Grasp {
-    /// Builds the report of a grasp that ended with an outcome.
-    pub fn new(
-        (hand, object): (Option<&GraspCriteria>, Option<&ObjectCriteria>),
-        scene: Option<&Scene>,
-        outcome: &Outcome,
-    ) -> Option<Self> {
-        let of_hand = || hand.map(|found| Grasp::Hand(Box::new(GraspReport::new(found, scene, &outcome.last))));
-        object.map(|found| Grasp::Object(Box::new(ObjectReport::new(found, scene)))).or_else(of_hand)
-    }
-
-    /// The fate of the object.
-    pub fn fate(&self) -> Fate {
-        match self {
-            Grasp::Hand(grasp) => grasp.criteria.fate,
-            Grasp::Object(grasp) => grasp.criteria.fate,
-        }
-    }
-
-    /// Reason for the fate; `None` without the scene.
-    pub fn reason(&self) -> Option<&str> {
-        match self {
-            Grasp::Hand(grasp) => grasp.fate_reason.as_deref(),
-            Grasp::Object(grasp) => Some(&grasp.criteria.reason),
-        }
-    }
-
-    /// The report of a gripper of five-bar fingers.
-    pub fn hand(&self) -> Option<&GraspReport> {
-        if let Grasp::Hand(grasp) = self { Some(grasp) } else { None }
-    }
-
-    /// The report of the hand of a mechanism.
-    pub fn object(&self) -> Option<&ObjectReport> {
-        if let Grasp::Object(grasp) = self { Some(grasp) } else { None }
-    }
-}
-
 /// Time and reason of the early end of a run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Failure {
@@ -168,10 +120,8 @@ pub struct RunData<'a> {
     pub outcome: Option<&'a Outcome>,
     /// Criteria of a finger, if its run was completed.
     pub criteria: Option<Criteria>,
-    /// Criteria of a gripper.
-    pub grasp: Option<&'a GraspCriteria>,
-    /// Criteria of the object of a mechanism.
-    pub object: Option<&'a ObjectCriteria>,
+    /// Criteria of the object that a hand grasps.
+    pub grasp: Option<&'a ObjectCriteria>,
     /// Rebounds of pairs of discs.
     pub rebounds: &'a [Rebound],
     /// Reasons to doubt the results.
@@ -215,8 +165,7 @@ impl RunReport {
             contacts: outcome.map(|outcome| Contacts::new(&schema, outcome, data.rebounds)),
             criteria: finger.then_some(criteria),
             no_criteria: finger.then(|| no_criteria(scene, error.is_none()).filter(|_| criteria.is_none())),
-            grasp: (gripper || roles.is_ok())
-                .then(|| outcome.and_then(|outcome| Grasp::new((data.grasp, data.object), Some(scene), outcome))),
+            grasp: roles.is_ok().then(|| data.grasp.map(|found| Box::new(ObjectReport::new(found, Some(scene))))),
             no_grasp,
             completed: error.is_none(),
             end_s: outcome.map(|outcome| outcome.last.time_s),
@@ -237,9 +186,14 @@ impl RunReport {
         }
     }
 
-    /// The grasp by the hand of a mechanism.
-    fn object(&self) -> Option<&ObjectReport> {
-        self.grasp.iter().flatten().find_map(Grasp::object)
+    /// The grasp of an object.
+    pub fn object(&self) -> Option<&ObjectReport> {
+        self.grasp.as_ref()?.as_deref()
+    }
+
+    /// The grasp as a page shows it.
+    pub fn played_grasp(&self) -> Option<PlayedGrasp> {
+        self.object().map(ObjectReport::played)
     }
 
     /// The summary of a grasp: the answer first, then pairs, then what else there is.
@@ -254,7 +208,7 @@ impl RunReport {
                 tables::contacts(&contacts.touched_without(|index| grasp.has_point(index)))
             }
         }));
-        sections.push(grasp.actuators().into());
+        sections.extend([grasp.actuators().into(), grasp.motion().into()]);
         let end_s = self.end_s.unwrap_or_default();
         match all {
             true => sections.extend(tables::states(&self.states, end_s)),
@@ -292,7 +246,6 @@ impl ToReport for RunReport {
             self.energy.map(|energy| tables::energies(&energy, self.has_joints)).into(),
             self.criteria.flatten().as_ref().map(tables::criteria).into(),
             no_criteria.map(|reason| format!("no class: {reason}\n")).into(),
-            self.grasp.iter().flatten().find_map(Grasp::hand).map(GraspReport::text).into(),
             self.no_grasp.as_ref().map(|reason| format!("{reason}\n")).into(),
             check::summary_line(self.check.as_ref(), self.steps).into(),
         ]);
@@ -313,13 +266,6 @@ impl RunReport {
         }));
         let gap = self.loop_gap_m.flatten();
         lines.extend(gap.map(|gap_m| format!("joints open by at most {} µm", format_number(gap_m * 1e6, 3))));
-        let hand = self.grasp.iter().flatten().find_map(Grasp::hand);
-        let ejected_s = hand.and_then(GraspReport::ejected_s).map(format_duration);
-        lines.extend(
-            ejected_s.map(|time| {
-                format!("EJECTED: the object left the reach of both fingers at {time}, which ends the run")
-            }),
-        );
         let ends_early = self.error.is_none() && self.end_s.is_some_and(|end_s| end_s < self.duration_s);
         lines.extend(self.object().filter(|_| ends_early).and_then(ObjectReport::leaving));
         lines.extend(self.error.as_ref().map(|error| error.text(&format_duration(self.duration_s))));

@@ -3,7 +3,7 @@
 //! | file | job |
 //! |---|---|
 //! | `document` | a run: figures with units in their keys, and the summary for people |
-//! | `states`, `contacts`, `grasp`, `object`, `named` | parts of it |
+//! | `states`, `contacts`, `object`, `named` | parts of it |
 //! | `check` | the result of a check |
 //! | `tables` | tables of the summary |
 //! | `samples` | samples as comma-separated values |
@@ -12,7 +12,6 @@
 pub mod check;
 pub mod contacts;
 pub mod document;
-pub mod grasp;
 pub mod object;
 pub use crate::format::object as named;
 pub mod samples;

@@ -1,15 +1,19 @@
-//! The grasp of an object by the hand of a mechanism: JSON document and text.
+//! The grasp of an object by a hand: JSON document and text.
 
 use serde::{Serialize, Serializer};
 
 use super::contacts::{ContactReport, Contacts};
 use super::named::{Named, Object};
 use super::tables::{DEGREES, milliseconds, resolved};
-use crate::criteria::{ActuatorCriteria, Fate, Firmness, Margin, ObjectCriteria, PairCriteria, firmness};
+use crate::criteria::{
+    ActuatorCriteria, CycleCriteria, Fate, Firmness, Margin, ObjectCriteria, PairCriteria, firmness,
+};
 use crate::format::format_duration;
 use crate::format::numbers::{G_M_S2, format_number, or_dash};
 use crate::format::report::{Report, table_of};
+use crate::playback::{PlayedGrasp, PlayedState};
 use crate::scene::Scene;
+use crate::statics::ForceClosure;
 use crate::units::Dimension;
 
 /// The slowest creep that the answer names, m/s: 1 µm in a second.
@@ -21,12 +25,18 @@ pub struct ObjectReport {
     pub criteria: ObjectCriteria,
     /// How firmly the object is held; `None` unless it is held or carried, and without the scene.
     firmness: Option<Firmness>,
+    /// Whether x is measured along a palm from its middle, as for a five-bar hand.
+    has_palm_frame: bool,
 }
 
 impl ObjectReport {
     /// Builds the report; without the scene there is no margin.
     pub fn new(found: &ObjectCriteria, scene: Option<&Scene>) -> Self {
-        ObjectReport { criteria: found.clone(), firmness: scene.and_then(|scene| firmness(scene, found)) }
+        ObjectReport {
+            criteria: found.clone(),
+            firmness: scene.and_then(|scene| firmness(scene, found)),
+            has_palm_frame: scene.is_some_and(|scene| scene.finger_count() == 2),
+        }
     }
 
     /// Pairs that have touched.
@@ -48,7 +58,7 @@ impl ObjectReport {
     /// The answer in one sentence: fate and time, forces, friction, slip and margin, or the reason.
     pub fn answer(&self) -> String {
         let found = &self.criteria;
-        let ms = |time_s: Option<f64>| format!("{} ms", format_number(time_s.unwrap_or_default() * 1e3, 4));
+        let ms = |time_s: f64| format!("{} ms", format_number(time_s * 1e3, 4));
         match found.fate {
             Fate::Held => {
                 let parts = [
@@ -62,19 +72,19 @@ impl ObjectReport {
                     self.firmness.as_ref().map(|firmness| balances(&firmness.driven)),
                 ];
                 let parts: Vec<String> = parts.into_iter().flatten().collect();
-                format!("held since {}: {}", ms(found.held_since_s), parts.join("; "))
+                format!("held since {}: {}", ms(found.held_since_s.unwrap_or_default()), parts.join("; "))
             }
             Fate::Carried => {
                 let since_s = found.states.last().map(|(since_s, _)| *since_s);
                 let parts = [Some(self.presses()), self.firmness.as_ref().map(|firmness| balances(&firmness.driven))];
                 let parts: Vec<String> = parts.into_iter().flatten().collect();
-                format!("carried since {} without a grip: {}", ms(since_s), parts.join("; "))
+                format!("carried since {} without a grip: {}", ms(since_s.unwrap_or_default()), parts.join("; "))
             }
             Fate::Placed { until_s } | Fate::Dropped { since_s: until_s } => {
-                format!("{} at {}: {}", found.fate.name(), ms(Some(until_s)), found.reason)
+                format!("{} at {}: {}", found.fate.name(), ms(until_s), found.reason)
             }
             Fate::Escaped { at_s } | Fate::Ejected { at_s } => {
-                format!("{} at {}: {}", found.fate.name(), ms(Some(at_s)), found.reason)
+                format!("{} at {}: {}", found.fate.name(), ms(at_s), found.reason)
             }
             Fate::NotGrasped => format!("not grasped: {}", found.reason),
         }
@@ -116,10 +126,65 @@ impl ObjectReport {
         lines.join("\n") + "\n"
     }
 
+    /// The grasp as a page shows it.
+    pub fn played(&self) -> PlayedGrasp {
+        let found = &self.criteria;
+        let states = found.states.iter().map(|(from_s, state)| PlayedState { from_s: *from_s, name: state.name() });
+        let released = found.cycle.release_s.map(|from_s| PlayedState { from_s, name: "released" });
+        PlayedGrasp { answer: self.answer(), states: states.chain(released).collect() }
+    }
+
     /// Note on a run that ends because the object leaves the hand.
     pub fn leaving(&self) -> Option<String> {
-        let left_s = self.criteria.left_s?;
-        Some(format!("the object left the hand at {}, which ends the run", format_duration(left_s)))
+        let (left_s, what) = match self.criteria.fate {
+            Fate::Ejected { at_s } => (at_s, "reach of both fingers"),
+            _ => (self.criteria.left_s?, "hand"),
+        };
+        Some(format!("the object left the {what} at {}, which ends the run", format_duration(left_s)))
+    }
+
+    /// Cycle of a hand that transports, releases or brakes its object.
+    fn cycle(&self) -> Option<&CycleCriteria> {
+        let cycle = &self.criteria.cycle;
+        let has_brakes = cycle.brake_slip_rad.iter().any(Option::is_some);
+        (cycle.motion_start_s.is_some() || cycle.release_s.is_some() || has_brakes).then_some(cycle)
+    }
+
+    /// Sentences on the position of the object in the hand and on the cycle.
+    pub fn motion(&self) -> String {
+        let found = &self.criteria;
+        let angle = |angle_rad: f64| resolved(angle_rad, Dimension::Angle, DEGREES, 4);
+        let mut lines = Vec::new();
+        // The middle of a palm is the origin of its frame.
+        if let Some(ratio) = found.offset_ratio().filter(|_| self.has_palm_frame) {
+            let effect = if ratio < 1.0 { "centres" } else { "does not centre" };
+            let [start, end] = [found.start, found.last].map(|state| format_number(state.centre_m[0] * 1e3, 4));
+            lines.push(format!(
+                "the grasp {effect} the object: its offset from the middle changes from {start} mm to {end} mm"
+            ));
+        }
+        let Some(cycle) = self.cycle() else { return lines.into_iter().map(|line| line + "\n").collect() };
+        if let Some((from_s, slip)) = cycle.motion_start_s.zip(cycle.motion_travel) {
+            lines.push(format!(
+                "transport from {} {}: the object travels {} in the hand and rotates {} deg",
+                ms(from_s),
+                cycle.release_s.map_or("to the end".to_string(), |until_s| format!("to {}", ms(until_s))),
+                distance(slip.displacement_m),
+                angle(slip.rotation_rad)
+            ));
+        }
+        let brake_slip = cycle.brake_slip_rad.iter().flatten().copied().reduce(f64::max);
+        lines.extend(brake_slip.map(|rad| format!("joints with brakes rotate by up to {} deg", angle(rad))));
+        lines.extend(cycle.release_s.map(|released_s| match cycle.opened_s.zip(opening_s(cycle)) {
+            Some((opened_s, opening_s)) => format!(
+                "released at {}; the hand is clear of the object {} later; cycle time {}",
+                ms(released_s),
+                ms(opening_s),
+                ms(opened_s)
+            ),
+            None => format!("released at {}; the hand is not clear of the object at the end", ms(released_s)),
+        }));
+        lines.into_iter().map(|line| line + "\n").collect()
     }
 
     /// Table of the pairs that touched, and one line of those that did not.
@@ -147,12 +212,13 @@ impl ObjectReport {
             let [x, y] = [x, y].map(|part| resolved(part, Dimension::Length, 1e3, 4));
             format!("({x}, {y})")
         };
+        let name = |name: &str| contacts.map_or_else(|| name.to_string(), |contacts| contacts.display_name(name));
         let mut text = Report::default();
         if self.touched().next().is_some() {
             text.push(table_of(
                 self.touched(),
                 &[
-                    ("pair", &|pair| pair.name.clone()),
+                    ("pair", &|pair| name(&pair.name)),
                     ("", &|pair| if pair.is_hand { "hand" } else { "surroundings" }.to_string()),
                     ("first, ms", &|pair| milliseconds(pair.first_s)),
                     ("normal, N", &|pair| force(pair.normal_n)),
@@ -165,7 +231,7 @@ impl ObjectReport {
                 ],
             ));
         }
-        let untouched = self.untouched();
+        let untouched: Vec<String> = self.untouched().into_iter().map(name).collect();
         text.push((!untouched.is_empty()).then(|| format!("never touched: {}\n", untouched.join(", "))));
         text
     }
@@ -193,6 +259,16 @@ impl ObjectReport {
             ],
         ))
     }
+}
+
+/// Time from the release until no body of the hand presses on the object.
+fn opening_s(cycle: &CycleCriteria) -> Option<f64> {
+    cycle.opened_s.zip(cycle.release_s).map(|(opened_s, released_s)| opened_s - released_s)
+}
+
+/// A time in milliseconds.
+fn ms(time_s: f64) -> String {
+    format!("{} ms", format_number(time_s * 1e3, 6))
 }
 
 /// Plural of a noun.
@@ -256,9 +332,19 @@ impl Serialize for ObjectReport {
         let margins = firmness.map(|found| {
             Object::default().with("driven", margin(&found.driven)).with("blocked", margin(&found.blocked))
         });
+        let position = self.has_palm_frame.then(|| found.offset_ratio());
+        let cycle = self.cycle().map(|cycle| {
+            Object::default()
+                .with("carries_s", cycle.motion_start_s)
+                .with("releases_s", cycle.release_s)
+                .with("carried", cycle.motion_travel)
+                .with("opened_s", cycle.opened_s)
+                .with("opening_s", opening_s(cycle))
+                .with("brake_slip_rad", &cycle.brake_slip_rad)
+        });
         let states: Vec<(f64, &str)> = found.states.iter().map(|(time_s, state)| (*time_s, state.name())).collect();
         Object::default()
-            // `held`, `carried`, `placed`, `dropped`, `escaped` or `not grasped`.
+            // `held`, `carried`, `placed`, `dropped`, `ejected`, `escaped` or `not grasped`.
             .with("fate", found.fate.name())
             .with("fate_reason", &found.reason)
             .with("answer", self.answer())
@@ -270,6 +356,7 @@ impl Serialize for ObjectReport {
             .with("grasped_s", found.grasped_s)
             .with("held_since_s", found.held_since_s)
             .with("tts_s", found.tts_s)
+            // Time since which the object is no longer held, or at which it left a five-bar hand.
             .with("until_s", found.until_s)
             .with("escaped_s", found.escaped_s)
             .with("left_s", found.left_s)
@@ -280,12 +367,30 @@ impl Serialize for ObjectReport {
             .with("friction_used", found.friction_used())
             .with("margin", margins)
             .with("form_closed", firmness.and_then(|found| found.form_closed))
-            .with("q1", firmness.map(|found| found.q1))
+            .with("q1", firmness.map(|found| found.force_closure.q1_l1))
+            .with("force_closure", firmness.map(|found| force_closure(&found.force_closure)))
+            .with("speed_m_s", found.end_speed_m_s())
+            .with("travel", found.travel)
+            // Position of the object along the palm from its middle; the ratio is null if it started centred.
+            .with_some("x_start_m", position.map(|_| found.start.centre_m[0]))
+            .with_some("x_end_m", position.map(|_| found.last.centre_m[0]))
+            .with_some("offset_ratio", position)
+            .with_some("cycle", cycle)
             .with("pairs", pairs)
             .with("never_touched", self.untouched())
             .with("actuators", actuators)
             .serialize(serializer)
     }
+}
+
+/// JSON object of a force closure. A wrench is a force and a moment divided by the object's radius, for normal forces
+/// that add up to 1 (`q1_l1`) or are at most 1 each (`q1_linf`).
+pub(super) fn force_closure(found: &ForceClosure) -> Object<'static> {
+    Object::default()
+        .with("closed", found.closed)
+        .with("q1_l1", found.q1_l1)
+        .with("q1_linf", found.q1_linf)
+        .with("weakest", found.weakest)
 }
 
 #[cfg(test)]

@@ -1,11 +1,26 @@
 //! Efforts, rates, powers and energies of the actuators during a run.
+//!
+//! Samples are too far apart for the work of an actuator: its effort jumps where its command does, and a servo follows
+//! motions between them. Therefore the law of the actuator is integrated along the interpolated motion, piece by piece
+//! between the jumps of its command.
 
+use crate::criteria::segments::Hermite;
+use crate::drive::Profile;
 use crate::mechanism::{Actuator, Command, Mechanism};
 use crate::trace::Sample;
 use serde::Serialize;
 
 /// A command within this part of the limit counts as at the limit: a servo that presses against a contact approaches it.
 const LIMIT_MARGIN: f64 = 1e-6;
+
+/// Nodes and weights of Gauss's quadrature on [0, 1], exact for polynomials of degree 7: the power of a constant gain on a
+/// cubic motion has degree 5.
+const GAUSS: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
 
 /// Figures of an actuator over a run, in N·m and rad/s, or N and m/s.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -18,13 +33,20 @@ pub struct ActuatorCriteria {
     pub largest_effort: f64,
     pub largest_rate: f64,
     pub largest_power_w: f64,
-    /// Work on the mechanism, J.
+    /// Work on the mechanism without that of the brake, J.
     pub energy_j: f64,
     /// Whether the command reached the limit.
     pub saturated: bool,
+    /// Command at the end, before the limit; of a servo with a rate, the one computed last.
     #[serde(skip)]
-    last: Option<(f64, f64)>,
+    pub command: f64,
+    /// Whether the command at the end is at or beyond the limit.
+    #[serde(skip)]
+    pub is_at_limit: bool,
 }
+
+/// Coordinate of an actuator, and its rate.
+type State = [f64; 2];
 
 impl ActuatorCriteria {
     /// Creates the figures of all actuators, in the order of a sample.
@@ -38,44 +60,118 @@ impl ActuatorCriteria {
         all.map(|(name, is_linear)| ActuatorCriteria { name, is_linear, ..Self::default() }).collect()
     }
 
-    /// Adds a sample.
-    pub(super) fn add(all: &mut [Self], mechanism: &Mechanism, sample: &Sample) {
-        let tendons = mechanism.tendons.iter().enumerate().filter(|(_, tendon)| tendon.actuator.is_some());
-        let rates = mechanism.actuators.iter().map(|actuator| {
-            let is_at_limit = is_at_limit(actuator, sample);
-            (actuator.on.sum(|joint| sample.joint_state(joint).rate_rad_s), is_at_limit)
-        });
-        // A cable that becomes shorter receives power.
-        let pulls = tendons.map(|(index, _)| (-sample.tendon(index).rate_m_s, false));
-        for (index, (found, (rate, is_at_limit))) in all.iter_mut().zip(rates.chain(pulls)).enumerate() {
-            let effort = sample.actuator(index);
-            let power_w = effort * rate;
-            found.largest_effort = found.largest_effort.max(effort.abs());
-            found.largest_rate = found.largest_rate.max(rate.abs());
-            found.largest_power_w = found.largest_power_w.max(power_w.abs());
-            if let Some((time_s, last_w)) = found.last {
-                found.energy_j += 0.5 * (last_w + power_w) * (sample.time_s - time_s);
-            }
-            found.last = Some((sample.time_s, power_w));
-            found.saturated |= is_at_limit;
+    /// Adds the step between two samples, or the first sample.
+    pub(super) fn add(all: &mut [Self], mechanism: &Mechanism, last: Option<&Sample>, next: &Sample) {
+        let tendons = mechanism.tendons.iter().enumerate();
+        let pulls = tendons.filter_map(|(index, tendon)| Some((index, tendon.actuator.as_ref()?)));
+        let (of_joints, of_cables) = all.split_at_mut(mechanism.actuators.len());
+        for (index, (found, actuator)) in of_joints.iter_mut().zip(&mechanism.actuators).enumerate() {
+            found.add_peaks(next.actuator(index), state(actuator, next)[1]);
+            found.add_joint_step(actuator, last, next);
         }
+        for (index, (found, (tendon, actuator))) in of_cables.iter_mut().zip(pulls).enumerate() {
+            // A cable that becomes shorter receives power.
+            let state = |sample: &Sample| [-sample.tendon(tendon).length_m, -sample.tendon(tendon).rate_m_s];
+            found.add_peaks(next.actuator(mechanism.actuators.len() + index), state(next)[1]);
+            if let Some(last) = last {
+                let pull = |time_s: f64, _: State| actuator.tension.at(time_s).0.max(0.0);
+                let ends = [(last.time_s, state(last)), (next.time_s, state(next))];
+                found.energy_j += work(ends, &actuator.tension, &pull);
+            }
+        }
+    }
+
+    fn add_peaks(&mut self, effort: f64, rate: f64) {
+        self.largest_effort = self.largest_effort.max(effort.abs());
+        self.largest_rate = self.largest_rate.max(rate.abs());
+        self.largest_power_w = self.largest_power_w.max((effort * rate).abs());
+    }
+
+    fn add_joint_step(&mut self, actuator: &Actuator, last: Option<&Sample>, next: &Sample) {
+        let profile = actuator.command.profile();
+        let end = (next.time_s, state(actuator, next));
+        match (last.map(|last| (last.time_s, state(actuator, last))), &actuator.command) {
+            (None, _) => self.set_command(actuator, end),
+            (Some(start), Command::Servo { rate_hz: Some(rate_hz), .. }) => {
+                let motion = motion([start, end]);
+                // The servo computes its command at whole multiples of its period; the first one is that of the start.
+                let mut from = start;
+                let mut tick = (start.0 * rate_hz).floor();
+                loop {
+                    let time_s = tick / rate_hz;
+                    if time_s > from.0 {
+                        let to_s = time_s.min(end.0);
+                        let to = (to_s, [motion.value(to_s), motion.rate(to_s)]);
+                        let command = self.command;
+                        let held = |_: f64, [_, rate]: State| effort(actuator, command, rate);
+                        self.energy_j += work([from, to], &Profile::Constant { value: 0.0 }, &held);
+                        from = to;
+                    }
+                    if time_s > end.0 {
+                        break;
+                    }
+                    if time_s == from.0 {
+                        self.set_command(actuator, from);
+                    }
+                    tick += 1.0;
+                }
+            }
+            (Some(start), _) => {
+                let law = |time_s: f64, state: State| effort(actuator, command(actuator, time_s, state), state[1]);
+                self.energy_j += work([start, end], profile, &law);
+                self.set_command(actuator, end);
+            }
+        }
+    }
+
+    fn set_command(&mut self, actuator: &Actuator, (time_s, state): (f64, State)) {
+        self.command = command(actuator, time_s, state);
+        self.is_at_limit = actuator.limit.is_some_and(|limit| self.command.abs() >= (1.0 - LIMIT_MARGIN) * limit);
+        self.saturated |= self.is_at_limit;
     }
 }
 
-/// Command of an actuator in a sample, before its limit.
-pub(super) fn command(actuator: &Actuator, sample: &Sample) -> f64 {
+/// Coordinate of an actuator in a sample, and its rate.
+fn state(actuator: &Actuator, sample: &Sample) -> State {
+    let coordinate = actuator.on.value(|joint| sample.joint_state(joint).angle_rad);
+    [coordinate, actuator.on.sum(|joint| sample.joint_state(joint).rate_rad_s)]
+}
+
+/// Command of an actuator before its limit.
+fn command(actuator: &Actuator, time_s: f64, [coordinate, rate]: State) -> f64 {
     match &actuator.command {
-        Command::Effort(profile) => profile.at(sample.time_s).0,
+        Command::Effort(profile) => profile.at(time_s).0,
         Command::Servo { kp, kd, target, .. } => {
-            let coordinate = actuator.on.value(|joint| sample.joint_state(joint).angle_rad);
-            let rate = actuator.on.sum(|joint| sample.joint_state(joint).rate_rad_s);
-            let (target, target_rate) = target.at(sample.time_s);
+            let (target, target_rate) = target.at(time_s);
             kp * (target - coordinate) + kd * (target_rate - rate)
         }
     }
 }
 
-/// Whether the command of an actuator is at or beyond its limit.
-pub(super) fn is_at_limit(actuator: &Actuator, sample: &Sample) -> bool {
-    actuator.limit.is_some_and(|limit| command(actuator, sample).abs() >= (1.0 - LIMIT_MARGIN) * limit)
+/// Effort of an actuator without its brake: the command within its limit, which falls with the speed.
+fn effort(actuator: &Actuator, command: f64, rate: f64) -> f64 {
+    let limit = actuator.limit.unwrap_or(f64::INFINITY);
+    let command = command.clamp(-limit, limit);
+    actuator.no_load_speed.map_or(command, |speed| command - command.abs() * rate / speed)
+}
+
+fn motion([(t0, [q0, v0]), (t1, [q1, v1])]: [(f64, State); 2]) -> Hermite {
+    Hermite::new((t0, q0, v0), (t1, q1, v1))
+}
+
+/// Work of an effort between two states, whose command jumps or has kinks where a profile does.
+fn work(ends: [(f64, State); 2], profile: &Profile, effort: &dyn Fn(f64, State) -> f64) -> f64 {
+    let [(mut from_s, _), (end_s, _)] = ends;
+    let motion = motion(ends);
+    let mut work = 0.0;
+    while from_s < end_s {
+        let length_s = profile.next_discontinuity(from_s).min(end_s) - from_s;
+        for (node, weight) in GAUSS {
+            let time_s = from_s + node * length_s;
+            let rate = motion.rate(time_s);
+            work += weight * length_s * rate * effort(time_s, [motion.value(time_s), rate]);
+        }
+        from_s += length_s;
+    }
+    work
 }

@@ -2,7 +2,55 @@
 
 use super::hold::{HoldHistory, HoldState};
 use super::pairs::PairCriteria;
-use crate::criteria::Fate;
+
+/// Fate of the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fate {
+    /// The object is gripped at the end, or at the release, and has been for at least the required time of the scene.
+    Held,
+    /// The hand carries the object without a grip.
+    Carried,
+    /// The hand lifted the object and released it at `until_s`, and it rests outside the hand.
+    Placed { until_s: f64 },
+    /// The object was gripped for the required time, the last time until `since_s`. An object that is lost, gripped again and
+    /// held at the end is not dropped. The travel does not matter.
+    Dropped { since_s: f64 },
+    /// At `at_s` the object left the region that the fingers of a five-bar hand can reach ([`Reach`](crate::trace::Reach)),
+    /// after a contact. The run ends there.
+    Ejected { at_s: f64 },
+    /// At `at_s` an object that was never gripped for the required time left the hand after a contact.
+    Escaped { at_s: f64 },
+    /// None of these.
+    NotGrasped,
+}
+
+impl Fate {
+    /// Names of all fates, from best to worst.
+    pub const NAMES: [&str; 7] = ["held", "carried", "placed", "dropped", "ejected", "escaped", "not grasped"];
+
+    /// Returns the name in results and reports.
+    pub fn name(self) -> &'static str {
+        Self::NAMES[match self {
+            Fate::Held => 0,
+            Fate::Carried => 1,
+            Fate::Placed { .. } => 2,
+            Fate::Dropped { .. } => 3,
+            Fate::Ejected { .. } => 4,
+            Fate::Escaped { .. } => 5,
+            Fate::NotGrasped => 6,
+        }]
+    }
+
+    /// Returns the time since which the object is not held, or at which it left the hand; `None` for other fates.
+    pub fn lost_at_s(self) -> Option<f64> {
+        match self {
+            Fate::Dropped { since_s } => Some(since_s),
+            Fate::Placed { until_s } => Some(until_s),
+            Fate::Ejected { at_s } | Fate::Escaped { at_s } => Some(at_s),
+            Fate::Held | Fate::Carried | Fate::NotGrasped => None,
+        }
+    }
+}
 
 /// Figures that decide a fate.
 pub(super) struct Evidence<'a> {
@@ -14,13 +62,18 @@ pub(super) struct Evidence<'a> {
     pub is_slow_in_world: bool,
     /// Speed of its centre in these frames, m/s.
     pub speeds_m_s: [f64; 2],
+    /// Time at which it left the hand, and the reach of the fingers of a five-bar hand.
     pub escaped_s: Option<f64>,
+    pub ejected_s: Option<f64>,
 }
 
 impl Evidence<'_> {
     /// Returns the fate and its reason.
     pub fn decide(&self) -> (Fate, String) {
         let Evidence { hold, held_time_s, .. } = *self;
+        if let Some(at_s) = self.ejected_s {
+            return (Fate::Ejected { at_s }, format!("out of the reach of both fingers at {}", ms(at_s)));
+        }
         let end_s = hold.until_s;
         let grip = hold.grip.map(|grip| grip.since_s);
         let steady = grip.filter(|since_s| end_s - since_s >= held_time_s);
@@ -216,6 +269,7 @@ mod tests {
             is_slow_in_world: is_slow,
             speeds_m_s: [0.5, 0.25],
             escaped_s: None,
+            ejected_s: None,
         }
         .decide()
     }

@@ -1,14 +1,16 @@
 //! How firmly the object is held at the end: the accelerations that the contacts can balance, form closure and Q1.
 
-use super::actuators::{command, is_at_limit};
+use super::actuators::ActuatorCriteria;
+use super::fate::Fate;
 use super::object::ObjectCriteria;
-use crate::criteria::Fate;
-use crate::drawing::states::in_sample;
+use super::pose::{fixed_object, poses_in};
+use crate::criteria::is_form_closed;
 use crate::mechanism::{Actuator, Command, ContactPair, Mechanism, PointContact, Pose, point_in};
-use crate::numeric::elementary::atan2;
+use crate::numeric::elementary::{atan2, sin_cos};
+use crate::numeric::plane::{add, rotate};
 use crate::scene::Scene;
 use crate::statics::{
-    BalanceAtRest, ContactAtRest, DriveState, FrictionContact, GraspRoles, LoadsAtRest, MechanismAtRest,
+    BalanceAtRest, ContactAtRest, DriveState, ForceClosure, FrictionContact, GraspRoles, LoadsAtRest, MechanismAtRest,
     MechanismLimit, balance_at_rest, force_closure, mechanism_closure, roles,
 };
 use crate::trace::{ContactSample, Sample};
@@ -28,10 +30,10 @@ pub struct Firmness {
     /// With actuators that give any effort.
     pub blocked: Margin,
     /// Whether the contacts hold the object and the hand with the actuators blocked, without friction; `None` if this cannot
-    /// be decided.
+    /// be decided. The rotation of a disc in a five-bar hand does not count.
     pub form_closed: Option<bool>,
-    /// Q1 for normal forces that sum to 1, with moments over the radius of the object.
-    pub q1: f64,
+    /// Force closure by the contacts, with moments over the radius of the object. Its `q1_l1` is Q1.
+    pub force_closure: ForceClosure,
 }
 
 /// The largest acceleration of the base, in the worst direction, that the contacts active at the end can balance.
@@ -52,12 +54,13 @@ pub enum Margin {
 
 /// Returns how firmly the object is held at the end; `None` unless it is held or carried, and of a scene without a grasp.
 pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
-    let mechanism = scene.mechanism.as_ref()?;
     let grasp = scene.grasp_roles().ok().filter(|_| matches!(found.fate, Fate::Held | Fate::Carried))?;
-    let sample = &found.end;
-    let states = in_sample(mechanism, sample).bodies.into_iter();
-    let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
-    let contacts = contacts(mechanism, &grasp, (sample, scene.thresholds.loss_force_n));
+    let (mechanism, sample) = (&*scene.judged_mechanism(), &found.end);
+    let mut poses = poses_in(scene, sample);
+    let mut contacts = contacts(mechanism, &grasp, (sample, scene.thresholds.loss_force_n));
+    if let Some((_, motion)) = mechanism.palm() {
+        to_world(motion.pose(sample.time_s).position, &mut poses, &mut contacts);
+    }
     let on_object = |contact: &ContactAtRest| {
         let push = contact.push_on(grasp.object)?;
         Some(FrictionContact { point_m: contact.point_m, push, mu: contact.mu })
@@ -73,16 +76,39 @@ pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
         drives,
         roles: &roles,
     };
-    let loads = loads(mechanism, sample);
-    let margin = |drives| margin(&posture(drives), &loads);
+    let loads = loads(mechanism, found);
+    let is_fixed = fixed_object(&scene.hand).is_some();
+    let margin = |drives| match is_fixed {
+        true => Margin::Undecided { reason: "the object is fixed".to_string() },
+        false => margin(&posture(drives), &loads),
+    };
     let object = &mechanism.bodies[grasp.object];
     let centre_m = point_in(Some(grasp.object), object.com_m, &poses);
     Some(Firmness {
         driven: margin(DriveState::AtEffort),
         blocked: margin(DriveState::Blocked),
-        form_closed: mechanism_closure(&posture(DriveState::Blocked)).ok().map(|found| found.closure.closed),
-        q1: force_closure(&of_object, centre_m, grasp.radius_m).q1_l1,
+        form_closed: match scene.finger_count() {
+            0 => mechanism_closure(&posture(DriveState::Blocked)).ok().map(|found| found.closure.closed),
+            // The disc of a five-bar hand may rotate.
+            _ => is_form_closed(scene, sample),
+        },
+        force_closure: force_closure(&of_object, centre_m, grasp.radius_m),
     })
+}
+
+/// Moves poses and contacts from the frame of a palm with this pose to the world, where gravity acts and directions are
+/// measured.
+fn to_world(palm: Pose, poses: &mut [Pose], contacts: &mut [ContactAtRest]) {
+    let [x, y, turn] = palm;
+    let (sin, cos) = sin_cos(turn);
+    let point = |point_m: [f64; 2]| add([x, y], rotate(point_m, [cos, sin]));
+    for pose in poses {
+        let [u, v] = point([pose[0], pose[1]]);
+        *pose = [u, v, pose[2] + turn];
+    }
+    for contact in contacts {
+        (contact.point_m, contact.normal) = (point(contact.point_m), rotate(contact.normal, [cos, sin]));
+    }
 }
 
 fn margin(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest) -> Margin {
@@ -138,23 +164,21 @@ fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (
 }
 
 /// Loads at the end of a run.
-fn loads(mechanism: &Mechanism, sample: &Sample) -> LoadsAtRest {
-    let kept = |actuator: &Actuator| match (&actuator.command, actuator.limit) {
-        (Command::Servo { .. }, limit) if !is_at_limit(actuator, sample) => {
-            let limit = limit.unwrap_or(f64::INFINITY);
-            (0.0, [-limit, limit])
-        }
-        (_, limit) => {
-            let limit = limit.unwrap_or(f64::INFINITY);
-            (command(actuator, sample).clamp(-limit, limit), [0.0; 2])
+fn loads(mechanism: &Mechanism, found: &ObjectCriteria) -> LoadsAtRest {
+    let sample = &found.end;
+    let kept = |actuator: &Actuator, ActuatorCriteria { command, is_at_limit, .. }: &ActuatorCriteria| {
+        let limit = actuator.limit.unwrap_or(f64::INFINITY);
+        match actuator.command {
+            Command::Servo { .. } if !is_at_limit => (0.0, [-limit, limit]),
+            _ => (command.clamp(-limit, limit), [0.0; 2]),
         }
     };
-    let with_brake = |actuator: &Actuator| {
-        let (effort, [low, high]) = kept(actuator);
+    let with_brake = |(actuator, found): (&Actuator, &ActuatorCriteria)| {
+        let (effort, [low, high]) = kept(actuator, found);
         let [least, most] = actuator.brake.map_or([0.0; 2], |brake| brake.torque_range(sample.time_s));
         (effort, [low + least, high + most])
     };
-    let (efforts, slack) = mechanism.actuators.iter().map(with_brake).unzip();
+    let (efforts, slack) = mechanism.actuators.iter().zip(&found.actuators).map(with_brake).unzip();
     LoadsAtRest {
         efforts,
         slack,

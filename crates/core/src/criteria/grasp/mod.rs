@@ -8,12 +8,14 @@
 //! | `hold` | intervals in which it is gripped, carried, resting or free |
 //! | `pairs` | histories of pairs, and their forces at the end |
 //! | `pose` | poses in the frame of the base |
+//! | `cycle` | largest travel, motion of the palm, brakes and release |
 //! | `recent` | the last part of the run: creep and sliding |
 //! | `fate` | the fate, with its reason |
 //! | `actuators` | efforts, rates, powers and energies of the actuators |
 //! | `firmness` | margin, form closure and Q1 at the end |
 
 mod actuators;
+mod cycle;
 mod fate;
 mod firmness;
 mod grip;
@@ -25,6 +27,8 @@ mod recent;
 mod tracker;
 
 pub use actuators::ActuatorCriteria;
+pub use cycle::{CycleCriteria, Travel};
+pub use fate::Fate;
 pub(crate) use firmness::contact_at_rest;
 pub use firmness::{DIRECTIONS, Firmness, Margin, firmness};
 pub use hold::HoldState;

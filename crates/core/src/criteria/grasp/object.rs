@@ -1,10 +1,12 @@
 //! The criteria of an object.
 
 use super::actuators::ActuatorCriteria;
+use super::cycle::{CycleCriteria, Travel};
+use super::fate::Fate;
 use super::hold::HoldState;
 use super::pairs::PairCriteria;
-use crate::criteria::Fate;
-use crate::trace::Sample;
+use crate::numeric::elementary::hypot;
+use crate::trace::{BodyState, Sample};
 
 /// Criteria of the grasp of an object (verdicts.md, "Is it held?"). Poses are in the frame of the base.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,9 +42,18 @@ pub struct ObjectCriteria {
     /// All pairs, in the order of the contacts.
     pub pairs: Vec<PairCriteria>,
     pub actuators: Vec<ActuatorCriteria>,
+    /// State of the object at the start and at the end of the run, in the frame of the samples.
+    pub start: BodyState,
+    pub last: BodyState,
+    /// Largest travel of the object since the start of the run.
+    pub travel: Travel,
+    pub cycle: CycleCriteria,
     /// State of the run at its end, or at the release.
     pub end: Sample,
 }
+
+/// Largest offset from the middle at which an object counts as centred, m: far below any positioning accuracy.
+const CENTRED_TOLERANCE_M: f64 = 1e-9;
 
 /// Travel between two poses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
@@ -57,6 +68,19 @@ impl ObjectCriteria {
     /// Number of losses of all pairs.
     pub fn contacts_lost(&self) -> u32 {
         self.pairs.iter().map(|pair| pair.times_lost).sum()
+    }
+
+    /// Returns |x| at the end of the run over that at its start: below 1 the grasp centres its object. `None` for a centred
+    /// start.
+    pub fn offset_ratio(&self) -> Option<f64> {
+        let [start, end] = [self.start, self.last].map(|body| body.centre_m[0].abs());
+        (start > CENTRED_TOLERANCE_M).then(|| end / start)
+    }
+
+    /// Returns the speed of the origin of the object at the end of the run, m/s.
+    pub fn end_speed_m_s(&self) -> f64 {
+        let [x, y] = self.last.velocity_m_s;
+        hypot(x, y)
     }
 
     /// Sum of the normal forces of the hand at the end, N.

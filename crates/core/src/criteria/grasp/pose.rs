@@ -2,9 +2,10 @@
 
 use crate::criteria::segments::Hermite;
 use crate::drawing::states::in_sample;
-use crate::mechanism::Mechanism;
+use crate::mechanism::{Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, rotate, sub};
+use crate::scene::{Hand, Object, ObjectMotion, Scene};
 use crate::trace::{BodyState, Sample};
 
 /// Position of the centre of mass of the object, m, and its angle, rad, in a frame.
@@ -13,8 +14,8 @@ pub(super) type RelativePose = [f64; 3];
 /// Where the state of a frame is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Frame {
-    /// At rest in the frame of the samples.
-    Fixed,
+    /// At rest in the frame of the samples, in this state.
+    Fixed(BodyState),
     /// Index among the reported bodies.
     Reported(usize),
     /// The ground beside a palm that moves, or a body whose state follows from its joints.
@@ -25,8 +26,8 @@ impl Frame {
     pub fn of(mechanism: &Mechanism, body: Option<usize>) -> Self {
         let palm = mechanism.palm().map(|(palm, _)| palm);
         match body {
-            None if palm.is_none() => Frame::Fixed,
-            Some(body) if palm == Some(body) => Frame::Fixed,
+            None if palm.is_none() => Frame::Fixed(BodyState::default()),
+            Some(body) if palm == Some(body) => Frame::Fixed(BodyState::default()),
             Some(body) => {
                 let reported = mechanism.reported_bodies().position(|other| other == body);
                 reported.map_or(Frame::Derived(Some(body)), Frame::Reported)
@@ -35,13 +36,34 @@ impl Frame {
         }
     }
 
+    /// The frame of the object of a scene.
+    pub fn of_object(scene: &Scene, mechanism: &Mechanism, object: usize) -> Self {
+        fixed_object(&scene.hand).map_or_else(|| Frame::of(mechanism, Some(object)), Frame::Fixed)
+    }
+
     pub fn state(self, mechanism: &Mechanism, sample: &Sample) -> BodyState {
         match self {
-            Frame::Fixed => BodyState::default(),
+            Frame::Fixed(state) => state,
             Frame::Reported(index) => sample.body(index),
             Frame::Derived(body) => *in_sample(mechanism, sample).of(body),
         }
     }
+}
+
+/// The state of a fixed object, which no sample contains.
+pub(super) fn fixed_object(hand: &Hand) -> Option<BodyState> {
+    match hand.object {
+        Some(Object { motion: ObjectMotion::Fixed, centre_m, angle_rad, .. }) => {
+            Some(BodyState { centre_m, angle_rad, ..BodyState::default() })
+        }
+        _ => None,
+    }
+}
+
+/// Poses of the bodies of the mechanism in which a grasp is judged, in the frame of a sample.
+pub(super) fn poses_in(scene: &Scene, sample: &Sample) -> Vec<Pose> {
+    let of_sample = in_sample(&scene.drawn_mechanism(), sample).bodies;
+    of_sample.iter().chain(&fixed_object(&scene.hand)).map(pose_of).collect()
 }
 
 /// Motion of a body between two instants.

@@ -20,7 +20,7 @@ pub(super) struct Instant {
     pub object: BodyState,
     pub base: BodyState,
     pub ground: BodyState,
-    /// Distance that each point of the hand has slid since the start, m.
+    /// Distance that each point of the hand has slid since the start, m; a vibration does not add to it.
     pub slid_m: Vec<f64>,
 }
 
@@ -77,7 +77,7 @@ impl Recent {
         Some(RecentRates {
             in_base: rates(&|instant| instant.base),
             in_world: rates(&|instant| instant.ground),
-            sliding_m_s: (0..end.slid_m.len()).map(|k| slid(k) / length_s).collect(),
+            sliding_m_s: (0..end.slid_m.len()).map(|k| slid(k).abs() / length_s).collect(),
         })
     }
 }

@@ -4,14 +4,14 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use super::actuators::ActuatorCriteria;
-use super::fate::Evidence;
+use super::cycle::CycleHistory;
+use super::fate::{Evidence, Fate};
 use super::grip::{Edges, GripSearch};
 use super::hold::{HoldHistory, Part};
 use super::object::{ObjectCriteria, Slip};
 use super::pairs::{PairHistory, PairPoint, pair_at_end};
 use super::pose::{BodyMotion, Frame, RelativePose, pose_of, relative};
 use super::recent::{Instant, Recent, RecentRates};
-use crate::criteria::Fate;
 use crate::criteria::segments::{Hermite, Segment, SegmentObserver, SegmentSplitter};
 use crate::mechanism::Mechanism;
 use crate::numeric::elementary::hypot;
@@ -19,7 +19,7 @@ use crate::numeric::plane::{add, rotate};
 use crate::scene::{Scene, Thresholds};
 use crate::statics::{GraspRoles, WrenchHull};
 use crate::trace::{
-    BOUNDARY_TOLERANCE, BodyState, ContactSample, Event, RequiredData, Sample, Sink, SinkError, interpolate,
+    BOUNDARY_TOLERANCE, BodyState, ContactSample, Event, Reach, RequiredData, Sample, Sink, SinkError, interpolate,
 };
 
 /// A gap below this part of the extent of the object is near; motion by it within `held_time` is slow.
@@ -39,6 +39,8 @@ struct Setup {
     roles: GraspRoles,
     thresholds: Thresholds,
     release_s: Option<f64>,
+    /// Region that the fingers of a five-bar hand can reach; `None` if the object cannot be ejected.
+    reach: Option<Reach>,
     object: Frame,
     base: Frame,
     ground: Frame,
@@ -61,6 +63,12 @@ struct State {
     pairs: Vec<PairHistory>,
     recent: Recent,
     actuators: Vec<ActuatorCriteria>,
+    cycle: CycleHistory,
+    /// The object in the first sample.
+    start: BodyState,
+    /// Whether the fingers can reach the object in the last sample, and the time at which it left their reach.
+    is_in_reach: bool,
+    ejected_s: Option<f64>,
     /// Whether the hand has touched the object, and the time at which the object left it, also after the release.
     has_touched: bool,
     left_s: Option<f64>,
@@ -118,6 +126,11 @@ impl Setup {
         self.roles.pairs[self.pair_of[point]].is_hand
     }
 
+    /// The body of a point that is not the object; `None` is the ground.
+    fn other(&self, point: usize) -> Option<usize> {
+        self.roles.pairs[self.pair_of[point]].other.body
+    }
+
     fn states(&self, sample: &Sample) -> [BodyState; 3] {
         let [object, base] = [self.object, self.base].map(|frame| frame.state(&self.mechanism, sample));
         let ground = if self.ground == self.base { base } else { self.ground.state(&self.mechanism, sample) };
@@ -128,7 +141,8 @@ impl Setup {
 impl ObjectTracker {
     /// Creates a tracker for runs of a scene; `None` without a grasp.
     pub fn for_scene(scene: &Scene) -> Option<Self> {
-        let (mechanism, roles) = (scene.mechanism.as_ref()?, scene.grasp_roles().ok()?);
+        let roles = scene.grasp_roles().ok()?;
+        let mechanism = &*scene.judged_mechanism();
         let all = mechanism.point_contacts();
         let indices = roles.pairs.iter().enumerate().flat_map(|(pair, of)| of.points.iter().map(move |k| (pair, *k)));
         let (pair_of, contacts): (Vec<usize>, Vec<usize>) = indices.unzip();
@@ -136,8 +150,9 @@ impl ObjectTracker {
         let laws = contacts.iter().map(|index| mechanism.contacts[all[*index].pair].law.normal).collect();
         let setup = Setup {
             thresholds: scene.thresholds,
-            release_s: scene.grasp.as_ref().and_then(|keys| keys.release_s),
-            object: Frame::of(mechanism, Some(roles.object)),
+            release_s: scene.grasp_keys().and_then(|keys| keys.release_s),
+            reach: Reach::from_hand(&scene.hand),
+            object: Frame::of_object(scene, mechanism, roles.object),
             base: Frame::of(mechanism, roles.base),
             ground: Frame::of(mechanism, None),
             com_m: mechanism.bodies[roles.object].com_m,
@@ -163,6 +178,10 @@ impl ObjectTracker {
                 pairs: vec![PairHistory::default(); setup.roles.pairs.len()],
                 recent: Recent::default(),
                 actuators: ActuatorCriteria::of(mechanism),
+                cycle: CycleHistory::new(mechanism, setup.release_s, scene.duration_s),
+                start: BodyState::default(),
+                is_in_reach: false,
+                ejected_s: None,
                 has_touched: false,
                 left_s: None,
                 released: None,
@@ -171,12 +190,19 @@ impl ObjectTracker {
         })
     }
 
+    /// Sets the time from which the travel during the motion of the palm counts; motion before it is preparation.
+    #[must_use]
+    pub fn with_motion_start(mut self, start_s: f64) -> Self {
+        self.state.cycle.set_motion_start(start_s);
+        self
+    }
+
     /// Returns the criteria of the run up to the last sample, or up to the release; `None` for a run without duration.
     pub fn criteria(&self) -> Option<ObjectCriteria> {
-        let end = self.state.released.as_ref().or(self.segments.last())?;
+        let last = self.segments.last()?;
         let mut state = self.state.clone();
         state.process(true);
-        state.finish(end)
+        state.finish(last)
     }
 }
 
@@ -288,6 +314,16 @@ impl State {
         self.left_s = Some(times.last().copied().unwrap_or(next.time_s));
     }
 
+    /// Updates whether the object has left the reach of the fingers after a contact, at the end of a step.
+    fn update_reach(&mut self, next: &Sample, has_touched: bool) {
+        let Some(reach) = self.setup.reach else { return };
+        let is_in_reach = !reach.is_outside(&self.setup.object.state(&self.setup.mechanism, next));
+        if self.is_in_reach && !is_in_reach && has_touched {
+            self.ejected_s.get_or_insert(next.time_s);
+        }
+        self.is_in_reach = is_in_reach;
+    }
+
     /// Adds the state at the end of a step.
     fn add_instant(&mut self, last: Option<&Sample>, next: &Sample) {
         let [object, base, ground] = self.setup.states(next);
@@ -295,17 +331,18 @@ impl State {
             self.recent.last().map_or_else(|| vec![0.0; self.setup.points.len()], |last| last.slid_m.clone());
         if let Some(last) = last {
             for (slid_m, point) in slid_m.iter_mut().zip(&self.setup.points) {
-                let speed = |sample: &Sample| sample.slip_m_s(point.contact).abs();
+                let speed = |sample: &Sample| sample.slip_m_s(point.contact);
                 *slid_m += 0.5 * (speed(last) + speed(next)) * (next.time_s - last.time_s);
             }
         }
         let instant = Instant { time_s: next.time_s, object, base, ground, slid_m };
         self.recent.add(instant, self.setup.thresholds.held_time_s);
-        ActuatorCriteria::add(&mut self.actuators, &self.setup.mechanism, next);
+        ActuatorCriteria::add(&mut self.actuators, &self.setup.mechanism, last, next);
     }
 
-    /// Returns the criteria at the end.
-    fn finish(&self, end: &Sample) -> Option<ObjectCriteria> {
+    /// Returns the criteria of a run that ends with a sample.
+    fn finish(&self, last: &Sample) -> Option<ObjectCriteria> {
+        let end = self.released.as_ref().unwrap_or(last);
         let Setup { mechanism, roles, thresholds, com_m, .. } = &self.setup;
         let Thresholds { loss_force_n, held_time_s, .. } = *thresholds;
         self.hold.end_state()?;
@@ -339,6 +376,7 @@ impl State {
             is_slow_in_world: is_slow(rates.in_world),
             speeds_m_s: [speed(rates.in_base), speed(rates.in_world)],
             escaped_s,
+            ejected_s: self.ejected_s,
         }
         .decide();
         let is_held = fate == Fate::Held;
@@ -372,6 +410,10 @@ impl State {
             creep_m_s: is_held.then(|| speed(rates.in_base)),
             pairs,
             actuators: self.actuators.clone(),
+            start: self.start,
+            last: self.setup.object.state(mechanism, last),
+            travel: self.cycle.travel(),
+            cycle: self.cycle.criteria(last),
             end: end.clone(),
         })
     }
@@ -387,11 +429,15 @@ impl SegmentObserver for State {
 
     fn begin(&mut self, first: &Sample) {
         self.add_instant(None, first);
+        let [object, base, _] = self.setup.states(first);
+        self.start = object;
+        self.is_in_reach = self.setup.reach.is_some_and(|reach| !reach.is_outside(&object));
+        self.cycle.begin(relative(pose_of(&object), self.setup.com_m, pose_of(&base)));
     }
 
     fn interpolate(&mut self, last: &Sample, next: &Sample, cuts_s: &mut Vec<f64>) -> Motions {
         let times = [last.time_s, next.time_s];
-        cuts_s.extend(self.setup.release_s.filter(|time_s| times[0] < *time_s && *time_s < times[1]));
+        cuts_s.extend(self.cycle.cuts_s().filter(|time_s| times[0] < *time_s && *time_s < times[1]));
         let near_m = SMALL * self.setup.extent_m();
         for point in &self.setup.points {
             let [from, to] = [last, next].map(|sample| sample.gap(point.contact));
@@ -412,7 +458,12 @@ impl SegmentObserver for State {
         self.has_touched |= (0..has_touched.len()).any(|point| has_touched[point] && self.setup.is_hand(point));
         if to_s == next.time_s {
             self.search_leaving(last, next);
+            self.update_reach(next, has_touched.contains(&true));
         }
+        // The palm of a hand is part of its base.
+        let is_finger = |point: usize| self.setup.is_hand(point) && self.setup.other(point) != self.setup.roles.base;
+        let is_open = !(0..is_active.len()).any(|point| is_active[point] && is_finger(point));
+        self.cycle.add(segment, |time_s| motions.pose(self.setup.com_m, time_s), is_open);
         if self.setup.release_s.is_some_and(|release_s| from_s >= release_s) {
             return;
         }
@@ -431,10 +482,13 @@ impl SegmentObserver for State {
         let are_surroundings_active = any(false, &|point| is_active[point]);
         for (index, history) in self.pairs.iter_mut().enumerate() {
             let of_pair = || self.setup.points_of[index].clone();
-            let force_n = |sample: &Sample| -> f64 {
-                of_pair().map(|point| sample.normal_n(self.setup.points[point].contact)).sum()
+            // Points that are not active alone may be together.
+            let force_n = |point: usize| {
+                let [from, to] = [last, next].map(|sample| sample.normal_n(self.setup.points[point].contact));
+                from + fraction * (to - from)
             };
-            let presses = of_pair().any(|point| is_active[point]) || force_n(last).min(force_n(next)) > loss_force_n;
+            let weak_n: f64 = of_pair().map(force_n).filter(|force_n| *force_n <= loss_force_n).sum();
+            let presses = of_pair().any(|point| is_active[point]) || weak_n > loss_force_n;
             let touched = of_pair().any(|point| has_touched[point]);
             history.add((touched, presses), [from_s, to_s], poses[0], loss_time_s);
         }
@@ -455,15 +509,14 @@ impl SegmentObserver for State {
         });
         self.process(false);
         let is_release = self.setup.release_s.is_some_and(|release_s| to_s >= release_s);
-        if is_release && to_s < next.time_s {
-            let released = interpolate(last, next, to_s);
+        if is_release {
+            let mut released = if to_s < next.time_s { interpolate(last, next, to_s) } else { next.clone() };
+            // Drives and brakes are those that still hold the object.
+            released.time_s = to_s.next_down();
             self.add_instant(Some(last), &released);
             self.released = Some(released);
         } else if to_s == next.time_s {
             self.add_instant(Some(last), next);
-            if is_release {
-                self.released = Some(next.clone());
-            }
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::format::report::{Report, ToReport, table};
 use crate::grasp::FrictionCase;
 use crate::grasp::finger::Palm;
 use crate::grasp::gripper::{ContactLoad, GripperGrasp, MotorAtRest, ObjectContact, PostureSource};
-use crate::report::grasp::force_closure;
+use crate::report::object::force_closure;
 use crate::scene::HandContact;
 use crate::statics::{Blocked, BrakeLoad, ContactMotion, MechanismBalance, MechanismLimit, StaticsError};
 use crate::trace::FingerState;

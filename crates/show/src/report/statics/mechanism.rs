@@ -8,7 +8,7 @@ use crate::format::numbers::{G_M_S2, format_duration, format_number, row, zero_b
 use crate::format::report::{Report, ToReport, table};
 use crate::grasp::FrictionCase;
 use crate::grasp::mechanism::{ActuatorAtRest, ActuatorRole, HeldContact, MechanismGrasp};
-use crate::report::grasp::force_closure;
+use crate::report::object::force_closure;
 use crate::statics::{BodyMotion, ContactMotion, MechanismBalance, MechanismLimit, StaticsError};
 use crate::units::Dimension;
 
