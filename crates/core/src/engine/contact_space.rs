@@ -518,11 +518,10 @@ impl Workspace {
                 let state = stage.friction_state[index];
                 let friction = contact.candidate.friction_at_step_end([rate[t], state, law.force], h);
                 self.force[t] = -friction.force;
-                let with_state = contact.candidate.friction.and_then(|law| law.sticking_scales(state, 0.0));
-                self.force_scale[t] = match with_state {
-                    Some([state_force, _]) => {
+                self.force_scale[t] = match contact.candidate.law_with_state() {
+                    Some(law) => {
                         self.is_slipping[index] = friction.d_normal != 0.0;
-                        friction.force.abs().max(state_force).max(MIN_FORCE_SCALE_N)
+                        friction.force.abs().max(law.state_force(state)).max(MIN_FORCE_SCALE_N)
                     }
                     None => {
                         let slip_scale = contact.candidate.motor.map_or(0.0, |motor| 1.0 + motor.slope * rate[t].abs());

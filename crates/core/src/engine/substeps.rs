@@ -570,9 +570,8 @@ fn relative_error(space: &ContactSpace, [from, rate, force]: [&[f64]; 3], error:
         let allowed = tolerance.absolute + tolerance.relative * hypot(rate[t], closing);
         if let Some(law) = contact.candidate.law_with_state() {
             let max_friction = law.mu_static * force[n] + MIN_STICTION_N;
-            let slip_scale = law.sticking_scales(0.0, max_friction).map_or(f64::INFINITY, |[_, slip]| slip);
-            let sticking_tolerance = tolerance.slip * slip_scale;
-            let is_sticking = force[t].abs() < max_friction && rate[t].abs() < slip_scale;
+            let sticking_tolerance = law.sticking_slip(tolerance.slip * max_friction);
+            let is_sticking = force[t].abs() < max_friction && rate[t].abs() < law.sticking_slip(max_friction);
             let slip_allowed = if is_sticking { sticking_tolerance.min(allowed) } else { allowed };
             return (error[n].abs() / allowed).max(error[t].abs() / slip_allowed);
         }

@@ -166,7 +166,7 @@ pub(super) fn neighbour_range(
 }
 
 /// Scale of the sum of slip and state of a sticking bristle under this limit of its force, N, which bounds the sum tightly.
-pub(super) fn sticking_slip(bristle: &Bristle, limit: f64) -> f64 {
+pub(super) fn slip_scale(bristle: &Bristle, limit: f64) -> f64 {
     (limit + CONE_TOLERANCE_N) / bristle.damping_n_s_per_m
 }
 

@@ -214,7 +214,7 @@ impl FrictionLaw {
     pub fn slip_weight(&self, range: FrictionRange, normal: f64) -> Option<SlipWeight> {
         match (&self.kind, range) {
             (FrictionKind::Bristle(bristle), FrictionRange::Sticking) => Some(SlipWeight {
-                slip_scale: bristle::sticking_slip(bristle, self.mu_static * normal.max(0.0)),
+                slip_scale: bristle::slip_scale(bristle, self.mu_static * normal.max(0.0)),
                 normal_force: 0.0,
             }),
             (FrictionKind::Bristle(_), _) | (_, FrictionRange::Sliding { .. } | FrictionRange::Any) => None,
@@ -242,12 +242,19 @@ impl FrictionLaw {
         }
     }
 
-    /// Force of an internal state, N, and slip rate over which friction below this limit, N, changes while it sticks, m/s;
-    /// `None` for a law without a state.
-    pub fn sticking_scales(&self, state: f64, limit: f64) -> Option<[f64; 2]> {
+    /// Force of an internal state without slip, N.
+    pub fn state_force(&self, state: f64) -> f64 {
         match &self.kind {
-            FrictionKind::Regularised => None,
-            FrictionKind::Bristle(Bristle { damping_n_s_per_m: c, .. }) => Some([c * state.abs(), limit / c]),
+            FrictionKind::Regularised => 0.0,
+            FrictionKind::Bristle(bristle) => bristle.damping_n_s_per_m * state.abs(),
+        }
+    }
+
+    /// Slip rate at which sticking friction has this force, N, without a state; infinite for a law that does not stick.
+    pub fn sticking_slip(&self, force: f64) -> f64 {
+        match &self.kind {
+            FrictionKind::Regularised => f64::INFINITY,
+            FrictionKind::Bristle(bristle) => force / bristle.damping_n_s_per_m,
         }
     }
 }
