@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::support::laws::{disc, free, free_translation, mechanism_scene, scene, scene_on_plane, spring};
 use crate::support::mechanism_cases::mechanism_case;
-use crate::support::random::Random;
+use crate::support::random::{Random, seeds};
 use crate::support::random_loops::{random_assur, random_linkage, random_loop, with_start};
 use crate::support::random_mechanisms::random_mechanism;
 use crate::support::runs::{assert_below, assert_near, assert_relative, experiment_95, run_to_end};
@@ -315,33 +315,46 @@ fn derivatives_of_assur_groups_agree_with_differences() {
     }
 }
 
-/// Loops with the start on the joint that the crank drives: they pass their dead centres, where other coordinates take over.
-/// By a mass and by a length.
+/// Derivatives of a loop with the start on the joint that the crank drives, by a mass and by a length, agree with differences:
+/// at its dead centres other coordinates take over. Returns the turns of the crank.
+fn turns_with_derivatives(seed: u64) -> f64 {
+    let (kind, of, rate) = random_linkage(seed);
+    let start = assemble(&with_start(&of, 0, of.bodies[0].pose[2], rate)).unwrap_or_else(|error| panic!("{error}"));
+    let driven = of.joints.len() - 1;
+    let (value, driven_rate) = start.joint(&of.joints[driven]);
+    let base = Mechanism { gravity_m_s2: [0.0, -9.0], ..with_start(&of, driven, value, driven_rate) };
+    let duration_s = 8.0 / rate.abs();
+    type Access = fn(&mut Mechanism) -> &mut f64;
+    let accesses: [Access; 2] =
+        [|mechanism| &mut mechanism.bodies[1].mass_kg, |mechanism| &mut mechanism.joints[1].points_m[0][0]];
+    for (index, access) in accesses.into_iter().enumerate() {
+        let at = |value: f64| {
+            let mut changed = base.clone();
+            *access(&mut changed) = value;
+            mechanism_scene(changed, duration_s)
+        };
+        let (name, parameter) =
+            (format!("{kind} {seed}, parameter {index}"), parameter(*access(&mut base.clone()), at));
+        assert_eq!(gradient_of(&parameter).end.reason, None, "{name}");
+        assert_differences(&name, &parameter, 1e-4, 1e-6);
+    }
+    run_to_end(&mechanism_scene(base, duration_s)).0.last.joint_state(0).angle_rad / TAU
+}
+
 #[test]
 fn derivatives_continue_where_coordinates_are_exchanged() {
     for seed in [0, 1] {
-        let (kind, of, rate) = random_linkage(seed);
-        let start = assemble(&with_start(&of, 0, of.bodies[0].pose[2], rate)).unwrap_or_else(|error| panic!("{error}"));
-        let driven = of.joints.len() - 1;
-        let (value, driven_rate) = start.joint(&of.joints[driven]);
-        let base = Mechanism { gravity_m_s2: [0.0, -9.0], ..with_start(&of, driven, value, driven_rate) };
-        // More than half a turn of the crank, with a dead centre.
-        let duration_s = 8.0 / rate.abs();
-        type Access = fn(&mut Mechanism) -> &mut f64;
-        let accesses: [Access; 2] =
-            [|mechanism| &mut mechanism.bodies[1].mass_kg, |mechanism| &mut mechanism.joints[1].points_m[0][0]];
-        let turns = run_to_end(&mechanism_scene(base.clone(), duration_s)).0.last.joint_state(0).angle_rad / TAU;
-        assert!(turns.abs() > 0.5, "{kind} {seed}: {turns} turns");
-        for (index, access) in accesses.into_iter().enumerate() {
-            let at = |value: f64| {
-                let mut changed = base.clone();
-                *access(&mut changed) = value;
-                mechanism_scene(changed, duration_s)
-            };
-            let parameter = parameter(*access(&mut base.clone()), at);
-            assert_eq!(gradient_of(&parameter).end.reason, None, "{kind} {seed}, parameter {index}");
-            assert_differences(&format!("{kind} {seed}, parameter {index}"), &parameter, 1e-4, 1e-6);
-        }
+        let turns = turns_with_derivatives(seed);
+        assert!(turns.abs() > 0.5, "{seed}: {turns} turns");
+    }
+}
+
+/// `PHALANX_SEEDS` is the range of seeds.
+#[test]
+#[ignore = "takes minutes"]
+fn derivatives_of_many_loops_continue_where_coordinates_are_exchanged() {
+    for seed in seeds("2..14") {
+        println!("{seed}: {:.2} turns", turns_with_derivatives(seed));
     }
 }
 
@@ -375,10 +388,10 @@ fn random_error(seed: u64) -> Option<f64> {
 
 #[test]
 fn derivatives_of_random_mechanisms_agree_with_differences() {
-    let seeds = std::env::var("PHALANX_SEEDS").map_or(4, |seeds| seeds.parse().expect("a number"));
-    let errors: Vec<f64> = (0..seeds).filter_map(random_error).collect();
-    println!("{} of {seeds} have derivatives", errors.len());
-    assert!(errors.len() as u64 > seeds / 2, "{} of {seeds} have derivatives", errors.len());
+    let seeds = seeds("0..4");
+    let errors: Vec<f64> = seeds.clone().filter_map(random_error).collect();
+    println!("{} of {seeds:?} have derivatives", errors.len());
+    assert!(errors.len() > seeds.count() / 2, "{} have derivatives", errors.len());
     errors.iter().for_each(|error| assert_below(*error, 1e-6, "derivatives of a random mechanism"));
 }
 

@@ -2,6 +2,7 @@
 
 use crate::support::laws::THESIS_FRICTION;
 use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
+use crate::support::random::seeds;
 use crate::support::random_mechanisms::{random_falling_bodies, random_mechanism, random_variant};
 use crate::support::runs::{CollectSink, experiment_95};
 use phalanx::drive::{Interpolation, Profile};
@@ -528,10 +529,8 @@ fn random_variants_agree_in_both_models() {
         "no row of dyads",
         "is redundant",
     ];
-    let range = std::env::var("PHALANX_SEEDS").unwrap_or_else(|_| "10000..10500".to_string());
-    let seeds: Vec<u64> = range.split("..").map(|end| end.parse().expect("a seed")).collect();
     let (mut differences, mut refusals, mut failures) = (Vec::new(), BTreeMap::new(), Vec::new());
-    for seed in seeds[0]..seeds[1] {
+    for seed in seeds("10000..10500") {
         let scene = scene(&random_variant(seed), 0.02, 0.02);
         let mut end = |model: Model, scene: &Scene| {
             let run = std::panic::catch_unwind(|| {

@@ -2,6 +2,7 @@
 //! over, so that the motion does not depend on the joint with the start.
 
 use crate::support::laws::mechanism_scene;
+use crate::support::random::seeds;
 use crate::support::random_loops::{on_moving_base, random_assur, random_linkage, with_start};
 use crate::support::runs::{CollectSink, run_engine, run_to_end};
 use phalanx::law::{Bristle, ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
@@ -315,12 +316,6 @@ fn the_joint_with_the_start_does_not_change_many_motions() {
     let Found { runs, ended, largest, .. } = compare_linkages(seeds("0..500").map(linkage));
     println!("{runs} runs, {ended} ended, largest difference {largest:e}");
     assert!(ended < runs / 100, "{ended} of {runs} runs ended");
-}
-
-fn seeds(default: &str) -> std::ops::Range<u64> {
-    let range = std::env::var("PHALANX_SEEDS").unwrap_or_else(|_| default.to_string());
-    let seeds: Vec<u64> = range.split("..").map(|end| end.parse().expect("a seed")).collect();
-    seeds[0]..seeds[1]
 }
 
 /// Six-bars without a row of dyads in any coordinates.

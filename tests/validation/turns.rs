@@ -1,6 +1,7 @@
 //! Whole turns of joints: angles are continuous in both models, whatever closes the loop and whatever acts on the joint.
 
 use crate::support::laws::mechanism_scene;
+use crate::support::random::seeds;
 use crate::support::random_loops::{RandomLoop, quick_line, random_assur_loop, random_loop};
 use crate::support::runs::{CollectSink, load, run_engine, run_to_end};
 use phalanx::mechanism::{JointCombination, JointKind, Mechanism, Spring, SpringKind};
@@ -123,12 +124,6 @@ fn random_loops_turn_alike_in_both_models() {
 fn many_random_loops_turn_alike_in_both_models() {
     let (largest, turns) = compare_all(random_loop, seeds("0..500"));
     println!("largest difference {largest:e}, at most {turns} turns");
-}
-
-fn seeds(default: &str) -> std::ops::Range<u64> {
-    let range = std::env::var("PHALANX_SEEDS").unwrap_or_else(|_| default.to_string());
-    let seeds: Vec<u64> = range.split("..").map(|end| end.parse().expect("a seed")).collect();
-    seeds[0]..seeds[1]
 }
 
 /// Six-bars without a row of dyads, with the same components on joints that Newton's method places.
