@@ -39,7 +39,7 @@ pub use configuration::{
 pub(crate) use grasp::contact_at_rest;
 pub use grasp::{
     ActuatorCriteria, DIRECTIONS, Firmness, HoldState, Margin, ObjectCriteria, ObjectTracker, PairCriteria, Slip,
-    firmness,
+    balanced_acceleration, firmness,
 };
 pub use grasp_tracker::{ContactCriteria, CycleCriteria, Fate, GraspCriteria, GraspTracker, Travel, fate_reason};
 pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};

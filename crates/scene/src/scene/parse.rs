@@ -119,9 +119,12 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
     let duration_s = root.is_valid("duration").then_some(*settings.duration);
     let outline = bodies::object_outline(&root);
     let gravity_m_s2 = settings.gravity.map(|component| *component);
-    let (mut hand, mut mechanism, mut discs) = (Some(Hand::EMPTY), Some(None), None);
+    let (mut hand, mut mechanism, mut discs, mut keys) = (Some(Hand::EMPTY), Some(None), None, None);
     match input.kind {
-        SceneKind::Mechanism => mechanism = mechanism::mechanism(&root, gravity_m_s2).map(Some),
+        SceneKind::Mechanism => {
+            (mechanism, keys) =
+                mechanism::mechanism(&root, gravity_m_s2).map(|(found, keys)| (Some(found), keys)).unzip()
+        }
         SceneKind::Bodies => discs = bodies::discs(&root, gravity_m_s2),
         _ => hand = self::hand(input, &root, &settings, gravity_m_s2),
     }
@@ -157,10 +160,7 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
         bodies::check_initial_positions(&root, &discs);
         mechanism = Some(Some(discs.mechanism()));
     }
-    let mut keys = None;
-    if let (SceneKind::Mechanism, Some(Some(mechanism))) = (input.kind, &mechanism) {
-        keys = mechanism::grasp(&root.subsection("grasp"), mechanism)?;
-    }
+    let keys = keys.flatten();
     let object_kg = mechanism.as_ref().and_then(Option::as_ref).and_then(|mechanism| {
         let roles = grasp_roles(mechanism, &keys.clone().unwrap_or_default()).ok()?;
         Some(mechanism.bodies[roles.object].mass_kg)

@@ -3,13 +3,14 @@
 use super::actuators::{command, is_at_limit};
 use super::object::ObjectCriteria;
 use crate::criteria::Fate;
-use crate::drawing::states::in_sample;
+use crate::drawing::states::{palm_pose, poses_in_world};
 use crate::mechanism::{Actuator, Command, ContactPair, Mechanism, PointContact, Pose, point_in};
-use crate::numeric::elementary::atan2;
+use crate::numeric::elementary::{atan2, sin_cos};
+use crate::numeric::plane::{add, rotate};
 use crate::scene::Scene;
 use crate::statics::{
     BalanceAtRest, ContactAtRest, DriveState, FrictionContact, GraspRoles, LoadsAtRest, MechanismAtRest,
-    MechanismLimit, balance_at_rest, force_closure, mechanism_closure, roles,
+    MechanismLimit, Roles, balance_at_rest, balance_at_rest_towards, force_closure, mechanism_closure, roles,
 };
 use crate::trace::{ContactSample, Sample};
 
@@ -54,35 +55,55 @@ pub enum Margin {
 pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
     let mechanism = scene.mechanism.as_ref()?;
     let grasp = scene.grasp_roles().ok().filter(|_| matches!(found.fate, Fate::Held | Fate::Carried))?;
-    let sample = &found.end;
-    let states = in_sample(mechanism, sample).bodies.into_iter();
-    let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
-    let contacts = contacts(mechanism, &grasp, (sample, scene.thresholds.loss_force_n));
+    let posture = Posture::in_sample(scene, &grasp, &found.end)?;
     let on_object = |contact: &ContactAtRest| {
         let push = contact.push_on(grasp.object)?;
         Some(FrictionContact { point_m: contact.point_m, push, mu: contact.mu })
     };
-    let of_object: Vec<FrictionContact> = contacts.iter().filter_map(on_object).collect();
-    let of_bodies = contacts.iter().map(|contact| contact.bodies);
-    let roles = roles(mechanism, (grasp.object, grasp.base), &grasp.surroundings, of_bodies);
-    let posture = |drives| MechanismAtRest {
-        mechanism,
-        poses: &poses,
-        time_s: sample.time_s,
-        contacts: &contacts,
-        drives,
-        roles: &roles,
-    };
-    let loads = loads(mechanism, sample);
-    let margin = |drives| margin(&posture(drives), &loads);
+    let of_object: Vec<FrictionContact> = posture.contacts.iter().filter_map(on_object).collect();
+    let loads = loads(mechanism, &found.end);
+    let margin = |drives| margin(&posture.at_rest(drives), &loads);
     let object = &mechanism.bodies[grasp.object];
-    let centre_m = point_in(Some(grasp.object), object.com_m, &poses);
+    let centre_m = point_in(Some(grasp.object), object.com_m, &posture.poses);
     Some(Firmness {
         driven: margin(DriveState::AtEffort),
         blocked: margin(DriveState::Blocked),
-        form_closed: mechanism_closure(&posture(DriveState::Blocked)).ok().map(|found| found.closure.closed),
+        form_closed: mechanism_closure(&posture.at_rest(DriveState::Blocked)).ok().map(|found| found.closure.closed),
         q1: force_closure(&of_object, centre_m, grasp.radius_m).q1_l1,
     })
+}
+
+/// Returns the largest acceleration of the base in a direction of the world that the contacts active in a sample can balance,
+/// with the actuators as they are; `None` without a grasp, and where statics has no solution.
+pub fn balanced_acceleration(scene: &Scene, sample: &Sample, direction: [f64; 2]) -> Option<MechanismLimit> {
+    let (mechanism, grasp) = (scene.mechanism.as_ref()?, scene.grasp_roles().ok()?);
+    let posture = Posture::in_sample(scene, &grasp, sample)?;
+    let balance = balance_at_rest_towards(&posture.at_rest(DriveState::AtEffort), &loads(mechanism, sample), direction);
+    Some(balance.ok()??.largest)
+}
+
+/// A mechanism in a sample, with the contacts that can push; gravity and the directions of accelerations are those of the world.
+struct Posture<'a> {
+    mechanism: &'a Mechanism,
+    time_s: f64,
+    poses: Vec<Pose>,
+    contacts: Vec<ContactAtRest>,
+    roles: Roles,
+}
+
+impl<'a> Posture<'a> {
+    fn in_sample(scene: &'a Scene, grasp: &GraspRoles, sample: &Sample) -> Option<Self> {
+        let mechanism = scene.mechanism.as_ref()?;
+        let contacts = contacts(mechanism, grasp, (sample, scene.thresholds.loss_force_n));
+        let of_bodies = contacts.iter().map(|contact| contact.bodies);
+        let roles = roles(mechanism, (grasp.object, grasp.base), &grasp.surroundings, of_bodies);
+        Some(Posture { mechanism, time_s: sample.time_s, poses: poses_in_world(mechanism, sample), contacts, roles })
+    }
+
+    fn at_rest(&self, drives: DriveState) -> MechanismAtRest<'_> {
+        let Self { mechanism, time_s, poses, contacts, roles } = self;
+        MechanismAtRest { mechanism, poses, time_s: *time_s, contacts, drives, roles }
+    }
 }
 
 fn margin(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest) -> Margin {
@@ -111,20 +132,22 @@ fn margin(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest) -> Margin {
     }
 }
 
-/// A contact of a sample, as one that can push.
-pub(crate) fn contact_at_rest(pair: &ContactPair, found: &ContactSample) -> ContactAtRest {
+/// A contact of a sample with this palm in the world, as one that can push.
+pub(crate) fn contact_at_rest(pair: &ContactPair, found: &ContactSample, [x, y, turn]: Pose) -> ContactAtRest {
+    let (sin, cos) = sin_cos(turn);
     // From the face to the points.
     let sign = if pair.is_reported_on_face { -1.0 } else { 1.0 };
     ContactAtRest {
         bodies: [pair.points.body, pair.face.body],
-        point_m: found.point_m,
-        normal: found.normal.map(|component| sign * component),
+        point_m: add([x, y], rotate(found.point_m, [cos, sin])),
+        normal: rotate(found.normal.map(|component| sign * component), [cos, sin]),
         mu: pair.law.friction.map_or(0.0, |friction| friction.mu_static),
     }
 }
 
 /// Contacts active at the end, with forces above a threshold, of the object with the hand and of the hand with itself.
 fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (&Sample, f64)) -> Vec<ContactAtRest> {
+    let palm = palm_pose(mechanism, sample.time_s);
     let is_hand = |body: Option<usize>| {
         body.map_or(grasp.base.is_none(), |body| body == grasp.object || mechanism.has_joint(Some(body)))
     };
@@ -132,7 +155,7 @@ fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (
         let (pair, found) = (&mechanism.contacts[point.pair], sample.contact(index));
         let outlines = [pair.points, pair.face];
         let is_outside = outlines.iter().any(|id| grasp.surroundings.contains(id) || !is_hand(id.body));
-        (found.normal_n > loss_force_n && !is_outside).then(|| contact_at_rest(pair, &found))
+        (found.normal_n > loss_force_n && !is_outside).then(|| contact_at_rest(pair, &found, palm))
     };
     mechanism.point_contacts().into_iter().enumerate().filter_map(contact).collect()
 }

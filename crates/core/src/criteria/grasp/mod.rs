@@ -26,7 +26,7 @@ mod tracker;
 
 pub use actuators::ActuatorCriteria;
 pub(crate) use firmness::contact_at_rest;
-pub use firmness::{DIRECTIONS, Firmness, Margin, firmness};
+pub use firmness::{DIRECTIONS, Firmness, Margin, balanced_acceleration, firmness};
 pub use hold::HoldState;
 pub use object::{ObjectCriteria, Slip};
 pub use pairs::PairCriteria;
