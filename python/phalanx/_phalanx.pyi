@@ -572,7 +572,7 @@ def hold(
     model: _Model = "analytic",
     threads: int = 0,
 ) -> dict[str, Any]:
-    """Finds the accelerations up to which a gripper holds its object (`phalanx hold --json`).
+    """Finds the accelerations up to which a gripper, or the hand of a mechanism, holds its object (`phalanx hold --json`).
 
     Loads are pulses of duration `pulse` in `directions` directions; or vibrations with the frequencies `vibration` (a
     list) along "x", "y" or "angle"; or, with `move`, the motion of the scene. slip: largest allowed slip of the object

@@ -10,8 +10,8 @@ use phalanx::scene::Axis;
 use phalanx::study::capture::{CaptureError, Plan as CapturePlan, SceneSource};
 use phalanx::study::hold::{HoldError, Loads, Plan as HoldPlan};
 use phalanx::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
-use phalanx::study::require_gripper;
 use phalanx::study::size::{SizingOptions, size_finger};
+use phalanx::study::{require_grasp, require_gripper};
 use phalanx::thesis::Monitor;
 use phalanx::units::Dimension;
 use phalanx::validate::{LADDER_TIME_S, LadderOptions, ValidationError, check_sample_count, run_ladder};
@@ -158,7 +158,7 @@ pub fn size<'py>(
     conversion::parse_json(py, &sizing.json())
 }
 
-/// Finds the accelerations up to which a gripper holds its object (`phalanx hold --json`).
+/// Finds the accelerations up to which a gripper, or the hand of a mechanism, holds its object (`phalanx hold --json`).
 ///
 /// Loads are pulses of duration `pulse` in `directions` directions; or vibrations with the frequencies `vibration` (a
 /// list) along "x", "y" or "angle"; or, with `move`, the motion of the scene. slip: largest allowed slip of the object
@@ -238,11 +238,9 @@ pub fn hold<'py>(
         threads,
     };
     plan.check().map_err(argument_error)?;
-    let gripper = require_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/hold.toml");
-    let gripper = gripper.map_err(argument_error)?;
-    let result = interruptible::run(py, |keep_running| {
-        phalanx::study::hold::hold(&gripper, plan, &Monitor::silent(keep_running))
-    })?;
+    let held = require_grasp(scene.scene.clone(), scene.file(), "scenes/gripper/hold.toml").map_err(argument_error)?;
+    let result =
+        interruptible::run(py, |keep_running| phalanx::study::hold::hold(&held, plan, &Monitor::silent(keep_running)))?;
     let result = result.map_err(|error| match error {
         HoldError::Stopped(_) | HoldError::Scene { .. } => errors::run(py, error, None),
         error => errors::argument(py, error),

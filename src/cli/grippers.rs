@@ -16,7 +16,7 @@ use crate::report::studies::{capture_csv, hold_csv};
 use crate::scene::{self, Axis};
 use crate::study::capture::{self, CaptureError, SceneSource};
 use crate::study::hold::{self, HoldError, Loads, axis_name};
-use crate::study::require_gripper;
+use crate::study::{require_grasp, require_gripper};
 use crate::trace::Model;
 use crate::units::Dimension;
 
@@ -91,23 +91,26 @@ pub(super) fn run_capture(args: &CaptureArgs) -> Result<Status, Failure> {
     print_result(&study, args.output.json)
 }
 
-/// Find the largest acceleration at which a gripper holds its object.
+/// Find the largest acceleration at which a gripper, or the hand of any mechanism, holds its object.
 ///
-/// Simulates the scene until its object is at rest, then moves the palm: by pulses from rest to rest in equally spaced
+/// Simulates the scene until its object is at rest, then moves the palm, or the base of a mechanism: by pulses from rest to rest in equally spaced
 /// directions (the default), by vibrations, or by a move of varying duration. A load is measured by its peak
 /// acceleration. A scan over the whole range and bisection of its first failure find two limits: the largest load at
 /// which the object is held at the end and slips less than the bound, and the largest load at which it is held. The
 /// report also states whether the object is held at a larger load although a smaller one fails. Motors and brakes keep
 /// the state that they have when the loads begin. Runs that cannot be completed count neither as held nor as failed.
+///
+/// The base of a mechanism is that of its grasp: the ground with all that is fixed to it, or a body, whose joints with the ground
+/// end when the loads begin. Surroundings that a load would hit are removed then.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx hold scenes/gripper/hold.toml\n  phalanx hold scenes/gripper/hold.toml --directions 24 --svg \
                   hold.svg\n  phalanx hold scenes/gripper/lift.toml --set contact.friction.law=bristle --set motor.brake_law=bristle \
                   --vibration \"50 Hz, 200 Hz\" --along x,y,angle\n  phalanx hold scenes/gripper/cycle.toml --move --slip \"0.1 mm\" --out \
-                  hold\n\n--out writes hold.txt, .json, .csv (every run) and .svg. Exit status: 0 done, whatever the result; 2 bad input; 3 interrupted, or files could not be written."
+                  hold\n  phalanx hold scenes/real/2f85-lift.toml --at \"250 ms\"\n\n--out writes hold.txt, .json, .csv (every run) and .svg. Exit status: 0 done, whatever the result; 2 bad input; 3 interrupted, or files could not be written."
 )]
 pub(crate) struct HoldArgs {
-    /// Gripper scene file (TOML)
+    /// Scene file (TOML) of a gripper, or of a mechanism with a grasp
     scene: PathBuf,
 
     #[command(flatten)]
@@ -205,7 +208,7 @@ impl From<HoldError> for Failure {
 
 pub(super) fn run_hold(args: &HoldArgs) -> Result<Status, Failure> {
     let scene = args.set.load_any(&args.scene)?;
-    let scene = require_gripper(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml")
+    let scene = require_grasp(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml")
         .map_err(Failure::bad_input)?;
     let plan = build_plan(args)?;
     let svg = ("--svg", args.svg.as_deref(), FileKind::Picture);

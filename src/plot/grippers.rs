@@ -59,8 +59,11 @@ fn polar(found: &Hold) -> String {
         [(GREEN, at_rest), (ORANGE, |result| result.drops), (BLUE, |result| result.slips)];
     let all = || limits.iter().flat_map(|(_, limit)| found.results.iter().map(limit));
     let reach = 1.08 * all().filter_map(|limit| limit.held.or(limit.failed)).fold(found.plan.from_m_s2, f64::max);
-    let x = Axis::from_range("acceleration along the palm, m/s²", -reach, reach);
-    let y = Axis::from_range("acceleration out of the palm, m/s²", -reach, reach);
+    let [along, out] = match found.base {
+        None => ["acceleration along the palm, m/s²", "acceleration out of the palm, m/s²"],
+        Some(_) => ["acceleration along x, m/s²", "acceleration along y, m/s²"],
+    };
+    let (x, y) = (Axis::from_range(along, -reach, reach), Axis::from_range(out, -reach, reach));
     let circle = |radius: f64| {
         let angles = (0..=180).map(|index| TAU * f64::from(index) / 180.0);
         let points = angles.map(|angle| (radius * angle.cos(), radius * angle.sin()));

@@ -29,6 +29,20 @@ pub fn require_gripper(scene: Scene, name: &str, example: &str) -> Result<Scene,
     }
 }
 
+/// Returns the scene if it has a grasp, of a gripper or of a mechanism; the error calls it `name` and suggests `example`.
+pub fn require_grasp(scene: Scene, name: &str, example: &str) -> Result<Scene, String> {
+    match scene.finger_count() {
+        2 => Ok(scene),
+        1 => Err(format!(
+            "{name} is not a gripper; this study requires a gripper, or a mechanism with a grasp, such as {example}"
+        )),
+        _ => match scene.grasp_roles() {
+            Ok(_) => Ok(scene),
+            Err(error) => Err(format!("{name} has no grasp: {error}; see {example}")),
+        },
+    }
+}
+
 fn constant_spring(finger: &HandFinger) -> Option<f64> {
     match finger.spring?.kind {
         SpringKind::Constant { torque_n_m } => Some(torque_n_m),

@@ -85,11 +85,12 @@ fn mechanisms_are_validated() {
 #[test]
 fn commands_for_fingers_refuse_mechanisms() {
     assert_rejected(&["statics", FINGER], &["no body without joints that has contacts", "--object"]);
-    for command in ["size", "explore", "capture", "hold"] {
+    for command in ["size", "explore", "capture"] {
         let message = assert_rejected(&[command, FINGER], &[]);
         assert!(message.contains("mechanism") || message.contains("not a gripper"), "{command}: {message}");
     }
-    for command in ["explore", "capture", "hold"] {
+    assert_rejected(&["hold", FINGER], &["has no grasp", "[[contacts]]"]);
+    for command in ["explore", "capture"] {
         assert_rejected(&[command, "scenes/mechanisms/gripper-box.toml"], &["[object.outline]", "mechanism"]);
     }
     assert_rejected(&["explore", "scenes/laws/impact.toml"], &["has no five-bar finger", "bodies"]);

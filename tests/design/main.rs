@@ -14,6 +14,7 @@ mod gripper_balance;
 mod gripper_design;
 mod gripper_posture;
 mod hold;
+mod hold_mechanism;
 mod mechanism_balance;
 mod mechanism_grasp;
 mod reproduce;
