@@ -17,6 +17,7 @@ mod hold;
 mod hold_mechanism;
 mod mechanism_balance;
 mod mechanism_grasp;
+mod offsets;
 mod reproduce;
 mod select;
 mod shapes;
