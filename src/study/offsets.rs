@@ -20,7 +20,7 @@ use crate::study::hold::axis_name;
 use crate::thesis::monitor::{Monitor, StudyError, map};
 use crate::trace::{BodyState, Model, Sample};
 
-/// Depth by which an object may start inside another outline, m: it may lie on a table, but not inside a finger.
+/// Depth by which an object may start farther inside another outline than in the scene, m: there it may lie on a table.
 const MAX_START_DEPTH_M: f64 = 1e-5;
 
 /// Settings of a study of offsets.
@@ -260,12 +260,13 @@ impl Placing<'_> {
         let place = |pose: &mut Pose| *pose = [pose[0] + dx, pose[1] + dy, pose[2] + angle];
         place(&mut mechanism.bodies[object].pose);
         place(&mut start[object]);
-        let is_of_object = |index: usize| {
-            let pair = &mechanism.contacts[index];
-            [pair.points.body, pair.face.body].contains(&Some(object))
+        let own = mechanism.deep_overlaps(&self.start, 0.0);
+        let is_deeper = |(index, depth_m): &(usize, f64)| {
+            let pair = &mechanism.contacts[*index];
+            let own_m = own.iter().find(|(other, _)| other == index).map_or(0.0, |(_, depth_m)| *depth_m);
+            [pair.points.body, pair.face.body].contains(&Some(object)) && *depth_m > own_m + MAX_START_DEPTH_M
         };
-        let overlaps = mechanism.deep_overlaps(&start, MAX_START_DEPTH_M);
-        match overlaps.into_iter().find(|(index, _)| is_of_object(*index)) {
+        match mechanism.deep_overlaps(&start, MAX_START_DEPTH_M).into_iter().find(is_deeper) {
             None => Ok(scene),
             Some((index, depth_m)) => {
                 let pair = &mechanism.contacts[index];
