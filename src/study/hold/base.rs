@@ -79,7 +79,8 @@ pub(super) fn with_prescribed_base(
 fn cut_free(mechanism: &mut Mechanism, (object, base): (usize, usize)) -> Result<(), HoldError> {
     let carriers = carriers(mechanism, (object, base));
     let is_carrier = |body: Option<usize>| body.is_none_or(|body| carriers[body]);
-    let is_hand = |body: Option<usize>| body != Some(base) && !is_carrier(body);
+    let takes_part = |body: Option<usize>| body == Some(object) || mechanism.has_joint(body);
+    let is_hand = |body: Option<usize>| body != Some(base) && !is_carrier(body) && takes_part(body);
     let carries = |[a, b]: [Option<usize>; 2]| (a == Some(base) && is_carrier(b)) || (b == Some(base) && is_carrier(a));
     let is_cut: Vec<bool> = mechanism.joints.iter().map(|joint| carries(joint.bodies)).collect();
     let of_hand: Vec<bool> = mechanism.joints.iter().map(|joint| joint.bodies.into_iter().any(is_hand)).collect();
