@@ -28,11 +28,12 @@ pub(crate) const JSON_MARK: &str = "{\n  \"generator\": \"phalanx\",";
 const MANUAL_MARK: &str = "\n.TH phalanx";
 
 /// First columns of the tables that phalanx writes, apart from samples.
-const TABLE_HEADS: [&str; 8] = [
+const TABLE_HEADS: [&str; 9] = [
     "run,design,",
     "place,r_wc,",
     "base_m,mu_static,",
     "offset_m,form_closed_there,",
+    "offset_x_m,offset_y_m,",
     "load,direction_rad,",
     "formulation,rtol,",
     "step_s,stiffness_factor,",

@@ -572,7 +572,7 @@ def hold(
     model: _Model = "analytic",
     threads: int = 0,
 ) -> dict[str, Any]:
-    """Finds the accelerations up to which a gripper holds its object (`phalanx hold --json`).
+    """Finds the accelerations up to which a gripper, or the hand of a mechanism, holds its object (`phalanx hold --json`).
 
     Loads are pulses of duration `pulse` in `directions` directions; or vibrations with the frequencies `vibration` (a
     list) along "x", "y" or "angle"; or, with `move`, the motion of the scene. slip: largest allowed slip of the object
@@ -582,15 +582,19 @@ def hold(
 
 def capture(
     scene: _SceneLike,
-    to: _Quantity | None = None,
+    to: _Quantity | Sequence[_Quantity] | None = None,
     places: int = 15,
     finely: _Quantity | None = None,
     model: _Model = "analytic",
+    *,
+    along: Sequence[str] | None = None,
 ) -> dict[str, Any]:
-    """Finds the positioning errors that a gripper captures (`phalanx capture --json`).
+    """Finds the positioning errors that a gripper, or the hand of a mechanism, captures (`phalanx capture --json`).
 
-    to: largest error; default: 3.5 mm. places: number of object positions, odd and at least 3. finely: tolerance of the
-    edges of the range; default: 0.01 mm. Lengths are strings with units, or numbers in m.
+    along: offsets of the object of a mechanism, one or two of "x", "y" and "angle" in a list; default: x. to: largest error,
+    or a list with one for each of `along`; default: 3.5 mm, 10 deg. places: number of object positions, odd and at least 3.
+    finely: tolerance of the edges of the range; default: 0.01 mm, 0.01 deg. Sizes are strings with units, or numbers in m or
+    rad.
     """
 
 def validate(

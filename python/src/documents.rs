@@ -9,10 +9,12 @@ use phalanx::report::validation::ValidationReport;
 use phalanx::scene::Axis;
 use phalanx::study::capture::{CaptureError, Plan as CapturePlan, SceneSource};
 use phalanx::study::hold::{HoldError, Loads, Plan as HoldPlan};
+use phalanx::study::offsets::{OffsetError, OffsetPlan, offsets};
 use phalanx::study::posture::{END_OF_RUN, parse_direction_count, parse_posture, with_options};
-use phalanx::study::require_gripper;
+use phalanx::study::require_grasp;
 use phalanx::study::size::{SizingOptions, size_finger};
 use phalanx::thesis::Monitor;
+use phalanx::trace::Model;
 use phalanx::units::Dimension;
 use phalanx::validate::{LADDER_TIME_S, LadderOptions, ValidationError, check_sample_count, run_ladder};
 use pyo3::prelude::*;
@@ -158,7 +160,7 @@ pub fn size<'py>(
     conversion::parse_json(py, &sizing.json())
 }
 
-/// Finds the accelerations up to which a gripper holds its object (`phalanx hold --json`).
+/// Finds the accelerations up to which a gripper, or the hand of a mechanism, holds its object (`phalanx hold --json`).
 ///
 /// Loads are pulses of duration `pulse` in `directions` directions; or vibrations with the frequencies `vibration` (a
 /// list) along "x", "y" or "angle"; or, with `move`, the motion of the scene. slip: largest allowed slip of the object
@@ -238,11 +240,9 @@ pub fn hold<'py>(
         threads,
     };
     plan.check().map_err(argument_error)?;
-    let gripper = require_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/hold.toml");
-    let gripper = gripper.map_err(argument_error)?;
-    let result = interruptible::run(py, |keep_running| {
-        phalanx::study::hold::hold(&gripper, plan, &Monitor::silent(keep_running))
-    })?;
+    let held = require_grasp(scene.scene.clone(), scene.file(), "scenes/gripper/hold.toml").map_err(argument_error)?;
+    let result =
+        interruptible::run(py, |keep_running| phalanx::study::hold::hold(&held, plan, &Monitor::silent(keep_running)))?;
     let result = result.map_err(|error| match error {
         HoldError::Stopped(_) | HoldError::Scene { .. } => errors::run(py, error, None),
         error => errors::argument(py, error),
@@ -259,12 +259,13 @@ fn parse_axis(name: &str) -> Result<Axis, String> {
     }
 }
 
-/// Finds the positioning errors that a gripper captures (`phalanx capture --json`).
+/// Finds the positioning errors that a gripper, or the hand of a mechanism, captures (`phalanx capture --json`).
 ///
-/// to: largest error; default: 3.5 mm. places: number of object positions, odd and at least 3. finely: tolerance of the
-/// edges of the range; default: 0.01 mm. Lengths are strings with units, or numbers in m.
+/// along: offsets of the object of a mechanism, one or two of "x", "y" and "angle" in a list; default: x. to: largest error, or a
+/// list with one for each of `along`; default: 3.5 mm, 10 deg. places: number of object positions, odd and at least 3. finely:
+/// tolerance of the edges of the range; default: 0.01 mm, 0.01 deg. Sizes are strings with units, or numbers in m or rad.
 #[pyfunction]
-#[pyo3(signature = (scene, to = None, places = 15, finely = None, model = "analytic"))]
+#[pyo3(signature = (scene, to = None, places = 15, finely = None, model = "analytic", *, along = None))]
 pub fn capture<'py>(
     py: Python<'py>,
     scene: SceneLike,
@@ -272,19 +273,37 @@ pub fn capture<'py>(
     places: i128,
     finely: Option<&Bound<'_, PyAny>>,
     model: &str,
+    along: Option<Vec<String>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
     let argument_error = |message: String| errors::argument(py, message);
     if !(3..=1001).contains(&places) || places % 2 == 0 {
         return Err(argument_error(format!("places is {places}; expected an odd number from 3 to 1001, such as 15")));
     }
+    let model = self::model(py, model)?;
+    let found =
+        require_grasp(scene.scene.clone(), scene.file(), "scenes/gripper/offset.toml").map_err(argument_error)?;
+    if found.finger_count() == 0 {
+        let axes = along.unwrap_or_else(|| vec!["x".to_string()]);
+        let axes = axes.iter().map(|name| parse_axis(name)).collect::<Result<Vec<Axis>, String>>();
+        let plan = offset_plan(py, (axes.map_err(argument_error)?, to, finely), places as usize, model)?;
+        let result = interruptible::run(py, |keep_running| offsets(plan, &found, &Monitor::silent(keep_running)))?;
+        let result = result.map_err(|error| match error {
+            OffsetError::Stopped(_) => errors::run(py, error, None),
+            error => errors::argument(py, error),
+        })?;
+        return conversion::parse_json(py, &result.json());
+    }
+    if along.is_some() {
+        let reason = "along is for mechanisms, but the object of fingers is offset along x; remove it";
+        return Err(argument_error(reason.to_string()));
+    }
     let plan = CapturePlan {
-        model: self::model(py, model)?,
+        model,
         error_m: optional_positive(py, "to", to, Dimension::Length)?.unwrap_or(3.5e-3),
         position_count: places as usize,
         tolerance_m: optional_positive(py, "finely", finely, Dimension::Length)?.unwrap_or(1e-5),
     };
-    require_gripper(scene.scene.clone(), scene.file(), "scenes/gripper/offset.toml").map_err(argument_error)?;
     let source = SceneSource { layers: scene.layers, settings: scene.settings };
     let result = interruptible::run(py, |keep_running| {
         phalanx::study::capture::capture(plan, &source, &Monitor::silent(keep_running))
@@ -294,6 +313,39 @@ pub fn capture<'py>(
         error => errors::run(py, error, None),
     })?;
     conversion::parse_json(py, &result.json())
+}
+
+/// Offsets along axes; `to` is one size, or a list of one for each axis.
+fn offset_plan(
+    py: Python<'_>,
+    (axes, to, finely): (Vec<Axis>, Option<&Bound<'_, PyAny>>, Option<&Bound<'_, PyAny>>),
+    count: usize,
+    model: Model,
+) -> PyResult<OffsetPlan> {
+    let dimension = |axis: Axis| if axis == Axis::Angle { Dimension::Angle } else { Dimension::Length };
+    let default = |axis: Axis| if axis == Axis::Angle { 10f64.to_radians() } else { 3.5e-3 };
+    let given: Vec<Bound<'_, PyAny>> = match to {
+        None => Vec::new(),
+        Some(to) => to.extract::<Vec<Bound<'_, PyAny>>>().unwrap_or_else(|_| vec![to.clone()]),
+    };
+    if !given.is_empty() && given.len() != axes.len() {
+        let (sizes, axes) = (given.len(), axes.len());
+        return Err(errors::argument(
+            py,
+            format!("to has {sizes} sizes, but along has {axes} axes; give one for each"),
+        ));
+    }
+    let size = |(index, axis): (usize, &Axis)| {
+        let size = optional_positive(py, "to", given.get(index), dimension(*axis))?;
+        Ok((*axis, size.unwrap_or_else(|| default(*axis))))
+    };
+    let all = axes.iter().enumerate().map(size).collect::<PyResult<Vec<(Axis, f64)>>>()?;
+    let first = axes.first().copied().unwrap_or(Axis::X);
+    let finest = if first == Axis::Angle { 0.01f64.to_radians() } else { 1e-5 };
+    let tolerance = optional_positive(py, "finely", finely, dimension(first))?.unwrap_or(finest);
+    let plan = OffsetPlan { model, axes: all, count, tolerance };
+    plan.check().map_err(|message| errors::argument(py, message))?;
+    Ok(plan)
 }
 
 /// Compares the engine with the analytic model (`phalanx validate --json`): `passed`, and each bound and value.

@@ -7,7 +7,9 @@ use std::str::FromStr;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::limits::MAX_THREADS;
+use crate::scene::Axis;
 use crate::sizing::Rule;
+use crate::study::hold::axis_name;
 use crate::trace::Model;
 use crate::units::{self, Dimension};
 
@@ -21,6 +23,24 @@ pub(crate) fn positive(
         Ok(_) => Err(format!("must be more than 0; expected {example}")),
         Err(error) => Err(format!("{error}; give {example}")),
     }
+}
+
+/// Returns a parser of a length or an angle that must be positive, with its dimension.
+pub(crate) fn size(
+    example: &'static str,
+) -> impl Fn(&str) -> Result<(f64, Dimension), String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let angle = units::parse(text, Dimension::Angle).ok().filter(|angle| *angle > 0.0);
+        match angle.filter(|_| units::parse(text, Dimension::Length).is_err()) {
+            Some(angle_rad) => Ok((angle_rad, Dimension::Angle)),
+            None => Ok((positive(Dimension::Length, example)(text)?, Dimension::Length)),
+        }
+    }
+}
+
+/// Returns a parser of one of the coordinates of a pose.
+pub(crate) fn axis() -> impl TypedValueParser<Value = Axis> {
+    choice([Axis::X, Axis::Y, Axis::Angle].map(|axis| (axis_name(axis), "", axis)))
 }
 
 /// Returns a parser of a quantity of either sign.

@@ -6,10 +6,12 @@ use std::f64::consts::TAU;
 use super::canvas::{Marker, THIN_LINE};
 use super::chart::{Axis, PlotPoint, Series, series_chart};
 use super::theme::{BLUE, Colour, GREEN, ORANGE, SERIES, SOFT};
+use crate::format::{axis_unit, in_axis_unit};
 use crate::scene;
 use crate::statics::MechanismLimit;
 use crate::study::capture::{Capture, ObjectPlacement};
 use crate::study::hold::{Evaluation, Hold, LoadBracket, LoadCase, LoadResult, Loads, axis_name};
+use crate::study::offsets::{OffsetPlacement, Offsets};
 
 /// Minimum number of directions or frequencies of a curve.
 const MIN_CURVE_POINTS: usize = 3;
@@ -41,6 +43,41 @@ pub fn capture(found: &Capture) -> String {
     series_chart(&format!("{}: captured objects", found.scene), HEIGHT, &x, &y, &series)
 }
 
+/// Draws captured offsets of the object of a mechanism: a map along two axes, and the final over the initial offset along one.
+pub fn offsets(found: &Offsets) -> String {
+    let label = |axis: scene::Axis| format!("{} at the start, {}", axis_name(axis), axis_unit(axis));
+    let range = |(axis, largest): (scene::Axis, f64)| {
+        let reach = 1.1 * in_axis_unit(axis, largest);
+        Axis::from_range(&label(axis), -reach, reach)
+    };
+    let (first, second) = (found.plan.axes[0], found.plan.axes.get(1).copied());
+    let across = first.0;
+    let start = |axis: scene::Axis, placement: &OffsetPlacement| in_axis_unit(axis, placement.offset[axis as usize]);
+    let height = |placement: &OffsetPlacement| match second {
+        Some((axis, _)) => start(axis, placement),
+        None => placement.end.map_or(0.0, |end| in_axis_unit(across, end[across as usize])),
+    };
+    let y = match second {
+        Some(axis) => range(axis),
+        None => Axis::linear(
+            &format!("{} at the end, {}", axis_name(across), axis_unit(across)),
+            found.placements.iter().filter(|placement| placement.is_captured()).map(height),
+        ),
+    };
+    let points = found.placements.iter().map(|placement| {
+        let (marker, colour, text) = match placement.fate {
+            Some(_) if placement.is_captured() => (Marker::Circle, BLUE, "held"),
+            Some(_) => (Marker::Cross, ORANGE, "not held"),
+            None => (Marker::Cross, SOFT, "not run"),
+        };
+        Series::new(marker, colour, [(start(across, placement), height(placement))]).named(text)
+    });
+    let edges = found.captured_range.iter().flatten().filter_map(|edge| edge.lost);
+    let edges = edges.map(|lost| Series::vertical(ORANGE, in_axis_unit(across, lost)));
+    let series: Vec<Series> = points.chain(edges).collect();
+    series_chart(&format!("{}: captured offsets", found.scene), HEIGHT, &range(first), &y, &series)
+}
+
 /// Draws the plot that suits the loads: limits by direction for pulses, by frequency for vibrations, or the slip over
 /// the load if there are too few of them.
 pub fn hold(found: &Hold) -> String {
@@ -59,8 +96,11 @@ fn polar(found: &Hold) -> String {
         [(GREEN, at_rest), (ORANGE, |result| result.drops), (BLUE, |result| result.slips)];
     let all = || limits.iter().flat_map(|(_, limit)| found.results.iter().map(limit));
     let reach = 1.08 * all().filter_map(|limit| limit.held.or(limit.failed)).fold(found.plan.from_m_s2, f64::max);
-    let x = Axis::from_range("acceleration along the palm, m/s²", -reach, reach);
-    let y = Axis::from_range("acceleration out of the palm, m/s²", -reach, reach);
+    let [along, out] = match found.base {
+        None => ["acceleration along the palm, m/s²", "acceleration out of the palm, m/s²"],
+        Some(_) => ["acceleration along x, m/s²", "acceleration along y, m/s²"],
+    };
+    let (x, y) = (Axis::from_range(along, -reach, reach), Axis::from_range(out, -reach, reach));
     let circle = |radius: f64| {
         let angles = (0..=180).map(|index| TAU * f64::from(index) / 180.0);
         let points = angles.map(|angle| (radius * angle.cos(), radius * angle.sin()));

@@ -8,7 +8,7 @@ mod selection;
 
 use phalanx_show::plot::{canvas, chart, outline, svg};
 
-pub use grippers::{capture, hold};
+pub use grippers::{capture, hold, offsets};
 pub use linkage::{LabelBox, Linkage, linkage};
 pub use phalanx_show::plot::{PICTURE_MARK, PictureFormat, balance, grasp, mechanism_balance, sizing, theme};
 pub use runs::{difference, overlay, speed_error};

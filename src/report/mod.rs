@@ -2,6 +2,7 @@
 //!
 //! The crate `phalanx-show` reports runs and grasps; this module adds the reports of studies and logs.
 
+pub mod offsets;
 pub mod replay;
 pub mod reproduce;
 pub mod simulation;
@@ -14,7 +15,7 @@ pub use phalanx_show::report::*;
 use serde_json::Value;
 
 /// Formats rows as CSV. Columns are separated by spaces; a column is a key of the rows, or `name=key/key` for a value
-/// in a nested object. Missing values are empty; texts of the column `reason` are quoted, other texts contain no
+/// in a nested object. Missing values are empty; texts of columns that end in `reason` are quoted, other texts contain no
 /// commas.
 fn rows_csv(rows: impl IntoIterator<Item = Value>, columns: &str) -> String {
     let columns = columns.split(' ').map(|column| column.split_once('=').unwrap_or((column, column)));
@@ -23,7 +24,7 @@ fn rows_csv(rows: impl IntoIterator<Item = Value>, columns: &str) -> String {
     for row in rows {
         let cell = |(name, path): &(&str, String)| match row.pointer(path) {
             None | Some(Value::Null) => String::new(),
-            Some(Value::String(text)) if *name == "reason" => format!("\"{}\"", text.replace('"', "\"\"")),
+            Some(Value::String(text)) if name.ends_with("reason") => format!("\"{}\"", text.replace('"', "\"\"")),
             Some(Value::String(text)) => text.clone(),
             Some(Value::Number(number)) if number.is_f64() => format!("{:?}", number.as_f64().unwrap_or_default()),
             Some(other) => other.to_string(),

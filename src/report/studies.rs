@@ -138,20 +138,33 @@ impl ToReport for Hold {
             Loads::Vibrations { .. } => "vibrations".to_string(),
             Loads::Move => "moves".to_string(),
         };
+        let base = self.base.as_ref().map_or("the palm".to_string(), |base| format!("the base `{base}`"));
+        let removed = match &self.removed[..] {
+            [] => String::new(),
+            [one] => format!("From then on, `{one}` is removed, which they would hit. "),
+            several => format!("From then on, `{}` are removed, which they would hit. ", several.join("`, `")),
+        };
+        let assumed = match &self.assumed_hand[..] {
+            [] => String::new(),
+            names => format!(
+                "\n`{}` moves with the base as part of the hand; list it under [grasp] surroundings if it is a table.",
+                names.join("`, `")
+            ),
+        };
         let mut text = Report::from(format!(
             "{}: {} model, {loads}\n",
             crate::scene::one_line(&self.scene),
             self.plan.model.name()
         ));
         text.push(Report::paragraph(&format!(
-            "Loads start at {}, {start}. Without a load, the object slips by {} mm in the same time. {} runs.\nResults by load and peak \
-             acceleration of the palm:\n\n",
+            "Loads start at {}, {start}. {removed}Without a load, the object slips by {} mm in the same time. {} runs.{assumed}\nResults by \
+             load and peak acceleration of {base}:\n\n",
             format_duration(self.setup.start_s),
             millimetres(self.unloaded.slip.displacement_m),
             self.results.iter().map(|load| load.evaluations.len()).sum::<usize>()
         )));
         for load in &self.results {
-            text.push_str(&format!("{}: {}\n", load_name(&load.case), describe_load(load, self)));
+            text.push_str(&format!("{}: {}\n", load_name(&load.case, self), describe_load(load, self)));
         }
         text.push_str("\n");
         if self.results.iter().any(|load| load.static_limit.is_some()) {
@@ -223,12 +236,14 @@ fn format_size(LoadSize { key, value }: LoadSize) -> String {
     }
 }
 
-fn load_name(case: &LoadCase) -> String {
+fn load_name(case: &LoadCase, study: &Hold) -> String {
     match *case {
         LoadCase::Pulse { direction_rad, .. } => {
             let degrees = (direction_rad.to_degrees() * 10.0).round() / 10.0;
-            let axes = [(0.0, ", +x"), (90.0, ", +y (out of the palm)"), (180.0, ", −x"), (270.0, ", −y (into it)")];
-            format!("{degrees}°{}", axes.iter().find(|(angle, _)| *angle == degrees).map_or("", |(_, name)| name))
+            let [out, into] = if study.base.is_none() { [" (out of the palm)", " (into it)"] } else { [""; 2] };
+            let axes = [(0.0, ", +x", ""), (90.0, ", +y", out), (180.0, ", −x", ""), (270.0, ", −y", into)];
+            let name = axes.iter().find(|(angle, ..)| *angle == degrees);
+            name.map_or(format!("{degrees}°"), |(_, axis, side)| format!("{degrees}°{axis}{side}"))
         }
         LoadCase::Vibration { axis, frequency_hz } => {
             format!("{}, {} Hz", axis_name(axis), format_number(frequency_hz, 4))
@@ -242,7 +257,7 @@ fn smallest_limit(study: &Hold) -> Option<String> {
     let Some((load, failed)) = failed.min_by(|a, b| a.1.total_cmp(&b.1)) else {
         return Some("No load makes the object slip by more than the bound.".to_string());
     };
-    let name = load_name(&load.case);
+    let name = load_name(&load.case, study);
     match load.slips.held {
         Some(_) if study.results.len() == 1 => None,
         Some(held) => Some(format!("Smallest limit: {}, {name}.", peak(held, ""))),
@@ -269,7 +284,7 @@ fn unreached_limits(study: &Hold) -> Option<String> {
 }
 
 fn remarks(load: &LoadResult, study: &Hold) -> Vec<String> {
-    let (mut notes, name) = (Vec::new(), load_name(&load.case));
+    let (mut notes, name) = (Vec::new(), load_name(&load.case, study));
     for (limit, fails) in [(&load.slips, "the object slips or is dropped"), (&load.drops, "the object is dropped")] {
         if let Some((failed, above)) = limit.failed.zip(limit.held_above) {
             notes.push(format!(

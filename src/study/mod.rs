@@ -3,6 +3,7 @@
 pub mod batch;
 pub mod capture;
 pub mod hold;
+pub mod offsets;
 pub mod parameter;
 pub mod parts;
 pub mod posture;
@@ -15,17 +16,17 @@ pub mod sweep;
 use crate::scene::{HandFinger, Scene, SpringKind};
 use crate::thesis::monitor::KeepRunning;
 
-/// Returns the scene if it is of a gripper; the error calls it `name` and suggests `example`.
-pub fn require_gripper(scene: Scene, name: &str, example: &str) -> Result<Scene, String> {
+/// Returns the scene if it has a grasp, of a gripper or of a mechanism; the error calls it `name` and suggests `example`.
+pub fn require_grasp(scene: Scene, name: &str, example: &str) -> Result<Scene, String> {
     match scene.finger_count() {
         2 => Ok(scene),
-        0 => Err(format!(
-            "{name} has no five-bar fingers (its kind is \"bodies\" or \"mechanism\", or its object has an `[object.outline]`); this \
-             study requires a scene of kind = \"gripper\" without an outline, such as {example}"
+        1 => Err(format!(
+            "{name} is not a gripper; this study requires a gripper, or a mechanism with a grasp, such as {example}"
         )),
-        _ => Err(format!(
-            "{name} is not a gripper; this study requires a scene of kind = \"gripper\", such as {example}"
-        )),
+        _ => match scene.grasp_roles() {
+            Ok(_) => Ok(scene),
+            Err(error) => Err(format!("{name} has no grasp: {error}; see {example}")),
+        },
     }
 }
 

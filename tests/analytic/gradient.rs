@@ -4,10 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use crate::support::laws::{disc, free, free_translation, mechanism_scene, scene, scene_on_plane, spring};
 use crate::support::mechanism_cases::mechanism_case;
-use crate::support::random::{Random, seeds};
+use crate::support::random::Random;
 use crate::support::random_loops::{random_assur, random_linkage, random_loop, with_start};
 use crate::support::random_mechanisms::random_mechanism;
-use crate::support::runs::{assert_below, assert_near, assert_relative, experiment_95, run_to_end};
+use crate::support::runs::{assert_below, assert_near, assert_relative, experiment_95, run_to_end, seeds};
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::gradient::{Gradient, Parameter, gradient};
 use phalanx::law::NormalLaw;

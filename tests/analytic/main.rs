@@ -25,6 +25,7 @@ mod laws_scenes;
 mod lift_off;
 mod mechanism;
 mod mechanism_stiction;
+mod moving_base;
 mod newton_euler;
 mod prescribed;
 mod shipped_gradients;

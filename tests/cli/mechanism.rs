@@ -3,7 +3,7 @@
 use std::fs;
 
 use crate::support::cli::{
-    assert_contains, assert_rejected, directory, path_in, phalanx, stderr, succeed, succeed_json,
+    assert_contains, assert_rejected, directory, path_in, phalanx, run_json, stderr, succeed, succeed_json,
 };
 use serde_json::Value;
 
@@ -85,13 +85,14 @@ fn mechanisms_are_validated() {
 #[test]
 fn commands_for_fingers_refuse_mechanisms() {
     assert_rejected(&["statics", FINGER], &["no body without joints that has contacts", "--object"]);
-    for command in ["size", "explore", "capture", "hold"] {
+    for command in ["size", "explore"] {
         let message = assert_rejected(&[command, FINGER], &[]);
         assert!(message.contains("mechanism") || message.contains("not a gripper"), "{command}: {message}");
     }
-    for command in ["explore", "capture", "hold"] {
-        assert_rejected(&[command, "scenes/mechanisms/gripper-box.toml"], &["[object.outline]", "mechanism"]);
+    for command in ["capture", "hold"] {
+        assert_rejected(&[command, FINGER], &["has no grasp", "[[contacts]]"]);
     }
+    assert_rejected(&["explore", "scenes/mechanisms/gripper-box.toml"], &["[object.outline]", "mechanism"]);
     assert_rejected(&["explore", "scenes/laws/impact.toml"], &["has no five-bar finger", "bodies"]);
     assert_rejected(
         &["scene", "show", FINGER, "--figure", "finger.svg"],
@@ -285,5 +286,30 @@ fn a_real_gripper_holds_a_cube_without_creep() {
                 assert!(creep.abs() < creep_m_s, "{model}, {gravity}: {position} creeps at {creep} m/s");
             }
         }
+    }
+}
+
+/// A map of offsets along two axes, and its files; sizes that do not fit the axes.
+#[test]
+fn capture_maps_offsets_of_the_object() {
+    const BOX: &str = "scenes/mechanisms/gripper-box.toml";
+    let out = directory("cli_mechanism_capture").join("capture").display().to_string();
+    let sizes = ["--along", "x,angle", "--to", "1 mm, 5 deg", "--places", "3"];
+    let report = run_json(&[&["capture", BOX, "--out", &out, "--json"][..], &sizes].concat());
+    assert_eq!((&report["along"][1], report["places"].as_array().map(Vec::len)), (&Value::from("angle"), Some(9)));
+    assert!(report["places"][4]["fate"] == "held" && report["places"][4]["offset_x_m"] == 0.0, "{report:?}");
+    let csv = fs::read_to_string(format!("{out}/capture.csv")).expect("a table");
+    assert!(csv.starts_with("offset_x_m,offset_y_m,offset_angle_rad,fate,") && csv.lines().count() == 10, "{csv}");
+    let text = fs::read_to_string(format!("{out}/capture.txt")).expect("a report");
+    assert_contains(&text, &["x ±1.000 mm, angle ±5.000 deg", "angle deg \\ x mm"]);
+    let picture = fs::read_to_string(format!("{out}/capture.svg")).expect("a picture");
+    assert_contains(&picture, &["x at the start, mm", "angle at the start, deg", "held"]);
+    for (args, message) in [
+        (&["capture", BOX, "--to", "5 deg"][..], "a length for x and y"),
+        (&["capture", BOX, "--along", "x,angle", "--to", "1 mm"], "--to does not fit offsets along x,angle"),
+        (&["capture", BOX, "--along", "x,y,angle"], "one or two of x, y and angle"),
+        (&["capture", "scenes/gripper/offset.toml", "--along", "y"], "remove --along"),
+    ] {
+        assert_rejected(args, &[message]);
     }
 }

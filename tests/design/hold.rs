@@ -164,7 +164,7 @@ fn errors_name_the_cause_and_a_remedy() {
         (gripper("cycle", &["table.present = false"]), late_start, &["360.000 ms", "release at 350.000 ms", "--at"]),
         (gripper("design-95", &slippery), plan(pulses(1)), &["no load can be applied", "--at"]),
         (load("scenes/experiment-95.toml"), plan(Loads::Move), &["a scene of kind \"gripper\" is required"]),
-        (load("scenes/laws/impact.toml"), plan(Loads::Move), &["a scene of kind \"gripper\" is required"]),
+        (load("scenes/laws/impact.toml"), plan(Loads::Move), &["the scene has no grasp"]),
     ] {
         assert_contains(&hold_error(&scene, plan).to_string(), words);
     }

@@ -2,9 +2,10 @@
 
 use crate::support::laws::THESIS_FRICTION;
 use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
-use crate::support::random::seeds;
-use crate::support::random_mechanisms::{random_falling_bodies, random_mechanism, random_variant};
-use crate::support::runs::{CollectSink, experiment_95};
+use crate::support::random_mechanisms::{
+    random_falling_bodies, random_mechanism, random_moving_mechanism, random_variant,
+};
+use crate::support::runs::{CollectSink, experiment_95, seeds};
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{
     Bristle, Damping, FrictionKind, FrictionLaw, NormalLaw, damping_from_restitution, friction_coefficient,
@@ -476,9 +477,20 @@ fn end_difference(a: &Sample, b: &Sample) -> f64 {
 /// Random mechanisms over 20 ms. The engine passes the singular configurations at which the analytic model ends.
 #[test]
 fn random_mechanisms_agree_in_both_models() {
+    assert_agreement(random_mechanism);
+}
+
+/// Random mechanisms in any pose on a ground that moves. The engine writes its equations in the frame of the world, the analytic
+/// model in that of the ground.
+#[test]
+fn random_mechanisms_on_a_moving_ground_agree_in_both_models() {
+    assert_agreement(random_moving_mechanism);
+}
+
+fn assert_agreement(random: fn(u64) -> Mechanism) {
     let mut differences = Vec::new();
     for seed in 0..100 {
-        let scene = scene(&random_mechanism(seed), 0.02, 0.02);
+        let scene = scene(&random(seed), 0.02, 0.02);
         let mut engine = CollectSink::default();
         if let Err(error) = trace::run(Model::Engine, &scene, &mut engine) {
             assert!(error.to_string().contains("lifts off"), "seed {seed}: {error}");
@@ -493,6 +505,8 @@ fn random_mechanisms_agree_in_both_models() {
             continue;
         }
         let analytic = analytic.samples.pop().expect("a sample");
+        let [balance, ..] = balances_and_difference(&[Some(analytic.clone()), None]);
+        assert!(balance < 1e-5, "seed {seed}: {:?}", analytic.energy());
         let largest = end_difference(&analytic, &engine);
         assert!(largest < 1e-4, "seed {seed}: {largest:e} rad or 0.1 m");
         differences.push(largest);

@@ -72,10 +72,3 @@ pub fn write_friction_law(
     let v_dynamic = v_static * rng.within(min_ratio, 5.0);
     let _ = writeln!(text, "v_static = {}\nv_dynamic = {}", quantity(v_static, "m/s"), quantity(v_dynamic, "m/s"));
 }
-
-/// Range of seeds of a campaign: that of the environment variable `PHALANX_SEEDS`, such as `0..500`.
-pub fn seeds(default: &str) -> std::ops::Range<u64> {
-    let range = std::env::var("PHALANX_SEEDS").unwrap_or_else(|_| default.to_string());
-    let seeds: Vec<u64> = range.split("..").map(|end| end.parse().expect("a seed")).collect();
-    seeds[0]..seeds[1]
-}

@@ -116,25 +116,7 @@ pub fn random_variant(seed: u64) -> Mechanism {
 fn add_base(mechanism: &mut Mechanism, random: &mut Random) {
     let base = Some(mechanism.bodies.len());
     let motion = if random.chance(0.5) {
-        let axes = [Axis::X, Axis::Y, Axis::Angle];
-        let size = |axis: Axis| if matches!(axis, Axis::Angle) { 1.0 } else { 0.1 };
-        let moves = axes.map(|axis| Move {
-            axis,
-            distance: size(axis) * random.within(-0.3, 0.3),
-            start_s: random.within(0.0, 5e-3),
-            length_s: random.within(0.01, 0.05),
-        });
-        let axis = random.choose(&axes);
-        let shake = Vibration {
-            axis,
-            amplitude: size(axis) * random.log_within(1e-4, 1e-2),
-            frequency_hz: random.log_within(20.0, 200.0),
-            phase_rad: random.within(-PI, PI),
-            start_s: random.within(0.0, 5e-3),
-            ramp_periods: 1.0,
-            ramp: Ramp::Quintic,
-        };
-        PrescribedMotion::Palm(PalmMotion { moves: moves.to_vec(), vibrations: vec![shake], ..PalmMotion::default() })
+        PrescribedMotion::Palm(random_palm_motion(random))
     } else {
         PrescribedMotion::ConstantAcceleration {
             acceleration_m_s2: [random.within(-20.0, 20.0), random.within(-20.0, 20.0)],
@@ -161,6 +143,49 @@ fn add_base(mechanism: &mut Mechanism, random: &mut Random) {
             *body = base;
         }
     }
+}
+
+/// Returns a mechanism of [`random_mechanism`] in another pose, whose ground moves, with or without its outlines.
+pub fn random_moving_mechanism(seed: u64) -> Mechanism {
+    let mut mechanism = random_mechanism(seed);
+    let mut random = Random::for_seed(seed + 4_000_000);
+    let initial_pose = [random.within(-0.2, 0.2), random.within(-0.2, 0.2), random.within(-3.0, 3.0)];
+    let [x, y, turn] = initial_pose;
+    let (sin, cos) = turn.sin_cos();
+    let turned = |[u, v]: [f64; 2]| [cos * u - sin * v, sin * u + cos * v];
+    for Body { pose, rate, .. } in &mut mechanism.bodies {
+        let ([u, v], [vx, vy]) = (turned([pose[0], pose[1]]), turned([rate[0], rate[1]]));
+        (*pose, *rate) = ([x + u, y + v, turn + pose[2]], [vx, vy, rate[2]]);
+    }
+    let motion = random_palm_motion(&mut random);
+    let stays = random.chance(0.3);
+    mechanism.move_frame(PalmMotion { initial_pose, ..motion }, |_| stays);
+    for outline in &mut mechanism.ground_outlines {
+        outline.shape = outline.shape.moved([x, y], turn);
+    }
+    mechanism
+}
+
+fn random_palm_motion(random: &mut Random) -> PalmMotion {
+    let axes = [Axis::X, Axis::Y, Axis::Angle];
+    let size = |axis: Axis| if matches!(axis, Axis::Angle) { 1.0 } else { 0.1 };
+    let moves = axes.map(|axis| Move {
+        axis,
+        distance: size(axis) * random.within(-0.3, 0.3),
+        start_s: random.within(0.0, 5e-3),
+        length_s: random.within(0.01, 0.05),
+    });
+    let axis = random.choose(&axes);
+    let shake = Vibration {
+        axis,
+        amplitude: size(axis) * random.log_within(1e-4, 1e-2),
+        frequency_hz: random.log_within(20.0, 200.0),
+        phase_rad: random.within(-PI, PI),
+        start_s: random.within(0.0, 5e-3),
+        ramp_periods: 1.0,
+        ramp: Ramp::Quintic,
+    };
+    PalmMotion { moves: moves.to_vec(), vibrations: vec![shake], ..PalmMotion::default() }
 }
 
 /// Joints that have a start, and are thus independent, with their start.

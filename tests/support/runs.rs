@@ -217,3 +217,10 @@ pub fn assert_relative(actual: f64, expected: f64, tolerance: f64, context: impl
 pub fn assert_below(value: f64, bound: f64, context: impl Display) {
     assert!(value < bound, "{context}: {value:e} is not below {bound:e}");
 }
+
+/// Range of seeds of a campaign: that of the environment variable `PHALANX_SEEDS`, such as `0..500`.
+pub fn seeds(default: &str) -> std::ops::Range<u64> {
+    let range = std::env::var("PHALANX_SEEDS").unwrap_or_else(|_| default.to_string());
+    let seeds: Vec<u64> = range.split("..").map(|end| end.parse().expect("a seed")).collect();
+    seeds[0]..seeds[1]
+}

@@ -4,10 +4,14 @@ use std::f64::consts::TAU;
 
 use crate::drive::first_after;
 use crate::numeric::elementary::{hypot, powi, sin_cos};
+use crate::numeric::plane::rotate;
 
-/// Pose (X, Y, Φ) of the palm over time: the sum of moves, vibrations and path; initially at rest at the origin.
+/// Pose (X, Y, Φ) of the palm over time: the sum of its initial pose, moves, vibrations and path; initially at rest. X and Y
+/// are along the axes of the world, Φ about the origin of the palm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PalmMotion {
+    /// Pose before all motions, m and rad: that of the body at the start.
+    pub initial_pose: [f64; 3],
     pub moves: Vec<Move>,
     pub vibrations: Vec<Vibration>,
     pub path: Option<Path>,
@@ -88,7 +92,7 @@ impl PalmMotion {
     /// Pose at time t.
     #[inline]
     pub fn pose(&self, t: f64) -> Pose {
-        let mut pose = Pose::default();
+        let mut pose = Pose { position: self.initial_pose, ..Pose::default() };
         for item in &self.moves {
             pose.add(item.axis, item.derivatives(t));
         }
@@ -99,6 +103,12 @@ impl PalmMotion {
             pose.add(axis, path.derivatives(t, axis));
         }
         pose
+    }
+
+    /// Returns a vector of the world in the axes of the initial pose of the palm.
+    pub fn in_initial_axes(&self, vector: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = sin_cos(self.initial_pose[2]);
+        rotate(vector, [cos, -sin])
     }
 
     /// Pose of the world in the frame of the palm at time t: with the position as a complex number p, −e^(−iΦ) p and −Φ.
@@ -421,7 +431,8 @@ mod tests {
 
     #[test]
     fn derivatives_match_finite_differences() {
-        let (motion, h) = (motion(), 1e-5);
+        let (motion, h) = (PalmMotion { initial_pose: [0.3, -0.1, 0.7], ..motion() }, 1e-5);
+        assert_eq!(motion.pose(0.0), Pose { position: motion.initial_pose, ..Pose::default() });
         for t in [0.02, 0.07, 0.13, 0.28, 0.33, 0.47, 0.61, 0.69, 0.97] {
             let [before, middle, after] = [t - h, t, t + h].map(|t| motion.pose(t));
             for axis in 0..3 {

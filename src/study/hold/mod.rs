@@ -1,6 +1,6 @@
-//! Largest acceleration of the palm under which a gripper holds its object, found by simulation.
+//! Largest acceleration of the base under which a hand holds its object, found by simulation.
 //!
-//! The scene runs until its object is at rest. Then a load moves the palm: pulses in several directions, vibrations, or
+//! The scene runs until its object is at rest. Then a load moves the palm of a gripper, or the base of a mechanism: pulses in several directions, vibrations, or
 //! a pick-and-place move with a scaled duration. Loads of one kind differ only in their peak acceleration. A run
 //! continues for `SETTLING_S` after the load. The object *slips* under a load if it is not held at the end, or if it
 //! moves further in the hand than the bound after the start of the load (`grasp.cycle.carried` of a run). It is
@@ -11,8 +11,11 @@
 //! reports larger loads that are held. A resonance narrower than the spacing of the scan can be missed. Runs that
 //! cannot be completed count as neither held nor failed.
 
+mod base;
+mod gripper;
 mod limit;
 mod load;
+mod mechanism;
 mod plan;
 mod prepare;
 
@@ -21,14 +24,15 @@ use std::f64::consts::TAU;
 use phalanx_show::format::object::Object;
 use serde::{Serialize, Serializer};
 
-use crate::criteria::{Fate, ObjectTracker};
-use crate::grasp::run;
+use crate::criteria::Fate;
 use crate::scene::Scene;
+use crate::statics::MechanismLimit;
 use crate::thesis::monitor::{Monitor, StudyError, map};
 use crate::trace::Model;
 use crate::units::MAX_TIME_S;
 
-use prepare::PreparedScene;
+use gripper::PreparedGripper;
+use mechanism::PreparedMechanism;
 
 pub use limit::{Evaluation, LoadBracket, LoadResult};
 pub(crate) use load::axis_name;
@@ -43,6 +47,12 @@ pub struct Hold {
     pub plan: Plan,
     pub setup: LoadSetup,
     pub start_reason: StartReason,
+    /// Name of the base of a mechanism that follows the loads; `None` for the palm of a gripper.
+    pub base: Option<String>,
+    /// Outlines of the surroundings of a mechanism that the loads would hit, and that are removed from their start on.
+    pub removed: Vec<String>,
+    /// Outlines of the ground that move with the base, because they count as part of the hand although no key says so.
+    pub assumed_hand: Vec<String>,
     /// Outcome of a run of the same duration without a load.
     pub unloaded: LoadOutcome,
     pub results: Vec<LoadResult>,
@@ -51,11 +61,13 @@ pub struct Hold {
 /// Serialises the study with the parameters of its plan.
 impl Serialize for Hold {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let Hold { scene, plan, setup, start_reason, unloaded, results } = self;
+        let Hold { scene, plan, setup, start_reason, base, removed, unloaded, results, .. } = self;
         let runs = || results.iter().flat_map(|load| &load.evaluations);
-        Object::default()
-            .with("scene", scene)
-            .with("model", plan.model.name())
+        let mut object = Object::default().with("scene", scene).with("model", plan.model.name());
+        if let Some(base) = base {
+            object = object.with("base", base).with("removed", removed);
+        }
+        object
             .with("begins_s", setup.start_s)
             .with("begins", start_reason)
             .with("slip_bound_m", plan.slip_m)
@@ -79,32 +91,32 @@ impl Serialize for Hold {
 /// # Panics
 /// Panics if the plan's scan has fewer than 2 loads.
 pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, HoldError> {
-    let prepared = prepare::prepare(scene, &plan, monitor)?;
     let cases = load_cases(&plan.loads);
-    let latest_end_s =
-        |peak_m_s2: f64| cases.iter().map(|case| case.load(&prepared.setup, peak_m_s2).end_s).fold(0.0, f64::max);
+    let prepared = match scene.finger_count() {
+        0 => Prepared::Mechanism(Box::new(mechanism::prepare(scene, &plan, &cases, monitor)?)),
+        _ => Prepared::Gripper(Box::new(gripper::prepare(scene, &plan, monitor)?)),
+    };
+    let setup = prepared.setup();
+    let latest_end_s = |peak_m_s2: f64| cases.iter().map(|case| case.load(setup, peak_m_s2).end_s).fold(0.0, f64::max);
     // The scene's own move takes longest under the smallest load.
     let end_s = latest_end_s(plan.from_m_s2) + SETTLING_S;
     if end_s > MAX_TIME_S {
         return Err(HoldError::TooLong { end_s });
     }
-    let largest_loads = cases.iter().map(|case| prepare::largest_clear_load(&prepared, &plan, case));
+    let largest_loads = cases.iter().map(|case| prepared.largest_clear_load(&plan, case));
     let largest_loads = largest_loads.collect::<Result<Vec<f64>, _>>()?;
-    let unloaded = Load { motion: prepared.setup.prior_motion.clone(), end_s: latest_end_s(plan.to_m_s2) };
-    let unloaded = match simulate(plan.model, &prepared, unloaded, monitor)? {
+    let unloaded = Load { motion: setup.prior_motion.clone(), end_s: latest_end_s(plan.to_m_s2) };
+    let unloaded = match prepared.simulate(plan.model, unloaded, monitor)? {
         Err(reason) => return Err(HoldError::Scene { reason }),
         Ok(outcome) if outcome.fate != Fate::Held || outcome.slip.displacement_m > plan.slip_m => {
-            return Err(HoldError::SlipsUnloaded { start_s: prepared.setup.start_s, bound_m: plan.slip_m, outcome });
+            return Err(HoldError::SlipsUnloaded { start_s: setup.start_s, bound_m: plan.slip_m, outcome });
         }
         Ok(outcome) => outcome,
     };
-    let start = prepared.scene.with_palm_motion(Some(prepared.setup.prior_motion.clone()), prepared.setup.start_s);
-    let at_start = prepare::run_scene(plan.model, &start, &mut ObjectTracker::for_scene(&start), monitor)?.last;
     let evaluate = |case: &LoadCase, peak_m_s2: f64| {
-        let load = case.load(&prepared.setup, peak_m_s2);
-        let outcome = simulate(plan.model, &prepared, load, monitor)?;
+        let outcome = prepared.simulate(plan.model, case.load(setup, peak_m_s2), monitor)?;
         monitor.advance(1, "runs");
-        Ok::<_, StudyError>(Evaluation { peak_m_s2, size: case.named_size(&prepared.setup, peak_m_s2), outcome })
+        Ok::<_, StudyError>(Evaluation { peak_m_s2, size: case.named_size(setup, peak_m_s2), outcome })
     };
     let scan = |(case, to_m_s2): (&LoadCase, &f64)| {
         let loads = limit::geometric_loads(plan.from_m_s2, *to_m_s2, plan.scan).into_iter();
@@ -114,7 +126,7 @@ pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, Ho
     monitor.start(jobs.len(), "runs");
     let scanned = map(plan.threads, &jobs, |(case, load)| evaluate(case, *load))?;
     let result = |((case, to_m_s2), evaluations): ((&LoadCase, f64), &[Evaluation])| {
-        let static_limit = prepare::static_limit(&prepared, &at_start, case);
+        let static_limit = prepared.static_limit(case);
         let [slips, drops] = [LoadBracket::default(); 2];
         let unknown = LoadResult { case: *case, to_m_s2, static_limit, evaluations: Vec::new(), slips, drops };
         unknown.with_evaluations(evaluations.to_vec(), plan.slip_m)
@@ -132,8 +144,62 @@ pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, Ho
         Ok::<_, StudyError>(result)
     };
     let results = map(plan.threads, &results, refine)?;
-    let PreparedScene { setup, start_reason, .. } = prepared;
-    Ok(Hold { scene: scene.name.clone(), plan, setup, start_reason, unloaded, results })
+    let (base, removed, assumed_hand) = match &prepared {
+        Prepared::Gripper(_) => (None, Vec::new(), Vec::new()),
+        Prepared::Mechanism(of) => (Some(of.base_name().to_string()), of.removed.clone(), of.assumed_hand()),
+    };
+    let (setup, start_reason) = (setup.clone(), prepared.start_reason());
+    Ok(Hold { scene: scene.name.clone(), plan, setup, start_reason, base, removed, assumed_hand, unloaded, results })
+}
+
+/// A scene that is prepared for loads.
+enum Prepared {
+    Gripper(Box<PreparedGripper>),
+    Mechanism(Box<PreparedMechanism>),
+}
+
+impl Prepared {
+    fn setup(&self) -> &LoadSetup {
+        match self {
+            Prepared::Gripper(of) => &of.prepared.setup,
+            Prepared::Mechanism(of) => &of.setup,
+        }
+    }
+
+    fn start_reason(&self) -> StartReason {
+        match self {
+            Prepared::Gripper(of) => of.prepared.start_reason,
+            Prepared::Mechanism(of) => of.start_reason,
+        }
+    }
+
+    /// Largest load of a case. The surroundings of a mechanism that a load would hit are removed.
+    fn largest_clear_load(&self, plan: &Plan, case: &LoadCase) -> Result<f64, HoldError> {
+        match self {
+            Prepared::Gripper(of) => prepare::largest_clear_load(&of.prepared, plan, case),
+            Prepared::Mechanism(_) => Ok(plan.to_m_s2),
+        }
+    }
+
+    fn static_limit(&self, case: &LoadCase) -> Option<MechanismLimit> {
+        match self {
+            Prepared::Gripper(of) => prepare::static_limit(&of.prepared, &of.at_start, case),
+            Prepared::Mechanism(of) => of.static_limit(case),
+        }
+    }
+
+    /// Simulates the scene under a load. Returns the outcome, or the reason why the run was not completed.
+    fn simulate(
+        &self,
+        model: Model,
+        load: Load,
+        monitor: &Monitor<'_>,
+    ) -> Result<Result<LoadOutcome, String>, StudyError> {
+        match self {
+            Prepared::Gripper(of) => gripper::simulate(model, &of.prepared, load, monitor),
+            Prepared::Mechanism(of) => of.simulate(model, load, monitor),
+        }
+    }
 }
 
 fn load_cases(loads: &Loads) -> Vec<LoadCase> {
@@ -149,29 +215,4 @@ fn load_cases(loads: &Loads) -> Vec<LoadCase> {
         }
         Loads::Move => vec![LoadCase::Move],
     }
-}
-
-/// Simulates the gripper under a motion of its palm and for [`SETTLING_S`] afterwards. Returns the outcome, or the reason
-/// why the run was not completed.
-fn simulate(
-    model: Model,
-    prepared: &PreparedScene,
-    load: Load,
-    monitor: &Monitor<'_>,
-) -> Result<Result<LoadOutcome, String>, StudyError> {
-    let scene = prepared.scene.with_palm_motion(Some(load.motion), load.end_s + SETTLING_S);
-    let tracker = ObjectTracker::for_scene(&scene);
-    let mut tracker = tracker.map(|tracker| tracker.with_motion_start(prepared.setup.start_s));
-    let outcome = run(model, &scene, &mut tracker, monitor.keep_running()).ok_or_else(|| monitor.stopped())?;
-    Ok(outcome.and_then(|outcome| {
-        let criteria = tracker.and_then(|tracker| tracker.criteria()).ok_or("there is no sample")?;
-        Ok(LoadOutcome {
-            fate: criteria.fate,
-            // None only if the object left the hand before the load; `fate` reports this.
-            slip: criteria.cycle.motion_travel.unwrap_or_default(),
-            brake_slip_rad: criteria.cycle.brake_slip_rad.into_iter().flatten().fold(0.0, f64::max),
-            end_s: outcome.last.time_s,
-            steps: outcome.work.steps,
-        })
-    }))
 }

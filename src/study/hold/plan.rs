@@ -2,6 +2,7 @@
 
 use crate::criteria::{Fate, Travel};
 use crate::scene::{Axis, WrongKind};
+use crate::statics::NoGrasp;
 use crate::thesis::StudyError;
 use crate::trace::Model;
 use crate::units::MAX_TIME_S;
@@ -95,7 +96,7 @@ pub struct LoadOutcome {
     pub fate: Fate,
     /// Slip in the hand since the start of the load: `grasp.cycle.carried` of a run.
     pub slip: Travel,
-    /// Largest rotation of a driven link against its brake; 0 without brakes.
+    /// Largest rotation of a driven link against its brake; 0 without brakes, and of mechanisms.
     pub brake_slip_rad: f64,
     pub end_s: f64,
     pub steps: u64,
@@ -138,6 +139,28 @@ pub enum HoldError {
          larger --from for --move, a shorter --pulse, or an earlier --at"
     )]
     TooLong { end_s: f64 },
+    #[error("the scene has no grasp: {0}")]
+    NoGrasp(NoGrasp),
+    #[error(
+        "the base `{base}` still moves at {:.3} ms, at {speed_m_s:.2e} m/s, but a load starts from rest; set another start of the loads: --at \
+         TIME", time_s * 1e3
+    )]
+    BaseMoves { base: String, time_s: f64, speed_m_s: f64 },
+    #[error(
+        "loads move the base `{base}`, but `moves`, `vibrations` or `path` move `{moving}`; give both the same body, with `base` in [grasp] or \
+         `body` of the motion"
+    )]
+    OtherBodyMoves { base: String, moving: String },
+    #[error(
+        "{what} connects the hand with what carries its base `{base}`, which a load moves alone; fix its end on the ground to `{base}`"
+    )]
+    TiedBase { base: String, what: String },
     #[error(transparent)]
     Stopped(#[from] StudyError),
+}
+
+impl HoldError {
+    pub(super) fn no_grasp() -> Self {
+        HoldError::NoGrasp(NoGrasp::Nothing)
+    }
 }

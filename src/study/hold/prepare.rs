@@ -4,6 +4,7 @@ use std::convert::Infallible;
 
 use serde::Serialize;
 
+use super::base::REST_SPEED_M_S;
 use super::load::{Load, LoadCase, LoadSetup, moves_start, peak_acceleration, rescale};
 use super::plan::{HoldError, Loads, Plan};
 use crate::criteria::{Fate, ObjectTracker};
@@ -15,9 +16,6 @@ use crate::statics::{MechanismLimit, mechanism_balance_towards};
 use crate::study::bisect;
 use crate::thesis::Monitor;
 use crate::trace::{Event, Model, Outcome, RequiredData, Sample, Sink, SinkError};
-
-/// Speed below which an object counts as at rest in the hand, m/s: in a pulse of 40 ms it would creep by 40 µm.
-const REST_SPEED_M_S: f64 = 1e-3;
 
 /// Reason for the start time of the loads.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -40,7 +38,7 @@ pub enum StartReason {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct PreparedScene {
+pub(super) struct PreparedScene {
     /// Scene without palm motion, with the drives fixed from the start of the loads.
     pub scene: Scene,
     pub setup: LoadSetup,
@@ -58,16 +56,18 @@ pub(super) fn run_scene(
     outcome.map_err(|reason| HoldError::Scene { reason })
 }
 
-/// Standard pick-and-place cycle of robots, 25/305/25 mm, as in scenes/gripper/cycle.toml.
-fn standard_cycle() -> PalmMotion {
-    let segment = |axis, distance, start_s, length_s| Move { axis, distance, start_s, length_s };
-    let moves = vec![
-        segment(Axis::Y, -0.025, 0.0, 0.06),
-        segment(Axis::X, 0.305, 0.05, 0.2),
-        segment(Axis::Y, 0.025, 0.24, 0.08),
-    ];
-    PalmMotion { moves, ..PalmMotion::default() }
+/// Standard pick-and-place cycle of robots, 25/305/25 mm, as in scenes/gripper/cycle.toml, with this direction upwards.
+pub(super) fn standard_cycle([ux, uy]: [f64; 2]) -> PalmMotion {
+    let segments = [([ux, uy], 0.025, 0.0, 0.06), ([-uy, ux], 0.305, 0.05, 0.2), ([ux, uy], -0.025, 0.24, 0.08)];
+    let along = |([x, y], distance, start_s, length_s): ([f64; 2], f64, f64, f64)| {
+        let parts = [(Axis::X, x), (Axis::Y, y)].into_iter().filter(|(_, part)| *part != 0.0);
+        parts.map(move |(axis, part)| Move { axis, distance: part * distance, start_s, length_s })
+    };
+    PalmMotion { moves: segments.into_iter().flat_map(along).collect(), ..PalmMotion::default() }
 }
+
+/// Direction upwards in the frame of a gripper that hangs upside down.
+const UP: [f64; 2] = [0.0, -1.0];
 
 /// Finds the start time of the loads and prepares the scene for them.
 pub(super) fn prepare(scene: &Scene, plan: &Plan, monitor: &Monitor<'_>) -> Result<PreparedScene, HoldError> {
@@ -82,7 +82,7 @@ pub(super) fn prepare(scene: &Scene, plan: &Plan, monitor: &Monitor<'_>) -> Resu
     let palm_motion = scene.hand.palm_motion.clone().unwrap_or_default();
     let scene_motion = match moves_start(&palm_motion) {
         Some(start_s) => rescale(&palm_motion, 1.0, -start_s),
-        None => standard_cycle(),
+        None => standard_cycle(UP),
     };
     let prior_motion = match plan.loads {
         Loads::Move => PalmMotion::default(),
@@ -161,7 +161,7 @@ fn load_start(
 }
 
 /// Returns the end time of the moves that start at `start_s`, the earliest start.
-fn first_move_end_s(motion: &PalmMotion, start_s: f64) -> f64 {
+pub(super) fn first_move_end_s(motion: &PalmMotion, start_s: f64) -> f64 {
     let first = motion.moves.iter().filter(|segment| segment.start_s == start_s);
     let end_s = first.map(|segment| segment.start_s + segment.length_s).reduce(f64::max);
     // A path has no separate segments.
@@ -169,7 +169,7 @@ fn first_move_end_s(motion: &PalmMotion, start_s: f64) -> f64 {
 }
 
 /// Returns the moves and the path that have ended at a time, and the vibrations that have started.
-fn completed_motion(motion: &PalmMotion, time_s: f64) -> PalmMotion {
+pub(super) fn completed_motion(motion: &PalmMotion, time_s: f64) -> PalmMotion {
     let moves = motion.moves.iter().filter(|segment| segment.start_s + segment.length_s <= time_s);
     let vibrations = motion.vibrations.iter().filter(|vibration| vibration.start_s < time_s);
     let path = motion.path.as_ref().filter(|path| path.points().last().is_some_and(|last| last.0 <= time_s));
@@ -194,7 +194,7 @@ fn with_fixed_drives(scene: &Scene, time_s: f64) -> Scene {
 }
 
 /// Returns the actuation with the torque constant from a time on.
-fn fixed_actuation(actuation: &Profile, time_s: f64) -> Profile {
+pub(super) fn fixed_actuation(actuation: &Profile, time_s: f64) -> Profile {
     let now = actuation.at(time_s).0;
     match actuation {
         Profile::Table { points, interpolation } => {
@@ -262,14 +262,19 @@ pub(super) fn static_limit(prepared: &PreparedScene, sample: &Sample, case: &Loa
     // A load accelerates in one direction and brakes in the other.
     let limits = [[cos, sin], [-cos, -sin]]
         .map(|direction| Some(mechanism_balance_towards(&gripper.at_rest(), direction).ok()?.largest));
+    let [forward, backward] = limits;
+    let (forward, backward) = forward.zip(backward)?;
+    Some(smaller_limit(forward, backward))
+}
+
+/// The smaller of two limits, or else the first one.
+pub(super) fn smaller_limit(first: MechanismLimit, second: MechanismLimit) -> MechanismLimit {
     let value = |limit: &MechanismLimit| match limit {
         MechanismLimit::Infeasible { .. } => f64::NEG_INFINITY,
         MechanismLimit::Limited { acceleration_m_s2, .. } => *acceleration_m_s2,
         MechanismLimit::Unlimited => f64::INFINITY,
     };
-    let [forward, backward] = limits;
-    let (forward, backward) = forward.zip(backward)?;
-    Some(if value(&backward) < value(&forward) { backward } else { forward })
+    if value(&second) < value(&first) { second } else { first }
 }
 
 #[cfg(test)]
@@ -315,7 +320,7 @@ mod tests {
 
     #[test]
     fn standard_cycle_ends_305_mm_along_x() {
-        let end = standard_cycle().pose(1.0);
+        let end = standard_cycle(UP).pose(1.0);
         assert!((end.position[0] - 0.305).abs() < 1e-15 && end.position[1].abs() < 1e-15, "{end:?}");
     }
 }

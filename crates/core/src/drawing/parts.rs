@@ -43,7 +43,7 @@ pub(super) fn drawing(mechanism: Mechanism) -> Drawing {
         let limit = actuator.limit.unwrap_or(f64::INFINITY);
         effort(&actuator.command).min(limit) / lever_m(&mechanism, actuator.on.terms[0].0, 0.5 * view_m)
     });
-    let weights = mechanism.bodies.iter().map(|body| {
+    let weights = mechanism.bodies.iter().filter(|body| body.motion.is_none()).map(|body| {
         let [x, y] = mechanism.gravity_m_s2;
         body.mass_kg * hypot(x, y)
     });

@@ -1,7 +1,7 @@
 //! States of all bodies of a mechanism: reported by a sample, or computed from its joints.
 
 use super::FramePose;
-use crate::mechanism::{Mechanism, assemble};
+use crate::mechanism::{Mechanism, Pose, assemble};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, perp, rotate, scale, sub};
 use crate::trace::{BodyState, Sample};
@@ -76,6 +76,22 @@ pub(crate) fn in_sample(mechanism: &Mechanism, sample: &Sample) -> States {
         is_placed[body] = true;
     }
     states
+}
+
+/// Pose in the world of the moving palm relative to which samples report; zero without one.
+pub(crate) fn palm_pose(mechanism: &Mechanism, time_s: f64) -> Pose {
+    mechanism.palm().map_or([0.0; 3], |(_, motion)| motion.pose(time_s).position)
+}
+
+/// Poses of all bodies in the world.
+pub(crate) fn poses_in_world(mechanism: &Mechanism, sample: &Sample) -> Vec<Pose> {
+    let [x, y, turn] = palm_pose(mechanism, sample.time_s);
+    let (sin, cos) = sin_cos(turn);
+    let in_world = |body: BodyState| {
+        let [px, py] = rotate(body.centre_m, [cos, sin]);
+        [x + px, y + py, turn + body.angle_rad]
+    };
+    in_sample(mechanism, sample).bodies.into_iter().map(in_world).collect()
 }
 
 /// State of the ground relative to a palm with this pose and rate.

@@ -40,9 +40,9 @@ impl ClosestPoints {
     }
 }
 
-/// Returns the closest points of a contact at given poses.
+/// Returns the closest points of a contact at given poses; `None` for a contact that is removed.
 pub(super) fn closest_points(world: &World, plan: &Plan, index: usize, poses: &[BodyPose]) -> Option<ClosestPoints> {
-    let contact = &plan.contacts[index];
+    let contact = Some(&plan.contacts[index]).filter(|contact| !contact.is_removed)?;
     let own = SurfaceId { body: Some(contact.body), index: contact.surface };
     let [pose, other_pose] = [own, contact.against].map(|id| surface_pose(plan, id, poses));
     match [own, contact.against].map(|id| &plan.surface(id).shape) {

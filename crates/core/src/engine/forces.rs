@@ -64,7 +64,7 @@ fn spring_torque(spring: &PlannedSpring, extension: f64) -> f64 {
 
 /// Returns the energies of gravity and springs, J, in the palm frame; springs are at zero in the straight posture.
 pub fn potential_energies(plan: &Plan, linkage: &Linkage, frame: &PalmFrame) -> (f64, f64) {
-    let [gx, gy] = plan.gravity_m_s2;
+    let [gx, gy] = plan.gravity_at_start();
     let gravity_energy = |(inertia, pose): (&Inertia, &BodyPose)| {
         let [x, y] = frame.point(pose.com);
         -inertia.mass * (gx * x + gy * y)
@@ -252,8 +252,8 @@ pub(crate) fn palm_power(plan: &Plan, linkage: &Linkage, velocities: &[Twist], t
     let Some(Pose { acceleration: [ax, ay, angular_acceleration], rate: [_, _, omega], .. }) = frame.pose else {
         return 0.0;
     };
-    let [gx, gy] = plan.gravity_m_s2;
-    let [fx, fy] = frame.direction([gx - ax, gy - ay]);
+    let ([world_x, world_y], [gx, gy]) = (plan.gravity_m_s2, plan.gravity_at_start());
+    let [fx, fy] = frame.direction([world_x - ax, world_y - ay]);
     let body_power = |((inertia, pose), v): ((&Inertia, &BodyPose), &Twist)| {
         let ([x, y], [vx, vy, rate]) = (frame.point(pose.com), frame.twist(pose.com, v));
         // The Coriolis force does no work.

@@ -19,7 +19,7 @@ use crate::numeric::elementary::{atan2, hypot, powi};
 use crate::numeric::plane::{dot, nearest_equivalent_angle, perp, rotate};
 
 /// Mass and moment of inertia of a body, and their inverses.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Inertia {
     pub mass: f64,
     pub inverse_mass: f64,
@@ -99,6 +99,10 @@ impl Linkage {
         let rigid = |i: usize| &bodies[world.bodies[i]];
         let inertias: Vec<Inertia> = (0..world.bodies.len())
             .map(|i| {
+                // No force moves a driven body.
+                if !rigid(i).is_dynamic() {
+                    return Inertia::default();
+                }
                 let properties = rigid(i).mass_properties().local_mprops;
                 Inertia {
                     mass: properties.mass(),

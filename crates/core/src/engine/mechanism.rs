@@ -359,6 +359,7 @@ fn add_contact(plan: &mut Plan, mechanism: &Mechanism, contact: &PointContact, c
             law: pair.law,
             rolling: pair.rolling,
             is_reported_on_partner: points_are_first == pair.is_reported_on_face,
+            is_removed: false,
         });
         plan.contact_channels.push(channel);
     }

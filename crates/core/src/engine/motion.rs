@@ -188,6 +188,13 @@ impl Motion {
         self.update_node();
     }
 
+    /// Removes contacts between surfaces from now on, by their channels in samples.
+    pub fn remove_contacts(&mut self, channels: &[usize]) {
+        self.plan.remove_contacts(channels);
+        candidates::collect(&self.world, &self.plan, &self.linkage, &mut self.candidates);
+        self.update_node();
+    }
+
     /// Takes one step, while `keep_running` returns true. Of all errors only [`StepError::TooLong`] leaves it usable.
     pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
         let power_before =

@@ -274,6 +274,8 @@ pub struct PlannedContact {
     pub rolling: Option<FrictionLaw>,
     /// Whether samples report the force on the other body, with the opposite normal.
     pub is_reported_on_partner: bool,
+    /// Whether the surfaces no longer touch, because what the body touches is removed.
+    pub is_removed: bool,
 }
 
 /// Choice of the material points of two surfaces at which contact forces act.
@@ -349,6 +351,13 @@ impl Plan {
         }
     }
 
+    /// Removes contacts between surfaces, by their channels in samples.
+    pub(crate) fn remove_contacts(&mut self, channels: &[usize]) {
+        for (contact, channel) in self.contacts.iter_mut().zip(&self.contact_channels) {
+            contact.is_removed |= channels.contains(channel);
+        }
+    }
+
     /// Returns the next time after `t` at which a motor torque, a brake or the palm motion has a discontinuity.
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         let motors = self.motors.iter().map(|motor| motor.actuation.next_discontinuity(t));
@@ -356,6 +365,11 @@ impl Plan {
         let brakes = self.brakes.iter().map(|brake| brake.kind.next_discontinuity(t));
         let drives = self.drives.iter().map(|drive| drive.motion.next_discontinuity(t));
         motors.chain(servos).chain(brakes).chain(drives).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Gravity in the axes of a moving palm at the start.
+    pub(crate) fn gravity_at_start(&self) -> [f64; 2] {
+        self.palm().map_or(self.gravity_m_s2, |(_, motion)| motion.in_initial_axes(self.gravity_m_s2))
     }
 
     /// Returns the body index and motion of a moving palm.

@@ -79,12 +79,15 @@ pub fn build_world(plan: &Plan, response: Response, iterations: u32) -> World {
             let com = Vector::new(body.com_m[0], body.com_m[1]);
             let pose = Pose::new(Vector::new(planned.origin_m[0], planned.origin_m[1]), planned.angle_rad);
             let driven = plan.drives.iter().any(|drive| drive.body == i);
-            let builder =
-                if driven { RigidBodyBuilder::kinematic_velocity_based() } else { RigidBodyBuilder::dynamic() };
+            let (builder, mass_kg, inertia_kg_m2) = match driven {
+                // The centre of mass of a body without mass would be that of its colliders, about which rapier turns it.
+                true => (RigidBodyBuilder::kinematic_velocity_based(), 1.0, 1.0),
+                false => (RigidBodyBuilder::dynamic(), body.mass_kg, body.inertia_kg_m2),
+            };
             physics.insert_body(
                 builder
                     .pose(pose)
-                    .additional_mass_properties(MassProperties::new(com, body.mass_kg, body.inertia_kg_m2))
+                    .additional_mass_properties(MassProperties::new(com, mass_kg, inertia_kg_m2))
                     // Sleeping bodies ignore forces; fast links exceed rapier's default limit of 45° per step.
                     .can_sleep(false)
                     .allow_fast_rotation(true),

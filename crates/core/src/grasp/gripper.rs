@@ -15,7 +15,7 @@ use crate::statics::{
     Blocked, BodyMotion, ContactMotion, ContactPoint, FormClosure, PerContact, StaticsError, efforts, gripper_closure,
 };
 use crate::trace::{
-    self, BodyState, Cancellable, ContactSample, FingerState, Model, Outcome, RunError, Sample, Schema, Sink,
+    self, BodyState, Cancellable, ContactSample, FingerState, Model, Outcome, Removal, RunError, Sample, Schema, Sink,
 };
 
 /// Request for the static grasp of a gripper.
@@ -454,7 +454,18 @@ pub fn run(
     sink: &mut impl Sink,
     keep_running: &(dyn Fn() -> bool + Sync),
 ) -> Option<Result<Outcome, String>> {
-    match trace::run(model, scene, &mut Cancellable { sink, keep_running }) {
+    run_until_removal(model, scene, Removal { at_s: 0.0, contacts: &[] }, sink, keep_running)
+}
+
+/// [`run`] of a mechanism, some of whose contacts end at a time.
+pub fn run_until_removal(
+    model: Model,
+    scene: &Scene,
+    removal: Removal<'_>,
+    sink: &mut impl Sink,
+    keep_running: &(dyn Fn() -> bool + Sync),
+) -> Option<Result<Outcome, String>> {
+    match trace::run_until_removal(model, scene, removal, &mut Cancellable { sink, keep_running }) {
         Ok(outcome) => Some(Ok(outcome)),
         Err(error) if error.is_stop() => None,
         Err(RunError::Simulation { failure, .. }) => Some(Err(failure.to_string())),

@@ -4,8 +4,8 @@
 //! object and hand with the actuators blocked, and the accelerations of the base that the contacts can balance.
 
 use crate::criteria::contact_at_rest;
-use crate::drawing::states::in_sample;
-use crate::mechanism::{JointCombination, Mechanism, OutlineId, Pose, point_in};
+use crate::drawing::states::{palm_pose, poses_in_world};
+use crate::mechanism::{GROUND, JointCombination, Mechanism, OutlineId, point_in};
 use crate::scene::{Scene, WrongKind};
 use crate::statics::{
     ContactAtRest, DriveState, MechanismAtRest, MechanismClosure, NoGrasp, Roles, StaticsError, carries, default_base,
@@ -136,9 +136,6 @@ fn with_hand(base: &str) -> String {
     if base == GROUND { String::new() } else { format!(" with the hand on `{base}`") }
 }
 
-/// Name of the ground as a base.
-const GROUND: &str = "ground";
-
 fn which(bodies: &[String]) -> String {
     match bodies {
         [] => "no body without joints that has contacts".to_string(),
@@ -160,8 +157,7 @@ pub fn mechanism_grasp(
     let name = || scene.display_name();
     let object = object_of(scene, mechanism, request.object.as_deref())?;
     let sample = posture(scene, request.at_s, keep_running)?;
-    let states = in_sample(mechanism, &sample).bodies.into_iter();
-    let poses: Vec<Pose> = states.map(|body| [body.centre_m[0], body.centre_m[1], body.angle_rad]).collect();
+    let poses = poses_in_world(mechanism, &sample);
     let base = base_of(scene, mechanism, object, request.base.as_deref())?;
     let active = active_contacts(mechanism, &sample, object, request.within_m);
     let surroundings = surroundings_of(scene);
@@ -260,7 +256,7 @@ fn base_of(
             let given = scene.grasp.as_ref().and_then(|keys| keys.base);
             return Ok(given.unwrap_or_else(|| default_base(mechanism, object, surroundings_of(scene))));
         }
-        Some(GROUND) => return Ok(None),
+        Some(GROUND) => return Ok(mechanism.frame()),
         Some(name) => mechanism.bodies.iter().position(|body| body.name == name),
     };
     let surroundings = surroundings_of(scene);
@@ -319,11 +315,11 @@ fn posture(
 }
 
 fn active_contacts(mechanism: &Mechanism, sample: &Sample, object: usize, within_m: Option<f64>) -> Vec<HeldContact> {
-    let points = mechanism.point_contacts().into_iter().enumerate();
+    let (points, palm) = (mechanism.point_contacts().into_iter().enumerate(), palm_pose(mechanism, sample.time_s));
     let contact = |(index, point): (usize, crate::mechanism::PointContact)| {
         let (pair, found) = (&mechanism.contacts[point.pair], sample.contact(index));
         let is_active = found.normal_n > 0.0 || within_m.is_some_and(|within_m| found.gap_m <= within_m);
-        let at_rest = contact_at_rest(pair, &found);
+        let at_rest = contact_at_rest(pair, &found, palm);
         is_active.then_some(HeldContact {
             name: point.name,
             at_rest,

@@ -129,6 +129,11 @@ impl Stepper for EngineStepper {
         Ok(())
     }
 
+    fn remove_contacts(&mut self, _: f64, contacts: &[usize], _: &mut dyn Sink) -> Result<(), Interruption> {
+        self.motion.remove_contacts(contacts);
+        Ok(())
+    }
+
     fn finish(&mut self, sink: &mut dyn Sink) -> Outcome {
         let (mut recorder, motion) = self.recorder(sink);
         recorder.complete_last(motion);

@@ -95,6 +95,10 @@ impl Kernel for MechanismModel {
         self.set_input(index, input, t, (&mut state.q, &mut state.v), mode);
     }
 
+    fn remove_contacts(&mut self, contacts: &[usize], (state, mode): (&mut State<Dynamic>, &mut MechanismMode)) {
+        self.remove_contacts(contacts, &mut state.v, mode);
+    }
+
     fn conditioning(&self, state: &State<Dynamic>, mode: &MechanismMode) -> f64 {
         self.conditioning((&state.q, &state.v), mode)
     }

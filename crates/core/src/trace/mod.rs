@@ -31,7 +31,7 @@ mod stepper;
 pub use decimator::{Decimated, OffGrid};
 pub use grid::is_grid_point;
 use model::build;
-pub use model::{Model, run, run_analytic};
+pub use model::{Model, Removal, run, run_analytic, run_until_removal};
 pub use outcome::{ContactSummary, Outcome, RunError, Work};
 pub(crate) use reach::BOUNDARY_TOLERANCE;
 pub use reach::{Exit, Reach};

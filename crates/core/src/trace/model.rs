@@ -42,10 +42,39 @@ impl Keyword for Model {
 /// # Errors
 /// Returns an error if the scene is rejected, the sink fails, or the simulation does not complete.
 pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, RunError> {
+    run_until_removal(model, scene, Removal { at_s: 0.0, contacts: &[] }, sink)
+}
+
+/// Contacts between surfaces that end at a time: what they touch is removed.
+#[derive(Clone, Copy, Debug)]
+pub struct Removal<'a> {
+    pub at_s: f64,
+    /// Indices among the contacts of samples. Samples after `at_s` contain no forces of these contacts.
+    pub contacts: &'a [usize],
+}
+
+/// Simulates a mechanism, some of whose contacts end at a time; see [`run`].
+///
+/// # Errors
+/// See [`run`].
+pub fn run_until_removal(
+    model: Model,
+    scene: &Scene,
+    removal: Removal<'_>,
+    sink: &mut dyn Sink,
+) -> Result<Outcome, RunError> {
     check_supported(scene)?;
     let mut stepper = build(model, scene, RecordingOptions::of_run(scene, sink))?;
     stepper.begin(sink)?;
-    let result = stepper.advance(scene.duration_s, sink);
+    let Removal { at_s, contacts } = removal;
+    let mut advance = || {
+        if !contacts.is_empty() {
+            stepper.advance(at_s, sink)?;
+            stepper.remove_contacts(at_s, contacts, sink)?;
+        }
+        stepper.advance(scene.duration_s, sink)
+    };
+    let result = advance();
     if let Err(Interruption::Sink(error)) = result {
         return Err(error.into());
     }

@@ -50,6 +50,10 @@ pub(crate) trait Kernel:
     /// Replaces the input of an actuator from time `t` on; state and mode follow where they depend on inputs.
     fn set_input(&mut self, index: usize, input: Profile, t: f64, state: (&mut State<Self::Layout>, &mut Self::Mode));
 
+    /// Removes contacts between surfaces, by their indices among those of samples; state and mode follow. A finger has none that
+    /// can be removed.
+    fn remove_contacts(&mut self, _contacts: &[usize], _state: (&mut State<Self::Layout>, &mut Self::Mode)) {}
+
     /// How well the coordinates are conditioned in a state: at most 1, and 0 where they fail. At least the clearance of the
     /// integrator.
     fn conditioning(&self, _state: &State<Self::Layout>, _mode: &Self::Mode) -> f64 {

@@ -180,8 +180,13 @@ impl<R: Kernel> RecorderState<R> {
 
     /// Continues in other coordinates, in which this is the state at the end of the last step.
     pub fn exchange(&mut self, state: &State<R::Layout>, mode: &R::Mode) {
-        (self.last_state, self.last_mode, self.mode) = (state.clone(), mode.clone(), mode.clone());
+        self.replace(state, mode);
         self.exchange_below = EXCHANGE_SINE;
+    }
+
+    /// Continues from another state and mode at the end of the last step.
+    pub fn replace(&mut self, state: &State<R::Layout>, mode: &R::Mode) {
+        (self.last_state, self.last_mode, self.mode) = (state.clone(), mode.clone(), mode.clone());
     }
 
     /// Continues in the same coordinates, because no others are much better; others are searched again at half of this

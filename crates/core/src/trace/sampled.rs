@@ -129,6 +129,10 @@ impl Stepper for SampledStepper {
         }
     }
 
+    fn remove_contacts(&mut self, t: f64, contacts: &[usize], sink: &mut dyn Sink) -> Result<(), Interruption> {
+        self.stepper.remove_contacts(t, contacts, sink)
+    }
+
     fn finish(&mut self, sink: &mut dyn Sink) -> Outcome {
         self.stepper.finish(sink)
     }

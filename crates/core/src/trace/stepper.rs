@@ -37,6 +37,9 @@ pub(crate) trait Stepper: Send {
     /// Ends a step at time `t`, to which the stepper has advanced, and replaces the input of an actuator from then on.
     fn set_input(&mut self, t: f64, index: usize, input: Profile, sink: &mut dyn Sink) -> Result<(), Interruption>;
 
+    /// Ends a step at time `t`, to which the stepper has advanced, and removes contacts between surfaces from then on.
+    fn remove_contacts(&mut self, t: f64, contacts: &[usize], sink: &mut dyn Sink) -> Result<(), Interruption>;
+
     /// Summarises the run.
     fn finish(&mut self, sink: &mut dyn Sink) -> Outcome;
 
@@ -161,6 +164,15 @@ impl<M: Kernel + Hybrid> Stepper for AnalyticStepper<M> {
         self.step_to(t, true, sink, None)?;
         let (mut state, mut mode) = (self.integration.state().clone(), self.integration.mode().clone());
         self.kernel.set_input(index, input, t, (&mut state, &mut mode));
+        self.integration.restart(&self.kernel, state, mode);
+        Ok(())
+    }
+
+    fn remove_contacts(&mut self, t: f64, contacts: &[usize], sink: &mut dyn Sink) -> Result<(), Interruption> {
+        self.step_to(t, true, sink, None)?;
+        let (mut state, mut mode) = (self.integration.state().clone(), self.integration.mode().clone());
+        self.kernel.remove_contacts(contacts, (&mut state, &mut mode));
+        self.recorder.replace(&state, &mode);
         self.integration.restart(&self.kernel, state, mode);
         Ok(())
     }

@@ -5,8 +5,8 @@
 //! k s)/c. The internal state of a model is σ = k s/c, a speed, so that T = c (σ + v) within the cone and σ̇ = (k/c)
 //! (T/c − σ).
 
-use super::friction::{FrictionLaw, FrictionPoint, FrictionRange, FrictionStep, RANGE_OVERLAP};
 use super::regularised::{self, friction_coefficient};
+use super::{FrictionLaw, FrictionPoint, FrictionRange, FrictionStep, RANGE_OVERLAP};
 use crate::numeric::Real;
 use crate::numeric::elementary::exp;
 

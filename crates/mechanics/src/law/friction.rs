@@ -1,75 +1,13 @@
-//! Friction laws, and the interface by which models use any of them.
+//! The interface by which models use any friction law.
 //!
 //! A law is an arm of [`FrictionKind`] with a file of its own: its force, the rate of its internal state, the ranges of slip
 //! within which it is smooth, and an implicit step. Models call the methods of [`FrictionLaw`] only.
 
-use super::bristle::{self, Bristle};
-use super::regularised;
+use super::{
+    Bristle, FrictionKind, FrictionLaw, FrictionPoint, FrictionRange, FrictionStep, RANGE_OVERLAP, SlipWeight, bristle,
+    regularised,
+};
 use crate::numeric::Real;
-
-/// Parameters of a friction law: the coefficient over the slip rate, which all laws share, and the law itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrictionLaw {
-    pub mu_static: f64,
-    pub mu_dynamic: f64,
-    /// v_s: slip rate at which μ reaches μ_s.
-    pub v_static_m_s: f64,
-    /// v_d: slip rate from which μ = μ_d.
-    pub v_dynamic_m_s: f64,
-    pub kind: FrictionKind,
-}
-
-/// The friction laws.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FrictionKind {
-    /// Regularised Coulomb friction (thesis (2.35), errata 8), which creeps.
-    Regularised,
-    /// Friction with stiction, which holds without creep.
-    Bristle(Bristle),
-}
-
-/// Slip (m/s), internal state, and normal force (N) of a contact.
-#[derive(Clone, Copy, Debug)]
-pub struct FrictionPoint {
-    pub slip: f64,
-    /// 0 for a law without a state.
-    pub state: f64,
-    pub normal: f64,
-}
-
-/// Ranges of slip within which a law is smooth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FrictionRange {
-    /// Regularised: |v| ≤ v_s. With stiction: the friction is within the cone.
-    Sticking,
-    /// Regularised: v_s < |v| ≤ v_d, with the sign of v given by `forward`. With stiction: at the cone, |v| ≤ v_d.
-    Transition { forward: bool },
-    /// v_d < |v|.
-    Sliding { forward: bool },
-    /// Any slip: the range is not monitored.
-    Any,
-}
-
-/// Error weight of a slip rate.
-#[derive(Clone, Copy, Debug)]
-pub struct SlipWeight {
-    /// Slip rate over which the law changes, m/s.
-    pub slip_scale: f64,
-    /// Normal force under which an error of the slip counts, N; 0 for an error that always counts.
-    pub normal_force: f64,
-}
-
-/// Result of an implicit step: opposing force, its derivatives by slip and normal force, and the state at the end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrictionStep {
-    pub force: f64,
-    pub d_slip: f64,
-    pub d_normal: f64,
-    pub state: f64,
-}
-
-/// A range ends this part of the finest slip scale beyond its nominal end, so that neighbouring ranges do not alternate.
-pub const RANGE_OVERLAP: f64 = 0.01;
 
 impl From<Option<Bristle>> for FrictionKind {
     /// Friction with stiction by this bristle; the regularised law without one.

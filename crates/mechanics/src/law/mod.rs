@@ -13,7 +13,6 @@ use crate::numeric::Real;
 use crate::numeric::elementary::{pow, powi};
 
 pub use bristle::Bristle;
-pub use friction::{FrictionKind, FrictionLaw, FrictionPoint, FrictionRange, FrictionStep, RANGE_OVERLAP, SlipWeight};
 pub use regularised::{friction_coefficient, friction_force};
 pub use restitution::damping_from_restitution;
 pub use step::smoothstep;
@@ -92,6 +91,70 @@ impl NormalLaw {
         }
     }
 }
+
+/// Parameters of a friction law: the coefficient over the slip rate, which all laws share, and the law itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionLaw {
+    pub mu_static: f64,
+    pub mu_dynamic: f64,
+    /// v_s: slip rate at which μ reaches μ_s.
+    pub v_static_m_s: f64,
+    /// v_d: slip rate from which μ = μ_d.
+    pub v_dynamic_m_s: f64,
+    pub kind: FrictionKind,
+}
+
+/// The friction laws.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FrictionKind {
+    /// Regularised Coulomb friction (thesis (2.35), errata 8), which creeps.
+    Regularised,
+    /// Friction with stiction, which holds without creep.
+    Bristle(Bristle),
+}
+
+/// Slip (m/s), internal state, and normal force (N) of a contact.
+#[derive(Clone, Copy, Debug)]
+pub struct FrictionPoint {
+    pub slip: f64,
+    /// 0 for a law without a state.
+    pub state: f64,
+    pub normal: f64,
+}
+
+/// Ranges of slip within which a law is smooth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FrictionRange {
+    /// Regularised: |v| ≤ v_s. With stiction: the friction is within the cone.
+    Sticking,
+    /// Regularised: v_s < |v| ≤ v_d, with the sign of v given by `forward`. With stiction: at the cone, |v| ≤ v_d.
+    Transition { forward: bool },
+    /// v_d < |v|.
+    Sliding { forward: bool },
+    /// Any slip: the range is not monitored.
+    Any,
+}
+
+/// Error weight of a slip rate.
+#[derive(Clone, Copy, Debug)]
+pub struct SlipWeight {
+    /// Slip rate over which the law changes, m/s.
+    pub slip_scale: f64,
+    /// Normal force under which an error of the slip counts, N; 0 for an error that always counts.
+    pub normal_force: f64,
+}
+
+/// Result of an implicit step: opposing force, its derivatives by slip and normal force, and the state at the end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrictionStep {
+    pub force: f64,
+    pub d_slip: f64,
+    pub d_normal: f64,
+    pub state: f64,
+}
+
+/// A range ends this part of the finest slip scale beyond its nominal end, so that neighbouring ranges do not alternate.
+pub const RANGE_OVERLAP: f64 = 0.01;
 
 /// Law of one contact: normal law and friction law; without a friction law the contact is frictionless.
 #[derive(Clone, Copy, Debug, PartialEq)]

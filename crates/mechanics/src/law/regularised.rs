@@ -1,7 +1,6 @@
 //! Regularised Coulomb friction with a stiction peak (thesis (2.35), Fig. 2.9, errata 8).
 
-use super::friction::{FrictionPoint, FrictionRange, FrictionStep};
-use super::{FrictionLaw, smoothstep};
+use super::{FrictionLaw, FrictionPoint, FrictionRange, FrictionStep, smoothstep};
 use crate::numeric::Real;
 
 /// μ(v) and dμ/dv, odd in the slip velocity `v` (m/s).

@@ -6,6 +6,7 @@
 //!
 //! | file | job |
 //! |---|---|
+//! | `frame` | the ground, or a body that stands for it and moves |
 //! | `joint` | joints: their kinds, coordinates and constraints |
 //! | `mirror` | mirror images: the other side of a gripper |
 //! | `outline` | outlines of bodies and their contacts |
@@ -19,6 +20,7 @@ pub mod tendon;
 mod assembly;
 mod assur;
 mod fold;
+mod frame;
 mod joint;
 mod mirror;
 mod outline;
@@ -33,6 +35,7 @@ use crate::palm_motion::{self, PalmMotion};
 
 pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
 pub use fold::folded_joints;
+pub use frame::GROUND;
 pub use joint::{Joint, JointKind, constraint_gradients, coordinate_gradient, coordinate_in};
 pub use mirror::Mirror;
 pub use outline::{
@@ -92,7 +95,7 @@ pub struct Body {
 pub enum PrescribedMotion {
     /// From the pose and rate of the body: x(t) = x + velocity t + ½ acceleration t², angle = angle + spin t.
     ConstantAcceleration { acceleration_m_s2: [f64; 2] },
-    /// Motion of a palm, from rest at the origin. Samples of the other bodies are relative to the palm.
+    /// Motion of a palm, from rest at its initial pose, which is that of the body. Samples of the other bodies are relative to the palm.
     Palm(PalmMotion),
 }
 
@@ -377,7 +380,7 @@ impl Mechanism {
 
     /// Name of a body; `ground` for `None`.
     pub fn body_name(&self, body: Option<usize>) -> &str {
-        body.map_or("ground", |body| &self.bodies[body].name)
+        body.map_or(GROUND, |body| &self.bodies[body].name)
     }
 
     /// Whether a body is the ground (`None`) or has a prescribed motion.

@@ -194,14 +194,33 @@ pub fn mechanism_balance(at_rest: &MechanismAtRest<'_>, count: usize) -> Result<
 /// motion at rest can balance. What they cannot balance without an acceleration is subtracted.
 pub fn balance_at_rest(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest, count: usize) -> Result<BalanceAtRest> {
     let frame = Frame::new(at_rest, at_rest.drives);
+    Ok(match balanced_equations(&frame, loads)? {
+        Ok(equations) => BalanceAtRest::Limits(frame.balance_all(&equations, count)?),
+        Err(remainder) => BalanceAtRest::NotAtRest { remainder },
+    })
+}
+
+/// [`balance_at_rest`] in one direction; `None` if the loads are not balanced.
+pub fn balance_at_rest_towards(
+    at_rest: &MechanismAtRest<'_>,
+    loads: &LoadsAtRest,
+    direction: [f64; 2],
+) -> Result<Option<MechanismBalance>> {
+    let frame = Frame::new(at_rest, at_rest.drives);
+    let equations = balanced_equations(&frame, loads)?;
+    equations.ok().map(|equations| frame.balance(&equations, direction)).transpose()
+}
+
+/// Equations whose fixed load is balanced, or the unbalanced part of the loads, relative to the largest one.
+fn balanced_equations(frame: &Frame<'_>, loads: &LoadsAtRest) -> Result<std::result::Result<Equations, f64>> {
     let (mut equations, largest) = frame.equations_at_rest(loads)?;
     let unbalanced = unbalanced(&equations)?;
     let size = unbalanced.iter().map(|part| part * part).sum::<f64>().sqrt();
     if size > MAX_REMAINDER * largest {
-        return Ok(BalanceAtRest::NotAtRest { remainder: size / largest });
+        return Ok(Err(size / largest));
     }
     equations.fixed.iter_mut().zip(&unbalanced).for_each(|(load, part)| *load -= part);
-    frame.balance_all(&equations, count).map(BalanceAtRest::Limits)
+    Ok(Ok(equations))
 }
 
 /// The part of the fixed load that is left by the forces that balance most of it: of least sum of magnitudes.

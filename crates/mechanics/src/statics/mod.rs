@@ -35,12 +35,12 @@ pub use hand::{
 pub use hull::{GRIP_TOLERANCE, WrenchHull, hull_distance};
 pub use mechanism::{
     BalanceAtRest, BodyMotion, ContactAtRest, DriveState, LoadsAtRest, MAX_REMAINDER, MechanismAtRest,
-    MechanismBalance, MechanismClosure, MechanismLimit, balance_at_rest, efforts, mechanism_balance,
-    mechanism_balance_towards, mechanism_closure,
+    MechanismBalance, MechanismClosure, MechanismLimit, balance_at_rest, balance_at_rest_towards, efforts,
+    mechanism_balance, mechanism_balance_towards, mechanism_closure,
 };
 pub use roles::{
-    GraspKeys, GraspPair, GraspRoles, NoGrasp, Roles, carries, default_base, default_object, grasp_roles, radius_m,
-    roles,
+    GraspKeys, GraspPair, GraspRoles, NoGrasp, Roles, carriers, carries, default_base, default_object, grasp_roles,
+    move_ground, radius_m, roles,
 };
 
 /// Result of the functions of this module.

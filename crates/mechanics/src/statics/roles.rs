@@ -8,6 +8,7 @@
 use crate::mechanism::{Body, ContactPair, JointCombination, Mechanism, OutlineId, OutlineShape, SpringKind};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::sub;
+use crate::palm_motion::PalmMotion;
 
 /// Keys of a scene about its grasp; everything else has a default.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -78,7 +79,11 @@ pub fn grasp_roles(mechanism: &Mechanism, keys: &GraspKeys) -> std::result::Resu
     let object = keys.object.map_or_else(|| default_object(mechanism), Ok)?;
     let base = keys.base.unwrap_or_else(|| default_base(mechanism, object, &keys.surroundings));
     let is_hand = |id: OutlineId| {
-        let has_role = id.body.map_or(base.is_none(), |body| mechanism.has_joint(Some(body)));
+        let has_role = match id.body {
+            body if body == mechanism.frame() => base == body,
+            None => false,
+            body => mechanism.has_joint(body),
+        };
         has_role && !keys.surroundings.contains(&id)
     };
     let mut pairs: Vec<([OutlineId; 2], GraspPair)> = Vec::new();
@@ -108,7 +113,8 @@ pub fn grasp_roles(mechanism: &Mechanism, keys: &GraspKeys) -> std::result::Resu
         let id = OutlineId { body: Some(object), outline };
         return Err(NoGrasp::HalfPlane(mechanism.outline_name(id)));
     }
-    let of_ground = pairs.iter().filter(|pair| pair.is_hand && pair.other.body.is_none()).map(|pair| pair.other);
+    let is_of_frame = |pair: &&GraspPair| pair.is_hand && pair.other.body == mechanism.frame();
+    let of_ground = pairs.iter().filter(is_of_frame).map(|pair| pair.other);
     let mut assumed_hand: Vec<OutlineId> = of_ground.filter(|_| keys.base.is_none()).collect();
     assumed_hand.sort_by_key(|id| id.outline);
     assumed_hand.dedup();
@@ -209,13 +215,15 @@ pub fn roles(
 ///
 /// The base is the last body through which every path of joints from the ground leads to the bodies that can touch the
 /// object, and from which at least two joints lead on to such bodies: the palm of a hand on a lift. A body with a
-/// prescribed motion that carries all of them is a base as well. Outlines listed as surroundings do not count as touching.
+/// prescribed motion that carries all of them is a base as well. Without such a body, the base is the frame of the mechanism:
+/// the ground, or the body that stands for it. Outlines listed as surroundings do not count as touching.
 pub fn default_base(mechanism: &Mechanism, object: usize, surroundings: &[OutlineId]) -> Option<usize> {
     let graph = Graph { mechanism, object, surroundings };
     let touching = graph.touching();
     let candidates = (0..mechanism.bodies.len()).filter(|body| graph.leads_to(*body, &touching) >= 2);
     let carriers = |body: &usize| graph.ground_side(*body).into_iter().filter(|carries| *carries).count();
-    candidates.filter(|body| carries(mechanism, (object, *body), surroundings)).max_by_key(carriers)
+    let base = candidates.filter(|body| carries(mechanism, (object, *body), surroundings)).max_by_key(carriers);
+    base.or(mechanism.frame())
 }
 
 /// Whether every path of joints from the ground to the bodies that can touch the object leads through a body.
@@ -224,6 +232,25 @@ pub fn carries(mechanism: &Mechanism, (object, base): (usize, usize), surroundin
     let without = graph.ground_side(base);
     let can_carry = mechanism.has_joint(Some(base)) && base != object;
     can_carry && graph.touching().into_iter().all(|body| body == base || !without[body])
+}
+
+/// Whether joints connect each body with the ground, or with a prescribed motion, without passing the base of a hand: what
+/// carries the base.
+pub fn carriers(mechanism: &Mechanism, (object, base): (usize, usize)) -> Vec<bool> {
+    Graph { mechanism, object, surroundings: &[] }.ground_side(base)
+}
+
+/// Moves the ground with all that is fixed to it, except outlines listed as surroundings; the keys follow.
+pub fn move_ground(mechanism: &mut Mechanism, keys: &mut Option<GraspKeys>, motion: PalmMotion) {
+    let listed = keys.as_ref().map_or(&[][..], |keys| &keys.surroundings);
+    let places = mechanism.move_frame(motion, |outline| listed.contains(&OutlineId { body: None, outline }));
+    let Some(keys) = keys else { return };
+    for id in keys.surroundings.iter_mut().filter(|id| id.body.is_none()) {
+        *id = places[id.outline];
+    }
+    if keys.base == Some(None) {
+        keys.base = Some(mechanism.frame());
+    }
 }
 
 impl Roles {

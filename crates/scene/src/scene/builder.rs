@@ -162,7 +162,13 @@ impl Hand {
             });
             mechanism.contacts.extend(directed);
         }
-        mechanism.bodies.iter_mut().for_each(|body| (body.is_reported, body.drawn_m) = (true, Vec::new()));
+        for body in &mut mechanism.bodies {
+            (body.is_reported, body.drawn_m) = (true, Vec::new());
+            if body.motion.is_some() {
+                // They have no effect, but a scene file gives all bodies a mass and a moment of inertia.
+                (body.mass_kg, body.inertia_kg_m2) = (1.0, 1.0);
+            }
+        }
         mechanism.joints.iter_mut().for_each(|joint| joint.limit_name = None);
         // Rates of bodies with joints follow from those of the joints.
         let jointed: Vec<usize> = mechanism.joints.iter().flat_map(|joint| joint.bodies).flatten().collect();

@@ -119,10 +119,13 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
     let duration_s = root.is_valid("duration").then_some(*settings.duration);
     let outline = bodies::object_outline(&root);
     let gravity_m_s2 = settings.gravity.map(|component| *component);
-    let (mut hand, mut mechanism, mut discs) = (Some(Hand::EMPTY), Some(None), None);
-    let mut keys = None;
+    let (mut hand, mut mechanism, mut discs, mut keys) = (Some(Hand::EMPTY), Some(None), None, None);
     match input.kind {
-        SceneKind::Mechanism => mechanism = mechanism::mechanism(&root, gravity_m_s2).map(Some),
+        SceneKind::Mechanism => {
+            let found = mechanism::mechanism(&root, gravity_m_s2);
+            keys = found.as_ref().and_then(|(_, keys)| keys.clone());
+            mechanism = found.map(|(found, _)| Some(found));
+        }
         SceneKind::Bodies => discs = bodies::discs(&root, gravity_m_s2),
         _ => hand = self::hand(input, &root, &settings, gravity_m_s2),
     }
@@ -161,9 +164,6 @@ fn resolve(input: &SceneInput<'_>, checker: &Checker<'_>, file_name: &str) -> Op
     if let Some(discs) = discs.filter(|_| checker.is_clean()) {
         bodies::check_initial_positions(&root, &discs);
         mechanism = Some(Some(discs.mechanism()));
-    }
-    if let (SceneKind::Mechanism, Some(Some(mechanism))) = (input.kind, &mechanism) {
-        keys = mechanism::grasp(&root.subsection("grasp"), mechanism)?;
     }
     let object_kg = mechanism.as_ref().and_then(Option::as_ref).and_then(|mechanism| {
         let roles = grasp_roles(mechanism, &keys.clone().unwrap_or_default()).ok()?;

@@ -104,6 +104,11 @@ impl<'a> SectionInput<'a> {
         self.values?.get(key)
     }
 
+    /// The text under a key; `None` if it is omitted or another value.
+    pub(crate) fn text(&self, key: &str) -> Option<&'a str> {
+        self.get(key)?.get_ref().as_str()
+    }
+
     /// The items of a list.
     fn items(&self, key: &str) -> Option<&'a [Spanned<DeValue<'a>>]> {
         self.get(key)?.get_ref().as_array().map(|items| &**items)

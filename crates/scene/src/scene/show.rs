@@ -96,7 +96,7 @@ fn add_hand(file: &mut Json, hand: &Hand) {
         add_gripper(file, hand);
     }
     if let Some(motion) = &hand.palm_motion {
-        extend(file, motion::palm_motion_settings(motion));
+        extend(file, motion::palm_motion_settings(motion, None));
     }
 }
 

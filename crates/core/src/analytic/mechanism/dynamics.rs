@@ -209,7 +209,7 @@ impl MechanismModel {
     /// Inertial accelerations at time `t`, in the frame of a moving palm.
     pub(super) fn inertial_field(&self, t: f64) -> Option<InertialField> {
         let (_, motion) = self.world.as_ref()?;
-        Some(inertial_field(motion, self.mechanism.gravity_m_s2, t))
+        Some(inertial_field(motion, self.world_gravity_m_s2, t))
     }
 
     /// Adds the loads of inertia in the frame of a moving palm on a free body. Their power is work of the palm.

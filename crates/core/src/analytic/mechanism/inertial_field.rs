@@ -17,21 +17,22 @@ pub(super) struct AccelerationField {
     pub euler: f64,
 }
 
-/// Field of inertial accelerations beyond gravity in the world's frame, and its time derivative.
+/// Field of inertial accelerations beyond gravity in the axes of the palm at the start, and its time derivative.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct InertialField {
     pub field: AccelerationField,
     pub rate: AccelerationField,
 }
 
-/// Inertial field of a moving palm (Spec 6.5): inertial accelerations, and the change of gravity by the rotated frame.
+/// Inertial field of a moving palm (Spec 6.5): inertial accelerations, and the change of gravity by the rotated frame, from
+/// gravity in the world.
 pub(super) fn inertial_field(motion: &PalmMotion, gravity: [f64; 2], t: f64) -> InertialField {
     let Pose { position, rate, acceleration, jerk } = motion.pose(t);
     let ([_, _, angle], [_, _, omega]) = (position, rate);
     let (sin, cos) = sin_cos(angle);
     let rotate_into_frame = |[x, y]: [f64; 2]| rotate([x, y], [cos, -sin]);
-    let [gx, gy] = gravity;
-    let total = rotate_into_frame([gx - acceleration[0], gy - acceleration[1]]);
+    let total = rotate_into_frame([gravity[0] - acceleration[0], gravity[1] - acceleration[1]]);
+    let [gx, gy] = motion.in_initial_axes(gravity);
     let normal_to_total = perp(total);
     let [jx, jy] = rotate_into_frame([-jerk[0], -jerk[1]]);
     InertialField {

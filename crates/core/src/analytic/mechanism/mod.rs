@@ -29,6 +29,7 @@ mod pairs;
 mod palm_frame;
 mod quasi_static;
 mod reading;
+mod removal;
 mod tendon;
 
 pub(crate) use conditioning::EXCHANGE_SINE;

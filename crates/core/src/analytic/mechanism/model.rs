@@ -12,7 +12,7 @@ use super::free::{FreeBody, center_frame, free_body, is_round};
 use super::group::{PlacedGroup, start_of};
 use super::motion::{LANES, Lanes, Motions, Part, Support};
 use super::nearest::Feature;
-use super::palm_frame::{exchange_ground, palm_of_frame};
+use super::palm_frame::{exchange_ground, palm_of_frame, place_in_frame};
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactMode, EventTolerances, Mode, StateRef};
 use crate::integrator::{Dynamic, Layout, Linearised, State};
@@ -154,6 +154,8 @@ pub struct MechanismModel {
     pub(super) palm: Option<usize>,
     /// The body that stands for the world, and the motion of the palm, if the equations are written in the frame of the palm.
     pub(super) world: Option<(usize, PalmMotion)>,
+    /// Gravity in the world; that of the mechanism is in the axes of its frame at the start.
+    pub(super) world_gravity_m_s2: [f64; 2],
     /// Whether forces affect x, y and θ of each body.
     pub(super) moves_by_forces: Vec<[bool; 3]>,
     used_coordinates: usize,
@@ -302,7 +304,11 @@ impl MechanismModel {
     /// Returns an error for a mechanism without independent coordinates in closed form.
     pub fn new(mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Result<Self, StructureError> {
         let world = palm_of_frame(mechanism).zip(mechanism.palm().map(|(_, motion)| motion.clone()));
+        let world_gravity_m_s2 = mechanism.gravity_m_s2;
         let (mut mechanism, mut poses, mut rates) = (in_frame(mechanism).into_owned(), poses.to_vec(), rates.to_vec());
+        if let Some((palm, motion)) = &world {
+            place_in_frame(&mut mechanism, (*palm, motion), (&mut poses, &mut rates));
+        }
         let found = find_groups(&mechanism)?;
         let mut reported_origins = vec![[0.0; 2]; mechanism.bodies.len()];
         for (body, origin) in reported_origins.iter_mut().enumerate() {
@@ -365,6 +371,7 @@ impl MechanismModel {
             prescribed,
             palm,
             world,
+            world_gravity_m_s2,
             moves_by_forces,
             used_coordinates: coordinate_count,
             event_tolerances,

@@ -5,9 +5,10 @@
 
 use super::inertial_field::AccelerationField;
 use super::motion::Motions;
-use crate::mechanism::{Body, Mechanism, SpringKind};
+use crate::mechanism::{Body, Mechanism, Pose};
 use crate::numeric::Real;
 use crate::numeric::plane::Vector;
+use crate::scene::PalmMotion;
 
 /// The moving palm, if the equations are written in its frame: no other body has a prescribed motion, and no body keeps its
 /// angle in the world.
@@ -20,20 +21,27 @@ pub(super) fn palm_of_frame(mechanism: &Mechanism) -> Option<usize> {
 /// Exchanges the palm and the ground: what is fixed to one of them is then fixed to the other.
 pub(super) fn exchange_ground(mechanism: &mut Mechanism, palm: usize) {
     std::mem::swap(&mut mechanism.ground_outlines, &mut mechanism.bodies[palm].outlines);
-    let joints = mechanism.joints.iter_mut().flat_map(|joint| &mut joint.bodies);
-    let springs = mechanism.springs.iter_mut().filter_map(|spring| match &mut spring.kind {
-        SpringKind::Linear { bodies, .. } => Some(bodies),
-        SpringKind::Torsional { .. } => None,
+    mechanism.rename_bodies(|body| match body {
+        None => Some(palm),
+        Some(body) if body == palm => None,
+        other => other,
     });
-    let elements = mechanism.tendons.iter_mut().flat_map(|tendon| &mut tendon.path).map(|element| &mut element.body);
-    let pairs = mechanism.contacts.iter_mut().flat_map(|pair| [&mut pair.points.body, &mut pair.face.body]);
-    for body in joints.chain(springs.flatten()).chain(elements).chain(pairs) {
-        *body = match *body {
-            None => Some(palm),
-            Some(body) if body == palm => None,
-            other => other,
-        };
+}
+
+/// Expresses the start of a mechanism in the frame of its palm: poses and rates of all bodies, and gravity. The palm, which
+/// stands for the world in its frame, is at rest.
+pub(super) fn place_in_frame(
+    mechanism: &mut Mechanism,
+    (palm, motion): (usize, &PalmMotion),
+    (poses, rates): (&mut [Pose], &mut [Pose]),
+) {
+    let [px, py, turn] = motion.initial_pose;
+    for (body, (pose, rate)) in poses.iter_mut().zip(rates).enumerate() {
+        let ([x, y, angle], [vx, vy, spin]) = (if body == palm { [0.0; 3] } else { *pose }, *rate);
+        let ([x, y], [vx, vy]) = (motion.in_initial_axes([x - px, y - py]), motion.in_initial_axes([vx, vy]));
+        (*pose, *rate) = ([x, y, angle - turn], [vx, vy, spin]);
     }
+    mechanism.gravity_m_s2 = motion.in_initial_axes(mechanism.gravity_m_s2);
 }
 
 /// Acceleration of a field at a point with this velocity, with the forces that depend on the velocity.

@@ -141,9 +141,14 @@ impl MechanismModel {
         ContactReading { geometry, delta: -gap, delta_rate: -gap_rate, slip, normal: force, tangential }
     }
 
-    /// Kinetic energy of the bodies and their energy in gravity, in the frame of a body.
+    /// Kinetic energy of the bodies and their energy in gravity, in the frame of a moving palm or of the equations (`None`),
+    /// with gravity in the axes of this frame at the start.
     fn body_energies(&self, motions: &Motions<f64>, frame: Option<usize>) -> [f64; 2] {
-        let (frame, gravity) = (motions.body(frame), self.mechanism.gravity_m_s2);
+        let gravity = match self.mechanism.palm().filter(|_| frame.is_some()) {
+            Some((_, motion)) => motion.in_initial_axes(self.mechanism.gravity_m_s2),
+            None => self.mechanism.gravity_m_s2,
+        };
+        let frame = motions.body(frame);
         self.mechanism.bodies.iter().zip(&motions.bodies).fold([0.0; 2], |[kinetic, potential], (body, motion)| {
             let [x, y, spin] = motion.rate;
             let (rate, spin) = (frame.velocity_in_frame(motion.origin, [x, y]), spin - frame.rate[2]);

@@ -5,13 +5,14 @@ use super::fate::Fate;
 use super::object::ObjectCriteria;
 use super::pose::{fixed_object, poses_in};
 use crate::criteria::is_form_closed;
+use crate::drawing::states::palm_pose;
 use crate::mechanism::{Actuator, Command, ContactPair, Mechanism, PointContact, Pose, point_in};
 use crate::numeric::elementary::{atan2, sin_cos};
 use crate::numeric::plane::{add, rotate};
 use crate::scene::Scene;
 use crate::statics::{
     BalanceAtRest, ContactAtRest, DriveState, ForceClosure, FrictionContact, GraspRoles, LoadsAtRest, MechanismAtRest,
-    MechanismLimit, balance_at_rest, force_closure, mechanism_closure, roles,
+    MechanismLimit, Roles, balance_at_rest, balance_at_rest_towards, force_closure, mechanism_closure, roles,
 };
 use crate::trace::{ContactSample, Sample};
 
@@ -55,59 +56,69 @@ pub enum Margin {
 /// Returns how firmly the object is held at the end; `None` unless it is held or carried, and of a scene without a grasp.
 pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
     let grasp = scene.grasp_roles().ok().filter(|_| matches!(found.fate, Fate::Held | Fate::Carried))?;
-    let (mechanism, sample) = (&*scene.judged_mechanism(), &found.end);
-    let mut poses = poses_in(scene, sample);
-    let mut contacts = contacts(mechanism, &grasp, (sample, scene.thresholds.loss_force_n));
-    if let Some((_, motion)) = mechanism.palm() {
-        to_world(motion.pose(sample.time_s).position, &mut poses, &mut contacts);
-    }
+    let mechanism = scene.judged_mechanism();
+    let posture = Posture::in_sample(scene, (&mechanism, &grasp), &found.end);
     let on_object = |contact: &ContactAtRest| {
         let push = contact.push_on(grasp.object)?;
         Some(FrictionContact { point_m: contact.point_m, push, mu: contact.mu })
     };
-    let of_object: Vec<FrictionContact> = contacts.iter().filter_map(on_object).collect();
-    let of_bodies = contacts.iter().map(|contact| contact.bodies);
-    let roles = roles(mechanism, (grasp.object, grasp.base), &grasp.surroundings, of_bodies);
-    let posture = |drives| MechanismAtRest {
-        mechanism,
-        poses: &poses,
-        time_s: sample.time_s,
-        contacts: &contacts,
-        drives,
-        roles: &roles,
-    };
-    let loads = loads(mechanism, found);
+    let of_object: Vec<FrictionContact> = posture.contacts.iter().filter_map(on_object).collect();
+    let loads = loads(&mechanism, found);
     let is_fixed = fixed_object(&scene.hand).is_some();
     let margin = |drives| match is_fixed {
         true => Margin::Undecided { reason: "the object is fixed".to_string() },
-        false => margin(&posture(drives), &loads),
+        false => margin(&posture.at_rest(drives), &loads),
     };
     let object = &mechanism.bodies[grasp.object];
-    let centre_m = point_in(Some(grasp.object), object.com_m, &poses);
+    let centre_m = point_in(Some(grasp.object), object.com_m, &posture.poses);
     Some(Firmness {
         driven: margin(DriveState::AtEffort),
         blocked: margin(DriveState::Blocked),
         form_closed: match scene.finger_count() {
-            0 => mechanism_closure(&posture(DriveState::Blocked)).ok().map(|found| found.closure.closed),
+            0 => mechanism_closure(&posture.at_rest(DriveState::Blocked)).ok().map(|found| found.closure.closed),
             // The disc of a five-bar hand may rotate.
-            _ => is_form_closed(scene, sample),
+            _ => is_form_closed(scene, &found.end),
         },
         force_closure: force_closure(&of_object, centre_m, grasp.radius_m),
     })
 }
 
-/// Moves poses and contacts from the frame of a palm with this pose to the world, where gravity acts and directions are
-/// measured.
-fn to_world(palm: Pose, poses: &mut [Pose], contacts: &mut [ContactAtRest]) {
-    let [x, y, turn] = palm;
-    let (sin, cos) = sin_cos(turn);
-    let point = |point_m: [f64; 2]| add([x, y], rotate(point_m, [cos, sin]));
-    for pose in poses {
-        let [u, v] = point([pose[0], pose[1]]);
-        *pose = [u, v, pose[2] + turn];
+/// Returns the largest acceleration of the base in a direction of the world that the contacts active at the end can balance,
+/// with the actuators as they are there; `None` without a grasp, and where statics has no solution.
+pub fn balanced_acceleration(scene: &Scene, found: &ObjectCriteria, direction: [f64; 2]) -> Option<MechanismLimit> {
+    let (mechanism, grasp) = (scene.judged_mechanism(), scene.grasp_roles().ok()?);
+    let posture = Posture::in_sample(scene, (&mechanism, &grasp), &found.end);
+    let balance = balance_at_rest_towards(&posture.at_rest(DriveState::AtEffort), &loads(&mechanism, found), direction);
+    Some(balance.ok()??.largest)
+}
+
+/// A mechanism in a sample, with the contacts that can push; gravity and the directions of accelerations are those of the world.
+struct Posture<'a> {
+    mechanism: &'a Mechanism,
+    time_s: f64,
+    poses: Vec<Pose>,
+    contacts: Vec<ContactAtRest>,
+    roles: Roles,
+}
+
+impl<'a> Posture<'a> {
+    fn in_sample(scene: &Scene, (mechanism, grasp): (&'a Mechanism, &GraspRoles), sample: &Sample) -> Self {
+        let contacts = contacts(mechanism, grasp, (sample, scene.thresholds.loss_force_n));
+        let of_bodies = contacts.iter().map(|contact| contact.bodies);
+        let roles = roles(mechanism, (grasp.object, grasp.base), &grasp.surroundings, of_bodies);
+        let [x, y, turn] = palm_pose(mechanism, sample.time_s);
+        let (sin, cos) = sin_cos(turn);
+        let in_world = |[px, py, angle]: Pose| {
+            let [px, py] = rotate([px, py], [cos, sin]);
+            [x + px, y + py, turn + angle]
+        };
+        let poses = poses_in(scene, sample).into_iter().map(in_world).collect();
+        Self { mechanism, time_s: sample.time_s, poses, contacts, roles }
     }
-    for contact in contacts {
-        (contact.point_m, contact.normal) = (point(contact.point_m), rotate(contact.normal, [cos, sin]));
+
+    fn at_rest(&self, drives: DriveState) -> MechanismAtRest<'_> {
+        let Self { mechanism, time_s, poses, contacts, roles } = self;
+        MechanismAtRest { mechanism, poses, time_s: *time_s, contacts, drives, roles }
     }
 }
 
@@ -137,20 +148,22 @@ fn margin(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest) -> Margin {
     }
 }
 
-/// A contact of a sample, as one that can push.
-pub(crate) fn contact_at_rest(pair: &ContactPair, found: &ContactSample) -> ContactAtRest {
+/// A contact of a sample with this palm in the world, as one that can push.
+pub(crate) fn contact_at_rest(pair: &ContactPair, found: &ContactSample, [x, y, turn]: Pose) -> ContactAtRest {
+    let (sin, cos) = sin_cos(turn);
     // From the face to the points.
     let sign = if pair.is_reported_on_face { -1.0 } else { 1.0 };
     ContactAtRest {
         bodies: [pair.points.body, pair.face.body],
-        point_m: found.point_m,
-        normal: found.normal.map(|component| sign * component),
+        point_m: add([x, y], rotate(found.point_m, [cos, sin])),
+        normal: rotate(found.normal.map(|component| sign * component), [cos, sin]),
         mu: pair.law.friction.map_or(0.0, |friction| friction.mu_static),
     }
 }
 
 /// Contacts active at the end, with forces above a threshold, of the object with the hand and of the hand with itself.
 fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (&Sample, f64)) -> Vec<ContactAtRest> {
+    let palm = palm_pose(mechanism, sample.time_s);
     let is_hand = |body: Option<usize>| {
         body.map_or(grasp.base.is_none(), |body| body == grasp.object || mechanism.has_joint(Some(body)))
     };
@@ -158,7 +171,7 @@ fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (
         let (pair, found) = (&mechanism.contacts[point.pair], sample.contact(index));
         let outlines = [pair.points, pair.face];
         let is_outside = outlines.iter().any(|id| grasp.surroundings.contains(id) || !is_hand(id.body));
-        (found.normal_n > loss_force_n && !is_outside).then(|| contact_at_rest(pair, &found))
+        (found.normal_n > loss_force_n && !is_outside).then(|| contact_at_rest(pair, &found, palm))
     };
     mechanism.point_contacts().into_iter().enumerate().filter_map(contact).collect()
 }

@@ -85,6 +85,7 @@ fn check_point_count(input: &SectionInput<'_>, count: usize) -> Option<()> {
 const FINGER: &str = "finger";
 const GRIPPER: &str = "gripper";
 const BODIES: &str = "bodies";
+const MECHANISM: &str = "mechanism";
 const FINGERS: &str = "finger gripper";
 const NO_OR_TWO_FINGERS: &str = "bodies gripper mechanism";
 const NO_FINGERS: &str = "bodies mechanism";
@@ -162,6 +163,15 @@ pub struct MechanismFile {
     #[serde(flatten)]
     pub mechanism: MechanismSettings,
     pub grasp: GraspSettings,
+    /// One section per name, chosen freely. A move of a body from rest to rest along a polynomial of order 7, with zero rate,
+    /// acceleration and jerk at both ends. Overlapping moves add up.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub moves: BTreeMap<String, MoveSettings>,
+    /// One section per name, chosen freely. A vibration of a body, amplitude × sin(2π f (t − start) + phase), with a ramp over
+    /// the first periods.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub vibrations: BTreeMap<String, VibrationSettings>,
+    pub path: PathSettings,
     pub integrator: Integrator,
     pub engine: Engine,
     pub validate: Bounds,

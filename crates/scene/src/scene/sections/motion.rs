@@ -1,10 +1,10 @@
-//! Motion of the palm of a gripper.
+//! Motion of the palm of a gripper, and of a body of a mechanism.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::{check_point_count, extend};
+use super::{MECHANISM, check_point_count, extend};
 use crate::numeric::elementary::hypot;
 use crate::scene::keys::is_name;
 use crate::scene::quantity::{
@@ -14,6 +14,9 @@ use crate::scene::quantity::{
 use crate::scene::section_input::SectionInput;
 use crate::scene::{Axis, Move, PalmMotion, Path, Ramp, Vibration};
 
+/// Sections of a motion.
+pub(super) const MOTION_SECTIONS: [&str; 3] = ["moves", "vibrations", "path"];
+
 /// Coordinates that are not 0.
 fn nonzero(x: f64, y: f64, angle: f64) -> impl Iterator<Item = (Axis, f64)> {
     [(Axis::X, x), (Axis::Y, y), (Axis::Angle, angle)].into_iter().filter(|(_, value)| *value != 0.0)
@@ -22,15 +25,23 @@ fn nonzero(x: f64, y: f64, angle: f64) -> impl Iterator<Item = (Axis, f64)> {
 /// A move of the palm from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at
 /// both ends. Overlapping moves add up.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(extend("x-mechanism" = { "description": "A move of a body from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at both ends. Overlapping moves add up." }))]
 pub struct MoveSettings {
+    /// The body that moves: one without joints to the ground, or `ground` with all that is fixed to it except the surroundings
+    /// of the grasp. The same in all sections of a motion. Default: that of another section, or else the base of the grasp, or
+    /// `ground` without a grasp.
+    #[schemars(extend("minLength" = 1, "x-kinds" = MECHANISM))]
+    pub body: Option<String>,
     /// Distance along the palm.
-    #[schemars(extend("default" = "0 mm"))]
+    #[schemars(extend("default" = "0 mm", "x-mechanism" = { "description": "Distance along x of the world." }))]
     pub x: Quantity<Length>,
     /// Distance out of the palm; negative to lift an object with the gripper upside down.
-    #[schemars(extend("default" = "0 mm"))]
+    #[schemars(extend("default" = "0 mm", "x-mechanism" = { "description": "Distance along y of the world." }))]
     pub y: Quantity<Length>,
     /// Rotation, counter-clockwise.
-    #[schemars(extend("default" = "0 deg"))]
+    #[schemars(extend("default" = "0 deg", "x-mechanism" = {
+        "description": "Rotation about the origin of the body, counter-clockwise."
+    }))]
     pub angle: Quantity<Angle>,
     /// Time at which the move begins.
     #[schemars(extend("x-required" = "add the start of the move: start = \"20 ms\""))]
@@ -44,15 +55,23 @@ pub struct MoveSettings {
 
 /// A vibration of the palm, amplitude × sin(2π f (t − start) + phase), with a ramp over the first periods.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(extend("x-mechanism" = { "description": "A vibration of a body, amplitude × sin(2π f (t − start) + phase), with a ramp over the first periods." }))]
 pub struct VibrationSettings {
+    /// The body that moves: one without joints to the ground, or `ground` with all that is fixed to it except the surroundings
+    /// of the grasp. The same in all sections of a motion. Default: that of another section, or else the base of the grasp, or
+    /// `ground` without a grasp.
+    #[schemars(extend("minLength" = 1, "x-kinds" = MECHANISM))]
+    pub body: Option<String>,
     /// Amplitude along x, in the direction of the palm.
-    #[schemars(extend("default" = "0 mm"))]
+    #[schemars(extend("default" = "0 mm", "x-mechanism" = { "description": "Amplitude along x of the world." }))]
     pub x: Quantity<Length>,
     /// Amplitude along y, out of the palm.
-    #[schemars(extend("default" = "0 mm"))]
+    #[schemars(extend("default" = "0 mm", "x-mechanism" = { "description": "Amplitude along y of the world." }))]
     pub y: Quantity<Length>,
     /// Amplitude of the angle.
-    #[schemars(extend("default" = "0 deg"))]
+    #[schemars(extend("default" = "0 deg", "x-mechanism" = {
+        "description": "Amplitude of the angle, about the origin of the body."
+    }))]
     pub angle: Quantity<Angle>,
     /// Frequency. Required.
     #[schemars(extend("x-required" = "add the frequency: frequency = \"200 Hz\""))]
@@ -76,19 +95,29 @@ keywords! { Ramp { "quintic" => Ramp::Quintic, "cubic" => Ramp::Cubic } }
 /// A path of the palm: a cubic spline through poses, at rest before the first and after the last; added to moves
 /// and vibrations.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(extend("x-mechanism" = { "description": "A path of a body: a cubic spline through poses relative to that at the start, at rest before the first and after the last; added to moves and vibrations." }))]
 pub struct PathSettings {
+    /// The body that moves: one without joints to the ground, or `ground` with all that is fixed to it except the surroundings
+    /// of the grasp. The same in all sections of a motion. Default: that of another section, or else the base of the grasp, or
+    /// `ground` without a grasp.
+    #[schemars(extend("minLength" = 1, "x-kinds" = MECHANISM))]
+    pub body: Option<String>,
     /// Times of the poses, increasing.
     pub times: Option<Vec<Quantity<Time>>>,
     /// Positions along the palm, one per time. Default: 0.
+    #[schemars(extend("x-mechanism" = { "description": "Displacements along x of the world, one per time. Default: 0." }))]
     pub x: Option<Vec<Quantity<Length>>>,
     /// Positions out of the palm, one per time. Default: 0.
+    #[schemars(extend("x-mechanism" = { "description": "Displacements along y of the world, one per time. Default: 0." }))]
     pub y: Option<Vec<Quantity<Length>>>,
     /// Angles, one per time. Default: 0.
+    #[schemars(extend("x-mechanism" = { "description": "Rotations about the origin of the body, one per time. Default: 0." }))]
     pub angle: Option<Vec<Quantity<Angle>>>,
 }
 
-/// Settings of a given motion: moves, vibrations and path; those without a name are numbered.
-pub fn palm_motion_settings(motion: &PalmMotion) -> Value {
+/// Settings of a given motion of a body (`None`: the palm of a gripper): moves, vibrations and path; those without a name are
+/// numbered.
+pub fn palm_motion_settings(motion: &PalmMotion, body: Option<&str>) -> Value {
     let mut settings = json!({ "moves": {}, "vibrations": {} });
     let mut add = |section: &str, names: &[String], index: usize, (axis, value): (Axis, f64), more: Value| {
         let name = names.get(index).filter(|name| is_name(name)).cloned();
@@ -97,11 +126,12 @@ pub fn palm_motion_settings(motion: &PalmMotion) -> Value {
         extend(item, more);
     };
     for (index, Move { axis, distance, start_s, length_s }) in motion.moves.iter().enumerate() {
-        let more = json!({ "start": start_s, "time": length_s });
+        let more = json!({ "body": body, "start": start_s, "time": length_s });
         add("moves", &motion.names[0], index, (*axis, *distance), more);
     }
     for (index, item) in motion.vibrations.iter().enumerate() {
         let more = json!({
+            "body": body,
             "frequency": item.frequency_hz,
             "phase": item.phase_rad,
             "start": item.start_s,
@@ -113,7 +143,7 @@ pub fn palm_motion_settings(motion: &PalmMotion) -> Value {
     if let Some(path) = &motion.path {
         let axis = |axis: usize| path.points().iter().map(|point| point.1[axis]).collect::<Value>();
         let times = path.points().iter().map(|point| point.0).collect::<Value>();
-        settings["path"] = json!({ "times": times, "x": axis(0), "y": axis(1), "angle": axis(2) });
+        settings["path"] = json!({ "body": body, "times": times, "x": axis(0), "y": axis(1), "angle": axis(2) });
     }
     settings
 }
@@ -140,7 +170,7 @@ pub fn palm_motion(input: &SectionInput<'_>, is_fixed: bool) -> Option<PalmMotio
         return None;
     }
     if is_fixed {
-        let section = ["moves", "vibrations", "path"].into_iter().find(|section| input.has(section)).unwrap_or("moves");
+        let section = MOTION_SECTIONS.into_iter().find(|section| input.has(section)).unwrap_or("moves");
         let help = "write object.motion = \"free\", or remove the motion of the palm";
         let message = "the palm moves, but the object is fixed in the world";
         input.report(section, message, "requires a free object", help);
@@ -150,7 +180,7 @@ pub fn palm_motion(input: &SectionInput<'_>, is_fixed: bool) -> Option<PalmMotio
 
 /// Moves along each coordinate that changes. The duration is given, or follows from the peak acceleration.
 fn moves(input: &SectionInput<'_>) -> impl Iterator<Item = Move> {
-    let MoveSettings { x, y, angle, start, time, acceleration } = input.read();
+    let MoveSettings { x, y, angle, start, time, acceleration, .. } = input.read();
     let distance_m = hypot(*x, *y);
     if input.has("time") {
         input.report_unused(["acceleration"], "with `time`");
@@ -169,7 +199,7 @@ fn moves(input: &SectionInput<'_>) -> impl Iterator<Item = Move> {
 }
 
 fn path(input: &SectionInput<'_>) -> Option<Path> {
-    let PathSettings { times, x, y, angle } = input.read();
+    let PathSettings { times, x, y, angle, .. } = input.read();
     check_point_count(input, times.as_ref().map_or(0, Vec::len))?;
     let (times, coordinates) = (si_values(times), [si_values(x), si_values(y), si_values(angle)]);
     let is_ordered = times.iter().all(|time| *time >= 0.0) && times.windows(2).all(|pair| pair[0] < pair[1]);

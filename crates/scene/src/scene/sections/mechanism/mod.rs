@@ -11,6 +11,7 @@
 //! | `contact` | laws and contacts |
 //! | `grasp` | grasp |
 //! | `mirror` | mirror |
+//! | `moving_base` | no section: the body of moves, vibrations and path |
 //! | `names` | no section: names by which sections refer to each other, and checks that they share |
 //! | `show` | a mechanism as sections |
 //! | `start` | no section: checks of the assembled start |
@@ -20,6 +21,7 @@ mod contact;
 mod grasp;
 mod joint;
 mod mirror;
+mod moving_base;
 mod names;
 pub(crate) mod outline;
 mod show;
@@ -34,14 +36,17 @@ use crate::limits::{MAX_BODIES, MAX_JOINTS, MAX_OUTLINES, MAX_TENDONS};
 use crate::mechanism::{AssemblyError, Body, Condition, Mechanism, Mirror, Outline, PlaneArea, Start, assemble};
 use crate::scene::quantity::{Angle, AngularRate, Density, Inertia, Length, Mass, Positive, Quantity, Speed};
 use crate::scene::section_input::{SectionInput, Subsection};
+use crate::statics::GraspKeys;
 use actuator::{ActuatorSettings, actuator, limit_target_rates, pulls};
 use contact::{ContactEntry, NamedLawSettings, contacts, named_law};
-pub use grasp::{GraspSettings, grasp, grasp_settings};
+use grasp::grasp;
+pub use grasp::{GraspSettings, grasp_settings};
 use joint::{
     CouplingSettings, JointSettings, LinkageSpringSettings, RotorSettings, coupling, joint, joint_bodies, joint_kind,
     rotor, spring,
 };
 use mirror::{Entries, MirrorSettings, check_images, mirror};
+use moving_base::move_base;
 use names::{Known, check_name};
 use outline::{OutlineSettings, outline, si};
 pub use show::mechanism_settings;
@@ -115,7 +120,8 @@ pub struct LinkSettings {
     pub outlines: Subsection,
 }
 
-/// Rough pose of a body with joints: it selects how the loops are assembled.
+/// Rough pose of a body with joints: it selects how the loops are assembled. A body that moves by [moves], [vibrations] or
+/// [path] starts exactly there.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct GuessSettings {
     /// Position of the origin of the body's frame.
@@ -151,8 +157,8 @@ pub struct GroundSettings {
     pub outlines: BTreeMap<String, OutlineSettings>,
 }
 
-/// Resolves a mechanism and assembles it; `None` if any part is invalid.
-pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mechanism> {
+/// Resolves a mechanism with the keys of its grasp and assembles it; `None` if any part is invalid.
+pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<(Mechanism, Option<GraspKeys>)> {
     let mirror_section = root.subsection("mirror");
     let mirror = mirror(&mirror_section);
     let [bodies, joints, springs, tendons, couplings, actuators, rotors] =
@@ -241,6 +247,8 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mech
     };
     let pairs = contacts(root, &mechanism, &images, &known)?;
     mechanism.contacts = pairs.iter().map(|(pair, _)| pair.clone()).collect();
+    let mut keys = grasp(&root.subsection("grasp"), &mechanism)?;
+    move_base(root, &mut mechanism, &mut keys)?;
     // A start that does not fit is reported only if everything else is valid.
     if root.checker.is_clean() {
         match assemble_images(&mut mechanism, &joints) {
@@ -261,7 +269,7 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<Mech
             }
         }
     }
-    Some(mechanism)
+    Some((mechanism, keys))
 }
 
 /// Checks the number of sections of a kind.

@@ -8,8 +8,7 @@ use crate::scene::Problem;
 use crate::scene::keys::{closest_match, is_name};
 use crate::scene::section_input::SectionInput;
 
-/// Name of the fixed body.
-pub(super) const GROUND: &str = "ground";
+pub(super) use crate::mechanism::GROUND;
 
 /// Checks the name of a section: names are used in topics, keys and columns.
 pub(super) fn check_name(section: &SectionInput<'_>, key: &str, name: &str) {

@@ -15,6 +15,7 @@ use crate::mechanism::{
 };
 use crate::scene::Profile;
 use crate::scene::quantity::Keyword;
+use crate::scene::sections::motion::palm_motion_settings;
 use crate::scene::sections::{extend, law};
 use crate::units::{Dimension, format};
 
@@ -66,9 +67,14 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Value {
         settings["inertia"] = (*inertia).into();
         (name.clone(), settings)
     });
-    json!({
-        "bodies": mechanism.bodies.iter().enumerate().map(body).collect::<Value>(),
-        "ground": { "outlines": mechanism.ground_outlines.iter().map(outline_settings).collect::<Value>() },
+    // The body that stands for the ground has its outlines.
+    let frame = mechanism.frame();
+    let moving_outlines = frame.map_or(&[][..], |frame| &mechanism.bodies[frame].outlines);
+    let ground_outlines = mechanism.ground_outlines.iter().chain(moving_outlines);
+    let bodies = mechanism.bodies.iter().enumerate().filter(|(index, _)| frame != Some(*index));
+    let mut settings = json!({
+        "bodies": bodies.map(body).collect::<Value>(),
+        "ground": { "outlines": ground_outlines.map(outline_settings).collect::<Value>() },
         "joints": joints.collect::<Value>(),
         "springs": springs.collect::<Value>(),
         "tendons": tendons.collect::<Value>(),
@@ -77,7 +83,11 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Value {
         "rotors": rotors.collect::<Value>(),
         "laws": laws.settings(),
         "contacts": mechanism.contacts.iter().map(contact).collect::<Value>(),
-    })
+    });
+    if let Some((body, motion)) = mechanism.palm() {
+        extend(&mut settings, palm_motion_settings(motion, Some(mechanism.body_name(Some(body)))));
+    }
+    settings
 }
 
 fn joint_settings(joint: &Joint, mechanism: &Mechanism, laws: &Laws) -> (String, Value) {

@@ -1,0 +1,52 @@
+//! The frame of a mechanism: the ground, or a body that stands for it and moves.
+
+use super::{Body, Mechanism, OutlineId, PrescribedMotion, SpringKind};
+use crate::palm_motion::PalmMotion;
+
+/// Name of the ground, and of the body that stands for it.
+pub const GROUND: &str = "ground";
+
+impl Mechanism {
+    /// The body to which the frame of the mechanism is fixed: the ground (`None`), or the body that stands for it.
+    pub fn frame(&self) -> Option<usize> {
+        self.palm().map(|(palm, _)| palm).filter(|palm| self.bodies[*palm].name == GROUND)
+    }
+
+    /// Moves the frame: joints, springs, cables and contacts of the ground become those of a new body, and so do its outlines,
+    /// except those that stay in the world. Returns the new places of all outlines of the ground.
+    pub fn move_frame(&mut self, motion: PalmMotion, stays: impl Fn(usize) -> bool) -> Vec<OutlineId> {
+        let frame = self.bodies.len();
+        self.rename_bodies(|body| body.or(Some(frame)));
+        let mut body = Body { is_reported: false, ..Body::new(GROUND, 0.0, 0.0) };
+        body.pose = motion.initial_pose;
+        body.motion = Some(PrescribedMotion::Palm(motion));
+        let mut places = Vec::new();
+        for (index, outline) in std::mem::take(&mut self.ground_outlines).into_iter().enumerate() {
+            let (body, outlines) = match stays(index) {
+                true => (None, &mut self.ground_outlines),
+                false => (Some(frame), &mut body.outlines),
+            };
+            places.push(OutlineId { body, outline: outlines.len() });
+            outlines.push(outline);
+        }
+        self.bodies.push(body);
+        for id in self.contacts.iter_mut().flat_map(|pair| [&mut pair.points, &mut pair.face]) {
+            if id.body == Some(frame) {
+                *id = places[id.outline];
+            }
+        }
+        places
+    }
+
+    /// Replaces the bodies of all joints, springs, cables and contacts.
+    pub fn rename_bodies(&mut self, renamed: impl Fn(Option<usize>) -> Option<usize>) {
+        let joints = self.joints.iter_mut().flat_map(|joint| &mut joint.bodies);
+        let springs = self.springs.iter_mut().filter_map(|spring| match &mut spring.kind {
+            SpringKind::Linear { bodies, .. } => Some(bodies),
+            SpringKind::Torsional { .. } => None,
+        });
+        let elements = self.tendons.iter_mut().flat_map(|tendon| &mut tendon.path).map(|element| &mut element.body);
+        let pairs = self.contacts.iter_mut().flat_map(|pair| [&mut pair.points.body, &mut pair.face.body]);
+        joints.chain(springs.flatten()).chain(elements).chain(pairs).for_each(|body| *body = renamed(*body));
+    }
+}
