@@ -81,7 +81,7 @@ fn summaries_and_pages_name_fingers_and_object() {
     assert_contains(
         &ejected,
         &[
-            "ejected at 33.9991 ms: out of the reach of both fingers",
+            "ejected at 34.00 ms: out of the reach of both fingers at 33.9991 ms",
             "the object left the reach of both fingers at 33.99",
         ],
     );
@@ -104,7 +104,7 @@ fn summaries_describe_the_outcome_of_a_cycle() {
     let dropped = succeed(&["run", "--no-check", "scenes/gripper/cycle-dropped.toml"]);
     assert_contains(
         &dropped,
-        &["dropped at 100.204 ms: no longer gripped from 100.204 ms on", "ms to the end: the object travels"],
+        &["dropped at 100.2 ms: no longer gripped from 100.204 ms on", "ms to the end: the object travels"],
     );
     assert!(!dropped.contains("released"), "{dropped}");
 }
