@@ -155,8 +155,8 @@ class Result:
 
     @property
     def criteria(self) -> dict[str, Any] | None:
-        """Criteria of a finger (`class`, `class_reason`, `tts_s`, …), or the fate of a gripper's object. Of a mechanism with a
-        grasp, a dictionary whose `grasp` has fate, times, pairs and margin.
+        """Criteria of a finger (`class`, `class_reason`, `tts_s`, …), or the fate of the object of a hand: a dictionary whose
+        `grasp` has fate, reason, times, pairs and margin. That of a gripper also has the entries of its `grasp` itself.
 
         None for discs (`contacts` contains their restitution), and for a run without criteria; `summary["no_criteria"]` or
         `summary["no_grasp"]` gives the reason.

@@ -143,26 +143,27 @@ impl Result {
     }
 
     /// Criteria of a finger (class, its reason `class_reason`, time to stability `tts_s`, `rebound_percent`, …), or the
-    /// fate of the object of a gripper. Of a mechanism with a grasp, a dictionary whose `grasp` has fate, times, pairs and
-    /// margin.
+    /// fate of the object of a hand: a dictionary whose `grasp` has fate, reason, times, pairs and margin. That of a gripper
+    /// also has the entries of its `grasp` itself.
     ///
     /// None for discs (`contacts` contains their restitution), and for a run without criteria; `summary["no_criteria"]` or
     /// `summary["no_grasp"]` gives the reason.
     #[getter]
     fn criteria<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        match self.schema.fingers.len() {
-            0 => {
-                let grasp = self.summary_entry(py, "grasp")?;
-                if grasp.is_none() {
-                    return Ok(grasp);
-                }
-                let criteria = PyDict::new(py);
-                criteria.set_item("grasp", grasp)?;
-                Ok(criteria.into_any())
-            }
-            1 => self.summary_entry(py, "criteria"),
-            _ => self.summary_entry(py, "grasp"),
+        let fingers = self.schema.fingers.len();
+        if fingers == 1 {
+            return self.summary_entry(py, "criteria");
         }
+        let grasp = self.summary_entry(py, "grasp")?;
+        if grasp.is_none() {
+            return Ok(grasp);
+        }
+        let criteria = PyDict::new(py);
+        if fingers > 1 {
+            criteria.update(grasp.cast()?)?;
+        }
+        criteria.set_item("grasp", grasp)?;
+        Ok(criteria.into_any())
     }
 
     /// Energies and work at the end, J.

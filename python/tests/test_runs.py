@@ -92,6 +92,7 @@ class Runs(unittest.TestCase):
         self.assertAlmostEqual(result.energies["balance_j"], result["balance_j"][-1])
         gripper = phalanx.run(GRIPPER)
         self.assertEqual(gripper.criteria["fate"], "held")
+        self.assertEqual(gripper.criteria["grasp"], gripper.summary["grasp"])
         self.assertIsNone(phalanx.run(DISCS).criteria)
 
     def test_log_equals_the_log_of_the_program(self):

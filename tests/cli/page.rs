@@ -1,10 +1,12 @@
 //! Contents of the page with the moving bodies, read back from its bytes.
 
 use base64::prelude::{BASE64_STANDARD, Engine};
+use phalanx::criteria::ObjectTracker;
 use phalanx::drawing::{Drawing, FramePose};
 use phalanx::page::{MAX_SAMPLES, Note, Page, Picture, Playback, PlaybackRecorder, build_playback, render_page};
+use phalanx::report::object::ObjectReport;
 use phalanx::scene::{self, Scene};
-use phalanx::trace::{ContactSample, FingerContact, Model, Sink};
+use phalanx::trace::{ContactSample, FingerContact, Model, Sink, run};
 use phalanx::validate::{Recording, record};
 use serde_json::Value;
 
@@ -265,4 +267,43 @@ fn long_run_is_decimated_and_keeps_its_extremes() {
     }
     let html = render_page(&page_with_runs("long", vec![playback]));
     assert_eq!(data(&html)["runs"][0]["recorded"], recording.samples.len());
+}
+
+/// The answer is text of the page, which needs no script; the states are in its data, and drawn with names.
+#[test]
+fn page_begins_with_the_answer_and_has_the_states_of_the_object() {
+    let scene = load("gripper/cycle");
+    let reports = [Model::Analytic, Model::Engine].map(|model| {
+        let mut tracker = ObjectTracker::for_scene(&scene).expect("a grasp");
+        run(model, &scene, &mut tracker).expect("a completed run");
+        ObjectReport::new(&tracker.criteria().expect("a run"), Some(&scene))
+    });
+    let (_, playbacks) = playbacks(&scene);
+    let runs: Vec<Playback> = playbacks
+        .into_iter()
+        .zip(&reports)
+        .map(|(playback, report)| playback.with_grasp(Some(report.played())))
+        .collect();
+    let html = render_page(&page_with_runs("cycle", runs));
+    let heading = &html[html.find("<h1>").expect("a heading")..html.find("<main").expect("the playback")];
+    for report in &reports {
+        assert!(report.answer().starts_with("held since 4.501 ms: "), "{}", report.answer());
+        assert!(heading.contains(&report.answer()), "{heading}");
+    }
+    for run in list(&data(&html)["runs"]) {
+        let states: Vec<(f64, &str)> = list(&run["grasp"]["states"])
+            .iter()
+            .map(|state| (state["from_s"].as_f64().expect("a time"), state["name"].as_str().expect("a name")))
+            .collect();
+        assert!(states.is_sorted_by(|a, b| a.0 < b.0), "{states:?}");
+        let names: Vec<&str> = states.iter().map(|(_, name)| *name).collect();
+        assert_eq!((states[0].0, names[0], names[names.len() - 1]), (0.0, "resting", "released"), "{states:?}");
+        assert_eq!(states[names.len() - 1].0, 0.35);
+        for name in names {
+            assert!(html.contains(&format!(".states .{name} {{")) && html.contains(&format!("\n  {name}: ")), "{name}");
+        }
+    }
+    // Without a grasp there is neither.
+    let (_, playbacks) = self::playbacks(&load("laws/two-free"));
+    assert!(!render_page(&page_with_runs("discs", playbacks)).contains("class=\"answer\""));
 }

@@ -122,9 +122,8 @@ impl SegmentSplitter {
 
     /// The force of an unloaded contact that exceeds the threshold at the next sample; `None` for other contacts.
     fn rising_force(&self, contact: usize, last: &Sample, next: &Sample) -> Option<(RisingForce, f64)> {
-        let threshold_n = self.threshold_n.filter(|_| self.is_unloaded(contact, last))?;
-        let index = self.indices[contact];
-        (next.normal_n(index) > threshold_n).then(|| {
+        let (threshold_n, index) = (self.threshold_n?, self.indices[contact]);
+        (next.normal_n(index) > threshold_n && self.is_unloaded(contact, last)).then(|| {
             let [from, to] = [last, next].map(|sample| sample.gap(index));
             let gap = Hermite::new((last.time_s, from[0], from[1]), (next.time_s, to[0], to[1]));
             let law = self.laws[contact];
@@ -134,6 +133,13 @@ impl SegmentSplitter {
 
     /// Returns whether a contact is active at a time between two samples.
     fn is_active(&self, contact: usize, last: &Sample, next: &Sample, time_s: f64, lifts_off: bool) -> bool {
+        // Most contacts are open.
+        if self.events.is_empty()
+            && next.normal_n(self.indices[contact]) == 0.0
+            && last.normal_n(self.indices[contact]) == 0.0
+        {
+            return false;
+        }
         if self.threshold_n.is_some() && self.is_unloaded(contact, last) {
             let force = self.rising_force(contact, last, next);
             return force.is_some_and(|(force, threshold_n)| force.at(time_s) > threshold_n);

@@ -94,6 +94,12 @@ pub(crate) fn poses_in_world(mechanism: &Mechanism, sample: &Sample) -> Vec<Pose
     in_sample(mechanism, sample).bodies.into_iter().map(in_world).collect()
 }
 
+/// The state of the ground at a time.
+pub(crate) fn ground_at(mechanism: &Mechanism, time_s: f64) -> BodyState {
+    let pose = mechanism.palm().map(|(_, motion)| motion.pose(time_s));
+    pose.map_or_else(BodyState::default, |pose| ground_in_palm(pose.position, pose.rate))
+}
+
 /// State of the ground relative to a palm with this pose and rate.
 fn ground_in_palm([x, y, angle]: [f64; 3], [vx, vy, spin]: [f64; 3]) -> BodyState {
     let (sin, cos) = sin_cos(angle);

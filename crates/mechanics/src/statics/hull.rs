@@ -52,8 +52,18 @@ impl WrenchHull {
         self.vertices.iter().all(|vertex| direction.dot(vertex) > GRIP_TOLERANCE * length)
     }
 
-    /// Returns the point of the hull that is nearest to the origin; `None` without contacts.
-    pub fn nearest(&self) -> Option<Wrench> {
+    /// Returns the point nearest to the origin of the affine hull of some vertices, if they are independent and the point lies
+    /// between them, and thus in the hull.
+    pub fn nearest_of(&self, support: &[usize]) -> Option<Wrench> {
+        let vertex = |index: &usize| Some((*self.vertices.get(*index)?, 0.0));
+        let simplex = support.iter().map(vertex).collect::<Option<Vec<_>>>()?;
+        let weights = affine_weights(&simplex).filter(|weights| weights.iter().all(|weight| *weight > 0.0))?;
+        Some(simplex.iter().zip(weights).map(|((vertex, _), weight)| vertex * weight).sum())
+    }
+
+    /// Returns the point of the hull that is nearest to the origin, and the vertices between which it lies; `None` without
+    /// contacts.
+    pub fn nearest(&self) -> Option<(Wrench, Vec<usize>)> {
         let square = |vertex: &Wrench| vertex.dot(vertex);
         let first = self.vertices.iter().min_by(|a, b| square(a).total_cmp(&square(b)))?;
         let largest = self.vertices.iter().map(square).fold(0.0, f64::max);
@@ -69,7 +79,8 @@ impl WrenchHull {
             reduce(&mut simplex);
             nearest = simplex.iter().map(|(vertex, weight)| vertex * *weight).sum();
         }
-        Some(nearest)
+        let index = |(kept, _): &(Wrench, f64)| self.vertices.iter().position(|vertex| vertex == kept);
+        Some((nearest, simplex.iter().filter_map(index).collect()))
     }
 }
 
@@ -78,7 +89,7 @@ impl WrenchHull {
 pub fn hull_distance(contacts: &[FrictionContact], centre_m: [f64; 2], radius_m: f64) -> f64 {
     let mut hull = WrenchHull::default();
     contacts.iter().for_each(|contact| hull.add(edges(contact, centre_m, radius_m)));
-    hull.nearest().map_or(f64::INFINITY, |nearest| nearest.norm())
+    hull.nearest().map_or(f64::INFINITY, |(nearest, _)| nearest.norm())
 }
 
 /// Moves the weights to the nearest point of the simplex, and removes the vertices that it does not need.

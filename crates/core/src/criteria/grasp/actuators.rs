@@ -1,8 +1,9 @@
 //! Efforts, rates, powers and energies of the actuators during a run.
 //!
 //! Samples are too far apart for the work of an actuator: its effort jumps where its command does, and a servo follows
-//! motions between them. Therefore the law of the actuator is integrated along the interpolated motion, piece by piece
-//! between the jumps of its command.
+//! motions between them. The run knows the work of all actuators together. Its part for each of them is estimated in every
+//! step by the law of the actuator along the interpolated motion; the actuators share the difference in proportion to how
+//! much this estimate differs from the mean power, so that those without a jump or an impact have none of it.
 
 use crate::criteria::segments::Hermite;
 use crate::drive::Profile;
@@ -48,6 +49,9 @@ pub struct ActuatorCriteria {
 /// Coordinate of an actuator, and its rate.
 type State = [f64; 2];
 
+/// Estimates of the work in a step: by the law of the actuator, and by the mean of the powers at both ends, J.
+type Estimates = [f64; 2];
+
 impl ActuatorCriteria {
     /// Creates the figures of all actuators, in the order of a sample.
     pub(super) fn of(mechanism: &Mechanism) -> Vec<Self> {
@@ -65,19 +69,32 @@ impl ActuatorCriteria {
         let tendons = mechanism.tendons.iter().enumerate();
         let pulls = tendons.filter_map(|(index, tendon)| Some((index, tendon.actuator.as_ref()?)));
         let (of_joints, of_cables) = all.split_at_mut(mechanism.actuators.len());
+        let mut estimates = Vec::with_capacity(of_joints.len() + of_cables.len());
         for (index, (found, actuator)) in of_joints.iter_mut().zip(&mechanism.actuators).enumerate() {
             found.add_peaks(next.actuator(index), state(actuator, next)[1]);
-            found.add_joint_step(actuator, last, next);
+            estimates.push(found.add_joint_step(actuator, last, next));
         }
-        for (index, (found, (tendon, actuator))) in of_cables.iter_mut().zip(pulls).enumerate() {
+        for (found, (tendon, actuator)) in of_cables.iter_mut().zip(pulls) {
             // A cable that becomes shorter receives power.
-            let state = |sample: &Sample| [-sample.tendon(tendon).length_m, -sample.tendon(tendon).rate_m_s];
-            found.add_peaks(next.actuator(mechanism.actuators.len() + index), state(next)[1]);
-            if let Some(last) = last {
-                let pull = |time_s: f64, _: State| actuator.tension.at(time_s).0.max(0.0);
-                let ends = [(last.time_s, state(last)), (next.time_s, state(next))];
-                found.energy_j += work(ends, &actuator.tension, &pull);
-            }
+            let state = |sample: &Sample| {
+                let cable = sample.tendon(tendon);
+                (sample.time_s, [-cable.length_m, -cable.rate_m_s])
+            };
+            let pull = |time_s: f64, _: State| actuator.tension.at(time_s).0.max(0.0);
+            let (time_s, [_, rate]) = state(next);
+            found.add_peaks(pull(time_s, [0.0; 2]), rate);
+            estimates.push(last.map_or([0.0; 2], |last| work([state(last), state(next)], &actuator.tension, &pull)));
+        }
+        let Some(last) = last else { return };
+        // A prescribed motion does work as well.
+        let is_prescribed = mechanism.bodies.iter().any(|body| body.motion.is_some());
+        let known_j = (!is_prescribed).then(|| next.energy().motor_work_j - last.energy().motor_work_j);
+        let difference_j = known_j.map_or(0.0, |known_j| known_j - estimates.iter().map(|[law, _]| law).sum::<f64>());
+        let doubt_j: f64 = estimates.iter().map(|[law, mean]| (law - mean).abs()).sum();
+        let even = 1.0 / estimates.len() as f64;
+        for (found, [law, mean]) in all.iter_mut().zip(estimates) {
+            let share = if doubt_j > 0.0 { (law - mean).abs() / doubt_j } else { even };
+            found.energy_j += law + share * difference_j;
         }
     }
 
@@ -87,40 +104,37 @@ impl ActuatorCriteria {
         self.largest_power_w = self.largest_power_w.max((effort * rate).abs());
     }
 
-    fn add_joint_step(&mut self, actuator: &Actuator, last: Option<&Sample>, next: &Sample) {
-        let profile = actuator.command.profile();
+    fn add_joint_step(&mut self, actuator: &Actuator, last: Option<&Sample>, next: &Sample) -> Estimates {
         let end = (next.time_s, state(actuator, next));
-        match (last.map(|last| (last.time_s, state(actuator, last))), &actuator.command) {
-            (None, _) => self.set_command(actuator, end),
-            (Some(start), Command::Servo { rate_hz: Some(rate_hz), .. }) => {
-                let motion = motion([start, end]);
-                // The servo computes its command at whole multiples of its period; the first one is that of the start.
-                let mut from = start;
-                let mut tick = (start.0 * rate_hz).floor();
-                loop {
-                    let time_s = tick / rate_hz;
-                    if time_s > from.0 {
-                        let to_s = time_s.min(end.0);
-                        let to = (to_s, [motion.value(to_s), motion.rate(to_s)]);
-                        let command = self.command;
-                        let held = |_: f64, [_, rate]: State| effort(actuator, command, rate);
-                        self.energy_j += work([from, to], &Profile::Constant { value: 0.0 }, &held);
-                        from = to;
-                    }
-                    if time_s > end.0 {
-                        break;
-                    }
-                    if time_s == from.0 {
-                        self.set_command(actuator, from);
-                    }
-                    tick += 1.0;
-                }
+        let Some(start) = last.map(|last| (last.time_s, state(actuator, last))) else {
+            self.set_command(actuator, end);
+            return [0.0; 2];
+        };
+        let Command::Servo { rate_hz: Some(rate_hz), .. } = actuator.command else {
+            let law = |time_s: f64, state: State| effort(actuator, command(actuator, time_s, state), state[1]);
+            self.set_command(actuator, end);
+            return work([start, end], actuator.command.profile(), &law);
+        };
+        // The servo computes its command at whole multiples of its period.
+        let (motion, mut from, mut sum) = (motion([start, end]), start, [0.0; 2]);
+        let mut tick = (start.0 * rate_hz).floor();
+        loop {
+            let time_s = tick / rate_hz;
+            if time_s > from.0 {
+                let to_s = time_s.min(end.0);
+                let to = if to_s < end.0 { (to_s, [motion.value(to_s), motion.rate(to_s)]) } else { end };
+                let held = |_: f64, [_, rate]: State| effort(actuator, self.command, rate);
+                let part = work([from, to], &Profile::Constant { value: 0.0 }, &held);
+                sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+                from = to;
             }
-            (Some(start), _) => {
-                let law = |time_s: f64, state: State| effort(actuator, command(actuator, time_s, state), state[1]);
-                self.energy_j += work([start, end], profile, &law);
-                self.set_command(actuator, end);
+            if time_s > end.0 {
+                return sum;
             }
+            if time_s == from.0 {
+                self.set_command(actuator, from);
+            }
+            tick += 1.0;
         }
     }
 
@@ -160,10 +174,11 @@ fn motion([(t0, [q0, v0]), (t1, [q1, v1])]: [(f64, State); 2]) -> Hermite {
 }
 
 /// Work of an effort between two states, whose command jumps or has kinks where a profile does.
-fn work(ends: [(f64, State); 2], profile: &Profile, effort: &dyn Fn(f64, State) -> f64) -> f64 {
-    let [(mut from_s, _), (end_s, _)] = ends;
+fn work(ends: [(f64, State); 2], profile: &Profile, effort: &dyn Fn(f64, State) -> f64) -> Estimates {
+    let [(mut from_s, start), (end_s, end)] = ends;
     let motion = motion(ends);
-    let mut work = 0.0;
+    let powers = effort(from_s, start) * start[1] + effort(end_s, end) * end[1];
+    let (mut work, mean) = (0.0, 0.5 * powers * (end_s - from_s));
     while from_s < end_s {
         let length_s = profile.next_discontinuity(from_s).min(end_s) - from_s;
         for (node, weight) in GAUSS {
@@ -173,5 +188,5 @@ fn work(ends: [(f64, State); 2], profile: &Profile, effort: &dyn Fn(f64, State) 
         }
         from_s += length_s;
     }
-    work
+    [work, mean]
 }

@@ -14,6 +14,8 @@ pub(super) struct GripSearch {
     hull: WrenchHull,
     /// A direction in which all wrenches of the last instant without a grip have a positive part.
     separation: Wrench,
+    /// Vertices of the hull between which the origin was when the contacts last gripped.
+    support: Vec<usize>,
     before: Option<Instant>,
     /// Active points with their edges, and the distance of the hull, when it was last computed.
     computed: Option<(Vec<(usize, Edges)>, f64)>,
@@ -72,12 +74,18 @@ impl GripSearch {
         if contacts.len() < 2 || self.hull.is_separated(&self.separation) {
             return false;
         }
-        let Some(nearest) = self.hull.nearest() else { return false };
+        // Most often the origin is between the same vertices as before.
+        let is_between = |nearest: Wrench| nearest.norm() < GRIP_TOLERANCE;
+        if !self.support.is_empty() && self.hull.nearest_of(&self.support).is_some_and(is_between) {
+            return true;
+        }
+        let Some((nearest, support)) = self.hull.nearest() else { return false };
         let distance = nearest.norm();
         let is_gripped = distance < GRIP_TOLERANCE;
         self.computed = Some((contacts.to_vec(), distance));
-        if !is_gripped {
-            self.separation = nearest;
+        match is_gripped {
+            true => self.support = support,
+            false => self.separation = nearest,
         }
         is_gripped
     }

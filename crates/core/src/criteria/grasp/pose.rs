@@ -1,7 +1,7 @@
 //! Poses of the object in the frame of the base, between samples.
 
 use crate::criteria::segments::Hermite;
-use crate::drawing::states::in_sample;
+use crate::drawing::states::{ground_at, in_sample};
 use crate::mechanism::{Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, rotate, sub};
@@ -18,8 +18,10 @@ pub(super) enum Frame {
     Fixed(BodyState),
     /// Index among the reported bodies.
     Reported(usize),
-    /// The ground beside a palm that moves, or a body whose state follows from its joints.
-    Derived(Option<usize>),
+    /// The ground beside a palm that moves.
+    Ground,
+    /// A body whose state follows from its joints.
+    Derived(usize),
 }
 
 impl Frame {
@@ -30,9 +32,9 @@ impl Frame {
             Some(body) if palm == Some(body) => Frame::Fixed(BodyState::default()),
             Some(body) => {
                 let reported = mechanism.reported_bodies().position(|other| other == body);
-                reported.map_or(Frame::Derived(Some(body)), Frame::Reported)
+                reported.map_or(Frame::Derived(body), Frame::Reported)
             }
-            None => Frame::Derived(None),
+            None => Frame::Ground,
         }
     }
 
@@ -45,7 +47,8 @@ impl Frame {
         match self {
             Frame::Fixed(state) => state,
             Frame::Reported(index) => sample.body(index),
-            Frame::Derived(body) => *in_sample(mechanism, sample).of(body),
+            Frame::Ground => ground_at(mechanism, sample.time_s),
+            Frame::Derived(body) => *in_sample(mechanism, sample).of(Some(body)),
         }
     }
 }

@@ -460,37 +460,42 @@ impl SegmentObserver for State {
             self.search_leaving(last, next);
             self.update_reach(next, has_touched.contains(&true));
         }
+        let is_released = self.setup.release_s.is_some_and(|release_s| from_s >= release_s);
         // The palm of a hand is part of its base.
         let is_finger = |point: usize| self.setup.is_hand(point) && self.setup.other(point) != self.setup.roles.base;
-        let is_open = !(0..is_active.len()).any(|point| is_active[point] && is_finger(point));
+        let is_open = is_released && !(0..is_active.len()).any(|point| is_active[point] && is_finger(point));
         self.cycle.add(segment, |time_s| motions.pose(self.setup.com_m, time_s), is_open);
-        if self.setup.release_s.is_some_and(|release_s| from_s >= release_s) {
+        if is_released {
             return;
         }
         let poses = [from_s, to_s].map(|time_s| motions.pose(self.setup.com_m, time_s));
         let Thresholds { loss_time_s, loss_force_n, .. } = self.setup.thresholds;
         let near_m = SMALL * self.setup.extent_m();
         let fraction = (0.5 * (from_s + to_s) - last.time_s) / (next.time_s - last.time_s);
-        let is_near = |point: usize| {
-            let [from, to] = [last, next].map(|sample| sample.gap(self.setup.points[point].contact)[0]);
-            is_active[point] || from + fraction * (to - from) < near_m
-        };
-        let any = |is_hand: bool, is: &dyn Fn(usize) -> bool| {
-            (0..is_active.len()).any(|point| self.setup.is_hand(point) == is_hand && is(point))
-        };
-        let (is_hand_near, are_surroundings_near) = (any(true, &is_near), any(false, &is_near));
-        let are_surroundings_active = any(false, &|point| is_active[point]);
+        let (mut is_hand_near, mut are_surroundings_near, mut are_surroundings_active) = (false, false, false);
         for (index, history) in self.pairs.iter_mut().enumerate() {
-            let of_pair = || self.setup.points_of[index].clone();
             // Points that are not active alone may be together.
-            let force_n = |point: usize| {
-                let [from, to] = [last, next].map(|sample| sample.normal_n(self.setup.points[point].contact));
-                from + fraction * (to - from)
-            };
-            let weak_n: f64 = of_pair().map(force_n).filter(|force_n| *force_n <= loss_force_n).sum();
-            let presses = of_pair().any(|point| is_active[point]) || weak_n > loss_force_n;
-            let touched = of_pair().any(|point| has_touched[point]);
-            history.add((touched, presses), [from_s, to_s], poses[0], loss_time_s);
+            let (mut touched, mut presses, mut is_near, mut weak_n) = (false, false, false, 0.0);
+            for point in self.setup.points_of[index].clone() {
+                let contact = self.setup.points[point].contact;
+                touched |= has_touched[point];
+                presses |= is_active[point];
+                let between = |[from, to]: [f64; 2]| from + fraction * (to - from);
+                let forces_n = [last, next].map(|sample| sample.normal_n(contact));
+                if !is_active[point] && forces_n != [0.0; 2] {
+                    weak_n += Some(between(forces_n)).filter(|force_n| *force_n <= loss_force_n).unwrap_or_default();
+                }
+                is_near =
+                    is_near || is_active[point] || between([last, next].map(|sample| sample.gap(contact)[0])) < near_m;
+            }
+            match self.setup.roles.pairs[index].is_hand {
+                true => is_hand_near |= is_near,
+                false => {
+                    are_surroundings_near |= is_near;
+                    are_surroundings_active |= presses;
+                }
+            }
+            history.add((touched, presses || weak_n > loss_force_n), [from_s, to_s], poses[0], loss_time_s);
         }
         let object = self.setup.object.state(&self.setup.mechanism, next);
         let presses = (0..is_active.len()).map(|point| {
@@ -523,7 +528,7 @@ impl SegmentObserver for State {
 
 impl Sink for ObjectTracker {
     fn required_data(&self) -> RequiredData {
-        RequiredData { peaks: true, passive: true, ..RequiredData::NONE }
+        RequiredData { peaks: true, passive: true, energies: true, ..RequiredData::NONE }
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
