@@ -256,7 +256,8 @@ impl Hand {
         let input = self.differential.as_ref().map(|differential| &differential.motor);
         let motors: Vec<&Motor> = input.into_iter().chain(self.fingers.iter().map(|finger| &finger.motor)).collect();
         let engaged_s = |motor: &Motor| motor.brake.map(|brake| brake.start_s + brake.rise_s);
-        let blocked_s = [0, 1].map(|side: usize| engaged_s(input.unwrap_or(&self.fingers[side].motor)));
+        let motor = |side: usize| input.or_else(|| self.fingers.get(side).map(|finger| &finger.motor));
+        let blocked_s = [0, 1].map(|side| motor(side).and_then(engaged_s));
         let motion = self.palm_motion.as_ref();
         let motion_start_s = motion.map(|motion| motion.start_s()).filter(|start| *start < duration_s);
         let closes = |t: f64| {
