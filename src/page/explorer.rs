@@ -43,9 +43,12 @@ impl InitialScene {
     }
 }
 
-/// Assigns a colour to each of the names of results, which are ordered from good to bad.
+/// Assigns a colour to each of the names of results, which are ordered from good to bad: the best one has the first colour,
+/// the worst one the last. Neighbours share colours if there are more names than colours.
 fn result_colours<'a>(names: &[&'a str]) -> Vec<(&'a str, &'a str)> {
-    let colour = |rank: usize| if rank + 1 == names.len() { VERDICTS[VERDICTS.len() - 1] } else { VERDICTS[rank] };
+    let (last, last_colour) = (names.len() - 1, VERDICTS.len() - 1);
+    // Rounded to the nearest.
+    let colour = |rank: usize| VERDICTS[(2 * rank * last_colour + last) / (2 * last)];
     names.iter().enumerate().map(|(rank, name)| (*name, colour(rank).variable())).collect()
 }
 
