@@ -8,9 +8,6 @@ const STATES = {
   released: "after the release, the grasp is not judged",
 };
 
-// Narrower parts of a bar have no label, in parts of its length.
-const LABEL_FRACTION = 0.12;
-
 function showStates(playback) {
   const { runs, start, end, timeFormat } = playback;
   const container = byId("states");
@@ -20,6 +17,8 @@ function showStates(playback) {
   const occurring = Object.keys(STATES).filter((name) => judged.some((run) => run.grasp.states.some((state) => state.name === name)));
   const entries = occurring.map((name) => element("span", { class: "entry", title: STATES[name] }, element("span", { class: `swatch ${name}` }), name));
   container.replaceChildren(...bars, element("div", { class: "legend soft" }, ...entries));
+  // A label that does not fit would be cut off; the legend and the description name the part.
+  for (const part of container.querySelectorAll(".part")) if (part.scrollWidth > part.clientWidth) part.textContent = "";
 }
 
 // One bar. Its description lists all states with their times, because colours and short parts may not be seen.
@@ -31,7 +30,7 @@ function stateBar(run, start, end, timeFormat, isLabelled) {
     const fraction = (to - from) / (end - start);
     const text = `${name} from ${formatTime(from, timeFormat)} to ${formatTime(to, timeFormat)}`;
     texts.push(text);
-    const part = element("span", { class: `part ${name}`, title: `${text}: ${STATES[name]}` }, fraction > LABEL_FRACTION ? name : "");
+    const part = element("span", { class: `part ${name}`, title: `${text}: ${STATES[name]}` }, name);
     Object.assign(part.style, { left: `${100 * (from - start) / (end - start)}%`, width: `${100 * fraction}%` });
     return part;
   });
