@@ -308,8 +308,7 @@ impl Placing<'_> {
     fn relative_pose(&self, sample: &Sample) -> Pose {
         let palm = self.mechanism.palm().map(|(palm, _)| palm);
         let state = |body: usize| {
-            let index = self.mechanism.reported_bodies().position(|other| other == body);
-            index.map_or_else(BodyState::default, |index| sample.body(index))
+            self.mechanism.reported_index(body).map_or_else(BodyState::default, |index| sample.body(index))
         };
         let object = state(self.roles.object);
         // Samples are relative to a base that moves by prescription.

@@ -59,7 +59,7 @@ pub(super) fn with_prescribed_base(
         }
         (None, Some(base)) => {
             let start = assemble(mechanism).map_err(|error| HoldError::Scene { reason: error.to_string() })?;
-            let index = mechanism.reported_bodies().position(|body| body == base).ok_or_else(HoldError::no_grasp)?;
+            let index = mechanism.reported_index(base).ok_or_else(HoldError::no_grasp)?;
             let mut recorder = BaseRecorder { index, poses: Vec::new() };
             record(scene, &mut recorder)?;
             let (path, first) = recorder.path(start_s, &name(base))?;

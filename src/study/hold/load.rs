@@ -84,6 +84,17 @@ pub struct LoadSetup {
 }
 
 impl LoadCase {
+    /// Direction of its accelerations; `None` for loads that turn or change their direction.
+    pub(super) fn direction(&self) -> Option<[f64; 2]> {
+        let (sin, cos) = match self {
+            LoadCase::Pulse { direction_rad, .. } => sin_cos(*direction_rad),
+            LoadCase::Vibration { axis: Axis::X, .. } => (0.0, 1.0),
+            LoadCase::Vibration { axis: Axis::Y, .. } => (1.0, 0.0),
+            LoadCase::Vibration { axis: Axis::Angle, .. } | LoadCase::Move => return None,
+        };
+        Some([cos, sin])
+    }
+
     /// Returns the size of the load: the distance of a pulse, m, the amplitude of a vibration, m or rad, or the
     /// duration of a move relative to the scene's own move.
     pub fn size(&self, setup: &LoadSetup, peak_m_s2: f64) -> f64 {

@@ -3,16 +3,18 @@
 use super::base::{REST_SPEED_M_S, with_fixed_drives, with_prescribed_base};
 use super::load::{Load, LoadCase, LoadSetup, moves_start, peak_acceleration, rescale};
 use super::plan::{HoldError, LoadOutcome, Loads, Plan, SETTLING_S};
-use super::prepare::{StartReason, completed_motion, first_move_end_s, fixed_actuation, smaller_limit, standard_cycle};
+use super::prepare::{
+    StartReason, completed_motion, first_move_end_s, fixed_actuation, run_scene, smaller_limit, standard_cycle,
+};
 use crate::criteria::{Fate, ObjectCriteria, ObjectTracker, Travel, balanced_acceleration};
 use crate::grasp::run_until_removal;
-use crate::mechanism::{ContactPair, Mechanism, OutlineId, Pose, PrescribedMotion};
+use crate::mechanism::{ContactPair, Mechanism, OutlineId, Pose, PrescribedMotion, pose_in_world};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, rotate, sub};
-use crate::scene::{Axis, PalmMotion, Scene};
+use crate::scene::{PalmMotion, Scene};
 use crate::statics::{GraspRoles, MechanismLimit};
 use crate::thesis::monitor::{Monitor, StudyError};
-use crate::trace::{BodyState, ContactSample, Event, Model, Outcome, Removal, RequiredData, Sample, Sink, SinkError};
+use crate::trace::{BodyState, ContactSample, Event, Model, Removal, RequiredData, Sample, Sink, SinkError};
 
 /// Number of instants of a load at which overlaps with the surroundings are sought.
 const SWEEP_SAMPLES: usize = 1000;
@@ -66,7 +68,7 @@ pub(super) fn prepare(
     let mut tracker = ObjectTracker::for_scene(&scene).ok_or_else(HoldError::no_grasp)?;
     let at_start = run_scene(plan.model, &scene, &mut tracker, monitor)?.last;
     let grasp = tracker.criteria().ok_or_else(HoldError::no_grasp)?;
-    let object = mechanism.reported_bodies().position(|body| body == roles.object).ok_or_else(HoldError::no_grasp)?;
+    let object = mechanism.reported_index(roles.object).ok_or_else(HoldError::no_grasp)?;
     let centre_m = centre_of(&at_start.body(object), mechanism.bodies[roles.object].com_m);
     let own = scene_motion(scene_moves(&motion, fixed.mechanism.as_ref()), mechanism.gravity_m_s2);
     let setup = LoadSetup {
@@ -114,12 +116,6 @@ fn with_motion(scene: &Scene, base: usize, motion: PalmMotion, duration_s: f64) 
     moved
 }
 
-/// Runs a scene to its end.
-fn run_scene(model: Model, scene: &Scene, sink: &mut impl Sink, monitor: &Monitor<'_>) -> Result<Outcome, HoldError> {
-    let outcome = crate::grasp::run(model, scene, sink, monitor.keep_running()).ok_or_else(|| monitor.stopped())?;
-    outcome.map_err(|reason| HoldError::Scene { reason })
-}
-
 /// Start of the loads: as requested; with the moves of the scene, or after the first of them; or when object and base are at
 /// rest.
 fn load_start(
@@ -141,8 +137,7 @@ fn load_start(
     let release_s = scene.grasp.as_ref().and_then(|keys| keys.release_s);
     let end_s = release_s.map_or(scene.duration_s, |release_s| release_s.min(scene.duration_s));
     let closing = Scene { duration_s: end_s, ..scene.clone() };
-    let reported = |body: usize| mechanism.reported_bodies().position(|other| other == body);
-    let bodies = [Some(roles.object), roles.base].map(|body| body.and_then(reported));
+    let bodies = [Some(roles.object), roles.base].map(|body| body.and_then(|body| mechanism.reported_index(body)));
     let tracker = ObjectTracker::for_scene(&closing).ok_or_else(HoldError::no_grasp)?;
     let mut detector = RestDetector { tracker, bodies, rest_start_s: None };
     run_scene(plan.model, &closing, &mut detector, monitor)?;
@@ -233,7 +228,7 @@ impl PreparedMechanism {
                 let pose = |(body, state): (usize, &Pose)| {
                     let moves = carried[body] || body == self.base;
                     if is_reported(&body) || moves {
-                        in_world(if moves { base } else { at_start }, *state)
+                        pose_in_world(if moves { base } else { at_start }, *state)
                     } else {
                         *state
                     }
@@ -260,12 +255,7 @@ impl PreparedMechanism {
     /// Returns the largest acceleration that the contacts at the start of the loads balance, in both directions of a load;
     /// `None` for loads that turn or change their direction, and where statics has no solution.
     pub fn static_limit(&self, case: &LoadCase) -> Option<MechanismLimit> {
-        let (sin, cos) = match case {
-            LoadCase::Pulse { direction_rad, .. } => sin_cos(*direction_rad),
-            LoadCase::Vibration { axis: Axis::X, .. } => (0.0, 1.0),
-            LoadCase::Vibration { axis: Axis::Y, .. } => (1.0, 0.0),
-            LoadCase::Vibration { axis: Axis::Angle, .. } | LoadCase::Move => return None,
-        };
+        let [cos, sin] = case.direction()?;
         let [forward, backward] =
             [[cos, sin], [-cos, -sin]].map(|direction| balanced_acceleration(&self.scene, &self.grasp, direction));
         Some(smaller_limit(forward?, backward?))
@@ -283,7 +273,7 @@ impl PreparedMechanism {
         let scene = with_motion(&self.scene, self.base, load.motion, load.end_s + SETTLING_S);
         let Some(tracker) = ObjectTracker::for_scene(&scene) else { return Ok(Err(HoldError::no_grasp().to_string())) };
         let Some(mechanism) = self.mechanism() else { return Ok(Err(HoldError::no_grasp().to_string())) };
-        let object = mechanism.reported_bodies().position(|body| body == self.roles.object).unwrap_or_default();
+        let object = mechanism.reported_index(self.roles.object).unwrap_or_default();
         let com_m = mechanism.bodies[self.roles.object].com_m;
         let mut sink = LoadSink {
             tracker,
@@ -354,13 +344,6 @@ impl Sink for LoadSink<'_> {
 fn centre_of(state: &BodyState, com_m: [f64; 2]) -> [f64; 2] {
     let (sin, cos) = sin_cos(state.angle_rad);
     add(state.centre_m, rotate(com_m, [cos, sin]))
-}
-
-/// Pose in the world of a frame with this pose in the frame of the base.
-fn in_world([x, y, turn]: Pose, [u, v, angle]: Pose) -> Pose {
-    let (sin, cos) = sin_cos(turn);
-    let [u, v] = rotate([u, v], [cos, sin]);
-    [x + u, y + v, turn + angle]
 }
 
 #[cfg(test)]

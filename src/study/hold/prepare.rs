@@ -249,12 +249,7 @@ fn is_clear(prepared: &PreparedScene, load: &Load) -> bool {
 /// statics has no solution. Engaged brakes hold up to their torque; if a motor has
 /// no engaged brake, all motors apply only their actuation torque.
 pub(super) fn static_limit(prepared: &PreparedScene, sample: &Sample, case: &LoadCase) -> Option<MechanismLimit> {
-    let (sin, cos) = match case {
-        LoadCase::Pulse { direction_rad, .. } => sin_cos(*direction_rad),
-        LoadCase::Vibration { axis: Axis::X, .. } => (0.0, 1.0),
-        LoadCase::Vibration { axis: Axis::Y, .. } => (1.0, 0.0),
-        LoadCase::Vibration { axis: Axis::Angle, .. } | LoadCase::Move => return None,
-    };
+    let [cos, sin] = case.direction()?;
     let is_engaged = |blocked_s: Option<f64>| blocked_s.is_some_and(|blocked_s| blocked_s <= prepared.setup.start_s);
     let all_engaged = prepared.scene.cycle().blocked_s.into_iter().all(is_engaged);
     let driven = if all_engaged { DriveMode::Blocked } else { DriveMode::AtTorque };

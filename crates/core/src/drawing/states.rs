@@ -1,7 +1,7 @@
 //! States of all bodies of a mechanism: reported by a sample, or computed from its joints.
 
 use super::FramePose;
-use crate::mechanism::{Mechanism, Pose, assemble};
+use crate::mechanism::{Mechanism, Pose, assemble, pose_in_world};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{add, perp, rotate, scale, sub};
 use crate::trace::{BodyState, Sample};
@@ -85,12 +85,8 @@ pub(crate) fn palm_pose(mechanism: &Mechanism, time_s: f64) -> Pose {
 
 /// Poses of all bodies in the world.
 pub(crate) fn poses_in_world(mechanism: &Mechanism, sample: &Sample) -> Vec<Pose> {
-    let [x, y, turn] = palm_pose(mechanism, sample.time_s);
-    let (sin, cos) = sin_cos(turn);
-    let in_world = |body: BodyState| {
-        let [px, py] = rotate(body.centre_m, [cos, sin]);
-        [x + px, y + py, turn + body.angle_rad]
-    };
+    let palm = palm_pose(mechanism, sample.time_s);
+    let in_world = |BodyState { centre_m: [x, y], angle_rad, .. }: BodyState| pose_in_world(palm, [x, y, angle_rad]);
     in_sample(mechanism, sample).bodies.into_iter().map(in_world).collect()
 }
 

@@ -7,9 +7,7 @@ use super::coordinate::{BodyPose, Row, Twist};
 use super::linkage::Linkage;
 use super::plan::{Plan, PlannedBody, PlannedBrake, PlannedContact, PlannedMotor, PlannedServo, ServoLaw};
 use super::world::World;
-use crate::law::{
-    FrictionLaw, FrictionPoint, FrictionStep, NormalForce, NormalLaw, friction_coefficient, normal_force,
-};
+use crate::law::{FrictionLaw, FrictionPoint, FrictionStep, NormalForce, NormalLaw, normal_force};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{cross, perp, sub};
 use crate::scene::Response;
@@ -109,15 +107,6 @@ impl ContactCandidate {
         match &self.servo {
             Some(law) => law.force(-gap, -gap_rate),
             None => normal_force(&self.law, -gap, -gap_rate),
-        }
-    }
-
-    /// Returns the friction coefficient at a slip rate, and its slope; 0 without friction.
-    #[inline(always)]
-    pub fn coefficient(&self, slip: f64) -> (f64, f64) {
-        match &self.friction {
-            Some(law) if !self.one_way || slip < 0.0 => friction_coefficient(law, slip),
-            _ => (0.0, 0.0),
         }
     }
 

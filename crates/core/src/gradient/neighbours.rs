@@ -21,6 +21,8 @@ pub(super) struct TangentParameter<'a> {
 
 /// Number of steps of difference quotients; each is a tenth of the one before.
 pub(super) const LEVELS: usize = 6;
+/// Relative difference of two difference quotients at which their extrapolation is accurate.
+pub(super) const QUOTIENT_TOLERANCE: f64 = 1e-6;
 /// Ratio of the errors of two levels up to which the larger step is taken, which has the smaller rounding errors.
 const LEVEL_MARGIN: f64 = 10.0;
 
@@ -51,7 +53,6 @@ pub(super) struct Neighbours<'a, M: Kernel> {
 }
 
 /// An exchange of coordinates: the kernel in the new ones, and state, mode and tangent in those before.
-#[derive(Clone)]
 pub(super) struct Exchange<M: System> {
     pub kernel: M,
     pub state: State<M::Layout>,
@@ -166,6 +167,9 @@ impl<'a, M: Kernel> Neighbours<'a, M> {
                 }
             }
             errors[index] = error / largest;
+            if errors[index] <= QUOTIENT_TOLERANCE {
+                break;
+            }
         }
         let tangent = found.swap_remove(best_level(&errors));
         self.exchanges.push(exchange);

@@ -12,15 +12,15 @@
 //! fixed y a stiff contact would be lost or deepened by the change of p alone; along the tangent its depth hardly
 //! changes, so that h can be large and rounding is small.
 
-use super::neighbours::{LEVELS, Level, Neighbours, TangentParameter, along, best_level, extrapolate};
+use super::neighbours::{
+    LEVELS, Level, Neighbours, QUOTIENT_TOLERANCE, TangentParameter, along, best_level, extrapolate,
+};
 use crate::integrator::{EventSet, Hybrid, Layout, Linearised, Rates, State, System, VectorOf};
 use crate::numeric::elementary::powi;
 use crate::trace::{ContactSample, Counts, Energy, Kernel, RequiredData, Sample, Schema, Start};
 
 /// Largest relative change of the depth of an active contact in a difference quotient.
 const MAX_DEPTH_CHANGE: f64 = 0.1;
-/// Relative difference of two difference quotients at which their extrapolation is accurate.
-const QUOTIENT_TOLERANCE: f64 = 1e-6;
 
 /// A sample with the derivatives of its numbers by each parameter.
 pub(super) type SampleDerivatives = (Sample, Vec<Result<Vec<f64>, String>>);

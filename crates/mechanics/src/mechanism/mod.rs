@@ -52,6 +52,13 @@ pub fn point_in(body: Option<usize>, point_m: [f64; 2], poses: &[Pose]) -> [f64;
     add([x, y], rotate(point_m, [cos, sin]))
 }
 
+/// Returns a pose in a frame as one in the world, in which the frame has this pose.
+pub fn pose_in_world([x, y, turn]: Pose, [u, v, angle]: Pose) -> Pose {
+    let (sin, cos) = sin_cos(turn);
+    let [u, v] = rotate([u, v], [cos, sin]);
+    [x + u, y + v, turn + angle]
+}
+
 /// A mechanism. Indices of bodies and joints refer to its lists; a body `None` is the ground.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mechanism {
@@ -420,6 +427,11 @@ impl Mechanism {
     /// Indices of the bodies that samples report.
     pub fn reported_bodies(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.bodies.len()).filter(|body| self.bodies[*body].is_reported)
+    }
+
+    /// Index of a body among those that samples report; `None` if they do not.
+    pub fn reported_index(&self, body: usize) -> Option<usize> {
+        self.reported_bodies().position(|reported| reported == body)
     }
 
     /// Shortest distance between two points of joints of one body, m; infinite if every body has one only.

@@ -84,7 +84,7 @@ pub struct Scene {
     pub bounds: Bounds,
     /// Thresholds of the criteria of a grasp; unused in scenes without one.
     pub thresholds: Thresholds,
-    /// Keys of the section `[grasp]` of a mechanism, or of the hand of which it is made; `None` without both.
+    /// Keys of the section `[grasp]` of a mechanism, or those of the hand that it was built from; `None` without both.
     pub grasp: Option<GraspKeys>,
     pub log: LogSettings,
 }

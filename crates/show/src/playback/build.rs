@@ -6,7 +6,6 @@ use serde::Serialize;
 
 use super::contacts::{ShownContact, display_name, shown_contacts};
 use super::decimate::{MAX_SAMPLES, select_samples};
-use super::grasp::PlayedGrasp;
 use super::panels::{PanelPlan, Scale, panels};
 use crate::drawing::{Drawing, DrawnBody, FramePose};
 use crate::format::Report;
@@ -52,6 +51,22 @@ pub struct Playback {
     /// The distinct columns: one value per sample, or a single one if all are equal.
     #[serde(skip)]
     pub columns: Vec<Vec<f64>>,
+}
+
+/// A grasp as a page shows it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlayedGrasp {
+    /// The answer in one sentence.
+    pub answer: String,
+    /// States in order of time; each lasts up to the next one, the last one up to the end of the run.
+    pub states: Vec<PlayedState>,
+}
+
+/// A state of the object: `gripped`, `carried`, `resting`, `free`, or `released` after the release, where it is not judged.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PlayedState {
+    pub from_s: f64,
+    pub name: &'static str,
 }
 
 impl Playback {

@@ -7,7 +7,6 @@
 //! |---|---|
 //! | `build` | data model of a playback, and its evaluation from samples |
 //! | `contacts` | the contacts that are shown: the points of a pair of outlines are one |
-//! | `grasp` | the answer of a grasp, and the states of its object |
 //! | `panels` | the plots |
 //! | `recorder` | a sink that records a run for playback in bounded memory |
 //! | `decimate` | selection of samples if there are too many |
@@ -16,13 +15,13 @@
 mod build;
 mod contacts;
 mod decimate;
-mod grasp;
 pub mod json;
 mod panels;
 mod recorder;
 
-pub use build::{Column, ContactSeries, EventMarker, Panel, Playback, PlayedBody, Series, build_playback};
+pub use build::{
+    Column, ContactSeries, EventMarker, Panel, Playback, PlayedBody, PlayedGrasp, PlayedState, Series, build_playback,
+};
 pub use decimate::MAX_SAMPLES;
-pub use grasp::{PlayedGrasp, PlayedState};
 pub use panels::Scale;
 pub use recorder::PlaybackRecorder;

@@ -6,7 +6,7 @@ use super::object::ObjectCriteria;
 use super::pose::{fixed_object, poses_in};
 use crate::criteria::is_form_closed;
 use crate::drawing::states::palm_pose;
-use crate::mechanism::{Actuator, Command, ContactPair, Mechanism, PointContact, Pose, point_in};
+use crate::mechanism::{Actuator, Command, ContactPair, Mechanism, PointContact, Pose, point_in, pose_in_world};
 use crate::numeric::elementary::{atan2, sin_cos};
 use crate::numeric::plane::{add, rotate};
 use crate::scene::Scene;
@@ -106,13 +106,8 @@ impl<'a> Posture<'a> {
         let contacts = contacts(mechanism, grasp, (sample, scene.thresholds.loss_force_n));
         let of_bodies = contacts.iter().map(|contact| contact.bodies);
         let roles = roles(mechanism, (grasp.object, grasp.base), &grasp.surroundings, of_bodies);
-        let [x, y, turn] = palm_pose(mechanism, sample.time_s);
-        let (sin, cos) = sin_cos(turn);
-        let in_world = |[px, py, angle]: Pose| {
-            let [px, py] = rotate([px, py], [cos, sin]);
-            [x + px, y + py, turn + angle]
-        };
-        let poses = poses_in(scene, sample).into_iter().map(in_world).collect();
+        let palm = palm_pose(mechanism, sample.time_s);
+        let poses = poses_in(scene, sample).into_iter().map(|pose| pose_in_world(palm, pose)).collect();
         Self { mechanism, time_s: sample.time_s, poses, contacts, roles }
     }
 

@@ -30,10 +30,7 @@ impl Frame {
         match body {
             None if palm.is_none() => Frame::Fixed(BodyState::default()),
             Some(body) if palm == Some(body) => Frame::Fixed(BodyState::default()),
-            Some(body) => {
-                let reported = mechanism.reported_bodies().position(|other| other == body);
-                reported.map_or(Frame::Derived(body), Frame::Reported)
-            }
+            Some(body) => mechanism.reported_index(body).map_or(Frame::Derived(body), Frame::Reported),
             None => Frame::Ground,
         }
     }
