@@ -45,6 +45,7 @@ pub mod plot;
 pub mod prelude;
 pub mod report;
 pub mod scene;
+pub mod shipped;
 pub mod study;
 pub mod table;
 pub mod validate;

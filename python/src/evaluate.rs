@@ -45,7 +45,7 @@ pub fn evaluate(
         error => errors::sweep(py, error),
     })?;
     study.checked = check;
-    study.filter = read_filter(py, study.fingers, filter.unwrap_or_default())?;
+    study.filter = read_filter(py, study.fingers(), filter.unwrap_or_default())?;
     require_known_columns(py, &study, columns.as_deref())?;
     let values: Vec<FieldValues> = fields
         .values()
@@ -66,7 +66,7 @@ fn read_filter(py: Python<'_>, fingers: usize, criteria: BTreeMap<String, bool>)
     for (name, required) in criteria {
         match name.as_str() {
             _ if fingers != 1 => {
-                let message = "error: a filter concerns the statics of one finger, but the scene is a gripper\n  = help: remove it";
+                let message = "error: a filter concerns the statics of one finger, but the scene is of another kind\n  = help: remove it";
                 return Err(errors::sweep(py, message));
             }
             "force_positive" => filter.force_positive = Some(required),

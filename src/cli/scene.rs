@@ -11,46 +11,96 @@ use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
 use crate::files::{cannot_write, is_forced, replace_file};
 use crate::format::Report;
+use crate::format::report::list;
 use crate::gripper::{Finger, total_mass};
 use crate::mechanism::Mechanism;
 use crate::mjcf::mujoco_model;
 use crate::plot::linkage;
 use crate::scene::{self, HandFinger, ObjectMotion, Scene, Side};
 use crate::shape::{self, Shape};
+use crate::shipped::{SHIPPED_SCENES, shipped_scene};
 use crate::trace::{Model, Simulation};
 
 /// Write a commented scene file as a starting point for your own gripper or mechanism; it runs without changes.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx new my-gripper.toml\n  phalanx new my-linkage.toml --kind mechanism\n  phalanx new my-gripper.toml --kind two-pivot\n  phalanx run \
-                        my-gripper.toml --open"
+    after_help = "Examples:\n  phalanx new my-finger.toml\n  phalanx new my-gripper.toml --kind two-pivot\n  phalanx new --list\n  phalanx new my-lift.toml --from \
+                        real/2f85-lift\n  phalanx run my-gripper.toml --open"
 )]
 pub(crate) struct NewArgs {
     /// File to write; an existing file is replaced only with --force
-    #[arg(value_name = "FILE.toml")]
-    file: PathBuf,
+    #[arg(value_name = "FILE.toml", required_unless_present = "list")]
+    file: Option<PathBuf>,
 
-    /// Kind of scene: one finger of a gripper like that of the thesis, a finger with a loop as a mechanism of bodies and
-    /// joints, a gripper whose fingers have two pivots on the palm, a finger that a tendon closes, or two parallel jaws
-    #[arg(long, value_enum, default_value_t = NewKind::Gripper)]
+    /// Kind of scene
+    #[arg(long, value_enum, default_value_t = NewKind::Finger)]
     kind: NewKind,
+
+    /// Write this shipped scene, by its name in --list
+    #[arg(long, value_name = "NAME", conflicts_with = "kind")]
+    from: Option<String>,
+
+    /// List all shipped scenes with a line each
+    #[arg(long, conflicts_with_all = ["file", "kind", "from"])]
+    list: bool,
 }
 
 /// Kind of a scene to begin with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum NewKind {
+    /// One finger of a gripper like that of the thesis
+    Finger,
+    /// Two such fingers and a free object
     Gripper,
+    /// A finger with a loop, as a mechanism of bodies and joints
     Mechanism,
+    /// A gripper whose fingers have two pivots each on the palm
     TwoPivot,
+    /// A finger that a tendon closes
     Tendon,
+    /// Two parallel jaws
     Jaw,
 }
 
+impl NewKind {
+    /// The name of its shipped scene, and its content; `None` for a finger.
+    fn shipped(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            NewKind::Finger => None,
+            NewKind::Gripper => Some(("gripper/hold", "a gripper of two fingers with a free object")),
+            NewKind::Mechanism => Some(("mechanisms/f85-finger", "a mechanism, a finger with a loop")),
+            NewKind::TwoPivot => {
+                Some(("mechanisms/two-pivot", "a mechanism, a gripper whose fingers have two pivots each"))
+            }
+            NewKind::Tendon => Some(("mechanisms/tendon-finger", "a mechanism, a finger that a tendon closes")),
+            NewKind::Jaw => Some(("mechanisms/jaws", "a mechanism, two jaws on sliders")),
+        }
+    }
+}
+
 pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
-    let path = args.file.display();
+    let Some(target) = args.file.as_ref().filter(|_| !args.list) else {
+        let lines: Vec<Vec<String>> =
+            SHIPPED_SCENES.iter().map(|scene| vec![scene.name().to_string(), scene.title()]).collect();
+        return print_report(&list(&lines));
+    };
+    let (text, content) = match (&args.from, args.kind.shipped()) {
+        (Some(name), _) => {
+            let shipped = shipped_scene(name).map_err(Failure::bad_input)?;
+            (shipped.standalone_text().map_err(Failure::bad_input)?, shipped.name())
+        }
+        (None, Some((name, content))) => {
+            let shipped = shipped_scene(name).map_err(Failure::bad_input)?;
+            (shipped.standalone_text().map_err(Failure::bad_input)?, content)
+        }
+        (None, None) => {
+            (include_str!("new.toml").to_string(), "one finger of a gripper; the other finger is its mirror image")
+        }
+    };
+    let path = target.display();
     let bad_input = |reason: &str, advice: &str| Failure::bad_input(format!("cannot write {path}: {reason}; {advice}"));
     let mut file =
-        OpenOptions::new().write(true).create_new(!is_forced()).create(true).truncate(true).open(&args.file).map_err(
+        OpenOptions::new().write(true).create_new(!is_forced()).create(true).truncate(true).open(target).map_err(
             |error| match error.kind() {
                 ErrorKind::AlreadyExists => {
                     bad_input("a file or directory of that name already exists", "give another name")
@@ -58,26 +108,12 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
                 _ => bad_input(&error.to_string(), "give a file in a directory where you may write"),
             },
         )?;
-    let (text, content) = match args.kind {
-        NewKind::Gripper => (include_str!("new.toml"), "one finger of a gripper; the other finger is its mirror image"),
-        NewKind::Mechanism => {
-            (include_str!("../../scenes/mechanisms/f85-finger.toml"), "a mechanism, a finger with a loop")
-        }
-        NewKind::TwoPivot => (
-            include_str!("../../scenes/mechanisms/two-pivot.toml"),
-            "a mechanism, a gripper whose fingers have two pivots each",
-        ),
-        NewKind::Tendon => {
-            (include_str!("../../scenes/mechanisms/tendon-finger.toml"), "a mechanism, a finger that a tendon closes")
-        }
-        NewKind::Jaw => (include_str!("../../scenes/mechanisms/jaws.toml"), "a mechanism, two jaws on sliders"),
-    };
     if let Err(error) = file.write_all(text.as_bytes()).and_then(|()| file.sync_all()) {
-        let _ = fs::remove_file(&args.file);
+        let _ = fs::remove_file(target);
         return Err(Failure::incomplete(format!("cannot write {path}: {error}")));
     }
-    let figure = match args.kind {
-        NewKind::Gripper => format!("draw its symbols:   phalanx scene show {path} --figure FILE.svg\n"),
+    let figure = match (args.kind, &args.from) {
+        (NewKind::Finger, None) => format!("draw its symbols:   phalanx scene show {path} --figure FILE.svg\n"),
         _ => String::new(),
     };
     print(&format!(
@@ -93,7 +129,7 @@ pub(crate) enum SceneCommand {
     /// Print a scene with all defaults filled in, as a scene file, or draw the linkage of a finger
     #[command(
         after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene show my-gripper.toml --resolved\n  \
-                      phalanx scene show my-gripper.toml --figure letters.svg"
+                      phalanx scene show my-gripper.toml --figure letters.svg\n  phalanx scene show my-gripper.toml --as-mechanism > my-linkage.toml"
     )]
     Show {
         /// Scene file (TOML)
@@ -110,6 +146,10 @@ pub(crate) enum SceneCommand {
         /// angles, and the law of each contact
         #[arg(long, conflicts_with = "figure")]
         resolved: bool,
+
+        /// Print a finger, a gripper or discs as the mechanism that they are: bodies, joints and contacts, as simulated
+        #[arg(long, conflicts_with_all = ["figure", "resolved"])]
+        as_mechanism: bool,
     },
     /// Check scene files; exit status 2 if one is invalid
     #[command(after_help = "Examples:\n  phalanx scene check my-gripper.toml\n  phalanx scene check scenes/*.toml")]
@@ -143,9 +183,13 @@ pub(super) fn run(command: &SceneCommand) -> Result<Status, Failure> {
     match command {
         SceneCommand::Schema => print(&scene::schema()),
         SceneCommand::Show { scene, set, figure: Some(figure), .. } => draw(scene, set, figure),
-        SceneCommand::Show { scene, set, figure: None, resolved } => {
-            let show = if *resolved { scene::show } else { scene::show_written };
-            print(&show(&set.load_any(scene)?))
+        SceneCommand::Show { scene, set, figure: None, resolved, as_mechanism } => {
+            let found = set.load_any(scene)?;
+            if *as_mechanism {
+                let bad_input = |error| Failure::bad_input(format!("{}: {error}", scene.display()));
+                return print(&scene::show(&found.as_mechanism().map_err(bad_input)?));
+            }
+            print(&if *resolved { scene::show(&found) } else { scene::show_written(&found) })
         }
         SceneCommand::Check { scenes, set } => check(scenes, set),
         SceneCommand::Export { scene, set, mjcf } => export(scene, set, mjcf),

@@ -9,5 +9,5 @@ macro_rules! pages {
 
 pages! {
     accuracy, clusters, costs, design, design_work, engine, equations, errata, explorer, glossary, grippers, hard,
-    integration, laws, limits, python, robustness, scene_files, scenes, stability, verdicts,
+    integration, laws, limits, python, robustness, scene_files, scenes, stability, studies, verdicts,
 }

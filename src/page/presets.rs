@@ -4,24 +4,40 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::scene::{self, Layer, Scene, SceneError};
+use crate::scene::{self, Scene, SceneError};
+use crate::shipped::{SHIPPED_SCENES, ShippedScene};
 
-macro_rules! shipped_scenes {
-    ($($file:literal),* $(,)?) => {
-        /// Paths under `scenes` and contents of the files.
-        const SHIPPED_SCENES: &[(&str, &str)] = &[$(($file, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/", $file)))),*];
-    };
-}
-
-shipped_scenes! {
-    "experiment-95.toml", "experiment-95-cad.toml", "experiment-95-frictionless.toml", "experiment-95-bristle.toml",
-    "torsional-spring.toml", "long-fingers.toml", "other-assembly.toml", "soft-start.toml", "free-swing.toml",
-    "gripper/design-95.toml", "gripper/light.toml", "gripper/heavy.toml", "gripper/offset.toml",
-    "gripper/offset-left.toml", "gripper/different.toml", "gripper/seesaw.toml", "gripper/table.toml",
-    "gripper/fixed.toml", "gripper/bought.toml", "gripper/lift.toml", "hard/torque-x10.toml",
-    "hard/exponent-1.5.toml", "hard/friction-well.toml", "hard/limit-rattles.toml", "hard/chaos.toml",
-    "hard/gripper-thrown.toml", "hard/gripper-light.toml", "hard/gripper-undamped.toml",
-}
+/// Paths under `scenes` of the scenes in the page.
+const PRESETS: &[&str] = &[
+    "experiment-95.toml",
+    "experiment-95-cad.toml",
+    "experiment-95-frictionless.toml",
+    "experiment-95-bristle.toml",
+    "torsional-spring.toml",
+    "long-fingers.toml",
+    "other-assembly.toml",
+    "soft-start.toml",
+    "free-swing.toml",
+    "gripper/design-95.toml",
+    "gripper/light.toml",
+    "gripper/heavy.toml",
+    "gripper/offset.toml",
+    "gripper/offset-left.toml",
+    "gripper/different.toml",
+    "gripper/seesaw.toml",
+    "gripper/table.toml",
+    "gripper/fixed.toml",
+    "gripper/bought.toml",
+    "gripper/lift.toml",
+    "hard/torque-x10.toml",
+    "hard/exponent-1.5.toml",
+    "hard/friction-well.toml",
+    "hard/limit-rattles.toml",
+    "hard/chaos.toml",
+    "hard/gripper-thrown.toml",
+    "hard/gripper-light.toml",
+    "hard/gripper-undamped.toml",
+];
 
 /// A standalone scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -40,24 +56,24 @@ pub struct Preset {
 
 /// Returns all presets.
 pub fn presets() -> Vec<Preset> {
-    // A test parses every shipped scene.
-    SHIPPED_SCENES.iter().map(|(file, text)| preset(file, text).expect("a shipped scene is valid")).collect()
+    let find = |file: &&str| SHIPPED_SCENES.iter().find(|scene| scene.file == *file);
+    // Tests parse every shipped scene, and find every preset.
+    PRESETS.iter().filter_map(find).map(|scene| preset(scene).expect("a shipped scene is valid")).collect()
 }
 
-fn preset(file: &str, text: &str) -> Result<Preset, SceneError> {
-    let scene = scene::parse_layers(&scene_layers(file, text), &[], scene::parse_any)?;
-    let comment = text.lines().next().unwrap_or_default().trim_start_matches('#').trim();
-    let description = if scene.description.is_empty() { comment } else { &scene.description };
+fn preset(shipped: &ShippedScene) -> Result<Preset, SceneError> {
+    let scene = scene::parse_layers(&shipped.layers(), &[], scene::parse_any)?;
+    let title = if scene.description.is_empty() { shipped.title() } else { scene.description.clone() };
     Ok(Preset {
-        file: file.to_string(),
-        name: Path::new(file).file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
-        group: match (file.starts_with("hard/"), scene.finger_count()) {
+        file: shipped.file.to_string(),
+        name: Path::new(shipped.file).file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
+        group: match (shipped.file.starts_with("hard/"), scene.finger_count()) {
             (true, _) => "hard",
             (_, 2) => "gripper",
             _ => "finger",
         },
-        title: description.split_inclusive(". ").next().unwrap_or_default().trim().to_string(),
-        text: standalone_text(&scene, text),
+        title: title.split_inclusive(". ").next().unwrap_or_default().trim().to_string(),
+        text: standalone_text(&scene, shipped.text),
     })
 }
 
@@ -67,19 +83,6 @@ pub(crate) fn standalone_text(scene: &Scene, file_text: &str) -> String {
     if scene::extended(file_text).is_some() { scene.source.clone() } else { file_text.to_string() }
 }
 
-/// Returns the scenes that a shipped scene extends, then the scene.
-fn scene_layers(file: &str, text: &str) -> Vec<Layer> {
-    let layer = |file: &str, text: &str| Layer { file: file.to_string(), text: text.to_string() };
-    let mut layers = vec![layer(file, text)];
-    while let Some((base, _)) = scene::extended(&layers[0].text) {
-        // No two shipped scenes have the same file name.
-        let is_base = |file: &str| Path::new(file).file_name() == Path::new(&base).file_name();
-        let Some((file, text)) = SHIPPED_SCENES.iter().find(|(file, _)| is_base(file)) else { break };
-        layers.insert(0, layer(file, text));
-    }
-    layers
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,7 +90,7 @@ mod tests {
     #[test]
     fn presets_are_standalone_and_equal_their_files() {
         let presets = presets();
-        assert_eq!(presets.len(), SHIPPED_SCENES.len());
+        assert_eq!(presets.len(), PRESETS.len());
         for preset in presets {
             assert!(!preset.title.is_empty(), "{}", preset.file);
             let standalone = scene::parse_any(&preset.text, &preset.file).unwrap_or_else(|error| panic!("{error}"));

@@ -27,6 +27,7 @@ mod statics_forces;
 mod statics_simulated;
 mod sweep_resume;
 mod sweep_runs;
+mod sweep_scenes;
 mod sweep_shards;
 mod sweep_study;
 mod table;

@@ -7,6 +7,7 @@ use phalanx::scene::{self, Scene};
 #[path = "../support/mod.rs"]
 mod support;
 
+mod as_mechanism;
 mod bodies;
 mod files;
 mod finger;

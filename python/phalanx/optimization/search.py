@@ -82,8 +82,10 @@ def score(optimisation: Optimisation, runs: ArrowTable) -> Scores:
     def objects(name: str) -> Array:
         return np.array([*runs[name].to_pylist(), None], dtype=object)[:-1].reshape(shape)
 
-    verdicts = objects(optimisation.verdict)
-    violation = np.sum(_equals(verdicts, None), axis=1).astype(float)
+    statuses = objects("status")
+    verdict = optimisation.verdict
+    is_missing = _equals(objects(verdict), None) if verdict else ~_equals(statuses, "completed")
+    violation = np.sum(is_missing, axis=1).astype(float)
     values, minimised = [], []
     for objective in optimisation.objectives:
         stacked = np.stack([numbers(name) for name in objective.columns])
@@ -101,7 +103,6 @@ def score(optimisation: Optimisation, runs: ArrowTable) -> Scores:
         violation += np.sum(violations, axis=1)
         rows = objects(constraint.column)
         worst.append([row[index] for row, index in zip(rows, np.argmin(margins, axis=1), strict=True)])
-    statuses = objects("status")
     counts = np.column_stack([np.sum(_equals(statuses, status), axis=1) for status in STATUSES])
     return Scores(np.column_stack(values), np.column_stack(minimised), violation, worst, counts)
 

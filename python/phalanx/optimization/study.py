@@ -20,8 +20,8 @@ CLASSES = ["stable", "semi-stable", "semi-unstable", "unstable"]
 MAX_RUNS = 1_000_000
 """Largest number of runs of a search, whose rows are stored in memory."""
 
-# The columns of a run that name its verdict.
-_VERDICTS = {"finger": "class", "gripper": "grasp"}
+# The columns that name the verdict of a run: of a finger, of a gripper of two such fingers, of any other grasp.
+_VERDICTS = ("class", "grasp", "fate")
 
 
 @dataclass(frozen=True)
@@ -274,8 +274,8 @@ class Optimisation:
     constraints: list[Constraint]
     filter: dict[str, bool]
     method: Method
-    verdict: str
-    """Column with the verdict of a run: "class" or "grasp"."""
+    verdict: str | None
+    """Column with the verdict of a run: "class", "grasp" or "fate"; None for scenes without a grasp."""
     source: dict[str, Any] = field(repr=False, default_factory=dict)
     """Contents of the study file."""
 
@@ -474,7 +474,7 @@ def parse(text: str, file: str, model: str | None = None) -> Optimisation:
     constraints = [constraint for each in raw["constraints"] if (constraint := _constraint(*each, columns, checker))]
     (_, filter_) = raw["filter"][0]
     if filter_ and scene.kind != "finger":
-        message = "[filter] concerns the statics of one finger, but the base scene is a gripper"
+        message = f'[filter] concerns the statics of one finger, but the base scene is of kind "{scene.kind}"'
         checker.add("filter", message, "remove it: the results contain the fate of every grasp")
     method = _method(raw["method"][0][1], len(raw["objectives"]), len(variables), checker)
     checker.finish()
@@ -491,7 +491,7 @@ def parse(text: str, file: str, model: str | None = None) -> Optimisation:
         constraints=constraints,
         filter=filter_,
         method=method,
-        verdict=_VERDICTS.get(scene.kind, "class"),
+        verdict=next((name for name in _VERDICTS if name in columns), None),
         source=document,
     )
     if optimisation.max_runs >= MAX_RUNS:
@@ -525,9 +525,6 @@ def _base_scene(scene: str | dict[str, Any], variables: list[tuple[str, Any]], c
         checker.add("scene", f"a value of the base scene is invalid: {error}", "write strings, numbers, flags or lists")
         checker.finish()
         raise
-    if base.kind == "bodies":
-        checker.add("scene", "the base scene contains discs only", "give a scene of a finger or a gripper")
-        checker.finish()
     return base
 
 

@@ -37,13 +37,6 @@ pub(super) fn simulate(
     let outcome = run(model, &scene, &mut tracker, monitor.keep_running()).ok_or_else(|| monitor.stopped())?;
     Ok(outcome.and_then(|outcome| {
         let criteria = tracker.and_then(|tracker| tracker.criteria()).ok_or("there is no sample")?;
-        Ok(LoadOutcome {
-            fate: criteria.fate,
-            // None only if the object left the hand before the load; `fate` reports this.
-            slip: criteria.cycle.motion_travel.unwrap_or_default(),
-            brake_slip_rad: criteria.cycle.brake_slip_rad.into_iter().flatten().fold(0.0, f64::max),
-            end_s: outcome.last.time_s,
-            steps: outcome.work.steps,
-        })
+        Ok(LoadOutcome::new(&criteria, &outcome))
     }))
 }

@@ -1,16 +1,17 @@
 //! Preparation of a mechanism for loads on the base of its grasp, and its runs under them.
 
-use super::base::{REST_SPEED_M_S, with_fixed_drives, with_prescribed_base};
+use super::base::{with_fixed_drives, with_prescribed_base};
 use super::load::{Load, LoadCase, LoadSetup, moves_start, peak_acceleration, rescale};
 use super::plan::{HoldError, LoadOutcome, Loads, Plan, SETTLING_S};
 use super::prepare::{
-    StartReason, completed_motion, first_move_end_s, fixed_actuation, run_scene, smaller_limit, standard_cycle,
+    StartReason, completed_motion, first_move_end_s, fixed_actuation, rest_start, run_scene, smaller_limit,
+    standard_cycle,
 };
-use crate::criteria::{Fate, ObjectCriteria, ObjectTracker, Travel, balanced_acceleration};
+use crate::criteria::{ObjectCriteria, ObjectTracker, balanced_acceleration};
 use crate::grasp::run_until_removal;
 use crate::mechanism::{ContactPair, Mechanism, OutlineId, Pose, PrescribedMotion, pose_in_world};
 use crate::numeric::elementary::{hypot, sin_cos};
-use crate::numeric::plane::{add, rotate, sub};
+use crate::numeric::plane::{add, rotate};
 use crate::scene::{PalmMotion, Scene};
 use crate::statics::{GraspRoles, MechanismLimit};
 use crate::thesis::monitor::{Monitor, StudyError};
@@ -137,51 +138,14 @@ fn load_start(
     let release_s = scene.grasp.as_ref().and_then(|keys| keys.release_s);
     let end_s = release_s.map_or(scene.duration_s, |release_s| release_s.min(scene.duration_s));
     let closing = Scene { duration_s: end_s, ..scene.clone() };
-    let bodies = [Some(roles.object), roles.base].map(|body| body.and_then(|body| mechanism.reported_index(body)));
-    let tracker = ObjectTracker::for_scene(&closing).ok_or_else(HoldError::no_grasp)?;
-    let mut detector = RestDetector { tracker, bodies, rest_start_s: None };
-    run_scene(plan.model, &closing, &mut detector, monitor)?;
-    let criteria = match detector.tracker.criteria() {
-        Some(criteria) if criteria.fate == Fate::Held => criteria,
-        other => {
-            let fate = other.map_or(Fate::NotGrasped, |criteria| criteria.fate);
-            return Err(HoldError::NotGrasped { end_s, fate });
-        }
-    };
-    Ok(match detector.rest_start_s.zip(criteria.tts_s) {
-        // Rounded up to whole milliseconds: the time is no more precise, and the value is shown to the user.
-        Some((rest_s, tts_s)) if rest_s.max(tts_s) < end_s => {
-            ((rest_s.max(tts_s) * 1e3).ceil() / 1e3, StartReason::AtRest)
-        }
-        _ => (end_s, StartReason::StillMoving),
-    })
-}
-
-/// Evaluates the criteria of the grasp, and the time from which object and base stay slower than [`REST_SPEED_M_S`].
-struct RestDetector {
-    tracker: ObjectTracker,
-    bodies: [Option<usize>; 2],
-    rest_start_s: Option<f64>,
-}
-
-impl Sink for RestDetector {
-    fn required_data(&self) -> RequiredData {
-        self.tracker.required_data()
-    }
-
-    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let speed = |body: &usize| {
-            let [x, y] = sample.body(*body).velocity_m_s;
-            hypot(x, y)
-        };
-        let is_at_rest = self.bodies.iter().flatten().all(|body| speed(body) < REST_SPEED_M_S);
-        self.rest_start_s = is_at_rest.then(|| self.rest_start_s.unwrap_or(sample.time_s));
-        self.tracker.sample(sample)
-    }
-
-    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
-        self.tracker.event(event)
-    }
+    let bodies: Vec<usize> = [Some(roles.object), roles.base]
+        .into_iter()
+        .flatten()
+        .filter_map(|body| mechanism.reported_index(body))
+        .collect();
+    let brakes = mechanism.actuators.iter().filter_map(|actuator| actuator.brake);
+    let blocked_s = brakes.map(|brake| brake.start_s + brake.rise_s).fold(0.0, f64::max);
+    rest_start(plan.model, &closing, &bodies, blocked_s, monitor)
 }
 
 impl PreparedMechanism {
@@ -272,45 +236,21 @@ impl PreparedMechanism {
         let start_s = self.setup.start_s;
         let scene = with_motion(&self.scene, self.base, load.motion, load.end_s + SETTLING_S);
         let Some(tracker) = ObjectTracker::for_scene(&scene) else { return Ok(Err(HoldError::no_grasp().to_string())) };
-        let Some(mechanism) = self.mechanism() else { return Ok(Err(HoldError::no_grasp().to_string())) };
-        let object = mechanism.reported_index(self.roles.object).unwrap_or_default();
-        let com_m = mechanism.bodies[self.roles.object].com_m;
-        let mut sink = LoadSink {
-            tracker,
-            masked: &self.removed_points,
-            object,
-            com_m,
-            start_s,
-            start: None,
-            slip: Travel::default(),
-        };
+        let mut sink = LoadSink { tracker: tracker.with_motion_start(start_s), masked: &self.removed_points };
         let removal = Removal { at_s: start_s, contacts: &self.removed_points };
         let outcome = run_until_removal(model, &scene, removal, &mut sink, monitor.keep_running());
         let outcome = outcome.ok_or_else(|| monitor.stopped())?;
         Ok(outcome.and_then(|outcome| {
             let criteria = sink.tracker.criteria().ok_or("there is no sample")?;
-            Ok(LoadOutcome {
-                fate: criteria.fate,
-                slip: sink.slip,
-                brake_slip_rad: 0.0,
-                end_s: outcome.last.time_s,
-                steps: outcome.work.steps,
-            })
+            Ok(LoadOutcome::new(&criteria, &outcome))
         }))
     }
 }
 
-/// Evaluates a run under a load: the criteria of the grasp, without surroundings that are removed, and the largest travel of the
-/// object in the frame of the base since the start of the load.
+/// Evaluates a run under a load: the criteria of the grasp, without surroundings that are removed.
 struct LoadSink<'a> {
     tracker: ObjectTracker,
     masked: &'a [usize],
-    /// Index of the object among the bodies of samples, and its centre of mass.
-    object: usize,
-    com_m: [f64; 2],
-    start_s: f64,
-    start: Option<([f64; 2], f64)>,
-    slip: Travel,
 }
 
 impl Sink for LoadSink<'_> {
@@ -319,14 +259,6 @@ impl Sink for LoadSink<'_> {
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        if sample.time_s >= self.start_s {
-            let object = sample.body(self.object);
-            let centre_m = centre_of(&object, self.com_m);
-            let (from_m, from_rad) = *self.start.get_or_insert((centre_m, object.angle_rad));
-            let [x, y] = sub(centre_m, from_m);
-            self.slip.displacement_m = self.slip.displacement_m.max(hypot(x, y));
-            self.slip.rotation_rad = self.slip.rotation_rad.max((object.angle_rad - from_rad).abs());
-        }
         if self.masked.is_empty() {
             return self.tracker.sample(sample);
         }

@@ -1,10 +1,10 @@
 //! Parameters and errors of a hold study.
 
-use crate::criteria::{Fate, Travel};
+use crate::criteria::{Fate, ObjectCriteria, Travel};
 use crate::scene::{Axis, WrongKind};
 use crate::statics::NoGrasp;
 use crate::thesis::StudyError;
-use crate::trace::Model;
+use crate::trace::{Model, Outcome};
 use crate::units::MAX_TIME_S;
 
 /// Time for which a run continues after its load, s. An object without contacts has left the hand by then, while a
@@ -96,10 +96,23 @@ pub struct LoadOutcome {
     pub fate: Fate,
     /// Slip in the hand since the start of the load: `grasp.cycle.carried` of a run.
     pub slip: Travel,
-    /// Largest rotation of a driven link against its brake; 0 without brakes, and of mechanisms.
+    /// Largest rotation of a driven joint against its brake; 0 without brakes.
     pub brake_slip_rad: f64,
     pub end_s: f64,
     pub steps: u64,
+}
+
+impl LoadOutcome {
+    pub(super) fn new(criteria: &ObjectCriteria, outcome: &Outcome) -> Self {
+        LoadOutcome {
+            fate: criteria.fate,
+            // None only if the object left the hand before the load; `fate` reports this.
+            slip: criteria.cycle.motion_travel.unwrap_or_default(),
+            brake_slip_rad: criteria.cycle.brake_slip_rad.iter().copied().flatten().fold(0.0, f64::max),
+            end_s: outcome.last.time_s,
+            steps: outcome.work.steps,
+        }
+    }
 }
 
 #[derive(Debug, thiserror::Error)]

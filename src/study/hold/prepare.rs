@@ -99,21 +99,25 @@ pub(super) fn prepare(scene: &Scene, plan: &Plan, monitor: &Monitor<'_>) -> Resu
     Ok(PreparedScene { scene: with_fixed_drives(scene, start_s), setup, start_reason })
 }
 
-/// Evaluates the grasp criteria and the time from which the object stays slower than [`REST_SPEED_M_S`] up to the last
-/// sample.
-struct RestDetector {
-    tracker: Option<ObjectTracker>,
+/// Evaluates the criteria of a grasp, and the time from which bodies stay slower than [`REST_SPEED_M_S`] up to the last sample.
+struct RestDetector<'a> {
+    tracker: ObjectTracker,
+    /// Indices among the bodies of samples.
+    bodies: &'a [usize],
     rest_start_s: Option<f64>,
 }
 
-impl Sink for RestDetector {
+impl Sink for RestDetector<'_> {
     fn required_data(&self) -> RequiredData {
-        RequiredData { grid: false, ..RequiredData::EVALUATION }
+        self.tracker.required_data()
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
-        let [x, y] = sample.body(0).velocity_m_s;
-        let is_at_rest = hypot(x, y) < REST_SPEED_M_S;
+        let is_slow = |body: &usize| {
+            let [x, y] = sample.body(*body).velocity_m_s;
+            hypot(x, y) < REST_SPEED_M_S
+        };
+        let is_at_rest = self.bodies.iter().all(is_slow);
         self.rest_start_s = is_at_rest.then(|| self.rest_start_s.unwrap_or(sample.time_s));
         self.tracker.sample(sample)
     }
@@ -121,6 +125,33 @@ impl Sink for RestDetector {
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.tracker.event(event)
     }
+}
+
+/// Runs a scene up to its end, at which its object must be held. Returns the time from which bodies are at rest, the grasp is
+/// stable and the brakes are engaged, or else the end.
+pub(super) fn rest_start(
+    model: Model,
+    scene: &Scene,
+    bodies: &[usize],
+    blocked_s: f64,
+    monitor: &Monitor<'_>,
+) -> Result<(f64, StartReason), HoldError> {
+    let end_s = scene.duration_s;
+    let tracker = ObjectTracker::for_scene(scene).ok_or_else(HoldError::no_grasp)?;
+    let mut detector = RestDetector { tracker, bodies, rest_start_s: None };
+    run_scene(model, scene, &mut detector, monitor)?;
+    let criteria = detector.tracker.criteria();
+    let Some(criteria) = criteria.as_ref().filter(|criteria| criteria.fate == Fate::Held) else {
+        let fate = criteria.map_or(Fate::NotGrasped, |criteria| criteria.fate);
+        return Err(HoldError::NotGrasped { end_s, fate });
+    };
+    let stable_s = criteria.tts_s.map(|tts_s| tts_s.max(blocked_s));
+    let start_s = detector.rest_start_s.zip(stable_s).map(|(rest_s, stable_s)| rest_s.max(stable_s));
+    Ok(match start_s.filter(|start_s| *start_s < end_s) {
+        // Rounded up to whole milliseconds: the time is no more precise, and the value is shown to the user.
+        Some(start_s) => ((start_s * 1e3).ceil() / 1e3, StartReason::AtRest),
+        None => (end_s, StartReason::StillMoving),
+    })
 }
 
 fn load_start(
@@ -142,22 +173,7 @@ fn load_start(
         });
     }
     let end_s = cycle.release_s.unwrap_or(scene.duration_s).min(scene.duration_s);
-    let resting_scene = scene.with_palm_motion(None, end_s);
-    let mut detector = RestDetector { tracker: ObjectTracker::for_scene(&resting_scene), rest_start_s: None };
-    run_scene(plan.model, &resting_scene, &mut detector, monitor)?;
-    let criteria = match detector.tracker.and_then(|tracker| tracker.criteria()) {
-        Some(criteria) if criteria.fate == Fate::Held => criteria,
-        other => {
-            let fate = other.map_or(Fate::NotGrasped, |criteria| criteria.fate);
-            return Err(HoldError::NotGrasped { end_s, fate });
-        }
-    };
-    let stable_s = criteria.tts_s.map(|tts_s| tts_s.max(blocked_s)).filter(|stable_s| *stable_s < end_s);
-    Ok(match detector.rest_start_s.zip(stable_s) {
-        // Rounded up to whole milliseconds: the time is no more precise, and the value is shown to the user.
-        Some((rest_s, stable_s)) => ((rest_s.max(stable_s) * 1e3).ceil() / 1e3, StartReason::AtRest),
-        None => (end_s, StartReason::StillMoving),
-    })
+    rest_start(plan.model, &scene.with_palm_motion(None, end_s), &[0], blocked_s, monitor)
 }
 
 /// Returns the end time of the moves that start at `start_s`, the earliest start.

@@ -43,15 +43,6 @@ pub(super) fn scene_kind(document: &DeTable<'_>) -> SceneKind {
 
 /// Checks a scene of this kind, or a section of one at `path` of its file. Returns its valid content.
 pub(super) fn check_scene(mut document: Spanned<DeTable<'_>>, path: &str, kind: SceneKind, checker: &Checker) -> Table {
-    if matches!(kind, SceneKind::Bodies | SceneKind::Mechanism) {
-        checker.push(Problem::new(
-            document.get_ref().get("kind").map(Spanned::span),
-            format!("a sweep simulates fingers and grippers, but this is a scene of kind \"{}\"", kind.keyword()),
-            "another kind",
-            "use the scene of a finger (kind = \"finger\", or without `kind`) or of a gripper (kind = \"gripper\")",
-        ));
-        return Table::new();
-    }
     let allowed =
         keys::KeySchemas { kind: kind.keyword(), schema: schema_for(kind), other_kinds: &|| other_schemas(kind) };
     checker.extend(keys::remove_unknown(document.get_mut(), &allowed));

@@ -10,6 +10,7 @@
 
 mod axis;
 mod base_scene;
+mod figures;
 mod results;
 mod run;
 mod sequence;
@@ -31,6 +32,7 @@ use serde::Deserialize;
 
 use axis::{Axis, AxisValues};
 use base_scene::Template;
+use results::{Figures, Results};
 use sequence::Sequence;
 
 use crate::trace::Model;
@@ -60,8 +62,6 @@ pub struct Filter {
 
 #[derive(Clone, Debug)]
 pub struct Study {
-    /// Number of fingers of the base scene: a finger, or a gripper.
-    pub fingers: usize,
     pub name: String,
     pub description: String,
     pub model: Model,
@@ -69,6 +69,7 @@ pub struct Study {
     pub checked: bool,
     pub filter: Filter,
     axes: Vec<Axis>,
+    results: Results,
     /// Sample points of all ranges.
     sequence: Option<Sequence>,
     template: Template,
@@ -80,6 +81,11 @@ pub struct Study {
 }
 
 impl Study {
+    /// Number of five-bar fingers of its scenes; 0 for scenes of any other kind.
+    pub fn fingers(&self) -> usize {
+        if let Figures::Hand(fingers) = self.results.figures { fingers } else { 0 }
+    }
+
     pub fn runs(&self) -> u64 {
         self.runs
     }

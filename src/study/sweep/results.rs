@@ -3,17 +3,20 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use phalanx_show::format::object::Named;
 use serde::Serialize;
 
 use super::Study;
 use super::axis::{Field, FieldType, column_kind};
+use super::figures::{Extrema, SceneFigures};
 use crate::criteria::{Class, Fate};
+use crate::scene::Scene;
 use crate::scene::keywords::SceneKind;
 use crate::scene::schema::schema_for;
 use crate::table::{Column, Kind, Table, TableError, Value};
+use crate::trace::{Channel, Schema};
 use crate::units::Dimension;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,17 +62,104 @@ const GRIPPER_COLUMNS: &str = "palm_width_m right_l21_m left_l21_m right_motor_n
      right_proximal_n right_distal_n left_proximal_n left_distal_n palm_n table_n peak_right_proximal_n peak_right_distal_n \
      peak_left_proximal_n peak_left_distal_n peak_palm_n steps check check_error_rad";
 
-/// Names of the result columns, in order.
-fn result_columns(fingers: usize) -> &'static [&'static str] {
+/// Names of the result columns of fingers and of grippers, in order.
+fn hand_columns(fingers: usize) -> &'static [&'static str] {
     static COLUMNS: LazyLock<[Vec<&str>; 2]> =
         LazyLock::new(|| [FINGER_COLUMNS, GRIPPER_COLUMNS].map(|names| names.split(' ').collect()));
     &COLUMNS[usize::from(fingers == 2)]
 }
 
+/// Result columns of any scene before and after its figures.
+const BEFORE: [&str; 2] = ["status", "reason"];
+const AFTER: [&str; 3] = ["steps", "check", "check_error_rad"];
+
+/// What the runs of a study have in common, and the names of its result columns.
+#[derive(Clone, Debug)]
+pub(super) enum Figures {
+    /// Of this number of five-bar fingers.
+    Hand(usize),
+    /// Of a scene of any other kind.
+    Scene(Box<SceneFigures>),
+}
+
+/// The result columns of a study.
+#[derive(Clone, Debug)]
+pub(super) struct Results {
+    pub figures: Figures,
+    /// Channels whose least and largest values are columns.
+    pub extrema: Vec<Channel>,
+    /// Names of the columns, in order.
+    names: Arc<[String]>,
+}
+
+impl Results {
+    /// Returns the columns of the studies of a scene, of `only` these figures unless it is empty, and of the `extrema` of these
+    /// channels.
+    ///
+    /// # Errors
+    /// Returns an unknown figure or channel, with all names.
+    pub fn of(scene: &Scene, only: &[String], extrema: &[String]) -> Result<Self, UnknownFigure> {
+        let figures = match scene.finger_count() {
+            0 => Figures::Scene(Box::new(SceneFigures::of(scene))),
+            fingers => Figures::Hand(fingers),
+        };
+        let channels = if extrema.is_empty() { Vec::new() } else { Schema::from_scene(scene).channels() };
+        let channel = |(index, name): (usize, &String)| {
+            let known = channels.iter().find(|channel| channel.name == *name).cloned();
+            let names = || channels.iter().map(|channel| channel.name.clone()).collect();
+            known.ok_or_else(|| UnknownFigure { key: "extrema", index, name: name.clone(), known: names() })
+        };
+        let extrema = extrema.iter().enumerate().map(channel).collect::<Result<Vec<Channel>, _>>()?;
+        let of_extrema = extrema.iter().flat_map(|channel| Extrema::columns(&channel.name));
+        let names: Vec<String> = match &figures {
+            Figures::Hand(fingers) => {
+                hand_columns(*fingers).iter().map(ToString::to_string).chain(of_extrema).collect()
+            }
+            Figures::Scene(scene) => {
+                let before = BEFORE.into_iter().chain(scene.names()).map(String::from);
+                before.chain(of_extrema).chain(AFTER.map(String::from)).collect()
+            }
+        };
+        if let Some((index, name)) = only.iter().enumerate().find(|(_, name)| !names.contains(name)) {
+            return Err(UnknownFigure { key: "columns", index, name: name.clone(), known: names });
+        }
+        let is_common = |name: &str| BEFORE.contains(&name) || AFTER.contains(&name);
+        let is_extremum = |name: &str| {
+            extrema.iter().any(|channel| Extrema::columns(&channel.name).iter().any(|column| column == name))
+        };
+        let is_selected =
+            |name: &String| only.is_empty() || only.contains(name) || is_common(name) || is_extremum(name);
+        let names = names.into_iter().filter(is_selected).collect();
+        Ok(Results { figures, extrema, names })
+    }
+
+    /// Removes the columns that the fields of the axes have already.
+    pub fn without(mut self, fields: &[String]) -> Self {
+        self.names = self.names.iter().filter(|name| !fields.contains(name)).cloned().collect();
+        self
+    }
+
+    /// The result columns of a hand, without extrema.
+    pub fn of_hand(fingers: usize) -> Self {
+        let names = hand_columns(fingers).iter().map(ToString::to_string).collect();
+        Results { figures: Figures::Hand(fingers), extrema: Vec::new(), names }
+    }
+}
+
+/// An unknown name in `[results]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct UnknownFigure {
+    pub key: &'static str,
+    /// Index in its list.
+    pub index: usize,
+    pub name: String,
+    pub known: Vec<String>,
+}
+
 /// Type of a result column: that of its name, or the unit at the end of the name.
 fn result_type(name: &str) -> FieldType {
     match name {
-        "status" | "reason" | "grasp" | "class" | "class_reason" | "check" => FieldType::Text,
+        "status" | "reason" | "grasp" | "fate" | "fate_reason" | "class" | "class_reason" | "check" => FieldType::Text,
         "force_positive" | "form_closed" => FieldType::Flag,
         "rebound_percent" => FieldType::Percent,
         "steps" | "contacts_lost" => FieldType::Integer(0, i64::MAX),
@@ -85,7 +175,7 @@ fn result_type(name: &str) -> FieldType {
 
 /// Type of a result column or of the column of a scene field; `None` for any other column.
 pub fn column_type(column: &str) -> Option<FieldType> {
-    if [1, 2].into_iter().any(|fingers| result_columns(fingers).contains(&column)) {
+    if [1, 2].into_iter().any(|fingers| hand_columns(fingers).contains(&column)) {
         return Some(result_type(column));
     }
     let mut fields = SceneKind::ALL.into_iter().filter_map(|kind| Field::from_column(column, schema_for(kind)));
@@ -97,7 +187,7 @@ pub fn columns(study: &Study) -> Vec<Column> {
     let numbers = ["run", "design"].map(|name| Column::new(name, Kind::Integer)).into_iter();
     let fields = study.axes.iter().flat_map(|axis| &axis.fields);
     let axes = fields.map(|field| Column::new(field.column(), column_kind(&field.field_type)));
-    let results = result_columns(study.fingers).iter().map(|name| Column::new(*name, column_kind(&result_type(name))));
+    let results = study.results.names.iter().map(|name| Column::new(name.clone(), column_kind(&result_type(name))));
     numbers.chain(axes).chain(results).collect()
 }
 
@@ -121,28 +211,33 @@ pub(super) struct Cells {
     run: u64,
     /// Run, design and values of the axes, then the results.
     cells: Vec<Value>,
-    names: &'static [&'static str],
+    names: Arc<[String]>,
 }
 
 impl Cells {
     /// Starts the row of a run, without results.
     pub fn new(study: &Study, run: u64, axes: impl Iterator<Item = Value>) -> Self {
-        let names = result_columns(study.fingers);
+        let names = Arc::clone(&study.results.names);
         let numbers = [run, study.design(run)].map(|number| Value::Integer(number as i64));
         let results = names.iter().map(|_| Value::Missing);
         Cells { run, cells: numbers.into_iter().chain(axes).chain(results).collect(), names }
     }
 
-    /// Sets a result; a number that is not finite becomes missing.
+    /// Sets a result, unless its column is not selected; a number that is not finite becomes missing.
     pub fn set(&mut self, name: &str, value: impl Into<Value>) {
-        let index = self.names.iter().position(|column| *column == name);
-        debug_assert!(index.is_some(), "{name}");
+        let value = match value.into() {
+            Value::Number(number) if !number.is_finite() => Value::Missing,
+            value => value,
+        };
+        self.set_exactly(name, value);
+    }
+
+    /// Sets a result that may be infinite, unless its column is not selected.
+    pub fn set_exactly(&mut self, name: &str, value: Value) {
+        let index = self.names.iter().position(|column| column == name);
         let first = self.cells.len() - self.names.len();
         if let Some(cell) = index.and_then(|index| self.cells.get_mut(first + index)) {
-            *cell = match value.into() {
-                Value::Number(number) if !number.is_finite() => Value::Missing,
-                value => value,
-            };
+            *cell = value;
         }
     }
 
@@ -166,7 +261,7 @@ pub struct Summary {
     pub runs: u64,
     /// Runs by status, in the order of [`Status::ALL`].
     pub by_status: Named<u64>,
-    /// Completed runs of fingers by dynamic class from best to worst; of grippers by the fate of the grasp.
+    /// Completed runs of fingers by dynamic class from best to worst; of others by the fate of the grasp; empty without both.
     pub by_class: Named<u64>,
     /// Completed runs without a class, because the finger cannot grasp its object. `reasons` contains the reasons.
     pub no_class: u64,
@@ -209,9 +304,12 @@ impl Summary {
 
 pub fn summary(table: &Table) -> Result<Summary, TableError> {
     let (runs, status) = (table.integers("run")?, table.texts("status")?);
-    let (class, classes) = match table.texts("grasp") {
-        Ok(fates) => (fates, Fate::NAMES.to_vec()),
-        Err(_) => (table.texts("class")?, Class::ALL.map(Class::name).to_vec()),
+    let has_column = |name: &str| table.columns.iter().any(|column| column.name == name);
+    let (class, classes) = match ["grasp", "fate", "class"].into_iter().find(|name| has_column(name)) {
+        Some("class") => (table.texts("class")?, Class::ALL.map(Class::name).to_vec()),
+        Some(fate) => (table.texts(fate)?, Fate::NAMES.to_vec()),
+        // A scene without a grasp, or a study without this column.
+        None => (Vec::new(), Vec::new()),
     };
     let reason = table.texts("reason")?;
     let count = |column: &[Option<&str>], names: &[&str]| {

@@ -1,4 +1,4 @@
-//! Runs of a study: their parallel execution, and the simulation of a finger or a gripper for a row.
+//! Runs of a study: their parallel execution, and the simulation of a scene for a row.
 
 use std::collections::HashSet;
 use std::ops::RangeInclusive;
@@ -8,7 +8,8 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::results::{Cells, Row, Status};
+use super::figures::{Extrema, SceneFigures};
+use super::results::{Cells, Figures, Row, Status};
 use super::{Filter, Study};
 use crate::check::{check_run, run_and_record};
 use crate::criteria::{
@@ -77,21 +78,17 @@ fn run_one(study: &Study, run: u64, keep_running: KeepRunning<'_>) -> Option<Row
         Ok(scene) => scene,
         Err(error) => return Some(cells.row(Status::Refused, &problem_messages(&error))),
     };
-    match scene.finger_count() {
-        // The kind was checked when the study was read, unless an axis changes it.
-        fingers if fingers != study.fingers => Some(cells.row(Status::Refused, other_kind(&scene))),
-        2 => run_gripper(study, &scene, cells, keep_running),
-        _ => run_finger(study, &scene, cells, keep_running),
+    match (&study.results.figures, scene.finger_count()) {
+        (Figures::Hand(2), 2) => run_gripper(study, &scene, cells, keep_running),
+        (Figures::Hand(1), 1) => run_finger(study, &scene, cells, keep_running),
+        (Figures::Scene(figures), 0) if figures.fit(&scene) => run_scene(study, figures, &scene, cells, keep_running),
+        // An axis changes the kind of scene, or the number of its parts.
+        _ => Some(cells.row(Status::Refused, OTHER_PARTS)),
     }
 }
 
-/// Reason why a scene is not of the kind of its study.
-fn other_kind(scene: &Scene) -> &'static str {
-    match scene.has_joints() && scene.finger_count() == 0 {
-        true => "the object has an `[object.outline]`, so the scene is simulated as a mechanism; remove the outline",
-        false => "the scene is of another kind",
-    }
-}
+/// Reason why a run has no figures.
+const OTHER_PARTS: &str = "the scene has other bodies, joints, actuators or contacts than the first one, so it has other columns; make a study of its own";
 
 /// Problems of a scene in one line, without their location in the generated text.
 pub(in crate::study) fn problem_messages(error: &SceneError) -> String {
@@ -106,11 +103,12 @@ fn simulate_row<S: Sink>(
     study: &Study,
     scene: &Scene,
     mut cells: Cells,
-    mut sink: S,
+    sink: S,
     keep_running: KeepRunning<'_>,
     set_results: impl FnOnce(&mut Cells, S, &Outcome) -> Option<String>,
 ) -> Option<Row> {
-    let mut cancellable = Cancellable { sink: &mut sink, keep_running };
+    let mut both = (sink, Extrema::of(study.results.extrema.clone()));
+    let mut cancellable = Cancellable { sink: &mut both, keep_running };
     let (result, path) = if study.checked {
         let (result, path) = run_and_record(study.model, scene, &mut cancellable);
         (result, Some(path))
@@ -127,7 +125,9 @@ fn simulate_row<S: Sink>(
         }
         Err(RunError::Sink(error)) => return Some(cells.row(Status::Failed, &error.to_string())),
     };
+    let (sink, extrema) = both;
     let reason = set_results(&mut cells, sink, &outcome);
+    extrema.values().into_iter().for_each(|(name, value)| cells.set_exactly(&name, value));
     let reason = reason.unwrap_or_else(|| "the run has no duration, so it has no verdict".to_string());
     cells.set("steps", outcome.work.steps as i64);
     if let Some(path) = path {
@@ -226,6 +226,21 @@ fn filter_reason(filter: &Filter, statics: &Statics) -> Option<String> {
         (true, Ok(_)) => Some(format!("not {name}")),
         (false, Ok(_)) => Some(name.to_string()),
         (_, Err(reason)) => Some(format!("cannot determine whether it is {name}: {reason}")),
+    })
+}
+
+fn run_scene(
+    study: &Study,
+    figures: &SceneFigures,
+    scene: &Scene,
+    cells: Cells,
+    keep_running: KeepRunning<'_>,
+) -> Option<Row> {
+    let tracker = SceneFigures::tracker(scene);
+    simulate_row(study, scene, cells, tracker, keep_running, |cells, tracker, outcome| {
+        let values = figures.values(scene, &tracker, outcome);
+        values.into_iter().for_each(|(name, value)| cells.set_exactly(name, value));
+        Some(String::new())
     })
 }
 

@@ -14,6 +14,8 @@ use toml::de::{DeTable, DeValue, Deserializer};
 
 use super::axis::{Axis, AxisValue, AxisValues, Field, Range, Spacing};
 use super::base_scene::{Base, Template, base_from_layers, check_scene, check_values, merge, scene_kind};
+use super::results::{Results, UnknownFigure};
+use super::run::problem_messages;
 use super::sequence::{MAX_HALTON_AXES, Method, Sequence};
 use super::{Filter, MAX_RUNS, MAX_SHARDED_RUNS, Study};
 use crate::scene::check::Checker;
@@ -22,7 +24,7 @@ use crate::scene::parse::syntax_problem;
 use crate::scene::quantity::Word;
 use crate::scene::schema::{schema_for, unwrap_lines};
 use crate::scene::value::type_name;
-use crate::scene::{Layer, Problem, SceneError, keys, load_layers, read};
+use crate::scene::{Keyword, Layer, Problem, Scene, SceneError, keys, load_layers, parse_any, parse_layers, read};
 use crate::trace::Model;
 
 /// Error in a study. Formatted like an error of a scene: `error:`, location, source line and help.
@@ -56,6 +58,19 @@ struct StudyFile {
     axes: Vec<AxisTable>,
     sample: SampleTable,
     filter: Filter,
+    results: ResultsTable,
+}
+
+/// Columns of the results.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+struct ResultsTable {
+    /// The figures that are columns, beside those of the axes and `status`, `reason`, `steps`, `check` and `check_error_rad`.
+    /// Default: all.
+    columns: Vec<String>,
+    /// Channels of the run, such as "object_y_m", whose least and largest values are columns: "least_object_y_m" and
+    /// "largest_object_y_m".
+    extrema: Vec<String>,
 }
 
 /// One axis: values or a range of one field, or rows of values of several fields. The values of fields are read from the
@@ -116,18 +131,19 @@ fn any_value(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": ["string", "number"] })
 }
 
-/// JSON Schema of study files. `[scene]` and `[set]` accept the keys of a finger or a gripper.
+/// JSON Schema of study files. `[scene]` and `[set]` accept the keys of any scene.
 pub fn schema() -> String {
     let mut schema = own_schema();
-    let [finger, gripper] = [SceneKind::Finger, SceneKind::Gripper].map(|kind| {
+    let kinds = SceneKind::ALL.map(|kind| {
         let mut schema = schema_for(kind).clone();
         schema.as_object_mut().map(|map| map.remove("$schema"));
         schema
     });
+    let of_any_kind: Vec<Json> = std::iter::once(json!({ "type": "string" })).chain(kinds.clone()).collect();
     let scene = &mut schema["properties"]["scene"];
-    *scene = json!({ "description": scene["description"], "anyOf": [json!({ "type": "string" }), finger, gripper] });
+    *scene = json!({ "description": scene["description"], "anyOf": of_any_kind });
     let set = "Fields of the base scene that the study replaces in every run.";
-    schema["properties"]["set"] = json!({ "description": set, "anyOf": [finger, gripper] });
+    schema["properties"]["set"] = json!({ "description": set, "anyOf": kinds });
     format!("{schema:#}\n")
 }
 
@@ -220,8 +236,9 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let set = set.map(|table| check_scene(table, "set", reader.kind, &reader.checker)).unwrap_or_default();
     let axes = reader.read_axes(&study.axes);
     let sequence = reader.read_sample(&study, &axes);
-    if reader.kind == SceneKind::Gripper && reader.span("filter").is_some() {
-        let message = "[filter] concerns the statics of one finger, but the base scene is a gripper";
+    if reader.kind != SceneKind::Finger && reader.span("filter").is_some() {
+        let kind = reader.kind.keyword();
+        let message = format!("[filter] concerns the statics of one finger, but the base scene is of kind \"{kind}\"");
         let help = "remove it: the results contain the fate and the form closure of every grasp";
         reader.refuse::<()>("filter", message, "has no effect", help);
     }
@@ -239,8 +256,13 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let unusable = |reason: String| StudyError::Read { file: file_name.to_string(), reason };
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let stem = stem.filter(|stem| !stem.trim().is_empty()).unwrap_or_else(|| "study".to_string());
-    Ok(Study {
-        fingers: base.kind.fingers(),
+    let is_outline = |path: &str| path.starts_with("object.outline");
+    let has_outline = base.table.get("object").and_then(|object| object.get("outline")).is_some()
+        || axes.iter().flat_map(|axis| &axis.fields).any(|field| is_outline(&field.path));
+    // An object that is no disc makes the scene one of a mechanism.
+    let is_hand = base.kind.fingers() > 0 && !has_outline;
+    let mut found = Study {
+        results: Results::of_hand(base.kind.fingers()),
         name: if study.name.is_empty() { stem } else { study.name },
         description: study.description,
         model: study.model.0,
@@ -252,7 +274,59 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         runs,
         source: text.to_string(),
         base: base.text,
-    })
+    };
+    let ResultsTable { columns, extrema } = study.results;
+    if !is_hand || !columns.is_empty() || !extrema.is_empty() {
+        let scene = first_scene(&found).map_err(|reason| {
+            let message = format!("none of the first scenes of the study is valid: {reason}");
+            let help = "correct the base scene, or the values of the axes";
+            invalid(vec![Problem::new(reader.span("scene"), message, "this base scene", help)])
+        })?;
+        found.results =
+            Results::of(&scene, &columns, &extrema).map_err(|UnknownFigure { key, index, name, known }| {
+                let path = format!("results.{key}.{index}");
+                let help = format!("{}the names are {}", similar(&name, &known), list_first(&known));
+                let message =
+                    format!("`{name}` is no {} of this study", if key == "columns" { "figure" } else { "channel" });
+                let span = reader.span(&path);
+                invalid(vec![Problem::new(span, message, "unknown name", help)])
+            })?;
+    }
+    let fields: Vec<String> = found.fields().map(|(column, _)| column).collect();
+    found.results = found.results.without(&fields);
+    Ok(found)
+}
+
+/// Number of runs among which a valid scene is sought.
+const MAX_TRIED: u64 = 1000;
+
+/// The scene of the first run whose scene is valid. All scenes of a study have the same parts, so that its results have the
+/// same columns.
+fn first_scene(study: &Study) -> Result<Scene, String> {
+    let mut reason = None;
+    for run in 1..=study.runs().min(MAX_TRIED) {
+        match parse_any(&study.scene_text(run), "run.toml") {
+            Ok(scene) => return Ok(scene),
+            Err(error) => _ = reason.get_or_insert_with(|| problem_messages(&error)),
+        }
+    }
+    Err(reason.unwrap_or_else(|| "it has no runs".to_string()))
+}
+
+/// The first names of a list, and the number of the others.
+fn list_first(names: &[String]) -> String {
+    let (shown, others) = names.split_at(names.len().min(MAX_NAMES));
+    let others = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
+    shown.join(", ") + &others
+}
+
+/// Number of names that a message lists.
+const MAX_NAMES: usize = 20;
+
+/// The suggestion of a similar name, if there is one.
+fn similar(name: &str, known: &[String]) -> String {
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    keys::closest_match(name, &known).map_or_else(String::new, |near| format!("did you mean `{near}`? "))
 }
 
 /// Removes and returns a table of the document. A value of another type stays and is reported later.
@@ -507,9 +581,17 @@ pub fn in_memory_study(
         }
         fields.push(field);
     }
+    let has_outline = base.table.get("object").and_then(|object| object.get("outline")).is_some();
+    let results = if base.kind.fingers() > 0 && !has_outline {
+        Results::of_hand(base.kind.fingers())
+    } else {
+        let scene = parse_layers(layers, settings, parse_any)?;
+        Results::of(&scene, &[], &[]).map_err(|unknown| invalid(unknown.name, String::new()))?
+    };
     let template = Template::new(base.table, fields.iter());
+    let columns: Vec<String> = fields.iter().map(Field::column).collect();
     Ok(Study {
-        fingers: base.kind.fingers(),
+        results: results.without(&columns),
         name: String::new(),
         description: String::new(),
         model,

@@ -105,6 +105,42 @@ impl Sink for () {
     }
 }
 
+/// Two sinks of one run.
+impl<A: Sink, B: Sink> Sink for (A, B) {
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.sample(sample)?;
+        self.1.sample(sample)
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), SinkError> {
+        self.0.event(event)?;
+        self.1.event(event)
+    }
+
+    fn extreme(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.extreme(sample)?;
+        self.1.extreme(sample)
+    }
+
+    fn crossing(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.crossing(sample)?;
+        self.1.crossing(sample)
+    }
+
+    fn point(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.point(sample)?;
+        self.1.point(sample)
+    }
+
+    fn required_data(&self) -> RequiredData {
+        self.0.required_data().or(self.1.required_data())
+    }
+
+    fn should_continue(&self) -> bool {
+        self.0.should_continue() && self.1.should_continue()
+    }
+}
+
 /// An optional sink; `None` discards everything.
 impl<T: Sink> Sink for Option<T> {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {

@@ -39,7 +39,8 @@ pub use frame::GROUND;
 pub use joint::{Joint, JointKind, constraint_gradients, coordinate_gradient, coordinate_in};
 pub use mirror::Mirror;
 pub use outline::{
-    ContactPair, ForcePoint, Outline, OutlineId, OutlinePoint, OutlineShape, PlaneArea, PointContact, rounded_core,
+    ContactPair, ForcePoint, Outline, OutlineId, OutlinePair, OutlinePoint, OutlineShape, PlaneArea, PointContact,
+    rounded_core,
 };
 
 /// Pose (x, y, θ) of a frame, in m and rad, or its rate.

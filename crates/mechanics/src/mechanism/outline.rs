@@ -101,6 +101,16 @@ pub struct PointContact {
     pub point: OutlinePoint,
 }
 
+/// Two outlines that touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutlinePair {
+    /// Name of the contact in the scene, or else both outlines: `left.pad/object.skin`.
+    pub name: String,
+    pub outlines: [OutlineId; 2],
+    /// Indices among [`Mechanism::point_contacts`].
+    pub points: Vec<usize>,
+}
+
 impl OutlineShape {
     /// Vertices of the core, counter-clockwise; none for a half plane and an ellipse.
     pub fn vertices_m(&self) -> Vec<[f64; 2]> {
@@ -196,6 +206,28 @@ impl Mechanism {
             (first, second) if first > second => vec![[a, b]],
             _ => vec![[b, a]],
         }
+    }
+
+    /// Returns the pairs of outlines that touch, in the order of the contacts. Outlines of the body `second` come second.
+    pub fn outline_pairs(&self, second: Option<usize>) -> Vec<OutlinePair> {
+        let mut pairs: Vec<OutlinePair> = Vec::new();
+        for (index, point) in self.point_contacts().iter().enumerate() {
+            let contact = &self.contacts[point.pair];
+            let [points, face] = [contact.points, contact.face];
+            let swaps = second.is_some() && points.body == second;
+            let outlines = if swaps { [face, points] } else { [points, face] };
+            let is_same =
+                |pair: &&mut OutlinePair| pair.outlines == outlines || pair.outlines == [outlines[1], outlines[0]];
+            match pairs.iter_mut().find(is_same) {
+                Some(pair) => pair.points.push(index),
+                None => {
+                    let of_outlines = || outlines.map(|id| self.outline_name(id)).join("/");
+                    let name = contact.name.clone().unwrap_or_else(of_outlines);
+                    pairs.push(OutlinePair { name, outlines, points: vec![index] });
+                }
+            }
+        }
+        pairs
     }
 
     /// Whether two pairs of points and a face are the same contact: two outlines touch once in both directions, unless

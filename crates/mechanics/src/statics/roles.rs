@@ -5,7 +5,9 @@
 //! and what carries the base do not move relative to the base. The object, the bodies of the hand that can touch it, and
 //! all bodies that are connected with these otherwise have to be at rest. Other bodies have no effect on the grasp.
 
-use crate::mechanism::{Body, ContactPair, JointCombination, Mechanism, OutlineId, OutlineShape, SpringKind};
+use crate::mechanism::{
+    Body, ContactPair, JointCombination, Mechanism, OutlineId, OutlinePair, OutlineShape, SpringKind,
+};
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::sub;
 use crate::palm_motion::PalmMotion;
@@ -86,25 +88,16 @@ pub fn grasp_roles(mechanism: &Mechanism, keys: &GraspKeys) -> std::result::Resu
         };
         has_role && !keys.surroundings.contains(&id)
     };
-    let mut pairs: Vec<([OutlineId; 2], GraspPair)> = Vec::new();
-    for (index, point) in mechanism.point_contacts().iter().enumerate() {
-        let contact = &mechanism.contacts[point.pair];
-        let outlines = match [contact.points, contact.face] {
-            [other, own] if own.body == Some(object) => [other, own],
-            [own, other] if own.body == Some(object) => [other, own],
-            _ => continue,
-        };
-        match pairs.iter_mut().find(|(known, _)| *known == outlines) {
-            Some((_, pair)) => pair.points.push(index),
-            None => {
-                let name = outlines.map(|id| mechanism.outline_name(id)).join("/");
-                let name = contact.name.clone().unwrap_or(name);
-                let [other, _] = outlines;
-                pairs.push((outlines, GraspPair { name, other, is_hand: is_hand(other), points: vec![index] }));
-            }
-        }
-    }
-    let pairs: Vec<GraspPair> = pairs.into_iter().map(|(_, pair)| pair).collect();
+    let of_object =
+        mechanism.outline_pairs(Some(object)).into_iter().filter(|pair| pair.outlines[1].body == Some(object));
+    let pairs: Vec<GraspPair> = of_object
+        .map(|OutlinePair { name, outlines: [other, _], points }| GraspPair {
+            name,
+            other,
+            is_hand: is_hand(other),
+            points,
+        })
+        .collect();
     if !pairs.iter().any(|pair| pair.is_hand) {
         return Err(NoGrasp::Nothing);
     }

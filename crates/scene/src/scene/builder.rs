@@ -138,44 +138,55 @@ impl Hand {
     ) -> Result<Mechanism, OpenLoop> {
         let mut mechanism = self.mechanism()?;
         let Some(object) = &self.object else { return Ok(mechanism) };
-        let id = if let Some(index) = mechanism.bodies.iter().position(|body| body.name == Object::NAME) {
+        if let Some(index) = mechanism.bodies.iter().position(|body| body.name == Object::NAME) {
             let body = &mut mechanism.bodies[index];
             (body.mass_kg, body.inertia_kg_m2, body.com_m) = (mass_kg, inertia_kg_m2, com_m);
             body.outlines[0].shape = outline.clone();
-            OutlineId { body: Some(index), outline: 0 }
         } else {
             // The ground does not turn.
             let at = mechanism.ground_outlines.iter().position(|outline| outline.name == Object::NAME).unwrap_or(0);
             mechanism.ground_outlines[at].shape = outline.moved(object.centre_m, object.angle_rad);
-            OutlineId { body: None, outline: at }
-        };
-        let pairs = std::mem::take(&mut mechanism.contacts);
-        for pair in pairs {
-            let directions =
-                if pair.points == id { mechanism.directions([id, pair.face]) } else { vec![[pair.points, pair.face]] };
-            let directed = directions.into_iter().map(|[points, face]| ContactPair {
-                name: None,
-                points,
-                face,
-                is_reported_on_face: false,
-                ..pair.clone()
-            });
-            mechanism.contacts.extend(directed);
         }
-        for body in &mut mechanism.bodies {
-            (body.is_reported, body.drawn_m) = (true, Vec::new());
-            if body.motion.is_some() {
-                // They have no effect, but a scene file gives all bodies a mass and a moment of inertia.
-                (body.mass_kg, body.inertia_kg_m2) = (1.0, 1.0);
-            }
-        }
-        mechanism.joints.iter_mut().for_each(|joint| joint.limit_name = None);
-        // Rates of bodies with joints follow from those of the joints.
-        let jointed: Vec<usize> = mechanism.joints.iter().flat_map(|joint| joint.bodies).flatten().collect();
-        jointed.into_iter().for_each(|body| mechanism.bodies[body].rate = [0.0; 3]);
-        sort_by_name(&mut mechanism);
+        as_in_file(&mut mechanism);
         Ok(mechanism)
     }
+
+    /// Returns the mechanism in the form of a scene file.
+    ///
+    /// # Errors
+    /// Returns an error if the initial angles of a finger do not close its loop.
+    pub(crate) fn mechanism_of_file(&self) -> Result<Mechanism, OpenLoop> {
+        let mut mechanism = self.mechanism()?;
+        as_in_file(&mut mechanism);
+        Ok(mechanism)
+    }
+}
+
+/// Gives a mechanism the order, the names, the contacts and the reported bodies of one in a scene file.
+fn as_in_file(mechanism: &mut Mechanism) {
+    let pairs = std::mem::take(&mut mechanism.contacts);
+    for pair in pairs {
+        let directed = mechanism.directions([pair.points, pair.face]).into_iter().map(|[points, face]| ContactPair {
+            name: None,
+            points,
+            face,
+            is_reported_on_face: false,
+            ..pair.clone()
+        });
+        mechanism.contacts.extend(directed);
+    }
+    for body in &mut mechanism.bodies {
+        (body.is_reported, body.drawn_m) = (true, Vec::new());
+        if body.motion.is_some() {
+            // They have no effect, but a scene file gives all bodies a mass and a moment of inertia.
+            (body.mass_kg, body.inertia_kg_m2) = (1.0, 1.0);
+        }
+    }
+    mechanism.joints.iter_mut().for_each(|joint| joint.limit_name = None);
+    // Rates of bodies with joints follow from those of the joints.
+    let jointed: Vec<usize> = mechanism.joints.iter().flat_map(|joint| joint.bodies).flatten().collect();
+    jointed.into_iter().for_each(|body| mechanism.bodies[body].rate = [0.0; 3]);
+    sort_by_name(mechanism);
 }
 
 /// Sorts bodies, joints, springs and actuators by their names, as in a scene file.

@@ -61,7 +61,7 @@ pub use show::{show, show_written};
 pub use template::Template;
 
 pub use crate::gripper::{Placement, Spring, SpringKind};
-use crate::mechanism::Mechanism;
+use crate::mechanism::{self, Mechanism};
 use std::borrow::Cow;
 
 /// A resolved scene: everything a model needs, in SI units.
@@ -144,6 +144,44 @@ impl Scene {
         }
     }
 
+    /// Returns the scene of `kind = "mechanism"` with the same bodies, joints and laws: the way from a finger, a gripper or discs
+    /// to a linkage of one's own. [`show`] writes it as a file.
+    ///
+    /// # Errors
+    /// Returns an error if the initial angles of a finger do not close its loop, and for discs that do not rotate or are driven.
+    pub fn as_mechanism(&self) -> Result<Scene, NoMechanismFile> {
+        let (mechanism, grasp) = match &self.mechanism {
+            Some(mechanism) => {
+                if let Some(reason) = self.no_file_of_discs(mechanism) {
+                    return Err(NoMechanismFile::Discs { reason });
+                }
+                (mechanism.clone(), self.grasp.clone())
+            }
+            None => {
+                let mechanism = self.hand.mechanism_of_file()?;
+                let keys = self.hand.grasp_keys(&mechanism, self.duration_s);
+                let grasp = Some(keys).filter(|keys| keys.object.is_some() && self.finger_count() > 1);
+                (mechanism, grasp)
+            }
+        };
+        Ok(Scene { kind: SceneKind::Mechanism, hand: Hand::EMPTY, mechanism: Some(mechanism), grasp, ..self.clone() })
+    }
+
+    /// Reason why no file of a mechanism describes discs.
+    fn no_file_of_discs(&self, mechanism: &Mechanism) -> Option<String> {
+        if self.kind != SceneKind::Bodies {
+            return None;
+        }
+        let of_body = |body: &mechanism::Body| match (body.motion.is_some(), body.rotates()) {
+            (true, _) => Some(format!("`{}` is driven; write motion = \"free\" or \"fixed\" first", body.name)),
+            (false, false) => Some(format!("`{}` does not rotate; write rotates = true first", body.name)),
+            (false, true) => None,
+        };
+        let without_spring = mechanism.contacts.iter().any(|contact| contact.law.normal.stiffness_n_per_m_e == 0.0);
+        let of_law = || without_spring.then(|| "their contact has no stiffness; give it one first".to_string());
+        mechanism.bodies.iter().find_map(of_body).or_else(of_law)
+    }
+
     /// Returns the mechanism that samples, logs and drawings describe. A finger whose loop does not close at its start is
     /// straight in it; such a scene fails before its first step.
     pub fn drawn_mechanism(&self) -> Cow<'_, Mechanism> {
@@ -217,6 +255,15 @@ impl Scene {
         let required = [SceneKind::Mechanism, SceneKind::Finger, SceneKind::Gripper][count];
         Err(WrongKind { scene: self.name.clone(), found: self.kind, required })
     }
+}
+
+/// Reason why no file describes a scene as a mechanism.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoMechanismFile {
+    #[error(transparent)]
+    OpenLoop(#[from] OpenLoop),
+    #[error("the discs cannot be bodies of a mechanism: {reason}")]
+    Discs { reason: String },
 }
 
 /// A scene of one kind where another kind is required.

@@ -8,7 +8,8 @@
 use crate::criteria::segments::Hermite;
 use crate::drive::Profile;
 use crate::mechanism::{Actuator, Command, Mechanism};
-use crate::trace::Sample;
+use crate::scene::Scene;
+use crate::trace::{RequiredData, Sample, Sink, SinkError};
 use serde::Serialize;
 
 /// A command within this part of the limit counts as at the limit: a servo that presses against a contact approaches it.
@@ -189,4 +190,36 @@ fn work(ends: [(f64, State); 2], profile: &Profile, effort: &dyn Fn(f64, State) 
         from_s += length_s;
     }
     [work, mean]
+}
+
+/// A [`Sink`] that computes the figures of all actuators of a scene.
+#[derive(Clone, Debug)]
+pub struct ActuatorTracker {
+    mechanism: Mechanism,
+    actuators: Vec<ActuatorCriteria>,
+    last: Option<Sample>,
+}
+
+impl ActuatorTracker {
+    pub fn for_scene(scene: &Scene) -> Self {
+        let mechanism = scene.drawn_mechanism().into_owned();
+        ActuatorTracker { actuators: ActuatorCriteria::of(&mechanism), mechanism, last: None }
+    }
+
+    /// Figures up to the last sample, in the order of a sample.
+    pub fn actuators(&self) -> &[ActuatorCriteria] {
+        &self.actuators
+    }
+}
+
+impl Sink for ActuatorTracker {
+    fn required_data(&self) -> RequiredData {
+        RequiredData { energies: true, passive: true, ..RequiredData::NONE }
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        ActuatorCriteria::add(&mut self.actuators, &self.mechanism, self.last.as_ref(), sample);
+        self.last = Some(sample.clone());
+        Ok(())
+    }
 }

@@ -26,7 +26,7 @@ mod pose;
 mod recent;
 mod tracker;
 
-pub use actuators::ActuatorCriteria;
+pub use actuators::{ActuatorCriteria, ActuatorTracker};
 pub use cycle::{CycleCriteria, Travel};
 pub use fate::Fate;
 pub(crate) use firmness::contact_at_rest;

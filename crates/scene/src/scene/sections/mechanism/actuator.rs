@@ -11,7 +11,7 @@ use crate::law::Bristle;
 use crate::mechanism::{Actuator, Command, Mechanism, Pose, Tendon, TendonActuator, coordinate_in};
 use crate::scene::quantity::{
     Coordinate, CoordinateRate, Effort, Force, Frequency, JointDamping, JointStiffness, NotNegative, Plain, Positive,
-    Quantity, Time, Torque,
+    Quantity, Time, Torque, Word,
 };
 use crate::scene::section_input::{SectionInput, Subsection};
 use crate::scene::sections::check_point_count;
@@ -68,9 +68,15 @@ pub struct ActuatorSettings {
     pub torque: Option<Quantity<Torque>>,
     /// Constant force of a prismatic joint.
     pub force: Option<Quantity<Force>>,
-    /// Times of `torques`, `forces`, `tensions` or `targets`, increasing. Values are linear between the times, and constant before the
-    /// first and after the last.
+    /// Times of `torques`, `forces`, `tensions` or `targets`, increasing. Values are constant before the first and after the last.
     pub times: Option<Vec<Quantity<Time>>>,
+    /// Interpolation between `times`: "linear", or "step": each value holds until the next time.
+    #[schemars(extend("default" = "linear"))]
+    pub interpolation: Word<Interpolation>,
+    /// Duration of a smooth rise of `torque` or `force` from 0. Default: none.
+    pub rise: Option<Positive<Time>>,
+    /// Duration of a half sine with the peak `torque` or `force`, which is 0 afterwards. Default: none.
+    pub pulse: Option<Positive<Time>>,
     /// Torques at `times`.
     pub torques: Option<Vec<Quantity<Torque>>>,
     /// Forces at `times`.
@@ -117,17 +123,31 @@ pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>
         let message = format!("actuator `{name}` has several commands: {}", given.join(", "));
         return section.refuse(given[1], message, "one command only", format!("keep one of them; {help}"));
     };
-    let constant = |value: f64| Some(Profile::Constant { value });
+    let over_time = settings.interpolation.0;
+    let effort = |value: f64| {
+        Some(match (settings.rise, settings.pulse) {
+            (None, None) => Profile::Constant { value },
+            (Some(rise), None) => Profile::Ramp { value, rise_s: *rise },
+            (None, Some(pulse)) => Profile::HalfSine { value, length_s: *pulse },
+            (Some(_), Some(_)) => {
+                let message = format!("actuator `{name}` has both a rise and a pulse");
+                return section.refuse("pulse", message, "not with `rise`", "keep one of them");
+            }
+        })
+    };
     let profile = match key {
-        "torque" => constant(*settings.torque?),
-        "force" => constant(*settings.force?),
-        "target" => constant(*settings.target?),
-        "torques" => values_over_time(section, key, settings.times, settings.torques?),
-        "forces" => values_over_time(section, key, settings.times, settings.forces?),
-        _ => values_over_time(section, key, settings.times, settings.targets?),
+        "torque" => effort(*settings.torque?),
+        "force" => effort(*settings.force?),
+        "target" => Some(Profile::Constant { value: *settings.target? }),
+        "torques" => values_over_time(section, key, settings.times, over_time, settings.torques?),
+        "forces" => values_over_time(section, key, settings.times, over_time, settings.forces?),
+        _ => values_over_time(section, key, settings.times, over_time, settings.targets?),
     };
     if !key.ends_with('s') {
-        section.report_unused(["times"], &format!("with `{key}`"));
+        section.report_unused(["times", "interpolation"], &format!("with `{key}`"));
+    }
+    if !["torque", "force"].contains(&key) {
+        section.report_unused(["rise", "pulse"], &format!("with `{key}`"));
     }
     let command = if key.starts_with("target") {
         let [kp, kd] = [settings.kp.map(|kp| *kp), settings.kd.map(|kd| *kd)];
@@ -217,16 +237,16 @@ pub(super) fn pulls(actuators: &Entries<'_>, tendons: &Entries<'_>, all: &mut [O
 
 /// Resolves the actuator of a tendon: the tendon, and its tension.
 fn pull(section: &SectionInput<'_>, names: &[&str]) -> Option<(usize, Profile)> {
-    let ActuatorSettings { tendon, tension, tensions, times, .. } = section.read();
-    let of_tendons = ["tendon", "tension", "tensions", "times"];
+    let ActuatorSettings { tendon, tension, tensions, times, interpolation, .. } = section.read();
+    let of_tendons = ["tendon", "tension", "tensions", "times", "interpolation"];
     let of_joints = section.keys().chain(["brake"]).filter(|key| !of_tendons.contains(key));
     section.report_unused(of_joints, "with `tendon`");
     let tension = match (tension, tensions) {
         (Some(value), _) => {
-            section.report_unused(["times", "tensions"], "with `tension`");
+            section.report_unused(["times", "tensions", "interpolation"], "with `tension`");
             Some(Profile::Constant { value: *value })
         }
-        (None, Some(values)) => values_over_time(section, "tensions", times, values),
+        (None, Some(values)) => values_over_time(section, "tensions", times, interpolation.0, values),
         (None, None) => section.refuse_missing("tension", "add the tension: tension = \"30 N\", or times and tensions"),
     };
     Some((find(section, "tendon", &tendon?, "tendon", names)?, tension?))
@@ -237,6 +257,7 @@ fn values_over_time<D, R>(
     section: &SectionInput<'_>,
     key: &str,
     times: Option<Vec<Quantity<Time>>>,
+    interpolation: Interpolation,
     values: Vec<Quantity<D, R>>,
 ) -> Option<Profile> {
     let Some(times) = times else {
@@ -256,5 +277,5 @@ fn values_over_time<D, R>(
         return None;
     }
     let points = times.iter().zip(&values).map(|(time, value)| (**time, **value)).collect();
-    Some(Profile::Table { points, interpolation: Interpolation::Linear })
+    Some(Profile::Table { points, interpolation })
 }

@@ -13,10 +13,10 @@ use crate::mechanism::{
     Actuator, Body, Command, ContactPair, Coupling, Joint, JointCombination, Mechanism, Rotor, Spring, SpringKind,
     TendonActuator,
 };
-use crate::scene::Profile;
 use crate::scene::quantity::Keyword;
 use crate::scene::sections::motion::palm_motion_settings;
 use crate::scene::sections::{extend, law};
+use crate::scene::{Interpolation, Profile};
 use crate::units::{Dimension, format};
 
 /// Settings of a mechanism by section.
@@ -191,14 +191,25 @@ fn combination_settings(on: &JointCombination, mechanism: &Mechanism) -> Value {
     }
 }
 
-/// A constant under this key, or times and values.
+/// A value under this key, which may rise or be that of a pulse, or times and values.
 fn profile_settings(profile: &Profile, key: &str) -> Value {
-    match profile {
-        Profile::Table { points, .. } => json!({
+    let table = |points: &[(f64, f64)], interpolation: Interpolation| {
+        json!({
             "times": points.iter().map(|point| point.0).collect::<Value>(),
             (format!("{key}s")): points.iter().map(|point| point.1).collect::<Value>(),
-        }),
-        other => json!({ key: other.at(0.0).0 }),
+            "interpolation": interpolation.keyword(),
+        })
+    };
+    match profile {
+        Profile::Constant { value } => json!({ key: value }),
+        Profile::Ramp { value, rise_s } => json!({ key: value, "rise": rise_s }),
+        Profile::HalfSine { value, length_s } => json!({ key: value, "pulse": length_s }),
+        // A table has at least one time before the reversal.
+        Profile::Reversal { value, at_s } if *at_s > 0.0 => {
+            table(&[(0.0, *value), (*at_s, -value)], Interpolation::Step)
+        }
+        Profile::Reversal { value, .. } => json!({ key: -value }),
+        Profile::Table { points, interpolation } => table(points, *interpolation),
     }
 }
 

@@ -1,0 +1,195 @@
+//! Studies of scenes of any kind: their columns, which follow from the criteria and the schema, equal those of single runs.
+
+use phalanx::criteria::{Margin, ObjectTracker, firmness};
+use phalanx::scene::{self, Scene};
+use phalanx::study::sweep::{Study, StudyError, columns, parse, summary};
+use phalanx::table::{Kind, Table, Value};
+use phalanx::trace::{RequiredData, Sample, Schema, Sink, SinkError, run_analytic};
+
+use crate::support::cli::assert_contains;
+use crate::support::studies::{parse_study, run_study};
+
+/// A gripper whose object is gripped, and one with too little friction.
+const PADS: &str = r#"
+scene = "../mechanisms/two-pivot.toml"
+[[axes]]
+field = "bodies.object.mass"
+values = ["20 g", "60 g"]
+[[axes]]
+field = "laws.rubber.friction.mu_static"
+values = [0.3, 0.6]
+"#;
+
+fn names(study: &Study) -> Vec<String> {
+    columns(study).into_iter().map(|column| column.name).collect()
+}
+
+fn cell<'a>(table: &'a Table, row: usize, name: &str) -> &'a Value {
+    let index =
+        table.columns.iter().position(|column| column.name == name).unwrap_or_else(|| panic!("no column {name}"));
+    &table.rows[row][index]
+}
+
+fn number(table: &Table, row: usize, name: &str) -> f64 {
+    cell(table, row, name).as_number().unwrap_or_else(|| panic!("{name}: {:?}", cell(table, row, name)))
+}
+
+fn scene_of(study: &Study, run: u64) -> Scene {
+    scene::parse_any(&study.scene_text(run), "run.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn message(text: &str) -> String {
+    let error: StudyError = parse(text, "scenes/studies/study.toml").expect_err(text);
+    error.to_string()
+}
+
+#[test]
+fn rows_of_a_grasp_equal_single_runs() {
+    let study = parse_study(PADS);
+    let table = run_study(&study);
+    assert_eq!(table.rows.len(), 4);
+    for row in 0..4 {
+        let scene = scene_of(&study, row as u64 + 1);
+        let mut tracker = ObjectTracker::for_scene(&scene).expect("a grasp");
+        let outcome = run_analytic(&scene, &mut tracker).expect("completes");
+        let grasp = tracker.criteria().expect("a duration");
+        assert_eq!(cell(&table, row, "status"), &Value::from("completed"));
+        assert_eq!(cell(&table, row, "fate"), &Value::from(grasp.fate.name()));
+        assert_eq!(cell(&table, row, "fate_reason"), &Value::from(grasp.reason.as_str()));
+        assert_eq!(number(&table, row, "tts_s"), grasp.tts_s.expect("held"));
+        assert_eq!(number(&table, row, "grip_n"), grasp.grip_n());
+        let Margin::Limited { acceleration_m_s2, .. } = firmness(&scene, &grasp).expect("held").driven else {
+            panic!("the margin is limited")
+        };
+        assert_eq!(number(&table, row, "margin_m_s2"), acceleration_m_s2);
+        for pair in &grasp.pairs {
+            let normal_n = number(&table, row, &format!("{}_normal_n", pair.name));
+            assert!((normal_n - pair.normal_n).abs() <= 1e-12 * pair.normal_n.abs(), "{}: {normal_n}", pair.name);
+            let first_s = cell(&table, row, &format!("{}_first_s", pair.name)).as_number();
+            assert_eq!(first_s.is_some(), pair.first_s.is_some(), "{}", pair.name);
+        }
+        // The final state by the names of channels.
+        for channel in
+            Schema::from_scene(&scene).channels().iter().filter(|channel| channel.name.starts_with("object_"))
+        {
+            assert_eq!(number(&table, row, &channel.name), channel.value(&outcome.last), "{}", channel.name);
+        }
+        let motor = grasp.actuators.iter().find(|actuator| actuator.name == "motor").expect("a motor");
+        assert_eq!(number(&table, row, "motor_largest_n_m"), motor.largest_effort);
+        assert_eq!(number(&table, row, "motor_energy_j"), motor.energy_j);
+    }
+    let counts = summary(&table).expect("results of a sweep");
+    assert_eq!(counts.by_class.get("held"), Some(&4), "{counts:?}");
+    assert_eq!(counts.no_class, 0);
+}
+
+/// Heights of the object at the ends of the steps.
+#[derive(Default)]
+struct Heights(Vec<f64>);
+
+impl Sink for Heights {
+    fn required_data(&self) -> RequiredData {
+        RequiredData { grid: false, ..RequiredData::ALL }
+    }
+
+    fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
+        self.0.push(sample.body(0).centre_m[1]);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_study_selects_columns_and_adds_extrema() {
+    let text = "[scene]\nkind = \"bodies\"\nduration = \"200 ms\"\ngravity = [\"0 m/s^2\", \"-9.81 m/s^2\"]\n[scene.discs.ball]\nradius = \
+                \"10 mm\"\nmass = \"10 g\"\ncentre = [\"0 mm\", \"30 mm\"]\n[scene.discs.floor]\nradius = \"50 mm\"\nmotion = \
+                \"fixed\"\ncentre = [\"0 mm\", \"-50 mm\"]\n[[axes]]\nfield = \"gravity\"\nvalues = [[\"0 m/s^2\", \"-9.81 m/s^2\"], \
+                [\"0 m/s^2\", \"-3 m/s^2\"]]\n[results]\ncolumns = [\"ball_vy_m_s\"]\nextrema = [\"ball_y_m\"]\n";
+    let study = parse_study(text);
+    let expected =
+        "run design gravity status reason ball_vy_m_s least_ball_y_m largest_ball_y_m steps check check_error_rad";
+    assert_eq!(names(&study).join(" "), expected);
+    let table = run_study(&study);
+    for row in 0..2 {
+        let mut heights = Heights::default();
+        run_analytic(&scene_of(&study, row as u64 + 1), &mut heights).expect("completes");
+        let least = heights.0.iter().copied().fold(f64::INFINITY, f64::min);
+        // The lowest point is that of the largest depth, within a step.
+        let found = number(&table, row, "least_ball_y_m");
+        assert!(found <= least && found > least - 1e-4, "{found} {least}");
+        assert_eq!(number(&table, row, "largest_ball_y_m"), 0.03);
+    }
+    // No class and no fate: nothing is counted as without one.
+    let counts = summary(&table).expect("results of a sweep");
+    assert!(counts.by_class.iter().next().is_none() && counts.no_class == 0, "{counts:?}");
+}
+
+#[test]
+fn columns_of_fingers_can_be_selected() {
+    let text =
+        "scene = \"../experiment-95.toml\"\n[results]\ncolumns = [\"tts_s\", \"class\"]\nextrema = [\"q11_rad\"]\n";
+    let study = parse_study(text);
+    assert_eq!(
+        names(&study).join(" "),
+        "run design status reason tts_s class steps check check_error_rad least_q11_rad largest_q11_rad"
+    );
+    let table = run_study(&study);
+    let whole = run_study(&parse_study("scene = \"../experiment-95.toml\"\n"));
+    for name in ["tts_s", "class", "status", "steps"] {
+        assert_eq!(cell(&table, 0, name), cell(&whole, 0, name), "{name}");
+    }
+    assert!(number(&table, 0, "least_q11_rad") < number(&table, 0, "largest_q11_rad"));
+}
+
+#[test]
+fn an_axis_with_the_name_of_a_result_replaces_it() {
+    let text = "scene = \"../gripper/design-95.toml\"\n[set]\nduration = \"1 ms\"\n[[axes]]\nfield = \"palm_width\"\nvalues = [\"31 mm\", \
+                \"32 mm\"]\n";
+    let study = parse_study(text);
+    let names = names(&study);
+    assert_eq!(names.iter().filter(|name| *name == "palm_width_m").count(), 1, "{names:?}");
+    let table = run_study(&study);
+    assert_eq!([0, 1].map(|row| number(&table, row, "palm_width_m")), [0.031, 0.032]);
+    assert_eq!(columns(&study)[2].kind, Kind::Number);
+}
+
+#[test]
+fn an_outlined_object_makes_the_columns_of_a_mechanism() {
+    let text = "scene = \"../gripper/hold.toml\"\n[set]\nduration = \"20 ms\"\nobject.outline = { type = \"disc\", radius = \"20 mm\" }\n";
+    let study = parse_study(text);
+    let names = names(&study);
+    assert!(names.iter().any(|name| name == "fate") && names.iter().any(|name| name == "object_x_m"), "{names:?}");
+    let table = run_study(&study);
+    assert_eq!(cell(&table, 0, "status"), &Value::from("completed"), "{:?}", cell(&table, 0, "reason"));
+    assert_eq!(cell(&table, 0, "fate"), &Value::from("held"));
+}
+
+#[test]
+fn problems_of_results_and_scenes_name_the_remedy() {
+    let unknown = message(&format!("{PADS}[results]\ncolumns = [\"fate\", \"grip\"]\n"));
+    assert_contains(&unknown, &["`grip` is no figure of this study", "did you mean `grip_n`?", "study.toml:10"]);
+    let unknown = message(&format!("{PADS}[results]\nextrema = [\"object_z_m\"]\n"));
+    assert_contains(
+        &unknown,
+        &[
+            "`object_z_m` is no channel of this study",
+            "did you mean `object_x_m`?",
+            "time_s, left_driver_rad",
+            "and 170 more",
+        ],
+    );
+    let filter = message(&format!("{PADS}[filter]\nform_closed = true\n"));
+    assert_contains(&filter, &["base scene is of kind \"mechanism\"", "remove it"]);
+    let broken = message(&PADS.replace("laws.rubber.friction.mu_static", "laws.tyre.friction.mu_static"));
+    assert_contains(&broken, &["none of the first scenes of the study is valid", "`laws.tyre.stiffness` is missing"]);
+}
+
+#[test]
+fn a_run_with_other_parts_is_refused_in_its_row() {
+    let text = "scene = \"../gripper/hold.toml\"\n[set]\nduration = \"1 ms\"\nobject.outline = { type = \"disc\", radius = \"20 mm\" \
+                }\n[[axes]]\nfield = \"object.motion\"\nvalues = [\"free\", \"fixed\"]\n";
+    let table = run_study(&parse_study(text));
+    assert_eq!(cell(&table, 0, "status"), &Value::from("completed"));
+    assert_eq!(cell(&table, 1, "status"), &Value::from("refused"));
+    let reason = cell(&table, 1, "reason").as_text().expect("a reason");
+    assert_contains(reason, &["other bodies, joints, actuators or contacts", "a study of its own"]);
+}
