@@ -40,6 +40,34 @@ class Scenes(unittest.TestCase):
         with self.assertRaises(KeyError):
             scene["design.bsae"]
 
+    def test_parameters_and_entries_of_lists_are_fields(self):
+        text = (SCENES / "mechanisms" / "slider-crank.toml").read_text().replace('[["30 mm"', '[["= crank"')
+        text = text.replace('kind = "mechanism"', 'kind = "mechanism"\nparameters = { crank = "30 mm", half = "= crank / 2" }')
+        scene = phalanx.Scene.from_toml(text)
+        self.assertEqual((scene["parameters.crank"], scene["parameters"]["half"]), ("30 mm", "= crank / 2"))
+        self.assertEqual(scene["joints.pin.points[0][0]"], "= crank")
+        changed = scene.with_({"parameters.crank": "31 mm", "joints.wrist.points[0][0]": "= 200 * half / 31", "gravity[1]": "-1 m/s^2"})
+        self.assertEqual((changed["joints.wrist.points[0]"], changed["gravity[1]"]), (["= 200 * half / 31", "0 mm"], "-1 m/s^2"))
+        by_values = phalanx.Scene.from_toml(text.replace('"= crank"', '"31 mm"'))
+        by_values = by_values.with_({"joints.wrist.points[0][0]": f"{200 * (0.031 / 2) / 31!r} m", "gravity": ["0 m/s^2", "-1 m/s^2"]})
+        self.assertEqual(changed.resolved, by_values.resolved)
+        self.assertEqual(phalanx.Scene.from_dict(changed.to_dict()).resolved, changed.resolved)
+        gradient = phalanx.run(scene, gradient=["parameters.crank", "joints.pin.points[0][0]"], duration="30 ms").gradient
+        ends = [gradient[field]["end"]["values"]["crank_rad"] for field in ("parameters.crank", "joints.pin.points[0][0]")]
+        self.assertEqual((gradient["parameters.crank"]["value"], gradient["parameters.crank"]["unit"]), (0.03, "m"))
+        self.assertNotEqual(ends[0], 0.0)
+        self.assertAlmostEqual(ends[0] / ends[1], 1, delta=1e-9)
+        for field, message in (
+            ("parameters.crnk", "unknown parameter `crnk`"),
+            ("joints.pin.points[2]", "`joints.pin.points` has 2 entries, numbered from 0"),
+            ("a b", "`a b` is not a field: write its sections and its key"),
+        ):
+            with self.subTest(field=field), self.assertRaisesRegex(phalanx.SceneError, message):
+                scene.with_({field: "1 mm"})
+        for field in ("joints.pin.points[2]", "a b", "parameters.crnk"):
+            with self.subTest(field=field), self.assertRaises(KeyError):
+                scene[field]
+
     def test_text_extends_a_scene_in_the_directory_of_its_name(self):
         text = 'extends = "experiment-95.toml"\nduration = "5 ms"\n'
         scene = phalanx.Scene.from_toml(text, str(SCENES / "mine.toml"))
