@@ -1,9 +1,12 @@
 """Scenes are read, changed and validated."""
 
 import copy
+import json
 import pickle
+import tomllib
 import unittest
 
+import jsonschema
 import numpy as np
 import phalanx
 from common import ANCHOR, DISCS, GRIPPER, ROOT, SCENES, command
@@ -25,6 +28,40 @@ class Scenes(unittest.TestCase):
                 scene = phalanx.Scene.load(path)
                 restored = phalanx.Scene.from_dict(scene.to_dict())
                 self.assertEqual(restored.resolved, scene.resolved)
+
+    def test_shipped_scenes_are_valid_by_the_schema(self):
+        schema = json.loads(command("scene", "schema"))
+        jsonschema.Draft7Validator.check_schema(schema)
+        validator = jsonschema.Draft7Validator(schema)
+        paths = [path for path in SCENES.glob("**/*.toml") if "studies" not in path.parts]
+        extending = 0
+        for path in paths:
+            document = tomllib.loads(path.read_text())
+            extending += "extends" in document
+            with self.subTest(path=path.relative_to(ROOT)):
+                self.assertEqual([error.message for error in validator.iter_errors(document)], [])
+        self.assertGreater(len(paths), 100)
+        self.assertGreater(extending, 20)
+        linkage = tomllib.loads((SCENES / "mechanisms" / "slider-crank.toml").read_text())
+
+        def with_value(*path, value):
+            changed = table = copy.deepcopy(linkage)
+            for key in path[:-1]:
+                table = table.setdefault(key, {})
+            table[path[-1]] = value
+            return validator.is_valid(changed)
+
+        for value in ("= crank", " = 2 * crank", "30 mm"):
+            self.assertTrue(with_value("bodies", "crank", "mass", value=value), value)
+            self.assertTrue(with_value("bodies", "crank", "com", value=[value, "0 mm"]), value)
+        self.assertTrue(with_value("integrator", "max_steps", value="= 2 * 1000"))
+        self.assertTrue(with_value("parameters", "crank", value="= 2 * 15 mm"))
+        self.assertTrue(with_value("parameters", "ratio", value=0.5))
+        self.assertTrue(with_value("joints", "pin", "points[0][0]", value="30 mm"))
+        self.assertFalse(with_value("parameters", "ratio", value=True))
+        self.assertFalse(with_value("integrator", "max_steps", value="1000"))
+        self.assertFalse(with_value("bodies", "crank", "mass", value="crank"))
+        self.assertFalse(with_value("bodies", "crank", "mas", value="30 g"))
 
     def test_with_sets_fields_like_the_command_line(self):
         scene = phalanx.Scene.load(ANCHOR)

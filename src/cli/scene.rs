@@ -36,6 +36,9 @@ pub(crate) struct NewArgs {
     kind: NewKind,
 }
 
+/// File with the JSON Schema of scenes, beside them.
+const SCHEMA_FILE: &str = "scene.schema.json";
+
 /// Kind of a scene to begin with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum NewKind {
@@ -72,6 +75,8 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
         }
         NewKind::Jaw => (include_str!("../../scenes/mechanisms/jaws.toml"), "a mechanism, two jaws on sliders"),
     };
+    // The directive of TOML language servers; see src/docs/scene_files.md.
+    let text = format!("#:schema ./{SCHEMA_FILE}\n{text}");
     if let Err(error) = file.write_all(text.as_bytes()).and_then(|()| file.sync_all()) {
         let _ = fs::remove_file(&args.file);
         return Err(Failure::incomplete(format!("cannot write {path}: {error}")));
@@ -83,7 +88,9 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
     print(&format!(
         "wrote {path}: a commented scene of {content}\n\
          watch it close:     phalanx run {path} --open        (or --html FILE.html)\n\
-         show all fields:    phalanx scene show {path}\n{figure}"
+         show all fields:    phalanx scene show {path}\n{figure}\
+         keys in an editor:  phalanx scene schema > {}\n",
+        args.file.with_file_name(SCHEMA_FILE).display()
     ))
 }
 
