@@ -84,7 +84,7 @@ class Scene:
         `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`
 
         A value is a string with a unit, a number (for a field without a unit), True or False, or a list.
-        `object.centre[0]` is one element of a pair.
+        `object.centre[0]` is an entry of a list. A string that begins with "=" is an expression.
         """
 
     @property

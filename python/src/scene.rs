@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use phalanx::scene::{self, Keyword, Layer, SceneError, parse_any, parse_layers};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyList};
 
 use super::{conversion, errors};
 
@@ -45,8 +45,8 @@ impl Scene {
     }
 
     fn to_python_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let table: toml::Table =
-            scene::show_written(&self.scene).parse().map_err(|error| errors::argument(py, error))?;
+        let text = scene::show_written(&self.scene);
+        let table = scene::parse::values(&text).map_err(|error| errors::argument(py, error))?;
         conversion::parse_json(py, &serde_json::to_string(&table).map_err(|error| errors::argument(py, error))?)
     }
 }
@@ -98,7 +98,7 @@ impl Scene {
     /// `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`.
     ///
     /// A value is a string with a unit, a number (for a field without a unit), True or False, or a list.
-    /// `object.centre[0]` is one element of a pair.
+    /// `object.centre[0]` is an entry of a list. A string that begins with "=" is an expression.
     fn with_(&self, py: Python<'_>, fields: &Bound<'_, PyDict>) -> PyResult<Self> {
         let mut settings = self.settings.clone();
         for (field, value) in fields {
@@ -145,17 +145,25 @@ impl Scene {
         self.scene.duration_s
     }
 
-    /// Returns a field of `toml` by its path, such as `scene["design.base"]`, or a section as a dictionary.
+    /// Returns a field of `toml` by its path, such as `scene["design.base"]` or `scene["gravity[1]"]`, or a section as a
+    /// dictionary.
     fn __getitem__<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Bound<'py, PyAny>> {
         let mut value = self.to_python_dict(py)?;
-        for key in path.split('.') {
-            let child = value.cast::<PyDict>().ok().map(|table| table.get_item(key)).transpose()?.flatten();
+        for part in scene::parse_field(path).map_err(PyKeyError::new_err)? {
+            let child = value.cast::<PyDict>().ok().map(|table| table.get_item(&part.name)).transpose()?.flatten();
             value = child.ok_or_else(|| {
                 PyKeyError::new_err(format!(
                     "{path} is not a field of this scene of kind \"{}\"; scene.toml shows all fields",
                     self.kind()
                 ))
             })?;
+            for entry in part.entries {
+                let count = value.cast::<PyList>().map_or(0, |list| list.len());
+                if entry >= count {
+                    return Err(PyKeyError::new_err(scene::no_such_entry(&part.name, entry, count)));
+                }
+                value = value.get_item(entry)?;
+            }
         }
         Ok(value)
     }

@@ -1,9 +1,12 @@
 """Scenes are read, changed and validated."""
 
 import copy
+import json
 import pickle
+import tomllib
 import unittest
 
+import jsonschema
 import numpy as np
 import phalanx
 from common import ANCHOR, DISCS, GRIPPER, ROOT, SCENES, command
@@ -26,6 +29,40 @@ class Scenes(unittest.TestCase):
                 restored = phalanx.Scene.from_dict(scene.to_dict())
                 self.assertEqual(restored.resolved, scene.resolved)
 
+    def test_shipped_scenes_are_valid_by_the_schema(self):
+        schema = json.loads(command("scene", "schema"))
+        jsonschema.Draft7Validator.check_schema(schema)
+        validator = jsonschema.Draft7Validator(schema)
+        paths = [path for path in SCENES.glob("**/*.toml") if "studies" not in path.parts]
+        extending = 0
+        for path in paths:
+            document = tomllib.loads(path.read_text())
+            extending += "extends" in document
+            with self.subTest(path=path.relative_to(ROOT)):
+                self.assertEqual([error.message for error in validator.iter_errors(document)], [])
+        self.assertGreater(len(paths), 100)
+        self.assertGreater(extending, 20)
+        linkage = tomllib.loads((SCENES / "mechanisms" / "slider-crank.toml").read_text())
+
+        def with_value(*path, value):
+            changed = table = copy.deepcopy(linkage)
+            for key in path[:-1]:
+                table = table.setdefault(key, {})
+            table[path[-1]] = value
+            return validator.is_valid(changed)
+
+        for value in ("= crank", " = 2 * crank", "30 mm"):
+            self.assertTrue(with_value("bodies", "crank", "mass", value=value), value)
+            self.assertTrue(with_value("bodies", "crank", "com", value=[value, "0 mm"]), value)
+        self.assertTrue(with_value("integrator", "max_steps", value="= 2 * 1000"))
+        self.assertTrue(with_value("parameters", "crank", value="= 2 * 15 mm"))
+        self.assertTrue(with_value("parameters", "ratio", value=0.5))
+        self.assertTrue(with_value("joints", "pin", "points[0][0]", value="30 mm"))
+        self.assertFalse(with_value("parameters", "ratio", value=True))
+        self.assertFalse(with_value("integrator", "max_steps", value="1000"))
+        self.assertFalse(with_value("bodies", "crank", "mass", value="crank"))
+        self.assertFalse(with_value("bodies", "crank", "mas", value="30 g"))
+
     def test_with_sets_fields_like_the_command_line(self):
         scene = phalanx.Scene.load(ANCHOR)
         changed = scene.with_({"contact.friction.mu_static": 0.6, "design.base": "14 mm", "palm": False})
@@ -39,6 +76,34 @@ class Scenes(unittest.TestCase):
         self.assertEqual(gravity["contact.friction.mu_static"], 0.5)
         with self.assertRaises(KeyError):
             scene["design.bsae"]
+
+    def test_parameters_and_entries_of_lists_are_fields(self):
+        text = (SCENES / "mechanisms" / "slider-crank.toml").read_text().replace('[["30 mm"', '[["= crank"')
+        text = text.replace('kind = "mechanism"', 'kind = "mechanism"\nparameters = { crank = "30 mm", half = "= crank / 2" }')
+        scene = phalanx.Scene.from_toml(text)
+        self.assertEqual((scene["parameters.crank"], scene["parameters"]["half"]), ("30 mm", "= crank / 2"))
+        self.assertEqual(scene["joints.pin.points[0][0]"], "= crank")
+        changed = scene.with_({"parameters.crank": "31 mm", "joints.wrist.points[0][0]": "= 200 * half / 31", "gravity[1]": "-1 m/s^2"})
+        self.assertEqual((changed["joints.wrist.points[0]"], changed["gravity[1]"]), (["= 200 * half / 31", "0 mm"], "-1 m/s^2"))
+        by_values = phalanx.Scene.from_toml(text.replace('"= crank"', '"31 mm"'))
+        by_values = by_values.with_({"joints.wrist.points[0][0]": f"{200 * (0.031 / 2) / 31!r} m", "gravity": ["0 m/s^2", "-1 m/s^2"]})
+        self.assertEqual(changed.resolved, by_values.resolved)
+        self.assertEqual(phalanx.Scene.from_dict(changed.to_dict()).resolved, changed.resolved)
+        gradient = phalanx.run(scene, gradient=["parameters.crank", "joints.pin.points[0][0]"], duration="30 ms").gradient
+        ends = [gradient[field]["end"]["values"]["crank_rad"] for field in ("parameters.crank", "joints.pin.points[0][0]")]
+        self.assertEqual((gradient["parameters.crank"]["value"], gradient["parameters.crank"]["unit"]), (0.03, "m"))
+        self.assertNotEqual(ends[0], 0.0)
+        self.assertAlmostEqual(ends[0] / ends[1], 1, delta=1e-9)
+        for field, message in (
+            ("parameters.crnk", "unknown parameter `crnk`"),
+            ("joints.pin.points[2]", "`joints.pin.points` has 2 entries, numbered from 0"),
+            ("a b", "`a b` is not a field: write its sections and its key"),
+        ):
+            with self.subTest(field=field), self.assertRaisesRegex(phalanx.SceneError, message):
+                scene.with_({field: "1 mm"})
+        for field in ("joints.pin.points[2]", "a b", "parameters.crnk"):
+            with self.subTest(field=field), self.assertRaises(KeyError):
+                scene[field]
 
     def test_text_extends_a_scene_in_the_directory_of_its_name(self):
         text = 'extends = "experiment-95.toml"\nduration = "5 ms"\n'

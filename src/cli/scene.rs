@@ -45,6 +45,9 @@ pub(crate) struct NewArgs {
     list: bool,
 }
 
+/// File with the JSON Schema of scenes, beside them.
+const SCHEMA_FILE: &str = "scene.schema.json";
+
 /// Kind of a scene to begin with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum NewKind {
@@ -108,6 +111,8 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
                 _ => bad_input(&error.to_string(), "give a file in a directory where you may write"),
             },
         )?;
+    // The directive of TOML language servers; see src/docs/scene_files.md.
+    let text = format!("#:schema ./{SCHEMA_FILE}\n{text}");
     if let Err(error) = file.write_all(text.as_bytes()).and_then(|()| file.sync_all()) {
         let _ = fs::remove_file(target);
         return Err(Failure::incomplete(format!("cannot write {path}: {error}")));
@@ -119,7 +124,9 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
     print(&format!(
         "wrote {path}: a commented scene of {content}\n\
          watch it close:     phalanx run {path} --open        (or --html FILE.html)\n\
-         show all fields:    phalanx scene show {path}\n{figure}"
+         show all fields:    phalanx scene show {path}\n{figure}\
+         keys in an editor:  phalanx scene schema > {}\n",
+        target.with_file_name(SCHEMA_FILE).display()
     ))
 }
 

@@ -1,10 +1,17 @@
 //! Numeric fields of a scene as parameters of its derivatives.
 
-use toml::{Table, Value};
+use toml::Value;
 
 use crate::gradient::Parameter;
-use crate::scene::{Layer, Scene, parse_any, parse_layers, setting_from_parts, show_written};
-use crate::units::{self, Dimension};
+use crate::scene::keys::child_schema;
+use crate::scene::parameters::{Parameters, unknown};
+use crate::scene::parse::document;
+use crate::scene::schema::schema_for;
+use crate::scene::value::{ValueType, dimension_of};
+use crate::scene::{
+    Layer, PARAMETERS, Scene, no_such_entry, parse_any, parse_field, parse_layers, setting_from_parts, show_written,
+};
+use crate::units::Measured;
 
 /// Origin of a changed field in messages.
 const ORIGIN: &str = "gradient";
@@ -20,14 +27,14 @@ pub fn parameters<'a>(
     fields: &[String],
     finish: &'a dyn Fn(&mut Scene),
 ) -> Result<Vec<Parameter<'a>>, String> {
-    let table: Table = show_written(scene).parse().map_err(|error: toml::de::Error| error.to_string())?;
+    let text = show_written(scene);
     let parameter = |field: &String| {
-        let (value, unit) = find(&table, field).and_then(number).ok_or_else(|| {
-            format!(
-                "`{field}` is not a number or a quantity of the scene; `phalanx scene show` (in Python: `scene.toml`) shows \
-                 all fields, such as design.base"
-            )
-        })?;
+        let found = find(&text, field)?;
+        let unit = match found.dimension() {
+            Some(dimension) => dimension.units()[0].name,
+            None if found.is_number() => "",
+            None => return Err(format!("`{field}` is {}, for which there is no unit", found.name())),
+        };
         let (name, field) = (field.clone(), field.clone());
         let scene_at = move |value: f64| {
             let text = if unit.is_empty() { format!("{value:?}") } else { format!("{value:?} {unit}") };
@@ -37,30 +44,51 @@ pub fn parameters<'a>(
             finish(&mut scene);
             Ok(scene)
         };
-        Ok(Parameter { name, unit, value, scene_at: Box::new(scene_at) })
+        Ok(Parameter { name, unit, value: found.si, scene_at: Box::new(scene_at) })
     };
     fields.iter().map(parameter).collect()
 }
 
-/// The value of a field; `object.centre[0]` is an element of a list.
-fn find<'a>(table: &'a Table, field: &str) -> Option<&'a Value> {
-    let (path, key) = field.rsplit_once('.').map_or(("", field), |(path, key)| (path, key));
-    let mut sections = path.split('.').filter(|section| !section.is_empty());
-    let table = sections.try_fold(table, |table, section| table.get(section)?.as_table())?;
-    match key.strip_suffix(']').and_then(|key| key.split_once('[')) {
-        Some((list, index)) => table.get(list)?.as_array()?.get(index.parse::<usize>().ok()?),
-        None => table.get(key),
+/// The value of a field of a complete scene.
+fn find(text: &str, field: &str) -> Result<Measured, String> {
+    let (kind, document, _) = document(text).map_err(|error| error.to_string())?;
+    let parameters = Parameters::read(document.get_ref()).0;
+    let parts = parse_field(field)?;
+    if let [section, name] = &parts[..]
+        && section.key() == PARAMETERS
+    {
+        let (label, help) = unknown(&name.key(), &parameters.names());
+        let message = || format!("unknown parameter `{}`: {label}; {help}", name.key());
+        return parameters.get(&name.key()).ok_or_else(message);
     }
-}
-
-/// The SI value of a number or a quantity, and its SI unit.
-fn number(value: &Value) -> Option<(f64, &'static str)> {
-    match value {
-        Value::Float(number) => Some((*number, "")),
-        Value::Integer(number) => Some((*number as f64, "")),
-        Value::String(text) => Dimension::ALL
-            .into_iter()
-            .find_map(|dimension| Some((units::parse(text, dimension).ok()?, dimension.units()[0].name))),
+    let error = || {
+        format!(
+            "`{field}` is not a number or a quantity of the scene; `phalanx scene show` (in Python: `scene.toml`) shows \
+             all fields, such as design.base"
+        )
+    };
+    let (mut table, mut schema, mut value) = (Some(document.get_ref()), schema_for(kind), None);
+    for part in &parts {
+        let mut found = table.and_then(|table| table.get(part.name.as_str())).ok_or_else(error)?;
+        for entry in &part.entries {
+            let items = found.get_ref().as_array().ok_or_else(error)?;
+            found = items.get(*entry).ok_or_else(|| no_such_entry(&part.name, *entry, items.len()))?;
+        }
+        (table, value) = (found.get_ref().as_table(), Some(found));
+        schema = child_schema(schema, &part.key()).ok_or_else(error)?;
+    }
+    let (value, value_type) = (value.ok_or_else(error)?, ValueType::from_schema(schema));
+    let dimension = match &value_type {
+        ValueType::Quantity(dimension) => Some(*dimension),
+        ValueType::OneOf(dimensions) => {
+            value.get_ref().as_str().and_then(|text| dimension_of(text, dimensions, &parameters))
+        }
         _ => None,
-    }
+    };
+    let si = match value_type.read(field, value, &parameters) {
+        Ok(Value::Float(number)) => number,
+        Ok(Value::Integer(number)) => number as f64,
+        _ => return Err(error()),
+    };
+    Ok(Measured::new(si, dimension))
 }

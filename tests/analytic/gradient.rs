@@ -12,7 +12,8 @@ use phalanx::drive::{Interpolation, Profile};
 use phalanx::gradient::{Gradient, Parameter, gradient};
 use phalanx::law::NormalLaw;
 use phalanx::mechanism::{Mechanism, assemble};
-use phalanx::scene::{DiscMotion, Scene, parse_any};
+use phalanx::scene::{DiscMotion, Layer, Scene, parse_any};
+use phalanx::study::parameter::parameters;
 use phalanx::trace::{Event, Model, Recording, Schema, run};
 
 pub fn parameter<'a>(value: f64, scene_at: impl Fn(f64) -> Scene + 'a) -> Parameter<'a> {
@@ -110,6 +111,109 @@ fn a_pendulum_has_the_derivative_of_its_time_scale() {
     let channels = Recording::for_scene(&scene).channels().to_vec();
     let rate = last[channels.iter().position(|channel| channel.name == "pin_rate_rad_s").expect("a rate")];
     assert_relative(end(&found, "pin_rad"), rate * t / (2.0 * 9.81), 1e-9, "angle");
+}
+
+/// A slider-crank whose lengths, masses and start follow from the length of its crank and an angle.
+const SLIDER_CRANK: &str = r#"kind = "mechanism"
+duration = "60 ms"
+[parameters]
+crank = "30 mm"
+tilt = "0.3 rad"
+rod = "= 10 * crank / 3"
+[bodies.crank]
+mass = "= 50 g * crank / 30 mm"
+inertia = "= 50 g * crank^2 / 2"
+com = ["= 0.4 * crank", "0 mm"]
+guess = { angle = "= tilt" }
+[bodies.rod]
+mass = "40 g"
+inertia = "5e-5 kg*m^2"
+com = ["= rod / 2", "0 mm"]
+guess = { at = ["= crank * cos(tilt)", "= crank * sin(tilt)"], angle = "-5 deg" }
+[bodies.slider]
+mass = "100 g"
+inertia = "1e-5 kg*m^2"
+guess = { at = ["= crank + rod", "0 mm"] }
+[joints.crank]
+bodies = ["ground", "crank"]
+points = [["0 mm", "0 mm"], ["0 mm", "0 mm"]]
+start = "= tilt"
+start_rate = "20 rad/s"
+[joints.pin]
+bodies = ["crank", "rod"]
+points = [["= crank", "0 mm"], ["0 mm", "0 mm"]]
+[joints.wrist]
+bodies = ["rod", "slider"]
+points = [["= rod", "0 mm"], ["0 mm", "0 mm"]]
+[joints.slide]
+type = "prismatic"
+bodies = ["ground", "slider"]
+points = [["0 mm", "0 mm"], ["0 mm", "0 mm"]]
+axis = "0 deg"
+[actuators.motor]
+joint = "crank"
+times = ["0 ms", "30 ms", "60 ms"]
+torques = ["0 N*mm", "= 40 N*m/rad * tilt / 240", "0 N*mm"]
+"#;
+
+/// A parameter acts through all expressions that use it; an entry of a list acts by itself.
+#[test]
+fn derivatives_by_fields_of_a_scene_agree_with_differences_of_runs() {
+    let layers = [Layer { file: "test.toml".to_string(), text: SLIDER_CRANK.to_string() }];
+    let scene = parse_any(SLIDER_CRANK, "test.toml").unwrap_or_else(|error| panic!("{error}"));
+    let fields = [
+        "parameters.crank",
+        "parameters.tilt",
+        "parameters.rod",
+        "joints.pin.points[0][0]",
+        "actuators.motor.torques[1]",
+    ];
+    let fields = fields.map(str::to_string);
+    let finish = |_: &mut Scene| {};
+    let parameters = parameters(&scene, (&layers, &[]), &fields, &finish).unwrap_or_else(|error| panic!("{error}"));
+    let found: Vec<(f64, &str)> = parameters.iter().map(|parameter| (parameter.value, parameter.unit)).collect();
+    let crank = 0.03;
+    let torque = 40.0 * 0.3 / 240.0;
+    assert_eq!(found, [(crank, "m"), (0.3, "rad"), (10.0 * crank / 3.0, "m"), (crank, "m"), (torque, "N*m")]);
+    let gradients = gradient(&scene, &parameters, &|| true).unwrap_or_else(|error| panic!("{error}"));
+    let channels = Recording::for_scene(&scene).channels().to_vec();
+    let mut ends = Vec::new();
+    for (parameter, gradient) in parameters.iter().zip(&gradients) {
+        let expected = differences(parameter, 1e-3, |(state, _)| state.clone());
+        let mut compared = 0;
+        for (channel, [value, error]) in channels.iter().zip(&expected) {
+            let Some(found) = gradient.end.values.get(&channel.name) else { continue };
+            let within = 1e-5 * value.abs() + 20.0 * error + 1e-7;
+            assert!(
+                (found - value).abs() <= within,
+                "{} by {}: {found}, {value} ± {error}",
+                channel.name,
+                parameter.name
+            );
+            compared += 1;
+        }
+        assert!(compared > 10, "{compared}");
+        ends.push(end(gradient, "crank_rad"));
+    }
+    // The crank acts through other values than the pin alone.
+    assert!(ends.iter().all(|end| end.abs() > 1e-3) && (ends[0] - ends[3]).abs() > 0.1 * ends[3].abs(), "{ends:?}");
+    for (field, message) in [
+        (
+            "parameters.crnk",
+            "unknown parameter `crnk`: did you mean `crank`?; parameters of this scene: crank, rod, tilt",
+        ),
+        ("joints.pin.points[0][2]", "`points` has 2 entries, numbered from 0, so there is no `points[2]`"),
+        ("joints.pin.points", "`joints.pin.points` is not a number or a quantity of the scene"),
+        ("joints pin", "`joints pin` is not a field: write its sections and its key"),
+    ] {
+        let error = study_error(&scene, &layers, field);
+        assert!(error.contains(message), "{field}: {error}");
+    }
+}
+
+fn study_error(scene: &Scene, layers: &[Layer], field: &str) -> String {
+    let found = parameters(scene, (layers, &[]), &[field.to_string()], &|_: &mut Scene| {});
+    found.err().unwrap_or_else(|| panic!("{field} is accepted"))
 }
 
 /// A disc of mass `m` at speed `v` that a linear spring `k` turns back.

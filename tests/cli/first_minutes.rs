@@ -38,6 +38,10 @@ fn new_scene_runs_unchanged_and_has_comments() {
 
     let text = fs::read_to_string(&file).expect("the scene");
     assert_contains(&text, &["[design]", "[object]", "[motor]", "[spring]", "[contact.friction]", "[initial]"]);
+    // The first line names the schema for editors, in the directory of the scene.
+    assert!(text.starts_with("#:schema ./scene.schema.json\n#"), "{text}");
+    let schema = directory.join("scene.schema.json");
+    assert!(output.contains(&format!("phalanx scene schema > {}", schema.display())), "{output}");
     let values = text.lines().filter(|line| line.contains(" = ") && !line.starts_with('#'));
     assert!(values.count() >= 10 && text.matches('#').count() >= 20);
     let scene = scene::load(&file).unwrap_or_else(|error| panic!("{error}"));

@@ -80,7 +80,7 @@ fn set_errors_equal_file_errors() {
         ("spring.type=torsional", ["`spring.stiffness` is missing", "--set:1:1"]),
         ("motor=1", ["must be a table", "[motor]"]),
         ("gravity=9.81", ["`gravity` is a bare number", "write x and y: [\"0 m/s^2\", \"9.81 m/s^2\"]"]),
-        ("object.centre[2]=1 mm", ["unknown key `centre[2]` in [object]", "did you mean `centre`?"]),
+        ("object.centre[2]=1 mm", ["`object.centre` has 2 entries", "there is no `object.centre[2]`"]),
         ("bodies.l11.com[0]=1 mm", ["one element of `bodies.l11.com`", "give the whole pair"]),
         ("t32=9 mm", ["two phalanges", "not supported by phalanx"]),
         ("object.shape=box", ["every object is a disc", "give its radius"]),
@@ -212,4 +212,144 @@ fn errors_name_the_file_of_the_field() {
     assert!(!stderr(&phalanx(&["scene", "check", &base])).contains("own.toml"));
     let text = scene::parse_any("extends = \"base.toml\"\n", "text.toml").expect_err("not a file").to_string();
     assert!(text.contains("not read from a file"), "{text}");
+}
+
+/// A linkage with parameters.
+const LINKAGE: &str = "kind = \"mechanism\"\nduration = \"2 ms\"\n[parameters]\ncrank = \"40 mm\"\nhalf = \"= crank / 2\"\n[bodies.crank]\nmass = \"5 g\"\n\
+    inertia = \"= 5 g * crank^2 / 12\"\ncom = [\"= half\", \"0 mm\"]\n[joints.pin]\nbodies = [\"ground\", \"crank\"]\npoints = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
+    start = \"0 deg\"\nstart_rate = \"10 rad/s\"\n[actuators.motor]\njoint = \"pin\"\ntimes = [\"0 ms\", \"1 ms\", \"2 ms\"]\n\
+    torques = [\"0 N*mm\", \"= 1 N * half\", \"0 N*mm\"]\n";
+
+#[test]
+fn parameters_and_entries_of_lists_are_set() {
+    let dir = directory("cli_set_parameters");
+    let file = write(&dir, "linkage.toml", LINKAGE);
+    let changed = write(&dir, "changed.toml", &LINKAGE.replace("40 mm", "42 mm"));
+    let state = |args: &[&str]| run_json(&[&["run"], args, &["--json", "--no-check"]].concat())["joints"].clone();
+    let plain = state(&[&file]);
+    let by_flag = state(&[&file, "--set", "parameters.crank=42 mm"]);
+    assert_eq!(by_flag, state(&[&changed]));
+    assert_eq!(by_flag, state(&[&file, "--set", "parameters.crank== half * 2", "--set", "parameters.half=21 mm"]));
+    assert_ne!(by_flag, plain);
+    let torque = state(&[&file, "--set", "actuators.motor.torques[1]=25 N*mm"]);
+    assert_eq!(torque, state(&[&file, "--set", "actuators.motor.torques=[\"0 N*mm\", \"25 N*mm\", \"0 N*mm\"]"]));
+    assert_ne!(torque, plain);
+    for (field, words) in [
+        ("parameters.crnk=1 mm", ["unknown parameter `crnk`", "did you mean `crank`?"]),
+        ("parameters.half== crank + 1", ["`parameters.half`: `crank` is a length, but `1` is a number", "--set:1:22"]),
+        ("parameters.crank== half", ["in a circle: crank → half → crank", "give one of them a value"]),
+        ("actuators.motor.torques[3]=1 N*m", ["`actuators.motor.torques` has 3 entries", "no such entry"]),
+        (
+            "actuators.motor.torques[-1]=1 N*m",
+            ["`actuators.motor.torques[-1]` is not a field", "entries of lists in brackets"],
+        ),
+    ] {
+        assert_rejected(&["run", &file, "--set", field], &words);
+    }
+    // The log has the text with its parameters, and is verified from it.
+    let log = dir.join("linkage.mcap").display().to_string();
+    succeed(&["run", &file, "--set", "parameters.crank=42 mm", "--log", &log]);
+    succeed(&["replay", &log, "--verify"]);
+    let shown = succeed(&["scene", "show", &file]);
+    assert_contains(
+        &shown,
+        &[
+            "half = \"= crank / 2\"  # 20 mm",
+            "torques = [\"0 N*mm\", \"= 1 N * half\", \"0 N*mm\"]  # [0 N*mm, 20 N*mm, 0 N*mm]",
+        ],
+    );
+    let again = write(&dir, "again.toml", &shown);
+    assert_eq!(state(&[&again]), plain);
+    assert_contains(&succeed(&["scene", "show", &file, "--resolved"]), &["com = [\"20 mm\", \"0 m\"]", "\"20 N*mm\""]);
+}
+
+#[test]
+fn studies_vary_parameters() {
+    let dir = directory("cli_set_axes");
+    let text = fs::read_to_string(EXPERIMENT_95).expect("experiment-95");
+    let text = text
+        .replace("base = \"15.5 mm\"", "base = \"= base + 0.5 mm\"")
+        .replace("mu_static = 0.8", "mu_static = \"= grip / 2\"");
+    let head = "parameters.base = \"15 mm\"\nparameters.grip = 1.6\nparameters.sum = \"= base * grip\"\nparameters.area = \"= base^2\"\n";
+    write(&dir, "base.toml", &format!("{head}{text}"));
+    let sweep = |axes: &str| {
+        let study = write(&dir, "study.toml", &format!("scene = \"base.toml\"\nset.duration = \"3 ms\"\n{axes}"));
+        let csv = dir.join("results.csv").display().to_string();
+        (study.clone(), phalanx(&["sweep", &study, "--out", &csv, "--force"]), csv)
+    };
+    let axis = |field: &str, values: &str| format!("[[axes]]\nfield = \"{field}\"\nvalues = [{values}]\n");
+    let columns = |csv: &str| -> Vec<Vec<String>> {
+        let text = fs::read_to_string(csv).expect("results");
+        let rows: Vec<Vec<String>> = text.lines().map(|line| line.split(',').map(str::to_string).collect()).collect();
+        let kept = |row: &Vec<String>| {
+            rows[0]
+                .iter()
+                .zip(row)
+                .filter(|(name, _)| {
+                    [
+                        "run",
+                        "design",
+                        "parameters.base_m",
+                        "parameters.grip",
+                        "design.base_m",
+                        "contact.friction.mu_static",
+                    ]
+                    .iter()
+                    .all(|other| *other != name.as_str())
+                })
+                .map(|(_, cell)| cell.clone())
+                .collect()
+        };
+        rows.iter().map(kept).collect()
+    };
+    let (_, output, csv) =
+        sweep(&(axis("parameters.base", "\"15 mm\", \"16 mm\"") + &axis("parameters.grip", "1.2, 1.6")));
+    assert!(output.status.success(), "{}", stderr(&output));
+    let header = fs::read_to_string(&csv).expect("results");
+    assert!(header.starts_with("run,design,parameters.base_m,parameters.grip,l12_m"), "{header}");
+    let by_parameter = columns(&csv);
+    let (_, output, csv) =
+        sweep(&(axis("design.base", "\"15.5 mm\", \"16.5 mm\"") + &axis("contact.friction.mu_static", "0.6, 0.8")));
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(by_parameter, columns(&csv));
+    assert_ne!(by_parameter[1], by_parameter[4]);
+    // [set] replaces a parameter in every run; a range has the unit of its ends.
+    let (_, output, csv) = sweep(
+        &("set.parameters.grip = 1.2\n".to_string()
+            + "[[axes]]\nfield = \"parameters.base\"\nfrom = \"15 mm\"\nto = \"16 mm\"\ncount = 2\n"),
+    );
+    assert!(output.status.success(), "{}", stderr(&output));
+    let of_set = columns(&csv);
+    assert_eq!((&of_set[1], &of_set[2]), (&by_parameter[1], &by_parameter[3]));
+    for (axes, words) in [
+        (
+            axis("parameters.bse", "\"1 mm\""),
+            &["unknown parameter `bse`", "did you mean `base`?", "study.toml:4:9"][..],
+        ),
+        (axis("parameters.base", "12"), &["`parameters.base` is a bare number", "a length", "study.toml:5:11"]),
+        (
+            axis("parameters.grip", "\"= base\""),
+            &["`parameters.grip` is varied by values, but \"= base\" is an expression"],
+        ),
+        (axis("parameters.sum", "1"), &["`parameters.sum` is a bare number; expected a length"]),
+        (axis("parameters.area", "1"), &["`parameters.area` is a quantity in m^2, for which there is no unit"]),
+        (axis("parameters", "1"), &["`parameters` is a table of a scene"]),
+        (
+            axis("object centre", "1"),
+            &[
+                "`object centre` is not a field: write its sections and its key",
+                "with the entries of lists in brackets",
+            ],
+        ),
+        (axis("gravity[2]", "\"1 g\""), &["`gravity` has 2 entries", "no such entry"]),
+        (
+            "set.parameters.bse = 1\n".to_string() + &axis("palm", "true"),
+            &["unknown parameter `bse`", "did you mean `base`?"],
+        ),
+        ("set.parameters.grip = \"= bse\"\n".to_string() + &axis("palm", "true"), &["unknown parameter `bse`"]),
+    ] {
+        let (study, output, _) = sweep(&axes);
+        assert!(!output.status.success(), "{study}");
+        assert_contains(stderr(&output), words);
+    }
 }

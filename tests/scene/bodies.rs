@@ -138,20 +138,31 @@ fn the_schema_separates_the_scene_kinds() {
     assert_eq!(rest["if"]["properties"]["kind"]["const"], "gripper");
     let last = &rest["else"];
     assert_eq!(last["if"]["properties"]["kind"]["const"], "mechanism");
-    let [discs, gripper, mechanism, finger] = [&schema["then"], &rest["then"], &last["then"], &last["else"]];
+    // A scene without `kind` is that of a finger, unless it inherits its kind.
+    let inherited = &last["else"];
+    assert_eq!(inherited["then"]["anyOf"].as_array().map(Vec::len), Some(4));
+    let definition = |part: &Value| {
+        let path = part["$ref"].as_str().and_then(|path| path.strip_prefix('#')).expect("a reference");
+        schema.pointer(path).expect(path)
+    };
     for (kind, accepted, rejected) in [
-        (discs, "discs", ["design", "palm_width"]),
-        (gripper, "palm_width", ["discs", "half_plane"]),
-        (mechanism, "joints", ["discs", "design"]),
-        (finger, "design", ["discs", "palm_width"]),
+        (&schema["then"], "discs", ["design", "palm_width"]),
+        (&rest["then"], "palm_width", ["discs", "half_plane"]),
+        (&last["then"], "joints", ["discs", "design"]),
+        (&inherited["else"], "design", ["discs", "palm_width"]),
     ] {
+        let kind = definition(kind);
         assert_eq!(kind["additionalProperties"], Value::Bool(false));
         assert!(kind["properties"].get(accepted).is_some());
         assert!(rejected.iter().all(|other| kind["properties"].get(other).is_none()));
         assert_eq!(kind["properties"]["kind"]["enum"], serde_json::json!(["finger", "bodies", "gripper", "mechanism"]));
+        let parameter = &kind["properties"]["parameters"]["additionalProperties"];
+        assert_eq!(parameter["type"], serde_json::json!(["number", "string"]));
+        let steps = &kind["properties"]["integrator"]["properties"]["max_steps"];
+        assert_eq!((&steps["type"], &steps["pattern"]), (&serde_json::json!(["integer", "string"]), &"^\\s*=".into()));
     }
     assert_eq!(
-        schema["then"]["properties"]["discs"]["additionalProperties"]["additionalProperties"],
+        definition(&schema["then"])["properties"]["discs"]["additionalProperties"]["additionalProperties"],
         Value::Bool(false)
     );
 }

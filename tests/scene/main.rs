@@ -15,6 +15,7 @@ mod fuzz_corpus;
 mod gripper;
 mod mechanism;
 mod names;
+mod parameters;
 mod settings;
 mod start;
 mod unsupported;

@@ -6,6 +6,8 @@ pub const MAX_PROBLEMS: usize = 100;
 pub const MAX_SHOWN_PROBLEMS: usize = 20;
 /// Maximum number of discs of a scene: all pairs may be in contact, and all contacts are solved together.
 pub const MAX_DISCS: usize = 100;
+/// Maximum number of parameters of a scene.
+pub const MAX_PARAMETERS: usize = 1000;
 /// Maximum number of bodies of a mechanism.
 pub const MAX_BODIES: usize = 100;
 /// Maximum number of joints of a mechanism, and of its springs, couplings, actuators and rotors, each.

@@ -3,16 +3,20 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value as Json;
-use toml::Spanned;
 use toml::de::DeValue;
+use toml::{Spanned, Table};
 
 use crate::numeric::elementary::pow;
 use crate::scene::Problem;
-use crate::scene::keys::{child_schema, is_table, join, unknown_key};
+use crate::scene::keys::{child_schema, has_tables, is_table, join, unknown_key};
+use crate::scene::keywords::SceneKind;
+use crate::scene::parameters::{Parameters, unknown};
+use crate::scene::schema::schema_for;
 pub use crate::scene::value::ValueType as FieldType;
-use crate::scene::value::{number, problem_at};
+use crate::scene::written::{number, problem_at};
+use crate::scene::{PARAMETERS, Part, no_such_entry, parse_field};
 use crate::table::{Kind, Value};
-use crate::units::{self, Dimension};
+use crate::units::{self, Dimension, is_expression};
 
 /// A scene field that a study varies.
 #[derive(Clone, Debug)]
@@ -31,10 +35,54 @@ pub struct AxisValue {
 }
 
 impl Field {
+    /// Finds a field of a base scene of this kind by its path; the problem of an unknown path has no position.
+    pub(super) fn find(path: &str, kind: SceneKind, base: &Table, parameters: &Parameters) -> Result<Self, Problem> {
+        let parts = parse_path(path)?;
+        if let [section, name] = &parts[..]
+            && section.key() == PARAMETERS
+        {
+            return Field::of_parameter(name, parameters);
+        }
+        let field = Field::find_in(path, schema_for(kind))?;
+        let mut table = Some(base);
+        for (index, part) in parts.iter().enumerate() {
+            let (list, mut value) =
+                (path_of(&parts[..index], &part.name), table.and_then(|table| table.get(&part.name)));
+            for entry in &part.entries {
+                let Some(items) = value.map(|list| list.as_array().map_or(&[][..], |items| items)) else { break };
+                if *entry >= items.len() {
+                    return Err(missing_entry(&list, *entry, items.len()));
+                }
+                value = Some(&items[*entry]);
+            }
+            table = value.and_then(toml::Value::as_table);
+        }
+        Ok(field)
+    }
+
+    /// The field of a parameter, with the dimension of its value in the base scene.
+    fn of_parameter(name: &Part, parameters: &Parameters) -> Result<Self, Problem> {
+        let (name, path) = (name.key(), format!("{PARAMETERS}.{}", name.key()));
+        let Some(value) = parameters.get(&name) else {
+            let (label, help) = unknown(&name, &parameters.names());
+            return Err(Problem::new(None, format!("unknown parameter `{name}`"), label, help));
+        };
+        let field_type = match value.dimension() {
+            Some(dimension) => FieldType::Quantity(dimension),
+            None if value.is_number() => FieldType::Number,
+            None => {
+                let message = format!("`{path}` is {}, for which there is no unit", value.name());
+                return Err(Problem::new(None, message, "no unit", "vary the parameters of its expression"));
+            }
+        };
+        Ok(Field { path, field_type })
+    }
+
     /// Finds a field by its path in scenes with this schema; the problem of an unknown path has no position.
-    pub(super) fn find(path: &str, schema: &Json) -> Result<Self, Problem> {
+    fn find_in(path: &str, schema: &Json) -> Result<Self, Problem> {
         let (mut node, mut parent) = (schema, String::new());
-        for name in path.split('.') {
+        for part in parse_path(path)? {
+            let name = &part.key();
             if !is_table(node) {
                 let message = format!("`{path}` is not a field of a scene: `{parent}` is a single value");
                 return Err(Problem::new(
@@ -45,8 +93,24 @@ impl Field {
                 ));
             }
             let unknown = || Problem { span: None, ..unknown_key(name, &parent, 0..0, node, schema) };
+            let list = child_schema(node, &part.name).ok_or_else(unknown)?;
+            if let (Some(entry), Some(count)) =
+                (part.entries.first(), list["maxItems"].as_u64().map(|count| count as usize))
+                && *entry >= count
+            {
+                return Err(missing_entry(&join(&parent, &part.name), *entry, count));
+            }
             node = child_schema(node, name).ok_or_else(unknown)?;
             parent = join(&parent, name);
+        }
+        if has_tables(node) {
+            let message = format!("`{path}` is a list of tables of a scene, but a field is a single value");
+            return Err(Problem::new(
+                None,
+                message,
+                "a list of tables",
+                format!("name a key of one of them: \"{path}[0].KEY\""),
+            ));
         }
         if is_table(node) {
             let keys = node["properties"].as_object().into_iter().flat_map(|keys| keys.keys());
@@ -74,12 +138,17 @@ impl Field {
     pub(super) fn from_column(column: &str, schema: &Json) -> Option<Self> {
         let path = |dimension: Dimension| column.strip_suffix(dimension.suffix())?.strip_suffix('_');
         let paths = Dimension::ALL.into_iter().filter_map(path).chain([column]);
-        paths.filter_map(|path| Field::find(path, schema).ok()).find(|field| field.column() == column)
+        paths.filter_map(|path| Field::find_in(path, schema).ok()).find(|field| field.column() == column)
     }
 
     pub(super) fn read(&self, value: &Spanned<DeValue<'_>>) -> Result<AxisValue, Vec<Problem>> {
         let text = to_toml(value.get_ref());
-        let value = match self.field_type.read(&self.path, value)? {
+        if self.field_type.is_numeric() && value.get_ref().as_str().is_some_and(is_expression) {
+            let message = format!("`{}` is varied by values, but {text} is an expression", self.path);
+            let help = "write a number or a quantity, or vary the parameters of the expression".to_string();
+            return Err(vec![problem_at(value, message, "an expression", help)]);
+        }
+        let value = match self.field_type.read(&self.path, value, &Parameters::default())? {
             toml::Value::Float(number) => Value::Number(number),
             toml::Value::Integer(integer) => Value::Integer(integer),
             toml::Value::Boolean(flag) => Value::Flag(flag),
@@ -115,6 +184,21 @@ impl Field {
         };
         Some(AxisValue { text, value })
     }
+}
+
+/// Splits the path of a field.
+fn parse_path(path: &str) -> Result<Vec<Part>, Problem> {
+    let help = "`phalanx scene show SCENE` prints all fields of a scene";
+    parse_field(path).map_err(|message| Problem::new(None, message, "not a field", help))
+}
+
+fn path_of(sections: &[Part], name: &str) -> String {
+    sections.iter().map(Part::key).chain([name.to_string()]).collect::<Vec<_>>().join(".")
+}
+
+fn missing_entry(list: &str, entry: usize, count: usize) -> Problem {
+    let help = "name an entry that the base scene has".to_string();
+    Problem::new(None, no_such_entry(list, entry, count), "no such entry", help)
 }
 
 /// Kind of a result column with values of this type.

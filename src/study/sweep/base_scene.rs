@@ -9,16 +9,27 @@ use toml::{Spanned, Table, Value};
 use super::axis::{AxisValue, Field, FieldType};
 use crate::scene::check::Checker;
 use crate::scene::keywords::SceneKind;
+use crate::scene::parameters::Parameters;
 use crate::scene::parse::syntax_problem;
 use crate::scene::precedence::replaced_keys;
 use crate::scene::schema::{other_schemas, schema_for};
-use crate::scene::{Keyword, Layer, Problem, SceneError, keys, parse_layers};
+use crate::scene::{
+    Keyword, Layer, PARAMETERS, Part, Problem, SceneError, keys, parse_field, parse_layers, split_entries,
+};
 
 pub(super) struct Base {
     pub table: Table,
     pub kind: SceneKind,
+    pub parameters: Parameters,
     /// Text of its file; empty if the scene is part of the study file.
     pub text: String,
+}
+
+impl Base {
+    /// Finds a field; the problem of an unknown path has no position.
+    pub fn field(&self, path: &str) -> Result<Field, Problem> {
+        Field::find(path, self.kind, &self.table, &self.parameters)
+    }
 }
 
 /// Builds a base scene from the arguments of `scene::parse_layers`.
@@ -26,12 +37,13 @@ pub(super) fn base_from_layers(layers: &[Layer], settings: &[Layer]) -> Result<B
     parse_layers(layers, settings, |text: &str, file: &str| {
         let refuse = |problems| SceneError::Invalid { file: file.to_string(), text: text.to_string(), problems };
         let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
-        let (checker, kind) = (Checker::new(text, Vec::new()), scene_kind(document.get_ref()));
+        let kind = scene_kind(document.get_ref());
+        let checker = Checker::new(text, Vec::new()).with_parameters(document.get_ref());
         let table = check_scene(document, "", kind, &checker);
         if !checker.is_clean() {
             return Err(refuse(checker.into_problems()));
         }
-        Ok(Base { table, kind, text: text.to_string() })
+        Ok(Base { table, kind, parameters: checker.parameters, text: text.to_string() })
     })
 }
 
@@ -70,12 +82,16 @@ pub(super) fn check_values(table: &DeTable<'_>, schema: &Json, path: &str, check
             )),
             (DeValue::Array(_), None) if is_list => {}
             _ if schema["type"].is_array() => {}
+            // Parameters are read as a whole.
+            _ if schema.get("x-parameter").is_some() => {}
             _ => {
                 let field_type = match items {
                     None if is_list => FieldType::List(Box::new(FieldType::Text), None),
                     _ => FieldType::from_schema(schema),
                 };
-                field_type.read(&path, value).map_or_else(|problems| checker.extend(problems), |_| {});
+                field_type
+                    .read(&path, value, &checker.parameters)
+                    .map_or_else(|problems| checker.extend(problems), |_| {});
             }
         }
     }
@@ -86,6 +102,8 @@ pub(super) fn merge(base: &mut Table, over: Table) {
     replaced_keys(|key| over.contains_key(key)).for_each(|other| _ = base.remove(other));
     for (key, value) in over {
         match (base.get_mut(&key), value) {
+            // Parameters have any names.
+            (Some(Value::Table(inner)), Value::Table(more)) if key == PARAMETERS => inner.extend(more),
             (Some(Value::Table(inner)), Value::Table(more)) => merge(inner, more),
             (_, value) => _ = base.insert(key, value),
         }
@@ -109,7 +127,7 @@ impl Template {
     pub fn new<'a>(mut base: Table, fields: impl Iterator<Item = &'a Field>) -> Result<Self, String> {
         let [open, close] = PLACEHOLDER;
         for (index, field) in fields.enumerate() {
-            insert_at_path(&mut base, &field.path, Value::from(format!("{open}{index}{close}")));
+            insert_at_path(&mut base, &parse_field(&field.path)?, Value::from(format!("{open}{index}{close}")));
         }
         let text = toml::to_string(&base).map_err(|error| error.to_string())?;
         let (open, close) = (format!("\"{open}"), format!("{close}\""));
@@ -131,18 +149,29 @@ impl Template {
 }
 
 /// Inserts a value at a path and removes the fields that it replaces.
-fn insert_at_path(table: &mut Table, path: &str, value: Value) {
-    match path.split_once('.') {
-        None => {
-            replaced_keys(|key| key == path).for_each(|other| _ = table.remove(other));
-            table.retain(|known, _| keys::pair_element(known).is_none_or(|(pair, _)| pair != path));
-            table.insert(path.to_string(), value);
+fn insert_at_path(table: &mut Table, path: &[Part], value: Value) {
+    let [part, rest @ ..] = path else { return };
+    let key = part.key();
+    let list = table.get_mut(&part.name).filter(|_| !part.entries.is_empty());
+    // An entry of a list that is not written is an element of a pair with a default, which is a key.
+    if let Some(entry) = list.and_then(|list| part.entries.iter().try_fold(list, |list, entry| list.get_mut(*entry))) {
+        match entry {
+            Value::Table(inner) if !rest.is_empty() => insert_at_path(inner, rest, value),
+            entry => *entry = value,
         }
-        Some((key, rest)) => {
-            // The base scene has been checked, so this is a table.
-            if let Value::Table(inner) = table.entry(key).or_insert_with(|| Value::Table(Table::new())) {
-                insert_at_path(inner, rest, value);
-            }
-        }
+        return;
+    }
+    if rest.is_empty() {
+        replaced_keys(|known| known == key).for_each(|other| _ = table.remove(other));
+        table.retain(|known, _| split_entries(known).is_none_or(|(list, _)| list != key));
+        table.insert(key, value);
+        return;
+    }
+    // The base scene has been checked, so this is a table.
+    match table.entry(key.as_str()).or_insert_with(|| Value::Table(Table::new())) {
+        // Parameters have any names.
+        Value::Table(inner) if key == PARAMETERS => _ = inner.insert(rest[0].key(), value),
+        Value::Table(inner) => insert_at_path(inner, rest, value),
+        _ => {}
     }
 }

@@ -178,6 +178,10 @@ pub fn column_type(column: &str) -> Option<FieldType> {
     if [1, 2].into_iter().any(|fingers| hand_columns(fingers).contains(&column)) {
         return Some(result_type(column));
     }
+    // Only the base scene knows the dimension of a parameter; its column has the suffix of the unit.
+    if column.starts_with("parameters.") {
+        return Some(result_type(column));
+    }
     let mut fields = SceneKind::ALL.into_iter().filter_map(|kind| Field::from_column(column, schema_for(kind)));
     fields.next().map(|field| field.field_type)
 }

@@ -20,11 +20,14 @@ use super::sequence::{MAX_HALTON_AXES, Method, Sequence};
 use super::{Filter, MAX_RUNS, MAX_SHARDED_RUNS, Study};
 use crate::scene::check::Checker;
 use crate::scene::keywords::SceneKind;
+use crate::scene::parameters::{Parameters, unknown};
 use crate::scene::parse::syntax_problem;
 use crate::scene::quantity::Word;
-use crate::scene::schema::{schema_for, unwrap_lines};
-use crate::scene::value::type_name;
-use crate::scene::{Keyword, Layer, Problem, Scene, SceneError, keys, load_layers, parse_any, parse_layers, read};
+use crate::scene::schema::{file_schema, unwrap_lines};
+use crate::scene::written::type_name;
+use crate::scene::{
+    Keyword, Layer, PARAMETERS, Problem, Scene, SceneError, keys, load_layers, parse_any, parse_layers, read,
+};
 use crate::trace::Model;
 
 /// Error in a study. Formatted like an error of a scene: `error:`, location, source line and help.
@@ -134,11 +137,7 @@ fn any_value(_: &mut SchemaGenerator) -> Schema {
 /// JSON Schema of study files. `[scene]` and `[set]` accept the keys of any scene.
 pub fn schema() -> String {
     let mut schema = own_schema();
-    let kinds = SceneKind::ALL.map(|kind| {
-        let mut schema = schema_for(kind).clone();
-        schema.as_object_mut().map(|map| map.remove("$schema"));
-        schema
-    });
+    let kinds = SceneKind::ALL.map(file_schema);
     let of_any_kind: Vec<Json> = std::iter::once(json!({ "type": "string" })).chain(kinds.clone()).collect();
     let scene = &mut schema["properties"]["scene"];
     *scene = json!({ "description": scene["description"], "anyOf": of_any_kind });
@@ -213,8 +212,9 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let base = match inline {
         Some(inline) => {
             reader.kind = scene_kind(inline.get_ref());
+            reader.checker = reader.checker.with_parameters(inline.get_ref());
             let table = check_scene(inline, "scene", reader.kind, &reader.checker);
-            Some(Base { table, kind: reader.kind, text: String::new() })
+            Some(Base { table, kind: reader.kind, parameters: reader.checker.parameters.clone(), text: String::new() })
         }
         None if study.scene.is_empty() => {
             let help = "name the base scene: scene = \"experiment-95.toml\", or write it in a table [scene]";
@@ -233,8 +233,8 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         }
     };
     reader.kind = base.as_ref().map_or(SceneKind::Finger, |base| base.kind);
-    let set = set.map(|table| check_scene(table, "set", reader.kind, &reader.checker)).unwrap_or_default();
-    let axes = reader.read_axes(&study.axes);
+    let base = base.map(|base| reader.set(base, set));
+    let axes = reader.read_axes(&study.axes, base.as_ref());
     let sequence = reader.read_sample(&study, &axes);
     if reader.kind != SceneKind::Finger && reader.span("filter").is_some() {
         let kind = reader.kind.keyword();
@@ -249,10 +249,9 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
         let message = format!("the study has more than {MAX_SHARDED_RUNS} runs");
         reader.refuse::<()>("", message, "", "remove values, or sample the axes: [sample]");
     }
-    let (Some(mut base), Some(runs), true) = (base, runs, reader.checker.is_clean()) else {
+    let (Some(base), Some(runs), true) = (base, runs, reader.checker.is_clean()) else {
         return Err(invalid(reader.checker.into_problems()).into());
     };
-    merge(&mut base.table, set);
     let unusable = |reason: String| StudyError::Read { file: file_name.to_string(), reason };
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let stem = stem.filter(|stem| !stem.trim().is_empty()).unwrap_or_else(|| "study".to_string());
@@ -380,12 +379,38 @@ impl Reader<'_> {
         None
     }
 
+    /// Merges the table [set] into the base scene.
+    fn set(&mut self, mut base: Base, set: Option<Spanned<DeTable<'_>>>) -> Base {
+        self.checker.parameters = base.parameters.clone();
+        let Some(set) = set else { return base };
+        let of_set = set.get_ref().get(PARAMETERS).and_then(|section| section.get_ref().as_table());
+        for name in of_set.into_iter().flat_map(DeTable::keys) {
+            if base.parameters.get(name.get_ref()).is_none() {
+                let (label, help) = unknown(name.get_ref(), &base.parameters.names());
+                let message = format!("unknown parameter `{}`", name.get_ref().escape_debug());
+                self.checker.push(Problem::new(Some(name.span()), message, label, help));
+            }
+        }
+        let (span, has_parameters) = (set.span(), of_set.is_some());
+        let table = check_scene(set, "set", self.kind, &self.checker);
+        merge(&mut base.table, table);
+        if has_parameters {
+            let text = base.table.to_string();
+            let document = DeTable::parse(&text).map_or_else(|_| DeTable::new(), Spanned::into_inner);
+            let (parameters, problems) = Parameters::read(&document);
+            let in_set = problems.into_iter().map(|problem| Problem { span: Some(span.clone()), ..problem });
+            self.checker.extend(in_set.collect());
+            base.parameters = parameters;
+        }
+        base
+    }
+
     /// Reads all valid axes. A study without axes runs its scene once.
-    fn read_axes(&self, tables: &[AxisTable]) -> Vec<Axis> {
-        let mut axes: Vec<Axis> = Vec::new();
+    fn read_axes(&self, tables: &[AxisTable], base: Option<&Base>) -> Vec<Axis> {
+        let (mut axes, Some(base)): (Vec<Axis>, _) = (Vec::new(), base) else { return Vec::new() };
         for (index, table) in tables.iter().enumerate() {
             let path = format!("axes.{index}");
-            let Some(axis) = self.read_axis(&path, table) else { continue };
+            let Some(axis) = self.read_axis(&path, table, base) else { continue };
             for Field { path: field, .. } in &axis.fields {
                 if axes.iter().flat_map(|other| &other.fields).any(|other| other.path == *field) {
                     let key = if table.field.is_empty() { "fields" } else { "field" };
@@ -399,7 +424,7 @@ impl Reader<'_> {
         axes
     }
 
-    fn read_axis(&self, path: &str, table: &AxisTable) -> Option<Axis> {
+    fn read_axis(&self, path: &str, table: &AxisTable, base: &Base) -> Option<Axis> {
         let at = |key: &str| format!("{path}.{key}");
         let is_single = !table.field.is_empty();
         if is_single && !table.fields.is_empty() {
@@ -409,7 +434,7 @@ impl Reader<'_> {
         let mut fields: Vec<Field> = Vec::new();
         for (index, name) in table.fields.iter().chain(is_single.then_some(&table.field)).enumerate() {
             let path = if is_single { at("field") } else { at(&format!("fields.{index}")) };
-            match Field::find(name, schema_for(self.kind)) {
+            match base.field(name) {
                 Ok(field) if fields.iter().any(|other| other.path == field.path) => {
                     let message = format!("`{name}` is given twice");
                     return self.refuse(&path, message, "repeated here", "remove one of them");
@@ -574,7 +599,8 @@ pub fn in_memory_study(
     let invalid = |message: String, help: String| StudyError::Field { message, help };
     let mut fields: Vec<Field> = Vec::new();
     for path in paths {
-        let field = Field::find(path, schema_for(base.kind))
+        let field = base
+            .field(path)
             .map_err(|Problem { message, label, help, .. }| invalid(message, format!("{label}; {help}")))?;
         if fields.iter().any(|other| other.path == field.path) {
             return Err(invalid(format!("the field `{path}` is given twice"), "remove one of them".to_string()));

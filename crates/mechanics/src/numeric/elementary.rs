@@ -8,7 +8,7 @@ use std::f64::consts::LOG2_E;
 
 /// `ln` is the natural logarithm, `sin_cos` returns (sin x, cos x), and `hypot` does not overflow.
 pub use libm::{
-    asin, atan2, cbrt, cos, exp, hypot, log as ln, log1p as ln_1p, log2, log10, sin, sincos as sin_cos, tan,
+    acos, asin, atan, atan2, cbrt, cos, exp, hypot, log as ln, log1p as ln_1p, log2, log10, sin, sincos as sin_cos, tan,
 };
 
 /// Largest doubled exponent for which xⁿ is computed by products and a square root: covers Hertz and linear laws.

@@ -3,7 +3,10 @@
 use std::cell::RefCell;
 use std::ops::Range;
 
+use toml::de::DeTable;
+
 use super::error::Problem;
+use super::parameters::Parameters;
 
 /// Label of keys that have no effect because of other keys.
 pub(crate) const NO_EFFECT: &str = "no effect";
@@ -11,6 +14,8 @@ pub(crate) const NO_EFFECT: &str = "no effect";
 /// Reads values and collects problems.
 pub struct Checker<'a> {
     pub text: &'a str,
+    /// Values of the parameters, which expressions use.
+    pub parameters: Parameters,
     problems: RefCell<Vec<Problem>>,
     /// Whether there are unknown keys. Missing keys are not reported then: they may be mistyped only.
     has_type_errors: bool,
@@ -20,7 +25,14 @@ impl<'a> Checker<'a> {
     /// Creates a checker of `text` with the problems found so far.
     pub fn new(text: &'a str, problems: Vec<Problem>) -> Self {
         let has_type_errors = !problems.is_empty();
-        Checker { text, problems: RefCell::new(problems), has_type_errors }
+        Checker { text, parameters: Parameters::default(), problems: RefCell::new(problems), has_type_errors }
+    }
+
+    /// Evaluates the parameters of a scene, and reports their problems.
+    pub fn with_parameters(self, scene: &DeTable<'_>) -> Self {
+        let (parameters, problems) = Parameters::read(scene);
+        self.extend(problems);
+        Checker { parameters, ..self }
     }
 
     /// Takes back the problems after the first `count`.

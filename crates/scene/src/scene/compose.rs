@@ -13,7 +13,9 @@ use toml::{Spanned, Table, Value};
 use super::SceneError;
 use super::check::NO_EFFECT;
 use super::error::{Problem, entry_at, locate_problems, shortened};
-use super::keys::{join, pair_element};
+use super::field::{PARAMETERS, key_text, parse_field, split_entries};
+use super::keys::join;
+use super::parameters::unknown;
 use super::parse::{parse_any, syntax_problem};
 use super::precedence::merge;
 use super::section::{NO_SECTION, Section};
@@ -81,6 +83,20 @@ struct Merged<'t> {
     layers: Vec<DeTable<'t>>,
 }
 
+/// Checks that a setting names existing parameters: others would have no effect.
+fn check_parameters(setting: &DeTable<'_>, scene: &Table, layer: &Layer) -> Result<(), SceneError> {
+    let of_scene = scene.get(PARAMETERS).and_then(Value::as_table);
+    let names: Vec<&str> = of_scene.into_iter().flat_map(|section| section.keys()).map(String::as_str).collect();
+    let set = setting.get(PARAMETERS).and_then(|section| section.get_ref().as_table());
+    let Some((name, _)) = set.into_iter().flatten().find(|(name, _)| !names.contains(&name.get_ref().as_ref())) else {
+        return Ok(());
+    };
+    let (label, help) = unknown(name.get_ref(), &names);
+    let message = format!("unknown parameter `{}`", name.get_ref().escape_debug());
+    let problems = vec![Problem::new(Some(name.span()), message, label, help)];
+    Err(SceneError::Invalid { file: layer.file.clone(), text: layer.text.clone(), problems })
+}
+
 /// A position in a layer, and the path of the key there.
 struct Place {
     layer: usize,
@@ -100,6 +116,7 @@ impl<'t> Merged<'t> {
             })?;
             let mut texts = texts(document.get_ref(), &layer.text);
             if index >= file_count {
+                check_parameters(document.get_ref(), &merged.texts, layer)?;
                 merge(&mut set, texts, false, Value::as_table_mut);
             } else {
                 texts.remove(EXTENDS);
@@ -196,20 +213,13 @@ pub fn parse_setting(origin: &str, text: &str) -> Result<Layer, String> {
 /// # Errors
 /// See [`parse_setting`].
 pub fn setting_from_parts(origin: &str, field: &str, value: &str) -> Result<Layer, String> {
-    let (mut field, value) = (field.trim().to_string(), value.trim());
+    let (field, value) = (field.trim(), value.trim());
     if field.is_empty() || value.is_empty() {
         return Err(format!("there is no {}: {EXAMPLE}", if field.is_empty() { "field" } else { "value" }));
     }
-    // The key of one element of a pair must be quoted.
-    if pair_element(&field).is_some() {
-        field.insert(field.rfind('.').map_or(0, |point| point + 1), '"');
-        field.push('"');
-    }
-    if format!("{field} = 0").parse::<toml::Table>().is_err() || field.contains('\n') {
-        return Err(format!(
-            "`{field}` is not a field: write its sections and its key, separated by points: {EXAMPLE}"
-        ));
-    }
+    // The key of an entry of a list is quoted.
+    let keys: Vec<String> = parse_field(field)?.iter().map(|part| key_text(&part.key())).collect();
+    let field = keys.join(".");
     let plain = format!("value = {value}");
     let value = match plain.parse::<toml::Table>() {
         Ok(found) if found.len() == 1 && !value.contains('\n') => value.to_string(),
@@ -262,16 +272,10 @@ fn inline(value: &Spanned<DeValue<'_>>, source: &str) -> String {
     }
 }
 
-/// A key as written in a file: quoted if it has other characters than letters, digits, - and _.
-fn key_text(key: &str) -> String {
-    let is_bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
-    if is_bare { key.to_string() } else { Value::from(key).to_string() }
-}
-
 /// Writes texts of values with the sections below, in the order of a section of the schema.
 pub(crate) fn write_texts(text: &mut String, order: &Section, values: &Table, path: &str) {
     let position = |name: &str| {
-        let name = pair_element(name).map_or(name, |(pair, _)| pair);
+        let name = split_entries(name).map_or(name, |(list, _)| list);
         let sections = order.subsections().iter().chain(order.lists()).map(|(name, _)| *name);
         let mut all = order.keys().iter().map(|key| key.name).chain(sections);
         all.position(|known| known == name).unwrap_or(usize::MAX)

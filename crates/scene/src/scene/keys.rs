@@ -4,9 +4,12 @@
 use std::ops::Range;
 
 use serde_json::{Map, Value};
-use toml::de::{DeTable, DeValue};
+use toml::Spanned;
+use toml::de::{DeString, DeTable, DeValue};
 
 use super::error::Problem;
+use super::field::{no_such_entry, split_entries};
+use super::precedence::merge;
 use crate::limits::MAX_PROBLEMS;
 
 /// Schemas of the keys that a scene and scenes of other kinds may have.
@@ -27,6 +30,7 @@ pub fn remove_unknown(document: &mut DeTable<'_>, schemas: &KeySchemas) -> Vec<P
 
 /// Checks the table at a path.
 fn walk(table: &mut DeTable<'_>, schema: &Value, schemas: &KeySchemas, path: &[&str], problems: &mut Vec<Problem>) {
+    move_entries(table, schema, &path.join("."), problems);
     for (key, mut value) in std::mem::take(table) {
         // The number of problems is limited: the search for similar keys takes time for each.
         if problems.len() >= MAX_PROBLEMS {
@@ -124,21 +128,72 @@ fn find_tables(name: &str, schema: &Value, path: &str, found: &mut Vec<String>) 
     }
 }
 
-/// Returns the schema of a key of a table, or of one element of a pair: `centre[0]`.
+/// Returns the schema of a key of a table, or of an entry of a list: `points[0][1]`.
 pub fn child_schema<'a>(schema: &'a Value, name: &str) -> Option<&'a Value> {
     let property = |name: &str| properties(schema)?.get(name);
-    let element_schema = || {
-        let (pair, index) = pair_element(name)?;
-        let pair = property(pair)?;
-        pair.get("items").filter(|_| pair["maxItems"].as_u64().is_some_and(|count| index < count))
+    let entry_schema = || {
+        let (list, entries) = split_entries(name)?;
+        entries.iter().try_fold(property(list)?, |list, _| list.get("items"))
     };
-    property(name).or_else(element_schema).or(named_tables_schema(schema))
+    property(name).or_else(entry_schema).or(named_tables_schema(schema))
 }
 
-/// Splits `centre[0]` into the key of the pair and the index.
-pub fn pair_element(key: &str) -> Option<(&str, u64)> {
-    let (pair, index) = key.strip_suffix(']')?.rsplit_once('[')?;
-    Some((pair, index.parse().ok()?))
+/// Moves values whose keys name an entry of a list, such as `"points[0][1]"`, into the list. An element of a pair that is not
+/// written stays: the pair may have a default.
+fn move_entries(table: &mut DeTable<'_>, schema: &Value, path: &str, problems: &mut Vec<Problem>) {
+    let is_entry = |key: &&Spanned<DeString<'_>>| split_entries(key.get_ref()).is_some();
+    // In the order of keys, a list comes before its own entries.
+    let keys: Vec<_> = table.keys().filter(is_entry).cloned().collect();
+    for key in keys {
+        let Some((name, entries)) = split_entries(key.get_ref()) else { continue };
+        let (name_path, list) = (join(path, name), child_schema(schema, name));
+        let count = list.map(|list| list["maxItems"].as_u64());
+        let message = match (table.contains_key(name), count) {
+            // An unknown key is reported as such.
+            (false, None) => continue,
+            (false, Some(Some(count))) if entries.len() == 1 => match entries[0] < count as usize {
+                true => continue,
+                false => Err(no_such_entry(&name_path, entries[0], count as usize)),
+            },
+            (false, _) if list.is_some_and(|list| list.get("items").is_none()) => {
+                Err(format!("`{name_path}` is not a list"))
+            }
+            (false, _) => Err(format!("`{name_path}` is not given in this scene, so it has no entries")),
+            (true, _) => {
+                let value = table.remove(key.get_ref().as_ref());
+                let list = table.get_mut(name).zip(value);
+                list.map_or(Ok(()), |(list, value)| set_entry(list, &name_path, &entries, value))
+            }
+        };
+        if let Err(message) = message {
+            table.remove(key.get_ref().as_ref());
+            let help = format!("give an entry that exists, or the whole list: {name_path} = [..]");
+            problems.push(Problem::new(Some(key.span()), message, "no such entry", help));
+        }
+    }
+}
+
+/// Sets an entry of a list; the keys of a table replace single ones of a table there.
+fn set_entry<'t>(
+    list: &mut Spanned<DeValue<'t>>,
+    path: &str,
+    entries: &[usize],
+    mut value: Spanned<DeValue<'t>>,
+) -> Result<(), String> {
+    fn as_table<'v, 't>(value: &'v mut Spanned<DeValue<'t>>) -> Option<&'v mut DeTable<'t>> {
+        if let DeValue::Table(table) = value.get_mut() { Some(table) } else { None }
+    }
+    let Some((entry, rest)) = entries.split_first() else {
+        match (as_table(list), as_table(&mut value)) {
+            (Some(inner), Some(more)) => merge(inner, std::mem::take(more), true, as_table),
+            _ => *list = value,
+        }
+        return Ok(());
+    };
+    let DeValue::Array(items) = list.get_mut() else { return Err(format!("`{path}` is not a list")) };
+    let count = items.len();
+    let item = items.get_mut(*entry).ok_or_else(|| no_such_entry(path, *entry, count))?;
+    set_entry(item, &format!("{path}[{entry}]"), rest, value)
 }
 
 pub fn is_table(schema: &Value) -> bool {
@@ -146,7 +201,7 @@ pub fn is_table(schema: &Value) -> bool {
 }
 
 /// Whether the values are lists of tables.
-pub(crate) fn has_tables(schema: &Value) -> bool {
+pub fn has_tables(schema: &Value) -> bool {
     schema.get("items").is_some_and(is_table)
 }
 

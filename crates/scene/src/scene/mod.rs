@@ -6,10 +6,13 @@
 //! | `quantity`, `keywords` | types of values: quantities with their dimension and range, keywords |
 //! | `schema` | the schema of a scene, and what follows from it: allowed values, records, documentation |
 //! | `section` | the sections of the schema with their keys, parsed for reading |
+//! | `written` | single values as written |
 //! | `value` | reading single values by their type |
 //! | `section_input` | the file as written, section by section |
+//! | `parameters` | the section `[parameters]`, and values given by expressions |
 //! | `parse` | text → scene as written → [`Scene`] |
-//! | `keys` | unknown keys, suggestions |
+//! | `keys` | unknown keys, suggestions; keys of single entries of lists |
+//! | `field` | paths of fields |
 //! | `compose`, `precedence` | merging of a scene with those it extends and with single settings |
 //! | `check`, `error` | collecting, showing and locating problems |
 //! | `show` | a scene → a complete scene file |
@@ -23,9 +26,11 @@ pub mod check;
 mod compose;
 mod discs;
 pub mod error;
+mod field;
 mod hand;
 pub mod keys;
 pub mod keywords;
+pub mod parameters;
 pub mod parse;
 pub mod precedence;
 pub mod quantity;
@@ -36,6 +41,7 @@ pub mod sections;
 mod show;
 mod template;
 pub mod value;
+pub mod written;
 
 pub use crate::drive::{Brake, Interpolation, Profile};
 pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
@@ -44,6 +50,7 @@ pub use builder::{FINGER_JOINTS, OpenLoop};
 pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
 pub use discs::{Disc, DiscMotion, Discs};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems, one_line};
+pub use field::{PARAMETERS, Part, no_such_entry, parse_field, split_entries};
 pub use hand::{
     Differential, FingerContactLaws, HalfPlane, Hand, HandContact, HandFinger, Initial, Motor, Object, ObjectMotion,
     Side,

@@ -4,7 +4,9 @@
 
 use std::path::Path;
 
-use toml::de::DeTable;
+use serde::Deserialize;
+use toml::de::{DeTable, Deserializer};
+use toml::{Spanned, Table};
 
 use super::check::Checker;
 use super::error::{Problem, SceneError};
@@ -42,18 +44,36 @@ pub fn parse(text: &str, file_name: &str) -> Result<Scene, SceneError> {
 /// Returns all problems of the text.
 pub fn parse_any(text: &str, file_name: &str) -> Result<Scene, SceneError> {
     let refuse = invalid(text, file_name);
-    let mut document = DeTable::parse(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
-    let kind = kind(document.get_ref());
-    let allowed =
-        keys::KeySchemas { kind: kind.keyword(), schema: schema_for(kind), other_kinds: &|| other_schemas(kind) };
-    let unknown_keys = keys::remove_unknown(document.get_mut(), &allowed);
+    let (kind, document, unknown_keys) = document(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
+    let checker = Checker::new(text, unknown_keys).with_parameters(document.get_ref());
     let input =
         SceneInput::parse(kind, top_level(kind), document).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
-    let checker = Checker::new(text, unknown_keys);
     match resolve(&input, &checker, file_name) {
         Some(scene) if checker.is_clean() => Ok(scene),
         _ => Err(refuse(checker.into_problems())),
     }
+}
+
+/// Parses the text of a scene without checking its values: its kind, its known keys, and the problems of the others. Single
+/// entries of lists, such as `"points[0][1]"`, are in their lists.
+///
+/// # Errors
+/// Returns the error of a text that is not TOML.
+pub fn document(text: &str) -> Result<(SceneKind, Spanned<DeTable<'_>>, Vec<Problem>), toml::de::Error> {
+    let mut document = DeTable::parse(text)?;
+    let kind = kind(document.get_ref());
+    let allowed =
+        keys::KeySchemas { kind: kind.keyword(), schema: schema_for(kind), other_kinds: &|| other_schemas(kind) };
+    let problems = keys::remove_unknown(document.get_mut(), &allowed);
+    Ok((kind, document, problems))
+}
+
+/// Returns the values of a scene as written, with single entries of lists in their lists.
+///
+/// # Errors
+/// Returns the error of a text that is not TOML.
+pub fn values(text: &str) -> Result<Table, toml::de::Error> {
+    Table::deserialize(Deserializer::from(document(text)?.1))
 }
 
 /// Parses the scene of a finger as a template for many designs; `file_name` appears in messages and gives the default
@@ -64,10 +84,11 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<Scene, SceneError> {
 pub fn parse_template(text: &str, file_name: &str) -> Result<Template, SceneError> {
     // Problems of the scene itself are reported first.
     let (scene, refuse) = (parse(text, file_name)?, invalid(text, file_name));
-    let input = DeTable::parse(text)
-        .and_then(|document| SceneInput::parse(SceneKind::Finger, top_level(SceneKind::Finger), document));
-    let input = input.map_err(|error| refuse(vec![syntax_problem(&error)]))?;
-    template::template(&input, Checker::new(text, Vec::new()), &scene).map_err(refuse)
+    let (kind, document, unknown_keys) = document(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
+    let checker = Checker::new(text, unknown_keys).with_parameters(document.get_ref());
+    let input =
+        SceneInput::parse(kind, top_level(kind), document).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
+    template::template(&input, checker, &scene).map_err(refuse)
 }
 
 /// Error for problems of a text.

@@ -6,7 +6,7 @@ use std::hash::Hash;
 
 use toml::map::Map;
 
-use super::keys::pair_element;
+use super::field::{PARAMETERS, split_entries};
 
 /// Keys that select the kind of a section: a section of another kind does not inherit the other keys.
 const KIND_KEYS: [&str; 2] = ["type", "profile"];
@@ -42,15 +42,19 @@ pub(crate) fn merge<K: Ord + Hash + Borrow<str>, V>(
     if replaces_kinds {
         replaced_keys(|key| overriding.contains_key(key)).for_each(|key| _ = table.remove(key));
     }
-    // A pair replaces single elements.
-    let is_kept = |key: &str| pair_element(key).is_none_or(|(pair, _)| !overriding.contains_key(pair));
+    // A list replaces its single entries.
+    let is_kept = |key: &str| {
+        let lists = key.match_indices('[').map(|(end, _)| &key[..end]);
+        split_entries(key).is_none() || lists.into_iter().all(|list| !overriding.contains_key(list))
+    };
     *table = std::mem::take(table).into_iter().filter(|(key, _)| is_kept(key.borrow())).collect();
     for (key, mut value) in overriding {
         let mut inherited = table.remove(key.borrow());
         if let (Some(inner), Some(more)) = (inherited.as_mut().and_then(as_table), as_table(&mut value))
-            && !(replaces_kinds && KIND_KEYS.iter().any(|kind| more.contains_key(*kind)))
+            && !(replaces_kinds && key.borrow() != PARAMETERS && KIND_KEYS.iter().any(|kind| more.contains_key(*kind)))
         {
-            merge(inner, std::mem::take(more), replaces_kinds, as_table);
+            // Parameters have any names.
+            merge(inner, std::mem::take(more), replaces_kinds && key.borrow() != PARAMETERS, as_table);
             *more = std::mem::take(inner);
         }
         table.insert(key, value);

@@ -114,7 +114,8 @@ impl<D: Measure, R: Range> JsonSchema for Quantity<D, R> {
             [] => json_schema!({ "type": "number" }),
             dimensions => json_schema!({
                 "type": "string",
-                "pattern": r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*\S.*$",
+                // A number with its unit, or an expression.
+                "pattern": r"^\s*(=|[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*\S).*$",
                 "examples": dimensions.iter().map(|dimension| dimension.example()).collect::<Vec<_>>(),
                 "x-units": units.collect::<Vec<_>>(),
             }),

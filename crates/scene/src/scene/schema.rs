@@ -19,27 +19,58 @@ use super::value::ValueType;
 
 /// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of any kind, as text.
 pub fn schema() -> String {
-    let [finger, bodies, gripper, mechanism] = SceneKind::ALL.map(|kind| {
-        let mut schema = schema_for(kind).clone();
-        schema.as_object_mut().map(|map| map.remove("$schema"));
-        schema
-    });
     let is = |kind: SceneKind| json!({ "properties": { "kind": { "const": kind.keyword() } }, "required": ["kind"] });
+    let of = |kind: SceneKind| json!({ "$ref": format!("#/definitions/{}", kind.keyword()) });
+    let definitions = SceneKind::ALL.map(|kind| (kind.keyword().to_string(), file_schema(kind)));
+    // A scene may inherit its kind.
+    let extending = json!({ "required": ["extends"], "not": { "required": ["kind"] } });
+    let inherited = json!({ "if": extending, "then": { "anyOf": SceneKind::ALL.map(of) }, "else": of(Finger) });
     let combined = json!({
         "$schema": schema_for(Finger)["$schema"],
         "title": "phalanx scene",
         "description": "A scene of phalanx. Its `kind` determines its keys; the default is \"finger\".",
         "type": "object",
-        "properties": { "kind": finger["properties"]["kind"] },
+        "properties": { "kind": schema_for(Finger)["properties"]["kind"] },
+        "definitions": Map::from_iter(definitions),
         "if": is(Bodies),
-        "then": bodies,
+        "then": of(Bodies),
         "else": {
             "if": is(Gripper),
-            "then": gripper,
-            "else": { "if": is(Mechanism), "then": mechanism, "else": finger },
+            "then": of(Gripper),
+            "else": { "if": is(Mechanism), "then": of(Mechanism), "else": inherited },
         },
     });
     format!("{combined:#}\n")
+}
+
+/// Returns the schema of files with scenes of one kind: with expressions in place of numbers, and keys of single entries of lists.
+pub fn file_schema(kind: SceneKind) -> Value {
+    let mut schema = schema_for(kind).clone();
+    schema.as_object_mut().map(|map| map.remove("$schema"));
+    accept_expressions(&mut schema);
+    schema
+}
+
+fn accept_expressions(schema: &mut Value) {
+    let Value::Object(map) = schema else {
+        schema.as_array_mut().into_iter().flatten().for_each(accept_expressions);
+        return;
+    };
+    if map.contains_key("x-parameter") {
+        map.insert("type".into(), json!(["number", "string"]));
+    } else if let Some(number @ ("number" | "integer")) = map.get("type").and_then(Value::as_str) {
+        // Limits hold for numbers, and the pattern for strings.
+        let types = json!([number, "string"]);
+        map.extend([("type".to_string(), types), ("pattern".to_string(), r"^\s*=".into())]);
+    }
+    let has_lists = map
+        .get("properties")
+        .and_then(Value::as_object)
+        .is_some_and(|properties| properties.values().any(|property| property["type"] == "array"));
+    if has_lists {
+        map.insert("patternProperties".into(), json!({ r"\]$": {} }));
+    }
+    map.values_mut().for_each(accept_expressions);
 }
 
 /// Returns the schema of one kind of scene. Built once, because a sweep reads thousands of scenes, and on first use,

@@ -16,8 +16,9 @@ use super::error::Problem;
 use super::keywords::SceneKind;
 use super::precedence::merge;
 use super::section::{Key, NO_SECTION, Section};
-use super::value::{ValueType, dimension_of, problem_at, type_name};
-use crate::units::Dimension;
+use super::value::{ValueType, dimension_of};
+use super::written::{problem_at, type_name};
+use crate::units::{Dimension, is_expression};
 
 /// A scene without unknown keys.
 #[derive(Debug)]
@@ -138,7 +139,7 @@ impl<'a> SectionInput<'a> {
     /// Whether the value of a key is valid, or omitted.
     pub fn is_valid(&self, key: &str) -> bool {
         let Some((value, key)) = self.get(key).zip(self.schema.key(key)) else { return true };
-        key.value_type.read(key.name, value).is_ok_and(|value| key.allows(&value))
+        key.value_type.read(key.name, value, &self.checker.parameters).is_ok_and(|value| key.allows(&value))
     }
 
     /// Returns the same values with the schema of a top level.
@@ -208,7 +209,10 @@ impl<'a> SectionInput<'a> {
     pub(crate) fn dimensions(&self, key: &str) -> Vec<Dimension> {
         let among = self.alternatives(key);
         let values = self.items(key).or(self.get(key).map(std::slice::from_ref)).unwrap_or_default();
-        values.iter().filter_map(|value| dimension_of(value.get_ref().as_str()?, &among)).collect()
+        values
+            .iter()
+            .filter_map(|value| dimension_of(value.get_ref().as_str()?, &among, &self.checker.parameters))
+            .collect()
     }
 
     /// Returns a result whose problems are reported elsewhere.
@@ -282,11 +286,11 @@ impl<'a> SectionInput<'a> {
 
     /// Reads a value or the single elements of a pair, in SI units.
     fn read_value(&self, key: &Key, default: Option<&Value>) -> Result<Value, Vec<Problem>> {
-        let path = self.path(key.name);
-        let mut value = self.get(key.name).map(|value| key.value_type.read(&path, value)).transpose()?;
+        let (path, parameters) = (self.path(key.name), &self.checker.parameters);
+        let mut value = self.get(key.name).map(|value| key.value_type.read(&path, value, parameters)).transpose()?;
         for (index, element) in self.elements(key.name) {
             let ValueType::List(item, _) = &key.value_type else { continue };
-            let si = item.read(&path, element)?;
+            let si = item.read(&path, element, parameters)?;
             let pair = value.get_or_insert_with(|| match default {
                 Some(pair) => pair.clone(),
                 None => Value::Array(vec![Value::Float(f64::NAN); 2]),
@@ -326,7 +330,11 @@ impl<'a> SectionInput<'a> {
     /// Reports a number out of range.
     pub(crate) fn report_out_of_range(&self, key: &str, allowed: &str) {
         let span = self.span(key);
-        let message = format!("`{}` is {}, but must be {allowed}", self.path(key), self.checker.quoted(span.clone()));
+        let text = self.checker.quoted(span.clone());
+        let value =
+            self.text(key).filter(|text| is_expression(text)).and_then(|text| self.checker.parameters.value(text));
+        let text = value.map_or(text.to_string(), |value| format!("{text} = {value}"));
+        let message = format!("`{}` is {text}, but must be {allowed}", self.path(key));
         self.checker.push(Problem::new(span, message, "not allowed", format!("allowed values: {allowed}")));
     }
 

@@ -2,13 +2,15 @@
 //! except for `source`.
 
 use serde_json::{Value as Json, json};
-use toml::de::DeTable;
-use toml::{Table, Value};
+use toml::de::{DeTable, DeValue};
+use toml::{Spanned, Table, Value};
 
 use super::compose::{find, remove, texts, write_texts};
 use super::error::locate_problems;
-use super::keys::{join, pair_element};
+use super::field::split_entries;
+use super::keys::join;
 use super::keywords::SceneKind;
+use super::parameters::Parameters;
 use super::schema::top_level;
 use super::section::{Key, Section};
 use super::sections::{bodies, drive, extend, law, mechanism, motion};
@@ -16,10 +18,13 @@ use super::value::ValueType;
 use super::{Bounds, Differential, Hand, HandFinger, Keyword, Scene, Thresholds, parse_any};
 use crate::gripper::{Body, Lengths};
 use crate::law::ContactLaw;
-use crate::units::{self, Dimension, number};
+use crate::units::{self, Dimension, Measured, is_expression, number};
 
 /// Significant digits of derived values.
 const DIGITS: usize = 6;
+
+/// First line of a scene as written.
+const HEAD: &str = "# Scene as written, with every default filled in.\n";
 
 /// Sections that change a scene even if they are empty.
 const OPTIONAL: [&str; 6] = ["design", "lengths", "half_plane", "table", "differential", "grasp"];
@@ -239,11 +244,12 @@ pub fn show_written(scene: &Scene) -> String {
     let Ok(document) = DeTable::parse(&scene.source) else { return show(scene) };
     let (schema, resolved) = (top_level(scene.kind), resolved(scene));
     let written = texts(document.get_ref(), &scene.source);
+    let parameters = Parameters::read(document.get_ref()).0;
     let mut complete = written.clone();
     complete.entry("name").or_insert_with(|| toml::Value::String(scene.name.clone()).to_string().into());
     add_defaults(&mut complete, schema, Some(&resolved));
     loop {
-        let mut text = "# Scene as written, with every default filled in.\n".to_string();
+        let mut text = HEAD.to_string();
         write_texts(&mut text, schema, &complete, "");
         match parse_any(&text, "scene.toml") {
             Ok(found) if found == (Scene { source: found.source.clone(), ..scene.clone() }) => {
@@ -253,6 +259,9 @@ pub fn show_written(scene: &Scene) -> String {
                 } else {
                     derived_values(schema, &resolved, &complete)
                 };
+                annotate(&mut complete, &parameters);
+                let mut text = HEAD.to_string();
+                write_texts(&mut text, schema, &complete, "");
                 return text + &derived;
             }
             Ok(_) => return show(scene),
@@ -269,11 +278,60 @@ pub fn show_written(scene: &Scene) -> String {
     }
 }
 
+/// Adds the values of expressions as comments behind them.
+fn annotate(texts: &mut Table, parameters: &Parameters) {
+    for (_, value) in texts {
+        match value {
+            Value::Table(inner) => annotate(inner, parameters),
+            Value::Array(items) => {
+                items.iter_mut().filter_map(Value::as_table_mut).for_each(|inner| annotate(inner, parameters));
+            }
+            Value::String(text) => {
+                let values = DeValue::parse(text).ok().and_then(|value| evaluated(&value, parameters));
+                values.into_iter().for_each(|values| *text += &format!("  # {values}"));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A value with the results of its expressions; `None` without expressions.
+fn evaluated(value: &Spanned<DeValue<'_>>, parameters: &Parameters) -> Option<String> {
+    match value.get_ref() {
+        DeValue::String(text) if is_expression(text) => {
+            let found = parameters.value(text)?;
+            let rounded = || Measured { si: round(found.si, Some(DIGITS)), ..found }.to_string();
+            Some(found.dimension().map_or_else(rounded, |dimension| quantity(found.si, dimension, Some(DIGITS))))
+        }
+        DeValue::Array(items) => {
+            let values: Vec<Option<String>> = items.iter().map(|item| evaluated(item, parameters)).collect();
+            values.iter().any(Option::is_some).then_some(())?;
+            let text =
+                |(item, value): (&Spanned<DeValue<'_>>, Option<String>)| value.unwrap_or_else(|| plain(item.get_ref()));
+            Some(format!("[{}]", items.iter().zip(values).map(text).collect::<Vec<_>>().join(", ")))
+        }
+        _ => None,
+    }
+}
+
+/// A value without quotes, on one line.
+fn plain(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::String(text) => text.escape_debug().to_string(),
+        DeValue::Array(items) => {
+            format!("[{}]", items.iter().map(|item| plain(item.get_ref())).collect::<Vec<_>>().join(", "))
+        }
+        DeValue::Integer(number) => number.as_str().to_string(),
+        DeValue::Float(number) => number.as_str().to_string(),
+        _ => "..".to_string(),
+    }
+}
+
 /// Adds the defaults of the schema that the resolved scene has; `resolved` is the same table of it.
 fn add_defaults(complete: &mut Table, schema: &Section, resolved: Option<&Table>) {
     for key in schema.keys() {
         let Some(si) = &key.default else { continue };
-        let is_element = |known: &str| pair_element(known).is_some_and(|(pair, _)| pair == key.name);
+        let is_element = |known: &str| split_entries(known).is_some_and(|(list, _)| list == key.name);
         let is_written = complete.keys().any(|known| known == key.name || is_element(known));
         let actual = resolved.and_then(|resolved| resolved.get(key.field));
         if !is_written && actual.is_none_or(|actual| actual == si) {
@@ -288,6 +346,10 @@ fn add_defaults(complete: &mut Table, schema: &Section, resolved: Option<&Table>
         let is_present = complete.contains_key(&name);
         let is_optional = OPTIONAL.contains(&name.as_str()) || schema.schema.get("x-overrides").is_some();
         if is_present || !is_optional && schema.named().is_none() {
+            // A parameter is no section.
+            if complete.get(&name).is_some_and(Value::is_str) {
+                continue;
+            }
             let mut section =
                 complete.remove(&name).and_then(|section| section.as_table().cloned()).unwrap_or_default();
             let inner = resolved.and_then(|resolved| resolved.get(&name)?.as_table());

@@ -6,7 +6,9 @@ use toml::{Spanned, Value};
 
 use super::error::Problem;
 use super::keys::{closest_match, find_unsupported};
-use crate::units::{self, Dimension};
+use super::parameters::Parameters;
+use super::written::{number, problem_at, type_name};
+use crate::units::{self, Dimension, Measured, is_expression, number as decimal};
 
 /// Type of the values of a key.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,12 +78,17 @@ impl ValueType {
         }
     }
 
-    /// Reads the value of `key`, with quantities in SI units; `key` is for messages.
+    /// Reads the value of `key`, with quantities in SI units; `key` is for messages, and expressions use the parameters.
     ///
     /// # Errors
     /// Returns the problems of a value of another type.
-    pub fn read(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Read<Value> {
+    pub fn read(&self, key: &str, value: &Spanned<DeValue<'_>>, parameters: &Parameters) -> Read<Value> {
         let found = value.get_ref();
+        if let (DeValue::String(text), Some(expected)) = (found, self.measures())
+            && is_expression(text)
+        {
+            return self.read_expression(key, value, &parameters.evaluate(key, value, text)?, &expected);
+        }
         let refuse = |name: &str, required: &str, label: &str, help: &str| {
             Err(vec![problem_at(value, format!("`{key}` is {name}, but must be {required}"), label, help.to_string())])
         };
@@ -125,23 +132,82 @@ impl ValueType {
                 let name = if found.is_str() { "empty" } else { type_name(found) };
                 refuse(name, "a string", "a string", "write a string in quotes, or remove the key")
             }
-            (ValueType::List(item, None), DeValue::Array(items)) => read_items(key, item, items),
+            (ValueType::List(item, None), DeValue::Array(items)) => read_items(key, item, items, parameters),
             (ValueType::List(item, None), _) => {
                 let example = item.example();
                 refuse(type_name(found), "a list", "a list in brackets", &format!("write [{example}, {example}]"))
             }
-            (ValueType::List(item, Some(_)), DeValue::Array(items)) => match read_items(key, item, items)? {
-                Value::Array(list) if list.len() != 2 => {
-                    let which = if matches!(**item, ValueType::Quantity(_)) { ", x and y" } else { "" };
-                    let message = format!("`{key}` has {} values, but must have two{which}", list.len());
-                    Err(vec![problem_at(value, message, "two values", item.pair_example(found))])
+            (ValueType::List(item, Some(_)), DeValue::Array(items)) => {
+                match read_items(key, item, items, parameters)? {
+                    Value::Array(list) if list.len() != 2 => {
+                        let which = if matches!(**item, ValueType::Quantity(_)) { ", x and y" } else { "" };
+                        let message = format!("`{key}` has {} values, but must have two{which}", list.len());
+                        Err(vec![problem_at(value, message, "two values", item.pair_example(found))])
+                    }
+                    list => Ok(list),
                 }
-                list => Ok(list),
-            },
+            }
             (ValueType::List(item, Some(_)), _) => {
                 let help = item.pair_example(found);
                 refuse(type_name(found), "a list of two values", "two values in brackets", &help)
             }
+        }
+    }
+
+    /// Whether a number or a quantity is required, so that an expression may stand here.
+    pub fn is_numeric(&self) -> bool {
+        self.measures().is_some()
+    }
+
+    /// Dimensions that an expression may have here, `None` for a plain number; `None` if the value is not numeric.
+    fn measures(&self) -> Option<Vec<Option<Dimension>>> {
+        match self {
+            ValueType::Quantity(dimension) => Some(vec![Some(*dimension)]),
+            ValueType::OneOf(dimensions) => Some(dimensions.iter().copied().map(Some).collect()),
+            ValueType::Number | ValueType::Integer(..) => Some(vec![None]),
+            _ => None,
+        }
+    }
+
+    /// Checks the value of an expression like one that is written with its unit.
+    fn read_expression(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        found: &Measured,
+        expected: &[Option<Dimension>],
+    ) -> Read<Value> {
+        let text = value.get_ref().as_str().unwrap_or_default();
+        let refuse = |message: String, label: &str, help: String| Err(vec![problem_at(value, message, label, help)]);
+        let Some(dimension) = expected.iter().find(|dimension| found.is(**dimension)) else {
+            let names: Vec<&str> = expected.iter().map(|of| of.map_or("a number", Dimension::name)).collect();
+            let name = names.join(" or ");
+            let help = match expected[0] {
+                Some(dimension) if found.is_number() => {
+                    format!("write units in the expression, or multiply it by `1 {}`", dimension.units()[0].name)
+                }
+                _ => format!(
+                    "change the expression such that its result is {name}; a factor of `1 rad` makes a number an angle"
+                ),
+            };
+            return refuse(format!("`{key}`: `{text}` is {}; expected {name}", found.name()), &name, help);
+        };
+        match (self, dimension) {
+            (ValueType::Integer(min, max), _) => {
+                let integer = found.si as i64;
+                if integer as f64 == found.si && (min..=max).contains(&&integer) {
+                    return Ok(Value::Integer(integer));
+                }
+                let message =
+                    format!("`{key}`: `{text}` is {}, but must be a whole number from {min}", decimal(found.si));
+                refuse(message, "a whole number", "change the values in the expression".to_string())
+            }
+            (_, Some(dimension)) if found.si.abs() > dimension.max_si() => {
+                let text = format!("{text} = {found}");
+                let message = format!("`{key}`: {}", units::QuantityError::TooLarge { text, expected: *dimension });
+                refuse(message, dimension.name(), "change the values in the expression".to_string())
+            }
+            _ => Ok(Value::Float(found.si)),
         }
     }
 
@@ -169,7 +235,7 @@ impl ValueType {
 
     /// Converts a value of a schema, such as a default, to SI units. It has the notation of a file.
     pub(crate) fn json_to_si(&self, json: &Json) -> Option<Value> {
-        self.read("", &DeValue::parse(&json.to_string()).ok()?).ok()
+        self.read("", &DeValue::parse(&json.to_string()).ok()?, &Parameters::default()).ok()
     }
 
     /// Reads a value in SI units as recorded in a log.
@@ -192,34 +258,14 @@ impl ValueType {
     }
 }
 
-/// Name of the type of a value with article, for messages.
-pub fn type_name(value: &DeValue<'_>) -> &'static str {
-    match value {
-        DeValue::String(_) => "a string",
-        DeValue::Integer(_) | DeValue::Float(_) => "a bare number",
-        DeValue::Boolean(_) => "a boolean",
-        DeValue::Array(_) => "a list",
-        DeValue::Datetime(_) | DeValue::Table(_) => "a table or date",
+fn read_items(key: &str, item: &ValueType, items: &[Spanned<DeValue<'_>>], parameters: &Parameters) -> Read<Value> {
+    let values = items.iter().map(|value| item.read(key, value, parameters));
+    let (values, problems): (Vec<_>, Vec<_>) = values.partition(Result::is_ok);
+    // A value without problem of its own uses an invalid parameter.
+    match problems.is_empty() {
+        true => Ok(Value::Array(values.into_iter().flatten().collect())),
+        false => Err(problems.into_iter().filter_map(Result::err).flatten().collect()),
     }
-}
-
-/// Returns the value of a number; a whole number that is too large becomes a float.
-pub fn number(value: &DeValue<'_>) -> Option<Value> {
-    let DeValue::Integer(integer) = value else {
-        return Some(Value::Float(value.as_float()?.as_str().parse().ok()?));
-    };
-    let (digits, radix) = (integer.as_str(), integer.radix());
-    match i64::from_str_radix(digits, radix) {
-        Ok(integer) => Some(Value::Integer(integer)),
-        Err(_) if radix == 10 => Some(Value::Float(digits.parse().ok()?)),
-        Err(_) => Some(Value::Float(u128::from_str_radix(digits, radix).ok()? as f64)),
-    }
-}
-
-fn read_items(key: &str, item: &ValueType, items: &[Spanned<DeValue<'_>>]) -> Read<Value> {
-    let (values, problems): (Vec<_>, Vec<_>) = items.iter().map(|value| item.read(key, value)).partition(Result::is_ok);
-    let problems: Vec<Problem> = problems.into_iter().filter_map(Result::err).flatten().collect();
-    if problems.is_empty() { Ok(Value::Array(values.into_iter().flatten().collect())) } else { Err(problems) }
 }
 
 /// Dimensions of the quantities of a schema, from its units.
@@ -229,8 +275,12 @@ fn dimensions(schema: &Json) -> Vec<Dimension> {
 }
 
 /// Returns the dimension of a quantity among these; `None` if it has none of them.
-pub fn dimension_of(text: &str, among: &[Dimension]) -> Option<Dimension> {
-    among.iter().copied().find(|dimension| units::parse(text, *dimension).is_ok())
+pub fn dimension_of(text: &str, among: &[Dimension], parameters: &Parameters) -> Option<Dimension> {
+    let of_expression = is_expression(text).then(|| parameters.value(text)).flatten();
+    among.iter().copied().find(|dimension| match &of_expression {
+        Some(value) => value.is(Some(*dimension)),
+        None => units::parse(text, *dimension).is_ok(),
+    })
 }
 
 /// Reads a quantity of one of these dimensions.
@@ -247,7 +297,8 @@ fn read_quantity(key: &str, value: &Spanned<DeValue<'_>>, expected: &[Dimension]
         );
         return Err(vec![problem_at(value, message, name.as_str(), help())]);
     };
-    let dimension = dimension_of(text, expected).unwrap_or(expected[0]);
+    let has_unit = |dimension: &&Dimension| units::parse(text, **dimension).is_ok();
+    let dimension = *expected.iter().find(has_unit).unwrap_or(&expected[0]);
     units::parse(text, dimension).map_err(|e| vec![problem_at(value, format!("`{key}`: {e}"), name.as_str(), help())])
 }
 
@@ -269,9 +320,4 @@ fn read_keyword(key: &str, value: &Spanned<DeValue<'_>>, keywords: &[String]) ->
     let label = closest_match(text, &keywords).map_or("unknown value".into(), |w| format!("did you mean \"{w}\"?"));
     let message = format!("\"{}\" is not a valid value of `{key}`", text.escape_debug());
     Err(vec![problem_at(value, message, label, help)])
-}
-
-/// A problem of a value.
-pub fn problem_at(value: &Spanned<DeValue<'_>>, message: String, label: impl Into<String>, help: String) -> Problem {
-    Problem { span: Some(value.span()), message, label: label.into(), help }
 }

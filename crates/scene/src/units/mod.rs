@@ -1,7 +1,11 @@
 //! Quantities as text, a number with its unit, to and from plain `f64` in SI units: `"480 N*mm"` → 0.48 → `"480 N*mm"`.
 
+mod expression;
+mod measured;
 mod table;
 
+pub use expression::{ExpressionError, FUNCTIONS, Lookup, evaluate, is_expression};
+pub use measured::Measured;
 pub use table::{Dimension, G_M_S2, MAX_TIME_S, Unit, number};
 
 use crate::numeric::elementary::{log10, powi};
@@ -59,8 +63,7 @@ pub fn parse(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
         return Err(QuantityError::MissingUnit { text: text.into(), expected });
     }
     let Some(unit) = expected.units().iter().find(|u| u.name == name) else {
-        let found = Dimension::ALL.into_iter().find(|d| d.units().iter().any(|u| u.name == name));
-        return Err(match found {
+        return Err(match dimension_of(text) {
             Some(found) => QuantityError::WrongDimension { text: text.into(), found, expected },
             None => QuantityError::UnknownUnit {
                 unit: rest.trim().into(),
@@ -100,6 +103,12 @@ fn to_si(number: &str, factor: f64) -> Option<f64> {
         }
     }
     number.parse::<f64>().ok().map(|value| value * factor)
+}
+
+/// Returns the first dimension that has the unit of a quantity; `None` if the unit is unknown.
+pub fn dimension_of(text: &str) -> Option<Dimension> {
+    let name = canonical(split_quantity(text).1);
+    Dimension::ALL.into_iter().find(|dimension| dimension.units().iter().any(|unit| unit.name == name))
 }
 
 /// Splits a text into its leading number and the rest, its unit.

@@ -42,9 +42,10 @@ pub(crate) mod motion;
 pub(crate) mod run;
 pub(crate) mod start;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -113,6 +114,10 @@ const WITH_HANDS: &str = "finger gripper mechanism";
 pub struct SceneFile {
     #[serde(flatten)]
     pub top: SceneSettings,
+    /// Named values, chosen freely: numbers, quantities with units, or expressions. An expression begins with `=` and may
+    /// stand in place of any number or quantity of the scene: "= 2 * crank + 5 mm".
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub parameters: BTreeMap<String, ParameterValue>,
     #[serde(flatten)]
     pub finger: FingerSettings,
     /// Discs, one section per name, chosen freely: [discs.hammer]. At least one disc must move.
@@ -160,6 +165,10 @@ pub struct SceneFile {
 pub struct MechanismFile {
     #[serde(flatten)]
     pub top: SceneSettings,
+    /// Named values, chosen freely: numbers, quantities with units, or expressions. An expression begins with `=` and may
+    /// stand in place of any number or quantity of the scene: "= 2 * crank + 5 mm".
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub parameters: BTreeMap<String, ParameterValue>,
     #[serde(flatten)]
     pub mechanism: MechanismSettings,
     pub grasp: GraspSettings,
@@ -177,6 +186,23 @@ pub struct MechanismFile {
     pub validate: Bounds,
     pub criteria: Thresholds,
     pub log: LogSettings,
+}
+
+/// A number, a quantity of any dimension, or an expression.
+pub struct ParameterValue;
+
+impl JsonSchema for ParameterValue {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "ParameterValue".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "string", "x-parameter": true })
+    }
 }
 
 /// Keys and sections of a finger; in a gripper they apply to both fingers, or to one within `[right]` and `[left]`.
