@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use phalanx::study::sweep::{AxisValue, Field, FieldType, Filter, MAX_RUNS, column_type, columns, in_memory_study};
+use phalanx::study::sweep::{
+    AxisValue, Field, FieldType, Filter, MAX_RUNS, column_type, columns, in_memory_study, result_type,
+};
 use phalanx::table::Value;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyIterator, PyList, PyString, PyTuple};
@@ -88,7 +90,8 @@ fn read_filter(py: Python<'_>, fingers: usize, criteria: BTreeMap<String, bool>)
 /// messages.
 #[pyfunction]
 pub fn _column_value(py: Python<'_>, name: &str, column: &str, toml: &str) -> PyResult<f64> {
-    let field = Field { path: name.to_string(), field_type: column_type(column).unwrap_or(FieldType::Number) };
+    let field =
+        Field { path: name.to_string(), field_type: column_type(column).unwrap_or_else(|| result_type(column)) };
     match field.parse_toml(toml).map(|parsed| parsed.value) {
         Ok(Value::Number(number)) => Ok(number),
         Ok(Value::Integer(integer)) => Ok(integer as f64),

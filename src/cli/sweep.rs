@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::output::{FileKind, NO_DIRECTORY, print, print_note, print_report, print_result, reserve};
+use super::output::{FileKind, NO_DIRECTORY, print, print_note, print_report, print_result, reserve, save};
 use super::parsers::{model, number, parse_threads};
 use super::progress::{Interrupt, Progress};
 use super::{Failure, Status};
+use crate::plot::map;
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
 use crate::study::parts::{merge, part_files, write_part};
 use crate::study::results::{OpenedResults, Store, open};
@@ -23,8 +24,7 @@ const DEFAULT_LISTED_RUNS: u64 = 12;
 
 /// Simulate all runs of a study on all cores and write a table of them.
 ///
-/// A study file (TOML) names a base scene and the fields to vary; scenes/studies contains examples to copy. The base
-/// scene is that of a finger or a gripper. Each row is appended to OUT.partial.csv as soon as it is available. At the
+/// A study file (TOML) names a base scene of any kind and the fields to vary; scenes/studies contains examples to copy. Each row is appended to OUT.partial.csv as soon as it is available. At the
 /// end, OUT contains all rows in order and OUT.study.json identifies the study. Repeating an interrupted command resumes
 /// the sweep. Invalid scenes and incomplete simulations have rows too, which state the reason.
 ///
@@ -35,7 +35,7 @@ const DEFAULT_LISTED_RUNS: u64 = 12;
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
     after_help = "Examples:\n  phalanx sweep scenes/studies/thesis.toml --out thesis.csv\n  phalanx sweep scenes/studies/sample.toml \
-                  --out sample.parquet --threads 1 --json\n  phalanx sweep scenes/studies/sample.toml --list\n  phalanx sweep \
+                  --out sample.parquet --threads 1 --json\n  phalanx sweep scenes/studies/sample.toml --list\n  phalanx sweep two-pivot-study.toml --out map.csv --plot map.svg\n  phalanx sweep \
                   scenes/studies/thesis.toml --shard 2/3 --out part-2.parquet\n  phalanx sweep --schema > \
                   study.schema.json\n\nExit status: 0 all runs are in the table; 2 bad input; 3 interrupted (the same command \
                   resumes), or no run could be simulated."
@@ -51,6 +51,10 @@ pub(crate) struct SweepArgs {
     /// Write the results to this file, as CSV or Parquet according to its extension
     #[arg(long, value_name = "FILE", required_unless_present_any = ["schema", "list"])]
     out: Option<PathBuf>,
+
+    /// Draw a map of the verdicts over two axes, and of the margin or the time to stability; a third axis gives panels
+    #[arg(long, value_name = "FILE.svg", requires = "out", conflicts_with_all = ["shard", "list", "schema"])]
+    plot: Option<PathBuf>,
 
     /// Simulation model, instead of the one in the study
     #[arg(long, value_parser = model())]
@@ -149,7 +153,8 @@ pub(super) fn run(args: &SweepArgs) -> Result<Status, Failure> {
     let (Some(out), false) = (&args.out, args.list) else {
         return print_report(&sweep_list(&study, args.limit.unwrap_or(DEFAULT_LISTED_RUNS)));
     };
-    reserve(&[("the study", &sweep::source_files(file))], &[("--out", Some(out), FileKind::Results)], NO_DIRECTORY)?;
+    let outputs = [("--out", Some(&**out), FileKind::Results), ("--plot", args.plot.as_deref(), FileKind::Picture)];
+    reserve(&[("the study", &sweep::source_files(file))], &outputs, NO_DIRECTORY)?;
     if let Some(shard) = args.shard {
         return run_shard(args, &study, shard, out);
     }
@@ -162,6 +167,10 @@ pub(super) fn run(args: &SweepArgs) -> Result<Status, Failure> {
             (table, SweepWork::new(0, 0, 0, 0.0))
         }
     };
+    if let Some(plot) = &args.plot {
+        let picture = map(&study, &table).map_err(|reason| Failure::bad_input(format!("--plot: {reason}")))?;
+        save(plot, &picture)?;
+    }
     let summary = summary(&table).map_err(Failure::incomplete)?;
     let with_result =
         [sweep::Status::Completed, sweep::Status::Filtered].map(|status| summary.count_with_status(status));

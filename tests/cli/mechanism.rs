@@ -317,3 +317,76 @@ fn capture_maps_offsets_of_the_object() {
         assert_rejected(args, &[message]);
     }
 }
+
+/// A study of a mechanism writes its table and its map; another picture is not replaced by a study without a map.
+#[test]
+fn sweeps_of_mechanisms_write_tables_and_maps() {
+    let directory = directory("sweep-mechanism");
+    let [study, out, plot] = ["study.toml", "out.csv", "map.svg"].map(|name| path_in(&directory, name));
+    let scene = fs::canonicalize("scenes/mechanisms/two-pivot.toml").expect("a shipped scene");
+    let text = format!(
+        "scene = \"{}\"\nset.duration = \"100 ms\"\n[[axes]]\nfield = \"bodies.object.mass\"\nvalues = [\"20 g\", \"60 g\"]\n[[axes]]\nfield = \
+         \"laws.rubber.friction.mu_static\"\nvalues = [0.3, 0.6]\n[results]\ncolumns = [\"fate\", \"grip_n\"]\n",
+        scene.display()
+    );
+    fs::write(&study, &text).expect("a file");
+    let report = succeed(&["sweep", &study, "--out", &out, "--plot", &plot]);
+    assert_contains(&report, &["completed  4", "held         4"]);
+    let table = fs::read_to_string(&out).expect("a table");
+    assert!(
+        table.starts_with(
+            "run,design,bodies.object.mass_kg,laws.rubber.friction.mu_static,status,reason,fate,grip_n,steps,"
+        ),
+        "{table}"
+    );
+    let picture = fs::read_to_string(&plot).expect("a picture");
+    assert_contains(&picture, &["<svg", ">held<", ">mu_static<"]);
+    // Nothing is run again, and the map is the same.
+    succeed(&["sweep", &study, "--out", &out, "--plot", &plot]);
+    assert_eq!(fs::read_to_string(&plot).expect("a picture"), picture);
+    fs::write(&study, text.replace("[\"20 g\", \"60 g\"]", "[\"20 g\"]")).expect("a file");
+    assert_rejected(
+        &["sweep", &study, "--out", &path_in(&directory, "one.csv"), "--plot", &plot],
+        &["--plot: a map needs two axes"],
+    );
+    assert_eq!(fs::read_to_string(&plot).expect("a picture"), picture);
+}
+
+#[test]
+fn new_writes_shipped_scenes_by_name() {
+    let directory = directory("new-from");
+    assert_contains(
+        &succeed(&["new", "--list"]),
+        &["real/2f85-lift", "gripper/cycle", "Pick and place with design 95"],
+    );
+    let file = path_in(&directory, "lift.toml");
+    assert_contains(&succeed(&["new", &file, "--from", "2f85-lift"]), &["a commented scene of real/2f85-lift"]);
+    let [written, shipped] =
+        [&file[..], "scenes/real/2f85-lift.toml"].map(|path| fs::read_to_string(path).expect("a scene"));
+    assert!(written.ends_with(&shipped) && written.starts_with("#:schema "));
+    // A scene that extends others is written as a single file.
+    let file = path_in(&directory, "dropped.toml");
+    succeed(&["new", &file, "--from", "gripper/cycle-dropped"]);
+    assert!(!fs::read_to_string(&file).expect("a scene").contains("extends"));
+    assert_contains(&succeed(&["scene", "check", &file]), &["valid"]);
+    assert_rejected(
+        &["new", &path_in(&directory, "none.toml"), "--from", "2f85-lft"],
+        &["did you mean real/2f85-lift?", "--list"],
+    );
+    let file = path_in(&directory, "gripper.toml");
+    succeed(&["new", &file, "--kind", "gripper"]);
+    assert_contains(&succeed(&["run", &file, "--no-check"]), &["held since"]);
+}
+
+#[test]
+fn scenes_are_shown_as_mechanisms() {
+    let directory = directory("as-mechanism");
+    let file = path_in(&directory, "linkage.toml");
+    fs::write(&file, succeed(&["scene", "show", "scenes/gripper/hold.toml", "--as-mechanism"])).expect("a file");
+    assert_contains(&succeed(&["scene", "check", &file]), &["9 bodies, 10 joints"]);
+    assert_contains(&succeed(&["run", &file, "--no-check"]), &["held since"]);
+    assert_rejected(
+        &["scene", "show", "scenes/laws/bristle-holds.toml", "--as-mechanism"],
+        &["`block` does not rotate", "rotates = true"],
+    );
+}

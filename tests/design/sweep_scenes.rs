@@ -1,6 +1,7 @@
 //! Studies of scenes of any kind: their columns, which follow from the criteria and the schema, equal those of single runs.
 
 use phalanx::criteria::{Margin, ObjectTracker, firmness};
+use phalanx::plot::map;
 use phalanx::scene::{self, Scene};
 use phalanx::study::sweep::{Study, StudyError, columns, parse, summary};
 use phalanx::table::{Kind, Table, Value};
@@ -192,4 +193,38 @@ fn a_run_with_other_parts_is_refused_in_its_row() {
     assert_eq!(cell(&table, 1, "status"), &Value::from("refused"));
     let reason = cell(&table, 1, "reason").as_text().expect("a reason");
     assert_contains(reason, &["other bodies, joints, actuators or contacts", "a study of its own"]);
+}
+
+#[test]
+fn a_map_shows_verdicts_and_margins_over_two_axes() {
+    let study = parse_study(PADS);
+    let table = run_study(&study);
+    let picture = map(&study, &table).unwrap_or_else(|error| panic!("{error}"));
+    assert_contains(
+        &picture,
+        &[">mu_static<", ">mass, g<", ">held<", "margin, m/s²: ", ">20<", ">60<", ">0.3<", ">0.6<"],
+    );
+    // Four runs of one fate are one path; its colour is also that of the key.
+    assert!(!picture.contains(">dropped<"), "only fates that occur are in the key");
+    // Without a margin, the time to stability is the figure.
+    let text = format!("{PADS}[results]\ncolumns = [\"fate\", \"tts_s\"]\n");
+    let study = parse_study(&text);
+    let picture = map(&study, &run_study(&study)).unwrap_or_else(|error| panic!("{error}"));
+    assert_contains(&picture, &["tts, ms: ", ">held<"]);
+}
+
+#[test]
+fn a_study_without_a_map_says_why() {
+    let map_of = |text: &str| {
+        let study = parse_study(text);
+        map(&study, &run_study(&study)).expect_err(text)
+    };
+    let short = "scene = \"../mechanisms/two-pivot.toml\"\n[set]\nduration = \"1 ms\"\n";
+    let masses = "[[axes]]\nfield = \"bodies.object.mass\"\nvalues = [\"20 g\", \"60 g\"]\n";
+    assert_contains(&map_of(&format!("{short}{masses}")), &["needs two axes", "has 1"]);
+    let sampled = "[[axes]]\nfield = \"laws.rubber.friction.mu_static\"\nfrom = 0.1\nto = 0.9\n[sample]\ncount = 2\n";
+    assert_contains(&map_of(&format!("{short}{masses}{sampled}")), &["[sample] takes points between them"]);
+    let friction =
+        "[[axes]]\nfield = \"laws.rubber.friction.mu_static\"\nvalues = [0.1, 0.2]\n[results]\ncolumns = [\"tts_s\"]\n";
+    assert_contains(&map_of(&format!("{short}{masses}{friction}")), &["no fate and no class"]);
 }

@@ -127,7 +127,7 @@ impl Field {
     }
 
     /// Name of the result column: the path with the unit of the SI value.
-    pub(super) fn column(&self) -> String {
+    pub fn column(&self) -> String {
         match self.field_type {
             FieldType::Quantity(dimension) => format!("{}_{}", self.path, dimension.suffix()),
             _ => self.path.clone(),

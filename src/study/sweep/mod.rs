@@ -22,7 +22,7 @@ pub(in crate::study) use run::problem_messages;
 pub(in crate::study) use shard::{find_gaps, list_message, missing_message, run_range_text};
 
 pub use axis::{AxisValue, Field, FieldType};
-pub use results::{Reason, Row, Status, Summary, column_type, columns, sorted_table, summary, table};
+pub use results::{Reason, Row, Status, Summary, column_type, columns, result_type, sorted_table, summary, table};
 pub use run::{RunStats, run_while};
 pub use shard::{Shard, check_unsharded, shard, shard_range};
 pub use study_file::{StudyError, in_memory_study, load, parse, schema, source_files};
@@ -123,6 +123,16 @@ impl Study {
 
     pub fn scene_text(&self, run: u64) -> String {
         self.template.fill(&self.field_values(run))
+    }
+
+    /// Whether its points are those of a sample.
+    pub fn is_sampled(&self) -> bool {
+        self.sequence.is_some()
+    }
+
+    /// The fields that vary, in the order of their columns.
+    pub fn axis_fields(&self) -> impl Iterator<Item = &Field> {
+        self.axes.iter().flat_map(|axis| &axis.fields)
     }
 
     /// Columns of the fields that vary, with the number of values of each.

@@ -157,7 +157,7 @@ pub(super) struct UnknownFigure {
 }
 
 /// Type of a result column: that of its name, or the unit at the end of the name.
-fn result_type(name: &str) -> FieldType {
+pub fn result_type(name: &str) -> FieldType {
     match name {
         "status" | "reason" | "grasp" | "fate" | "fate_reason" | "class" | "class_reason" | "check" => FieldType::Text,
         "force_positive" | "form_closed" => FieldType::Flag,
