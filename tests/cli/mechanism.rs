@@ -111,7 +111,10 @@ fn new_mechanisms_are_shipped_scenes() {
         ("jaw", "two jaws on sliders", "scenes/mechanisms/jaws.toml"),
     ] {
         let file = path_in(&directory("new-mechanism"), &format!("{kind}.toml"));
-        assert_contains(&succeed(&["new", &file, "--kind", kind]), &[content, "run", "scene schema > ", "scene.schema.json"]);
+        assert_contains(
+            &succeed(&["new", &file, "--kind", kind]),
+            &[content, "run", "scene schema > ", "scene.schema.json"],
+        );
         let (directive, text) = ("#:schema ./scene.schema.json\n", fs::read_to_string(shipped).expect("a scene"));
         assert_eq!(fs::read_to_string(file).expect("a scene"), format!("{directive}{text}"));
     }
