@@ -150,8 +150,15 @@ impl Scene {
     fn __getitem__<'py>(&self, py: Python<'py>, path: &str) -> PyResult<Bound<'py, PyAny>> {
         let mut value = self.to_python_dict(py)?;
         for part in scene::parse_field(path).map_err(PyKeyError::new_err)? {
-            let child = value.cast::<PyDict>().ok().map(|table| table.get_item(&part.name)).transpose()?.flatten();
-            value = child.ok_or_else(|| {
+            let get = |key: &str| {
+                Ok::<_, PyErr>(value.cast::<PyDict>().ok().map(|table| table.get_item(key)).transpose()?.flatten())
+            };
+            // An entry without its list is a key of its own.
+            if let Some(entry) = get(&part.key())? {
+                value = entry;
+                continue;
+            }
+            value = get(&part.name)?.ok_or_else(|| {
                 PyKeyError::new_err(format!(
                     "{path} is not a field of this scene of kind \"{}\"; scene.toml shows all fields",
                     self.kind()

@@ -97,7 +97,7 @@ pub fn run(
             let finish = |scene: &mut Scene| drop(overrides.apply(model, scene));
             let texts = (&loaded.layers[..], &loaded.settings[..]);
             let found = interruptible::run_on_caller(py, |keep_running| {
-                let parameters = parameters(&scene, texts, &fields, &finish).map_err(Err)?;
+                let parameters = parameters(texts, &fields, &finish).map_err(Err)?;
                 differentiate(&scene, &parameters, keep_running).map_err(|error| Ok(error.to_string()))
             })?;
             let found = found.map_err(|error| match error {

@@ -51,6 +51,20 @@ class Evaluate(unittest.TestCase):
         self.assertEqual((series.columns, len(series)), (["run", "tts_s"], 2))
         self.assertEqual(len(phalanx.evaluate(scene, {"design.base": []})), 0)
 
+    def test_varies_parameters(self):
+        text = ANCHOR.read_text().replace('base = "15.5 mm"', 'base = "= reach - margin"')
+        scene = phalanx.Scene.from_toml('parameters = { reach = "16.5 mm", margin = "1 mm", ratio = 2 }\n' + text)
+        table = phalanx.evaluate(scene, {"parameters.reach": [16e-3, "17 mm", "= 16 * margin"], "parameters.ratio": 3})
+        self.assertEqual(list(table["status"]), ["completed"] * 3)
+        self.assertEqual(table.columns[2:4], ["parameters.reach_m", "parameters.ratio"])
+        # The value of an expression is not that of the study, which knows numbers only.
+        self.assertEqual(list(table.to_pandas()["parameters.reach_m"].isna()), [False, False, True])
+        for row, reach in enumerate(("16 mm", "17 mm", "16 mm")):
+            run = phalanx.run(scene.with_({"parameters.reach": reach}))
+            self.assertEqual(table["tts_s"][row], run.criteria["tts_s"])
+        with self.assertRaisesRegex(phalanx.PhalanxError, "unknown parameter `rich`(.|\n)*did you mean `reach`"):
+            phalanx.evaluate(scene, {"parameters.rich": [1e-3]})
+
     def test_refused_and_failed_designs_are_rows(self):
         base = ["15.5 mm", float("nan"), 5.0, "3 furlongs", 0.0155, None]
         scene = phalanx.Scene.load(ANCHOR)

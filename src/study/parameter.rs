@@ -16,18 +16,17 @@ use crate::units::Measured;
 /// Origin of a changed field in messages.
 const ORIGIN: &str = "gradient";
 
-/// Returns numeric fields of a scene as parameters. `layers` and `settings` are the texts from which the scene was read;
-/// `finish` applies what was changed after that.
+/// Returns numeric fields of a scene as parameters. `layers` and `settings` are the texts of the scene; `finish` applies what was
+/// changed after it was read.
 ///
 /// # Errors
 /// Returns a message for a field that is not a number or a quantity of the scene.
 pub fn parameters<'a>(
-    scene: &Scene,
     (layers, settings): (&'a [Layer], &'a [Layer]),
     fields: &[String],
     finish: &'a dyn Fn(&mut Scene),
 ) -> Result<Vec<Parameter<'a>>, String> {
-    let text = show_written(scene);
+    let text = show_written(&parse_layers(layers, settings, parse_any).map_err(|error| error.to_string())?);
     let parameter = |field: &String| {
         let found = find(&text, field)?;
         let unit = match found.dimension() {
@@ -69,8 +68,11 @@ fn find(text: &str, field: &str) -> Result<Measured, String> {
     };
     let (mut table, mut schema, mut value) = (Some(document.get_ref()), schema_for(kind), None);
     for part in &parts {
-        let mut found = table.and_then(|table| table.get(part.name.as_str())).ok_or_else(error)?;
-        for entry in &part.entries {
+        let get = |key: &str| table.and_then(|table| table.get(key));
+        // An entry without its list is a key of its own.
+        let own = get(&part.key());
+        let mut found = own.or_else(|| get(&part.name)).ok_or_else(error)?;
+        for entry in part.entries.iter().filter(|_| own.is_none()) {
             let items = found.get_ref().as_array().ok_or_else(error)?;
             found = items.get(*entry).ok_or_else(|| no_such_entry(&part.name, *entry, items.len()))?;
         }

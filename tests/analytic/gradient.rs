@@ -170,15 +170,15 @@ fn derivatives_by_fields_of_a_scene_agree_with_differences_of_runs() {
     ];
     let fields = fields.map(str::to_string);
     let finish = |_: &mut Scene| {};
-    let parameters = parameters(&scene, (&layers, &[]), &fields, &finish).unwrap_or_else(|error| panic!("{error}"));
-    let found: Vec<(f64, &str)> = parameters.iter().map(|parameter| (parameter.value, parameter.unit)).collect();
+    let all = parameters((&layers, &[]), &fields, &finish).unwrap_or_else(|error| panic!("{error}"));
+    let found: Vec<(f64, &str)> = all.iter().map(|parameter| (parameter.value, parameter.unit)).collect();
     let crank = 0.03;
     let torque = 40.0 * 0.3 / 240.0;
     assert_eq!(found, [(crank, "m"), (0.3, "rad"), (10.0 * crank / 3.0, "m"), (crank, "m"), (torque, "N*m")]);
-    let gradients = gradient(&scene, &parameters, &|| true).unwrap_or_else(|error| panic!("{error}"));
+    let gradients = gradient(&scene, &all, &|| true).unwrap_or_else(|error| panic!("{error}"));
     let channels = Recording::for_scene(&scene).channels().to_vec();
     let mut ends = Vec::new();
-    for (parameter, gradient) in parameters.iter().zip(&gradients) {
+    for (parameter, gradient) in all.iter().zip(&gradients) {
         let expected = differences(parameter, 1e-3, |(state, _)| state.clone());
         let mut compared = 0;
         for (channel, [value, error]) in channels.iter().zip(&expected) {
@@ -197,6 +197,12 @@ fn derivatives_by_fields_of_a_scene_agree_with_differences_of_runs() {
     }
     // The crank acts through other values than the pin alone.
     assert!(ends.iter().all(|end| end.abs() > 1e-3) && (ends[0] - ends[3]).abs() > 0.1 * ends[3].abs(), "{ends:?}");
+    // Entries of pairs that are not written.
+    for (field, value) in [("gravity[1]", 0.0), ("bodies.slider.com[0]", 0.0)] {
+        let found = parameters((&layers, &[]), &[field.to_string()], &finish).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((found[0].name.as_str(), found[0].value), (field, value));
+        assert!((found[0].scene_at)(0.5).expect("a scene").mechanism != scene.mechanism, "{field}");
+    }
     for (field, message) in [
         (
             "parameters.crnk",
@@ -206,13 +212,13 @@ fn derivatives_by_fields_of_a_scene_agree_with_differences_of_runs() {
         ("joints.pin.points", "`joints.pin.points` is not a number or a quantity of the scene"),
         ("joints pin", "`joints pin` is not a field: write its sections and its key"),
     ] {
-        let error = study_error(&scene, &layers, field);
+        let error = study_error(&layers, field);
         assert!(error.contains(message), "{field}: {error}");
     }
 }
 
-fn study_error(scene: &Scene, layers: &[Layer], field: &str) -> String {
-    let found = parameters(scene, (layers, &[]), &[field.to_string()], &|_: &mut Scene| {});
+fn study_error(layers: &[Layer], field: &str) -> String {
+    let found = parameters((layers, &[]), &[field.to_string()], &|_: &mut Scene| {});
     found.err().unwrap_or_else(|| panic!("{field} is accepted"))
 }
 

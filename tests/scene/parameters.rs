@@ -343,6 +343,11 @@ fn shown_scenes_keep_expressions_and_print_their_values() {
     let scene = parse(&text);
     assert_eq!(scene.description, "= 2\u{7} +");
     assert_same(&show_written(&scene), &text);
+    // An entry of a pair with a default is shown with the other one.
+    let text = format!("{DESIGN}{DRIVE}").replacen("[design]", "\"gravity[0]\" = \"1 m/s^2\"\n[design]", 1);
+    let shown = show_written(&parse(&text));
+    assert_contains(&shown, &["gravity = [\"0 m/s^2\", \"9.81 m/s^2\"]\n\"gravity[0]\" = \"1 m/s^2\"\n"]);
+    assert_same(&shown, &text);
     // With settings of entries.
     let changed = with(LINKAGE, &["joints.right_pin.points[0][0]== spread / 4", "parameters.spread=24 mm"]);
     assert!(changed.mechanism.is_some());

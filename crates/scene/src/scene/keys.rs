@@ -30,7 +30,7 @@ pub fn remove_unknown(document: &mut DeTable<'_>, schemas: &KeySchemas) -> Vec<P
 
 /// Checks the table at a path.
 fn walk(table: &mut DeTable<'_>, schema: &Value, schemas: &KeySchemas, path: &[&str], problems: &mut Vec<Problem>) {
-    move_entries(table, schema, &path.join("."), problems);
+    move_entries(table, schema, path, problems);
     for (key, mut value) in std::mem::take(table) {
         // The number of problems is limited: the search for similar keys takes time for each.
         if problems.len() >= MAX_PROBLEMS {
@@ -140,13 +140,13 @@ pub fn child_schema<'a>(schema: &'a Value, name: &str) -> Option<&'a Value> {
 
 /// Moves values whose keys name an entry of a list, such as `"points[0][1]"`, into the list. An element of a pair that is not
 /// written stays: the pair may have a default.
-fn move_entries(table: &mut DeTable<'_>, schema: &Value, path: &str, problems: &mut Vec<Problem>) {
+fn move_entries(table: &mut DeTable<'_>, schema: &Value, path: &[&str], problems: &mut Vec<Problem>) {
     let is_entry = |key: &&Spanned<DeString<'_>>| split_entries(key.get_ref()).is_some();
     // In the order of keys, a list comes before its own entries.
     let keys: Vec<_> = table.keys().filter(is_entry).cloned().collect();
     for key in keys {
         let Some((name, entries)) = split_entries(key.get_ref()) else { continue };
-        let (name_path, list) = (join(path, name), child_schema(schema, name));
+        let (name_path, list) = (join(&path.join("."), name), child_schema(schema, name));
         let count = list.map(|list| list["maxItems"].as_u64());
         let message = match (table.contains_key(name), count) {
             // An unknown key is reported as such.

@@ -332,9 +332,10 @@ fn add_defaults(complete: &mut Table, schema: &Section, resolved: Option<&Table>
     for key in schema.keys() {
         let Some(si) = &key.default else { continue };
         let is_element = |known: &str| split_entries(known).is_some_and(|(list, _)| list == key.name);
-        let is_written = complete.keys().any(|known| known == key.name || is_element(known));
+        // A written entry replaces that of the default.
+        let has_entry = complete.keys().any(|known| is_element(known));
         let actual = resolved.and_then(|resolved| resolved.get(key.field));
-        if !is_written && actual.is_none_or(|actual| actual == si) {
+        if !complete.contains_key(key.name) && (has_entry || actual.is_none_or(|actual| actual == si)) {
             let default = &key.schema["default"];
             // Other values have the notation of JSON, with spaces between the items of lists.
             let in_json = || default.to_string().replace("\",\"", "\", \"");

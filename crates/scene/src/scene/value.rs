@@ -84,8 +84,9 @@ impl ValueType {
     /// Returns the problems of a value of another type.
     pub fn read(&self, key: &str, value: &Spanned<DeValue<'_>>, parameters: &Parameters) -> Read<Value> {
         let found = value.get_ref();
-        if let (DeValue::String(text), Some(expected)) = (found, self.measures())
+        if let DeValue::String(text) = found
             && is_expression(text)
+            && let Some(expected) = self.measures()
         {
             return self.read_expression(key, value, &parameters.evaluate(key, value, text)?, &expected);
         }

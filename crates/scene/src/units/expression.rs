@@ -36,7 +36,11 @@ pub type Lookup<'a> = dyn Fn(&str, Range<usize>) -> Result<Measured, ExpressionE
 
 /// Whether a text is an expression: it begins with `=`.
 pub fn is_expression(text: &str) -> bool {
-    text.trim_start().starts_with('=')
+    // Most texts begin with a digit.
+    match text.as_bytes().first() {
+        Some(first) if !first.is_ascii_whitespace() => *first == b'=',
+        _ => text.trim_start().starts_with('='),
+    }
 }
 
 /// Evaluates an expression.

@@ -3,11 +3,11 @@
 use serde_json::{Value, json};
 
 use crate::scene::schema::schema_for;
-use crate::scene::{Keyword, Scene, show_written};
+use crate::scene::{Keyword, PARAMETERS, Scene, show_written};
 use crate::units::{Dimension, parse, split_quantity};
 
 /// Sections of design variables, in the order in which a designer usually needs them.
-const DESIGN: [&str; 5] = ["design", "motor", "spring", "object", "contact.friction"];
+const DESIGN: [&str; 6] = [PARAMETERS, "design", "motor", "spring", "object", "contact.friction"];
 
 /// Sections without effect on the page, which runs the analytic model only and writes no log.
 const UNUSED: [&str; 3] = ["engine", "validate", "log"];
@@ -107,7 +107,7 @@ fn field(
         "path": path,
         "section": section,
         "key": key,
-        "kind": kind(property),
+        "kind": kind(property, value.map(|_| unit.as_str())),
         "value": value,
         "unit": unit,
         "units": property.get("x-units"),
@@ -147,8 +147,14 @@ fn number_and_unit(value: Option<&toml::Value>) -> (Option<f64>, String) {
     }
 }
 
-fn kind(property: &Value) -> &'static str {
+/// Kind of a field; that of a parameter follows from its value, a number with a unit or without.
+fn kind(property: &Value, unit_of_number: Option<&str>) -> &'static str {
     match property.get("type").and_then(Value::as_str) {
+        _ if property.get("x-parameter").is_some() => match unit_of_number {
+            Some("") => "number",
+            Some(_) => "quantity",
+            None => "text",
+        },
         _ if property.get("x-units").is_some() => "quantity",
         _ if property.get("enum").is_some() => "word",
         Some("array") => "list",
@@ -156,5 +162,32 @@ fn kind(property: &Value) -> &'static str {
         Some("integer") => "integer",
         Some("boolean") => "flag",
         _ => "text",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parse_any;
+
+    /// The sliders of parameters come first. Expressions are texts without a slider.
+    #[test]
+    fn parameters_are_fields_with_the_kinds_of_their_values() {
+        let text = include_str!("../../../../scenes/experiment-95.toml")
+            .replace("base = \"15.5 mm\"", "base = \"= reach / ratio\"");
+        let head = "parameters = { reach = \"31 mm\", ratio = 2, half = \"= reach / 2\" }\n";
+        let scene = parse_any(&(head.to_string() + &text), "test.toml").unwrap_or_else(|error| panic!("{error}"));
+        let found = fields(&scene);
+        let design: Vec<&str> = found["design"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
+        assert_eq!(design[..3], ["parameters.ratio", "parameters.reach", "design.l21_fraction"]);
+        let field = |path: &str| {
+            let all = found["fields"].as_array().expect("a list");
+            let field = all.iter().find(|field| field["path"] == path).unwrap_or_else(|| panic!("{path}"));
+            ["kind", "value", "unit", "text"].map(|key| field[key].clone())
+        };
+        assert_eq!(field("parameters.reach"), [json!("quantity"), json!(31.0), json!("mm"), json!("31 mm")]);
+        assert_eq!(field("parameters.ratio"), [json!("number"), json!(2.0), json!(""), json!("2")]);
+        assert_eq!(field("parameters.half"), [json!("text"), Value::Null, json!(""), json!("= reach / 2")]);
+        assert_eq!(field("design.base"), [json!("quantity"), Value::Null, json!(""), json!("= reach / ratio")]);
     }
 }
