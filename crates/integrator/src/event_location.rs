@@ -555,6 +555,25 @@ mod tests {
         assert_eq!(first_dip(1.0, -1.0, None, &|x| 1.0 - 2.0 * x), Some((0.5, 0.625)));
     }
 
+    #[test]
+    fn the_search_of_a_dip_ends_where_the_value_stays_positive() {
+        let evaluations = std::cell::Cell::new(0);
+        let search = |least: f64| {
+            let value = |x: f64| {
+                evaluations.set(evaluations.get() + 1);
+                least + (x - 0.4) * (x - 0.4)
+            };
+            golden_section(&value, [0.25, 0.5].map(|x| (x, least + (x - 0.4) * (x - 0.4))))
+        };
+        assert_eq!(search(0.1), None);
+        assert!(evaluations.get() <= 3, "{} evaluations", evaluations.get());
+        // The smaller the distance from 0, the later it is clear.
+        for least in [1e-4, 1e-6, 1e-8] {
+            assert_eq!(search(least), None, "{least}");
+            assert!(search(-least).is_some_and(|x| (x - 0.4) * (x - 0.4) < least), "{least}");
+        }
+    }
+
     /// A linear spring with a damper that fades with the square of the depth: the force returns in the last 1e-5 of the
     /// step.
     #[test]

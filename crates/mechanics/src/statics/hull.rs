@@ -144,3 +144,19 @@ fn affine_weights(simplex: &[(Wrench, f64)]) -> Option<Vec<f64>> {
     let rest = 1.0 - weights.sum();
     Some(std::iter::once(rest).chain(weights.iter().copied()).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_depth_in_a_tetrahedron_is_that_from_its_nearest_face() {
+        let mut hull = WrenchHull::default();
+        let [a, b] = [Wrench::new(1.0, 1.0, 1.0), Wrench::new(1.0, -1.0, -1.0)];
+        let [c, d] = [Wrench::new(-1.0, 1.0, -1.0), Wrench::new(-1.0, -1.0, 1.0)];
+        hull.add([a, b]);
+        hull.add([c, d]);
+        assert!((hull.depth_in(&[0, 1, 2, 3]) - 1.0 / 3f64.sqrt()).abs() < 1e-15);
+        assert_eq!((hull.depth_in(&[0, 1, 2]), hull.depth_in(&[0, 1, 2, 2])), (0.0, 0.0));
+    }
+}

@@ -108,3 +108,31 @@ impl GripSearch {
         *of_computed = distance;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::elementary::sin_cos;
+    use crate::statics::FrictionContact;
+
+    /// Edges of two opposite contacts of a disc of radius 1, of which the second one is turned.
+    fn contacts(turn_rad: f64) -> [(usize, Edges); 2] {
+        [0.0, std::f64::consts::PI + turn_rad].map(|angle_rad| {
+            let (sin, cos) = sin_cos(angle_rad);
+            let contact = FrictionContact { point_m: [cos, sin], push: [-cos, -sin], mu: 0.5 };
+            (usize::from(angle_rad > 0.0), WrenchHull::edges_of(&contact, [0.0; 2], 1.0))
+        })
+    }
+
+    /// The line between the contacts leaves both friction cones at twice the friction angle.
+    #[test]
+    fn what_is_known_of_the_instant_before_changes_no_decision() {
+        let (mut search, limit_rad) = (GripSearch::default(), 2.0 * 0.5f64.atan());
+        let turns = (0..400).map(|k: i32| 1.5 * limit_rad * f64::from(200 - (k - 200).abs()) / 200.0);
+        for (instant, turn_rad) in turns.enumerate() {
+            let (is_gripped, _) = search.evaluate(instant as f64, contacts(turn_rad).into_iter());
+            let (alone, _) = GripSearch::default().evaluate(0.0, contacts(turn_rad).into_iter());
+            assert_eq!((is_gripped, alone), (turn_rad < limit_rad, turn_rad < limit_rad), "{turn_rad}");
+        }
+    }
+}
