@@ -654,8 +654,9 @@ struct InsideMemory<L: Layout> {
     /// Step that ends inside the last one.
     resolved: Attempt<L>,
     refinement: Refinement<L>,
-    /// States refined in the last step, with their fractions of it: the searches of several contacts begin alike.
-    refined: Vec<(f64, State<L>)>,
+    /// States refined in the last step, with their fractions of it, and whether their quadratures are evaluated: the searches
+    /// of several contacts begin alike.
+    refined: Vec<(f64, bool, State<L>)>,
     refined_count: usize,
 }
 
@@ -666,7 +667,7 @@ impl<L: Layout> InsideMemory<L> {
             interpolated: State::zero(layout),
             resolved: Attempt::new(layout),
             refinement: Refinement::new(layout),
-            refined: (0..MAX_REFINED_STATES).map(|_| (0.0, State::zero(layout))).collect(),
+            refined: (0..MAX_REFINED_STATES).map(|_| (0.0, false, State::zero(layout))).collect(),
             refined_count: 0,
         }
     }
@@ -678,7 +679,9 @@ struct StepEvaluator<'a, Y: Hybrid, K> {
     resolver: &'a mut K,
     origin: StepStart<'a, Y>,
     size: f64,
+    /// Whether the dense output is evaluated, and whether its quadratures are.
     has_dense: bool,
+    has_quadratures: bool,
     memory: &'a mut InsideMemory<Y::Layout>,
 }
 
@@ -690,13 +693,39 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
         memory: &'a mut InsideMemory<Y::Layout>,
     ) -> Self {
         memory.refined_count = 0;
-        Self { method, resolver, origin, size, has_dense: false, memory }
+        Self { method, resolver, origin, size, has_dense: false, has_quadratures: false, memory }
     }
 
-    fn evaluate_dense(&mut self) {
-        if !std::mem::replace(&mut self.has_dense, true) {
-            self.method.dense(Some(self.origin.linearised), &mut self.memory.dense);
+    /// Evaluates the dense output, with or without its quadratures.
+    fn evaluate_dense(&mut self, with_quadratures: bool) {
+        if self.has_dense && (self.has_quadratures || !with_quadratures) {
+            return;
         }
+        (self.has_dense, self.has_quadratures) = (true, with_quadratures);
+        self.method.dense(with_quadratures.then_some(self.origin.linearised), &mut self.memory.dense);
+    }
+
+    /// Evaluates a refined state, with or without its quadratures.
+    fn refined(&mut self, theta: f64, with_quadratures: bool) -> &State<Y::Layout> {
+        let is_found = |(at, has_quadratures, _): &(f64, bool, State<Y::Layout>)| {
+            *at == theta && (*has_quadratures || !with_quadratures)
+        };
+        if let Some(index) = self.memory.refined[..self.memory.refined_count].iter().position(is_found) {
+            return &self.memory.refined[index].2;
+        }
+        self.evaluate_dense(with_quadratures);
+        let InsideMemory { dense, refinement, .. } = &mut *self.memory;
+        if !self.method.refine(&self.origin, dense, theta, refinement) {
+            self.resolve_inside(theta);
+            self.memory.refinement.state.copy_from(&self.memory.interpolated);
+        }
+        let InsideMemory { refinement: Refinement { state, .. }, refined, refined_count, .. } = &mut *self.memory;
+        if let Some((at, has_quadratures, refined)) = refined.get_mut(*refined_count) {
+            (*at, *has_quadratures) = (theta, with_quadratures);
+            refined.copy_from(state);
+            *refined_count += 1;
+        }
+        state
     }
 
     /// Evaluates the end of a separate step, or of the dense output if that step fails, in the interpolated state.
@@ -714,30 +743,18 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
 
 impl<Y: Hybrid, K: Method<Y::Layout>> StepTools<Y::Layout> for StepEvaluator<'_, Y, K> {
     fn interpolate(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.evaluate_dense();
+        self.evaluate_dense(true);
         let InsideMemory { dense, interpolated, .. } = &mut *self.memory;
         dense.write(theta, interpolated);
         interpolated
     }
 
     fn refine(&mut self, theta: f64) -> &State<Y::Layout> {
-        let refined = &self.memory.refined[..self.memory.refined_count];
-        if let Some(index) = refined.iter().position(|(refined, _)| *refined == theta) {
-            return &self.memory.refined[index].1;
-        }
-        self.evaluate_dense();
-        let InsideMemory { dense, refinement, .. } = &mut *self.memory;
-        if !self.method.refine(&self.origin, dense, theta, refinement) {
-            self.resolve_inside(theta);
-            self.memory.refinement.state.copy_from(&self.memory.interpolated);
-        }
-        let InsideMemory { refinement: Refinement { state, .. }, refined, refined_count, .. } = &mut *self.memory;
-        if let Some((at, refined)) = refined.get_mut(*refined_count) {
-            *at = theta;
-            refined.copy_from(state);
-            *refined_count += 1;
-        }
-        state
+        self.refined(theta, true)
+    }
+
+    fn refine_motion(&mut self, theta: f64) -> &State<Y::Layout> {
+        self.refined(theta, false)
     }
 
     fn resolve(&mut self, theta: f64) -> &State<Y::Layout> {

@@ -1,7 +1,7 @@
 //! Error weights of active contacts: step errors in quantities to which the contact laws are more sensitive than the
 //! tolerances of coordinates and rates reflect.
 
-use super::layout::Layout;
+use super::layout::{Layout, VectorOf};
 use super::method::Attempt;
 use super::{EventSet, Linearised, State, Tolerances, WeightedQuantity};
 
@@ -13,6 +13,17 @@ const MIN_DEPTH_ERROR: f64 = 1e-14;
 const RATE_NOISE: f64 = 8.0 * f64::EPSILON;
 /// Rounding error of a depth or slip, relative to the terms that it is the sum of.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Number of entries of a row up to the last one that is not 0: first-order states follow the coordinates, and a contact
+/// depends on at most one of them. A row of a constant length is read whole, in an unrolled loop.
+#[inline(always)]
+fn entries_in_use<L: Layout>(row: &VectorOf<L>) -> usize {
+    let row = row.as_ref();
+    match L::IS_FIXED {
+        true => row.len(),
+        false => row.iter().rposition(|entry| *entry != 0.0).map_or(0, |last| last + 1),
+    }
+}
 
 /// Raises the tolerance of rates above `noise_scale` times the rounding noise of the rate of a stiff contact.
 #[inline(always)]
@@ -26,18 +37,14 @@ pub(crate) fn raise_above_noise<L: Layout>(
     for weight in events.weights() {
         // A damper that dominates the spring suppresses the noise.
         let WeightedQuantity::Depth { is_spring_dominated: true, .. } = weight.quantity else { continue };
-        let (row, size) = (&weight.row, weight.row.as_ref().len());
+        let row = &weight.row.as_ref()[..entries_in_use::<L>(&weight.row)];
         let (mut stiffness, mut norm_squared, mut magnitude) = (0.0, 0.0, 0.0);
-        for i in 0..size {
-            // A contact depends on few coordinates.
-            if row[i] == 0.0 {
-                continue;
+        for (i, entry) in row.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
+            for (other, by_q) in row.iter().zip(&linearised.a_q[i]).filter(|(other, _)| **other != 0.0) {
+                stiffness -= entry * by_q * other;
             }
-            for j in 0..size {
-                stiffness -= row[i] * linearised.a_q[i][j] * row[j];
-            }
-            norm_squared += row[i] * row[i];
-            magnitude += (row[i] * state.q[i]).abs();
+            norm_squared += entry * entry;
+            magnitude += (entry * state.q[i]).abs();
         }
         // ω² = nᵀ M⁻¹ n ∂F/∂δ; a_q contains −M⁻¹ n nᵀ ∂F/∂δ.
         let noise = (stiffness.max(0.0) / norm_squared).sqrt() * RATE_NOISE * magnitude / norm_squared.sqrt();
@@ -56,7 +63,7 @@ pub fn error<L: Layout>(events: &EventSet<L>, attempt: &Attempt<L>, from: &State
     let rebound_tolerances = tolerances.for_rebounds();
     let mut worst: f64 = 0.0;
     for weight in events.weights() {
-        let (row, size) = (&weight.row, weight.row.as_ref().len());
+        let (row, size) = (&weight.row, entries_in_use::<L>(&weight.row));
         let (mut error, mut scale, mut magnitude) = (0.0, 0.0, 0.0);
         let mut floor = 0.0;
         match weight.quantity {
@@ -101,7 +108,7 @@ pub fn unloads<L: Layout>(
             Some(WeightedQuantity::Slip { normal_force, .. }) => *normal_force,
             _ => 0.0,
         };
-        let (row, size) = (&weight.row, weight.row.as_ref().len());
+        let (row, size) = (&weight.row, entries_in_use::<L>(&weight.row));
         let mut slip_change = 0.0;
         for n in 0..size {
             slip_change += row[n] * (attempt.end.v[n] - from.v[n]);

@@ -294,21 +294,24 @@ const SEPARATION_RATIO: f64 = 0.25;
 /// the fraction at which the surfaces separate.
 fn first_dip(start: f64, end: f64, separation: Option<f64>, value: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
     let theta = |i: usize| i as f64 / (SAMPLES_PER_STEP - 1) as f64;
-    let samples: [f64; SAMPLES_PER_STEP] = std::array::from_fn(|i| match i {
-        0 => start,
-        i if i == SAMPLES_PER_STEP - 1 => end,
-        i => value(theta(i)),
+    let mut samples = [end; SAMPLES_PER_STEP];
+    samples[0] = start;
+    // Samples after the first negative one are not read.
+    let first_negative = (1..SAMPLES_PER_STEP).find(|i| {
+        if *i < SAMPLES_PER_STEP - 1 {
+            samples[*i] = value(theta(*i));
+        }
+        samples[*i] < 0.0
     });
-    let first_negative = (1..SAMPLES_PER_STEP).find(|i| samples[*i] < 0.0);
     // A dip between two samples, before the first negative one. The lowest sample may also be one of the ends.
     for i in 0..first_negative.unwrap_or(SAMPLES_PER_STEP) {
         let (before, after) = (i.saturating_sub(1), (i + 1).min(SAMPLES_PER_STEP - 1));
         let middle = i.clamp(1, SAMPLES_PER_STEP - 2);
         let curvature = samples[middle - 1].max(samples[middle + 1]) - samples[i];
         if samples[i] <= samples[before] && samples[i] <= samples[after] && samples[i] < 4.0 * curvature {
-            let lowest = golden_section(value, theta(before), theta(after));
-            if value(lowest) < 0.0 {
-                return Some((theta(before), lowest));
+            let ends = [before, after].map(|end| (theta(end), samples[end]));
+            if let Some(negative) = golden_section(value, ends) {
+                return Some((theta(before), negative));
             }
         }
     }
@@ -333,30 +336,47 @@ fn find_separation(is_separated: &dyn Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// Location of the single minimum of a value between two points (golden-section search), or of the first negative value
-/// met.
-fn golden_section(value: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+/// A point with a negative value between two points, found on the way to the single minimum of the value (golden-section
+/// search). The search ends where the lines through neighbouring points show that there is none.
+fn golden_section(value: &dyn Fn(f64) -> f64, [mut low, mut high]: [(f64, f64); 2]) -> Option<f64> {
     const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
-    let (mut a, mut b) = (high - GOLDEN_RATIO * (high - low), low + GOLDEN_RATIO * (high - low));
-    let (mut at_a, mut at_b) = (value(a), value(b));
+    let from_high = |low: (f64, f64), high: (f64, f64)| high.0 - GOLDEN_RATIO * (high.0 - low.0);
+    let from_low = |low: (f64, f64), high: (f64, f64)| low.0 + GOLDEN_RATIO * (high.0 - low.0);
+    let at = |theta: f64| (theta, value(theta));
+    let (mut a, mut b) = (at(from_high(low, high)), at(from_low(low, high)));
     for _ in 0..20 {
-        if at_a < 0.0 {
-            return a;
+        if a.1 < 0.0 {
+            return Some(a.0);
         }
-        if at_b < 0.0 {
-            return b;
+        if b.1 < 0.0 {
+            return Some(b.0);
         }
-        if at_a < at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - GOLDEN_RATIO * (high - low);
-            at_a = value(a);
+        let least = a.1.min(b.1);
+        // Where the value is convex, it is not below this bound. Twice the distance allows for a change of its curvature.
+        if least - 2.0 * (least - lower_bound([low, a, b, high])) > 0.0 {
+            return None;
+        }
+        if a.1 < b.1 {
+            (high, b) = (b, a);
+            a = at(from_high(low, high));
         } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + GOLDEN_RATIO * (high - low);
-            at_b = value(b);
+            (low, a) = (a, b);
+            b = at(from_low(low, high));
         }
     }
-    if at_a < at_b { a } else { b }
+    let lowest = if a.1 < b.1 { a } else { b };
+    (lowest.1 < 0.0).then_some(lowest.0)
+}
+
+/// A lower bound of a convex value between the first and the last of four points: it lies above the lines through two
+/// neighbouring points beyond these.
+fn lower_bound([low, a, b, high]: [(f64, f64); 4]) -> f64 {
+    let slope = |from: (f64, f64), to: (f64, f64)| (to.1 - from.1) / (to.0 - from.0);
+    let [before, inner, after] = [slope(low, a), slope(a, b), slope(b, high)];
+    let left = a.1 - inner.max(0.0) * (a.0 - low.0);
+    let right = b.1 + inner.min(0.0) * (high.0 - b.0);
+    let middle = (a.1 + before.min(0.0) * (b.0 - a.0)).max(b.1 - after.max(0.0) * (b.0 - a.0));
+    left.min(middle).min(right)
 }
 
 /// Whether a clearance may have become negative within a step of size `h`: whether the cubic through its values and
@@ -533,6 +553,25 @@ mod tests {
             assert!(first_dip(above(0.0), above(1.0), None, &above).is_none(), "{position}");
         }
         assert_eq!(first_dip(1.0, -1.0, None, &|x| 1.0 - 2.0 * x), Some((0.5, 0.625)));
+    }
+
+    #[test]
+    fn the_search_of_a_dip_ends_where_the_value_stays_positive() {
+        let evaluations = std::cell::Cell::new(0);
+        let search = |least: f64| {
+            let value = |x: f64| {
+                evaluations.set(evaluations.get() + 1);
+                least + (x - 0.4) * (x - 0.4)
+            };
+            golden_section(&value, [0.25, 0.5].map(|x| (x, least + (x - 0.4) * (x - 0.4))))
+        };
+        assert_eq!(search(0.1), None);
+        assert!(evaluations.get() <= 3, "{} evaluations", evaluations.get());
+        // The smaller the distance from 0, the later it is clear.
+        for least in [1e-4, 1e-6, 1e-8] {
+            assert_eq!(search(least), None, "{least}");
+            assert!(search(-least).is_some_and(|x| (x - 0.4) * (x - 0.4) < least), "{least}");
+        }
     }
 
     /// A linear spring with a damper that fades with the square of the depth: the force returns in the last 1e-5 of the

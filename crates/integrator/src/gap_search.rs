@@ -28,8 +28,15 @@ impl GapBound {
     /// Whether a gap stays above `-tolerance` between two points.
     #[inline(always)]
     pub(crate) fn excludes_zero(&self, [left, right]: [Point; 2], tolerance: f64) -> bool {
+        if !(left.value >= -tolerance && right.value >= 0.0) {
+            return false;
+        }
+        // Most pairs are so far apart that their largest rate alone decides.
+        if left.value + right.value > self.rate * (right.theta - left.theta) {
+            return true;
+        }
         let uncovered = self.uncovered([left, right], tolerance);
-        left.value >= -tolerance && right.value >= 0.0 && uncovered[0] >= uncovered[1]
+        uncovered[0] >= uncovered[1]
     }
 
     /// Ends of the part between two points that the reaches from both do not cover.

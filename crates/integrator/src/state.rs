@@ -227,6 +227,9 @@ pub trait StepTools<L: Layout> {
     /// Returns the dense output, corrected so that it gives contact forces as accurately.
     fn refine(&mut self, theta: f64) -> &State<L>;
 
+    /// Like [`StepTools::refine`], without the quadratures, whose values are unspecified: forces do not depend on them.
+    fn refine_motion(&mut self, theta: f64) -> &State<L>;
+
     /// Returns the end of a separate step from the same start, the most accurate state. The force of a stiff damper requires this accuracy,
     /// since it is a large multiple of a tiny rate.
     fn resolve(&mut self, theta: f64) -> &State<L>;

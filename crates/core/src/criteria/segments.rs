@@ -41,6 +41,9 @@ pub(crate) struct SegmentSplitter {
     /// Indices of the contacts in a sample, and their status.
     indices: Vec<usize>,
     contacts: Vec<ContactStatus>,
+    /// Normal forces of the contacts at the last sample and at the next one, N; 0 of those that a sample does not have.
+    last_n: Vec<f64>,
+    next_n: Vec<f64>,
     /// Buffers of the flags of a segment; reused.
     has_touched: Vec<bool>,
     is_active: Vec<bool>,
@@ -98,6 +101,8 @@ impl SegmentSplitter {
             last: None,
             indices,
             contacts: vec![ContactStatus::default(); count],
+            last_n: vec![0.0; count],
+            next_n: vec![0.0; count],
             has_touched: Vec::with_capacity(count),
             is_active: Vec::with_capacity(count),
             events: Vec::new(),
@@ -117,13 +122,13 @@ impl SegmentSplitter {
     /// Whether the force of a contact with a law is zero at the last sample, and the contact does not change up to the next one.
     fn is_unloaded(&self, contact: usize, last: &Sample) -> bool {
         let changes = |event: &Event| event.contact == contact && event.time_s > last.time_s;
-        contact < self.laws.len() && last.normal_n(self.indices[contact]) == 0.0 && !self.events.iter().any(changes)
+        contact < self.laws.len() && self.last_n[contact] == 0.0 && !self.events.iter().any(changes)
     }
 
     /// The force of an unloaded contact that exceeds the threshold at the next sample; `None` for other contacts.
     fn rising_force(&self, contact: usize, last: &Sample, next: &Sample) -> Option<(RisingForce, f64)> {
         let (threshold_n, index) = (self.threshold_n?, self.indices[contact]);
-        (next.normal_n(index) > threshold_n && self.is_unloaded(contact, last)).then(|| {
+        (self.next_n[contact] > threshold_n && self.is_unloaded(contact, last)).then(|| {
             let [from, to] = [last, next].map(|sample| sample.gap(index));
             let gap = Hermite::new((last.time_s, from[0], from[1]), (next.time_s, to[0], to[1]));
             let law = self.laws[contact];
@@ -133,11 +138,9 @@ impl SegmentSplitter {
 
     /// Returns whether a contact is active at a time between two samples.
     fn is_active(&self, contact: usize, last: &Sample, next: &Sample, time_s: f64, lifts_off: bool) -> bool {
+        let [from_n, to_n] = [self.last_n[contact], self.next_n[contact]];
         // Most contacts are open.
-        if self.events.is_empty()
-            && next.normal_n(self.indices[contact]) == 0.0
-            && last.normal_n(self.indices[contact]) == 0.0
-        {
+        if self.events.is_empty() && to_n == 0.0 && from_n == 0.0 {
             return false;
         }
         if self.threshold_n.is_some() && self.is_unloaded(contact, last) {
@@ -145,11 +148,9 @@ impl SegmentSplitter {
             return force.is_some_and(|(force, threshold_n)| force.at(time_s) > threshold_n);
         }
         let threshold_n = self.threshold_n.filter(|_| self.events.iter().all(|event| event.contact != contact));
-        let index = self.indices[contact];
         let Some(threshold_n) = threshold_n else {
-            return self.contacts[contact].is_active_until(next.normal_n(index), lifts_off);
+            return self.contacts[contact].is_active_until(to_n, lifts_off);
         };
-        let [from_n, to_n] = [last, next].map(|sample| sample.normal_n(index));
         let fraction = if from_n > 0.0 { (time_s - last.time_s) / (next.time_s - last.time_s) } else { 1.0 };
         from_n + fraction * (to_n - from_n) > threshold_n
     }
@@ -174,11 +175,13 @@ impl SegmentSplitter {
                     state.touch_down();
                 }
             }
-            self.update(sample);
+            self.read_forces(sample);
+            self.update();
             observer.begin(sample);
             self.last = Some(sample.clone());
             return;
         };
+        self.read_forces(sample);
         if sample.time_s > last.time_s {
             self.step(&last, sample, observer);
         } else {
@@ -186,17 +189,24 @@ impl SegmentSplitter {
             for event in self.events.drain(..) {
                 self.contacts[event.contact].change(event.kind);
             }
-            self.update(sample);
+            self.update();
         }
         last.clone_from(sample);
         self.last = Some(last);
     }
 
-    fn update(&mut self, sample: &Sample) {
-        let in_sample = self.contacts.iter_mut().zip(&self.indices);
-        in_sample.filter(|(_, index)| **index < sample.counts().contacts).for_each(|(state, index)| {
-            state.update(sample.normal_n(*index));
-        });
+    /// Reads the normal forces of the next sample.
+    fn read_forces(&mut self, next: &Sample) {
+        let count = next.counts().contacts;
+        for (force_n, index) in self.next_n.iter_mut().zip(&self.indices).filter(|(_, index)| **index < count) {
+            *force_n = next.normal_n(*index);
+        }
+    }
+
+    /// Updates the contacts by the forces of the next sample, which becomes the last one.
+    fn update(&mut self) {
+        self.contacts.iter_mut().zip(&self.next_n).for_each(|(state, force_n)| state.update(*force_n));
+        std::mem::swap(&mut self.last_n, &mut self.next_n);
     }
 
     fn step(&mut self, last: &Sample, next: &Sample, observer: &mut impl SegmentObserver) {
@@ -205,12 +215,16 @@ impl SegmentSplitter {
         let interpolant = observer.interpolate(last, next, &mut cuts_s);
         cuts_s.extend(self.events.iter().map(|event| event.time_s.clamp(last.time_s, next.time_s)));
         if let Some(threshold_n) = self.threshold_n {
-            let indices = self.indices.iter().filter(|index| **index < next.counts().contacts);
-            let forces = indices.map(|index| [last, next].map(|sample| sample.normal_n(*index)));
-            let fractions = forces.filter_map(|[from_n, to_n]| threshold_crossing(threshold_n, from_n, to_n));
-            cuts_s.extend(fractions.map(|fraction| last.time_s + fraction * (next.time_s - last.time_s)));
-            let rising = (0..self.laws.len()).filter_map(|contact| self.rising_force(contact, last, next));
-            cuts_s.extend(rising.filter_map(|(force, threshold_n)| force.crossing_s(threshold_n)));
+            for (contact, (from_n, to_n)) in self.last_n.iter().zip(&self.next_n).enumerate() {
+                // An open contact has no crossing.
+                if *from_n == 0.0 && *to_n == 0.0 {
+                    continue;
+                }
+                let fraction = threshold_crossing(threshold_n, *from_n, *to_n);
+                cuts_s.extend(fraction.map(|fraction| last.time_s + fraction * (next.time_s - last.time_s)));
+                let rising = self.rising_force(contact, last, next);
+                cuts_s.extend(rising.and_then(|(force, threshold_n)| force.crossing_s(threshold_n)));
+            }
         }
         cuts_s.push(next.time_s);
         cuts_s.sort_by(f64::total_cmp);
@@ -230,9 +244,10 @@ impl SegmentSplitter {
                 has_touched.clear();
                 is_active.clear();
                 has_touched.extend(self.contacts.iter().map(|contact| contact.has_touched));
-                is_active.extend(self.indices.iter().enumerate().map(|(contact, index)| {
-                    *index < next.counts().contacts && self.is_active(contact, last, next, middle_s, lifts_off(contact))
-                }));
+                is_active.extend(
+                    (0..self.indices.len())
+                        .map(|contact| self.is_active(contact, last, next, middle_s, lifts_off(contact))),
+                );
                 let (of_touched, of_active) = (&has_touched[..], &is_active[..]);
                 let segment = Segment { from_s, to_s, last, next, has_touched: of_touched, is_active: of_active };
                 observer.observe(&interpolant, &segment);
@@ -245,7 +260,7 @@ impl SegmentSplitter {
         }
         self.events.clear();
         self.cuts_s = cuts_s;
-        self.update(next);
+        self.update();
     }
 }
 

@@ -65,8 +65,8 @@ impl<S: Sink> Decimated<S> {
         let Some(latest) = self.latest.as_ref().filter(|_| !self.is_emitted) else {
             return Ok(());
         };
-        for (contact, emitted) in latest.contacts().zip(&mut self.emitted_peaks) {
-            let (force, depth) = contact.force_and_penetration();
+        for (contact, emitted) in self.emitted_peaks.iter_mut().enumerate() {
+            let (force, depth) = latest.force_and_penetration(contact);
             *emitted = (emitted.0.max(force), emitted.1.max(depth));
         }
         (self.is_emitted, self.after_event, self.emitted_s) = (true, false, latest.time_s);
@@ -112,11 +112,9 @@ impl<S: Sink> Sink for Decimated<S> {
         }
         let (mut in_impact, mut past_peak) = (false, false);
         if let Some(before) = &self.latest {
-            for ((contact_before, contact_now), emitted) in
-                before.contacts().zip(sample.contacts()).zip(&self.emitted_peaks)
-            {
+            for (contact, emitted) in self.emitted_peaks.iter().enumerate() {
                 let ((f0, d0), (f1, d1)) =
-                    (contact_before.force_and_penetration(), contact_now.force_and_penetration());
+                    (before.force_and_penetration(contact), sample.force_and_penetration(contact));
                 let change_per_interval = (f1 - f0).abs() * self.interval_s;
                 in_impact |= change_per_interval > MIN_FORCE_CHANGE * f0.max(f1) * (now_s - before.time_s);
                 past_peak |= (f0 > emitted.0 && f1 < f0) || (d0 > emitted.1 && d1 < d0);

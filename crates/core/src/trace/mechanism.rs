@@ -46,18 +46,17 @@ impl Kernel for MechanismModel {
             let (force_n, moment_n_m) = (force.force_n, force.moment_n_m);
             sample.set_joint(index, &JointState { angle_rad, rate_rad_s, force_n, moment_n_m });
         });
-        for index in 0..counts.actuators {
-            let effort = if required_data.passive { model.actuator(t, qv, mode, index) } else { 0.0 };
-            sample.set_actuator(index, effort);
+        match required_data.passive {
+            true => model.read_actuators(t, qv, mode, |index, effort| sample.set_actuator(index, effort)),
+            false => (0..counts.actuators).for_each(|index| sample.set_actuator(index, 0.0)),
         }
         for index in 0..counts.tendons {
             let [length_m, rate_m_s, tension_n] = model.tendon(t, qv, mode, index);
             sample.set_tendon(index, &TendonState { length_m, rate_m_s, tension_n });
         }
-        for (index, body) in model.reported_bodies().enumerate() {
-            let ([x, y, angle_rad], [vx, vy, spin_rad_s]) = model.body(qv, body);
+        model.read_bodies(qv, |index, ([x, y, angle_rad], [vx, vy, spin_rad_s])| {
             sample.set_body(index, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
-        }
+        });
         model.read_contacts(qv, mode, counts.contacts, |index, reading| {
             sample.set_contact(index, &contact_sample(Some(&reading), state.z[index]));
         });

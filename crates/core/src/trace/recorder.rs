@@ -426,7 +426,7 @@ impl<R: Kernel> Recorder<'_, R> {
                 highest = (end.impulse_n_s - start.impulse_n_s) / length_s;
             }
             if is_active && highest > MIN_SEARCHED_FORCE_FRACTION * summary.peak_normal_n {
-                let mut force = |theta: f64| read(tools.refine(theta)).normal_n;
+                let mut force = |theta: f64| read(tools.refine_motion(theta)).normal_n;
                 let (theta, mut peak) = parabola_peak(at_start, end.normal_n, &mut force);
                 if theta > 0.0 && theta < 1.0 && peak > summary.peak_normal_n {
                     peak = read(tools.resolve(theta)).normal_n;
@@ -439,7 +439,7 @@ impl<R: Kernel> Recorder<'_, R> {
             if let Some(threshold_n) = self.state.threshold_n.filter(|_| start.normal_n > 0.0) {
                 let ends = [start.normal_n - threshold_n, end.normal_n - threshold_n];
                 if (ends[0] > 0.0) != (ends[1] > 0.0) {
-                    let mut excess = |theta: f64| read(tools.refine(theta)).normal_n - threshold_n;
+                    let mut excess = |theta: f64| read(tools.refine_motion(theta)).normal_n - threshold_n;
                     self.state.peaks.push(find_crossing(ends, &mut excess), Reason::Crossing);
                 }
             }

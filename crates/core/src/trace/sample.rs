@@ -316,6 +316,12 @@ impl Sample {
         self.values[self.counts.contact(contact) + ContactSample::NORMAL]
     }
 
+    /// Returns the normal force and the penetration of a contact, as [`ContactSample::force_and_penetration`].
+    pub(super) fn force_and_penetration(&self, contact: usize) -> (f64, f64) {
+        let first = self.counts.contact(contact);
+        (self.values[first + ContactSample::NORMAL], -self.values[first])
+    }
+
     /// Returns gap and gap rate of a contact.
     pub(crate) fn gap(&self, contact: usize) -> [f64; 2] {
         let first = self.counts.contact(contact);

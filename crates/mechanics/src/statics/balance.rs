@@ -120,10 +120,11 @@ fn scale_programme(equations: &Equations) -> Scaled {
     Scaled { program: Program { columns, edge_count, fixed }, force, acceleration }
 }
 
-/// Returns the largest multiple of the driving load that can be balanced.
-pub(super) fn largest_multiple(equations: &Equations) -> Result<Largest> {
+/// Returns the largest multiple of the driving load that can be balanced. `is_balanced` says whether the fixed load is known
+/// to be balanced, for several driving loads of the same equations.
+pub(super) fn largest_multiple(equations: &Equations, is_balanced: &mut bool) -> Result<Largest> {
     let scaled = scale_programme(equations);
-    Ok(match scaled.program.largest()? {
+    Ok(match scaled.program.largest(is_balanced)? {
         Optimum::Infeasible { motion } => Largest::Infeasible { motion: row_rates(equations, &motion) },
         Optimum::Unbounded => Largest::Unlimited,
         Optimum::Finite(limit) => Largest::Limited(certified(equations, &scaled, &limit)),
@@ -215,7 +216,7 @@ mod tests {
 
     #[track_caller]
     fn limit(equations: &Equations) -> Certified {
-        match largest_multiple(equations).expect("a solution") {
+        match largest_multiple(equations, &mut false).expect("a solution") {
             Largest::Limited(limit) => limit,
             Largest::Infeasible { .. } => panic!("infeasible"),
             Largest::Unlimited => panic!("unlimited"),
@@ -243,7 +244,7 @@ mod tests {
         }
         // Friction cannot balance the weight: 2 μ N = 0.4 N of 0.49 N.
         let heavy = antipodal(0.04, [0.0; 2], -90.0);
-        assert!(matches!(largest_multiple(&heavy), Ok(Largest::Infeasible { .. })));
+        assert!(matches!(largest_multiple(&heavy, &mut false), Ok(Largest::Infeasible { .. })));
         // Without weight, friction balances the inertia alone.
         let weightless = Equations { fixed: vec![N * R, N * R, 0.0, 0.0, 0.0], ..heavy };
         assert!((limit(&weightless).acceleration_m_s2 - 2.0 * 0.04 * N / M).abs() < 1e-9);
@@ -270,7 +271,7 @@ mod tests {
         }
         // Unlimited brakes: the normal forces can grow without bound, and so can the acceleration.
         let independent = antipodal(mu, [0.0, f64::INFINITY], -67.0);
-        assert!(matches!(largest_multiple(&independent), Ok(Largest::Unlimited)));
+        assert!(matches!(largest_multiple(&independent, &mut false), Ok(Largest::Unlimited)));
         // Overloaded brakes slip; motors without brakes do not.
         assert!(limit(&antipodal(mu, [0.0, torque], 0.0)).brakes.iter().any(|brake| brake.slips));
         assert!(limit(&antipodal(mu, [0.0; 2], -90.0)).brakes.iter().all(|brake| !brake.slips));

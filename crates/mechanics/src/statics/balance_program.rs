@@ -95,8 +95,9 @@ impl Program {
         1 + self.edge_count..self.columns.len()
     }
 
-    /// Returns the largest multiple of the driving load, at least 0.
-    pub(super) fn largest(&self) -> Result<Optimum> {
+    /// Returns the largest multiple of the driving load, at least 0. `is_balanced` says whether the fixed load is known to be
+    /// balanced, which does not depend on the driving load; it is set once it is known.
+    pub(super) fn largest(&self, is_balanced: &mut bool) -> Result<Optimum> {
         let entries = self.columns.iter().flat_map(|column| &column.load).chain(&self.fixed);
         if !entries.clone().all(|entry| entry.is_finite()) {
             let reason = "a load is not a number: a cable or spring has no direction".to_string();
@@ -116,14 +117,20 @@ impl Program {
         (at_rest.bounds[0], at_rest.objective[0]) = ([0.0; 2], 0.0);
         let mut reason = String::new();
         for rule in [Rule::Steepest, Rule::First] {
-            let verified = match at_rest.solve(rule) {
-                Some(Outcome::Infeasible { y }) => self.verified_contradiction(y),
-                Some(Outcome::Optimal { .. }) => match programme.solve_with_smallest_multipliers(rule) {
-                    Some(Outcome::Optimal { x, y }) => self.verified_limit(x, y),
-                    Some(Outcome::Unbounded { x, ray }) => self.verified_ray(&x, &ray),
-                    Some(Outcome::Infeasible { .. }) => Err("feasible at rest, but for no acceleration".to_string()),
-                    None => Err("the method does not end".to_string()),
-                },
+            let outcome_at_rest = if *is_balanced { None } else { Some(at_rest.solve(rule)) };
+            let verified = match outcome_at_rest {
+                Some(Some(Outcome::Infeasible { y })) => self.verified_contradiction(y),
+                None | Some(Some(Outcome::Optimal { .. })) => {
+                    *is_balanced = true;
+                    match programme.solve_with_smallest_multipliers(rule) {
+                        Some(Outcome::Optimal { x, y }) => self.verified_limit(x, y),
+                        Some(Outcome::Unbounded { x, ray }) => self.verified_ray(&x, &ray),
+                        Some(Outcome::Infeasible { .. }) => {
+                            Err("feasible at rest, but for no acceleration".to_string())
+                        }
+                        None => Err("the method does not end".to_string()),
+                    }
+                }
                 _ => Err("the method does not end".to_string()),
             };
             match verified {

@@ -61,6 +61,21 @@ impl WrenchHull {
         Some(simplex.iter().zip(weights).map(|((vertex, _), weight)| vertex * weight).sum())
     }
 
+    /// Returns a distance by which the origin lies inside the hull of some vertices that contains it: that from the nearest face
+    /// of a tetrahedron, and 0 for fewer vertices.
+    pub fn depth_in(&self, support: &[usize]) -> f64 {
+        let &[a, b, c, d] = support else { return 0.0 };
+        let distance = |face: [usize; 3]| {
+            let [p, q, r] = face.map(|index| self.vertices[index]);
+            let normal = (q - p).cross(&(r - p));
+            normal.dot(&p).abs() / normal.norm()
+        };
+        let distances = [[a, b, c], [a, b, d], [a, c, d], [b, c, d]].map(distance);
+        // Not a number for a face without an area.
+        let is_known = distances.iter().all(|distance| distance.is_finite());
+        if is_known { distances.into_iter().fold(f64::INFINITY, f64::min) } else { 0.0 }
+    }
+
     /// Returns the point of the hull that is nearest to the origin, and the vertices between which it lies; `None` without
     /// contacts.
     pub fn nearest(&self) -> Option<(Wrench, Vec<usize>)> {
@@ -128,4 +143,20 @@ fn affine_weights(simplex: &[(Wrench, f64)]) -> Option<Vec<f64>> {
     }
     let rest = 1.0 - weights.sum();
     Some(std::iter::once(rest).chain(weights.iter().copied()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_depth_in_a_tetrahedron_is_that_from_its_nearest_face() {
+        let mut hull = WrenchHull::default();
+        let [a, b] = [Wrench::new(1.0, 1.0, 1.0), Wrench::new(1.0, -1.0, -1.0)];
+        let [c, d] = [Wrench::new(-1.0, 1.0, -1.0), Wrench::new(-1.0, -1.0, 1.0)];
+        hull.add([a, b]);
+        hull.add([c, d]);
+        assert!((hull.depth_in(&[0, 1, 2, 3]) - 1.0 / 3f64.sqrt()).abs() < 1e-15);
+        assert_eq!((hull.depth_in(&[0, 1, 2]), hull.depth_in(&[0, 1, 2, 2])), (0.0, 0.0));
+    }
 }

@@ -181,7 +181,7 @@ pub fn mechanism_closure(at_rest: &MechanismAtRest<'_>) -> Result<MechanismClosu
 /// Returns the largest acceleration of the base in a direction that forces within their cones can balance.
 pub fn mechanism_balance_towards(at_rest: &MechanismAtRest<'_>, direction: [f64; 2]) -> Result<MechanismBalance> {
     let frame = Frame::new(at_rest, at_rest.drives);
-    frame.balance(&frame.equations()?, direction)
+    frame.balance(&frame.equations()?, direction, &mut false)
 }
 
 /// [`mechanism_balance_towards`] in `count` equally spaced directions from x towards y.
@@ -208,7 +208,7 @@ pub fn balance_at_rest_towards(
 ) -> Result<Option<MechanismBalance>> {
     let frame = Frame::new(at_rest, at_rest.drives);
     let equations = balanced_equations(&frame, loads)?;
-    equations.ok().map(|equations| frame.balance(&equations, direction)).transpose()
+    equations.ok().map(|equations| frame.balance(&equations, direction, &mut false)).transpose()
 }
 
 /// Equations whose fixed load is balanced, or the unbalanced part of the loads, relative to the largest one.
@@ -406,14 +406,15 @@ impl<'a> Frame<'a> {
     /// Solves the equations for accelerations in `count` equally spaced directions from x towards y.
     fn balance_all(&self, equations: &Equations, count: usize) -> Result<Vec<MechanismBalance>> {
         let angle_rad = |index: usize| TAU * index as f64 / count as f64;
-        (0..count).map(|index| self.balance(equations, direction_at(angle_rad(index)))).collect()
+        let mut is_balanced = false;
+        (0..count).map(|index| self.balance(equations, direction_at(angle_rad(index)), &mut is_balanced)).collect()
     }
 
-    /// Solves the equations for an acceleration in a direction.
-    fn balance(&self, equations: &Equations, direction: [f64; 2]) -> Result<MechanismBalance> {
+    /// Solves the equations for an acceleration in a direction; `is_balanced` as in [`largest_multiple`].
+    fn balance(&self, equations: &Equations, direction: [f64; 2], is_balanced: &mut bool) -> Result<MechanismBalance> {
         let direction = unit_direction(direction)?;
         let driving = self.field(scale(direction, -1.0));
-        let largest = match largest_multiple(&Equations { driving, ..equations.clone() })? {
+        let largest = match largest_multiple(&Equations { driving, ..equations.clone() }, is_balanced)? {
             Largest::Infeasible { motion } => {
                 MechanismLimit::Infeasible { motion: self.motion(&motion), yielding: self.yielding(&motion) }
             }

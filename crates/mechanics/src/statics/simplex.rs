@@ -231,10 +231,19 @@ impl Tableau {
         let inverse = self.matrix.select_columns(&self.basis).try_inverse()?;
         self.basis.iter().for_each(|j| self.x[*j] = 0.0);
         for _ in 0..2 {
-            let correction = &inverse * (&self.right - &self.matrix * &self.x);
+            let correction = &inverse * (&self.right - self.balance());
             self.basis.iter().zip(correction.iter()).for_each(|(j, by)| self.x[*j] += by);
         }
         inverse.iter().all(|entry| entry.is_finite()).then_some(inverse)
+    }
+
+    /// A x: the columns of variables that are not 0, in their order.
+    fn balance(&self) -> DVector<f64> {
+        let mut sum = DVector::zeros(self.right.len());
+        for (column, x) in self.matrix.column_iter().zip(&self.x).filter(|(_, x)| **x != 0.0) {
+            sum.axpy(*x, &column, 1.0);
+        }
+        sum
     }
 
     /// Moves from vertex to vertex while the objective grows; `None` if this does not end.
@@ -246,7 +255,7 @@ impl Tableau {
             let inverse = self.factorise()?;
             let by_basis = DVector::from_fn(m, |i, _| objective[self.basis[i]]);
             let mut y = inverse.tr_mul(&by_basis);
-            let missing = by_basis - self.matrix.select_columns(&self.basis).tr_mul(&y);
+            let missing = DVector::from_fn(m, |i, _| by_basis[i] - self.matrix.column(self.basis[i]).dot(&y));
             y += inverse.tr_mul(&missing);
             let takes_first = rule == Rule::First || stalled > count;
             let Some((entering, sign)) = self.entering(objective, &y, takes_first) else {
@@ -285,15 +294,19 @@ impl Tableau {
             if self.place[j] == Place::Basic || lo == hi {
                 continue;
             }
-            let terms = column.iter().zip(y.iter()).map(|(entry, y)| (entry * y).abs()).sum::<f64>();
             let cost = objective[j] - column.dot(y);
             let improves = match self.place[j] {
                 Place::Lower => cost > 0.0,
                 Place::Upper => cost < 0.0,
                 Place::Free | Place::Basic => true,
             };
+            // Most columns do not, and their rounding errors are not needed.
+            if !improves {
+                continue;
+            }
+            let terms = column.iter().zip(y.iter()).map(|(entry, y)| (entry * y).abs()).sum::<f64>();
             let zero = (ZERO_COST * (terms + objective[j].abs())).max(ROUNDED_COST * largest * column.amax());
-            if !improves || cost.abs() <= zero {
+            if cost.abs() <= zero {
                 continue;
             }
             if best.is_none_or(|(_, steepest)| cost.abs() > steepest.abs()) {

@@ -4,6 +4,7 @@ use super::cable::Cable;
 use super::nearest::{Face, PointOnFace};
 use crate::law::{FrictionKind, FrictionLaw, NormalLaw};
 use crate::mechanism::{Limit, Mechanism};
+use std::cell::Cell;
 
 /// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint.
 #[derive(Clone, Debug)]
@@ -78,6 +79,7 @@ pub(super) fn contacts(mechanism: &Mechanism, cables: &mut [Cable], states: &mut
             point: point.point,
             face: Face::new(&mechanism.outline(pair.face).shape),
             force_point: pair.force_point,
+            nearest_before: Cell::new(None),
         });
         contacts.push(Contact {
             surfaces,

@@ -470,7 +470,8 @@ impl Hybrid for MechanismModel {
                 self.with_contact((q, v), index, |motions| {
                     let contact = self.contact_variables(motions, v, index, mode.features[index]);
                     let function = |event| mode.contacts.event_function(event, &self.event_tolerances, Some(&contact));
-                    events.into_iter().for_each(|event| values[event] = function(event).value);
+                    let requested = events.into_iter().filter(|event| requested[*event]);
+                    requested.for_each(|event| values[event] = function(event).value);
                 });
             }
         }

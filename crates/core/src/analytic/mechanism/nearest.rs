@@ -5,6 +5,7 @@ use super::motion::{BodyMotion, rotated};
 use crate::mechanism::{ForcePoint, OutlinePoint, OutlineShape};
 use crate::numeric::plane::{Vector, add, dot, perp, scale, scale_by, sub};
 use crate::numeric::{Dual, Real};
+use std::cell::Cell;
 
 /// Number of components of the relative pose of two bodies A and B: x and y of A against B, then both angles. Forces
 /// between the bodies depend on nothing else, and the load on x and y of B is the opposite of that on A.
@@ -52,6 +53,9 @@ impl Frame<Dual<POSES>> {
     }
 }
 
+/// Distance from the end of a region above which rounding errors put a point into no other one, m.
+const REGION_ROUNDING_M: f64 = 1e-9;
+
 /// A side or a corner of the core of a face, by its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Feature {
@@ -98,6 +102,8 @@ pub(super) struct PointOnFace {
     pub point: OutlinePoint,
     pub face: Face,
     pub force_point: ForcePoint,
+    /// The feature that was nearest last, which is tried first; no result depends on it.
+    pub nearest_before: Cell<Option<Feature>>,
 }
 
 /// Nearest point of a point outline, its distance from the core of the face, and the unit normal of the core towards it.
@@ -175,10 +181,18 @@ impl PointOnFace {
         if let Some(only) = self.face.only_feature {
             return (only, self.on_feature(frames, only));
         }
+        // Regions of a convex core do not overlap, so that no other one contains a point well inside this one.
+        if let Some(feature) = self.nearest_before.get() {
+            let nearest = self.on_feature(frames, feature);
+            if self.region_margin(frames, feature, &nearest) > REGION_ROUNDING_M {
+                return (feature, nearest);
+            }
+        }
         let mut shallowest = (f64::NEG_INFINITY, Feature::Corner(0));
         for feature in self.features() {
             let nearest = self.on_feature(frames, feature);
             if self.region_margin(frames, feature, &nearest) >= 0.0 {
+                self.nearest_before.set(Some(feature));
                 return (feature, nearest);
             }
             if matches!(feature, Feature::Side(_)) && nearest.distance > shallowest.0 {

@@ -17,17 +17,27 @@ use super::pairs;
 impl MechanismModel {
     /// Pose of a body and its rate, relative to a moving palm.
     pub fn body(&self, state: StateRef<'_, Dynamic>, body: usize) -> (Pose, Pose) {
+        self.with_angles(state, |motions| self.body_relative_to_palm(motions, body))
+    }
+
+    /// Reads the poses of the bodies that samples report and their rates, as [`MechanismModel::body`], in the order of samples.
+    pub fn read_bodies(&self, state: StateRef<'_, Dynamic>, mut read: impl FnMut(usize, (Pose, Pose))) {
+        self.with_angles(state, |motions| {
+            let reported = self.mechanism.reported_bodies().enumerate();
+            reported.for_each(|(index, body)| read(index, self.body_relative_to_palm(motions, body)));
+        });
+    }
+
+    fn body_relative_to_palm(&self, motions: &Motions<f64>, body: usize) -> (Pose, Pose) {
         if self.world.as_ref().is_some_and(|(world, _)| *world == body) {
             // In the frame of the palm, the palm itself is at rest.
             return Default::default();
         }
-        self.with_angles(state, |motions| {
-            let (palm, motion) = (motions.body(self.palm), motions.body(Some(body)));
-            let origin = motion.point(self.reported_origins[body]);
-            let [x, y] = palm.point_in_frame(origin.position);
-            let [vx, vy] = palm.velocity_in_frame(origin.position, origin.rate);
-            ([x, y, motion.angle - palm.angle], [vx, vy, motion.rate[2] - palm.rate[2]])
-        })
+        let (palm, motion) = (motions.body(self.palm), motions.body(Some(body)));
+        let origin = motion.point(self.reported_origins[body]);
+        let [x, y] = palm.point_in_frame(origin.position);
+        let [vx, vy] = palm.velocity_in_frame(origin.position, origin.rate);
+        ([x, y, motion.angle - palm.angle], [vx, vy, motion.rate[2] - palm.rate[2]])
     }
 
     /// Indices of the bodies that samples report.
@@ -42,13 +52,20 @@ impl MechanismModel {
         });
     }
 
-    /// Torque or force of an actuator with its brake; those of tendons follow those of joints.
-    pub fn actuator(&self, t: f64, state: StateRef<'_, Dynamic>, mode: &MechanismMode, index: usize) -> f64 {
-        if let Some(index) = index.checked_sub(self.mechanism.actuators.len()) {
-            let mut pulls = self.cables.iter().filter(|cable| cable.tendon.actuator.is_some());
-            return pulls.nth(index).map_or(0.0, |cable| cable.pull(t).0);
-        }
-        self.with_motions(state, |motions| self.actuator_effort(t, (mode, state.1), motions, index))
+    /// Reads the torques or forces of all actuators with their brakes: those of joints, then those of tendons.
+    pub fn read_actuators(
+        &self,
+        t: f64,
+        state: StateRef<'_, Dynamic>,
+        mode: &MechanismMode,
+        mut read: impl FnMut(usize, f64),
+    ) {
+        let of_joints = self.mechanism.actuators.len();
+        self.with_motions(state, |motions| {
+            (0..of_joints).for_each(|index| read(index, self.actuator_effort(t, (mode, state.1), motions, index)));
+        });
+        let pulls = self.cables.iter().filter(|cable| cable.tendon.actuator.is_some());
+        pulls.enumerate().for_each(|(index, cable)| read(of_joints + index, cable.pull(t).0));
     }
 
     pub(super) fn actuator_effort(

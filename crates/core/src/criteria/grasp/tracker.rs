@@ -59,6 +59,9 @@ struct State {
     grip: GripSearch,
     /// Parts whose active points are not known yet: a loss at their time may prove short.
     queue: VecDeque<Slice>,
+    /// Memory for the active points of a part, and for the edges of the next parts.
+    active: Vec<bool>,
+    spare: Vec<Vec<Option<Edges>>>,
     points: Vec<PointState>,
     pairs: Vec<PairHistory>,
     recent: Recent,
@@ -174,6 +177,8 @@ impl ObjectTracker {
                 hold: HoldHistory::new(loss_time_s, held_time_s),
                 grip: GripSearch::default(),
                 queue: VecDeque::new(),
+                active: Vec::new(),
+                spare: Vec::new(),
                 points: vec![PointState::default(); setup.points.len()],
                 pairs: vec![PairHistory::default(); setup.roles.pairs.len()],
                 recent: Recent::default(),
@@ -210,8 +215,9 @@ impl State {
     /// Passes on the parts whose active points are known; at the end of the run, a loss that is unfinished and short is none.
     fn process(&mut self, is_end: bool) {
         let Some(now_s) = self.queue.back().map(|slice| slice.to_s) else { return };
-        while let Some(active) = self.active_points(now_s, is_end) {
+        while self.find_active_points(now_s, is_end) {
             let Some(slice) = self.queue.pop_front() else { return };
+            let active = std::mem::take(&mut self.active);
             for (point, (presses, is_active)) in self.points.iter_mut().zip(slice.presses.iter().zip(&active)) {
                 point.lost_since_s = match (is_active, presses) {
                     (true, None) => point.lost_since_s.or(Some(slice.from_s)),
@@ -221,12 +227,14 @@ impl State {
                 point.edges = presses.or(point.edges);
             }
             self.add(&slice, &active);
+            self.active = active;
+            self.spare.push(slice.presses);
         }
     }
 
-    /// Whether each point of the hand is active in the first part of the queue; `None` if this is not known yet.
-    fn active_points(&self, now_s: f64, is_end: bool) -> Option<Vec<bool>> {
-        let first = self.queue.front()?;
+    /// Finds whether each point of the hand is active in the first part of the queue; returns whether this is known.
+    fn find_active_points(&mut self, now_s: f64, is_end: bool) -> bool {
+        let Some(first) = self.queue.front() else { return false };
         let loss_time_s = self.setup.thresholds.loss_time_s;
         let is_active = |(index, point): (usize, &PointState)| {
             if first.presses[index].is_some() || !point.is_active {
@@ -240,41 +248,50 @@ impl State {
                 None => is_end.then_some(true),
             }
         };
-        self.points.iter().enumerate().map(is_active).collect()
+        self.active.clear();
+        for of_point in self.points.iter().enumerate() {
+            let Some(is_active) = is_active(of_point) else { return false };
+            self.active.push(is_active);
+        }
+        true
     }
 
     fn add(&mut self, slice: &Slice, active: &[bool]) {
+        let Self { points, setup, grip, .. } = self;
         let edges = |(index, is_active): (usize, &bool)| {
-            let edges = self.points[index].edges.filter(|_| *is_active && self.setup.is_hand(index))?;
+            let edges = points[index].edges.filter(|_| *is_active && setup.is_hand(index))?;
             Some((index, edges))
         };
-        let contacts: Vec<(usize, Edges)> = active.iter().enumerate().filter_map(edges).collect();
-        let (is_gripped, changed_s) = self.grip.evaluate(slice.to_s, contacts);
+        let (is_gripped, changed_s) = grip.evaluate(slice.to_s, active.iter().enumerate().filter_map(edges));
         let changed_s = changed_s.map(|changed_s| changed_s.clamp(slice.from_s, slice.to_s));
         let pose_at = |time_s: f64| {
             let fraction = (time_s - slice.from_s) / (slice.to_s - slice.from_s);
             let [from, to] = slice.poses;
             std::array::from_fn(|k| from[k] + fraction * (to[k] - from[k]))
         };
-        let ends = [Some(slice.from_s), changed_s, Some(slice.to_s)];
-        let ends: Vec<f64> = ends.into_iter().flatten().collect();
-        for (index, ends) in ends.windows(2).enumerate() {
-            if ends[1] > ends[0] {
+        let parts = match changed_s {
+            Some(changed_s) => {
+                [Some((slice.from_s, changed_s, !is_gripped)), Some((changed_s, slice.to_s, is_gripped))]
+            }
+            None => [Some((slice.from_s, slice.to_s, is_gripped)), None],
+        };
+        for (from_s, to_s, is_gripped) in parts.into_iter().flatten() {
+            if to_s > from_s {
                 self.hold.add(&Part {
-                    from_s: ends[0],
-                    to_s: ends[1],
-                    is_gripped: if changed_s.is_some() && index == 0 { !is_gripped } else { is_gripped },
+                    from_s,
+                    to_s,
+                    is_gripped,
                     is_hand_near: slice.is_hand_near,
                     are_surroundings_near: slice.are_surroundings_near,
                     are_surroundings_active: slice.are_surroundings_active,
-                    pose: pose_at(ends[0]),
+                    pose: pose_at(from_s),
                 });
             }
         }
     }
 
     /// The contact of a point between two samples.
-    fn edges(&mut self, point: usize, last: &Sample, next: &Sample, object: &BodyState) -> Option<Edges> {
+    fn edges(&self, point: usize, last: &Sample, next: &Sample, object: &BodyState) -> Option<Edges> {
         let found = self.setup.points[point];
         let [before, after] = [last, next].map(|sample| sample.contact(found.contact));
         let contact = if is_located(&after) { after } else { before };
@@ -298,6 +315,10 @@ impl State {
         };
         // Within the tolerance with which a run ends there.
         let extent_m = (1.0 - BOUNDARY_TOLERANCE) * self.setup.extent_m();
+        // Most often a point of the hand is near.
+        if hand().any(|point| next.gap(self.setup.points[point].contact)[0] < extent_m) {
+            return;
+        }
         let Some(after @ [gap_m, rate_m_s]) = nearest(next) else { return };
         let mut others = (0..self.setup.points.len()).filter(|point| !self.setup.is_hand(*point));
         if gap_m < extent_m
@@ -440,7 +461,7 @@ impl SegmentObserver for State {
         cuts_s.extend(self.cycle.cuts_s().filter(|time_s| times[0] < *time_s && *time_s < times[1]));
         let near_m = SMALL * self.setup.extent_m();
         for point in &self.setup.points {
-            let [from, to] = [last, next].map(|sample| sample.gap(point.contact));
+            let (from, to) = (last.gap(point.contact), next.gap(point.contact));
             if (from[0] < near_m) != (to[0] < near_m) && from[0].is_finite() && to[0].is_finite() {
                 let [from, to] = [(times[0], from), (times[1], to)].map(|(t, [gap_m, rate])| (t, gap_m, rate));
                 Hermite::new(from, to).crossings(near_m, cuts_s);
@@ -481,12 +502,11 @@ impl SegmentObserver for State {
                 touched |= has_touched[point];
                 presses |= is_active[point];
                 let between = |[from, to]: [f64; 2]| from + fraction * (to - from);
-                let forces_n = [last, next].map(|sample| sample.normal_n(contact));
+                let forces_n = [last.normal_n(contact), next.normal_n(contact)];
                 if !is_active[point] && forces_n != [0.0; 2] {
                     weak_n += Some(between(forces_n)).filter(|force_n| *force_n <= loss_force_n).unwrap_or_default();
                 }
-                is_near =
-                    is_near || is_active[point] || between([last, next].map(|sample| sample.gap(contact)[0])) < near_m;
+                is_near = is_near || is_active[point] || between([last.gap(contact)[0], next.gap(contact)[0]]) < near_m;
             }
             match self.setup.roles.pairs[index].is_hand {
                 true => is_hand_near |= is_near,
@@ -498,11 +518,12 @@ impl SegmentObserver for State {
             history.add((touched, presses || weak_n > loss_force_n), [from_s, to_s], poses[0], loss_time_s);
         }
         let object = self.setup.object.state(&self.setup.mechanism, next);
-        let presses = (0..is_active.len()).map(|point| {
+        let mut presses = self.spare.pop().unwrap_or_default();
+        presses.clear();
+        presses.extend((0..is_active.len()).map(|point| {
             let presses = is_active[point] && self.setup.is_hand(point);
             if presses { self.edges(point, last, next, &object) } else { None }
-        });
-        let presses = presses.collect();
+        }));
         self.queue.push_back(Slice {
             from_s,
             to_s,
