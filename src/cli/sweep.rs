@@ -35,7 +35,7 @@ const DEFAULT_LISTED_RUNS: u64 = 12;
     args_conflicts_with_subcommands = true,
     subcommand_negates_reqs = true,
     after_help = "Examples:\n  phalanx sweep scenes/studies/thesis.toml --out thesis.csv\n  phalanx sweep scenes/studies/sample.toml \
-                  --out sample.parquet --threads 1 --json\n  phalanx sweep scenes/studies/sample.toml --list\n  phalanx sweep two-pivot-study.toml --out map.csv --plot map.svg\n  phalanx sweep \
+                  --out sample.parquet --threads 1 --json\n  phalanx sweep scenes/studies/sample.toml --list\n  phalanx sweep scenes/studies/capture.toml --out capture.csv\n  phalanx sweep \
                   scenes/studies/thesis.toml --shard 2/3 --out part-2.parquet\n  phalanx sweep --schema > \
                   study.schema.json\n\nExit status: 0 all runs are in the table; 2 bad input; 3 interrupted (the same command \
                   resumes), or no run could be simulated."

@@ -156,6 +156,9 @@ impl ToReport for Hold {
             crate::scene::one_line(&self.scene),
             self.plan.model.name()
         ));
+        if let Some(line) = smallest_limit(self) {
+            text.push(Report::paragraph(&format!("{line}\n")));
+        }
         text.push(Report::paragraph(&format!(
             "Loads start at {}, {start}. {removed}Without a load, the object slips by {} mm in the same time. {} runs.{assumed}\nResults by \
              load and peak acceleration of {base}:\n\n",
@@ -172,11 +175,7 @@ impl ToReport for Hold {
                 "Balance at rest refers to the contacts that are active at the start of the loads, in both directions.\n",
             ));
         }
-        for line in smallest_limit(self)
-            .into_iter()
-            .chain(unreached_limits(self))
-            .chain(self.results.iter().flat_map(|load| remarks(load, self)))
-        {
+        for line in unreached_limits(self).into_iter().chain(self.results.iter().flat_map(|load| remarks(load, self))) {
             text.push(Report::paragraph(&format!("{line}\n")));
         }
         text

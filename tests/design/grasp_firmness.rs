@@ -63,6 +63,22 @@ fn contacts_of_the_hand_with_listed_outlines_are_left_out() {
     assert!((acceleration_m_s2 - 170.417).abs() < 0.1, "{acceleration_m_s2}");
 }
 
+/// Two coupled jaws that press a disc with 20 N each and friction 0.5: along the pads both slip, at 2 μ F / m.
+#[test]
+fn what_fails_first_is_named() {
+    let text = std::fs::read_to_string("tests/anchors/grasp.json").expect("the anchors");
+    let anchors: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
+    let text =
+        anchors["cases"][0]["scene"].as_str().expect("a scene").replace("duration = \"60 ms\"", "duration = \"20 ms\"");
+    let scene = parse_any(&text, "jaws.toml").unwrap_or_else(|error| panic!("{error}"));
+    let found = held(&scene);
+    let Margin::Limited { failure, directions_rad, .. } = firmness(&scene, &found).expect("held").driven else {
+        panic!("limited")
+    };
+    assert_eq!(failure.slipping, ["left.pad/object.skin", "right.pad/object.skin"], "{failure:?} {directions_rad:?}");
+    assert!(failure.separating.is_empty() && failure.tilting.is_empty() && failure.yielding.is_empty(), "{failure:?}");
+}
+
 #[test]
 fn a_blocked_cable_has_no_tension_of_its_own() {
     let scene = parse_any(CORD, "cord.toml").unwrap_or_else(|error| panic!("{error}"));

@@ -44,7 +44,7 @@ fn compare(name: &str, found: Option<f64>, expected: &Value) -> Option<String> {
 fn compare_margin(name: &str, found: &Margin, expected: &Value) -> Option<String> {
     match (found, expected["value"].as_f64()) {
         (Margin::Any, None) if expected["value"] == "any" => None,
-        (Margin::Limited { acceleration_m_s2, directions_rad }, Some(value)) => {
+        (Margin::Limited { acceleration_m_s2, directions_rad, .. }, Some(value)) => {
             let tolerance = expected["rel_tol"].as_f64().expect("a tolerance");
             let directions: Vec<f64> = directions_rad.iter().map(|angle| angle.to_degrees().round()).collect();
             let worst: Vec<f64> =

@@ -127,9 +127,9 @@ pub enum HoldError {
     Scene { reason: String },
     #[error(
         "without a load, the object is {} at {:.3} ms, so no load can be applied; use a scene that holds its object, or set the start \
-         of the loads with --at", fate.name(), end_s * 1e3
+         of the loads with --at", fate.name(), at_s * 1e3
     )]
-    NotGrasped { end_s: f64, fate: Fate },
+    NotGrasped { at_s: f64, fate: Fate },
     #[error(
         "loads would start at {:.3} ms, but the fingers release at {:.3} ms; set an earlier start: --at TIME",
         start_s * 1e3, release_s * 1e3

@@ -143,7 +143,7 @@ pub(super) fn rest_start(
     let criteria = detector.tracker.criteria();
     let Some(criteria) = criteria.as_ref().filter(|criteria| criteria.fate == Fate::Held) else {
         let fate = criteria.map_or(Fate::NotGrasped, |criteria| criteria.fate);
-        return Err(HoldError::NotGrasped { end_s, fate });
+        return Err(HoldError::NotGrasped { at_s: fate.lost_at_s().unwrap_or(end_s), fate });
     };
     let stable_s = criteria.tts_s.map(|tts_s| tts_s.max(blocked_s));
     let start_s = detector.rest_start_s.zip(stable_s).map(|(rest_s, stable_s)| rest_s.max(stable_s));

@@ -37,8 +37,8 @@ pub use configuration::{
 };
 pub(crate) use grasp::contact_at_rest;
 pub use grasp::{
-    ActuatorCriteria, ActuatorTracker, CycleCriteria, DIRECTIONS, Fate, Firmness, HoldState, Margin, ObjectCriteria,
-    ObjectTracker, PairCriteria, Slip, Travel, balanced_acceleration, firmness,
+    ActuatorCriteria, ActuatorTracker, CycleCriteria, DIRECTIONS, Failure, Fate, Firmness, HoldState, Margin,
+    ObjectCriteria, ObjectTracker, PairCriteria, Slip, Travel, balanced_acceleration, firmness,
 };
 pub use link_overlap::{Link, LinkOverlap, LinkOverlaps, Obstacle};
 pub use rebounds::{Rebound, Rebounds};

@@ -6,7 +6,7 @@ use super::contacts::{ContactReport, Contacts};
 use super::named::{Named, Object};
 use super::tables::{DEGREES, milliseconds, resolved};
 use crate::criteria::{
-    ActuatorCriteria, CycleCriteria, Fate, Firmness, Margin, ObjectCriteria, PairCriteria, firmness,
+    ActuatorCriteria, CycleCriteria, Failure, Fate, Firmness, Margin, ObjectCriteria, PairCriteria, firmness,
 };
 use crate::format::format_duration;
 use crate::format::numbers::{G_M_S2, format_number, or_dash};
@@ -113,9 +113,17 @@ impl ObjectReport {
 
     /// The answer and its notes.
     pub fn heading(&self) -> String {
-        let mut lines = vec![self.answer(), format!("object: {}, base: {}", self.criteria.object, self.criteria.base)];
-        let blocked = self.firmness.as_ref().filter(|firmness| firmness.blocked != firmness.driven);
-        lines.extend(blocked.map(|firmness| format!("with blocked actuators it {}", balances(&firmness.blocked))));
+        let mut lines = vec![self.answer()];
+        if let Some(Firmness { driven: Margin::Limited { failure, .. }, .. }) = &self.firmness {
+            lines.push(format!("fails first: {}", describe_failure(failure)));
+        }
+        lines.push(format!("object: {}, base: {}", self.criteria.object, self.criteria.base));
+        let blocked =
+            self.firmness.as_ref().filter(|firmness| balances(&firmness.blocked) != balances(&firmness.driven));
+        lines.extend(blocked.map(|firmness| {
+            let because = if firmness.blocked == Margin::Any { ": friction grows with their force" } else { "" };
+            format!("with actuators that never yield it {}{because}", balances(&firmness.blocked))
+        }));
         if !self.criteria.assumed_hand.is_empty() {
             let names = self.criteria.assumed_hand.join(", ");
             let (counts, it) = if self.criteria.assumed_hand.len() == 1 { ("counts", "it") } else { ("count", "them") };
@@ -295,11 +303,15 @@ fn distance(length_m: f64) -> String {
 fn balances(margin: &Margin) -> String {
     match margin {
         Margin::Any => "balances any acceleration".to_string(),
-        Margin::Limited { acceleration_m_s2, directions_rad } => {
+        Margin::Limited { acceleration_m_s2, directions_rad, .. } => {
             let directions: Vec<String> =
                 directions_rad.iter().map(|angle| format!("{:.0}", angle * DEGREES)).collect();
             let several = if directions.len() > 1 { "directions" } else { "direction" };
-            let size = format_number(acceleration_m_s2 / G_M_S2, 2);
+            // Limits that are rounding errors are 0.
+            let size = match acceleration_m_s2 / G_M_S2 {
+                small if small < 1e-9 => "0".to_string(),
+                size => format_number(size, 2),
+            };
             format!("balances {size} g in the worst {several} ({} deg)", directions.join(", "))
         }
         Margin::NotAtRest { remainder } => {
@@ -309,13 +321,37 @@ fn balances(margin: &Margin) -> String {
     }
 }
 
+/// What moves beyond a limit, as a sentence without a full stop.
+fn describe_failure(failure: &Failure) -> String {
+    // The other outline of a pair is that of the object.
+    let list = |names: &[String]| {
+        let own: Vec<&str> = names.iter().map(|name| name.split('/').next().unwrap_or(name)).collect();
+        match &own[..] {
+            [first @ .., last] if !first.is_empty() => format!("{} and {last}", first.join(", ")),
+            own => own.concat(),
+        }
+    };
+    let verb = |names: &[String], one: &str, several: &str| (if names.len() == 1 { one } else { several }).to_string();
+    let parts = [
+        (&failure.slipping, ["slips", "slip"]),
+        (&failure.tilting, ["tilts", "tilt"]),
+        (&failure.separating, ["comes apart", "come apart"]),
+        (&failure.yielding, ["yields", "yield"]),
+    ];
+    let moving = parts.into_iter().filter(|(names, _)| !names.is_empty());
+    let text: Vec<String> =
+        moving.map(|(names, [one, several])| format!("{} {}", list(names), verb(names, one, several))).collect();
+    if text.is_empty() { "the whole hand moves".to_string() } else { text.join("; ") }
+}
+
 /// JSON of a margin: the acceleration is the text `any` without a limit, and null where there is none.
 fn margin(found: &Margin) -> Object<'_> {
     match found {
         Margin::Any => Object::default().with("acceleration_m_s2", "any"),
-        Margin::Limited { acceleration_m_s2, directions_rad } => {
-            Object::default().with("acceleration_m_s2", acceleration_m_s2).with("directions_rad", directions_rad)
-        }
+        Margin::Limited { acceleration_m_s2, directions_rad, failure } => Object::default()
+            .with("acceleration_m_s2", acceleration_m_s2)
+            .with("directions_rad", directions_rad)
+            .with("failure", failure),
         Margin::NotAtRest { remainder } => {
             Object::default().with("acceleration_m_s2", None::<f64>).with("unbalanced", remainder)
         }

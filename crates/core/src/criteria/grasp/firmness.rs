@@ -11,10 +11,12 @@ use crate::numeric::elementary::{atan2, sin_cos};
 use crate::numeric::plane::{add, rotate};
 use crate::scene::Scene;
 use crate::statics::{
-    BalanceAtRest, ContactAtRest, DriveState, ForceClosure, FrictionContact, GraspRoles, LoadsAtRest, MechanismAtRest,
-    MechanismLimit, Roles, balance_at_rest, balance_at_rest_towards, force_closure, mechanism_closure, roles,
+    BalanceAtRest, ContactAtRest, ContactMotion, DriveState, ForceClosure, FrictionContact, GraspRoles, LoadsAtRest,
+    MechanismAtRest, MechanismLimit, Roles, balance_at_rest, balance_at_rest_towards, force_closure, mechanism_closure,
+    roles,
 };
 use crate::trace::{ContactSample, Sample};
+use serde::Serialize;
 
 /// Number of directions of an acceleration, evenly spaced from x towards y.
 pub const DIRECTIONS: usize = 24;
@@ -43,14 +45,29 @@ pub enum Margin {
     /// Any acceleration in any direction.
     Any,
     Limited {
+        /// At least 0: a grasp that balances its loads only within rounding balances no acceleration.
         acceleration_m_s2: f64,
         /// All directions with this limit, from x towards y.
         directions_rad: Vec<f64>,
+        /// What a larger acceleration in the first of them makes.
+        failure: Failure,
     },
     /// The loads at the end are not balanced: the part that is not, relative to the largest load.
     NotAtRest { remainder: f64 },
     /// The programme has no certified result.
     Undecided { reason: String },
+}
+
+/// How a grasp fails: in the motion that an acceleration above the limit causes.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Failure {
+    /// Names of the pairs with a point that slips, of others with a point that comes apart while another one stays, and of those
+    /// that come apart.
+    pub slipping: Vec<String>,
+    pub tilting: Vec<String>,
+    pub separating: Vec<String>,
+    /// Names of the actuators that move against their effort.
+    pub yielding: Vec<String>,
 }
 
 /// Returns how firmly the object is held at the end; `None` unless it is held or carried, and of a scene without a grasp.
@@ -67,7 +84,7 @@ pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
     let is_fixed = fixed_object(&scene.hand).is_some();
     let margin = |drives| match is_fixed {
         true => Margin::Undecided { reason: "the object is fixed".to_string() },
-        false => margin(&posture.at_rest(drives), &loads),
+        false => margin(&posture, drives, &loads),
     };
     let object = &mechanism.bodies[grasp.object];
     let centre_m = point_in(Some(grasp.object), object.com_m, &posture.poses);
@@ -98,27 +115,58 @@ struct Posture<'a> {
     time_s: f64,
     poses: Vec<Pose>,
     contacts: Vec<ContactAtRest>,
+    /// Name of the pair of each contact.
+    names: Vec<String>,
     roles: Roles,
 }
 
 impl<'a> Posture<'a> {
     fn in_sample(scene: &Scene, (mechanism, grasp): (&'a Mechanism, &GraspRoles), sample: &Sample) -> Self {
-        let contacts = contacts(mechanism, grasp, (sample, scene.thresholds.loss_force_n));
+        let (contacts, names): (Vec<ContactAtRest>, Vec<String>) =
+            contacts(mechanism, grasp, (sample, scene.thresholds.loss_force_n)).into_iter().unzip();
         let of_bodies = contacts.iter().map(|contact| contact.bodies);
         let roles = roles(mechanism, (grasp.object, grasp.base), &grasp.surroundings, of_bodies);
         let palm = palm_pose(mechanism, sample.time_s);
         let poses = poses_in(scene, sample).into_iter().map(|pose| pose_in_world(palm, pose)).collect();
-        Self { mechanism, time_s: sample.time_s, poses, contacts, roles }
+        Self { mechanism, time_s: sample.time_s, poses, contacts, names, roles }
+    }
+
+    /// What moves beyond a limit.
+    fn failure(&self, contacts: &[(f64, f64, ContactMotion)], yielding: &[usize]) -> Failure {
+        let mut names: Vec<&String> = self.names.iter().collect();
+        names.dedup();
+        let mut failure = Failure::default();
+        for name in names {
+            let of_pair = contacts.iter().zip(&self.names).filter(|(_, other)| *other == name);
+            let motions: Vec<ContactMotion> = of_pair.map(|((.., motion), _)| *motion).collect();
+            let separate = motions.iter().filter(|motion| **motion == ContactMotion::Separates).count();
+            let list = if motions.contains(&ContactMotion::Slips) {
+                &mut failure.slipping
+            } else if separate == motions.len() {
+                &mut failure.separating
+            } else if separate > 0 {
+                &mut failure.tilting
+            } else {
+                continue;
+            };
+            list.push(name.clone());
+        }
+        let pulls = self.mechanism.tendons.iter().filter_map(|tendon| tendon.actuator.as_ref());
+        let actuators =
+            self.mechanism.actuators.iter().map(|actuator| &actuator.name).chain(pulls.map(|pull| &pull.name));
+        let actuators: Vec<&String> = actuators.collect();
+        failure.yielding = yielding.iter().filter_map(|index| actuators.get(*index)).map(ToString::to_string).collect();
+        failure
     }
 
     fn at_rest(&self, drives: DriveState) -> MechanismAtRest<'_> {
-        let Self { mechanism, time_s, poses, contacts, roles } = self;
+        let Self { mechanism, time_s, poses, contacts, roles, .. } = self;
         MechanismAtRest { mechanism, poses, time_s: *time_s, contacts, drives, roles }
     }
 }
 
-fn margin(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest) -> Margin {
-    let balances = match balance_at_rest(at_rest, loads, DIRECTIONS) {
+fn margin(posture: &Posture<'_>, drives: DriveState, loads: &LoadsAtRest) -> Margin {
+    let balances = match balance_at_rest(&posture.at_rest(drives), loads, DIRECTIONS) {
         Ok(BalanceAtRest::Limits(balances)) => balances,
         Ok(BalanceAtRest::NotAtRest { remainder }) => return Margin::NotAtRest { remainder },
         Err(error) => return Margin::Undecided { reason: error.to_string() },
@@ -131,15 +179,18 @@ fn margin(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest) -> Margin {
                 return Margin::Undecided { reason };
             }
             MechanismLimit::Unlimited => {}
-            MechanismLimit::Limited { acceleration_m_s2, .. } => limits.push((balance.direction, acceleration_m_s2)),
+            MechanismLimit::Limited { acceleration_m_s2, contacts, yielding, .. } => {
+                limits.push((balance.direction, acceleration_m_s2, posture.failure(&contacts, &yielding)));
+            }
         }
     }
-    let Some(least) = limits.iter().map(|(_, limit)| *limit).reduce(f64::min) else { return Margin::Any };
-    let worst = limits.iter().filter(|(_, limit)| *limit <= least + SAME_LIMIT * least.abs());
+    let Some(least) = limits.iter().map(|(_, limit, _)| *limit).reduce(f64::min) else { return Margin::Any };
+    let worst: Vec<_> = limits.iter().filter(|(_, limit, _)| *limit <= least + SAME_LIMIT * least.abs()).collect();
     let angle = |[x, y]: [f64; 2]| atan2(y, x).rem_euclid(std::f64::consts::TAU);
     Margin::Limited {
-        acceleration_m_s2: least,
-        directions_rad: worst.map(|(direction, _)| angle(*direction)).collect(),
+        acceleration_m_s2: least.max(0.0),
+        directions_rad: worst.iter().map(|(direction, ..)| angle(*direction)).collect(),
+        failure: worst.first().map(|(.., failure)| failure.clone()).unwrap_or_default(),
     }
 }
 
@@ -156,8 +207,17 @@ pub(crate) fn contact_at_rest(pair: &ContactPair, found: &ContactSample, [x, y, 
     }
 }
 
-/// Contacts active at the end, with forces above a threshold, of the object with the hand and of the hand with itself.
-fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (&Sample, f64)) -> Vec<ContactAtRest> {
+/// Contacts active at the end, with forces above a threshold, of the object with the hand and of the hand with itself; each with
+/// the name of its pair.
+fn contacts(
+    mechanism: &Mechanism,
+    grasp: &GraspRoles,
+    (sample, loss_force_n): (&Sample, f64),
+) -> Vec<(ContactAtRest, String)> {
+    let pairs = mechanism.outline_pairs(Some(grasp.object));
+    let name = |index: usize| {
+        pairs.iter().find(|pair| pair.points.contains(&index)).map_or_else(String::new, |pair| pair.name.clone())
+    };
     let palm = palm_pose(mechanism, sample.time_s);
     let is_hand = |body: Option<usize>| {
         body.map_or(grasp.base.is_none(), |body| body == grasp.object || mechanism.has_joint(Some(body)))
@@ -166,7 +226,8 @@ fn contacts(mechanism: &Mechanism, grasp: &GraspRoles, (sample, loss_force_n): (
         let (pair, found) = (&mechanism.contacts[point.pair], sample.contact(index));
         let outlines = [pair.points, pair.face];
         let is_outside = outlines.iter().any(|id| grasp.surroundings.contains(id) || !is_hand(id.body));
-        (found.normal_n > loss_force_n && !is_outside).then(|| contact_at_rest(pair, &found, palm))
+        let is_active = found.normal_n > loss_force_n && !is_outside;
+        is_active.then(|| (contact_at_rest(pair, &found, palm), name(index)))
     };
     mechanism.point_contacts().into_iter().enumerate().filter_map(contact).collect()
 }

@@ -30,7 +30,7 @@ pub use actuators::{ActuatorCriteria, ActuatorTracker};
 pub use cycle::{CycleCriteria, Travel};
 pub use fate::Fate;
 pub(crate) use firmness::contact_at_rest;
-pub use firmness::{DIRECTIONS, Firmness, Margin, balanced_acceleration, firmness};
+pub use firmness::{DIRECTIONS, Failure, Firmness, Margin, balanced_acceleration, firmness};
 pub use hold::HoldState;
 pub use object::{ObjectCriteria, Slip};
 pub use pairs::PairCriteria;
