@@ -63,11 +63,13 @@ impl ShippedScene {
         self.file.trim_end_matches(".toml")
     }
 
-    /// First sentence of the comment at the top of the file.
+    /// First sentence of the comment at the top of the file, after the answer of its run if it begins with that.
     pub fn title(&self) -> String {
         let comment = self.text.lines().take_while(|line| line.starts_with('#'));
-        let lines = comment.map(|line| line.trim_start_matches('#').trim()).take_while(|line| !line.is_empty());
-        let text = lines.collect::<Vec<_>>().join(" ");
+        let lines: Vec<&str> = comment.map(|line| line.trim_start_matches('#').trim()).collect();
+        let paragraphs = lines.split(|line| line.is_empty()).map(|lines| lines.join(" "));
+        // An answer has no full stop.
+        let text = paragraphs.into_iter().find(|text| text.ends_with('.') || text.contains(". ")).unwrap_or_default();
         text.split_inclusive(". ").next().unwrap_or_default().trim().to_string()
     }
 

@@ -90,14 +90,15 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
     let (text, content) = match (&args.from, args.kind.shipped()) {
         (Some(name), _) => {
             let shipped = shipped_scene(name).map_err(Failure::bad_input)?;
-            (shipped.standalone_text().map_err(Failure::bad_input)?, shipped.name())
+            (shipped.standalone_text().map_err(Failure::bad_input)?, format!("the shipped scene {}", shipped.name()))
         }
         (None, Some((name, content))) => {
             let shipped = shipped_scene(name).map_err(Failure::bad_input)?;
-            (shipped.standalone_text().map_err(Failure::bad_input)?, content)
+            (shipped.standalone_text().map_err(Failure::bad_input)?, format!("a commented scene of {content}"))
         }
         (None, None) => {
-            (include_str!("new.toml").to_string(), "one finger of a gripper; the other finger is its mirror image")
+            let content = "a commented scene of one finger of a gripper; the other finger is its mirror image";
+            (include_str!("new.toml").to_string(), content.to_string())
         }
     };
     let path = target.display();
@@ -122,7 +123,7 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
         _ => String::new(),
     };
     print(&format!(
-        "wrote {path}: a commented scene of {content}\n\
+        "wrote {path}: {content}\n\
          watch it close:     phalanx run {path} --open        (or --html FILE.html)\n\
          show all fields:    phalanx scene show {path}\n{figure}\
          keys in an editor:  phalanx scene schema > {}\n",
