@@ -131,7 +131,10 @@ fn margin(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest) -> Margin {
                 return Margin::Undecided { reason };
             }
             MechanismLimit::Unlimited => {}
-            MechanismLimit::Limited { acceleration_m_s2, .. } => limits.push((balance.direction, acceleration_m_s2)),
+            // The rounding of a programme without any margin may be negative.
+            MechanismLimit::Limited { acceleration_m_s2, .. } => {
+                limits.push((balance.direction, acceleration_m_s2.max(0.0)));
+            }
         }
     }
     let Some(least) = limits.iter().map(|(_, limit)| *limit).reduce(f64::min) else { return Margin::Any };
