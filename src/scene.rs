@@ -39,7 +39,7 @@ const MAX_LAYERS: usize = 16;
 /// Returns an error if a file cannot be read or scenes extend each other.
 pub fn load_layers(path: &FilePath) -> Result<Vec<Layer>, SceneError> {
     let (text, file) = read(path)?;
-    load_bases(Layer { file, text }, path.to_path_buf())
+    load_bases(Layer { file, text }, path.to_path_buf(), None)
 }
 
 /// Reads the scenes that the text of a scene extends; the given text comes last. Paths are relative to its `file`,
@@ -48,15 +48,23 @@ pub fn load_layers(path: &FilePath) -> Result<Vec<Layer>, SceneError> {
 /// # Errors
 /// See [`load_layers`].
 pub fn load_extended(scene_layer: Layer) -> Result<Vec<Layer>, SceneError> {
+    load_extended_in(scene_layer, None)
+}
+
+/// Like [`load_extended`], of a scene that is the whole text or the table `section` of it.
+///
+/// # Errors
+/// See [`load_layers`].
+pub fn load_extended_in(scene_layer: Layer, section: Option<&str>) -> Result<Vec<Layer>, SceneError> {
     let path = PathBuf::from(&scene_layer.file);
-    load_bases(scene_layer, path)
+    load_bases(scene_layer, path, section)
 }
 
 /// Reads the scenes that a text with this path extends; the given text comes last.
-fn load_bases(scene_layer: Layer, mut path: PathBuf) -> Result<Vec<Layer>, SceneError> {
+fn load_bases(scene_layer: Layer, mut path: PathBuf, mut section: Option<&str>) -> Result<Vec<Layer>, SceneError> {
     let (mut layers, mut last) = (Vec::new(), scene_layer);
     let mut visited = vec![path.canonicalize().ok()];
-    while let Some((base, span)) = extended(&last.text) {
+    while let Some((base, span)) = extended_in(&last.text, section.take()) {
         let invalid = |message: String, label: &str, help: &str| SceneError::Invalid {
             file: last.file.clone(),
             text: last.text.clone(),

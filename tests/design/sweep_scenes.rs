@@ -175,7 +175,7 @@ fn problems_of_results_and_scenes_name_the_remedy() {
             "`object_z_m` is no channel of this study",
             "did you mean `object_x_m`?",
             "time_s, left_driver_rad",
-            "and 170 more",
+            "and 146 more",
         ],
     );
     let filter = message(&format!("{PADS}[filter]\nform_closed = true\n"));
@@ -227,4 +227,84 @@ fn a_study_without_a_map_says_why() {
     let friction =
         "[[axes]]\nfield = \"laws.rubber.friction.mu_static\"\nvalues = [0.1, 0.2]\n[results]\ncolumns = [\"tts_s\"]\n";
     assert_contains(&map_of(&format!("{short}{masses}{friction}")), &["no fate and no class"]);
+}
+
+/// The scene of a run, without what depends on how its study is written.
+fn resolved(study: &Study, run: u64) -> String {
+    scene::show(&scene_of(study, run))
+}
+
+#[test]
+fn a_study_defines_parameters() {
+    let set = "scene = \"../mechanisms/two-pivot.toml\"\n[set]\nduration = \"20 ms\"\n";
+    let by_fields = parse_study(&format!(
+        "{set}[[axes]]\nfields = [\"laws.rubber.friction.mu_static\", \"bodies.object.start.at[0]\", \
+         \"bodies.object.mass\"]\nrows = [[0.3, \"2 mm\", \"60 g\"], [0.5, \"2 mm\", \"100 g\"]]\n"
+    ));
+    let by_parameters = parse_study(&format!(
+        "{set}bodies.object.mass = \"= mass\"\nbodies.object.start.at = [\"= offset\", \"120 mm\"]\n\
+         laws.rubber.friction.mu_static = \"= mu\"\n[set.parameters]\nmu = 0.4\nmass = \"= 200 g * mu\"\noffset = \"2 mm\"\n\
+         [[axes]]\nfields = [\"parameters.mu\", \"parameters.mass\"]\nrows = [[0.3, \"60 g\"], [0.5, \"100 g\"]]\n"
+    ));
+    for run in 1..=2 {
+        assert_eq!(resolved(&by_parameters, run), resolved(&by_fields, run));
+    }
+    let axis = "[[axes]]\nfield = \"parameters.mu\"\nvalues = [0.3, 0.5]\n";
+    let derived = parse_study(&format!(
+        "{set}bodies.object.mass = \"= mass\"\n[set.parameters]\nmu = 0.4\nmass = \"= 200 g * mu\"\n{axis}"
+    ));
+    assert_eq!(names(&derived)[2], "parameters.mu");
+    let masses = [1, 2].map(|run| scene_of(&derived, run).mechanism.expect("a mechanism").bodies[0].mass_kg);
+    let of_fields = [1, 2].map(|run| scene_of(&by_fields, run).mechanism.expect("a mechanism").bodies[0].mass_kg);
+    assert_eq!(masses, of_fields);
+    // A definition that nothing uses is a mistyped name; values are checked with all parameters.
+    let of = |text: &str| message(&format!("{set}{text}{axis}"));
+    assert_contains(
+        &of("parameters.mu = 0.4\n"),
+        &["unknown parameter `mu`, which no expression of [set] uses", "study.toml:4:12", "= help: use it in [set]"],
+    );
+    assert_contains(
+        &of("bodies.object.mass = \"= mu\"\n"),
+        &["unknown parameter `mu`", "study.toml:4:25", "study.toml:6:9", "and a study in [set.parameters]"],
+    );
+    assert_contains(
+        &of("bodies.object.mass = \"= mu\"\nparameters.mu = 0.4\n"),
+        &["`set.bodies.object.mass`", "a mass", "study.toml:4:"],
+    );
+    assert_contains(
+        &of("bodies.object.mass = \"= 1 g * mu\"\nparameters.mu = \"= mu\"\n"),
+        &["in a circle: mu → mu", "study.toml:5:17", "give one of them a value"],
+    );
+}
+
+#[test]
+fn the_scene_of_a_study_extends_a_file() {
+    let axis = "[[axes]]\nfield = \"bodies.object.mass\"\nvalues = [\"20 g\", \"60 g\"]\n";
+    let by_file =
+        "scene = \"../mechanisms/two-pivot.toml\"\n[set]\nduration = \"20 ms\"\nlaws.rubber.friction.mu_static = 0.4\n";
+    let head = "[scene]\nextends = \"../mechanisms/two-pivot.toml\"\nduration = \"20 ms\"\n";
+    let extending =
+        parse_study(&format!("{head}parameters.mu = 0.4\nlaws.rubber.friction.mu_static = \"= mu\"\n{axis}"));
+    let by_file = parse_study(&format!("{by_file}{axis}"));
+    for run in 1..=2 {
+        assert_eq!(resolved(&extending, run), resolved(&by_file, run));
+    }
+    // The scene that it extends determines the results, too.
+    assert!(extending.base.contains("right_driver"), "{}", extending.base);
+    let of = |text: &str| message(&format!("{head}{text}{axis}"));
+    assert_contains(
+        &of("bodies.objekt.mass = \"20 g\"\nlaws.rubber.friction.mu_sttaic = 0.4\n"),
+        &["unknown key `mu_sttaic`", "did you mean `mu_static`?", "study.toml:5:22"],
+    );
+    assert_contains(
+        &of("laws.rubber.friction.mu_static = \"= my\"\nparameters.mu = 0.4\n"),
+        &["unknown parameter `my`", "study.toml:4:37", "did you mean `mu`?"],
+    );
+    let missing = message(&format!("[scene]\nextends = \"two-pivots.toml\"\n{axis}"));
+    assert_contains(
+        &missing,
+        &["cannot read the scene scenes/studies/two-pivots.toml", "study.toml:2:11", "relative to"],
+    );
+    let itself = message(&format!("[scene]\nextends = \"../mechanisms/four-bar.toml\"\nduration = 3\n{axis}"));
+    assert_contains(&itself, &["`duration` is a bare number", "study.toml:3:12"]);
 }

@@ -226,7 +226,7 @@ fn fingerprint_depends_on_text_and_model() {
 fn the_schema_covers_the_shipped_studies() {
     let schema: serde_json::Value = serde_json::from_str(&schema()).expect("JSON");
     let keys = schema["properties"].as_object().expect("a table");
-    for file in ["thesis", "sample", "capture"] {
+    for file in ["thesis", "sample", "capture", "2f85-map"] {
         let text = std::fs::read_to_string(format!("scenes/studies/{file}.toml")).expect("a shipped file");
         let study: toml::Table = text.parse().expect("TOML");
         assert!(study.keys().all(|key| keys.contains_key(key)), "{file}");

@@ -14,14 +14,15 @@ use crate::scene::parse::syntax_problem;
 use crate::scene::precedence::replaced_keys;
 use crate::scene::schema::{other_schemas, schema_for};
 use crate::scene::{
-    Keyword, Layer, PARAMETERS, Part, Problem, SceneError, keys, parse_field, parse_layers, split_entries,
+    Keyword, Layer, PARAMETERS, Part, Problem, SceneError, keys, parse_field, parse_layers, parse_layers_of_section,
+    split_entries,
 };
 
 pub(super) struct Base {
     pub table: Table,
     pub kind: SceneKind,
     pub parameters: Parameters,
-    /// Text of its file; empty if the scene is part of the study file.
+    /// Text of its file with those that it extends; empty if the whole scene is part of the study file.
     pub text: String,
 }
 
@@ -34,17 +35,24 @@ impl Base {
 
 /// Builds a base scene from the arguments of `scene::parse_layers`.
 pub(super) fn base_from_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, SceneError> {
-    parse_layers(layers, settings, |text: &str, file: &str| {
-        let refuse = |problems| SceneError::Invalid { file: file.to_string(), text: text.to_string(), problems };
-        let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
-        let kind = scene_kind(document.get_ref());
-        let checker = Checker::new(text, Vec::new()).with_parameters(document.get_ref());
-        let table = check_scene(document, "", kind, &checker);
-        if !checker.is_clean() {
-            return Err(refuse(checker.into_problems()));
-        }
-        Ok(Base { table, kind, parameters: checker.parameters, text: text.to_string() })
-    })
+    parse_layers(layers, settings, base_from_text)
+}
+
+/// Builds a base scene that is the table `section` of a study, the last layer, and extends the others.
+pub(super) fn base_from_section(layers: &[Layer], section: &str) -> Result<Base, SceneError> {
+    parse_layers_of_section(layers, section, base_from_text)
+}
+
+fn base_from_text(text: &str, file: &str) -> Result<Base, SceneError> {
+    let refuse = |problems| SceneError::Invalid { file: file.to_string(), text: text.to_string(), problems };
+    let document = DeTable::parse(text).map_err(|error| refuse(vec![syntax_problem(&error)]))?;
+    let kind = scene_kind(document.get_ref());
+    let checker = Checker::new(text, Vec::new()).with_parameters(document.get_ref());
+    let table = check_scene(document, "", kind, &checker);
+    if !checker.is_clean() {
+        return Err(refuse(checker.into_problems()));
+    }
+    Ok(Base { table, kind, parameters: checker.parameters, text: text.to_string() })
 }
 
 /// Kind of the scene in a document; a finger if it is missing or unknown.

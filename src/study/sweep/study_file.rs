@@ -13,7 +13,9 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue, Deserializer};
 
 use super::axis::{Axis, AxisValue, AxisValues, Field, Range, Spacing};
-use super::base_scene::{Base, Template, base_from_layers, check_scene, check_values, merge, scene_kind};
+use super::base_scene::{
+    Base, Template, base_from_layers, base_from_section, check_scene, check_values, merge, scene_kind,
+};
 use super::results::{Results, UnknownFigure};
 use super::run::problem_messages;
 use super::sequence::{MAX_HALTON_AXES, Method, Sequence};
@@ -26,9 +28,11 @@ use crate::scene::quantity::Word;
 use crate::scene::schema::{file_schema, unwrap_lines};
 use crate::scene::written::type_name;
 use crate::scene::{
-    Keyword, Layer, PARAMETERS, Problem, Scene, SceneError, keys, load_layers, parse_any, parse_layers, read,
+    EXTENDS, Keyword, Layer, PARAMETERS, Problem, Scene, SceneError, keys, load_extended_in, load_layers, parse_any,
+    parse_layers, read,
 };
 use crate::trace::Model;
+use crate::units::is_expression;
 
 /// Error in a study. Formatted like an error of a scene: `error:`, location, source line and help.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -52,8 +56,8 @@ struct StudyFile {
     name: String,
     /// Purpose of the study.
     description: String,
-    /// The base scene: a path relative to the directory of this file, or a table [scene] with the keys of a scene. It
-    /// may lack the fields of the axes.
+    /// The base scene: a path relative to the directory of this file, or a table [scene] with the keys of a scene, which may
+    /// extend another one. It may lack the fields of the axes.
     scene: String,
     /// Simulation model.
     model: Word<Model>,
@@ -169,10 +173,18 @@ fn own_schema() -> Json {
 pub fn source_files(path: &Path) -> Vec<PathBuf> {
     let text = if path.is_file() { read(path).map_or_else(|_| String::new(), |(text, _)| text) } else { String::new() };
     let document = DeTable::parse(&text).ok();
-    let base = document.as_ref().and_then(|document| document.get_ref().get("scene")?.get_ref().as_str());
-    let layers = base.and_then(|base| load_layers(&beside(path, base)).ok()).unwrap_or_default();
+    let base = document.as_ref().and_then(|document| document.get_ref().get(SCENE)?.get_ref().as_str());
+    let mut layers = match base {
+        Some(base) => load_layers(&beside(path, base)),
+        None => load_extended_in(Layer { file: path.display().to_string(), text: text.clone() }, Some(SCENE)),
+    }
+    .unwrap_or_default();
+    layers.retain(|layer| Path::new(&layer.file) != path);
     std::iter::once(path.to_path_buf()).chain(layers.into_iter().map(|layer| PathBuf::from(layer.file))).collect()
 }
+
+/// The key of the base scene.
+const SCENE: &str = "scene";
 
 /// A path relative to the directory of a study file.
 fn beside(study: &Path, path: &str) -> PathBuf {
@@ -196,7 +208,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
 pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let invalid = |problems| SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems };
     let mut document = DeTable::parse(text).map_err(|error| invalid(vec![syntax_problem(&error)]))?;
-    let [inline, set] = ["scene", "set"].map(|key| take_table(document.get_mut(), key));
+    let [inline, set] = [SCENE, "set"].map(|key| take_table(document.get_mut(), key));
     let mut schema = own_schema();
     // A table [set] has been taken out; messages list the key and reject other values.
     schema["properties"]["set"] = json!({ "type": "object", "properties": {} });
@@ -210,6 +222,10 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let mut reader = Reader { document: document.get_ref(), kind: SceneKind::Finger, checker };
     let path = Path::new(file_name);
     let base = match inline {
+        Some(inline) if inline.get_ref().contains_key(EXTENDS) => {
+            let layer = Layer { file: file_name.to_string(), text: text.to_string() };
+            Some(base_from_section(&load_extended_in(layer, Some(SCENE))?, SCENE)?)
+        }
         Some(inline) => {
             reader.kind = scene_kind(inline.get_ref());
             reader.checker = reader.checker.with_parameters(inline.get_ref());
@@ -336,6 +352,21 @@ fn take_table<'a>(document: &mut DeTable<'a>, key: &str) -> Option<Spanned<DeTab
     if let DeValue::Table(table) = value.into_inner() { Some(Spanned::new(span, table)) } else { None }
 }
 
+/// Whether an expression in a table contains this name.
+fn uses(table: &DeTable<'_>, name: &str) -> bool {
+    fn in_value(value: &DeValue<'_>, name: &str) -> bool {
+        match value {
+            DeValue::Table(table) => uses(table, name),
+            DeValue::Array(items) => items.iter().any(|item| in_value(item.get_ref(), name)),
+            DeValue::String(text) if is_expression(text) => {
+                text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name)
+            }
+            _ => false,
+        }
+    }
+    table.values().any(|value| in_value(value.get_ref(), name))
+}
+
 /// Reads the tables of a study file and collects their problems.
 struct Reader<'a> {
     document: &'a DeTable<'a>,
@@ -383,26 +414,52 @@ impl Reader<'_> {
     fn set(&mut self, mut base: Base, set: Option<Spanned<DeTable<'_>>>) -> Base {
         self.checker.parameters = base.parameters.clone();
         let Some(set) = set else { return base };
-        let of_set = set.get_ref().get(PARAMETERS).and_then(|section| section.get_ref().as_table());
-        for name in of_set.into_iter().flat_map(DeTable::keys) {
-            if base.parameters.get(name.get_ref()).is_none() {
-                let (label, help) = unknown(name.get_ref(), &base.parameters.names());
-                let message = format!("unknown parameter `{}`", name.get_ref().escape_debug());
-                self.checker.push(Problem::new(Some(name.span()), message, label, help));
+        if let Some(section) = set.get_ref().get(PARAMETERS)
+            && let Some(of_set) = section.get_ref().as_table()
+        {
+            for name in of_set.keys().filter(|name| base.parameters.get(name.get_ref()).is_none()) {
+                if !uses(set.get_ref(), name.get_ref()) {
+                    let (label, help) = unknown(name.get_ref(), &base.parameters.names());
+                    let name_of = name.get_ref().escape_debug();
+                    let message = format!("unknown parameter `{name_of}`, which no expression of [set] uses");
+                    let help = format!("use it in [set], as in mu_static = \"= {name_of}\", or remove it; {help}");
+                    self.checker.push(Problem::new(Some(name.span()), message, label, help));
+                }
             }
+            base.parameters = self.read_parameters(&base, section.span(), of_set);
+            self.checker.parameters = base.parameters.clone();
         }
-        let (span, has_parameters) = (set.span(), of_set.is_some());
         let table = check_scene(set, "set", self.kind, &self.checker);
         merge(&mut base.table, table);
-        if has_parameters {
-            let text = base.table.to_string();
-            let document = DeTable::parse(&text).map_or_else(|_| DeTable::new(), Spanned::into_inner);
-            let (parameters, problems) = Parameters::read(&document);
-            let in_set = problems.into_iter().map(|problem| Problem { span: Some(span.clone()), ..problem });
-            self.checker.extend(in_set.collect());
-            base.parameters = parameters;
-        }
         base
+    }
+
+    /// Evaluates the parameters of the base scene together with those of [set]. Those of the base scene that become invalid
+    /// are reported at the section of [set].
+    fn read_parameters(&self, base: &Base, section: Span<usize>, of_set: &DeTable<'_>) -> Parameters {
+        let of_base = base.table.get(PARAMETERS).map_or_else(String::new, |section| format!("{section}"));
+        let text = format!("{PARAMETERS} = {of_base}");
+        let document = DeTable::parse(&text).map_or_else(|_| DeTable::new(), Spanned::into_inner);
+        let of_base = document.get(PARAMETERS).and_then(|section| section.get_ref().as_table());
+        let mut all = DeTable::new();
+        for (name, value) in of_base.into_iter().flatten() {
+            all.insert(
+                Spanned::new(section.clone(), name.get_ref().clone()),
+                Spanned::new(section.clone(), value.get_ref().clone()),
+            );
+        }
+        for (name, value) in of_set {
+            all.remove(name.get_ref().as_ref());
+            all.insert(name.clone(), value.clone());
+        }
+        let mut scene = DeTable::new();
+        scene.insert(
+            Spanned::new(section.clone(), PARAMETERS.into()),
+            Spanned::new(section.clone(), DeValue::Table(all)),
+        );
+        let (parameters, problems) = Parameters::read(&scene);
+        self.checker.extend(problems);
+        parameters
     }
 
     /// Reads all valid axes. A study without axes runs its scene once.
@@ -440,7 +497,11 @@ impl Reader<'_> {
                     return self.refuse(&path, message, "repeated here", "remove one of them");
                 }
                 Ok(field) => fields.push(field),
-                Err(Problem { message, label, help, .. }) => return self.refuse(&path, message, &label, help),
+                Err(Problem { message, label, help, .. }) => {
+                    let is_parameter = name.split_once('.').is_some_and(|(section, _)| section == PARAMETERS);
+                    let help = if is_parameter { format!("{help}, and a study in [set.parameters]") } else { help };
+                    return self.refuse(&path, message, &label, help);
+                }
             }
         }
         let Some(first) = fields.first() else {

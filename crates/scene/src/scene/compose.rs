@@ -30,15 +30,27 @@ pub struct Layer {
 /// Keys that are not inherited.
 const NOT_INHERITED: [&str; 2] = ["name", "description"];
 /// The key with the path of the extended scene.
-pub(crate) const EXTENDS: &str = "extends";
+pub const EXTENDS: &str = "extends";
 
 /// Returns the path of the scene that a text extends, as written, and its position; `None` also for a text that is not
 /// TOML.
 pub fn extended(text: &str) -> Option<(String, Range<usize>)> {
+    extended_in(text, None)
+}
+
+/// Like [`extended`], of a scene that is the whole text or the table `section` of it.
+pub fn extended_in(text: &str, section: Option<&str>) -> Option<(String, Range<usize>)> {
     // Most scenes extend none, and need not be parsed twice.
     let document = DeTable::parse(text.contains(EXTENDS).then_some(text)?).ok()?;
-    let value = document.get_ref().get(EXTENDS)?;
+    let scene = scene_in(document.into_inner(), section)?;
+    let value = scene.get(EXTENDS)?;
     Some((value.get_ref().as_str()?.to_string(), value.span()))
+}
+
+/// The scene that is a whole document or the table `section` of it. Positions remain those in the document.
+fn scene_in<'t>(mut document: DeTable<'t>, section: Option<&str>) -> Option<DeTable<'t>> {
+    let Some(section) = section else { return Some(document) };
+    if let DeValue::Table(scene) = document.remove(section)?.into_inner() { Some(scene) } else { None }
 }
 
 /// Merges the texts of a scene and calls `parse` with the merged text and the name of the scene's own file. `files`
@@ -52,12 +64,35 @@ pub fn parse_layers<T>(
     settings: &[Layer],
     parse: impl Fn(&str, &str) -> Result<T, SceneError>,
 ) -> Result<T, SceneError> {
-    let Some(scene_file) = files.last() else { return parse("", "") };
-    if files.len() == 1 && settings.is_empty() {
-        return parse(&scene_file.text, &scene_file.file);
+    match files {
+        [] => parse("", ""),
+        [scene_file] if settings.is_empty() => parse(&scene_file.text, &scene_file.file),
+        [.., scene_file] => parse_merged(files, settings, None, scene_file, parse),
     }
+}
+
+/// Like [`parse_layers`], of a scene that is the table `section` of the last file, such as a study.
+///
+/// # Errors
+/// See [`parse_layers`].
+pub fn parse_layers_of_section<T>(
+    files: &[Layer],
+    section: &str,
+    parse: impl Fn(&str, &str) -> Result<T, SceneError>,
+) -> Result<T, SceneError> {
+    let Some(scene_file) = files.last() else { return parse("", "") };
+    parse_merged(files, &[], Some(section), scene_file, parse)
+}
+
+fn parse_merged<T>(
+    files: &[Layer],
+    settings: &[Layer],
+    section: Option<&str>,
+    scene_file: &Layer,
+    parse: impl Fn(&str, &str) -> Result<T, SceneError>,
+) -> Result<T, SceneError> {
     let layers: Vec<&Layer> = files.iter().chain(settings).collect();
-    let mut merged = Merged::new(&layers, files.len())?;
+    let mut merged = Merged::new(&layers, files.len(), section)?;
     // Inherited keys that have no effect with the last text are removed: `motor.brake = "none"` also removes the keys
     // of the brake.
     let base_layers = &files[..files.len() - usize::from(settings.is_empty())];
@@ -105,8 +140,9 @@ struct Place {
 }
 
 impl<'t> Merged<'t> {
-    /// Merges the layers; those up to `file_count` are files, and the others settings, which form one text.
-    fn new(layers: &[&'t Layer], file_count: usize) -> Result<Self, SceneError> {
+    /// Merges the layers; those up to `file_count` are files, and the others settings, which form one text. The scene of
+    /// the last file is its table `section`, if there is one.
+    fn new(layers: &[&'t Layer], file_count: usize, section: Option<&str>) -> Result<Self, SceneError> {
         let (mut merged, mut set) = (Merged { texts: Table::new(), layers: Vec::new() }, Table::new());
         for (index, layer) in layers.iter().enumerate() {
             let document = DeTable::parse(&layer.text).map_err(|error| SceneError::Invalid {
@@ -114,9 +150,11 @@ impl<'t> Merged<'t> {
                 text: layer.text.clone(),
                 problems: vec![syntax_problem(&error)],
             })?;
-            let mut texts = texts(document.get_ref(), &layer.text);
+            let section = section.filter(|_| index + 1 == file_count);
+            let document = scene_in(document.into_inner(), section).unwrap_or_default();
+            let mut texts = texts(&document, &layer.text);
             if index >= file_count {
-                check_parameters(document.get_ref(), &merged.texts, layer)?;
+                check_parameters(&document, &merged.texts, layer)?;
                 merge(&mut set, texts, false, Value::as_table_mut);
             } else {
                 texts.remove(EXTENDS);
@@ -125,7 +163,7 @@ impl<'t> Merged<'t> {
                 }
                 merge(&mut merged.texts, texts, true, Value::as_table_mut);
             }
-            merged.layers.push(document.into_inner());
+            merged.layers.push(document);
         }
         merge(&mut merged.texts, set, true, Value::as_table_mut);
         Ok(merged)

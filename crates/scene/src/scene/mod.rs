@@ -47,7 +47,9 @@ pub use crate::drive::{Brake, Interpolation, Profile};
 pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration};
 use crate::statics::{GraspKeys, GraspRoles, NoGrasp, grasp_roles};
 pub use builder::{FINGER_JOINTS, OpenLoop};
-pub use compose::{Layer, extended, parse_layers, parse_setting, setting_from_parts};
+pub use compose::{
+    EXTENDS, Layer, extended, extended_in, parse_layers, parse_layers_of_section, parse_setting, setting_from_parts,
+};
 pub use discs::{Disc, DiscMotion, Discs};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems, one_line};
 pub use field::{PARAMETERS, Part, no_such_entry, parse_field, split_entries};

@@ -179,8 +179,10 @@ fn margin(posture: &Posture<'_>, drives: DriveState, loads: &LoadsAtRest) -> Mar
                 return Margin::Undecided { reason };
             }
             MechanismLimit::Unlimited => {}
+            // The rounding of a programme without any margin may be negative.
             MechanismLimit::Limited { acceleration_m_s2, contacts, yielding, .. } => {
-                limits.push((balance.direction, acceleration_m_s2, posture.failure(&contacts, &yielding)));
+                let failure = posture.failure(&contacts, &yielding);
+                limits.push((balance.direction, acceleration_m_s2.max(0.0), failure));
             }
         }
     }
@@ -188,7 +190,7 @@ fn margin(posture: &Posture<'_>, drives: DriveState, loads: &LoadsAtRest) -> Mar
     let worst: Vec<_> = limits.iter().filter(|(_, limit, _)| *limit <= least + SAME_LIMIT * least.abs()).collect();
     let angle = |[x, y]: [f64; 2]| atan2(y, x).rem_euclid(std::f64::consts::TAU);
     Margin::Limited {
-        acceleration_m_s2: least.max(0.0),
+        acceleration_m_s2: least,
         directions_rad: worst.iter().map(|(direction, ..)| angle(*direction)).collect(),
         failure: worst.first().map(|(.., failure)| failure.clone()).unwrap_or_default(),
     }
