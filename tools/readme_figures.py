@@ -7,16 +7,19 @@
 
 Builds what it needs in release mode, measures, prints each block as a Markdown table between its markers, and replaces the
 block of the same name in the page that has it; nothing else changes. Blocks: summary, accuracy, scenes, memory, engine,
-validate, log, reproduce, design, explorer. Needs only Python's own library, GNU time for the block memory, and for the block
+validate, log, reproduce, design, map, explorer. Needs only Python's own library, GNU time for the block memory, and for the block
 explorer what tools/explorer.sh and tools/clients.sh need, and for the block summary libsundials-dev (CVODE) and `pip install mujoco`.
-The blocks scenes, engine and reproduce also put their pictures into tools/figures.
+The blocks scenes, engine, reproduce and map also put their pictures into tools/figures. $PHALANX names another program for the block map.
 """
 
 import argparse
+import collections
+import csv
 import json
 import math
 import os
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -287,6 +290,52 @@ def design(scratch):
     return "\n".join(tables) + "\n\n" + whole
 
 
+def processor():
+    """Name of the processor."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines()
+    return next((line.split(":")[1].strip() for line in lines if line.startswith("model name")), "unknown")
+
+
+def fate_map(scratch):
+    """The map of a real gripper over size, friction and offset: its picture, the largest cubes lifted, and the time of the runs."""
+    program = Path(os.environ.get("PHALANX", PHALANX))
+    if program == PHALANX:
+        call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
+    results, picture = scratch / "map.csv", ROOT / "tools" / "figures" / "2f85-map.svg"
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    study = ROOT / "scenes" / "studies" / "2f85-map.toml"
+    call(program, "sweep", study, "--threads", "1", "--out", results, "--plot", picture, "--force", "--quiet", stdout=sys.stderr)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    rows = list(csv.DictReader(results.open()))
+    fates = collections.Counter(row["fate"] or row["status"] for row in rows)
+    held = collections.defaultdict(dict)
+    for row in rows:
+        place = (float(row["parameters.offset_m"]), round(float(row["parameters.mu"]), 3))
+        held[place][float(row["parameters.cube_m"])] = row["fate"] == "held" and float(row["slip_m"]) <= MAX_SLIP_M
+    body = []
+    for offset in sorted({offset for offset, _ in held}):
+        line = [f"{offset * 1e3:g} mm"]
+        for mu in SHOWN_MU:
+            cubes = held[offset, mu]
+            # Every cube up to this one is lifted.
+            largest = [cube for cube in cubes if all(cubes[other] for other in cubes if other <= cube)]
+            line.append(f"{max(largest) * 1e3:g} mm" if largest else "none")
+        body.append(line)
+    counts = ", ".join(f"{count} {fate}" for fate, count in fates.most_common())
+    header = ["offset", *(f"μ_s = {mu:g}" for mu in SHOWN_MU)]
+    measured = (
+        f"{len(rows):,} runs: {counts}. They take {seconds:.0f} s of processor time on one thread ({time.strftime('%Y-%m-%d')}, {'release build' if program == PHALANX else 'program of the tests'}, {processor()}, "
+        f"{os.cpu_count()} cores shared with other programs)."
+    )
+    return table(header, body) + f"\n\n{measured}"
+
+
+# Friction of the columns of the table of the map, and the slip of a cube that counts as lifted.
+SHOWN_MU = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5)
+MAX_SLIP_M = 5e-3
+
+
 # A solver is represented in the README by its fastest setting with every run of the ensemble below this angle error.
 REPRESENTATIVE_RAD = 1e-6
 
@@ -336,8 +385,7 @@ def summary(scratch):
             call(PHALANX, "sweep", study, "--out", Path(results) / "thesis.csv", "--quiet", stdout=subprocess.DEVNULL)
         times.append(time.perf_counter() - start)
     body.append([f"phalanx, 384 designs sized and simulated, {os.cpu_count()} cores", "", f"{sorted(times)[2]:.2g} s"])
-    processor = next((line.split(":")[1].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")), "unknown")
-    measured = f"Measured on {time.strftime('%Y-%m-%d')} on {os.cpu_count()} cores of {processor}, shared with others."
+    measured = f"Measured on {time.strftime('%Y-%m-%d')} on {os.cpu_count()} cores of {processor()}, shared with others."
     return table(["one closing of 20 ms, one core", "largest angle error", "time"], body) + f"\n\n{measured}"
 
 
@@ -352,7 +400,7 @@ def explorer(scratch):
 
 BLOCKS = {
     "summary": summary, "accuracy": accuracy, "scenes": scenes, "memory": memory, "engine": engine, "validate": validate, "log": log,
-    "reproduce": reproduce, "design": design, "explorer": explorer,
+    "reproduce": reproduce, "design": design, "map": fate_map, "explorer": explorer,
 }
 
 

@@ -391,6 +391,23 @@ class Studies(InDirectory):
         values = [list(c.values()) for c in parse(HEAD + VARIABLE + OBJECTIVE + friction).conditions]
         np.testing.assert_allclose(values, [[0.2], [0.5], [0.8]], rtol=1e-15)
 
+    def test_the_scene_extends_a_file_and_defines_parameters(self):
+        # Paths are relative to the directory of the study.
+        text = (STUDIES / "optimize-2f85.toml").read_text()
+        optimisation = study.parse(text, str(STUDIES / "own.toml"))
+        self.assertEqual(optimisation.scene["parameters.cube"], "40 mm")
+        self.assertEqual([variable.column for variable in optimisation.variables][0], "parameters.palm_m")
+        # The base is an input, which no output replaces.
+        self.assertIn(STUDIES / "../real/2f85-pinch.toml", optimisation.files)
+        for wrong, field, message in [
+            (("real/2f85-pinch", "real/2f85-pich"), "scene.extends", "cannot read the scene .*2f85-pich.toml"),
+            (("+ palm *", "+ plam *"), "scene.parameters.driver_x", "unknown parameter `plam`"),
+            (('field = "parameters.link"', 'field = "parameters.lnk"'), "variables[3].field", "did you mean `link`"),
+        ]:
+            with self.subTest(field=field), self.assertRaisesRegex(phalanx.StudyError, message) as caught:
+                study.parse(text.replace(*wrong, 1), str(STUDIES / "own.toml"))
+            self.assertIn(field, [problem["field"] for problem in caught.exception.problems])
+
     def test_errors_name_file_line_key_and_remedy(self):
         def more(text):
             return HEAD + VARIABLE + OBJECTIVE + text
@@ -500,7 +517,7 @@ class Studies(InDirectory):
         status, text, _ = self.command("--schema")
         self.assertEqual(status, 0)
         properties = json.loads(text)["properties"]
-        for name, variables in [("optimize-95", 4), ("optimize-95-wide", 8), ("optimize-95-fastest", 8)]:
+        for name, variables in [("optimize-95", 4), ("optimize-95-wide", 8), ("optimize-95-fastest", 8), ("optimize-2f85", 4)]:
             optimisation = study.load(STUDIES / f"{name}.toml")
             self.assertEqual((optimisation.name, len(optimisation.variables)), (name, variables))
             self.assertLessEqual(set(optimisation.source), set(properties))

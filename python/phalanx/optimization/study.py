@@ -44,7 +44,7 @@ _KEYS: dict[str, dict[str, _Key]] = {
         "scene": _Key(
             "scene",
             "Base scene, from which the search starts and with which its results are compared: a file, relative to the "
-            "directory of this file, or a table [scene] with the keys of a scene.",
+            "directory of this file, or a table [scene] with the keys of a scene, which may extend a file.",
         ),
         "model": _Key("string", "Simulation model.", ("analytic", "engine"), "analytic"),
     },
@@ -479,12 +479,13 @@ def parse(text: str, file: str, model: str | None = None) -> Optimisation:
     method = _method(raw["method"][0][1], len(raw["objectives"]), len(variables), checker)
     checker.finish()
     _report_duplicates(variables, objectives, constraints, checker)
+    base = top["scene"] if isinstance(top["scene"], str) else top["scene"].get("extends")
     optimisation = Optimisation(
         name=top.get("name", Path(file).stem),
         description=top.get("description", ""),
         model=top["model"],
         scene=scene,
-        files=[Path(file), *([Path(file).parent / top["scene"]] if isinstance(top["scene"], str) else [])],
+        files=[Path(file), *([Path(file).parent / base] if isinstance(base, str) else [])],
         variables=variables,
         conditions=conditions,
         objectives=objectives,
