@@ -1,6 +1,8 @@
-//! Result columns of scenes without five-bar fingers: the criteria of the grasp, then what the schema of the scene names.
+//! Result columns of a study: those of five-bar hands by their names; of other scenes the criteria of the grasp, then what the
+//! schema of the scene names.
 
 use std::cell::OnceCell;
+use std::sync::{Arc, LazyLock};
 
 use crate::criteria::{ActuatorCriteria, ActuatorTracker, Firmness, Margin, ObjectCriteria, ObjectTracker, firmness};
 use crate::mechanism::OutlinePair;
@@ -8,6 +10,112 @@ use crate::scene::Scene;
 use crate::table::Value;
 use crate::trace::schema::SubjectKind;
 use crate::trace::{Channel, ContactSample, Outcome, RequiredData, Sample, Schema, Sink, SinkError};
+
+/// Result columns of fingers, after the columns of the axes: dimensions, statics, class and forces.
+const FINGER_COLUMNS: &str = "l12_m l21_m l22_m t22_m mass_kg trajectory_rad motor_n_m spring_n_m static_f21_n static_f22_n \
+     static_pfp_n force_positive form_closed status reason t_geo_s tts_s rebound_percent class class_reason f21_n f22_n pfp_n \
+     peak_f21_n peak_f22_n steps check check_error_rad";
+
+/// Result columns of grippers: dimensions, forces and torques of both fingers, fate and final position of the object.
+const GRIPPER_COLUMNS: &str = "palm_width_m right_l21_m left_l21_m right_motor_n_m left_motor_n_m right_spring_n_m left_spring_n_m \
+     status reason grasp grasped_s tts_s until_s form_closed x_start_m x_m y_m angle_rad offset_ratio speed_m_s slip_m slip_rad \
+     contacts_lost link_overlap_m right_proximal_first_s left_proximal_first_s right_distal_first_s left_distal_first_s \
+     right_proximal_n right_distal_n left_proximal_n left_distal_n palm_n table_n peak_right_proximal_n peak_right_distal_n \
+     peak_left_proximal_n peak_left_distal_n peak_palm_n steps check check_error_rad";
+
+/// Names of the result columns of fingers and of grippers, in order.
+pub(super) fn hand_columns(fingers: usize) -> &'static [&'static str] {
+    static COLUMNS: LazyLock<[Vec<&str>; 2]> =
+        LazyLock::new(|| [FINGER_COLUMNS, GRIPPER_COLUMNS].map(|names| names.split(' ').collect()));
+    &COLUMNS[usize::from(fingers == 2)]
+}
+
+/// Result columns of any scene before and after its figures.
+const BEFORE: [&str; 2] = ["status", "reason"];
+const AFTER: [&str; 3] = ["steps", "check", "check_error_rad"];
+
+/// What the runs of a study have in common, and the names of its result columns.
+#[derive(Clone, Debug)]
+pub(super) enum Figures {
+    /// Of this number of five-bar fingers.
+    Hand(usize),
+    /// Of a scene of any other kind.
+    Scene(Box<SceneFigures>),
+}
+
+/// The result columns of a study.
+#[derive(Clone, Debug)]
+pub(super) struct Results {
+    pub figures: Figures,
+    /// Channels whose least and largest values are columns.
+    pub extrema: Vec<Channel>,
+    /// Names of the columns, in order.
+    pub names: Arc<[String]>,
+}
+
+impl Results {
+    /// Returns the columns of the studies of a scene, of `only` these figures unless it is empty, and of the `extrema` of these
+    /// channels.
+    ///
+    /// # Errors
+    /// Returns an unknown figure or channel, with all names.
+    pub fn of(scene: &Scene, only: &[String], extrema: &[String]) -> Result<Self, UnknownFigure> {
+        let figures = match scene.finger_count() {
+            0 => Figures::Scene(Box::new(SceneFigures::of(scene))),
+            fingers => Figures::Hand(fingers),
+        };
+        let channels = if extrema.is_empty() { Vec::new() } else { Schema::from_scene(scene).channels() };
+        let channel = |(index, name): (usize, &String)| {
+            let known = channels.iter().find(|channel| channel.name == *name).cloned();
+            let names = || channels.iter().map(|channel| channel.name.clone()).collect();
+            known.ok_or_else(|| UnknownFigure { key: "extrema", index, name: name.clone(), known: names() })
+        };
+        let extrema = extrema.iter().enumerate().map(channel).collect::<Result<Vec<Channel>, _>>()?;
+        let of_extrema = extrema.iter().flat_map(|channel| Extrema::columns(&channel.name));
+        let names: Vec<String> = match &figures {
+            Figures::Hand(fingers) => {
+                hand_columns(*fingers).iter().map(ToString::to_string).chain(of_extrema).collect()
+            }
+            Figures::Scene(scene) => {
+                let before = BEFORE.into_iter().chain(scene.names()).map(String::from);
+                before.chain(of_extrema).chain(AFTER.map(String::from)).collect()
+            }
+        };
+        if let Some((index, name)) = only.iter().enumerate().find(|(_, name)| !names.contains(name)) {
+            return Err(UnknownFigure { key: "columns", index, name: name.clone(), known: names });
+        }
+        let is_common = |name: &str| BEFORE.contains(&name) || AFTER.contains(&name);
+        let is_extremum = |name: &str| {
+            extrema.iter().any(|channel| Extrema::columns(&channel.name).iter().any(|column| column == name))
+        };
+        let is_selected =
+            |name: &String| only.is_empty() || only.contains(name) || is_common(name) || is_extremum(name);
+        let names = names.into_iter().filter(is_selected).collect();
+        Ok(Results { figures, extrema, names })
+    }
+
+    /// Removes the columns that the fields of the axes have already.
+    pub fn without(mut self, fields: &[String]) -> Self {
+        self.names = self.names.iter().filter(|name| !fields.contains(name)).cloned().collect();
+        self
+    }
+
+    /// The result columns of a hand, without extrema.
+    pub fn of_hand(fingers: usize) -> Self {
+        let names = hand_columns(fingers).iter().map(ToString::to_string).collect();
+        Results { figures: Figures::Hand(fingers), extrema: Vec::new(), names }
+    }
+}
+
+/// An unknown name in `[results]`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct UnknownFigure {
+    pub key: &'static str,
+    /// Index in its list.
+    pub index: usize,
+    pub name: String,
+    pub known: Vec<String>,
+}
 
 /// Where the value of a column comes from.
 #[derive(Clone, Debug)]

@@ -32,7 +32,8 @@ use serde::Deserialize;
 
 use axis::{Axis, AxisValues};
 use base_scene::Template;
-use results::{Figures, Results};
+use figures::{Figures, Results};
+
 use sequence::Sequence;
 
 use crate::trace::Model;

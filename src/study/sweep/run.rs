@@ -8,8 +8,8 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::figures::{Extrema, SceneFigures};
-use super::results::{Cells, Figures, Row, Status};
+use super::figures::{Extrema, Figures, SceneFigures};
+use super::results::{Cells, Row, Status};
 use super::{Filter, Study};
 use crate::check::{check_run, run_and_record};
 use crate::criteria::{

@@ -16,7 +16,7 @@ use super::axis::{Axis, AxisValue, AxisValues, Field, Range, Spacing};
 use super::base_scene::{
     Base, Template, base_from_layers, base_from_section, check_scene, check_values, merge, scene_kind,
 };
-use super::results::{Results, UnknownFigure};
+use super::figures::{Results, UnknownFigure};
 use super::run::problem_messages;
 use super::sequence::{MAX_HALTON_AXES, Method, Sequence};
 use super::{Filter, MAX_RUNS, MAX_SHARDED_RUNS, Study};
