@@ -12,7 +12,7 @@ pub use phalanx_core::limits::{
 
 /// Largest scene or study file, bytes.
 pub const MAX_SCENE_BYTES: u64 = 1 << 20;
-/// Largest packed module of the explorer, bytes: twelve times its actual size.
+/// Largest packed module of the explorer, bytes: ten times its actual size.
 pub const MAX_MODULE_BYTES: u64 = 16 << 20;
 /// Maximum number of grid samples of a validated run: several such runs are in memory at once, 1,600 bytes per sample.
 pub const MAX_VALIDATED_SAMPLES: f64 = 2e5;

@@ -13,7 +13,7 @@ import { DIRECTORY, PHALANX, opened, start, stop } from "../tests/clients/browse
 
 // Loads of the page; runs of a scene; discarded runs before the browser has optimised the module.
 const [LOADS, RUNS, WARM] = [5, 25, 10];
-const GROUPS = { finger: "fingers", gripper: "grippers", hard: "hard cases" };
+const GROUPS = { finger: "fingers", gripper: "grippers", mechanism: "mechanisms", hard: "hard cases" };
 
 const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
 const digits = (value) => String(Number(value.toPrecision(2)));

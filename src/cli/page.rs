@@ -176,7 +176,7 @@ const BUILD_HINT: &str = "in the source directory of phalanx, run: tools/explore
 /// Open the explorer: a page that simulates the scene again whenever a slider moves.
 ///
 /// The page is one file and needs no network. The analytic model runs in the browser and gives the same digits as
-/// `phalanx run`. The page shows every field of the scene, 28 shipped scenes of fingers and grippers, the results, the
+/// `phalanx run`. The page shows every field of the scene, 34 shipped scenes, the results, the
 /// grasp at rest, a map over any two variables, and two designs side by side. It exports the scene as TOML, the samples
 /// as CSV, images and animations.
 #[derive(Debug, Args)]
@@ -186,7 +186,7 @@ const BUILD_HINT: &str = "in the source directory of phalanx, run: tools/explore
                   not be written or opened."
 )]
 pub(crate) struct ExploreArgs {
-    /// Finger or gripper scene file (TOML) to open [default: experiment-95, which is built in]
+    /// Scene file (TOML) to open [default: experiment-95, which is built in]
     scene: Option<PathBuf>,
 
     #[command(flatten)]
@@ -237,15 +237,6 @@ fn load_initial_scene(args: &ExploreArgs) -> Result<InitialScene, Failure> {
     // The scene must be valid with the fields of --set; the page applies these fields itself.
     args.set.load_any(path)?;
     let scene = SetArgs::default().load_any(path)?;
-    if scene.finger_count() == 0 {
-        return Err(Failure::bad_input(format!(
-            "{} has no five-bar finger (its kind is \"bodies\" or \"mechanism\", or its object has an `[object.outline]`), as the \
-             explorer requires; give a scene of a finger or a gripper, such as scenes/experiment-95.toml, or show it with: \
-             phalanx run {} --open",
-            path.display(),
-            path.display()
-        )));
-    }
     let text = fs::read_to_string(path).unwrap_or_default();
     let file = path.file_name().map_or_else(|| "scene.toml".to_string(), |name| name.to_string_lossy().into_owned());
     Ok(InitialScene { file, text: standalone_text(&scene, &text), set })

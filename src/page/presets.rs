@@ -1,4 +1,4 @@
-//! Scenes included in the explorer's page: shipped scenes of fingers and grippers.
+//! Scenes included in the explorer's page: shipped scenes of fingers, grippers and mechanisms.
 
 use std::path::Path;
 
@@ -29,6 +29,12 @@ const PRESETS: &[&str] = &[
     "gripper/fixed.toml",
     "gripper/bought.toml",
     "gripper/lift.toml",
+    "real/2f85-lift.toml",
+    "real/2f85-pinch.toml",
+    "mechanisms/two-pivot.toml",
+    "mechanisms/f85-finger.toml",
+    "mechanisms/tendon-finger.toml",
+    "mechanisms/gripper-box.toml",
     "hard/torque-x10.toml",
     "hard/exponent-1.5.toml",
     "hard/friction-well.toml",
@@ -46,7 +52,7 @@ pub struct Preset {
     pub file: String,
     /// File name without its extension.
     pub name: String,
-    /// `finger`, `gripper` or `hard`.
+    /// `finger`, `gripper`, `mechanism` or `hard`.
     pub group: &'static str,
     /// First sentence of the description, otherwise of the first comment in the file.
     pub title: String,
@@ -69,6 +75,7 @@ fn preset(shipped: &ShippedScene) -> Result<Preset, SceneError> {
         name: Path::new(shipped.file).file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned()),
         group: match (shipped.file.starts_with("hard/"), scene.finger_count()) {
             (true, _) => "hard",
+            (_, 0) => "mechanism",
             (_, 2) => "gripper",
             _ => "finger",
         },

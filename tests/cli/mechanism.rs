@@ -85,21 +85,37 @@ fn mechanisms_are_validated() {
 #[test]
 fn commands_for_fingers_refuse_mechanisms() {
     assert_rejected(&["statics", FINGER], &["no body without joints that has contacts", "--object"]);
-    for command in ["size", "explore"] {
-        let message = assert_rejected(&[command, FINGER], &[]);
-        assert!(message.contains("mechanism") || message.contains("not a gripper"), "{command}: {message}");
-    }
+    let message = assert_rejected(&["size", FINGER], &[]);
+    assert!(message.contains("mechanism") || message.contains("not a gripper"), "{message}");
     for command in ["capture", "hold"] {
         assert_rejected(&[command, FINGER], &["has no grasp", "[[contacts]]"]);
     }
-    assert_rejected(&["explore", "scenes/mechanisms/gripper-box.toml"], &["[object.outline]", "mechanism"]);
-    assert_rejected(&["explore", "scenes/laws/impact.toml"], &["has no five-bar finger", "bodies"]);
     assert_rejected(
         &["scene", "show", FINGER, "--figure", "finger.svg"],
         &["is a scene without five-bar finger", "run"],
     );
     let check = succeed(&["scene", "check", FINGER]);
     assert_contains(&check, &["4 bodies, 5 joints, 2 degrees of freedom, 1 actuator, 2 contacts"]);
+}
+
+/// The page contains the scene with all layers; the module is not read.
+#[test]
+fn the_explorer_opens_scenes_of_every_kind() {
+    let directory = directory("mechanism_explorer");
+    let module = path_in(&directory, "module.wasm.gz");
+    fs::write(&module, [0x1f, 0x8b]).expect("a written file");
+    let page = path_in(&directory, "page.html");
+    for (scene, part) in [
+        (FINGER, "[joints.coupler]"),
+        ("scenes/mechanisms/gripper-box.toml", "[object.outline]"),
+        ("scenes/laws/impact.toml", "kind = \\\"bodies\\\""),
+        ("scenes/real/2f85-lift.toml", "right_follower"),
+    ] {
+        succeed(&["explore", "--module", &module, scene, "-o", &page]);
+        let text = fs::read_to_string(&page).expect("a page");
+        let (_, start) = text.split_once("\"start\":").expect("the first scene");
+        assert!(start.contains(part), "{scene}");
+    }
 }
 
 #[test]

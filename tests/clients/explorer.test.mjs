@@ -3,7 +3,7 @@
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { readFileSync, statSync } from "node:fs";
+import { readFileSync, statSync, writeFileSync } from "node:fs";
 import path from "node:path";
 import { after, before, describe, it } from "node:test";
 import { deflateRawSync } from "node:zlib";
@@ -13,6 +13,7 @@ import { gif } from "./gif.mjs";
 
 const MODULE = process.env.MODULE ? ["--module", process.env.MODULE] : [];
 const SCENE = path.join(PROJECT, "scenes/experiment-95.toml");
+const TWO_PIVOT = path.join(PROJECT, "scenes/mechanisms/two-pivot.toml");
 const CYCLE = path.join(PROJECT, "scenes/gripper/cycle.toml");
 const SLOW = { timeout: 120_000 };
 
@@ -429,6 +430,64 @@ describe("the explorer", () => {
     await close();
   });
 
+  it("opens a mechanism, with sliders of its parameters and a map of its fates", { timeout: 300_000 }, async (test) => {
+    const text = readFileSync(TWO_PIVOT, "utf8").replace('at = ["3 mm", "120 mm"]', 'at = ["3 mm", "= height"]').replace('"0.8 rad"]', '"= close"]');
+    const scene = path.join(DIRECTORY, "own.toml");
+    writeFileSync(scene, `parameters = { height = "120 mm", close = "0.8 rad" }\n${text}`);
+    const { page, call, state, close } = await openReady({ width: 1400, height: 900 }, writeExplorer(scene, "mechanism.html"));
+    const before = await state();
+    assertFiguresEqual(before, native(scene));
+    assert.deepEqual(before.figures.slice(0, 3).map(({ label }) => label), ["fate", "margin", "time to stability"]);
+    test.diagnostic(`worker ${before.ms.toFixed(0)} ms a closing`);
+    // It moves.
+    const place = async (time) => {
+      await call("seek", time);
+      return (await state()).runs[0].bodies;
+    };
+    assert.notDeepEqual(await place(0.01), await place(0.09));
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-mechanism.png") });
+
+    // Parameters come first; the parts of the mechanism are collapsed.
+    const shown = await page.locator("#fields input[type=range]:visible").evaluateAll((all) => all.map((each) => each.getAttribute("aria-label")));
+    assert.deepEqual(shown.slice(0, 2), ["parameters.close", "parameters.height"]);
+    assert.ok(Object.keys(before.fields).length > 60 && shown.length < 20, `${shown.length} sliders`);
+    await page.locator("#filter").fill("right_tip pad");
+    assert.ok(await slider(page, "bodies.right_tip.outlines.pad.size[1]").isVisible());
+    await page.locator("#filter").fill("");
+
+    // A is overlaid on B, which the slider of a parameter has changed.
+    await page.keyboard.press("Escape");
+    await call("keep");
+    await slider(page, "parameters.height").focus();
+    for (let k = 0; k < 3; k++) await page.keyboard.press("Shift+ArrowRight");
+    await call("settled");
+    const after = await state();
+    assert.notEqual(after.fields["parameters.height"].value, 120);
+    assert.notDeepEqual(after.figures, before.figures);
+    assertFiguresEqual(after, native(scene, after.set));
+    assert.deepEqual(after.runs.map(({ label }) => label), ["B", "A"]);
+    await call("seek", 0.15);
+    await page.locator("#tab-compare").click();
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-mechanism-compared.png") });
+
+    // The coarse points of the map suffice for two fates.
+    await page.locator("#tab-map").click();
+    await page.waitForFunction(() => document.querySelectorAll("#map-legend .entry > i:not(.none)").length > 1, null, { timeout: 240_000 });
+    assert.equal(await page.locator("#map-criterion").inputValue(), "grasp.fate");
+    const legend = await page.locator("#map-legend .entry").allTextContents();
+    assert.ok(legend.includes("held") && (legend.includes("dropped") || legend.includes("not grasped")), `${legend}`);
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-mechanism-map.png") });
+    await page.locator("#map-criterion").selectOption("grasp.margin.driven.acceleration_m_s2");
+    assert.match(await page.locator("#map-legend").textContent(), /m\/s²/);
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-mechanism-margin.png") });
+
+    await page.locator("#tab-statics").click();
+    await page.locator("#panel-statics svg").first().waitFor();
+    assert.match(await page.locator("#panel-statics").textContent(), /actuators of the hand/);
+    await page.screenshot({ path: path.join(SCREENSHOTS, "explorer-mechanism-statics.png") });
+    await close();
+  });
+
   it("shows symbols while the pointer is over a field", async () => {
     const { page, state, close } = await openReady();
     assert.deepEqual((await state()).symbols, []);
@@ -503,7 +562,7 @@ describe("the explorer", () => {
         const seen = [...document.querySelectorAll(".results *, .transport *, .tabs *, #fields *, .text td, .text th, .legend *, .file *")].filter((each) => each.offsetWidth > 1 && !each.matches(".hidden, canvas, input[type='range']"));
         return seen.filter((each) => each.scrollWidth > each.clientWidth + 1 && getComputedStyle(each).display !== "inline" || each.getBoundingClientRect().right > innerWidth).map((each) => each.value || each.textContent);
       });
-      for (const scene of [SCENE, CYCLE]) {
+      for (const scene of [SCENE, CYCLE, TWO_PIVOT]) {
         const all = await openReady({ width, height }, writeExplorer(scene, "cut.html"));
         const { page } = all;
         for (const tab of width < 1100 ? ["fields", "map", "statics"] : ["map", "statics"]) {

@@ -6,11 +6,16 @@ use crate::scene::schema::schema_for;
 use crate::scene::{Keyword, PARAMETERS, Scene, show_written};
 use crate::units::{Dimension, parse, split_quantity};
 
-/// Sections of design variables, in the order in which a designer usually needs them.
-const DESIGN: [&str; 6] = [PARAMETERS, "design", "motor", "spring", "object", "contact.friction"];
+/// Sections of design variables, in the order in which a designer usually needs them. In a mechanism, a section is
+/// followed by the names of its parts.
+const DESIGN: [&str; 8] =
+    [PARAMETERS, "design", "motor", "spring", "object", "contact.friction", "actuators", "springs"];
 
 /// Sections without effect on the page, which runs the analytic model only and writes no log.
 const UNUSED: [&str; 3] = ["engine", "validate", "log"];
+
+/// Largest number of entries of a list that are fields of their own, each with a slider. A longer list is one text.
+const MAX_ENTRIES: usize = 8;
 
 /// Describes all fields, with and without a value.
 pub fn fields(scene: &Scene) -> Value {
@@ -19,15 +24,25 @@ pub fn fields(scene: &Scene) -> Value {
     let written: toml::Table = scene.source.parse().unwrap_or_default();
     let field_order = field_order(&text);
     let mut found = Vec::new();
-    collect(schema_for(scene.kind), "", Some(&resolved), Some(&written), &mut found);
-    let position_in_text =
-        |field: &Value| field_order.iter().position(|path| field["path"] == **path).unwrap_or(field_order.len());
-    found.sort_by_cached_key(position_in_text);
-    let design: Vec<&Value> = DESIGN
+    let top = Table {
+        schema: schema_for(scene.kind),
+        path: "",
+        group: &[],
+        resolved: Some(&resolved),
+        written: Some(&written),
+    };
+    collect(&top, &mut found);
+    // Entries of a list are in the line of the list.
+    let line = |path: &str| field_order.iter().position(|known| path.split('[').next() == Some(known.as_str()));
+    found.sort_by_cached_key(|field| field["path"].as_str().and_then(line).unwrap_or(field_order.len()));
+    let is_in = |field: &Value, section: &str| field["section"] == section || field["group"][0] == section;
+    let mut design: Vec<&Value> = DESIGN
         .iter()
-        .flat_map(|section| found.iter().filter(move |field| field["section"] == *section && is_adjustable(field)))
+        .flat_map(|section| found.iter().filter(move |field| is_in(field, section) && is_adjustable(field)))
         .map(|field| &field["path"])
         .collect();
+    // Entries of lists, such as the times of a motion, are less often varied than gains.
+    design.sort_by_key(|path| path.as_str().is_some_and(|path| path.ends_with(']')));
     json!({
         "kind": scene.kind.keyword(),
         "name": &scene.name,
@@ -56,49 +71,85 @@ fn is_adjustable(field: &Value) -> bool {
     matches!(field["kind"].as_str(), Some("quantity" | "number" | "integer")) && !field["value"].is_null()
 }
 
-/// Collects the fields of a part of the schema, with their values in the resolved scene (`resolved`) and in its text
-/// (`written`).
-fn collect(
-    schema: &Value,
-    path: &str,
-    resolved: Option<&toml::Table>,
-    written: Option<&toml::Table>,
-    found: &mut Vec<Value>,
-) {
+/// A table of a scene.
+struct Table<'a> {
+    schema: &'a Value,
+    path: &'a str,
+    /// Where the page lists the fields of a part with a name, such as a body: its section and its name.
+    group: &'a [&'a str],
+    /// The table in the resolved scene and in its text.
+    resolved: Option<&'a toml::Table>,
+    written: Option<&'a toml::Table>,
+}
+
+/// Collects the fields of a table and of those in it.
+fn collect(table: &Table, found: &mut Vec<Value>) {
+    let Table { schema, path, group, resolved, written } = *table;
     let join = |key: &str| if path.is_empty() { key.to_string() } else { format!("{path}.{key}") };
     let properties = schema.get("properties").and_then(Value::as_object).into_iter().flatten();
     let mut names: Vec<(&String, &Value)> = properties.collect();
     // Tables named by the user, such as discs: one for each name in the scene.
     let free_schema = schema.get("additionalProperties").filter(|schema_value| schema_value.is_object());
+    let known = names.len();
     if let (Some(item_schema), Some(resolved)) = (free_schema, resolved) {
         names.extend(resolved.keys().map(|key| (key, item_schema)));
     }
-    for (key, property) in names {
+    for (index, (key, property)) in names.into_iter().enumerate() {
         let [value, written_value] = [resolved, written].map(|table| table.and_then(|table| table.get(key)));
         if path.is_empty() && UNUSED.contains(&key.as_str()) {
             continue;
         }
         if is_table(property) {
-            let [value, written_value] = [value, written_value].map(|value| value.and_then(toml::Value::as_table));
-            collect(property, &join(key), value, written_value, found);
+            let [resolved, written] = [value, written_value].map(|value| value.and_then(toml::Value::as_table));
+            let named = [path, key.as_str()];
+            // Parts of a part, such as the outlines of a body, are listed with it.
+            let group = if group.is_empty() && index >= known { &named } else { group };
+            collect(&Table { schema: property, path: &join(key), group, resolved, written }, found);
         } else if !(path.is_empty() && ["name", "description", "kind", "extends"].contains(&key.as_str())) {
-            found.push(field(path, key, &join(key), property, value, written_value.is_some()));
+            let place = Place { section: path, group, key, path: &join(key) };
+            match value.and_then(toml::Value::as_array).filter(|list| has_sliders(group, list)) {
+                Some(list) => found.extend(entries(&place, property, list, written_value)),
+                None => found.push(field(&place, property, value, written_value.is_some())),
+            }
         }
     }
+}
+
+/// Whether the entries of a list are fields: numbers or quantities of a named part.
+fn has_sliders(group: &[&str], list: &[toml::Value]) -> bool {
+    let is_number = |value: &toml::Value| number_and_unit(Some(value)).0.is_some();
+    !group.is_empty() && (1..=MAX_ENTRIES).contains(&list.len()) && list.iter().all(is_number)
+}
+
+/// The entries of a list, as fields.
+fn entries(place: &Place, property: &Value, list: &[toml::Value], written: Option<&toml::Value>) -> Vec<Value> {
+    let mut schema = property.get("items").cloned().unwrap_or_default();
+    if let (Some(schema), Some(about)) = (schema.as_object_mut(), property.get("description")) {
+        schema.entry("description").or_insert_with(|| about.clone());
+    }
+    let entry = |(index, value): (usize, &toml::Value)| {
+        let [key, path] = [place.key, place.path].map(|name| format!("{name}[{index}]"));
+        let place = Place { key: &key, path: &path, ..*place };
+        field(&place, &schema, Some(value), written.is_some())
+    };
+    list.iter().enumerate().map(entry).collect()
 }
 
 fn is_table(property: &Value) -> bool {
     property.get("properties").is_some() || property.get("additionalProperties").is_some_and(Value::is_object)
 }
 
-fn field(
-    section: &str,
-    key: &str,
-    path: &str,
-    property: &Value,
-    value_in_file: Option<&toml::Value>,
-    given: bool,
-) -> Value {
+/// Where a field is in the scene.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    section: &'a str,
+    group: &'a [&'a str],
+    key: &'a str,
+    path: &'a str,
+}
+
+fn field(place: &Place, property: &Value, value_in_file: Option<&toml::Value>, given: bool) -> Value {
+    let Place { section, group, key, path } = *place;
     let (value, unit) = number_and_unit(value_in_file);
     let [first, last] = bounds(property, &unit);
     // As entered in the page: a string without its quotes.
@@ -106,6 +157,7 @@ fn field(
     json!({
         "path": path,
         "section": section,
+        "group": group,
         "key": key,
         "kind": kind(property, value.map(|_| unit.as_str())),
         "value": value,

@@ -13,8 +13,12 @@ const LEADING_KEYS: &str = "criteria.*class grasp.*fate criteria.*tts_s grasp.*t
      contacts.distal*peak_normal_n contacts.proximal*peak_normal_n grasp.*form_closed grasp.slip*displacement_m \
      contacts.right_distal*peak_normal_n contacts.right_proximal*peak_normal_n contacts.*final_normal_n \
      contacts.*first_s contacts.*peak_normal_n";
+/// The same of a mechanism: how firmly it holds its object, and with which forces.
+const LEADING_KEYS_OF_MECHANISM: &str = "grasp.*fate grasp.margin.driven*acceleration_m_s2 grasp.*tts_s grasp.pairs.*normal_n \
+     grasp.*friction_used grasp.slip*displacement_m contacts.*peak_normal_n contacts.*first_s";
 /// Parts of the document that are not results, or that have their own request.
-const EXCLUDED_KEYS: &str = "scene kind model wall_s integrator engine log page check error work warnings no_criteria";
+const EXCLUDED_KEYS: &str =
+    "scene kind model wall_s integrator engine log page check error work warnings no_criteria no_grasp";
 /// Parts of the grasp that are names, sentences or lists.
 const EXCLUDED_PARTS: &str = "grasp.answer grasp.object grasp.base grasp.assumed_hand grasp.states grasp.never_touched";
 /// Suffix of keys with sentences, which are not figures. The page shows the sentence on the class or the fate
@@ -38,7 +42,10 @@ const UNITS: [(&str, &str); 13] = [
     ("_j", "J"),
 ];
 /// Labels of some figures.
-const NAMES: [(&str, &str); 17] = [
+const NAMES: [(&str, &str); 20] = [
+    ("margin.driven.acceleration", "margin"),
+    ("margin.blocked.acceleration", "margin with blocked actuators"),
+    ("normal", "end force"),
     ("tts", "time to stability"),
     ("t_geo", "in position"),
     ("lost", "lost to rebounds"),
@@ -64,19 +71,23 @@ const PREFIXED: [&str; 6] = ["N", "m", "J", "N·m", "N·s", "N·m·s"];
 /// Significant digits of a figure.
 const DIGITS: usize = 4;
 
-/// All figures with labels and texts, the most important first.
-pub fn figures(report: &RunReport) -> Vec<Value> {
+/// All figures with labels and texts, the most important first. `has_fingers`: whether the scene has five-bar fingers.
+pub fn figures(report: &RunReport, has_fingers: bool) -> Vec<Value> {
     let mut all = leaves(report);
+    let leading_keys = if has_fingers { LEADING_KEYS } else { LEADING_KEYS_OF_MECHANISM };
+    let object = report.object().map(|object| object.criteria.object.as_str());
     let leads = |key: &str, pattern: &str| {
         pattern.split_once('*').is_some_and(|(begin, end)| key.starts_with(begin) && key.ends_with(end))
     };
-    all.sort_by_key(|(key, _)| LEADING_KEYS.split(' ').position(|pattern| leads(key, pattern)).unwrap_or(usize::MAX));
+    let rank = |key: &str| leading_keys.split(' ').position(|pattern| leads(key, pattern)).unwrap_or(usize::MAX);
+    // Bodies of the hand come before the ground, which few hands press against.
+    all.sort_by_cached_key(|(key, _)| (rank(key), rank(key) < usize::MAX && key.contains("ground.")));
     let entry = |(key, value): &(String, Value)| {
         let text = match value.as_f64() {
             Some(number) => format_value(key, number),
             None => value.as_str().unwrap_or("–").to_string(),
         };
-        json!({ "key": key, "label": label(key), "value": value.as_f64(), "text": text, "unit": unit(key).1 })
+        json!({ "key": key, "label": label(key, object), "value": value.as_f64(), "text": text, "unit": unit(key).1 })
     };
     all.iter().map(entry).collect()
 }
@@ -85,7 +96,9 @@ pub fn figures(report: &RunReport) -> Vec<Value> {
 pub fn verdict(report: &RunReport) -> Option<String> {
     let class = report.criteria.flatten().map(|criteria| criteria.verdict());
     let fate = || report.object().map(ObjectReport::answer);
-    class.or_else(|| report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}"))).or_else(fate)
+    let no_class = || report.no_criteria.clone().flatten().map(|reason| format!("no class: {reason}"));
+    let no_fate = || report.no_grasp.clone();
+    class.or_else(no_class).or_else(fate).or_else(no_fate)
 }
 
 /// Returns the results in the report's JSON document, with their keys: numbers, words or null.
@@ -119,15 +132,27 @@ fn unit(key: &str) -> (&'static str, &'static str) {
     UNITS.iter().find(|(ending, _)| key.ends_with(ending)).copied().unwrap_or_default()
 }
 
-/// Label of a key: `contacts.distal.peak_normal_n` becomes `distal: peak force`.
-fn label(key: &str) -> String {
+/// Label of a key: `contacts.distal.peak_normal_n` becomes `distal: peak force`. The name of a pair is that of the body
+/// that touches the object.
+fn label(key: &str, object: Option<&str>) -> String {
     let stem = key.strip_suffix(unit(key).0).unwrap_or(key);
-    let parts: Vec<String> = stem
+    let named = |part: &str| NAMES.iter().find(|(name, _)| *name == part).map(|(_, label)| label.to_string());
+    if let Some(label) = stem.strip_prefix("grasp.").and_then(named) {
+        return label;
+    }
+    let pair = object.and_then(|object| {
+        let (start, end) = (stem.find('.')? + 1, stem.rfind('.')?);
+        let (first, second) = stem.get(start..end)?.trim_start_matches("pairs.").split_once('/')?;
+        let is_object = |name: &str| name.split('.').next() == Some(object);
+        let other = if is_object(second) { first } else { second };
+        (is_object(first) || is_object(second)).then(|| format!("pair.{other}{}", &stem[end..]))
+    });
+    let parts: Vec<String> = pair
+        .as_deref()
+        .unwrap_or(stem)
         .split('.')
-        .filter(|part| !["contacts", "criteria", "grasp", "fingers"].contains(part))
-        .map(|part| {
-            NAMES.iter().find(|(name, _)| *name == part).map_or(part.replace('_', " "), |(_, label)| label.to_string())
-        })
+        .filter(|part| !["contacts", "criteria", "grasp", "fingers", "pair", "pairs"].contains(part))
+        .map(|part| named(part).unwrap_or_else(|| part.replace('_', " ")))
         .collect();
     match parts.split_last() {
         Some((last, before)) if !before.is_empty() => format!("{}: {last}", before.join(" ")),
@@ -163,6 +188,10 @@ mod tests {
     fn labels_keys_and_formats_values_with_units() {
         for (key, value, expected_label, expected_text) in [
             ("contacts.distal.peak_normal_n", 170_075.2, "distal: peak force", "170.1 kN"),
+            ("contacts.object.rim/left_tip.pad.peak_normal_n", 8.0, "left tip pad: peak force", "8.000 N"),
+            ("grasp.pairs.left_tip.pad/object.rim.normal_n", 4.5, "left tip pad: end force", "4.500 N"),
+            ("grasp.pairs.lid/cup.normal_n", 4.5, "lid/cup: end force", "4.500 N"),
+            ("grasp.margin.driven.acceleration_m_s2", 638.37, "margin", "638.4 m/s²"),
             ("criteria.tts_s", 0.006_883_746, "time to stability", "6.88375 ms"),
             ("contacts.limit.impulse_n_m_s", 0.000_244_1, "limit: impulse", "244.1 µN·m·s"),
             ("criteria.rebound_percent", 1.234_56, "rebound", "1.235 %"),
@@ -172,7 +201,7 @@ mod tests {
             ("contacts.distal.touchdowns", 2.0, "distal: touch-downs", "2"),
         ] {
             assert_eq!(
-                (label(key).as_str(), format_value(key, value).as_str()),
+                (label(key, Some("object")).as_str(), format_value(key, value).as_str()),
                 (expected_label, expected_text),
                 "{key}"
             );

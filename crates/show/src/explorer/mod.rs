@@ -21,20 +21,21 @@ use crate::criteria::{LinkOverlap, RunCriteria, RunCriteriaTracker};
 use crate::format::ToReport;
 use crate::grasp::finger::{GraspOverrides, grasp};
 use crate::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
+use crate::grasp::mechanism::{MechanismGraspRequest, mechanism_grasp};
 use crate::invariants::EnergyAudit;
 use crate::playback::{PlaybackRecorder, json as playback_json};
 use crate::plot::{self, PictureFormat};
 use crate::report::check::{RunCheckReport, summary_line};
 use crate::report::document::{Failure, RunData, RunReport};
 use crate::report::samples::{csv_head, csv_sample};
-use crate::report::statics::{GripperStaticsReport, StaticsReport};
+use crate::report::statics::{GripperStaticsReport, MechanismStaticsReport, StaticsReport};
 use crate::scene::{Layer, Scene, SceneError, parse_any, parse_layers, setting_from_parts};
 use crate::trace::{
     Channel, Decimated, Event, Model, OffGrid, RequiredData, RunError, Sample, Schema, Sink, SinkError, run_analytic,
 };
 use figures::{figures, leaves, verdict};
 
-/// Number of directions of acceleration in the picture of a gripper's grasp at rest.
+/// Number of directions of acceleration in the picture of the grasp at rest of a gripper or a mechanism.
 const DIRECTIONS: usize = 72;
 /// Stride of the directions in its table, which are 15° apart.
 const IN_TABLE: usize = 3;
@@ -157,14 +158,20 @@ fn problems(error: &SceneError) -> Vec<Value> {
     document.collect()
 }
 
-/// Returns tables and a picture of the grasp at rest, as reported by `phalanx statics`; a scene without fingers has neither.
+/// Returns tables and a picture of the grasp at rest, as reported by `phalanx statics`.
 fn statics(scene: &Scene) -> Result<Value, Value> {
     let problem = |error: &dyn std::fmt::Display| {
         let help = "the run does not depend on this analysis";
         json!([{ "message": error.to_string(), "help": help, "line": null, "field": null }])
     };
     let (report, caption, picture) = match scene.finger_count() {
-        0 => return Ok(json!({ "sections": [], "pictures": [] })),
+        0 => {
+            let request = MechanismGraspRequest { directions: DIRECTIONS, ..MechanismGraspRequest::default() };
+            let result = mechanism_grasp(scene, &request, &|| true).map_err(|error| problem(&error))?;
+            let picture = plot::mechanism_balance(scene, &result, PictureFormat::Column);
+            let report = MechanismStaticsReport::new(&result, IN_TABLE).report();
+            (report, "Accelerations of the base that the grasp withstands", picture)
+        }
         1 => {
             let result = grasp(scene, &GraspOverrides::default()).map_err(|error| problem(&error))?;
             let picture = plot::grasp(scene, &result, PictureFormat::Column);
@@ -248,7 +255,7 @@ fn run(scene: &Scene, numbers: &mut Vec<f64>) -> Value {
     let playback = recorder.into_playback(Model::Analytic.name(), scene, "").with_grasp(report.played_grasp());
     json!({
         "playback": playback_json::append_run(&playback, numbers),
-        "figures": figures(&report),
+        "figures": figures(&report, scene.finger_count() > 0),
         "verdict": verdict(&report),
         "failed": report.error.as_ref().map(|error| &error.reason),
         "warnings": report.warnings,
@@ -320,5 +327,115 @@ impl Sink for CsvSink {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         csv_sample(&mut self.text, &self.channels, sample).expect("writing to memory cannot fail");
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gripper that is a mechanism, with two parameters.
+    fn two_pivot() -> Value {
+        let text = include_str!("../../../../scenes/mechanisms/two-pivot.toml")
+            .replace("start = { at = [\"3 mm\", \"120 mm\"] }", "start = { at = [\"3 mm\", \"= height\"] }")
+            .replace("targets = [\"0 rad\", \"0.8 rad\"]", "targets = [\"0 rad\", \"= close\"]");
+        let head = "parameters = { height = \"120 mm\", close = \"0.8 rad\" }\n";
+        json!({ "file": "own.toml", "text": head.to_string() + &text })
+    }
+
+    fn ask(kind: &str, scene: &Value, more: &Value) -> (Value, Vec<f64>) {
+        let mut request = json!({ "ask": kind, "scene": scene });
+        let more = more.as_object().into_iter().flatten();
+        more.for_each(|(key, value)| request[key] = value.clone());
+        let Response { text, data } = respond(&request.to_string());
+        (serde_json::from_str(&text).expect("a response is JSON"), data)
+    }
+
+    fn words(list: &Value) -> Vec<&str> {
+        list.as_array().into_iter().flatten().filter_map(Value::as_str).collect()
+    }
+
+    #[test]
+    fn fields_of_a_mechanism_are_listed_by_its_parts_after_the_parameters() {
+        let (found, _) = ask("fields", &two_pivot(), &Value::Null);
+        assert_eq!(
+            words(&found["design"])[..4],
+            ["parameters.close", "parameters.height", "actuators.motor.kp", "actuators.motor.kd"]
+        );
+        let fields = found["fields"].as_array().expect("a list");
+        let field = |path: &str| fields.iter().find(|field| field["path"] == path).unwrap_or_else(|| panic!("{path}"));
+        // The entries of a pair have sliders; a list with an expression is one text.
+        let radius = field("bodies.right_tip.outlines.pad.size[1]");
+        assert_eq!(
+            [&radius["group"], &radius["value"], &radius["kind"]],
+            [&json!(["bodies", "right_tip"]), &json!(36.0), &json!("quantity")]
+        );
+        assert_eq!(field("actuators.motor.targets")["kind"], "list");
+        assert_eq!(field("gravity")["group"], json!([]));
+        let set = json!({ "set": [["bodies.right_tip.outlines.pad.size[1]", "30 mm"]] });
+        let (changed, _) = ask("fields", &two_pivot(), &set);
+        assert!(changed["problems"].is_null(), "{changed}");
+    }
+
+    #[test]
+    fn a_mechanism_has_every_response() {
+        let scene = two_pivot();
+        let (found, data) = ask("run", &scene, &Value::Null);
+        let keys: Vec<&str> =
+            found["figures"].as_array().into_iter().flatten().filter_map(|each| each["key"].as_str()).collect();
+        assert_eq!(
+            keys[..4],
+            [
+                "grasp.fate",
+                "grasp.margin.driven.acceleration_m_s2",
+                "grasp.tts_s",
+                "grasp.pairs.left_link.bar/object.rim.normal_n"
+            ]
+        );
+        assert_eq!(found["figures"][3]["label"], "left link bar: end force");
+        assert!(
+            found["verdict"].as_str().is_some_and(|verdict| verdict.starts_with("held since")),
+            "{}",
+            found["verdict"]
+        );
+        assert!(data.len() > 1000);
+        let (statics, _) = ask("statics", &scene, &Value::Null);
+        assert!(
+            statics["sections"][0]["html"].as_str().is_some_and(|html| html.contains("largest acceleration")),
+            "{statics}"
+        );
+        let (file, _) = ask("toml", &scene, &json!({ "set": [["parameters.close", "0.7 rad"]] }));
+        let again = json!({ "file": "again.toml", "text": file["text"] });
+        let csv = |scene: &Value, more: &Value| ask("csv", scene, more).0["text"].as_str().map(str::to_string);
+        let changed = csv(&scene, &json!({ "set": [["parameters.close", "0.7 rad"]] }));
+        assert!(changed.is_some() && changed == csv(&again, &Value::Null));
+        let (check, _) = ask("check", &scene, &Value::Null);
+        assert!(check["verdict"].is_string(), "{check}");
+    }
+
+    /// Points of a map have fates and margins, and an invalid one its reason.
+    #[test]
+    fn maps_of_a_mechanism_have_fates_and_margins() {
+        let map = json!({ "fields": ["parameters.height"], "points": [["120 mm"], ["200 mm"], ["70 mm"]] });
+        let (found, data) = ask("criteria", &two_pivot(), &map);
+        assert_eq!(found["words"]["grasp.fate"], json!(["held", "not grasped", null]));
+        let columns = words(&found["columns"]);
+        let margin =
+            columns.iter().position(|column| *column == "grasp.margin.driven.acceleration_m_s2").expect("a margin");
+        assert!(data[margin] > 100.0 && data[columns.len() + margin].is_nan(), "{}", data[margin]);
+        assert!(found["refused"][2].as_str().is_some_and(|reason| reason.contains("inside")), "{found}");
+    }
+
+    #[test]
+    fn a_mechanism_without_object_has_no_statics_and_says_why() {
+        let text = include_str!("../../../../scenes/mechanisms/four-bar.toml");
+        let scene = json!({ "file": "four-bar.toml", "text": text });
+        let (found, _) = ask("statics", &scene, &Value::Null);
+        assert!(
+            found["problems"][0]["message"].as_str().is_some_and(|reason| reason.contains("no body without joints")),
+            "{found}"
+        );
+        let (run, _) = ask("run", &scene, &Value::Null);
+        assert!(run["playback"]["samples"].as_u64().is_some_and(|samples| samples > 10), "{}", run["failed"]);
     }
 }

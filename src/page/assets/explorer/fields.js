@@ -1,4 +1,5 @@
-// Sliders and inputs for all fields of a scene: design variables first, the others in collapsed sections.
+// Sliders and inputs for all fields of a scene: design variables first, the others in collapsed sections. The parts of a
+// mechanism, such as its bodies, are collapsed sections within those of their kinds.
 
 // Steps of a slider per key press with shift.
 const COARSE_STEPS = 10;
@@ -15,6 +16,8 @@ class FieldList {
     this.rows = new Map();
     this.ranges = new Map();
     this.groups = [];
+    // The sections that contain other sections, by their name.
+    this.kinds = new Map();
     this.filter = "";
     this.changedOnly = false;
   }
@@ -36,7 +39,7 @@ class FieldList {
   }
 
   build(fields, design) {
-    const openGroups = new Set(this.groups.filter(({ box }) => box.open).map(({ name }) => name));
+    const openGroups = new Set([...this.groups, ...this.kinds.values()].filter(({ box }) => box.open).map(({ name }) => name));
     this.rows.clear();
     this.container.replaceChildren();
     const fieldsByPath = new Map(fields.map((field) => [field.path, field]));
@@ -44,20 +47,37 @@ class FieldList {
     const sections = new Map(designFields.length > 0 ? [["Design variables", designFields]] : []);
     for (const field of fields) {
       if (design.includes(field.path)) continue;
-      const name = field.section || "scene";
+      const name = field.group.join(".") || field.section || "scene";
       if (!sections.has(name)) sections.set(name, []);
       sections.get(name).push(field);
     }
-    this.groups = [...sections].map(([name, members], index) => {
+    this.kinds.clear();
+    const section = (name, title, isOpen) => {
       const count = element("span", { class: "count soft" });
-      const box = element("details", { class: "group" }, element("summary", {}, element("span", {}, sectionTitle(name)), count));
-      box.open = index === 0 || openGroups.has(name);
+      const box = element("details", { class: "group" }, element("summary", {}, element("span", {}, title), count));
+      box.open = isOpen || openGroups.has(name);
+      return { name, box, count };
+    };
+    this.groups = [...sections].map(([name, members], index) => {
+      const [kind, part] = index > 0 ? members[0].group : [];
+      const group = section(name, part ?? sectionTitle(name), index === 0);
       // Design variables include two torques, so their names contain the section.
-      const rows = members.map((field) => this.row(field, index === 0 ? shortName(field.path) : field.key));
-      box.append(...rows.map((row) => row.box));
-      this.container.append(box);
-      return { name, box, count, rows };
+      group.rows = members.map((field) => this.row(field, index === 0 ? fieldName(field) : nameInGroup(field)));
+      group.box.append(...group.rows.map((row) => row.box));
+      this.containerOf(kind, section).append(group.box);
+      return { ...group, kind };
     });
+  }
+
+  // The element with the sections of one kind, or of those without a kind.
+  containerOf(kind, section) {
+    if (!kind) return this.container;
+    if (!this.kinds.has(kind)) {
+      const group = section(kind, sectionTitle(kind), false);
+      this.kinds.set(kind, group);
+      this.container.append(group.box);
+    }
+    return this.kinds.get(kind).box;
   }
 
   // Creates the row of a field with the given name.
@@ -189,10 +209,15 @@ class FieldList {
     row.slider.setAttribute("aria-valuetext", row.text);
   }
 
+  // Whether the scene has parts with names, as a mechanism has.
+  hasParts() {
+    return this.kinds.size > 0;
+  }
+
   // Whether a field is visible, possibly after scrolling.
   isVisible(path) {
     const box = this.rows.get(path)?.box;
-    return Boolean(box && box.offsetWidth > 0 && box.parentElement.open);
+    return Boolean(box && box.offsetWidth > 0 && !box.closest("details:not([open])"));
   }
 
   // Marks the invalid field, if any, and shows the problem there unless it is shown elsewhere.
@@ -208,7 +233,16 @@ class FieldList {
   // Shows the fields that match the filter, and their number per section.
   applyFilter() {
     const words = this.filter.toLowerCase().split(/\s+/).filter(Boolean);
-    for (const { box, count, rows } of this.groups) {
+    const isFiltered = words.length > 0 || this.changedOnly;
+    const showCounts = ({ box, count }, [shown, changed, total]) => {
+      box.hidden = shown === 0;
+      if (isFiltered && shown > 0) box.open = true;
+      const all = shown < total ? `${shown} of ${total}` : String(total);
+      count.textContent = changed > 0 ? `${all}, ${changed} changed` : all;
+    };
+    const countsOfKinds = new Map([...this.kinds.keys()].map((kind) => [kind, [0, 0, 0]]));
+    for (const group of this.groups) {
+      const { rows } = group;
       let [shown, changed] = [0, 0];
       for (const row of rows) {
         const text = `${row.path} ${row.field.about ?? ""}`.toLowerCase();
@@ -216,16 +250,18 @@ class FieldList {
         shown += row.box.hidden ? 0 : 1;
         changed += row.isChanged ? 1 : 0;
       }
-      box.hidden = shown === 0;
-      if ((words.length > 0 || this.changedOnly) && shown > 0) box.open = true;
-      const all = shown < rows.length ? `${shown} of ${rows.length}` : String(rows.length);
-      count.textContent = changed > 0 ? `${all}, ${changed} changed` : all;
+      const counts = [shown, changed, rows.length];
+      showCounts(group, counts);
+      countsOfKinds.get(group.kind)?.forEach((count, index, all) => { all[index] = count + counts[index]; });
     }
+    for (const [kind, counts] of countsOfKinds) showCounts(this.kinds.get(kind), counts);
   }
 
-  // The fields available as axes of the map: `{ path, range }`, design variables first.
+  // The fields available as axes of the map: `{ path, name, kind, range }`, design variables first. `kind` is that of the
+  // part of a mechanism.
   numericFields() {
-    return [...this.rows.values()].filter(({ slider, field }) => slider && isNumeric(field)).map(({ path }) => ({ path, range: this.ranges.get(path) }));
+    const rows = [...this.rows.values()].filter(({ slider, field }) => slider && isNumeric(field));
+    return rows.map(({ path, field }) => ({ path, name: fieldName(field), kind: field.group[0], range: this.ranges.get(path) }));
   }
 }
 
@@ -238,8 +274,15 @@ function selectOption(select, word) {
   select.value = word;
 }
 
-// "design.base" → "base", "motor.torque" → "motor torque", "contact.friction.mu_static" → "friction mu_static".
-const shortName = (path) => path.replace(/^design\./, "").split(".").slice(-2).join(" ");
+// "design.base" → "base", "motor.torque" → "motor torque", "contact.friction.mu_static" → "friction mu_static". Parameters
+// are named like the variables of a design.
+const shortName = (path) => path.replace(/^(design|parameters)\./, "").split(".").slice(-2).join(" ");
+
+// The name of a field next to others of its part: "bodies.tip.outlines.pad.size[0]" → "pad size[0]".
+const nameInGroup = ({ path, group, key }) => (group.length > 0 ? path.slice(group.join(".").length + 1).replace(/^outlines\./, "").replaceAll(".", " ") : key);
+
+// The name of a field next to any others.
+const fieldName = (field) => (field.group.length > 0 ? `${field.group[1]} ${nameInGroup(field)}` : shortName(field.path));
 
 // "contact.friction" → "Contact: friction".
 function sectionTitle(section) {

@@ -68,7 +68,8 @@ class Grid {
     Object.keys(words).forEach((name) => this.words.add(name));
     batch.forEach(([i, j], row) => {
       const values = new Map(columns.map((name, k) => [name, data[row * columns.length + k]]));
-      for (const name of Object.keys(words)) values.set(name, words[name][row]);
+      // A figure may be a number at some points and a word at others.
+      for (const name of Object.keys(words)) if (words[name][row] !== null || !values.has(name)) values.set(name, words[name][row]);
       this.points.set(j * (GRID_INTERVALS + 1) + i, { values, refused: refused[row] ?? null });
     });
     this.done = this.points.size;

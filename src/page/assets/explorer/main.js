@@ -3,7 +3,7 @@
 // Time without edits until the checks start, and until a paused playback resumes.
 const SETTLE_DELAY_MS = 150;
 const RESUME_DELAY_MS = 1600;
-const PRESET_GROUP_TITLES = { finger: "One finger", gripper: "Gripper", discs: "Discs", hard: "Hard cases" };
+const PRESET_GROUP_TITLES = { finger: "One finger", gripper: "Gripper", mechanism: "Mechanism", hard: "Hard cases" };
 
 async function startExplorer() {
   const page = JSON.parse(byId("explorer").textContent);

@@ -32,14 +32,17 @@ class DesignMap {
     const paths = variables.map(({ path }) => path);
     if (!paths.includes(this.axes.x)) this.axes.x = paths.find((path) => path !== this.axes.y);
     if (!paths.includes(this.axes.y) || this.axes.y === this.axes.x) this.axes.y = paths.find((path) => path !== this.axes.x);
-    for (const id of ["x", "y"]) setOptions(byId(`map-${id}`), paths.map((path) => [path, shortName(path)]), this.axes[id]);
+    const options = variables.map(({ path, name, kind }) => [path, name, kind && sectionTitle(kind)]);
+    for (const id of ["x", "y"]) setOptions(byId(`map-${id}`), options, this.axes[id]);
     return true;
   }
 
   updateCriteria() {
     // In the order of the figures, most important first; a criterion may exist at some points only.
     const names = [...new Set([...this.figures().map(({ key }) => key), ...this.grid.words, ...this.grid.columns])];
-    if (!names.includes(this.criterion)) this.criterion = names.find((name) => name.endsWith("tts_s")) ?? names[0];
+    // The first figure of a mechanism is its fate.
+    const main = names[0] === "grasp.fate" && this.fields.hasParts() ? names[0] : names.find((name) => name.endsWith("tts_s"));
+    if (!names.includes(this.criterion)) this.criterion = main ?? names[0];
     setOptions(byId("map-criterion"), names.map((name) => [name, this.findFigure(name)?.label ?? name.replaceAll("_", " ")]), this.criterion);
   }
 
@@ -108,17 +111,18 @@ class DesignMap {
   // The colours of the values, and the data of the legend.
   colouring() {
     const { grid, criterion } = this;
-    if (grid.words.has(criterion)) {
-      const presentWords = new Set(grid.values(criterion));
-      return { colour: (word) => colour(resultColour(word)), words: [...new Set([...resultColours.keys(), ...presentWords])].filter((word) => presentWords.has(word)) };
-    }
+    const presentWords = new Set(grid.values(criterion).filter((value) => typeof value === "string"));
+    const words = [...new Set([...resultColours.keys(), ...presentWords])].filter((word) => presentWords.has(word));
+    const wordColour = (word) => colour(resultColour(word));
+    if (grid.words.has(criterion) && !grid.columns.has(criterion)) return { colour: wordColour, words };
+    // Some figures are numbers at most points and a word at others: a margin without a limit is "any".
     let [low, high] = [Infinity, -Infinity];
     for (const value of grid.values(criterion)) {
       if (Number.isFinite(value)) [low, high] = [Math.min(low, value), Math.max(high, value)];
     }
     const logarithmic = low > 0 && high > 300 * low;
     const scale = (value) => (high > low ? (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low)) : 0.5);
-    return { colour: (value) => colourAt(scale(value)), low, high, logarithmic };
+    return { colour: (value) => (typeof value === "string" ? wordColour(value) : colourAt(scale(value))), words, isScale: true, low, high, logarithmic };
   }
 
   draw() {
@@ -216,7 +220,7 @@ class DesignMap {
     if (this.cursor) ring(this.cursor[0], this.cursor[1], 4, "accent");
   }
 
-  updateLegend({ colour: colourOf, words, low, high, logarithmic }) {
+  updateLegend({ colour: colourOf, words, isScale, low, high, logarithmic }) {
     const hasGaps = this.grid.values(this.criterion).filter((value) => !Number.isNaN(value)).length < this.grid.done;
     const legendKey = JSON.stringify([words, low, high, hasGaps, this.criterion, document.documentElement.dataset.theme]);
     if (legendKey === this.legendKey) return;
@@ -228,15 +232,16 @@ class DesignMap {
       return element("span", { class: "entry" }, swatch, text);
     };
     const gapEntries = hasGaps ? [entry(null, "invalid scene, or no such result")] : [];
-    if (words) {
-      holder.replaceChildren(...words.map((word) => entry(colourOf(word), word)), ...gapEntries);
+    const wordEntries = words.map((word) => entry(colourOf(word), word));
+    if (!isScale) {
+      holder.replaceChildren(...wordEntries, ...gapEntries);
       return;
     }
     const bar = element("i", { class: "bar" });
     bar.style.background = `linear-gradient(to right, ${COLOUR_SCALE.join(", ")})`;
     const unit = this.findFigure(this.criterion)?.unit ?? "";
     const endTexts = low <= high ? [formatQuantity(low, unit, 3), formatQuantity(high, unit, 3)] : ["–", "–"];
-    holder.replaceChildren(element("span", {}, endTexts[0]), bar, element("span", {}, endTexts[1]), ...(logarithmic ? [element("span", { class: "soft" }, "logarithmic")] : []), ...gapEntries);
+    holder.replaceChildren(element("span", {}, endTexts[0]), bar, element("span", {}, endTexts[1]), ...(logarithmic ? [element("span", { class: "soft" }, "logarithmic")] : []), ...wordEntries, ...gapEntries);
   }
 
   // Describes a point in words.
@@ -280,11 +285,19 @@ class DesignMap {
   }
 }
 
-// Sets the options of a select element; unchanged options are retained.
-function setOptions(select, pairs, chosen) {
-  const optionsKey = JSON.stringify(pairs);
+// Sets the options of a select element: values, texts and groups, if any. Unchanged options are retained.
+function setOptions(select, options, chosen) {
+  const optionsKey = JSON.stringify(options);
   if (select.dataset.form !== optionsKey) {
-    select.replaceChildren(...pairs.map(([value, optionText]) => element("option", { value }, optionText)));
+    const groups = new Map();
+    select.replaceChildren();
+    for (const [value, optionText, group] of options) {
+      if (group && !groups.has(group)) {
+        groups.set(group, element("optgroup", { label: group }));
+        select.append(groups.get(group));
+      }
+      (groups.get(group) ?? select).append(element("option", { value }, optionText));
+    }
     select.dataset.form = optionsKey;
   }
   select.value = chosen;

@@ -5,13 +5,15 @@ const TOLERANCES = ["1e-7", "1e-8", "1e-9"];
 // Relative perturbations of the drive, as in the check.
 const PERTURBATIONS = [-1e-7, 1e-7, 3e-7];
 const DRIVE_FIELDS = ["motor.torque", "spring.torque", "spring.stiffness"];
+const GAIN_OF_ACTUATOR = /^actuators\..*\.kp$/;
 // Error of interpolated angles where a rate jumps.
 const MIN_ANGLE_RAD = 1e-4;
 const ERROR_FRACTION = 0.1;
 
 // The additional setting of each run.
 function variations(fields) {
-  const driveField = DRIVE_FIELDS.map((path) => fields.find((field) => field.path === path)).find((field) => field && isNumeric(field));
+  const driveFields = DRIVE_FIELDS.map((path) => fields.find((field) => field.path === path));
+  const driveField = [...driveFields, fields.find(({ path }) => GAIN_OF_ACTUATOR.test(path))].find((field) => field && isNumeric(field));
   const toleranceVariations = TOLERANCES.map((rtol) => ["integrator.rtol", rtol]);
   const perturbedDrives = driveField ? PERTURBATIONS.map((perturbation) => [driveField.path, formatValue(driveField.value * (1 + perturbation), driveField.unit)]) : [];
   return [...toleranceVariations, ...perturbedDrives];
