@@ -431,9 +431,9 @@ describe("the explorer", () => {
   });
 
   it("opens a mechanism, with sliders of its parameters and a map of its fates", { timeout: 300_000 }, async (test) => {
-    const text = readFileSync(TWO_PIVOT, "utf8").replace('at = ["3 mm", "120 mm"]', 'at = ["3 mm", "= height"]').replace('"0.8 rad"]', '"= close"]');
+    const text = readFileSync(TWO_PIVOT, "utf8").replace('at = ["3 mm", "120 mm"]', 'at = ["3 mm", "= center"]').replace('"0.8 rad"]', '"= close"]');
     const scene = path.join(DIRECTORY, "own.toml");
-    writeFileSync(scene, `parameters = { height = "120 mm", close = "0.8 rad" }\n${text}`);
+    writeFileSync(scene, text.replace("[parameters]\n", '[parameters]\ncenter = "120 mm"\nclose = "0.8 rad"\n'));
     const { page, call, state, close } = await openReady({ width: 1400, height: 900 }, writeExplorer(scene, "mechanism.html"));
     const before = await state();
     assertFiguresEqual(before, native(scene));
@@ -449,7 +449,7 @@ describe("the explorer", () => {
 
     // Parameters come first; the parts of the mechanism are collapsed.
     const shown = await page.locator("#fields input[type=range]:visible").evaluateAll((all) => all.map((each) => each.getAttribute("aria-label")));
-    assert.deepEqual(shown.slice(0, 2), ["parameters.close", "parameters.height"]);
+    assert.deepEqual(shown.slice(0, 2), ["parameters.center", "parameters.close"]);
     assert.ok(Object.keys(before.fields).length > 60 && shown.length < 20, `${shown.length} sliders`);
     await page.locator("#filter").fill("right_tip pad");
     assert.ok(await slider(page, "bodies.right_tip.outlines.pad.size[1]").isVisible());
@@ -458,11 +458,11 @@ describe("the explorer", () => {
     // A is overlaid on B, which the slider of a parameter has changed.
     await page.keyboard.press("Escape");
     await call("keep");
-    await slider(page, "parameters.height").focus();
+    await slider(page, "parameters.center").focus();
     for (let k = 0; k < 3; k++) await page.keyboard.press("Shift+ArrowRight");
     await call("settled");
     const after = await state();
-    assert.notEqual(after.fields["parameters.height"].value, 120);
+    assert.notEqual(after.fields["parameters.center"].value, 120);
     assert.notDeepEqual(after.figures, before.figures);
     assertFiguresEqual(after, native(scene, after.set));
     assert.deepEqual(after.runs.map(({ label }) => label), ["B", "A"]);

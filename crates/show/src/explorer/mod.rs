@@ -334,13 +334,13 @@ impl Sink for CsvSink {
 mod tests {
     use super::*;
 
-    /// A gripper that is a mechanism, with two parameters.
+    /// A gripper that is a mechanism, with two more parameters.
     fn two_pivot() -> Value {
         let text = include_str!("../../../../scenes/mechanisms/two-pivot.toml")
             .replace("start = { at = [\"3 mm\", \"120 mm\"] }", "start = { at = [\"3 mm\", \"= height\"] }")
-            .replace("targets = [\"0 rad\", \"0.8 rad\"]", "targets = [\"0 rad\", \"= close\"]");
-        let head = "parameters = { height = \"120 mm\", close = \"0.8 rad\" }\n";
-        json!({ "file": "own.toml", "text": head.to_string() + &text })
+            .replace("targets = [\"0 rad\", \"0.8 rad\"]", "targets = [\"0 rad\", \"= close\"]")
+            .replace("[parameters]\n", "[parameters]\nheight = \"120 mm\"\nclose = \"0.8 rad\"\n");
+        json!({ "file": "own.toml", "text": text })
     }
 
     fn ask(kind: &str, scene: &Value, more: &Value) -> (Value, Vec<f64>) {
@@ -359,8 +359,8 @@ mod tests {
     fn fields_of_a_mechanism_are_listed_by_its_parts_after_the_parameters() {
         let (found, _) = ask("fields", &two_pivot(), &Value::Null);
         assert_eq!(
-            words(&found["design"])[..4],
-            ["parameters.close", "parameters.height", "actuators.motor.kp", "actuators.motor.kd"]
+            words(&found["design"])[..5],
+            ["parameters.close", "parameters.driver", "parameters.height", "actuators.motor.kp", "actuators.motor.kd"]
         );
         let fields = found["fields"].as_array().expect("a list");
         let field = |path: &str| fields.iter().find(|field| field["path"] == path).unwrap_or_else(|| panic!("{path}"));
