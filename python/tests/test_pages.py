@@ -28,6 +28,16 @@ class Pages(unittest.TestCase):
                 if "savefig" in blocks[0]:
                     self.assertTrue((Path(directory) / "q11.png").read_bytes().startswith(b"\x89PNG"))
 
+    def test_the_map_of_a_linkage_prints_what_the_page_shows(self):
+        page = (ROOT / "book" / "pages" / "your-linkage.md").read_text()
+        (block,) = BLOCK.findall(page)
+        with tempfile.TemporaryDirectory() as directory:
+            shutil.copy(SCENES / "mechanisms" / "two-pivot.toml", Path(directory) / "my-gripper.toml")
+            result = subprocess.run([sys.executable, "-c", block], cwd=directory, capture_output=True, text=True, check=False)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertRegex(result.stdout, r"^24 mm, 0\.2: [a-z ]+, ")
+        self.assertEqual(len(result.stdout.splitlines()), 6)
+
     def test_search_of_the_tutorial_prints_what_the_page_shows(self):
         page = (ROOT / "book" / "pages" / "choosing.md").read_text()
         command, shown = re.search(r"```sh\npython (-m phalanx\.optimize .*)\n```\n\n```text\n((?:.*\n)*?)```", page).groups()

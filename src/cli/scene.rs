@@ -89,7 +89,8 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
     };
     let (text, content) = match (&args.from, args.kind.shipped()) {
         (Some(name), _) => {
-            let shipped = shipped_scene(name).map_err(Failure::bad_input)?;
+            let unknown = |reason| Failure::bad_input(format!("{reason}; `phalanx new --list` prints all names"));
+            let shipped = shipped_scene(name).map_err(unknown)?;
             (shipped.standalone_text().map_err(Failure::bad_input)?, format!("the shipped scene {}", shipped.name()))
         }
         (None, Some((name, content))) => {
