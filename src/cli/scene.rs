@@ -18,7 +18,7 @@ use crate::mjcf::mujoco_model;
 use crate::plot::linkage;
 use crate::scene::{self, HandFinger, ObjectMotion, Scene, Side};
 use crate::shape::{self, Shape};
-use crate::shipped::{SHIPPED_SCENES, shipped_scene};
+use crate::shipped::{SHIPPED_SCENES, ShippedScene, shipped_scene};
 use crate::trace::{Model, Simulation};
 
 /// Write a commented scene file as a starting point for your own gripper or mechanism; it runs without changes.
@@ -87,20 +87,20 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
             SHIPPED_SCENES.iter().map(|scene| vec![scene.name().to_string(), scene.title()]).collect();
         return print_report(&list(&lines));
     };
-    let (text, content) = match (&args.from, args.kind.shipped()) {
-        (Some(name), _) => {
-            let unknown = |reason| Failure::bad_input(format!("{reason}; `phalanx new --list` prints all names"));
-            let shipped = shipped_scene(name).map_err(unknown)?;
-            (shipped.standalone_text().map_err(Failure::bad_input)?, format!("the shipped scene {}", shipped.name()))
-        }
-        (None, Some((name, content))) => {
-            let shipped = shipped_scene(name).map_err(Failure::bad_input)?;
-            (shipped.standalone_text().map_err(Failure::bad_input)?, format!("a commented scene of {content}"))
-        }
-        (None, None) => {
-            let content = "a commented scene of one finger of a gripper; the other finger is its mirror image";
-            (include_str!("new.toml").to_string(), content.to_string())
-        }
+    let (name, content) = match (&args.from, args.kind.shipped()) {
+        (Some(name), _) => (Some(&name[..]), None),
+        (None, Some((name, content))) => (Some(name), Some(content)),
+        (None, None) => (None, Some("one finger of a gripper; the other finger is its mirror image")),
+    };
+    let unknown = |reason| Failure::bad_input(format!("{reason}; `phalanx new --list` prints all names"));
+    let shipped = name.map(shipped_scene).transpose().map_err(unknown)?;
+    let text = match shipped {
+        Some(shipped) => shipped.standalone_text().map_err(Failure::bad_input)?,
+        None => include_str!("new.toml").to_string(),
+    };
+    let content = match content {
+        Some(content) => format!("a commented scene of {content}"),
+        None => format!("the shipped scene {}", shipped.map_or("", ShippedScene::name)),
     };
     let path = target.display();
     let bad_input = |reason: &str, advice: &str| Failure::bad_input(format!("cannot write {path}: {reason}; {advice}"));

@@ -24,9 +24,9 @@ const DEFAULT_LISTED_RUNS: u64 = 12;
 
 /// Simulate all runs of a study on all cores and write a table of them.
 ///
-/// A study file (TOML) names a base scene of any kind and the fields to vary; scenes/studies contains examples to copy. Each row is appended to OUT.partial.csv as soon as it is available. At the
-/// end, OUT contains all rows in order and OUT.study.json identifies the study. Repeating an interrupted command resumes
-/// the sweep. Invalid scenes and incomplete simulations have rows too, which state the reason.
+/// A study file (TOML) names a base scene of any kind and the fields to vary; scenes/studies contains examples to copy.
+/// Each row is appended to OUT.partial.csv as soon as it is available. At the end, OUT contains all rows in order and
+/// OUT.study.json identifies the study. Repeating an interrupted command resumes the sweep. Invalid scenes and incomplete simulations have rows too, which state the reason.
 ///
 /// To use several machines, run one shard of the study on each machine (--shard) and join the shards with `phalanx sweep
 /// merge`; the result has the same bytes.

@@ -7,7 +7,7 @@ use super::svg::{Paint, Pixel, Svg};
 use super::theme::{
     BLUE, BROKEN, Colour, DOUBTFUL, FINE, INK, NEUTRAL, PALE_BLUE, PAPER, PURPLE, SOFT, Scale, VERDICTS,
 };
-use crate::criteria::Class;
+use crate::criteria::{Class, Fate};
 use crate::study::quantity::ColumnFormat;
 use crate::study::sweep::{FieldType, Study, result_type};
 use crate::table::{Table, Value};
@@ -28,16 +28,8 @@ const MAX_LABELS: usize = 8;
 /// Steps of the key of a figure.
 const KEY_STEPS: usize = 5;
 
-/// Fates with their colours; ordered as their names are.
-const FATES: [(&str, Colour); 7] = [
-    ("held", BLUE),
-    ("carried", PALE_BLUE),
-    ("placed", FINE),
-    ("dropped", DOUBTFUL),
-    ("ejected", BROKEN),
-    ("escaped", PURPLE),
-    ("not grasped", NEUTRAL),
-];
+/// Colours of fates, in the order of their names.
+const FATES: [Colour; Fate::NAMES.len()] = [BLUE, PALE_BLUE, FINE, DOUBTFUL, BROKEN, PURPLE, NEUTRAL];
 
 /// A column with the values that it takes, in order.
 struct MapAxis {
@@ -109,7 +101,7 @@ pub fn map(study: &Study, table: &Table) -> Result<String, String> {
     let status = table.texts("status").map_err(|error| error.to_string())?;
     let palette: Vec<(&str, Colour)> = match verdict {
         "class" => Class::ALL.map(Class::name).into_iter().zip(VERDICTS).collect(),
-        _ => FATES.to_vec(),
+        _ => Fate::NAMES.into_iter().zip(FATES).collect(),
     };
     let colours: Vec<Colour> = verdicts
         .iter()

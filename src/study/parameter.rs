@@ -1,9 +1,11 @@
 //! Numeric fields of a scene as parameters of its derivatives.
 
 use toml::Value;
+use toml::de::DeTable;
 
 use crate::gradient::Parameter;
 use crate::scene::keys::child_schema;
+use crate::scene::keywords::SceneKind;
 use crate::scene::parameters::{Parameters, unknown};
 use crate::scene::parse::document;
 use crate::scene::schema::schema_for;
@@ -27,8 +29,10 @@ pub fn parameters<'a>(
     finish: &'a dyn Fn(&mut Scene),
 ) -> Result<Vec<Parameter<'a>>, String> {
     let text = show_written(&parse_layers(layers, settings, parse_any).map_err(|error| error.to_string())?);
+    let (kind, document, _) = document(&text).map_err(|error| error.to_string())?;
+    let scene_parameters = Parameters::read(document.get_ref()).0;
     let parameter = |field: &String| {
-        let found = find(&text, field)?;
+        let found = find((kind, document.get_ref()), &scene_parameters, field)?;
         let unit = match found.dimension() {
             Some(dimension) => dimension.units()[0].name,
             None if found.is_number() => "",
@@ -48,10 +52,8 @@ pub fn parameters<'a>(
     fields.iter().map(parameter).collect()
 }
 
-/// The value of a field of a complete scene.
-fn find(text: &str, field: &str) -> Result<Measured, String> {
-    let (kind, document, _) = document(text).map_err(|error| error.to_string())?;
-    let parameters = Parameters::read(document.get_ref()).0;
+/// The value of a field of a complete scene with these parameters.
+fn find((kind, scene): (SceneKind, &DeTable<'_>), parameters: &Parameters, field: &str) -> Result<Measured, String> {
     let parts = parse_field(field)?;
     if let [section, name] = &parts[..]
         && section.key() == PARAMETERS
@@ -66,7 +68,7 @@ fn find(text: &str, field: &str) -> Result<Measured, String> {
              all fields, such as design.base"
         )
     };
-    let (mut table, mut schema, mut value) = (Some(document.get_ref()), schema_for(kind), None);
+    let (mut table, mut schema, mut value) = (Some(scene), schema_for(kind), None);
     for part in &parts {
         let get = |key: &str| table.and_then(|table| table.get(key));
         // An entry without its list is a key of its own.
@@ -83,11 +85,11 @@ fn find(text: &str, field: &str) -> Result<Measured, String> {
     let dimension = match &value_type {
         ValueType::Quantity(dimension) => Some(*dimension),
         ValueType::OneOf(dimensions) => {
-            value.get_ref().as_str().and_then(|text| dimension_of(text, dimensions, &parameters))
+            value.get_ref().as_str().and_then(|text| dimension_of(text, dimensions, parameters))
         }
         _ => None,
     };
-    let si = match value_type.read(field, value, &parameters) {
+    let si = match value_type.read(field, value, parameters) {
         Ok(Value::Float(number)) => number,
         Ok(Value::Integer(number)) => number as f64,
         _ => return Err(error()),

@@ -27,6 +27,12 @@ pub(super) struct Base {
 }
 
 impl Base {
+    /// Whether its scenes are those of five-bar fingers: with an object that is no disc, a scene is one of a mechanism.
+    pub fn is_hand(&self) -> bool {
+        let has_outline = self.table.get("object").and_then(|object| object.get("outline")).is_some();
+        self.kind.fingers() > 0 && !has_outline
+    }
+
     /// Finds a field; the problem of an unknown path has no position.
     pub fn field(&self, path: &str) -> Result<Field, Problem> {
         Field::find(path, self.kind, &self.table, &self.parameters)

@@ -60,7 +60,7 @@ impl Results {
     /// # Errors
     /// Returns an unknown figure or channel, with all names.
     pub fn of(scene: &Scene, only: &[String], extrema: &[String]) -> Result<Self, UnknownFigure> {
-        let figures = match scene.finger_count() {
+        let mut figures = match scene.finger_count() {
             0 => Figures::Scene(Box::new(SceneFigures::of(scene))),
             fingers => Figures::Hand(fingers),
         };
@@ -90,7 +90,11 @@ impl Results {
         };
         let is_selected =
             |name: &String| only.is_empty() || only.contains(name) || is_common(name) || is_extremum(name);
-        let names = names.into_iter().filter(is_selected).collect();
+        let names: Arc<[String]> = names.into_iter().filter(is_selected).collect();
+        if let Figures::Scene(of_scene) = &mut figures {
+            // Others need not be computed; the margin solves linear programs.
+            of_scene.columns.retain(|(name, _)| names.contains(name));
+        }
         Ok(Results { figures, extrema, names })
     }
 

@@ -271,11 +271,9 @@ pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let unusable = |reason: String| StudyError::Read { file: file_name.to_string(), reason };
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let stem = stem.filter(|stem| !stem.trim().is_empty()).unwrap_or_else(|| "study".to_string());
-    let is_outline = |path: &str| path.starts_with("object.outline");
-    let has_outline = base.table.get("object").and_then(|object| object.get("outline")).is_some()
-        || axes.iter().flat_map(|axis| &axis.fields).any(|field| is_outline(&field.path));
-    // An object that is no disc makes the scene one of a mechanism.
-    let is_hand = base.kind.fingers() > 0 && !has_outline;
+    let varies_outline =
+        axes.iter().flat_map(|axis| &axis.fields).any(|field| field.path.starts_with("object.outline"));
+    let is_hand = base.is_hand() && !varies_outline;
     let mut found = Study {
         results: Results::of_hand(base.kind.fingers()),
         name: if study.name.is_empty() { stem } else { study.name },
@@ -668,8 +666,7 @@ pub fn in_memory_study(
         }
         fields.push(field);
     }
-    let has_outline = base.table.get("object").and_then(|object| object.get("outline")).is_some();
-    let results = if base.kind.fingers() > 0 && !has_outline {
+    let results = if base.is_hand() {
         Results::of_hand(base.kind.fingers())
     } else {
         let scene = parse_layers(layers, settings, parse_any)?;

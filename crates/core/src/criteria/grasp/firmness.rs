@@ -181,8 +181,7 @@ fn margin(posture: &Posture<'_>, drives: DriveState, loads: &LoadsAtRest) -> Mar
             MechanismLimit::Unlimited => {}
             // The rounding of a programme without any margin may be negative.
             MechanismLimit::Limited { acceleration_m_s2, contacts, yielding, .. } => {
-                let failure = posture.failure(&contacts, &yielding);
-                limits.push((balance.direction, acceleration_m_s2.max(0.0), failure));
+                limits.push((balance.direction, acceleration_m_s2.max(0.0), (contacts, yielding)));
             }
         }
     }
@@ -192,7 +191,10 @@ fn margin(posture: &Posture<'_>, drives: DriveState, loads: &LoadsAtRest) -> Mar
     Margin::Limited {
         acceleration_m_s2: least,
         directions_rad: worst.iter().map(|(direction, ..)| angle(*direction)).collect(),
-        failure: worst.first().map(|(.., failure)| failure.clone()).unwrap_or_default(),
+        failure: worst
+            .first()
+            .map(|(.., (contacts, yielding))| posture.failure(contacts, yielding))
+            .unwrap_or_default(),
     }
 }
 

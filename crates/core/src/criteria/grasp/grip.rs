@@ -115,7 +115,7 @@ mod tests {
     use crate::numeric::elementary::sin_cos;
     use crate::statics::FrictionContact;
 
-    /// Edges of two opposite contacts of a disc of radius 1, of which the second one is turned.
+    /// Edges of two opposite contacts of a disc of radius 1. The second contact is turned.
     fn contacts(turn_rad: f64) -> [(usize, Edges); 2] {
         [0.0, std::f64::consts::PI + turn_rad].map(|angle_rad| {
             let (sin, cos) = sin_cos(angle_rad);
