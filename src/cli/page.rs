@@ -1,6 +1,7 @@
 //! Pages of commands, and their display in the user's browser: `phalanx explore`, and `--html` and `--open` of
 //! `phalanx run`.
 
+use std::borrow::Cow;
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -171,7 +172,12 @@ const MODULE_FILE: &str = "phalanx-explorer.wasm.gz";
 /// Environment variable with the path of a module to use instead.
 const MODULE_VARIABLE: &str = "PHALANX_EXPLORER";
 /// Advice for a missing module.
-const BUILD_HINT: &str = "in the source directory of phalanx, run: tools/explorer.sh --install (it builds the module and installs it next to the program; releases include it)";
+const BUILD_HINT: &str = "run `rustup target add wasm32-unknown-unknown` and install phalanx again: the program then contains the module, as it does in releases. Or, in the source directory, run: tools/explorer.sh --install (it builds the module and installs it next to the program)";
+/// The module in the program; see `build.rs`.
+#[cfg(has_explorer_module)]
+const BUILT_IN_MODULE: Option<&[u8]> = Some(include_bytes!(concat!(env!("OUT_DIR"), "/explorer.wasm.gz")));
+#[cfg(not(has_explorer_module))]
+const BUILT_IN_MODULE: Option<&[u8]> = None;
 
 /// Open the explorer: a page that simulates the scene again whenever a slider moves.
 ///
@@ -200,22 +206,22 @@ pub(crate) struct ExploreArgs {
     #[arg(long, requires = "out")]
     open: bool,
 
-    /// WebAssembly module of the explorer, compressed with gzip [default: the file named by PHALANX_EXPLORER, else
-    /// phalanx-explorer.wasm.gz in the directory of the program]
+    /// WebAssembly module of the explorer, compressed with gzip [default: the file named by PHALANX_EXPLORER, else the module
+    /// in the program, else phalanx-explorer.wasm.gz in the directory of the program]
     #[arg(long, value_name = "FILE.wasm.gz")]
     module: Option<PathBuf>,
 }
 
 pub(super) fn explore(args: &ExploreArgs) -> Result<Status, Failure> {
     let start = load_initial_scene(args)?;
-    let (module_path, module) = read_module(args.module.as_deref())?;
+    let (module_files, module) = read_module(args.module.as_deref())?;
     let browser = (args.open || args.out.is_none()).then(Browser::find).transpose();
     let browser = browser.map_err(|message| Failure::bad_input(message.replace("--html", "-o")))?;
     let target = match &args.out {
         Some(target) => {
             let scene = args.scene.as_deref().map(source_files).unwrap_or_default();
             let page = ("-o", Some(target.as_path()), FileKind::Page);
-            reserve(&[("the scene", &scene), ("the module", &[module_path])], &[page], NO_DIRECTORY)?;
+            reserve(&[("the scene", &scene), ("the module", &module_files)], &[page], NO_DIRECTORY)?;
             target.clone()
         }
         None => create_temporary_page("-o")?,
@@ -250,11 +256,15 @@ fn split_setting(line: &str) -> Option<(String, String)> {
     Some((path.to_string(), value.to_string()))
 }
 
-fn read_module(module_arg: Option<&Path>) -> Result<(PathBuf, Vec<u8>), Failure> {
+/// Returns the module, and the files that it was read from.
+fn read_module(module_arg: Option<&Path>) -> Result<(Vec<PathBuf>, Cow<'static, [u8]>), Failure> {
     let from_environment = || env::var_os(MODULE_VARIABLE).filter(|name| !name.is_empty()).map(PathBuf::from);
+    let named = module_arg.map(Path::to_path_buf).or_else(from_environment);
+    if let (None, Some(module)) = (&named, BUILT_IN_MODULE) {
+        return Ok((Vec::new(), module.into()));
+    }
     let beside_program = || env::current_exe().ok().map(|program| program.with_file_name(MODULE_FILE));
-    let path = module_arg.map(Path::to_path_buf).or_else(from_environment).or_else(beside_program);
-    let path = path.unwrap_or_else(|| MODULE_FILE.into());
+    let path = named.or_else(beside_program).unwrap_or_else(|| MODULE_FILE.into());
     let unreadable = |reason: String| {
         Failure::bad_input(format!(
             "cannot read {}, the module of the explorer: {reason}\n  = help: {BUILD_HINT}; or name the module with --module FILE or in {MODULE_VARIABLE}",
@@ -273,5 +283,5 @@ fn read_module(module_arg: Option<&Path>) -> Result<(PathBuf, Vec<u8>), Failure>
             path.display()
         )));
     }
-    Ok((path, bytes))
+    Ok((vec![path], bytes.into()))
 }

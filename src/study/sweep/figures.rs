@@ -1,9 +1,10 @@
-//! Result columns of a study: those of five-bar hands by their names; of other scenes the criteria of the grasp, then what the
-//! schema of the scene names.
+//! Result columns of a study: of five-bar hands those of [`super::hands`]; of other scenes the criteria of the grasp, then what
+//! the schema of the scene names.
 
 use std::cell::OnceCell;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
+use super::hands::{FINGER_FIGURES, Figure, GRIPPER_FIGURES, HandFigures};
 use crate::criteria::{ActuatorCriteria, ActuatorTracker, Firmness, Margin, ObjectCriteria, ObjectTracker, firmness};
 use crate::mechanism::OutlinePair;
 use crate::scene::Scene;
@@ -11,26 +12,16 @@ use crate::table::Value;
 use crate::trace::schema::SubjectKind;
 use crate::trace::{Channel, ContactSample, Outcome, RequiredData, Sample, Schema, Sink, SinkError};
 
-/// Result columns of fingers, after the columns of the axes: dimensions, statics, class and forces.
-const FINGER_COLUMNS: &str = "l12_m l21_m l22_m t22_m mass_kg trajectory_rad motor_n_m spring_n_m static_f21_n static_f22_n \
-     static_pfp_n force_positive form_closed status reason t_geo_s tts_s rebound_percent class class_reason f21_n f22_n pfp_n \
-     peak_f21_n peak_f22_n steps check check_error_rad";
-
-/// Result columns of grippers: dimensions, forces and torques of both fingers, fate and final position of the object.
-const GRIPPER_COLUMNS: &str = "palm_width_m right_l21_m left_l21_m right_motor_n_m left_motor_n_m right_spring_n_m left_spring_n_m \
-     status reason grasp grasped_s tts_s until_s form_closed x_start_m x_m y_m angle_rad offset_ratio speed_m_s slip_m slip_rad \
-     contacts_lost link_overlap_m right_proximal_first_s left_proximal_first_s right_distal_first_s left_distal_first_s \
-     right_proximal_n right_distal_n left_proximal_n left_distal_n palm_n table_n peak_right_proximal_n peak_right_distal_n \
-     peak_left_proximal_n peak_left_distal_n peak_palm_n steps check check_error_rad";
-
-/// Names of the result columns of fingers and of grippers, in order.
-pub(super) fn hand_columns(fingers: usize) -> &'static [&'static str] {
-    static COLUMNS: LazyLock<[Vec<&str>; 2]> =
-        LazyLock::new(|| [FINGER_COLUMNS, GRIPPER_COLUMNS].map(|names| names.split(' ').collect()));
-    &COLUMNS[usize::from(fingers == 2)]
+/// Names of the result columns of fingers or of grippers, in order.
+pub(super) fn hand_columns(fingers: usize) -> Vec<&'static str> {
+    fn names<R: ?Sized>(figures: &'static HandFigures<R>) -> Vec<&'static str> {
+        let of = |figures: &'static [Figure<R>]| figures.iter().map(|figure| &figure.name[..]);
+        of(&figures.design).chain(BEFORE).chain(of(&figures.run)).chain(AFTER).collect()
+    }
+    if fingers == 2 { names(&GRIPPER_FIGURES) } else { names(&FINGER_FIGURES) }
 }
 
-/// Result columns of any scene before and after its figures.
+/// Result columns of any scene before and after the figures of a run.
 const BEFORE: [&str; 2] = ["status", "reason"];
 const AFTER: [&str; 3] = ["steps", "check", "check_error_rad"];
 
@@ -74,7 +65,7 @@ impl Results {
         let of_extrema = extrema.iter().flat_map(|channel| Extrema::columns(&channel.name));
         let names: Vec<String> = match &figures {
             Figures::Hand(fingers) => {
-                hand_columns(*fingers).iter().map(ToString::to_string).chain(of_extrema).collect()
+                hand_columns(*fingers).into_iter().map(String::from).chain(of_extrema).collect()
             }
             Figures::Scene(scene) => {
                 let before = BEFORE.into_iter().chain(scene.names()).map(String::from);
@@ -106,7 +97,7 @@ impl Results {
 
     /// The result columns of a hand, without extrema.
     pub fn of_hand(fingers: usize) -> Self {
-        let names = hand_columns(fingers).iter().map(ToString::to_string).collect();
+        let names = hand_columns(fingers).into_iter().map(String::from).collect();
         Results { figures: Figures::Hand(fingers), extrema: Vec::new(), names }
     }
 }

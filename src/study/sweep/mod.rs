@@ -11,6 +11,7 @@
 mod axis;
 mod base_scene;
 mod figures;
+mod hands;
 mod results;
 mod run;
 mod sequence;

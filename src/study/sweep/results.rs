@@ -137,11 +137,6 @@ impl Cells {
         }
     }
 
-    /// Sets several results of one type.
-    pub fn set_all<const N: usize>(&mut self, values: [(&str, impl Into<Value>); N]) {
-        values.into_iter().for_each(|(name, value)| self.set(name, value));
-    }
-
     pub fn row(mut self, status: Status, reason: &str) -> Row {
         self.set("status", status.name());
         // A row must be a single line of the partial file.

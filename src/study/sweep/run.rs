@@ -9,18 +9,16 @@ use std::time::Instant;
 use rayon::prelude::*;
 
 use super::figures::{Extrema, Figures, SceneFigures};
+use super::hands::{FINGER_FIGURES, FingerRun, GRIPPER_FIGURES, GripperRun, Statics};
 use super::results::{Cells, Row, Status};
 use super::{Filter, Study};
 use crate::check::{check_run, run_and_record};
-use crate::criteria::{
-    Fate, ObjectCriteria, RunCriteriaTracker, StaticGrasp, Tracker, is_form_closed, scene_static_grasp,
-};
-use crate::gripper::total_mass;
-use crate::scene::{self, HandContact, Scene, SceneError, Side};
-use crate::statics::{Equilibrium, form_closure, palm_force_with_mu};
-use crate::study::{KeepRunning, constant_spring};
+use crate::criteria::{RunCriteriaTracker, StaticGrasp, Tracker, scene_static_grasp};
+use crate::scene::{self, Scene, SceneError};
+use crate::statics::{Equilibrium, form_closure};
+use crate::study::KeepRunning;
 use crate::thesis::monitor::thread_pool;
-use crate::trace::{self, Cancellable, FingerContact, Outcome, RunError, Sink};
+use crate::trace::{self, Cancellable, Outcome, RunError, Sink};
 
 /// Statistics of one invocation of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,12 +137,6 @@ fn simulate_row<S: Sink>(
     keep_running().then(|| cells.row(Status::Completed, &reason))
 }
 
-/// Statics of a grasp by a finger, or the reasons why they cannot be computed.
-struct Statics {
-    grasp: Result<StaticGrasp, String>,
-    form_closed: Result<bool, String>,
-}
-
 fn run_finger(study: &Study, scene: &Scene, mut cells: Cells, keep_running: KeepRunning<'_>) -> Option<Row> {
     let grasp = scene_static_grasp(scene);
     let is_closed = |grasp: &StaticGrasp| match form_closure(&scene.finger().linkage, &grasp.end) {
@@ -152,7 +144,8 @@ fn run_finger(study: &Study, scene: &Scene, mut cells: Cells, keep_running: Keep
         Err(error) => Err(error.to_string()),
     };
     let statics = Statics { form_closed: grasp.as_ref().map_err(String::clone).and_then(is_closed), grasp };
-    set_finger(&mut cells, scene, &statics);
+    let design = FingerRun { scene, statics: &statics, closing: None };
+    FINGER_FIGURES.design.iter().for_each(|figure| cells.set(&figure.name, (figure.value)(&design)));
     if let Some(reason) = filter_reason(&study.filter, &statics) {
         return Some(cells.row(Status::Filtered, &reason));
     }
@@ -160,29 +153,12 @@ fn run_finger(study: &Study, scene: &Scene, mut cells: Cells, keep_running: Keep
     let tracker = grasp.map(|grasp| Tracker::new(grasp.final_angles()));
     simulate_row(study, scene, cells, tracker, keep_running, |cells, tracker, outcome| {
         if let Some((tracker, grasp)) = tracker.zip(grasp) {
-            set_closing(cells, &tracker, grasp, outcome)?;
+            let closing = Some((tracker.criteria(grasp.static_forces_n())?, outcome));
+            let run = FingerRun { closing, ..design };
+            FINGER_FIGURES.run.iter().for_each(|figure| cells.set(&figure.name, (figure.value)(&run)));
         }
         Some(missing_statics_reason(&statics))
     })
-}
-
-fn set_finger(cells: &mut Cells, scene: &Scene, statics: &Statics) {
-    let (finger, lengths) = (scene.finger(), &scene.finger().linkage.lengths);
-    cells.set_all([("l12_m", lengths.l12_m), ("l21_m", lengths.l21_m)]);
-    cells.set_all([("l22_m", lengths.l22_m), ("t22_m", lengths.t22_m)]);
-    cells.set("mass_kg", total_mass(&finger.linkage.bodies));
-    // Like the static analysis, this uses the torque at the end of the run.
-    cells.set("motor_n_m", finger.motor.actuation.at(scene.duration_s).0);
-    cells.set("spring_n_m", constant_spring(finger));
-    if let Ok(grasp) = &statics.grasp {
-        cells.set("trajectory_rad", grasp.end.posture.q11_rad - finger.initial.q11_rad);
-        if let Ok(forces) = &grasp.forces {
-            cells.set_all([("static_f21_n", forces.f21_n), ("static_f22_n", forces.f22_n)]);
-            cells.set("static_pfp_n", forces.pfp_n);
-            cells.set("force_positive", forces.is_force_positive());
-        }
-    }
-    cells.set("form_closed", statics.form_closed.as_ref().ok().copied());
 }
 
 /// Reasons for missing static figures, and for a missing class if there is no grasp; empty if there are none.
@@ -194,22 +170,6 @@ fn missing_statics_reason(statics: &Statics) -> String {
     let forces = grasp.forces.as_ref().err().map(|error| format!("no static forces: {error}"));
     let form_closure = statics.form_closed.as_ref().err().map(|error| format!("no form closure: {error}"));
     forces.into_iter().chain(form_closure).collect::<Vec<_>>().join("; ")
-}
-
-/// Sets the cells of the simulation of a finger; `None` if it has no samples.
-fn set_closing(cells: &mut Cells, tracker: &Tracker, grasp: &StaticGrasp, outcome: &Outcome) -> Option<()> {
-    let criteria = tracker.criteria(grasp.static_forces_n())?;
-    cells.set_all([("t_geo_s", criteria.t_geo_s), ("tts_s", criteria.tts_s)]);
-    cells.set("rebound_percent", criteria.rebound_percent);
-    cells.set("class", criteria.class.name());
-    cells.set("class_reason", criteria.class_reason.to_string());
-    let contacts = [FingerContact::Proximal, FingerContact::Distal];
-    let forces_n = contacts.map(|contact| outcome.last.finger_contact(contact).normal_n);
-    let peaks_n = contacts.map(|contact| outcome.finger_contact(contact).peak_normal_n);
-    cells.set_all([("f21_n", forces_n[0]), ("f22_n", forces_n[1])]);
-    cells.set("pfp_n", palm_force_with_mu(&grasp.end, forces_n, grasp.mu_static));
-    cells.set_all([("peak_f21_n", peaks_n[0]), ("peak_f22_n", peaks_n[1])]);
-    Some(())
 }
 
 /// Returns the reason why the filter excludes a run, if it does.
@@ -245,51 +205,15 @@ fn run_scene(
 }
 
 fn run_gripper(study: &Study, scene: &Scene, mut cells: Cells, keep_running: KeepRunning<'_>) -> Option<Row> {
-    cells.set("palm_width_m", scene.hand.palm_width_m);
-    cells.set("x_start_m", scene.hand.grasped().centre_m[0]);
-    // Time-dependent torques are reported at the end of the run.
-    let torque_n_m = |actuation: &scene::Profile| actuation.at(scene.duration_s).0;
-    let input_n_m = scene.hand.differential.as_ref().map_or(0.0, |input| torque_n_m(&input.motor.actuation));
-    for side in Side::BOTH {
-        let finger = scene.hand.finger(side);
-        let column = |quantity: &str| format!("{}_{quantity}", side.name());
-        cells.set(&column("l21_m"), finger.linkage.lengths.l21_m);
-        cells.set(&column("motor_n_m"), torque_n_m(&finger.motor.actuation) + 0.5 * input_n_m);
-        cells.set(&column("spring_n_m"), constant_spring(finger));
-    }
+    let figures = &GRIPPER_FIGURES;
+    let design = GripperRun { scene, grasp: None };
+    figures.all().for_each(|figure| cells.set(&figure.name, (figure.value)(&design)));
     let tracker = RunCriteriaTracker::for_scene(scene);
     simulate_row(study, scene, cells, tracker, keep_running, |cells, tracker, outcome| {
         let found = tracker.finish(true);
-        set_grasp(cells, scene, &found.grasp?, outcome);
-        cells.set("link_overlap_m", found.overlaps.iter().map(|overlap| overlap.depth_m).fold(0.0, f64::max));
+        let overlap_m = found.overlaps.iter().map(|overlap| overlap.depth_m).fold(0.0, f64::max);
+        let run = GripperRun { scene, grasp: Some((found.grasp?, overlap_m, outcome)) };
+        figures.run.iter().for_each(|figure| cells.set(&figure.name, (figure.value)(&run)));
         Some(String::new())
     })
-}
-
-/// Sets the cells of the simulation of a gripper.
-fn set_grasp(cells: &mut Cells, scene: &Scene, criteria: &ObjectCriteria, outcome: &Outcome) {
-    let (last, end) = (&outcome.last, &criteria.last);
-    cells.set("grasp", criteria.fate.name());
-    cells.set_all([("grasped_s", criteria.grasped_s), ("tts_s", criteria.tts_s)]);
-    cells.set("until_s", criteria.fate.lost_at_s());
-    cells.set_all([("x_m", end.centre_m[0]), ("y_m", end.centre_m[1]), ("angle_rad", end.angle_rad)]);
-    cells.set("offset_ratio", criteria.offset_ratio());
-    cells.set("speed_m_s", criteria.end_speed_m_s());
-    cells.set("slip_m", criteria.slip.map(|slip| slip.displacement_m));
-    cells.set("slip_rad", criteria.slip.map(|slip| slip.rotation_rad));
-    cells.set("contacts_lost", i64::from(criteria.contacts_lost()));
-    cells.set("form_closed", is_form_closed(scene, &criteria.end).filter(|_| criteria.fate == Fate::Held));
-    for ((contact, summary), last) in scene.hand.contacts().zip(&outcome.contacts).zip(last.contacts()) {
-        if contact.is_stop() {
-            continue;
-        }
-        let name = contact.name();
-        cells.set(&format!("{name}_n"), last.normal_n);
-        if contact != HandContact::Table {
-            cells.set(&format!("peak_{name}_n"), summary.peak_normal_n);
-        }
-        if let HandContact::Finger(..) = contact {
-            cells.set(&format!("{name}_first_s"), summary.first_s);
-        }
-    }
 }
