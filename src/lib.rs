@@ -37,8 +37,6 @@ pub mod docs;
 mod files;
 pub mod format;
 pub mod limits;
-#[cfg(feature = "live")]
-pub mod live;
 pub mod mjcf;
 pub mod page;
 pub mod plot;

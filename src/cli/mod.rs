@@ -9,12 +9,6 @@
 
 mod grippers;
 mod help;
-#[cfg_attr(not(feature = "live"), path = "no_live.rs")]
-mod live;
-// The messages of a build without the feature are tested in every build.
-#[cfg(all(test, feature = "live"))]
-#[allow(dead_code)]
-mod no_live;
 mod output;
 mod page;
 mod parsers;

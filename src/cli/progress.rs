@@ -185,13 +185,6 @@ impl Interrupt {
         })
     }
 
-    /// Returns an owned function that reports whether a signal has arrived.
-    #[cfg_attr(not(feature = "live"), expect(dead_code))]
-    pub(crate) fn stop_flag(&self) -> impl Fn() -> bool + Send + use<> {
-        let signal = Arc::clone(&self.signal);
-        move || signal.load(Ordering::Relaxed) != 0
-    }
-
     /// Performs a computation with a progress line until a signal arrives. `task` and the names of its `parts` begin the
     /// message of an interruption; `consequence` is its end.
     pub(crate) fn compute<T, E: Into<Failure>>(

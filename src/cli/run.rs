@@ -7,7 +7,6 @@ use std::time::{Duration, SystemTime};
 
 use clap::Args;
 
-use super::live::{Live, LiveArgs};
 use super::output::{FileKind, NO_DIRECTORY, print_diagnostic, print_note, print_result, reserve};
 use super::page::PageArgs;
 use super::parsers::{self, choice};
@@ -16,7 +15,7 @@ use super::set::{SetArgs, source_files};
 use super::simulate::{CheckPolicy, RunLimits, SampleTable, csv_file, simulate};
 use super::{Failure, Status};
 use crate::format::{ToReport, format_duration};
-use crate::log::{self, FileWriter, LogError, LogFile, RunInfo};
+use crate::log::{self, LogError, LogFile, RunInfo};
 use crate::page::PlaybackRecorder;
 use crate::report::document::{self, Detail};
 use crate::report::simulation::report_of;
@@ -87,9 +86,6 @@ pub(crate) struct RunArgs {
 
     #[command(flatten)]
     overrides: Overrides,
-
-    #[command(flatten)]
-    live: LiveArgs,
 }
 
 /// Settings of the simulation given on the command line, which override fields of the scene.
@@ -197,8 +193,8 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     reserve(&[("the scene", &source_files(&args.scene))], &targets, NO_DIRECTORY)?;
     let page = args.page.prepare(first)?;
     let interrupt = Interrupt::listen()?;
-    let live = args.live.start(name, duration_s, &interrupt)?;
-    let log = create_log(args, scene, live.as_ref())?;
+    let log = args.log.as_deref().map(|path| log::create(path, &run_info(scene, &args.scene, args.model.name())));
+    let log = log.transpose()?;
     let table = args.csv.as_deref().map(SampleTable::create).transpose()?;
     let mut outputs = Outputs { recorder: page.as_ref().map(|_| PlaybackRecorder::default()), table };
     outputs.table.iter_mut().for_each(|table| table.set_schema(&Schema::from_scene(scene)));
@@ -224,9 +220,6 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let log_result = run.log.and_then(|log| log.map_or(Ok(()), LogFile::commit));
     if csv.is_some() || args.csv.is_none() {
         print_result(&report, args.json)?;
-    }
-    if let Some(live) = live {
-        live.finish();
     }
     let status = match table {
         // The reader of standard output closed the pipe.
@@ -258,20 +251,6 @@ impl Sink for Outputs {
     fn event(&mut self, event: &Event) -> Result<(), SinkError> {
         self.recorder.event(event)
     }
-}
-
-/// Creates the log of a run if it is written to a file or streamed.
-fn create_log(args: &RunArgs, scene: &Scene, live: Option<&Live>) -> Result<Option<FileWriter>, Failure> {
-    if args.log.is_none() && live.is_none() {
-        return Ok(None);
-    }
-    let feed = live.map(Live::feed);
-    let run_info = run_info(scene, &args.scene, args.model.name());
-    let log = log::create_with_feed(args.log.as_deref(), &run_info, feed)?;
-    if let Some(live) = live {
-        live.wait_for_client();
-    }
-    Ok(Some(log))
 }
 
 fn exit_status(

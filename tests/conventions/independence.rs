@@ -124,8 +124,8 @@ const THESIS: CrateLayers = CrateLayers {
 const SHELL: CrateLayers = CrateLayers {
     root: "src",
     layers: &[
-        "files", "mjcf", "scene", "shipped", "table", "validate", "study", "live", "format", "plot", "page", "report",
-        "cli", "prelude",
+        "files", "mjcf", "scene", "shipped", "table", "validate", "study", "format", "plot", "page", "report", "cli",
+        "prelude",
     ],
     dependencies: &["phalanx-core", "phalanx-log", "phalanx-show", "phalanx-thesis"],
 };

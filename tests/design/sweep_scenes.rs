@@ -308,3 +308,59 @@ fn the_scene_of_a_study_extends_a_file() {
     let itself = message(&format!("[scene]\nextends = \"../mechanisms/four-bar.toml\"\nduration = 3\n{axis}"));
     assert_contains(&itself, &["`duration` is a bare number", "study.toml:3:12"]);
 }
+
+/// The dimension of these fields depends on a joint or a law: on whether it turns or slides.
+#[test]
+fn fields_of_several_dimensions_have_columns_of_numbers() {
+    for (field, value, si, column) in [
+        ("joints.crank.damping", "0.1 N*mm*s/rad", 1e-4, "joints.crank.damping_n_m_s_per_rad"),
+        ("joints.crank.start", "10 deg", 10f64.to_radians(), "joints.crank.start_rad"),
+        ("springs.coil.stiffness", "5 N*mm/rad", 5e-3, "springs.coil.stiffness_n_m_per_rad"),
+        ("springs.coil.rest", "5 deg", 5f64.to_radians(), "springs.coil.rest_rad"),
+        ("actuators.servo.kp", "5 N/mm", 5e3, "actuators.servo.kp_n_per_m"),
+        ("actuators.servo.targets[1]", "4 mm", 4e-3, "actuators.servo.targets[1]_m"),
+        ("joints.slide.damping", "2 N*s/m", 2.0, "joints.slide.damping_n_s_per_m"),
+        ("joints.slide.start", "1 mm", 1e-3, "joints.slide.start_m"),
+    ] {
+        let scene = r#"
+[scene]
+kind = "mechanism"
+duration = "1 ms"
+[scene.bodies.crank]
+mass = "10 g"
+inertia = "10 g*mm^2"
+[scene.bodies.block]
+mass = "10 g"
+inertia = "10 g*mm^2"
+[scene.joints.crank]
+bodies = ["ground", "crank"]
+at = ["0 mm", "0 mm"]
+[scene.joints.slide]
+type = "prismatic"
+bodies = ["ground", "block"]
+at = ["0 mm", "0 mm"]
+axis = "0 deg"
+start = "0 mm"
+[scene.springs.coil]
+joint = "crank"
+stiffness = "1 N*mm/rad"
+[scene.actuators.servo]
+joint = "slide"
+times = ["0 ms", "1 ms"]
+targets = ["0 mm", "2 mm"]
+kp = "1 N/mm"
+"#;
+        let text = format!("{scene}[[axes]]\nfield = \"{field}\"\nvalues = [\"{value}\"]\n");
+        let study = parse(&text, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"));
+        let found = &columns(&study)[2];
+        assert_eq!((&found.name[..], found.kind), (column, Kind::Number), "{field}");
+        let Some(read) = study.field_values(1)[0].value.as_number() else { panic!("{field} is not a number") };
+        assert!((read - si).abs() <= 1e-12 * si, "{field}: {read}");
+        let range = format!(
+            "{scene}[[axes]]\nfield = \"{field}\"\nfrom = \"{value}\"\nto = \"{}\"\ncount = 2\n",
+            value.replacen(|c: char| c.is_ascii_digit(), "3", 1)
+        );
+        let study = parse(&range, "scenes/studies/study.toml").unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((study.runs(), &columns(&study)[2].name[..]), (2, column), "{field}");
+    }
+}

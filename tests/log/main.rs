@@ -11,7 +11,6 @@ mod examples;
 mod faults_log;
 mod faults_process;
 mod faults_subjects;
-mod live_origin;
 mod order;
 mod pictures;
 mod provenance;

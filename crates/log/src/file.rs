@@ -11,7 +11,6 @@ use std::path::{Path, PathBuf};
 use fs4::FileExt;
 use fs4::TryLockError;
 
-use super::mcap_file::MessageFeed;
 use super::metadata::{METADATA_NAME, RunInfo};
 use super::threaded::ThreadedWriter;
 use phalanx_core::trace::SinkError;
@@ -52,9 +51,7 @@ pub enum LogError {
 #[derive(Debug)]
 #[must_use = "a finished log gets its final name only by `commit`"]
 pub struct LogFile {
-    /// File of the log; `None` discards all bytes. A run with a live view but no log file still writes its log, so both
-    /// share one path.
-    file: Option<File>,
+    file: File,
     /// Partial and final path; `None` for a target that cannot be replaced, such as a pipe or a device.
     destination: Option<(PathBuf, PathBuf)>,
     /// Name for error messages.
@@ -84,7 +81,7 @@ impl LogFile {
             // Without write permission the older log must not be replaced, even if the directory allows it.
             let file = OpenOptions::new().write(true).open(path).map_err(failed)?;
             if !found.is_file() {
-                return Ok(LogFile { file: Some(file), destination: None, name, has_failed: false });
+                return Ok(LogFile { file, destination: None, name, has_failed: false });
             }
             ensure_replaceable(path, path)?;
         }
@@ -95,14 +92,14 @@ impl LogFile {
         if file.metadata().map_err(failed)?.len() > 0 {
             file.set_len(0).map_err(failed)?;
         }
-        Ok(LogFile { file: Some(file), destination: Some((partial, target)), name, has_failed: false })
+        Ok(LogFile { file, destination: Some((partial, target)), name, has_failed: false })
     }
 
     /// Renames a finished log to its target. The new log is synced to disk before it replaces an older one.
     pub fn commit(self) -> Result<(), SinkError> {
-        let (Some(file), Some((partial, target))) = (&self.file, &self.destination) else { return Ok(()) };
+        let Some((partial, target)) = &self.destination else { return Ok(()) };
         let replaces = target.exists();
-        let synced = if replaces { file.sync_all() } else { Ok(()) };
+        let synced = if replaces { self.file.sync_all() } else { Ok(()) };
         let renamed = synced.and_then(|()| fs::rename(partial, target));
         if replaces && cfg!(unix) {
             // Makes the rename survive a power failure. Some file systems refuse this; the rename itself is done.
@@ -118,14 +115,11 @@ impl Write for LogFile {
         if self.has_failed {
             return Err(io::Error::other("an earlier part of the log could not be written"));
         }
-        let Some(file) = &mut self.file else {
-            return Ok(bytes.len());
-        };
-        file.write(bytes).inspect_err(|error| self.has_failed = error.kind() != io::ErrorKind::Interrupted)
+        self.file.write(bytes).inspect_err(|error| self.has_failed = error.kind() != io::ErrorKind::Interrupted)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.file.as_mut().map_or(Ok(()), File::flush)
+        self.file.flush()
     }
 }
 
@@ -164,24 +158,11 @@ pub enum CopyError {
 /// # Errors
 /// Returns [`LogError`] with the path, the reason and a remedy.
 pub fn create(path: &Path, run: &RunInfo<'_>) -> Result<FileWriter, LogError> {
-    create_with_feed(Some(path), run, None)
-}
-
-/// Like [`create`], and also passes every message to a feed. Without a path, only the feed receives messages.
-///
-/// # Errors
-/// Returns [`LogError`] with the path, the reason and a remedy.
-pub fn create_with_feed(
-    path: Option<&Path>,
-    run: &RunInfo<'_>,
-    feed: Option<Box<dyn MessageFeed>>,
-) -> Result<FileWriter, LogError> {
-    let discarding = || LogFile { file: None, destination: None, name: "the log".to_string(), has_failed: false };
-    let file = path.map(LogFile::open).transpose()?.unwrap_or_else(discarding);
+    let file = LogFile::open(path)?;
     let (name, partial) = (file.name.clone(), file.destination.as_ref().map(|(partial, _)| partial.clone()));
     // A file without the head of a log is useless.
     let remove_partial = move || partial.into_iter().for_each(|partial| drop(fs::remove_file(partial)));
-    FileWriter::start(file, &name, run, feed, remove_partial).map_err(LogError::Start)
+    FileWriter::start(file, &name, run, remove_partial).map_err(LogError::Start)
 }
 
 /// Returns the name of an unfinished log, such as `run.mcap.partial`.

@@ -73,11 +73,11 @@ mod writer;
 
 pub use channels::ChannelContent;
 pub use file::{
-    CopyError, FileWriter, LogError, LogFile, copy_log, create, create_with_feed, ensure_replaceable, is_same_file,
-    partial_name, resolve_link,
+    CopyError, FileWriter, LogError, LogFile, copy_log, create, ensure_replaceable, is_same_file, partial_name,
+    resolve_link,
 };
 pub use foxglove::messages::log::Level as Severity;
-pub use mcap_file::{CHUNK_BYTES, MessageFeed};
+pub use mcap_file::CHUNK_BYTES;
 pub use messages::stamp_ns;
 pub(crate) use metadata::METADATA_NAME;
 pub use metadata::{RunInfo, metadata, scene_text};

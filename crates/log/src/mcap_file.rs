@@ -33,15 +33,6 @@ const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
 /// Encoding of all messages.
 const ENCODING: &str = "protobuf";
 
-/// Receiver of every message as it is logged, for example a server: same channels, same order, same bytes.
-pub trait MessageFeed: Send {
-    /// Adds a channel. Channels are numbered from 0 in the order of these calls.
-    fn add_channel(&mut self, topic: &str, encoding: &str, schema: Option<Schema>);
-
-    /// Passes on a message of a channel. Delivery errors do not affect the log.
-    fn write_message(&mut self, channel: usize, log_time_ns: u64, message: &[u8]);
-}
-
 /// Index of a channel of this log.
 #[derive(Clone, Copy, Debug)]
 pub struct ChannelId(usize);
@@ -61,12 +52,11 @@ pub(crate) struct McapFile<W: Write> {
     closed_chunk_bytes: usize,
     /// Latest log time.
     clock_ns: u64,
-    feed: Option<Box<dyn MessageFeed>>,
 }
 
 impl<W: Write> McapFile<W> {
     /// Starts a file: writes header, metadata and scene text. `name` identifies the log in errors.
-    pub fn start(out: W, name: &str, run: &RunInfo<'_>, feed: Option<Box<dyn MessageFeed>>) -> Result<Self, SinkError> {
+    pub fn start(out: W, name: &str, run: &RunInfo<'_>) -> Result<Self, SinkError> {
         let options = WriteOptions::new()
             .library(concat!("phalanx/", env!("CARGO_PKG_VERSION")))
             .compression(Some(Compression::Zstd))
@@ -85,7 +75,6 @@ impl<W: Write> McapFile<W> {
             open_chunk_bytes: 0,
             closed_chunk_bytes: 0,
             clock_ns: 0,
-            feed,
         };
         file.record(METADATA_NAME, metadata(run))?;
         let text = scene_text(run.scene);
@@ -134,9 +123,6 @@ impl<W: Write> McapFile<W> {
         };
         let id = schema_id.and_then(|schema| self.mcap.add_channel(schema, topic, ENCODING, metadata));
         let id = self.convert_error(id)?;
-        if let Some(feed) = &mut self.feed {
-            feed.add_channel(topic, ENCODING, schema);
-        }
         self.channels.push((id, 0));
         Ok(ChannelId(self.channels.len() - 1))
     }
@@ -196,9 +182,6 @@ impl<W: Write> McapFile<W> {
         *sequence = sequence.wrapping_add(1);
         let written = self.mcap.write_to_known_channel(&header, &self.buffer);
         self.convert_error(written)?;
-        if let Some(feed) = &mut self.feed {
-            feed.write_message(channel.0, log_time, &self.buffer);
-        }
         self.open_chunk_bytes += RECORD_OVERHEAD + self.buffer.len();
         Ok(())
     }

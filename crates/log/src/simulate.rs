@@ -239,7 +239,7 @@ pub fn run_into<W: Write + Send + 'static>(
     model: Model,
     out: W,
 ) -> Result<(LoggedRun, W), LoggedRunError> {
-    let log = ThreadedWriter::start(out, UNNAMED_LOG, &run_info(scene, model), None, || {}).map_err(LogError::Start)?;
+    let log = ThreadedWriter::start(out, UNNAMED_LOG, &run_info(scene, model), || {}).map_err(LogError::Start)?;
     let (run, log) = run_logged(scene, model, log);
     let run = run?;
     Ok((run, log.map_err(RunError::from)?))

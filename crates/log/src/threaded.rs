@@ -12,7 +12,6 @@ use std::time::{Duration, Instant};
 
 use foxglove::messages::log::Level;
 
-use super::mcap_file::MessageFeed;
 use super::metadata::RunInfo;
 use super::writer::{Writer, required_data};
 use phalanx_core::trace::{Event, RequiredData, Sample, Sink, SinkError};
@@ -95,7 +94,6 @@ impl<W: Write + Send + 'static> ThreadedWriter<W> {
         out: W,
         name: &str,
         run: &RunInfo<'_>,
-        feed: Option<Box<dyn MessageFeed>>,
         on_start_failure: impl FnOnce() + Send + 'static,
     ) -> Result<Self, SinkError> {
         let (sender, receiver) = sync_channel::<Batch<W>>(MAX_QUEUED_BATCHES);
@@ -104,7 +102,7 @@ impl<W: Write + Send + 'static> ThreadedWriter<W> {
         let log_name = name.to_string();
         let write_log = move || {
             let run = RunInfo { scene: &scene, scene_file: &scene_file, model: &model };
-            let mut writer = Writer::with_feed(out, &log_name, &run, feed).inspect_err(|_| on_start_failure())?;
+            let mut writer = Writer::new(out, &log_name, &run).inspect_err(|_| on_start_failure())?;
             for mut batch in receiver {
                 batch.write(&mut writer)?;
                 batch.count = 0;

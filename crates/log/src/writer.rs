@@ -8,7 +8,7 @@ use foxglove::messages::{Log, log::Level};
 
 use super::channels::{EVENTS, LINES, topics, write_subjects};
 use super::lines::{GraspState, describe_event};
-use super::mcap_file::{ChannelId, McapFile, MessageFeed};
+use super::mcap_file::{ChannelId, McapFile};
 use super::messages::{encode, encode_event, event_schema, subject_schema};
 use super::metadata::{RunInfo, SUBJECTS_RECORD};
 use super::pictures::Pictures;
@@ -41,17 +41,7 @@ pub struct Writer<W: Write> {
 impl<W: Write> Writer<W> {
     /// Starts a log: writes header, metadata, scene text and channels. `name` identifies the log in errors.
     pub fn new(out: W, name: &str, run: &RunInfo<'_>) -> Result<Self, SinkError> {
-        Writer::with_feed(out, name, run, None)
-    }
-
-    /// Like [`Writer::new`], and also passes every message to a feed.
-    pub(crate) fn with_feed(
-        out: W,
-        name: &str,
-        run: &RunInfo<'_>,
-        feed: Option<Box<dyn MessageFeed>>,
-    ) -> Result<Self, SinkError> {
-        let mut file = McapFile::start(out, name, run, feed)?;
+        let mut file = McapFile::start(out, name, run)?;
         let scene = run.scene.clone();
         let schema = Schema { has_joint_forces: scene.log.joint_forces, ..Schema::from_scene(&scene) };
         let (subjects, topics, mut channels) = (schema.subjects(), topics(&schema), Vec::new());

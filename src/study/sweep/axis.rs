@@ -13,6 +13,7 @@ use crate::scene::keywords::SceneKind;
 use crate::scene::parameters::{Parameters, unknown};
 use crate::scene::schema::schema_for;
 pub use crate::scene::value::ValueType as FieldType;
+use crate::scene::value::dimension_of;
 use crate::scene::written::{number, problem_at};
 use crate::scene::{PARAMETERS, Part, no_such_entry, parse_field};
 use crate::table::{Kind, Value};
@@ -44,7 +45,7 @@ impl Field {
             return Field::of_parameter(name, parameters);
         }
         let field = Field::find_in(path, schema_for(kind))?;
-        let mut table = Some(base);
+        let (mut table, mut written) = (Some(base), None);
         for (index, part) in parts.iter().enumerate() {
             let (list, mut value) =
                 (path_of(&parts[..index], &part.name), table.and_then(|table| table.get(&part.name)));
@@ -55,9 +56,19 @@ impl Field {
                 }
                 value = Some(&items[*entry]);
             }
-            table = value.and_then(toml::Value::as_table);
+            (table, written) = (value.and_then(toml::Value::as_table), value.and_then(toml::Value::as_str));
         }
-        Ok(field)
+        Ok(field.narrowed(written, parameters))
+    }
+
+    /// The field with a single dimension, if its type has several: that of a text written for it.
+    pub(super) fn narrowed(mut self, written: Option<&str>, parameters: &Parameters) -> Self {
+        if let (FieldType::OneOf(dimensions), Some(text)) = (&self.field_type, written)
+            && let Some(dimension) = dimension_of(text, dimensions, parameters)
+        {
+            self.field_type = FieldType::Quantity(dimension);
+        }
+        self
     }
 
     /// The field of a parameter, with the dimension of its value in the base scene.
@@ -136,9 +147,13 @@ impl Field {
 
     /// Finds the field with this result column in scenes with this schema.
     pub(super) fn from_column(column: &str, schema: &Json) -> Option<Self> {
-        let path = |dimension: Dimension| column.strip_suffix(dimension.suffix())?.strip_suffix('_');
-        let paths = Dimension::ALL.into_iter().filter_map(path).chain([column]);
-        paths.filter_map(|path| Field::find_in(path, schema).ok()).find(|field| field.column() == column)
+        let in_unit = |dimension: Dimension| {
+            let path = column.strip_suffix(dimension.suffix())?.strip_suffix('_')?;
+            let field = Field::find_in(path, schema).ok()?;
+            Some(field.narrowed(Some(&format!("1 {}", dimension.units()[0].name)), &Parameters::default()))
+        };
+        let mut fields = Dimension::ALL.into_iter().filter_map(in_unit).chain(Field::find_in(column, schema).ok());
+        fields.find(|field| field.column() == column)
     }
 
     pub(super) fn read(&self, value: &Spanned<DeValue<'_>>) -> Result<AxisValue, Vec<Problem>> {

@@ -64,9 +64,7 @@ impl Results {
         let extrema = extrema.iter().enumerate().map(channel).collect::<Result<Vec<Channel>, _>>()?;
         let of_extrema = extrema.iter().flat_map(|channel| Extrema::columns(&channel.name));
         let names: Vec<String> = match &figures {
-            Figures::Hand(fingers) => {
-                hand_columns(*fingers).into_iter().map(String::from).chain(of_extrema).collect()
-            }
+            Figures::Hand(fingers) => hand_columns(*fingers).into_iter().map(String::from).chain(of_extrema).collect(),
             Figures::Scene(scene) => {
                 let before = BEFORE.into_iter().chain(scene.names()).map(String::from);
                 before.chain(of_extrema).chain(AFTER.map(String::from)).collect()

@@ -82,10 +82,7 @@ impl FingerRun<'_> {
 
 type OfFinger = dyn Fn(&FingerRun<'_>) -> Value + Send + Sync;
 
-fn finger<V: Into<Value>>(
-    name: &str,
-    value: impl Fn(&FingerRun<'_>) -> V + Send + Sync + 'static,
-) -> Figure<OfFinger> {
+fn finger<V: Into<Value>>(name: &str, value: impl Fn(&FingerRun<'_>) -> V + Send + Sync + 'static) -> Figure<OfFinger> {
     Figure { name: name.to_string(), value: Box::new(move |run| value(run).into()) }
 }
 

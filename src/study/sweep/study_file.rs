@@ -502,6 +502,14 @@ impl Reader<'_> {
                 }
             }
         }
+        // The base scene need not have the field; then the first value decides its dimension.
+        let written = |index: usize| {
+            let rows = if is_single { format!("{path}.values.0") } else { format!("{path}.rows.0.{index}") };
+            self.value(&rows).or_else(|| self.value(&at("from"))).and_then(|value| value.get_ref().as_str())
+        };
+        let no_parameters = Parameters::default();
+        let narrow = |(index, field): (usize, Field)| field.narrowed(written(index), &no_parameters);
+        let fields: Vec<Field> = fields.into_iter().enumerate().map(narrow).collect();
         let Some(first) = fields.first() else {
             return self.missing("field", path, "name the field of the scene that varies: field = \"design.base\"");
         };
