@@ -10,7 +10,8 @@ from pathlib import Path
 
 from common import ROOT, SCENES
 
-PAGES = [ROOT / "README.md", ROOT / "python" / "README.md", ROOT / "src" / "docs" / "python.md", ROOT / "book" / "pages" / "python.md"]
+BOOK = ROOT / "book" / "pages"
+PAGES = [ROOT / "README.md", ROOT / "python" / "README.md", ROOT / "src" / "docs" / "python.md", BOOK / "python.md", BOOK / "from-mujoco.md"]
 BLOCK = re.compile(r"^```py\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
