@@ -7,7 +7,7 @@
 //!   `PHALANX_EXPLORER_MODULE`, or `explorer.wasm.gz` in this directory (published packages contain it), or built from
 //!   `crates/explorer` if the toolchain has the target. An empty `PHALANX_EXPLORER_MODULE` omits it.
 //!
-//! Other builds have neither: every commit would trigger a rebuild, and the module takes a minute.
+//! Other builds have neither: every commit would trigger a rebuild, and the module takes three minutes of processor time.
 
 use std::env;
 use std::fs::{self, File};
@@ -55,6 +55,10 @@ fn add_version(here: &Path) {
 /// warnings.
 fn add_module(here: &Path) {
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
+    // Profiles that inherit from `release` have other names: the wheel contains no program.
+    if out.ancestors().nth(3).and_then(Path::file_name).is_none_or(|profile| profile != "release") {
+        return;
+    }
     let module = out.join("explorer.wasm.gz");
     let packed = here.join("explorer.wasm.gz");
     let made = match env::var_os(MODULE_VARIABLE) {

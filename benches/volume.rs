@@ -9,10 +9,10 @@ use std::time::Instant;
 
 use clap::Parser;
 use phalanx::gripper::{Assembly, Design, Finger, bodies, final_posture, lengths};
+use phalanx::parallel::Monitor;
 use phalanx::scene::Template;
 use phalanx::sizing::{Rule, size};
 use phalanx::statics::form_closure;
-use phalanx::thesis::Monitor;
 use phalanx::thesis::volume::{Axes, VolumeRequest, close_finger, design_at, solve_grasp, volumes};
 
 #[derive(Debug, Parser)]

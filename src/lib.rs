@@ -53,6 +53,7 @@ pub use phalanx_core::{
     mechanism, numeric, shape, sizing, statics, trace, units,
 };
 pub use phalanx_log as log;
+pub use phalanx_parallel as parallel;
 pub use phalanx_thesis as thesis;
 
 /// Runs the code of the file as documentation tests.

@@ -148,7 +148,7 @@ def collect_sources(pages: Path) -> None:
     shutil.copytree(ROOT / "scenes", SOURCE / "scenes")
     (SOURCE / "live").mkdir()
     for page, scene in ANIMATED_PAGES.items():
-        subprocess.run([*phalanx(), "run", scene, "--html", SOURCE / "live" / page], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
+        subprocess.run([*phalanx(), "run", scene, "--plot", SOURCE / "live" / page], check=True, cwd=ROOT, stdout=subprocess.DEVNULL)
 
 
 class Links(HTMLParser):

@@ -66,7 +66,7 @@ if [ -n "${PHALANX_EXPLORER:-}" ]; then
     export PHALANX_EXPLORER
 else
     echo "clients: the explorer is not tested because there is no compiler for WebAssembly" >&2
-    scripts=(tests/clients/log.test.mjs tests/clients/page.test.mjs tests/clients/volume.test.mjs)
+    scripts=(tests/clients/log.test.mjs tests/clients/page.test.mjs)
 fi
 
 say "clients: Python"

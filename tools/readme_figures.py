@@ -118,7 +118,7 @@ def accuracy(scratch):
 def scenes(_):
     """Table of the shipped scenes, and a picture of one with its symbols."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
-    call(PHALANX, "scene", "show", "scenes/experiment-95.toml", "--figure", "tools/figures/linkage.svg", stdout=sys.stderr)
+    call(PHALANX, "scene", "show", "scenes/experiment-95.toml", "--plot", "tools/figures/linkage.svg", stdout=sys.stderr)
     header = [
         "scene", "contact, proximal / distal (ms)", "q11, q21 at the end (°)", "force, proximal / distal (N)", "class", "tts (ms)",
         "steps", "time (ms)",
@@ -257,7 +257,7 @@ def reproduce(scratch):
     """Figures of the thesis and of phalanx side by side; pictures of a volume and of the selection."""
     call("cargo", "build", "--locked", "--release", stdout=sys.stderr)
     out = scratch / "reproduce"
-    command = [PHALANX, "reproduce", "--out", out, "--json"]
+    command = [PHALANX, "thesis", "reproduce", "--out", out, "--json"]
     print("$", *command, file=sys.stderr)
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     # Status 1: a figure is not as expected, as the document states.
@@ -284,9 +284,9 @@ def design(scratch):
     times = []
     for _ in range(3):
         start = time.perf_counter()
-        subprocess.run([PHALANX, "reproduce", "--out", scratch / "again"], capture_output=True, check=False)
+        subprocess.run([PHALANX, "thesis", "reproduce", "--out", scratch / "again"], capture_output=True, check=False)
         times.append(time.perf_counter() - start)
-    whole = f"The whole of `phalanx reproduce`, with its pictures, takes {sorted(times)[1]:.1f} s on {os.cpu_count()} cores."
+    whole = f"The whole of `phalanx thesis reproduce`, with its pictures, takes {sorted(times)[1]:.1f} s on {os.cpu_count()} cores."
     return "\n".join(tables) + "\n\n" + whole
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Packs a release for one system: the program, built from the lock file, with the explorer's module, manual pages,
+# Packs a release for one system: the program with the explorer's module, built from the lock file, manual pages,
 # completions, licences and README, into target/dist/phalanx-VERSION-TARGET.tar.gz (.zip for Windows), and its SHA-256
 # into a separate file. The same commit gives the same archive: names are sorted, and all file times are the commit
 # time.
@@ -20,6 +20,10 @@ v*) [ "$GITHUB_REF_NAME" = "v$version" ] || { echo "the tag is $GITHUB_REF_NAME,
 esac
 
 say "release: phalanx $version for $target"
+# The module is the same for every system; the program contains it.
+tools/explorer.sh
+PHALANX_EXPLORER_MODULE=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)/phalanx-explorer.wasm.gz
+export PHALANX_EXPLORER_MODULE
 build_dir=${CARGO_TARGET_DIR:-target}
 if [ "$target" = "$host" ]; then
     cargo build --release --locked --bin phalanx
@@ -37,9 +41,7 @@ name=phalanx-$version-$target
 dist=target/dist
 rm -rf "${dist:?}/$name" "$dist/$name".*
 mkdir -p "$dist/$name/completions"
-# The module is the same for every system; the program looks for it in its own directory.
-tools/explorer.sh
-cp "$build_dir/$program" "${CARGO_TARGET_DIR:-target}/release/phalanx-explorer.wasm.gz" README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT "$dist/$name"
+cp "$build_dir/$program" README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT "$dist/$name"
 # A cross-compiled program does not run here; the host's program writes the same manual pages and completions.
 generator=$build_dir/$program
 if ! "$generator" --version >/dev/null 2>&1; then

@@ -5,7 +5,7 @@
 
 BEFORE and AFTER are two `phalanx` programs. Both run the same commands, each in its own directory. The script compares what they print
 and write, byte by byte: `run --json` and the text output, the samples of `replay --csv`, `scene show` and `check`, `statics`, `size`,
-the pages of runs, then `scene schema`, `volume`, `sweep` and `select`, `capture`, `hold` and `reproduce`. Times and the
+the pages of runs, then `schema scene`, `volume`, `sweep` and `select`, `capture`, `hold` and `reproduce`. Times and the
 name of the program are removed first. Logs contain the version of the program, so they are compared only with --logs. With --figures,
 only numbers and JSON keys are compared, without the program of pages and without checksums, so that a change of wording is not a
 difference. The exit status is 1 if anything differs; every difference is printed.
@@ -14,6 +14,7 @@ difference. The exit status is 1 if anything differs; every difference is printe
 import argparse
 import concurrent.futures
 import difflib
+import functools
 import hashlib
 import os
 import pathlib
@@ -44,25 +45,45 @@ def commands():
         for model in ("analytic", "engine"):
             log = "{}/" + f"{'-'.join(scene.with_suffix('').parts)}-{model}.mcap"
             yield f"run {scene} {model}", ["run", scene, "--model", model, "--json", "--log", log], ["replay", log, "--csv", "-"]
-            yield f"text {scene} {model}", ["run", scene, "--model", model, "--html", log.replace(".mcap", ".html")]
+            yield f"text {scene} {model}", ["run", scene, "--model", model, "--plot", log.replace(".mcap", ".html")]
         for command in (["scene", "show"], ["scene", "check"], ["statics"], ["statics", "--json"], ["size"], ["size", "--json"]):
             yield f"{' '.join(command)} {scene}", [*command[:2], scene] if command[0] == "scene" else [command[0], scene, *command[1:]]
-    yield "schema", ["scene", "schema"]
-    yield "volume", ["volume", "--json"]
-    yield "volume text", ["volume"]
-    yield "sweep", ["sweep", "scenes/studies/sample.toml", "--out", "{}/sample.csv"], ["select", "{}/sample.csv", "--json"]
-    thesis = ["select", "{}/thesis.csv"]
+    yield "schema", ["schema", "scene"]
+    yield "volume", ["thesis", "volume", "--json"]
+    yield "volume text", ["thesis", "volume"]
+    yield "sweep", ["sweep", "scenes/studies/sample.toml", "--out", "{}/sample.csv"], ["thesis", "select", "{}/sample.csv", "--json"]
+    thesis = ["thesis", "select", "{}/thesis.csv"]
     yield "thesis", ["sweep", "scenes/studies/thesis.toml", "--out", "{}/thesis.csv"], thesis, [*thesis, "--json"]
     yield "capture", ["capture", "scenes/gripper/design-95.toml", "--json"]
     yield "hold", ["hold", "scenes/gripper/hold.toml", "--json"]
-    yield "reproduce", ["reproduce", "--out", "{}/reproduce"]
+    yield "reproduce", ["thesis", "reproduce", "--out", "{}/reproduce"]
+
+
+# Present names, and those before version 0.3.
+FORMER = {("thesis",): (), ("schema", "scene"): ("scene", "schema"), ("--plot",): ("--html",)}
+
+
+@functools.cache
+def is_former(program):
+    """Whether a program has the commands before version 0.3."""
+    return b"thesis" not in subprocess.run([program, "thesis", "--help"], capture_output=True).stdout
+
+
+def arguments_for(program, step):
+    """Returns the arguments of a command, with the former names for a former program."""
+    arguments = [str(part) for part in step]
+    for present, former in FORMER.items() if is_former(program) else ():
+        for index in range(len(arguments)):
+            if tuple(arguments[index : index + len(present)]) == present:
+                arguments[index : index + len(present)] = former
+    return arguments
 
 
 def output(program, steps, directory, options):
     """Returns the lines that a program prints and writes for some commands; a log is represented by its digest."""
     parts = []
     for step in steps:
-        arguments = [str(part).replace("{}", directory) for part in step]
+        arguments = [part.replace("{}", directory) for part in arguments_for(program, step)]
         done = subprocess.run([program, "--quiet", *arguments], cwd=ROOT, capture_output=True, env={**os.environ, "COLUMNS": "1000"})
         # Usages and hints contain the name of the program.
         errors = done.stderr.decode().replace(pathlib.Path(program).name, "phalanx")

@@ -105,7 +105,7 @@ TABLES = [
         row('`--log`, `--numeric-rate "100 kHz"`', "a smooth curve of each impact", [*LOG, "--numeric-rate", "100 kHz"]),
         row("`--log`, `log.joint_forces = true`", "forces of joints in the log", [*LOG, *settings("log.joint_forces=true")]),
         row("`--csv`", "all samples as text, with forces of joints", ["--csv", "OUT.csv"]),
-        row("`--html`", "an animated page", ["--html", "OUT.html"]),
+        row("`--plot`", "an animated page", ["--plot", "OUT.html"]),
         row("`--log`, engine model", "as above, relative to a run of the engine model", [*ENGINE, *LOG], ENGINE),
     ]),
 ]

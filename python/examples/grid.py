@@ -49,7 +49,7 @@ def load_scene() -> phalanx.Scene:
 def evaluate_designs(base: phalanx.Scene, designs: np.ndarray, threads: int = 0) -> dict[str, np.ndarray]:
     """Returns time to stability (s), peak force (N) and violation of the thesis' criteria (0 if met) of each row.
 
-    The criteria are those of `phalanx select`: force positive, form closed, stable or semi-stable, and pressed on the
+    The criteria are those of `phalanx thesis select`: force positive, form closed, stable or semi-stable, and pressed on the
     palm.
     """
     fields: dict[str, Any] = dict(zip(VARIABLES, np.atleast_2d(designs).T, strict=True))

@@ -244,7 +244,7 @@ impl Result {
         ))
     }
 
-    /// Returns the animated page of `phalanx run --html`. None for a log without a readable scene.
+    /// Returns the animated page of `phalanx run --plot`. None for a log without a readable scene.
     ///
     /// This repeats the run, or reads the log again.
     fn html(&self) -> Option<String> {

@@ -3,13 +3,13 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
+use phalanx::parallel::{ComputeError, Monitor};
 use phalanx::study::parts::{self, MergeResult, WrittenPart};
 use phalanx::study::results::{OpenedResults, open};
 use phalanx::study::sweep::{
     Row, Study, check_unsharded, load as load_study_file, run_while, shard, sorted_table, source_files,
 };
 use phalanx::table;
-use phalanx::thesis::{Monitor, StudyError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -82,7 +82,7 @@ fn run_to_file(
     limit: u64,
     restart: bool,
 ) -> PyResult<table::Table> {
-    let results_error = |error: StudyError| results_error(py, &error);
+    let results_error = |error: ComputeError| results_error(py, &error);
     let mut store = match open(study, out, limit, restart).map_err(results_error)? {
         OpenedResults::Complete(table) => return Ok(table),
         OpenedResults::Incomplete(store) => store,
@@ -128,7 +128,7 @@ pub fn sweep_shard<'py>(
     let [k, n] = [("k", k), ("n", n)].map(|(name, value)| conversion::count(py, name, value, 1..=u64::MAX));
     let (k, n) = (k?, n?);
     let study = load(py, &study, model, check)?;
-    let shard = shard(&study, k, n).map_err(|error| results_error(py, &StudyError::Unsuitable(error)))?;
+    let shard = shard(&study, k, n).map_err(|error| results_error(py, &ComputeError::Unsuitable(error)))?;
     let written = interruptible::run(py, |keep_running| {
         parts::write_part(&study, shard, &out, threads, restart, keep_running, |_| {})
     })?;
@@ -191,6 +191,6 @@ pub fn study_info<'py>(
     Ok(info)
 }
 
-fn results_error(py: Python<'_>, error: &StudyError) -> PyErr {
+fn results_error(py: Python<'_>, error: &ComputeError) -> PyErr {
     errors::sweep(py, format!("error: {error}"))
 }

@@ -122,7 +122,7 @@ class Runs(unittest.TestCase):
     def test_page_equals_the_page_of_the_program(self):
         with tempfile.TemporaryDirectory() as directory:
             page = Path(directory) / "run.html"
-            command("run", ANCHOR, "--html", page)
+            command("run", ANCHOR, "--plot", page)
             # Only the wall times differ between two runs.
             without_times = lambda text: [line for line in text.splitlines() if " wall " not in line and "steps" not in line]  # noqa: E731
             result = phalanx.run(ANCHOR, check=None)

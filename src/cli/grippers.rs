@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{FileKind, OutputArgs, print_result, reserve, save};
-use super::parsers::{axis, count, model, number, positive, size};
+use super::output::{OutputArgs, picture_target, print_result, reserve, save_picture};
+use super::parsers::{axis, count, model, number, picture, positive, size};
 use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
@@ -172,7 +172,7 @@ fn sizes(
 /// end when the loads begin. Surroundings that a load would hit are removed then.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx hold scenes/gripper/hold.toml\n  phalanx hold scenes/gripper/hold.toml --directions 24 --svg \
+    after_help = "Examples:\n  phalanx hold scenes/gripper/hold.toml\n  phalanx hold scenes/gripper/hold.toml --directions 24 --plot \
                   hold.svg\n  phalanx hold scenes/gripper/lift.toml --set contact.friction.law=bristle --set motor.brake_law=bristle \
                   --vibration \"50 Hz, 200 Hz\" --along x,y,angle\n  phalanx hold scenes/gripper/cycle.toml --move --slip \"0.1 mm\" --out \
                   hold\n  phalanx hold scenes/real/2f85-lift.toml --at \"250 ms\"\n\n--out writes hold.txt, .json, .csv (every run) and .svg. Exit status: 0 done, whatever the result; 2 bad input; 3 interrupted, or files could not be written."
@@ -252,8 +252,8 @@ pub(crate) struct HoldArgs {
 
     /// Write a plot to this file: limits in polar coordinates for pulses, limits over frequency for three or more
     /// vibrations, else the slip of every run; an existing file is replaced only when the new one is complete
-    #[arg(long, value_name = "FILE.svg")]
-    svg: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.svg|html", value_parser = picture(&["svg", "html"]))]
+    plot: Option<PathBuf>,
 
     #[command(flatten)]
     output: OutputArgs,
@@ -279,15 +279,15 @@ pub(super) fn run_hold(args: &HoldArgs) -> Result<Status, Failure> {
     let scene = require_grasp(scene, &args.scene.display().to_string(), "scenes/gripper/hold.toml")
         .map_err(Failure::bad_input)?;
     let plan = build_plan(args)?;
-    let svg = ("--svg", args.svg.as_deref(), FileKind::Picture);
+    let svg = picture_target(args.plot.as_deref());
     let files = ["hold.json", "hold.csv", "hold.svg", "hold.txt"];
     let directory =
         reserve(&[("the scene", &source_files(&args.scene))], &[svg], (args.output.out.as_deref(), &files))?;
     let task = ["the study", "runs", args.output.unwritten()];
     let study = Interrupt::listen()?.compute(task, |monitor| hold::hold(&scene, plan, monitor))?;
     directory.write(files, || [study.json(), hold_csv(&study), plot::hold(&study), study.report().to_string()])?;
-    if let Some(path) = &args.svg {
-        save(path, &plot::hold(&study))?;
+    if let Some(path) = &args.plot {
+        save_picture(path, &scene.name, &plot::hold(&study))?;
     }
     print_result(&study, args.output.json)
 }

@@ -1,14 +1,44 @@
-//! Help outside the program: `phalanx completions`, shell completion scripts, and `phalanx man`, manual pages.
+//! Help outside the program: `phalanx schema` for editors, `phalanx completions`, shell completion scripts, and `phalanx man`, manual
+//! pages.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Command, CommandFactory};
+use clap::{Args, Command, CommandFactory, ValueEnum};
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
 use super::output::{print, reserve, save};
 use super::{Cli, Failure, Status};
+use crate::scene;
+use crate::study::sweep;
+
+/// Print the JSON Schema of scene files, study files or optimisations, for editors.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  phalanx schema scene > scene.schema.json\n  phalanx schema study > study.schema.json\n  phalanx schema \
+                  optimize > optimize.schema.json"
+)]
+pub(crate) struct SchemaArgs {
+    #[arg(value_enum)]
+    file: SchemaFile,
+}
+
+/// A kind of file with a schema.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SchemaFile {
+    /// Scene files of every kind
+    Scene,
+    /// Study files of `phalanx sweep`
+    Study,
+}
+
+pub(super) fn run_schema(args: &SchemaArgs) -> Result<Status, Failure> {
+    print(&match args.file {
+        SchemaFile::Scene => scene::schema(),
+        SchemaFile::Study => sweep::schema(),
+    })
+}
 
 /// Print a shell completion script for commands, options and values.
 #[derive(Debug, Args)]

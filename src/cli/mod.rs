@@ -9,6 +9,7 @@
 
 mod grippers;
 mod help;
+mod optimize;
 mod output;
 mod page;
 mod parsers;
@@ -22,8 +23,8 @@ mod select;
 mod set;
 mod simulate;
 mod statics;
-mod study;
 mod sweep;
+mod thesis;
 mod validate;
 mod volume;
 
@@ -35,12 +36,14 @@ use std::sync::atomic::Ordering;
 
 use clap::builder::Styles;
 use clap::builder::styling::AnsiColor;
-use clap::error::{ContextKind, ContextValue};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
+use self::parsers::parse_threads;
 use crate::files::FORCE;
 use crate::scene::error::shortened;
 use crate::scene::{SceneError, closest_match};
+use phalanx_parallel::set_threads;
 
 /// Maximum width of help text in columns; longer lines are hard to read.
 const MAX_HELP_WIDTH: usize = 100;
@@ -81,6 +84,10 @@ struct Cli {
     #[arg(long, global = true, display_order = 901)]
     force: bool,
 
+    /// Number of threads [default: RAYON_NUM_THREADS, else all cores]; results do not depend on it
+    #[arg(long, global = true, value_name = "N", default_value_t = 0, hide_default_value = true, value_parser = parse_threads, display_order = 899)]
+    threads: usize,
+
     #[command(subcommand)]
     command: Command,
 }
@@ -106,31 +113,32 @@ macro_rules! commands {
 commands! {
     New(scene::NewArgs) => scene::run_new,
     Run(run::RunArgs) => run::run,
-    Explore(page::ExploreArgs) => page::explore,
     Validate(validate::ValidateArgs) => validate::run,
     Replay(replay_read::ReplayArgs) => replay::run,
-    /// Show and check scene files, or print their schema
+    /// Show and check scene files, and export them for MuJoCo
     #[command(
         subcommand,
-        after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene check scenes/*.toml\n  phalanx scene \
-                      schema > scene.schema.json"
+        after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene check scenes/*.toml"
     )]
     Scene(scene::SceneCommand) => scene::run,
-    Capture(grippers::CaptureArgs) => grippers::run_capture,
-    Hold(grippers::HoldArgs) => grippers::run_hold,
-    Size(statics::SizeArgs) => statics::run_size,
     Statics(statics::StaticsArgs) => statics::run_statics,
-    Volume(volume::VolumeArgs) => volume::run,
+    Hold(grippers::HoldArgs) => grippers::run_hold,
+    Capture(grippers::CaptureArgs) => grippers::run_capture,
     Sweep(sweep::SweepArgs) => sweep::run,
-    Select(select::SelectArgs) => select::run,
-    Reproduce(study::ReproduceArgs) => study::run_reproduce,
-    /// Study how settings affect a result
+    Optimize(optimize::OptimizeArgs) => optimize::run,
+    Explore(page::ExploreArgs) => page::explore,
+    Size(statics::SizeArgs) => statics::run_size,
+    /// Reproduce the thesis: its figures, the volumes of its designs, and how step size and stiffness affect the engine
     #[command(
         subcommand,
-        after_help = "Examples:\n  phalanx study stability scenes/experiment-95.toml\n  phalanx study step-size --quick"
+        after_help = "Examples:\n  phalanx thesis reproduce\n  phalanx thesis volume --out volumes\n  phalanx thesis select \
+                      results.csv\n  phalanx thesis stability scenes/experiment-95.toml"
     )]
-    Study(study::StudyCommand) => study::run,
+    Thesis(thesis::ThesisCommand) => thesis::run,
+    Schema(help::SchemaArgs) => help::run_schema,
+    #[command(hide = true)]
     Completions(help::CompletionsArgs) => help::run_completions,
+    #[command(hide = true)]
     Man(help::ManArgs) => help::run_man,
 }
 
@@ -172,10 +180,11 @@ impl From<SceneError> for Failure {
 /// Runs the command given by the arguments of the process.
 pub fn main() -> ExitCode {
     progress::fail_writes_beyond_file_limit();
-    let matches = build_command().try_get_matches().unwrap_or_else(|error| exit_with_error(suggest_subcommand(error)));
+    let matches = build_command().try_get_matches().unwrap_or_else(|error| exit_with_error(suggest(error)));
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| exit_with_error(error));
     output::QUIET.store(cli.quiet, Ordering::Relaxed);
     FORCE.store(cli.force, Ordering::Relaxed);
+    set_threads(cli.threads);
     let status = cli.command.run().unwrap_or_else(|failure| {
         output::print_diagnostic(&failure.message);
         failure.status
@@ -216,16 +225,41 @@ fn allow_negative_values(command: clap::Command) -> clap::Command {
     command.mut_subcommands(allow_negative_values)
 }
 
-/// Suggests a command for a mistyped one of two letters, for which clap makes no suggestion.
-fn suggest_subcommand(mut error: clap::Error) -> clap::Error {
+/// Former names of commands and flags, with their present ones.
+const FORMER_NAMES: [(&str, &str); 11] = [
+    ("reproduce", "phalanx thesis reproduce"),
+    ("volume", "phalanx thesis volume"),
+    ("select", "phalanx thesis select"),
+    ("study", "phalanx thesis stability, or phalanx thesis step-size"),
+    ("schema", "phalanx schema scene"),
+    ("--schema", "phalanx schema study"),
+    ("--html", "--plot FILE.html"),
+    ("--svg", "--plot FILE.svg"),
+    ("--figure", "--plot FILE.svg"),
+    ("--live", "--plot FILE.html for a page, or --log FILE.mcap for the Foxglove app"),
+    ("--color-by", "--colour-by"),
+];
+
+/// Names the present name of a former one, and suggests a command for a mistyped one of two letters, for which clap makes no
+/// suggestion.
+fn suggest(mut error: clap::Error) -> clap::Error {
+    let former = [ContextKind::InvalidSubcommand, ContextKind::InvalidArg].into_iter().find_map(|kind| {
+        let Some(ContextValue::String(word)) = error.get(kind) else { return None };
+        FORMER_NAMES.into_iter().find(|(former, _)| word.split([' ', '=']).next() == Some(former))
+    });
+    if let Some((_, present)) = former
+        && matches!(error.kind(), ErrorKind::InvalidSubcommand | ErrorKind::UnknownArgument)
+    {
+        [ContextKind::SuggestedSubcommand, ContextKind::SuggestedArg]
+            .into_iter()
+            .for_each(|kind| _ = error.remove(kind));
+        let tip = format!("it is now `{present}`");
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+        return error;
+    }
     if let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
         && error.get(ContextKind::SuggestedSubcommand).is_none()
     {
-        if word == "optimize" {
-            let tip = "the search is part of the Python package: `python -m phalanx.optimize STUDY`, after `pip install phalanx[optimize]`";
-            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
-            return error;
-        }
         let command = Cli::command();
         // In `phalanx scene shwo`, the second word is the mistyped one.
         let parent_name = std::env::args().skip(1).find(|arg| !arg.starts_with('-')).filter(|first| first != word);

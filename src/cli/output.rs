@@ -21,6 +21,7 @@ use crate::files::{
 };
 use crate::format::{Report, ToReport, escape_chars, is_unsafe_char};
 use crate::log::{ensure_replaceable, partial_name};
+use crate::page::picture_page;
 use crate::scene::error::shortened;
 use crate::study::results::companion_files;
 
@@ -142,6 +143,11 @@ pub(crate) fn terminal_width() -> Option<usize> {
 
 /// A flag, its path, and the kind of file to write.
 pub(crate) type Target<'a> = (&'a str, Option<&'a Path>, FileKind);
+/// The target of `--plot`: a picture, or a page with it.
+pub(crate) fn picture_target(path: Option<&Path>) -> Target<'_> {
+    ("--plot", path, path.map_or(FileKind::Picture, FileKind::from_extension))
+}
+
 /// A directory, and the names of files to write in it; `*` matches any text.
 pub(crate) type Directory<'a> = (Option<&'a Path>, &'a [&'a str]);
 
@@ -261,6 +267,14 @@ pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
         _ => Cow::Borrowed(text),
     };
     replace_file(path, |out| out.write_all(text.as_bytes())).map_err(|error| write_failure(path, error))
+}
+
+/// Writes a picture: as it is, or in a page if the file's extension is html.
+pub(super) fn save_picture(path: &Path, title: &str, svg: &str) -> Result<(), Failure> {
+    match path.extension().is_some_and(|extension| extension == "html") {
+        true => save(path, &picture_page(title, svg)),
+        false => save(path, svg),
+    }
 }
 
 pub(super) fn write_failure(path: &Path, error: impl Display) -> Failure {

@@ -1,4 +1,4 @@
-//! Pages of commands, and their display in the user's browser: `phalanx explore`, and `--html` and `--open` of
+//! Pages of commands, and their display in the user's browser: `phalanx explore`, and `--plot` and `--open` of
 //! `phalanx run`.
 
 use std::borrow::Cow;
@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::output::{FileKind, NO_DIRECTORY, print_report, reserve, save};
+use super::parsers::picture;
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status, VERSION};
 use crate::files::read_at_most;
@@ -24,7 +25,7 @@ use crate::page::{InitialScene, Page, Playback, explorer_page, is_gzip, render_p
 const FAILURE_TIMEOUT: Duration = Duration::from_millis(1500);
 
 /// Hint for a system without a browser.
-const ALTERNATIVE: &str = "write the page with --html FILE.html and open that file on a computer with a browser";
+const ALTERNATIVE: &str = "write the page with --plot FILE.html and open that file on a computer with a browser";
 
 /// A program that shows a page, and its argument before the path of the page.
 struct Browser(PathBuf, Option<&'static str>);
@@ -114,10 +115,10 @@ fn create_temporary_page(flag: &str) -> Result<PathBuf, Failure> {
 pub(crate) struct PageArgs {
     /// Write a page for any browser, also offline: an animation, plots and events. If the run has too many samples for a
     /// page, some are omitted and the page states this
-    #[arg(long, value_name = "FILE.html")]
-    pub(super) html: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.html", value_parser = picture(&["html"]))]
+    pub(super) plot: Option<PathBuf>,
 
-    /// Open the page in the browser; without --html it is written to the directory for temporary files
+    /// Open the page in the browser; without --plot it is written to the directory for temporary files
     #[arg(long)]
     open: bool,
 }
@@ -129,11 +130,11 @@ pub(super) struct PageOutput {
 }
 
 impl PageArgs {
-    /// Returns an error for `--watch --open` without `--html`, because each run would write another temporary page.
+    /// Returns an error for `--watch --open` without `--plot`, because each run would write another temporary page.
     pub(super) fn ensure_watchable(&self) -> Result<(), Failure> {
-        match (self.open, &self.html) {
+        match (self.open, &self.plot) {
             (true, None) => Err(Failure::bad_input(
-                "--watch --open: every run would write a page of another name; name the page with --html FILE.html, open it once, \
+                "--watch --open: every run would write a page of another name; name the page with --plot FILE.html, open it once, \
                  and reload it after each run",
             )),
             _ => Ok(()),
@@ -144,9 +145,9 @@ impl PageArgs {
     pub(super) fn prepare(&self, first: bool) -> Result<Option<PageOutput>, Failure> {
         let browser = (self.open && first).then(Browser::find).transpose();
         let browser = browser.map_err(|reason| Failure::bad_input(format!("--open: {reason}")))?;
-        let target = match (&self.html, &browser) {
+        let target = match (&self.plot, &browser) {
             (Some(target), _) => target.clone(),
-            (None, Some(_)) => create_temporary_page("--html")?,
+            (None, Some(_)) => create_temporary_page("--plot")?,
             (None, None) => return Ok(None),
         };
         Ok(Some(PageOutput { target, browser }))
@@ -216,7 +217,7 @@ pub(super) fn explore(args: &ExploreArgs) -> Result<Status, Failure> {
     let start = load_initial_scene(args)?;
     let (module_files, module) = read_module(args.module.as_deref())?;
     let browser = (args.open || args.out.is_none()).then(Browser::find).transpose();
-    let browser = browser.map_err(|message| Failure::bad_input(message.replace("--html", "-o")))?;
+    let browser = browser.map_err(|message| Failure::bad_input(message.replace("--plot", "-o")))?;
     let target = match &args.out {
         Some(target) => {
             let scene = args.scene.as_deref().map(source_files).unwrap_or_default();

@@ -1,7 +1,9 @@
 //! Value parsers of flags; their messages name what is allowed, with an example. `expected` describes the values of a
 //! flag with an example.
 
+use std::fs;
 use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -108,6 +110,26 @@ pub(crate) fn limits(
         [_, _] => Err(format!("the first limit is greater than the second; expected {expected}")),
         [_] => Err(format!("1 value was given; expected {expected}")),
         ref values => Err(format!("{} values were given; expected {expected}", values.len())),
+    }
+}
+
+/// Returns a parser of the file of a picture, whose name ends in one of these extensions.
+pub(crate) fn picture(
+    extensions: &'static [&'static str],
+) -> impl Fn(&str) -> Result<PathBuf, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let extension = Path::new(text).extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        // A pipe or a device may have any name.
+        let is_special = fs::metadata(text).is_ok_and(|found| !found.is_file() && !found.is_dir());
+        if is_special || extensions.contains(&extension) {
+            return Ok(text.into());
+        }
+        let allowed = extensions.iter().map(|each| format!(".{each}")).collect::<Vec<_>>().join(" or ");
+        let convert = match extension {
+            "png" if extensions.contains(&"svg") => "; rsvg-convert, Inkscape and browsers convert .svg to .png",
+            _ => "",
+        };
+        Err(format!("the name must end in {allowed}{convert}"))
     }
 }
 

@@ -20,7 +20,7 @@ use signal_hook::flag;
 use super::Failure;
 use super::output::is_quiet;
 use crate::format::format_duration;
-use crate::thesis::Monitor;
+use phalanx_parallel::Monitor;
 
 /// Time before the line is shown.
 const DISPLAY_DELAY: Duration = Duration::from_secs(1);

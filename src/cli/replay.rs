@@ -34,10 +34,10 @@ fn replay_log(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failur
     let path = &args.log;
     let csv = csv_file(args.csv.as_deref(), args.json)?;
     let mut reader = LogReader::new(path, interrupt)?;
-    if args.html.is_some() {
+    if args.plot.is_some() {
         reader.record_page()?;
     }
-    let targets = [("--csv", csv, FileKind::Table), ("--html", args.html.as_deref(), FileKind::Page)];
+    let targets = [("--csv", csv, FileKind::Table), ("--plot", args.plot.as_deref(), FileKind::Page)];
     reserve(&[("the log", slice::from_ref(path))], &targets, NO_DIRECTORY)?;
     reader.table = args.csv.as_deref().map(SampleTable::create).transpose()?;
     let result = reader.read();
@@ -49,7 +49,7 @@ fn replay_log(args: &ReplayArgs, interrupt: &Interrupt) -> Result<Status, Failur
     result?;
     let mut report = reader.report();
     report.csv = csv.map(|csv| csv.display().to_string());
-    if let Some(target) = &args.html {
+    if let Some(target) = &args.plot {
         reader.ensure_drawable()?;
         let (title, description) = reader.name_and_description();
         let playback = reader.into_playback(report.model.as_deref().unwrap_or("run"), report.report())?;

@@ -28,16 +28,16 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             paths[1].display(),
         )));
     }
-    let html = ("--html", args.html.as_deref(), FileKind::Page);
+    let html = ("--plot", args.plot.as_deref(), FileKind::Page);
     let inputs = paths.map(Path::to_path_buf);
     let directory = reserve(&[("the log", &inputs)], &[html], (args.out.as_deref(), &FILES))?;
-    let mut has_page = args.html.is_some() || args.out.is_some();
-    // If the page of --html is impossible, this is an error; the page of --out is only omitted.
+    let mut has_page = args.plot.is_some() || args.out.is_some();
+    // If the page of --plot is impossible, this is an error; the page of --out is only omitted.
     let mut require_page = |result: Result<(), Failure>| {
         has_page &= result.is_ok();
-        if args.html.is_some() { result } else { Ok(()) }
+        if args.plot.is_some() { result } else { Ok(()) }
     };
-    if args.html.is_some() || args.out.is_some() {
+    if args.plot.is_some() || args.out.is_some() {
         logs.iter_mut().try_for_each(|log| require_page(log.record_page()))?;
     }
     for log in &mut logs {
@@ -79,7 +79,7 @@ pub(super) fn run(args: &ReplayArgs, other: &Path, interrupt: &Interrupt) -> Res
             save(&out.join("report.json"), &report.json())
         })?;
     }
-    if let (Some(target), Some(page)) = (&args.html, &page_text) {
+    if let (Some(target), Some(page)) = (&args.plot, &page_text) {
         save(target, page)?;
         report.page = Some(target.display().to_string());
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::output::print_diagnostic;
+use super::parsers::picture;
 use super::progress::{Interrupt, Progress};
 use super::simulate::SampleTable;
 use super::{Failure, Status};
@@ -23,7 +24,7 @@ use crate::validate::Recording;
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx replay run.mcap\n  phalanx replay run.mcap --verify\n  phalanx replay run.mcap --csv \
-                  run.csv\n  phalanx replay analytic.mcap --against engine.mcap --html both.html\n\nA truncated or damaged log is read \
+                  run.csv\n  phalanx replay analytic.mcap --against engine.mcap --plot both.html\n\nA truncated or damaged log is read \
                   up to the damage (mcap recover extracts what follows). The order of messages in the file does not matter. Exit \
                   status: 0 the log is complete (with --verify: and identical to the new run); 1 data are lost, a topic is missing, \
                   or the runs differ; 2 bad input; 3 interrupted, or a file could not be written."
@@ -57,8 +58,8 @@ pub(crate) struct ReplayArgs {
 
     /// Write a page for any browser, also offline: an animation, plots and events; with --against both logs are
     /// overlaid. If the run has too many samples for a page, some are omitted and the page states this
-    #[arg(long, value_name = "FILE.html", conflicts_with = "verify")]
-    pub(super) html: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.html", value_parser = picture(&["html"]), conflicts_with = "verify")]
+    pub(super) plot: Option<PathBuf>,
 }
 
 /// Reads a log for its summary and criteria with a progress line until a signal arrives; on request also for a page, a

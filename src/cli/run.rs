@@ -36,7 +36,7 @@ const PERIOD: Duration = Duration::from_millis(100);
                   completed (the log up to that time is kept)."
 )]
 pub(crate) struct RunArgs {
-    /// Scene file (TOML); `phalanx scene schema` describes it
+    /// Scene file (TOML); `phalanx schema scene` describes it
     scene: PathBuf,
 
     #[command(flatten)]
@@ -188,7 +188,7 @@ fn run_once(args: &RunArgs, first: bool) -> Result<Status, Failure> {
     let targets = [
         ("--log", args.log.as_deref(), FileKind::Log),
         ("--csv", csv, FileKind::Table),
-        ("--html", args.page.html.as_deref(), FileKind::Page),
+        ("--plot", args.page.plot.as_deref(), FileKind::Page),
     ];
     reserve(&[("the scene", &source_files(&args.scene))], &targets, NO_DIRECTORY)?;
     let page = args.page.prepare(first)?;

@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::output::{FileKind, NO_DIRECTORY, print, print_diagnostic, print_report, reserve};
+use super::output::{
+    FileKind, NO_DIRECTORY, picture_target, print, print_diagnostic, print_report, reserve, save_picture,
+};
+use super::parsers::picture;
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
 use crate::files::{cannot_write, is_forced, replace_file};
@@ -120,14 +123,14 @@ pub(super) fn run_new(args: &NewArgs) -> Result<Status, Failure> {
         return Err(Failure::incomplete(format!("cannot write {path}: {error}")));
     }
     let figure = match (args.kind, &args.from) {
-        (NewKind::Finger, None) => format!("draw its symbols:   phalanx scene show {path} --figure FILE.svg\n"),
+        (NewKind::Finger, None) => format!("draw its symbols:   phalanx scene show {path} --plot FILE.svg\n"),
         _ => String::new(),
     };
     print(&format!(
         "wrote {path}: {content}\n\
-         watch it close:     phalanx run {path} --open        (or --html FILE.html)\n\
+         watch it close:     phalanx run {path} --open        (or --plot FILE.html)\n\
          show all fields:    phalanx scene show {path}\n{figure}\
-         keys in an editor:  phalanx scene schema > {}\n",
+         keys in an editor:  phalanx schema scene > {}\n",
         target.with_file_name(SCHEMA_FILE).display()
     ))
 }
@@ -138,7 +141,7 @@ pub(crate) enum SceneCommand {
     /// Print a scene with all defaults filled in, as a scene file, or draw the linkage of a finger
     #[command(
         after_help = "Examples:\n  phalanx scene show my-gripper.toml\n  phalanx scene show my-gripper.toml --resolved\n  \
-                      phalanx scene show my-gripper.toml --figure letters.svg\n  phalanx scene show my-gripper.toml --as-mechanism > my-linkage.toml"
+                      phalanx scene show my-gripper.toml --plot letters.svg\n  phalanx scene show my-gripper.toml --as-mechanism > my-linkage.toml"
     )]
     Show {
         /// Scene file (TOML)
@@ -148,16 +151,16 @@ pub(crate) enum SceneCommand {
         set: SetArgs,
 
         /// Draw the finger with the symbols of scenes and results (l11, φ22, q21, F22, …) instead of printing the scene
-        #[arg(long, value_name = "FILE.svg")]
-        figure: Option<PathBuf>,
+        #[arg(long, value_name = "FILE.svg|html", value_parser = picture(&["svg", "html"]))]
+        plot: Option<PathBuf>,
 
         /// Print the simulated values in full precision: lengths and masses instead of design and material, initial
         /// angles, and the law of each contact
-        #[arg(long, conflicts_with = "figure")]
+        #[arg(long, conflicts_with = "plot")]
         resolved: bool,
 
         /// Print a finger, a gripper or discs as the mechanism that they are: bodies, joints and contacts, as simulated
-        #[arg(long, conflicts_with_all = ["figure", "resolved"])]
+        #[arg(long, conflicts_with_all = ["plot", "resolved"])]
         as_mechanism: bool,
     },
     /// Check scene files; exit status 2 if one is invalid
@@ -183,16 +186,12 @@ pub(crate) enum SceneCommand {
         #[arg(long, value_name = "FILE.xml")]
         mjcf: PathBuf,
     },
-    /// Print the JSON Schema of scene files, for editors
-    #[command(after_help = "Examples:\n  phalanx scene schema > scene.schema.json")]
-    Schema,
 }
 
 pub(super) fn run(command: &SceneCommand) -> Result<Status, Failure> {
     match command {
-        SceneCommand::Schema => print(&scene::schema()),
-        SceneCommand::Show { scene, set, figure: Some(figure), .. } => draw(scene, set, figure),
-        SceneCommand::Show { scene, set, figure: None, resolved, as_mechanism } => {
+        SceneCommand::Show { scene, set, plot: Some(plot), .. } => draw(scene, set, plot),
+        SceneCommand::Show { scene, set, plot: None, resolved, as_mechanism } => {
             let found = set.load_any(scene)?;
             if *as_mechanism {
                 let bad_input = |error| Failure::bad_input(format!("{}: {error}", scene.display()));
@@ -243,7 +242,7 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
     let scene = set.load_any(path)?;
     let bad_input = |advice: &str| {
         let path = path.display();
-        Err(Failure::bad_input(format!("--figure: {path} is {advice} phalanx run {path} --html FILE.html")))
+        Err(Failure::bad_input(format!("--plot: {path} is {advice} phalanx run {path} --plot FILE.html")))
     };
     match scene.finger_count() {
         0 => return bad_input("a scene without five-bar finger, but the symbols are those of one; view it with"),
@@ -253,14 +252,10 @@ fn draw(path: &Path, set: &SetArgs, figure: &Path) -> Result<Status, Failure> {
             return bad_input(&format!("a gripper, but {advice}"));
         }
     }
-    let target = ("--figure", Some(figure), FileKind::Picture);
+    let target = picture_target(Some(figure));
     reserve(&[("the scene", &source_files(path))], &[target], NO_DIRECTORY)?;
     let (figure_name, svg) = (figure.display(), linkage(&scene).svg);
-    replace_file(figure, |out| out.write_all(svg.as_bytes())).map_err(|error| {
-        Failure::bad_input(format!(
-            "cannot write {figure_name}: {error}; give a file in a directory where you may write"
-        ))
-    })?;
+    save_picture(figure, &scene.display_name(), &svg)?;
     print(&format!("wrote {figure_name}: the linkage of {} with its symbols\n", scene.display_name()))
 }
 

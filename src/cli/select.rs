@@ -1,4 +1,4 @@
-//! `phalanx select`: selects and ranks the designs of a sweep.
+//! `phalanx thesis select`: selects and ranks the designs of a sweep.
 
 use std::path::{Path, PathBuf};
 use std::slice;
@@ -29,9 +29,9 @@ use crate::units::Dimension;
 /// counts as 1/2.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx select results.csv\n  phalanx select results.parquet --class stable --max-tts \"8 ms\" \
-                  --out selection\n  phalanx select results.csv --no-form-closed --min-pfp \"5 N\" --best 20\n  phalanx select \
-                  results.csv --bound \"motor_n_m <= 0.5\" --bound \"mass_kg <= 0.024\" --ranking best.csv\n  phalanx select results.csv --weights \
+    after_help = "Examples:\n  phalanx thesis select results.csv\n  phalanx thesis select results.parquet --class stable --max-tts \"8 ms\" \
+                  --out selection\n  phalanx thesis select results.csv --no-form-closed --min-pfp \"5 N\" --best 20\n  phalanx thesis select \
+                  results.csv --bound \"motor_n_m <= 0.5\" --bound \"mass_kg <= 0.024\" --ranking best.csv\n  phalanx thesis select results.csv --weights \
                   pfp=2,tts=1,f21=0,f22=0 --json\n\n--out writes selection.txt, .json, ranking.csv and plots: criteria.svg (runs removed by each criterion), classes.svg and \
                   static.svg (designs by variable and class), forces.svg, variables.svg. Exit status: 0 done; 1 no run meets the criteria; 2 bad input; 3 files \
                   could not be written."

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::output::{FileKind, NO_DIRECTORY, OutputArgs, print_result, reserve, save};
-use super::parsers::{number, positive, quantity, rule};
+use super::output::{NO_DIRECTORY, OutputArgs, picture_target, print_result, reserve, save_picture};
+use super::parsers::{number, picture, positive, quantity, rule};
 use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
@@ -96,8 +96,8 @@ pub(super) fn run_size(args: &SizeArgs) -> Result<Status, Failure> {
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  phalanx statics scenes/experiment-95.toml\n  phalanx statics scenes/experiment-95.toml \
-                  --mu-static 0,0.4,0.8 --svg grasp.svg\n  phalanx statics my-finger.toml --motor \"500 N*mm\" --json\n  phalanx statics \
-                  scenes/gripper/cycle.toml --at \"200 ms\" --svg polar.svg\n  phalanx statics scenes/gripper/design-95.toml --posture \
+                  --mu-static 0,0.4,0.8 --plot grasp.svg\n  phalanx statics my-finger.toml --motor \"500 N*mm\" --json\n  phalanx statics \
+                  scenes/gripper/cycle.toml --at \"200 ms\" --plot polar.svg\n  phalanx statics scenes/gripper/design-95.toml --posture \
                   geometric --mu-static 0.2,0.4 --every \"30 deg\"\n  phalanx statics scenes/real/2f85-pinch.toml --object object\n  phalanx statics scenes/gripper/design-95.toml --posture \"q11=2.09 \
                   deg, q21=65.02 deg\"\n\nExit status: 0 done, whatever the result; 2 bad input, such as a finger that does not \
                   reach its object; 3 form closure of a finger or the balance of forces could not be decided, a run could not be \
@@ -121,8 +121,8 @@ pub(crate) struct StaticsArgs {
 
     /// Draw the grasp to this file, with the forces for the last friction coefficient, or for a gripper with its
     /// admissible accelerations; an existing file is replaced only when the new one is complete
-    #[arg(long, value_name = "FILE.svg")]
-    svg: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.svg|html", value_parser = picture(&["svg", "html"]))]
+    plot: Option<PathBuf>,
 
     /// Print one JSON document with SI units in its keys instead of tables
     #[arg(long)]
@@ -187,7 +187,7 @@ impl GripperArgs {
 }
 
 pub(super) fn run_statics(args: &StaticsArgs) -> Result<Status, Failure> {
-    let svg = ("--svg", args.svg.as_deref(), FileKind::Picture);
+    let svg = picture_target(args.plot.as_deref());
     reserve(&[("the scene", &source_files(&args.scene))], &[svg], NO_DIRECTORY)?;
     let scene = args.set.load_any(&args.scene)?;
     match scene.finger_count() {
@@ -230,7 +230,7 @@ fn run_gripper(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
     if args.gripper.base.is_some() {
         return Err(Failure::bad_input("--base is for mechanisms; the base of a gripper is its palm: remove the flag"));
     }
-    let refinement = refinement(args.svg.is_some(), *every);
+    let refinement = refinement(args.plot.is_some(), *every);
     let request = GripperGraspRequest {
         posture: with_options(*posture, *at, *within).map_err(Failure::bad_input)?,
         mu_static: args.mu_static.clone(),
@@ -262,7 +262,7 @@ fn run_mechanism(args: &StaticsArgs, scene: &Scene) -> Result<Status, Failure> {
         )));
     }
     let interrupt = Interrupt::listen()?;
-    let refinement = refinement(args.svg.is_some(), *every);
+    let refinement = refinement(args.plot.is_some(), *every);
     let request = MechanismGraspRequest {
         at_s: *at,
         within_m: *within,
@@ -298,8 +298,8 @@ fn refinement(has_picture: bool, every: usize) -> usize {
 impl StaticsArgs {
     /// Writes the picture if it was requested, and returns its path.
     fn save_picture(&self, draw: impl FnOnce() -> String) -> Result<Option<String>, Failure> {
-        let Some(path) = &self.svg else { return Ok(None) };
-        save(path, &draw())?;
+        let Some(path) = &self.plot else { return Ok(None) };
+        save_picture(path, &self.scene.display().to_string(), &draw())?;
         Ok(Some(path.display().to_string()))
     }
 }

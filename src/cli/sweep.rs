@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
-use super::output::{FileKind, NO_DIRECTORY, print, print_note, print_report, print_result, reserve, save};
-use super::parsers::{model, number, parse_threads};
+use super::output::{
+    FileKind, NO_DIRECTORY, picture_target, print_note, print_report, print_result, reserve, save_picture,
+};
+use super::parsers::{model, number, picture};
 use super::progress::{Interrupt, Progress};
 use super::{Failure, Status};
 use crate::plot::map;
@@ -36,24 +38,23 @@ const DEFAULT_LISTED_RUNS: u64 = 12;
     subcommand_negates_reqs = true,
     after_help = "Examples:\n  phalanx sweep scenes/studies/thesis.toml --out thesis.csv\n  phalanx sweep scenes/studies/sample.toml \
                   --out sample.parquet --threads 1 --json\n  phalanx sweep scenes/studies/sample.toml --list\n  phalanx sweep scenes/studies/capture.toml --out capture.csv\n  phalanx sweep \
-                  scenes/studies/thesis.toml --shard 2/3 --out part-2.parquet\n  phalanx sweep --schema > \
-                  study.schema.json\n\nExit status: 0 all runs are in the table; 2 bad input; 3 interrupted (the same command \
+                  scenes/studies/thesis.toml --shard 2/3 --out part-2.parquet\n\nExit status: 0 all runs are in the table; 2 bad input; 3 interrupted (the same command \
                   resumes), or no run could be simulated."
 )]
 pub(crate) struct SweepArgs {
     #[command(subcommand)]
     command: Option<SweepCommand>,
 
-    /// Study file (TOML); `phalanx sweep --schema` describes it
-    #[arg(required_unless_present = "schema")]
+    /// Study file (TOML); `phalanx schema study` describes it
+    #[arg(required = true)]
     study: Option<PathBuf>,
 
     /// Write the results to this file, as CSV or Parquet according to its extension
-    #[arg(long, value_name = "FILE", required_unless_present_any = ["schema", "list"])]
+    #[arg(long, value_name = "FILE", required_unless_present = "list")]
     out: Option<PathBuf>,
 
     /// Draw a map of the verdicts over two axes, and of the margin or the time to stability; a third axis gives panels
-    #[arg(long, value_name = "FILE.svg", requires = "out", conflicts_with_all = ["shard", "list", "schema"])]
+    #[arg(long, value_name = "FILE.svg|html", value_parser = picture(&["svg", "html"]), requires = "out", conflicts_with_all = ["shard", "list"])]
     plot: Option<PathBuf>,
 
     /// Simulation model, instead of the one in the study
@@ -65,16 +66,12 @@ pub(crate) struct SweepArgs {
     #[arg(long)]
     check: bool,
 
-    /// Number of threads; 0 uses all cores
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = parse_threads)]
-    threads: usize,
-
     /// Simulate only the first N runs; later commands can add more
     #[arg(long, value_name = "N", value_parser = number(|runs: &u64| *runs > 0, RUN_LIMIT))]
     limit: Option<u64>,
 
     /// Simulate only shard K of N and write it atomically to one Parquet file; an existing shard is not replaced
-    #[arg(long, value_name = "K/N", value_parser = parse_shard, conflicts_with_all = ["limit", "list", "schema"])]
+    #[arg(long, value_name = "K/N", value_parser = parse_shard, conflicts_with_all = ["limit", "list"])]
     shard: Option<(u64, u64)>,
 
     /// Discard the results of earlier commands and start again
@@ -84,10 +81,6 @@ pub(crate) struct SweepArgs {
     /// List the planned runs without running them
     #[arg(long)]
     list: bool,
-
-    /// Print the JSON Schema of study files, for editors
-    #[arg(long, conflicts_with_all = ["study", "out", "list"])]
-    schema: bool,
 
     /// Print one JSON document with SI units in its keys instead of tables
     #[arg(long, conflicts_with = "list")]
@@ -146,21 +139,19 @@ pub(super) fn run(args: &SweepArgs) -> Result<Status, Failure> {
     if let Some(SweepCommand::Merge(args)) = &args.command {
         return run_merge(args);
     }
-    let Some(file) = &args.study else {
-        return print(&sweep::schema());
-    };
+    let file = args.study.as_ref().expect("clap requires the study");
     let study = load(file, args.model, args.check)?;
     let (Some(out), false) = (&args.out, args.list) else {
         return print_report(&sweep_list(&study, args.limit.unwrap_or(DEFAULT_LISTED_RUNS)));
     };
-    let outputs = [("--out", Some(&**out), FileKind::Results), ("--plot", args.plot.as_deref(), FileKind::Picture)];
+    let outputs = [("--out", Some(&**out), FileKind::Results), picture_target(args.plot.as_deref())];
     reserve(&[("the study", &sweep::source_files(file))], &outputs, NO_DIRECTORY)?;
     if let Some(shard) = args.shard {
         return run_shard(args, &study, shard, out);
     }
     let run_limit = args.limit.unwrap_or(u64::MAX);
     let (table, work) = match open(&study, out, run_limit, args.restart)? {
-        OpenedResults::Incomplete(store) => run_missing(args, &study, store, run_limit)?,
+        OpenedResults::Incomplete(store) => run_missing(&study, store, run_limit)?,
         OpenedResults::Complete(table) => {
             let note = "already contains all runs of this study; nothing was run. --restart runs them again.";
             print_note(&format!("{} {note}", out.display()));
@@ -169,7 +160,7 @@ pub(super) fn run(args: &SweepArgs) -> Result<Status, Failure> {
     };
     if let Some(plot) = &args.plot {
         let picture = map(&study, &table).map_err(|reason| Failure::bad_input(format!("--plot: {reason}")))?;
-        save(plot, &picture)?;
+        save_picture(plot, &study.name, &picture)?;
     }
     let summary = summary(&table).map_err(Failure::incomplete)?;
     let with_result =
@@ -191,12 +182,7 @@ fn load(file: &Path, model: Option<Model>, check: bool) -> Result<Study, Failure
     Ok(study)
 }
 
-fn run_missing(
-    args: &SweepArgs,
-    study: &Study,
-    mut store: Store,
-    run_limit: u64,
-) -> Result<(crate::table::Table, SweepWork), Failure> {
+fn run_missing(study: &Study, mut store: Store, run_limit: u64) -> Result<(crate::table::Table, SweepWork), Failure> {
     let completed: HashSet<u64> = store.completed_runs().collect();
     let interrupt = Interrupt::listen()?;
     let total = study.runs().min(run_limit);
@@ -204,7 +190,7 @@ fn run_missing(
     let mut progress = Progress::new();
     progress.show_count(completed.len(), total as usize, "");
     let mut write_error = None;
-    let stats = run_while(study, args.threads, 1..=run_limit, &completed, &|| interrupt.keep_running(), |row| {
+    let stats = run_while(study, 0, 1..=run_limit, &completed, &|| interrupt.keep_running(), |row| {
         // Rows must stay in order, so nothing is written after a failed write.
         if write_error.is_none() {
             counts.add(&row);
@@ -233,7 +219,7 @@ fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: 
     let consequence = "shards are written only when complete, so no file was written; run the same command again";
     let part = Interrupt::listen()?.compute([&task, "runs", consequence], |monitor| {
         monitor.start(shard.runs() as usize, "");
-        write_part(study, shard, out, args.threads, args.restart, monitor.keep_running(), |row| {
+        write_part(study, shard, out, 0, args.restart, monitor.keep_running(), |row| {
             counts.add(row);
             monitor.advance(1, &counts.problems());
         })

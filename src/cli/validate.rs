@@ -35,7 +35,7 @@ use crate::validate::{
                   simulation could not be completed."
 )]
 pub(crate) struct ValidateArgs {
-    /// Scene file (TOML); `phalanx scene schema` describes it
+    /// Scene file (TOML); `phalanx schema scene` describes it
     scene: PathBuf,
 
     #[command(flatten)]

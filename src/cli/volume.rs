@@ -1,4 +1,4 @@
-//! `phalanx volume`: computes which designs hold the object, over three design variables for each base and friction
+//! `phalanx thesis volume`: computes which designs hold the object, over three design variables for each base and friction
 //! coefficient.
 
 use std::path::{Path, PathBuf};
@@ -8,21 +8,20 @@ use clap::Args;
 use clap::builder::TypedValueParser;
 
 use super::output::{OutputArgs, print_diagnostic, print_result, reserve, save};
-use super::parsers::{choice, limits, number, parse_threads, positive, quantity, rule};
+use super::parsers::{choice, limits, number, positive, quantity, rule};
 use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
 use crate::format::ToReport;
-use crate::page::{Note, volume_page};
 use crate::scene::{self, Template};
 use crate::sizing::Rule;
 use crate::table::{self, Column, Kind, Table, Value};
-use crate::thesis::monitor::all_cores;
 use crate::thesis::volume::{
-    Axes, COLUMNS, FLAGS, Quantity, Timing, Volume, VolumeCounts, VolumeReport, VolumeRequest, by_friction, page_data,
-    slices, volumes,
+    Axes, COLUMNS, FLAGS, Quantity, Timing, Volume, VolumeCounts, VolumeReport, VolumeRequest, by_friction, slices,
+    volumes,
 };
 use crate::units::{self, Dimension};
+use phalanx_parallel::default_threads;
 
 /// Compute which designs hold the object: grasp-state volumes over l21, phi22 and the arm ratio.
 ///
@@ -36,11 +35,10 @@ use crate::units::{self, Dimension};
 /// default also base and friction. Without a scene all values are those of the thesis.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx volume\n  phalanx volume --out volumes\n  phalanx volume --base \"15.5 mm\" \
-                  --mu-static 0.8 --resolution 40 --colour-by pfp,form-closed --out volumes --data parquet\n  phalanx volume \
+    after_help = "Examples:\n  phalanx thesis volume\n  phalanx thesis volume --out volumes\n  phalanx thesis volume --base \"15.5 mm\" \
+                  --mu-static 0.8 --resolution 40 --colour-by pfp,form-closed --out volumes --data parquet\n  phalanx thesis volume \
                   scenes/experiment-95.toml --phi22 \"80 deg, 130 deg\" --json > volume.json\n\n--out writes table.txt, \
-                  table.json, all points as points.csv (or .parquet), slices as pictures (slices-*.svg), and page.html, which \
-                  shows the volumes in three dimensions in any browser. Exit status: 0 done; 2 bad input; 3 interrupted, or files could not be written."
+                  table.json, all points as points.csv (or .parquet), and slices as pictures (slices-*.svg). Exit status: 0 done; 2 bad input; 3 interrupted, or files could not be written."
 )]
 pub(crate) struct VolumeArgs {
     /// Scene file (TOML) of a finger with a [design]; it defines everything that is not varied
@@ -79,7 +77,7 @@ pub(crate) struct VolumeArgs {
     #[arg(long, value_parser = rule())]
     sizing: Option<Rule>,
 
-    /// Quantities that the plots show within the stable region, comma-separated; the page shows all quantities
+    /// Quantities that the plots show within the stable region, comma-separated
     #[arg(
         long,
         visible_alias = "color-by",
@@ -97,10 +95,6 @@ pub(crate) struct VolumeArgs {
 
     #[command(flatten)]
     output: OutputArgs,
-
-    /// Number of threads [default: all cores]; the result does not depend on it
-    #[arg(long, value_name = "NUMBER", default_value_t = 0, hide_default_value = true, value_parser = parse_threads)]
-    threads: usize,
 }
 
 /// Accepted values in messages.
@@ -110,14 +104,14 @@ const ANGLES: &str = "two angles such as \"90 deg, 120 deg\"";
 const RATIOS: &str = "two numbers above 0, such as 0.333,0.667";
 
 /// Files in the output directory.
-const FILES: [&str; 6] = ["table.txt", "table.json", "points.csv", "points.parquet", "page.html", "slices-*.svg"];
+const FILES: [&str; 5] = ["table.txt", "table.json", "points.csv", "points.parquet", "slices-*.svg"];
 
 pub(super) fn run(args: &VolumeArgs) -> Result<Status, Failure> {
     let request = build_request(args)?;
     let inputs = args.scene.as_deref().map(source_files).unwrap_or_default();
     let directory = reserve(&[("the scene", &inputs)], &[], (args.output.out.as_deref(), &FILES))?;
     let interrupt = Interrupt::listen()?;
-    let threads = if args.threads == 0 { all_cores() } else { args.threads };
+    let threads = default_threads();
     let start = Instant::now();
     let task = ["the study", "parts", args.output.unwritten()];
     let volumes = interrupt.compute(task, |monitor| volumes(&request, threads, monitor))?;
@@ -158,7 +152,7 @@ fn build_request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
         None if args.set.set.is_empty() => defaults.template,
         None => {
             return Err(Failure::bad_input(
-                "--set needs a scene, but none is given; name one, as in phalanx volume scenes/experiment-95.toml --set …",
+                "--set needs a scene, but none is given; name one, as in phalanx thesis volume scenes/experiment-95.toml --set …",
             ));
         }
     };
@@ -206,7 +200,7 @@ fn write(
     report: &mut VolumeReport,
     interrupt: &Interrupt,
 ) -> Result<(), Failure> {
-    report.files = ["table.txt", "table.json", "page.html", args.data].map(String::from).to_vec();
+    report.files = ["table.txt", "table.json", args.data].map(String::from).to_vec();
     for &quantity in &args.colour_by {
         let [key, ..] = quantity.names();
         let mut save_slices = |region: &str, rows: &[Vec<&Volume>]| -> Result<(), Failure> {
@@ -227,16 +221,6 @@ fn write(
     interrupt.check()?;
     table::write(&out.join(args.data), &points_table(volumes)).map_err(Failure::incomplete)?;
     interrupt.check()?;
-    let description = format!(
-        "Designs that hold the object, over three design variables. Every cell is a design that is sized by the rule “{}” and closed \
-         on the object in equilibrium.",
-        report.sizing
-    );
-    // Pages are shared, so the page contains neither local paths nor names of files.
-    let shares = VolumeReport { directory: None, ..report.clone() }.report();
-    let title = format!("Grasp-state volumes: {}", request.template.name);
-    let notes = [Note { title: "Shares".to_string(), text: shares }];
-    save(&out.join("page.html"), &volume_page(&title, &description, &page_data(volumes), &notes))?;
     save(&out.join("table.json"), &report.json())?;
     save(&out.join("table.txt"), &report.report().to_string())
 }

@@ -35,24 +35,12 @@ pub fn render_page(page: &Page) -> String {
     fill_scripted_template(TEMPLATE, &json::to_json(&page.runs), &scripts, fields)
 }
 
-const VOLUME_TEMPLATE: &str = include_str!("assets/volume/page.html");
-const VOLUME_STYLES: [&str; 2] = [include_str!("assets/texts.css"), include_str!("assets/volume/layout.css")];
-/// Scripts of the page of volumes, in order of dependence; all share one scope.
-const VOLUME_SCRIPTS: [&str; 11] = scripts! {
-    "format", "canvas", "volume/data", "volume/scale", "volume/cube", "volume/stage", "volume/design",
-    "volume/controls", "help", "volume/keys", "volume/main"
-};
-
-/// Renders the page that shows grasp-state volumes in three dimensions, with the volumes as a JSON document
-/// ([`page_data`](crate::thesis::volume::page_data)). Equal contents give equal bytes.
-pub(crate) fn volume_page(title: &str, description: &str, data: &str, notes: &[Note]) -> String {
-    let fields = vec![
-        ("title", escape_markup(title)),
-        ("description", escape_markup(description)),
-        ("style", page_style(&VOLUME_STYLES)),
-        ("notes", notes_html(notes)),
-    ];
-    fill_scripted_template(VOLUME_TEMPLATE, data, &VOLUME_SCRIPTS, fields)
+/// A page with one picture.
+pub(crate) fn picture_page(title: &str, svg: &str) -> String {
+    let title = escape_markup(title);
+    format!(
+        "<!DOCTYPE html>\n<meta charset=\"utf-8\">\n<meta name=\"generator\" content=\"phalanx\">\n<title>{title}</title>\n{svg}"
+    )
 }
 
 /// Selects light or dark colours: the system's preference at first, then by a button.

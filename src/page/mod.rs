@@ -12,7 +12,7 @@ mod html;
 mod presets;
 
 pub(crate) use explorer::{InitialScene, explorer_page, is_gzip};
-pub(crate) use html::volume_page;
+pub(crate) use html::picture_page;
 pub use html::{render_page, report_page};
 pub use phalanx_show::playback::{
     ContactSeries, EventMarker, MAX_SAMPLES, Panel, Playback, PlaybackRecorder, PlayedBody, PlayedGrasp, PlayedState,

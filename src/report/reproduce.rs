@@ -14,7 +14,7 @@ use crate::study::select::{Candidate, Condition, Ranked, Selection, SelectionCri
 use crate::study::sweep::{self, Row, Status, Study};
 use crate::table::{Table, Value};
 use crate::thesis::reproduce::{self, RankedRun, Reproduction, Run, STEPS, Simulations};
-use crate::thesis::{Monitor, StudyError};
+use phalanx_parallel::{ComputeError, Monitor};
 
 const STUDY: &str = include_str!("../../scenes/studies/thesis.toml");
 const CHOSEN: &str = include_str!("../../scenes/experiment-95.toml");
@@ -56,7 +56,7 @@ impl ToReport for ReproductionReport<'_> {
 ///
 /// # Errors
 /// Returns an error if the monitor stops the computation. Any other error is a bug, because all inputs are shipped.
-pub fn reproduce(quick: bool, threads: usize, monitor: &Monitor) -> Result<Reproduced, StudyError> {
+pub fn reproduce(quick: bool, threads: usize, monitor: &Monitor) -> Result<Reproduced, ComputeError> {
     monitor.start(STEPS, "the 384 simulations");
     let mut study = sweep::parse(STUDY, "thesis.toml").map_err(failed)?;
     // The reproduction checks the runs later, because it needs the runs of the checks.
@@ -82,13 +82,13 @@ pub fn reproduce(quick: bool, threads: usize, monitor: &Monitor) -> Result<Repro
     Ok(Reproduced { reproduction, results, selection })
 }
 
-fn failed(error: impl Display) -> StudyError {
-    StudyError::Failed(format!("the simulations could not be computed: {error}"))
+fn failed(error: impl Display) -> ComputeError {
+    ComputeError::Failed(format!("the simulations could not be computed: {error}"))
 }
 
 /// Returns the runs and their selection in the form that the reproduction needs.
-fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<Simulations, StudyError> {
-    let run = |found: &Candidate| -> Result<Run, StudyError> {
+fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<Simulations, ComputeError> {
+    let run = |found: &Candidate| -> Result<Run, ComputeError> {
         let number = u64::try_from(found.run).map_err(failed)?;
         Ok(Run {
             run: found.run,
@@ -106,7 +106,7 @@ fn simulations(study: &Study, results: &Table, selection: &Selection) -> Result<
             pfp_n: found.pfp_n,
         })
     };
-    let extremes = |name: &str| -> Result<[f64; 2], StudyError> {
+    let extremes = |name: &str| -> Result<[f64; 2], ComputeError> {
         let values = results.numbers(name).map_err(failed)?.into_iter().flatten();
         Ok(values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)]))
     };

@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 
 use crate::scene::Scene;
-use crate::thesis::monitor::on_all_cores;
 use crate::trace::{Model, Simulation, SimulationError};
+use phalanx_parallel::on_all_cores;
 
 /// Creates one simulation for each scene.
 ///

@@ -15,9 +15,9 @@ use crate::scene::{Layer, Scene, SceneError, Side, parse_any, parse_layers};
 use crate::statics::{Blocked, GraspConfiguration, PerContact, gripper_closure};
 use crate::study::bisect;
 use crate::study::sweep::problem_messages;
-use crate::thesis::monitor::{Monitor, StudyError, map};
 use crate::trace::Model;
 use crate::units::{self, Dimension};
+use phalanx_parallel::{ComputeError, Monitor, map};
 
 /// Settings of a capture study.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +106,7 @@ pub enum CaptureError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     #[error(transparent)]
-    Stopped(#[from] StudyError),
+    Stopped(#[from] ComputeError),
 }
 
 /// Texts of a scene and additional settings.
@@ -153,7 +153,7 @@ pub fn capture(plan: Plan, source: &SceneSource, monitor: &Monitor<'_>) -> Resul
     let simulate = |offset_m: &f64| {
         let placement = simulate_placement(&plan, *offset_m, source, monitor)?;
         monitor.advance(1, "positions");
-        Ok::<_, StudyError>(placement)
+        Ok::<_, ComputeError>(placement)
     };
     let placements = map(0, &offsets, simulate)?;
     let middle_index = placements.len() / 2;
@@ -172,7 +172,7 @@ fn find_edge(
     outward: &[&ObjectPlacement],
     source: &SceneSource,
     monitor: &Monitor<'_>,
-) -> Result<Edge, StudyError> {
+) -> Result<Edge, ComputeError> {
     let captured = outward.iter().take_while(|placement| placement.is_captured()).count();
     let captured_m = outward[captured - 1].offset_m;
     let Some(lost) = outward.get(captured) else {
@@ -181,7 +181,7 @@ fn find_edge(
     let next =
         |captured: f64, lost: f64| ((lost - captured).abs() > plan.tolerance_m).then_some(0.5 * (captured + lost));
     let is_captured =
-        |offset_m| Ok::<_, StudyError>(simulate_placement(plan, offset_m, source, monitor)?.is_captured());
+        |offset_m| Ok::<_, ComputeError>(simulate_placement(plan, offset_m, source, monitor)?.is_captured());
     let [captured_m, lost_m] = bisect([captured_m, lost.offset_m], next, is_captured)?;
     Ok(Edge { captured_m, lost_m: Some(lost_m) })
 }
@@ -192,7 +192,7 @@ fn simulate_placement(
     offset_m: f64,
     source: &SceneSource,
     monitor: &Monitor<'_>,
-) -> Result<ObjectPlacement, StudyError> {
+) -> Result<ObjectPlacement, ComputeError> {
     let scene = match source.load_at_offset(plan, offset_m) {
         Ok(scene) => scene,
         Err(error) => {

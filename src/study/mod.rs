@@ -14,7 +14,7 @@ pub mod size;
 pub mod sweep;
 
 use crate::scene::{HandFinger, Scene, SpringKind};
-use crate::thesis::monitor::KeepRunning;
+use phalanx_parallel::KeepRunning;
 
 /// Returns the scene if it has a grasp, of a gripper or of a mechanism; the error calls it `name` and suggests `example`.
 pub fn require_grasp(scene: Scene, name: &str, example: &str) -> Result<Scene, String> {

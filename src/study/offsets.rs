@@ -17,8 +17,8 @@ use crate::scene::{Axis, Scene};
 use crate::statics::{GraspRoles, NoGrasp};
 use crate::study::bisect;
 use crate::study::hold::axis_name;
-use crate::thesis::monitor::{Monitor, StudyError, map};
 use crate::trace::{BodyState, Model, Sample};
+use phalanx_parallel::{ComputeError, Monitor, map};
 
 /// Depth by which an object may start farther inside another outline than in the scene, m: there it may lie on a table.
 const MAX_START_DEPTH_M: f64 = 1e-5;
@@ -163,7 +163,7 @@ pub enum OffsetError {
     #[error("the scene cannot start: {0}; check it with `phalanx scene check`")]
     Start(String),
     #[error(transparent)]
-    Stopped(#[from] StudyError),
+    Stopped(#[from] ComputeError),
 }
 
 /// The scene with the frame in which the object is placed.
@@ -204,7 +204,7 @@ pub fn offsets(plan: OffsetPlan, scene: &Scene, monitor: &Monitor<'_>) -> Result
     let simulate = |offset: &Pose| {
         let placement = placing.simulate(plan.model, *offset, monitor)?;
         monitor.advance(1, "positions");
-        Ok::<_, StudyError>(placement)
+        Ok::<_, ComputeError>(placement)
     };
     let placements = map(0, &all, simulate)?;
     let middle = placements.len() / 2;
@@ -237,15 +237,16 @@ impl Placing<'_> {
         axis: Axis,
         outward: &[&OffsetPlacement],
         monitor: &Monitor<'_>,
-    ) -> Result<OffsetEdge, StudyError> {
+    ) -> Result<OffsetEdge, ComputeError> {
         let count = outward.iter().take_while(|placement| placement.is_captured()).count();
         let at = |placement: &OffsetPlacement| placement.offset[axis as usize];
         let captured = at(outward[count - 1]);
         let Some(lost) = outward.get(count) else { return Ok(OffsetEdge { captured, lost: None }) };
         let next =
             |captured: f64, lost: f64| ((lost - captured).abs() > plan.tolerance).then_some(0.5 * (captured + lost));
-        let is_captured =
-            |offset: f64| Ok::<_, StudyError>(self.simulate(plan.model, on_axis(axis, offset), monitor)?.is_captured());
+        let is_captured = |offset: f64| {
+            Ok::<_, ComputeError>(self.simulate(plan.model, on_axis(axis, offset), monitor)?.is_captured())
+        };
         let [captured, lost] = bisect([captured, at(lost)], next, is_captured)?;
         Ok(OffsetEdge { captured, lost: Some(lost) })
     }
@@ -278,7 +279,7 @@ impl Placing<'_> {
     }
 
     /// Simulates the scene with its object at an offset.
-    fn simulate(&self, model: Model, offset: Pose, monitor: &Monitor<'_>) -> Result<OffsetPlacement, StudyError> {
+    fn simulate(&self, model: Model, offset: Pose, monitor: &Monitor<'_>) -> Result<OffsetPlacement, ComputeError> {
         let not_run = |reason: String| OffsetPlacement { offset, reason: Some(reason), ..OffsetPlacement::default() };
         let scene = match self.scene_at(offset) {
             Ok(scene) => scene,

@@ -23,7 +23,7 @@ use super::sweep::{
 };
 use crate::files::{FileKind, cannot_write, check_target, is_forced, is_special, replace_file};
 use crate::table::{self, Format, RowGroups, RowWriter, Value};
-use crate::thesis::{Monitor, StudyError};
+use phalanx_parallel::{ComputeError, Monitor};
 
 /// Keys of the metadata: [`PartInfo`] as JSON, and the checksum of the rows.
 const METADATA_KEYS: [&str; 2] = ["phalanx.part", "phalanx.checksum"];
@@ -80,7 +80,7 @@ struct Part {
 }
 
 impl Part {
-    fn open(path: &Path) -> Result<Self, StudyError> {
+    fn open(path: &Path) -> Result<Self, ComputeError> {
         let help = "give files written by `phalanx sweep STUDY --shard K/N --out SHARD.parquet`";
         let not_a_part =
             |reason: &dyn Display| refused(format!("{} is not a shard of a sweep: {reason}; {help}", path.display()));
@@ -98,7 +98,7 @@ impl Part {
         if is_consistent { Ok(part) } else { Err(inconsistent()) }
     }
 
-    fn damaged(&self, reason: impl Display) -> StudyError {
+    fn damaged(&self, reason: impl Display) -> ComputeError {
         refused(format!("{} is damaged: {reason}; delete it and run the shard again", self.path.display()))
     }
 
@@ -107,8 +107,8 @@ impl Part {
         mut self,
         study: &Study,
         total: &mut Summary,
-        mut on_group: impl FnMut(&[Vec<Value>]) -> Result<(), StudyError>,
-    ) -> Result<(), StudyError> {
+        mut on_group: impl FnMut(&[Vec<Value>]) -> Result<(), ComputeError>,
+    ) -> Result<(), ComputeError> {
         let mut table = sorted_table(study, []);
         if self.groups.columns() != table.columns || self.info.runs != study.runs() {
             return Err(self.damaged("it has other columns or runs than the study"));
@@ -154,7 +154,7 @@ fn format_checksum(hasher: crc32fast::Hasher) -> String {
     format!("{:08x}", hasher.finalize())
 }
 
-fn empty_summary(study: &Study) -> Result<Summary, StudyError> {
+fn empty_summary(study: &Study) -> Result<Summary, ComputeError> {
     summary(&sorted_table(study, [])).map_err(refused)
 }
 
@@ -184,7 +184,7 @@ pub fn write_part(
     restart: bool,
     keep_running: KeepRunning<'_>,
     mut on_row: impl FnMut(&Row) + Send,
-) -> Result<WrittenPart, StudyError> {
+) -> Result<WrittenPart, ComputeError> {
     let part = PartInfo::new(study, shard);
     if !matches!(table::format(out), Ok(Format::Parquet)) || is_special(out) {
         let reason = "a shard is a Parquet file (NAME.parquet), because its metadata identify the study; `phalanx sweep \
@@ -202,7 +202,7 @@ pub fn write_part(
         true
     });
     if !stats.complete {
-        return Err(StudyError::Stopped { done: stats.runs as usize, total: shard.runs() as usize });
+        return Err(ComputeError::Stopped { done: stats.runs as usize, total: shard.runs() as usize });
     }
     let table = sorted_table(study, rows);
     let mut hasher = crc32fast::Hasher::new();
@@ -210,12 +210,17 @@ pub fn write_part(
     let values = [serde_json::to_string(&part).unwrap_or_default(), format_checksum(hasher)];
     let metadata: Vec<(String, String)> = METADATA_KEYS.map(String::from).into_iter().zip(values).collect();
     let written = table::write_with_metadata(out, &table, &metadata).and_then(|()| summary(&table));
-    let summary = written.map_err(|error| StudyError::Failed(error.to_string()))?;
+    let summary = written.map_err(|error| ComputeError::Failed(error.to_string()))?;
     Ok(WrittenPart { part, summary, stats: Some(stats) })
 }
 
 /// Returns the summary of this part if it is already written. `None` means that `out` may be written.
-fn existing_summary(study: &Study, part: &PartInfo, out: &Path, restart: bool) -> Result<Option<Summary>, StudyError> {
+fn existing_summary(
+    study: &Study,
+    part: &PartInfo,
+    out: &Path,
+    restart: bool,
+) -> Result<Option<Summary>, ComputeError> {
     if !fs::metadata(out).is_ok_and(|found| found.len() > 0) || is_forced() {
         return Ok(None);
     }
@@ -260,7 +265,7 @@ pub struct MergeResult {
 /// # Errors
 /// Returns an error if a part is missing, damaged, duplicate or of another study; the output path is unusable or
 /// contains other data; writing failed; or the merge was interrupted. In all cases `out` is unchanged.
-pub fn merge(study: &Study, parts: &[PathBuf], out: &Path, monitor: &Monitor<'_>) -> Result<MergeResult, StudyError> {
+pub fn merge(study: &Study, parts: &[PathBuf], out: &Path, monitor: &Monitor<'_>) -> Result<MergeResult, ComputeError> {
     let format = table::format(out).map_err(refused)?;
     check_target(out, FileKind::Table).map_err(refused)?;
     if has_other_results(study, out)? {
@@ -301,7 +306,7 @@ pub fn merge(study: &Study, parts: &[PathBuf], out: &Path, monitor: &Monitor<'_>
 }
 
 /// Returns the files of the parts in the order of their runs; checks that they cover the study.
-fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, StudyError> {
+fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, ComputeError> {
     let (mut parts, mut foreign) = (Vec::new(), Vec::new());
     for path in part_files(paths)? {
         let part = Part::open(&path)?;
@@ -324,7 +329,7 @@ fn complete_parts(study: &Study, paths: &[PathBuf]) -> Result<Vec<PathBuf>, Stud
 }
 
 /// Replaces directories by the Parquet files in them.
-pub(crate) fn part_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, StudyError> {
+pub(crate) fn part_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ComputeError> {
     let mut files = Vec::with_capacity(paths.len());
     for path in paths {
         if !path.is_dir() {

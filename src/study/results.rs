@@ -17,18 +17,18 @@ use super::sweep::{Study, check_unsharded, columns, sorted_table};
 use crate::files::{FileKind, cannot_write, check_target, is_forced, replace_file};
 use crate::log::is_same_file;
 use crate::table::{self, Table, Value};
-use crate::thesis::StudyError;
+use phalanx_parallel::ComputeError;
 
 /// First words of a file of unfinished results.
 const MAGIC: &str = "# phalanx sweep";
 
 /// Error of a path that is unusable or contains other data, or of a part that does not fit.
-pub(super) fn refused(reason: impl Display) -> StudyError {
-    StudyError::Unsuitable(reason.to_string())
+pub(super) fn refused(reason: impl Display) -> ComputeError {
+    ComputeError::Unsuitable(reason.to_string())
 }
 
-pub(super) fn write_failed(path: &Path, error: &io::Error) -> StudyError {
-    StudyError::Failed(cannot_write(path, error))
+pub(super) fn write_failed(path: &Path, error: &io::Error) -> ComputeError {
+    ComputeError::Failed(cannot_write(path, error))
 }
 
 /// Writes `OUT.study.json` for results with this number of rows: the study with its exact text.
@@ -47,7 +47,7 @@ pub(super) fn write_provenance(study: &Study, rows: u64, out: &Path) -> io::Resu
 }
 
 /// Whether `OUT.study.json` names this study.
-fn is_of_study(study: &Study, out: &Path) -> Result<bool, StudyError> {
+fn is_of_study(study: &Study, out: &Path) -> Result<bool, ComputeError> {
     let [_, path] = companion_files(out);
     let fingerprint = fs::read(&path).and_then(|bytes| {
         let provenance: serde_json::Value = serde_json::from_slice(&bytes)?;
@@ -74,7 +74,7 @@ pub(crate) fn companion_files(out: &Path) -> [PathBuf; 2] {
 }
 
 /// Whether a path contains results of another study.
-pub(super) fn has_other_results(study: &Study, out: &Path) -> Result<bool, StudyError> {
+pub(super) fn has_other_results(study: &Study, out: &Path) -> Result<bool, ComputeError> {
     let exists = fs::metadata(out).is_ok_and(|found| found.is_file() && found.len() > 0);
     Ok(!is_of_study(study, out)? && exists && !is_forced())
 }
@@ -104,7 +104,7 @@ fn run_numbers(rows: &[Vec<Value>]) -> impl Iterator<Item = u64> {
 /// # Errors
 /// Returns an error if the output path is unusable, contains results of another study, or is being written by another
 /// command.
-pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<OpenedResults, StudyError> {
+pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<OpenedResults, ComputeError> {
     table::format(out).map_err(refused)?;
     check_unsharded(study, max_runs).map_err(refused)?;
     check_target(out, FileKind::Table).map_err(refused)?;
@@ -148,7 +148,7 @@ pub fn open(study: &Study, out: &Path, max_runs: u64, restart: bool) -> Result<O
 }
 
 /// Reads the finished results of this study; `None` if there are none, or the table has other columns.
-fn read_finished(study: &Study, out: &Path) -> Result<Option<Table>, StudyError> {
+fn read_finished(study: &Study, out: &Path) -> Result<Option<Table>, ComputeError> {
     if !is_of_study(study, out)? || !out.exists() {
         return Ok(None);
     }
@@ -165,7 +165,7 @@ fn read_finished(study: &Study, out: &Path) -> Result<Option<Table>, StudyError>
 }
 
 /// Opens and locks the file of unfinished results, so that only one command writes to it.
-fn open_locked(out: &Path, partial: &Path) -> Result<File, StudyError> {
+fn open_locked(out: &Path, partial: &Path) -> Result<File, ComputeError> {
     let cannot_open = |error: io::Error| refused(format!("{}; give a writable path", cannot_write(partial, error)));
     loop {
         let mut options = OpenOptions::new();
@@ -205,7 +205,7 @@ impl Store {
     ///
     /// # Errors
     /// Returns an error if writing fails; the file of unfinished results still contains every finished run.
-    pub fn finish(self, study: &Study) -> Result<Table, StudyError> {
+    pub fn finish(self, study: &Study) -> Result<Table, ComputeError> {
         let Store { out, partial, rows, .. } = self;
         let table = sorted_table(study, rows);
         let finish = || write_provenance(study, table.rows.len() as u64, &out).and_then(|()| fs::remove_file(&partial));
@@ -214,13 +214,13 @@ impl Store {
         written.map_err(|error| {
             let partial = partial.display();
             let hint = format!("every finished run is in {partial}; the same command resumes from there");
-            StudyError::Failed(format!("{error}; {hint}"))
+            ComputeError::Failed(format!("{error}; {hint}"))
         })?;
         Ok(table)
     }
 
     /// Reads the rows of an earlier, interrupted command. Returns whether there was one; always true with `restart`.
-    fn resume(&mut self, study: &Study, restart: bool) -> Result<bool, StudyError> {
+    fn resume(&mut self, study: &Study, restart: bool) -> Result<bool, ComputeError> {
         let failed = |error: io::Error| write_failed(&self.partial, &error);
         let columns = columns(study);
         let names: Vec<Value> = columns.iter().map(|column| Value::from(column.name.as_str())).collect();

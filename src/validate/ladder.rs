@@ -6,8 +6,8 @@ use super::configuration::{Cost, LadderRow, MAX_PREDICTED_STEPS, SolverConfigura
 use super::scenes::{compared_scene, modify, scene_sampled_at_steps};
 use super::validation::{Validation, ValidationError, compare_with_reference, worst_over_members};
 use crate::scene::{Preset, Scene};
-use crate::thesis::monitor::{KeepRunning, Monitor};
 use crate::trace::{Cancellable, Model, RunError, run};
+use phalanx_parallel::{KeepRunning, Monitor};
 
 /// Default time limit of a ladder, s: enough for all configurations of a finger except the shortest fixed steps.
 pub const LADDER_TIME_S: f64 = 10.0;

@@ -14,8 +14,8 @@ use super::{
 use crate::check;
 use crate::invariants::Finding;
 use crate::scene::Scene;
-use crate::thesis::monitor::{KeepRunning, on_all_cores};
 use crate::trace::{Cancellable, Model, RunError, run};
+use phalanx_parallel::{KeepRunning, on_all_cores};
 
 /// A finer configuration of the engine that was run because a bound failed.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -171,7 +171,7 @@ fn bodies_that_pass_through_each_other_are_reported_without_depth() {
             let figures = (&contact["max_penetration_m"], &contact["restitution"]);
             assert_eq!(figures, (&Value::Null, &Value::Null), "{contact}");
         }
-        let text = succeed(&[&fixed_step[..], &["--html", &html]].concat());
+        let text = succeed(&[&fixed_step[..], &["--plot", &html]].concat());
         let page = std::fs::read_to_string(&html).expect("a page");
         for output in [&text, &succeed(&["replay", &log]), &page] {
             assert!(output.contains("WARNING: ball-post: the bodies passed through each other"), "{output}");

@@ -219,7 +219,7 @@ fn labels_of_random_designs_do_not_overlap() {
 fn readme_picture_matches_command_output() {
     let directory = directory("linkage");
     let figure = directory.join("linkage.svg").display().to_string();
-    let output = succeed_silently(&["scene", "show", EXPERIMENT_95, "--figure", &figure]);
+    let output = succeed_silently(&["scene", "show", EXPERIMENT_95, "--plot", &figure]);
     assert_eq!(output, format!("wrote {figure}: the linkage of experiment-95 with its symbols\n"));
     let readme_picture = fs::read_to_string("tools/figures/linkage.svg").expect("the picture of the README");
     let drawn = fs::read_to_string(&figure).expect("the figure");
@@ -237,7 +237,7 @@ fn figure_errors_leave_files_unchanged() {
         (scene.as_str(), missing_directory.as_str(), "does not exist; create it first (mkdir -p"),
         ("scenes/laws/impact.toml", "figure.svg", "a scene without five-bar finger, but the symbols are those of one"),
     ] {
-        assert_rejected(&["scene", "show", scene, "--figure", figure], &[part]);
+        assert_rejected(&["scene", "show", scene, "--plot", figure], &[part]);
     }
     assert_eq!(fs::read_to_string(&scene).expect("the scene"), text);
 }

@@ -41,7 +41,7 @@ fn new_scene_runs_unchanged_and_has_comments() {
     // The first line names the schema for editors, in the directory of the scene.
     assert!(text.starts_with("#:schema ./scene.schema.json\n#"), "{text}");
     let schema = directory.join("scene.schema.json");
-    assert!(output.contains(&format!("phalanx scene schema > {}", schema.display())), "{output}");
+    assert!(output.contains(&format!("phalanx schema scene > {}", schema.display())), "{output}");
     let values = text.lines().filter(|line| line.contains(" = ") && !line.starts_with('#'));
     assert!(values.count() >= 10 && text.matches('#').count() >= 20);
     let scene = scene::load(&file).unwrap_or_else(|error| panic!("{error}"));
@@ -74,20 +74,20 @@ fn run_writes_page() {
         [(EXPERIMENT_95, "analytic"), (EXPERIMENT_95, "engine"), ("scenes/laws/impact.toml", "analytic")]
     {
         let (page, log) = (place("run.html"), place("run.mcap"));
-        let output = succeed_silently(&["run", scene, "--model", model, "--html", &page, "--log", &log]);
+        let output = succeed_silently(&["run", scene, "--model", model, "--plot", &page, "--log", &log]);
         assert!(output.contains(&format!("\npage: {page}\n")), "{output}");
         let run_page = fs::read_to_string(&page).expect("the page");
         // Pages are shared, so they must not contain local paths.
         assert!(!run_page.contains(&directory.display().to_string()));
         // The page of the log contains the same data.
-        succeed(&["replay", &log, "--html", &page]);
+        succeed(&["replay", &log, "--plot", &page]);
         let log_page = fs::read_to_string(&page).expect("the page");
         let data = |html: &str| {
             html.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script>").next().map(String::from))
         };
         assert!(data(&run_page).is_some());
         assert_eq!(data(&run_page), data(&log_page), "{scene}, {model}");
-        assert_eq!(succeed_json(&["run", scene, "--model", model, "--html", &page])["page"], page.as_str());
+        assert_eq!(succeed_json(&["run", scene, "--model", model, "--plot", &page])["page"], page.as_str());
     }
 }
 
@@ -96,7 +96,7 @@ fn page_of_stopped_run_says_not_completed() {
     let directory = directory("cli_run_html_stopped");
     let page = directory.join("run.html");
     let scene = variant(&directory, "few-steps.toml", "[integrator]\nmax_steps = 60");
-    assert_status(&["run", &scene, "--html", path_text(&page)], 3, &[]);
+    assert_status(&["run", &scene, "--plot", path_text(&page)], 3, &[]);
     assert!(fs::read_to_string(&page).expect("the page").contains("NOT COMPLETED"));
 }
 
@@ -106,7 +106,7 @@ fn page_opens_in_session_browser() {
     let directory = directory("cli_open");
     let page = directory.join("run.html");
     let browser = fake_browser(&directory, 0);
-    let args = ["run", EXPERIMENT_95, "--open", "--html", path_text(&page)];
+    let args = ["run", EXPERIMENT_95, "--open", "--plot", path_text(&page)];
     let output = phalanx_with_env(&[("BROWSER", &browser)], &args);
     assert_eq!((output.status.code(), stderr(&output)), (Some(0), ""));
     let opened_page = || fs::read_to_string(directory.join("opened")).expect("the browser was started");
@@ -132,7 +132,7 @@ fn saved_scene_runs_again() {
     let directory = directory("cli_watch");
     let scene = write(&directory, "scene.toml", &fs::read_to_string(EXPERIMENT_95).expect("experiment-95"));
     let page = directory.join("run.html");
-    let mut child = start(&["run", &scene, "--watch", "--no-check", "--html", path_text(&page)]);
+    let mut child = start(&["run", &scene, "--watch", "--no-check", "--plot", path_text(&page)]);
     let (send, lines) = channel();
     let errors = BufReader::new(child.stderr.take().expect("stderr"));
     let reader =
@@ -155,7 +155,7 @@ fn saved_scene_runs_again() {
 
     let output = phalanx_with_env(&[("BROWSER", "true")], &["run", &scene, "--watch", "--open"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--html FILE.html"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--plot FILE.html"), "{}", stderr(&output));
 }
 
 #[cfg(unix)]
@@ -165,7 +165,7 @@ fn failing_browser_leaves_the_page() {
     let page = directory.join("run.html");
     let browser = fake_browser(&directory, 4);
     let output =
-        phalanx_with_env(&[("BROWSER", &browser)], &["run", EXPERIMENT_95, "--open", "--html", path_text(&page)]);
+        phalanx_with_env(&[("BROWSER", &browser)], &["run", EXPERIMENT_95, "--open", "--plot", path_text(&page)]);
     assert_eq!(output.status.code(), Some(3));
     assert_contains(stderr(&output), &["could not be opened", "run.html"]);
     assert!(page.exists() && stdout(&output).contains("stable"));
@@ -181,7 +181,7 @@ fn missing_browser_is_reported_before_simulation() {
     ] {
         let output = phalanx_with_env(settings, &["run", EXPERIMENT_95, "--open"]);
         assert_eq!((output.status.code(), stdout(&output)), (Some(2), ""));
-        assert_contains(stderr(&output), &[part, "--html FILE.html"]);
+        assert_contains(stderr(&output), &[part, "--plot FILE.html"]);
     }
 }
 

@@ -48,7 +48,7 @@ fn overlapping_links_are_a_warning_in_every_output() {
     );
     let log = dir.join("run.mcap").display().to_string();
     let page = dir.join("run.html").display().to_string();
-    let run = run_json(&["run", &scene, "--log", &log, "--html", &page, "--json"]);
+    let run = run_json(&["run", &scene, "--log", &log, "--plot", &page, "--json"]);
     let warning = run["warnings"][0].as_str().expect("a warning");
     assert_contains(warning, &["t22 of the right finger overlaps t22 of the left finger by up to 5.000 mm"]);
     assert_eq!(run_json(&["replay", &log, "--json"])["warnings"], run["warnings"]);
@@ -73,7 +73,7 @@ fn summaries_and_pages_name_fingers_and_object() {
         "held",
         "centres the object",
     ];
-    assert_contains(&succeed(&["run", GRIPPER, "--all", "--html", &page]), &parts);
+    assert_contains(&succeed(&["run", GRIPPER, "--all", "--plot", &page]), &parts);
     let html = fs::read_to_string(&page).expect("the page");
     assert_contains(&html, &["right_l21", "left_l22", "\"table\"", "left distal"]);
     // Without friction the disc is ejected.
@@ -184,7 +184,7 @@ fn hold_agrees_with_runs_of_the_same_move() {
     let out = dir.join("hold").display().to_string();
     let svg = dir.join("polar.svg").display().to_string();
     let scan = ["--scan", "4", "--from", "5 m/s^2", "--to", "1280 m/s^2", "--tol", "0.1"];
-    let args = [&["hold", HOLD, "--directions", "4", "--out", &out, "--svg", &svg, "--json"][..], &scan].concat();
+    let args = [&["hold", HOLD, "--directions", "4", "--out", &out, "--plot", &svg, "--json"][..], &scan].concat();
     let report = run_json(&args);
     let loads = report["loads"].as_array().expect("loads");
     assert_eq!((loads.len(), report["begins"].as_str()), (4, Some("at rest")));
@@ -235,7 +235,7 @@ fn vibrations_and_moves_report_their_figures() {
     let dir = directory("cli_gripper_shaken");
     let svg = dir.join("vibration.svg").display().to_string();
     let coarse_scan = ["--scan", "3", "--from", "10 m/s^2", "--to", "40 m/s^2", "--tol", "0.2", "--json"];
-    let vibration = ["--along", "y,angle", "--vibration", "100 Hz, 200 Hz, 400 Hz", "--svg", &svg];
+    let vibration = ["--along", "y,angle", "--vibration", "100 Hz, 200 Hz, 400 Hz", "--plot", &svg];
     let report = run_json(&[&["hold", HOLD][..], &vibration, &coarse_scan].concat());
     let loads = report["loads"].as_array().expect("loads");
     assert_eq!(loads.len(), 6);

@@ -76,7 +76,10 @@ fn endless_and_invalid_files_are_rejected_quickly() {
         }
         let link = directory.join("zero.csv");
         std::os::unix::fs::symlink("/dev/zero", &link).expect("linked");
-        assert_rejected(&["select", path_text(&link)], &["larger than 256 MiB", "select fewer rows or columns"]);
+        assert_rejected(
+            &["thesis", "select", path_text(&link)],
+            &["larger than 256 MiB", "select fewer rows or columns"],
+        );
         assert_rejected(
             &["explore", "--module", "/dev/zero"],
             &["/dev/zero", "not a regular file", "tools/explorer.sh"],
@@ -210,11 +213,11 @@ fn long_commands_stop_soon_after_an_interrupt() {
     let hundred_discs = write(&directory, "crowd.toml", &discs(100));
     let out = &path_in(&directory, "out");
     let commands: [(&[&str], &str); 6] = [
-        (&["reproduce", "--threads", "1", "--out", out], "the reproduction was interrupted by SIGINT"),
-        (&["study", "step-size", "--out", out], "the study was interrupted by SIGINT"),
-        (&["study", "stability", EXPERIMENT_95, "--out", out], "the study was interrupted by SIGINT"),
+        (&["thesis", "reproduce", "--threads", "1", "--out", out], "the reproduction was interrupted by SIGINT"),
+        (&["thesis", "step-size", "--out", out], "the study was interrupted by SIGINT"),
+        (&["thesis", "stability", EXPERIMENT_95, "--out", out], "the study was interrupted by SIGINT"),
         (&["validate", EXPERIMENT_95, "--out", out], "the validation was interrupted by SIGINT"),
-        (&["volume", "--resolution", "40", "--threads", "1", "--out", out], "interrupted by SIGINT"),
+        (&["thesis", "volume", "--resolution", "40", "--threads", "1", "--out", out], "interrupted by SIGINT"),
         (&["run", &hundred_discs, "--model", "engine", "--no-check"], "interrupted by SIGINT"),
     ];
     for (args, message) in commands {

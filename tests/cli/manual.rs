@@ -9,8 +9,8 @@ use crate::support::cli::{
 };
 
 /// Commands with a manual page of their own; subcommands after a space.
-const PAGES: &str = "new,run,validate,replay,scene,size,statics,volume,sweep,select,reproduce,study,man,scene show,scene check,\
-                     scene schema,study stability,study step-size,sweep merge";
+const PAGES: &str = "new,run,validate,replay,scene,statics,hold,capture,sweep,optimize,explore,size,thesis,schema,scene show,scene check,\
+                     scene export,thesis reproduce,thesis volume,thesis select,thesis stability,thesis step-size,sweep merge";
 
 /// Returns whether a shell accepts the syntax of a script; `None` if the shell is not installed.
 fn is_valid_script(shell: &str, file: &str) -> Option<bool> {
@@ -67,7 +67,7 @@ fn every_command_has_a_manual_page_with_all_its_options() {
     }
     let main_page = phalanx(&["man"]);
     assert_eq!(stdout(&main_page), fs::read_to_string(out.join("phalanx.1")).expect("the main page"));
-    assert!(stdout(&main_page).contains("phalanx\\-volume(1)"));
+    assert!(stdout(&main_page).contains("phalanx\\-thesis(1)"));
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn mechanisms_are_logged_replayed_and_drawn() {
         &log,
         "--csv",
         &csv,
-        "--html",
+        "--plot",
         &page,
     ]);
     let summary = succeed(&["replay", &log, "--csv", &replayed]);
@@ -90,10 +90,7 @@ fn commands_for_fingers_refuse_mechanisms() {
     for command in ["capture", "hold"] {
         assert_rejected(&[command, FINGER], &["has no grasp", "[[contacts]]"]);
     }
-    assert_rejected(
-        &["scene", "show", FINGER, "--figure", "finger.svg"],
-        &["is a scene without five-bar finger", "run"],
-    );
+    assert_rejected(&["scene", "show", FINGER, "--plot", "finger.svg"], &["is a scene without five-bar finger", "run"]);
     let check = succeed(&["scene", "check", FINGER]);
     assert_contains(&check, &["4 bodies, 5 joints, 2 degrees of freedom, 1 actuator, 2 contacts"]);
 }
@@ -129,7 +126,7 @@ fn new_mechanisms_are_shipped_scenes() {
         let file = path_in(&directory("new-mechanism"), &format!("{kind}.toml"));
         assert_contains(
             &succeed(&["new", &file, "--kind", kind]),
-            &[content, "run", "scene schema > ", "scene.schema.json"],
+            &[content, "run", "schema scene > ", "scene.schema.json"],
         );
         let (directive, text) = ("#:schema ./scene.schema.json\n", fs::read_to_string(shipped).expect("a scene"));
         assert_eq!(fs::read_to_string(file).expect("a scene"), format!("{directive}{text}"));
@@ -142,7 +139,7 @@ fn tendons_are_reported_logged_and_drawn() {
     let directory = directory("tendon");
     let [log, csv, replayed, page] =
         ["run.mcap", "run.csv", "replayed.csv", "run.html"].map(|name| path_in(&directory, name));
-    let files = ["--log", &log, "--csv", &csv, "--html", &page, "--set", "log.joint_forces=true"];
+    let files = ["--log", &log, "--csv", &csv, "--plot", &page, "--set", "log.joint_forces=true"];
     let run = succeed_json(&[&["run", TENDON_FINGER][..], &files].concat());
     let engine = succeed_json(&["run", TENDON_FINGER, "--model", "engine"]);
     for (path, allowed) in [("/joints/base/angle_rad", 1e-4), ("/tendons/flexor/tension_n", 0.1)] {

@@ -27,16 +27,16 @@ fn invalid_arguments_are_rejected_with_the_allowed_values() {
         (&["run", "no/such/scene.toml", "--json"], &["no/such/scene.toml", "no such file"]),
         (&["statics", EXPERIMENT_95, "--motor", "480 Nmm"], &["`Nmm` (did you mean N*mm?)"]),
         (&["statics", EXPERIMENT_95, "--mu-static", "-1"], &["'-1' for '--mu-static", "0 or more"]),
-        (&["volume", "--mu-static", "-1"], &["'-1' for '--mu-static", "0 or more"]),
-        (&["volume", "--base", "-1 mm"], &["more than 0", "12 mm"]),
-        (&["volume", "--base", "1 deg"], &["is an angle", "give lengths such as"]),
-        (&["volume", "--resolution", "-1"], &["`-1`", "1 or more"]),
-        (&["select", "none.csv", "--max-rebound", "-1"], &["percentage of 0 or more"]),
-        (&["select", "none.csv", "--best", "-1"], &["0 or more"]),
+        (&["thesis", "volume", "--mu-static", "-1"], &["'-1' for '--mu-static", "0 or more"]),
+        (&["thesis", "volume", "--base", "-1 mm"], &["more than 0", "12 mm"]),
+        (&["thesis", "volume", "--base", "1 deg"], &["is an angle", "give lengths such as"]),
+        (&["thesis", "volume", "--resolution", "-1"], &["`-1`", "1 or more"]),
+        (&["thesis", "select", "none.csv", "--max-rebound", "-1"], &["percentage of 0 or more"]),
+        (&["thesis", "select", "none.csv", "--best", "-1"], &["0 or more"]),
         (&["sweep", "none.toml", "--out", "x.csv", "--limit", "-1"], &["1 or more"]),
-        (&["reproduce", "--threads", "-1"], &["threads from 1 to 1024"]),
-        (&["study", "stability", EXPERIMENT_95, "--stiffness", "-1"], &["above 0"]),
-        (&["study", "stability", EXPERIMENT_95, "--stiffness", "nan"], &["above 0"]),
+        (&["thesis", "reproduce", "--threads", "-1"], &["threads from 1 to 1024"]),
+        (&["thesis", "stability", EXPERIMENT_95, "--stiffness", "-1"], &["above 0"]),
+        (&["thesis", "stability", EXPERIMENT_95, "--stiffness", "nan"], &["above 0"]),
     ];
     for (args, parts) in cases {
         assert_rejected(args, parts);
@@ -114,7 +114,7 @@ fn log_given_as_scene_is_rejected() {
 
 #[test]
 fn help_of_value_names_is_well_formed() {
-    let output = phalanx(&["select", "--help"]);
+    let output = phalanx(&["thesis", "select", "--help"]);
     assert!(stdout(&output).contains("--bound <BOUND>") && stdout(&output).contains("COLUMN >= VALUE"));
     for command in ["run", "validate", "replay", "size", "statics", "volume", "sweep", "select", "reproduce"] {
         let help = phalanx(&[command, "--help"]);

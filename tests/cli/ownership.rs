@@ -45,11 +45,11 @@ fn output_replaces_only_files_of_phalanx() {
     run_ok(&["sweep", THESIS, "--limit", "96", "--out", path_text(&results)]);
     let commands: [(&[&str], &str); 6] = [
         (&["run", EXPERIMENT_95, "--log"], "again.mcap"),
-        (&["replay", path_text(&log), "--html"], "page.html"),
+        (&["replay", path_text(&log), "--plot"], "page.html"),
         (&["replay", path_text(&log), "--csv"], "samples.csv"),
-        (&["statics", EXPERIMENT_95, "--svg"], "grasp.svg"),
-        (&["select", path_text(&results), "--no-form-closed", "--ranking"], "best.csv"),
-        (&["select", path_text(&results), "--no-form-closed", "--ranking"], "best.parquet"),
+        (&["statics", EXPERIMENT_95, "--plot"], "grasp.svg"),
+        (&["thesis", "select", path_text(&results), "--no-form-closed", "--ranking"], "best.csv"),
+        (&["thesis", "select", path_text(&results), "--no-form-closed", "--ranking"], "best.parquet"),
     ];
     let is_table = |name: &str| name.ends_with(".csv") || name.ends_with(".parquet");
     for (args, name) in commands {
@@ -70,7 +70,7 @@ fn output_replaces_only_files_of_phalanx() {
         run_ok(&args);
     }
     // A ranking does not replace its own results, and a log does not replace a log of another program.
-    let ranking = ["select", path_text(&results), "--force", "--ranking", path_text(&results)];
+    let ranking = ["thesis", "select", path_text(&results), "--force", "--ranking", path_text(&results)];
     assert_rejected(&directory, &ranking, &["is the table of results itself"]);
     // This file contains only a header, with profile "ros2" and library "x".
     let mut other = Vec::from(mcap::MAGIC);
@@ -89,9 +89,9 @@ fn invalid_paths_are_rejected() {
     let page = directory.join("nodir").join("x.html");
     for args in [
         &["run", EXPERIMENT_95, "--log", path_text(&page)][..],
-        &["replay", log, "--html", path_text(&page)],
+        &["replay", log, "--plot", path_text(&page)],
         &["replay", log, "--csv", path_text(&page)],
-        &["statics", EXPERIMENT_95, "--svg", path_text(&page)],
+        &["statics", EXPERIMENT_95, "--plot", path_text(&page)],
     ] {
         assert_rejected(&directory, args, &["does not exist; create it first (mkdir -p"]);
         assert!(!stderr(&phalanx(args)).contains(".tmp"), "the message names no temporary file");
@@ -100,13 +100,13 @@ fn invalid_paths_are_rejected() {
     for args in [
         &["run", EXPERIMENT_95, "--log", &folder][..],
         &["run", EXPERIMENT_95, "--csv", &folder],
-        &["run", EXPERIMENT_95, "--html", &folder],
-        &["run", EXPERIMENT_95, "--html", path_text(&directory), "--force"],
-        &["replay", log, "--against", log, "--html", &folder],
-        &["scene", "show", EXPERIMENT_95, "--figure", &folder],
-        &["hold", "scenes/gripper/cycle.toml", "--svg", &folder],
+        &["run", EXPERIMENT_95, "--plot", &folder],
+        &["run", EXPERIMENT_95, "--plot", path_text(&directory), "--force"],
+        &["replay", log, "--against", log, "--plot", &folder],
+        &["scene", "show", EXPERIMENT_95, "--plot", &folder],
+        &["hold", "scenes/gripper/cycle.toml", "--plot", &folder],
         &["sweep", THESIS, "--out", &table],
-        &["select", EXPERIMENT_95, "--ranking", &table],
+        &["thesis", "select", EXPERIMENT_95, "--ranking", &table],
     ] {
         assert_rejected(&directory, args, &["is a directory"]);
     }
@@ -134,20 +134,20 @@ fn outputs_never_overwrite_each_other_or_inputs() {
     let run = |args: &[&str], message: &str| {
         assert_rejected(&directory, &[&["run", &scene, "--force"], args].concat(), &[message]);
     };
-    run(&["--csv", &path_in("empty.html"), "--html", &linked], "the file of --csv");
-    run(&["--html", &scene], "the scene itself");
+    run(&["--csv", &path_in("empty.html"), "--plot", &linked], "the file of --csv");
+    run(&["--plot", &scene], "the scene itself");
     run(&["--log", &scene], "the scene itself");
-    run(&["--log", &path_in("x.mcap"), "--html", &path_in("x.mcap")], "the file of --log");
+    run(&["--log", &path_in("x.mcap"), "--plot", &path_in("x.mcap")], "the file of --log");
     run(&["--log", &path_in("x.mcap"), "--csv", &path_in("x.mcap.partial")], "the file of --log");
     #[cfg(unix)]
-    run(&["--csv", &path_in("scenes/x"), "--html", &path_in("link/x")], "the file of --csv");
-    let two = ["replay", &log, "--against", &log, "--out", &path_in("two"), "--html", &path_in("two/page.html")];
-    assert_rejected(&directory, &two, &["the file of --html"]);
-    let both = ["replay", &log, "--csv", &path_in("a.csv"), "--html", &log];
-    assert_rejected(&directory, &both, &["--html", "is the log itself"]);
-    run_ok(&["run", &scene, "--csv", "/dev/null", "--html", "/dev/null"]);
+    run(&["--csv", &path_in("scenes/x"), "--plot", &path_in("link/x")], "the file of --csv");
+    let two = ["replay", &log, "--against", &log, "--out", &path_in("two"), "--plot", &path_in("two/page.html")];
+    assert_rejected(&directory, &two, &["the file of --plot"]);
+    let both = ["replay", &log, "--csv", &path_in("a.csv"), "--plot", &log];
+    assert_rejected(&directory, &both, &["--plot", "is the log itself"]);
+    run_ok(&["run", &scene, "--csv", "/dev/null", "--plot", "/dev/null"]);
     // An empty file may be replaced.
-    run_ok(&["run", &scene, "--html", &linked]);
+    run_ok(&["run", &scene, "--plot", &linked]);
 }
 
 /// Shortens the runs, which are repeated three times; the written files are the same.
@@ -158,12 +158,12 @@ fn files_of_output_directories_are_recognised() {
     let directory = test_directory("own_directories");
     let log = directory.join("run.mcap");
     run_ok(&["run", EXPERIMENT_95, "--log", path_text(&log)]);
-    let stability = ["study", "stability", EXPERIMENT_95, "--steps", "1 ms", "--stiffness", "1", "--damping", "1"];
+    let stability = ["thesis", "stability", EXPERIMENT_95, "--steps", "1 ms", "--stiffness", "1", "--damping", "1"];
     let commands: [&[&str]; 8] = [
         &["validate", "scenes/free-swing.toml", "--quick", SHORT_RUN[0], SHORT_RUN[1], "--out"],
         &["validate", "scenes/laws/step-size.toml", "--quick", SHORT_RUN[0], SHORT_RUN[1], "--out"],
         &["replay", path_text(&log), "--against", path_text(&log), "--out"],
-        &["volume", "--resolution", "2", "--out"],
+        &["thesis", "volume", "--resolution", "2", "--out"],
         &["size", EXPERIMENT_95, "--out"],
         &[&stability[..], &["--out"]].concat(),
         &["capture", "scenes/gripper/offset.toml", "--places", "3", "--finely", "3 mm", "--out"],

@@ -152,7 +152,7 @@ fn every_sample_is_a_line_of_the_table() {
         let output = succeed(&[&["run", scene, "--log", names[0], "--csv", run_csv], &with_forces[..]].concat());
         assert!(output.contains(&format!("\nsamples: {run_csv}\n")), "{output}");
         let html = page.to_str().expect("UTF-8 path");
-        let report = run_json(&["replay", names[0], "--csv", names[1], "--html", html, "--json"]);
+        let report = run_json(&["replay", names[0], "--csv", names[1], "--plot", html, "--json"]);
         assert_eq!((&report["csv"], &report["page"]), (&names[1].into(), &html.into()));
         assert!(page.exists());
         let text = fs::read_to_string(&csv).expect("the table");
@@ -286,13 +286,13 @@ fn writes_page_of_one_log_and_of_two() {
         });
         let target = path_in("run.html");
         let summary = succeed(&["replay", &analytic]);
-        let output = succeed_silently(&["replay", &analytic, "--html", &target]);
+        let output = succeed_silently(&["replay", &analytic, "--plot", &target]);
         assert!(!summary.contains("page:") && output.contains(&format!("\npage: {target}\n")));
         assert_eq!(output.replace(&format!("page: {target}\n"), ""), summary);
         let single_log_page = fs::read_to_string(&target).expect("the page");
         assert!(single_log_page[..40].to_lowercase().starts_with("<!doctype html>"), "{}", &single_log_page[..40]);
         let out = path_in("comparison");
-        let output = succeed_silently(&["replay", &analytic, "--against", &engine, "--html", &target, "--out", &out]);
+        let output = succeed_silently(&["replay", &analytic, "--against", &engine, "--plot", &target, "--out", &out]);
         assert_contains(&output, &[&format!("\npage: {target}\n")]);
         let two_log_page = fs::read_to_string(&target).expect("the page");
         let sizes = [single_log_page.len(), two_log_page.len()];
@@ -301,7 +301,7 @@ fn writes_page_of_one_log_and_of_two() {
         assert_eq!(fs::read_to_string(Path::new(&out).join("page.html")).expect("the page"), two_log_page);
         // The page must not replace the log, and its directory must exist.
         for (target, part) in [(analytic.clone(), "the log itself"), (path_in("nowhere/run.html"), "cannot write")] {
-            assert_rejected(&["replay", &analytic, "--html", &target], &[part]);
+            assert_rejected(&["replay", &analytic, "--plot", &target], &[part]);
         }
     }
 }

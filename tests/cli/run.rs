@@ -239,7 +239,7 @@ fn every_output_contains_the_reason_of_the_class() {
     let directory = directory("run-class-reason");
     let [log, page] = ["run.mcap", "run.html"].map(|name| directory.join(name).display().to_string());
     let run = ["run", EXPERIMENT_95, "--set", "contact.damping=1e4 N*s/m", "--no-check"];
-    let summary = succeed(&[&run[..], &["--log", &log, "--html", &page]].concat());
+    let summary = succeed(&[&run[..], &["--log", &log, "--plot", &page]].concat());
     let line = format!("unstable: {reason}");
     for text in [summary, succeed(&["replay", &log])] {
         assert!(text.lines().any(|text| text == line), "{text}");

@@ -53,21 +53,24 @@ fn every_scene_command_accepts_set() {
         (&["scene", "show", EXPERIMENT_95], "duration=7 ms"),
         (&["scene", "check", EXPERIMENT_95], "duration=7 ms"),
         (&["scene", "show", EXPERIMENT_95, "--resolved"], "duration=7 ms"),
-        (&["volume", EXPERIMENT_95, "--base", "15.5 mm", "--resolution", "3"], "material.density=4000 kg/m^3"),
-        (&["study", "stability", EXPERIMENT_95, "--quick", "--json"], "duration=3 ms"),
-        (&["study", "step-size", "--quick", "--json"], "duration=7 ms"),
+        (
+            &["thesis", "volume", EXPERIMENT_95, "--base", "15.5 mm", "--resolution", "3"],
+            "material.density=4000 kg/m^3",
+        ),
+        (&["thesis", "stability", EXPERIMENT_95, "--quick", "--json"], "duration=3 ms"),
+        (&["thesis", "step-size", "--quick", "--json"], "duration=7 ms"),
         (&["validate", "scenes/free-swing.toml", "--quick", "--json"], "duration=3 ms"),
     ] {
         let with_set = [args, &["--set", field]].concat();
         assert_ne!(run_text(args), run_text(&with_set), "{args:?}");
     }
     let figure = dir.join("letters.svg").display().to_string();
-    run_text(&["scene", "show", EXPERIMENT_95, "--figure", &figure, "--set", "design.phi22=90 deg"]);
+    run_text(&["scene", "show", EXPERIMENT_95, "--plot", &figure, "--set", "design.phi22=90 deg"]);
     assert_ne!(fs::read_to_string(&figure).expect("drawn"), {
-        run_text(&["scene", "show", EXPERIMENT_95, "--figure", &figure]);
+        run_text(&["scene", "show", EXPERIMENT_95, "--plot", &figure]);
         fs::read_to_string(&figure).expect("drawn")
     });
-    assert_rejected(&["volume", "--set", "duration=7 ms"], &["none is given"]);
+    assert_rejected(&["thesis", "volume", "--set", "duration=7 ms"], &["none is given"]);
 }
 
 #[test]

@@ -86,12 +86,12 @@ fn selection_tables_json_and_files_agree() {
     let directory = directory("select-files");
     let file = write_results(&directory);
     let (out, best) = (directory.join("out"), directory.join("best.parquet"));
-    let output = succeed(&["select", &file, "--out", path_text(&out), "--ranking", path_text(&best)]);
+    let output = succeed(&["thesis", "select", &file, "--out", path_text(&out), "--ranking", path_text(&best)]);
     assert_contains(&output, &["2 of 3 runs meet all criteria"]);
     for name in ["criteria.svg", "classes.svg", "static.svg", "forces.svg", "variables.svg"] {
         assert!(fs::read_to_string(out.join(name)).expect(name).starts_with("<svg"), "{name}");
     }
-    let document = succeed_json(&["select", &file]);
+    let document = succeed_json(&["thesis", "select", &file]);
     let mut saved: Value =
         serde_json::from_str(&fs::read_to_string(out.join("selection.json")).expect("readable")).expect("JSON");
     assert_eq!(saved.as_object_mut().expect("an object").remove("generator"), Some("phalanx".into()));
@@ -108,26 +108,26 @@ fn selection_tables_json_and_files_agree() {
 fn empty_selection_is_status_1_and_bad_input_status_2() {
     let directory = directory("select-status");
     let file = write_results(&directory);
-    let empty_selection = assert_status(&["select", &file, "--min-pfp", "50 N"], 1, &[]);
+    let empty_selection = assert_status(&["thesis", "select", &file, "--min-pfp", "50 N"], 1, &[]);
     assert_contains(stdout(&empty_selection), &["\"PFP ≥ 50 N\" removed the last"]);
-    let any = succeed_json(&["select", &file, "--no-form-closed", "--min-pfp", "-1 N", "--best", "1"]);
+    let any = succeed_json(&["thesis", "select", &file, "--no-form-closed", "--min-pfp", "-1 N", "--best", "1"]);
     assert_eq!(any["selected"], 3);
     for (args, message) in [
-        (vec!["select", "none.csv"], "none.csv"),
-        (vec!["select", "Cargo.toml"], "Cargo.toml"),
-        (vec!["select", &file, "--class", "good"], "semi-stable"),
-        (vec!["select", &file, "--max-tts", "8"], "unit"),
-        (vec!["select", &file, "--max-tts", "0 s"], "more than 0"),
-        (vec!["select", &file, "--bound", "weight_kg <= 1"], "weight_kg"),
-        (vec!["select", &file, "--bound", "mass_kg<0.1"], "such as \"mass_kg <= 0.024\""),
-        (vec!["select", &file, "--bound", "a>=1<=2"], "such as \"mass_kg <= 0.024\""),
-        (vec!["select", &file, "--bound", "mass_kg <= nan"], "such as \"mass_kg <= 0.024\""),
-        (vec!["select", &file, "--weights", "pfp=0"], "all weights are 0"),
-        (vec!["select", &file, "--weights", "tts"], "such as pfp=2"),
-        (vec!["select", &file, "--weights", "tts=-1"], "the weight of tts is -1"),
-        (vec!["select", &file, "--weights", "tts=1,tts=2"], "tts is given twice"),
-        (vec!["select", &file, "--weights", "mass=1"], "no term `mass`"),
-        (vec!["select", &file, "--ranking", "best.txt"], ".parquet"),
+        (vec!["thesis", "select", "none.csv"], "none.csv"),
+        (vec!["thesis", "select", "Cargo.toml"], "Cargo.toml"),
+        (vec!["thesis", "select", &file, "--class", "good"], "semi-stable"),
+        (vec!["thesis", "select", &file, "--max-tts", "8"], "unit"),
+        (vec!["thesis", "select", &file, "--max-tts", "0 s"], "more than 0"),
+        (vec!["thesis", "select", &file, "--bound", "weight_kg <= 1"], "weight_kg"),
+        (vec!["thesis", "select", &file, "--bound", "mass_kg<0.1"], "such as \"mass_kg <= 0.024\""),
+        (vec!["thesis", "select", &file, "--bound", "a>=1<=2"], "such as \"mass_kg <= 0.024\""),
+        (vec!["thesis", "select", &file, "--bound", "mass_kg <= nan"], "such as \"mass_kg <= 0.024\""),
+        (vec!["thesis", "select", &file, "--weights", "pfp=0"], "all weights are 0"),
+        (vec!["thesis", "select", &file, "--weights", "tts"], "such as pfp=2"),
+        (vec!["thesis", "select", &file, "--weights", "tts=-1"], "the weight of tts is -1"),
+        (vec!["thesis", "select", &file, "--weights", "tts=1,tts=2"], "tts is given twice"),
+        (vec!["thesis", "select", &file, "--weights", "mass=1"], "no term `mass`"),
+        (vec!["thesis", "select", &file, "--ranking", "best.txt"], ".parquet"),
     ] {
         assert_rejected(&args, &[message]);
     }
@@ -175,12 +175,13 @@ fn stability_study_rejects_unsuitable_scenes_and_grids() {
         (&[EXPERIMENT_95, "--accurate", "0 rad"], "more than 0"),
     ];
     for (args, message) in cases {
-        assert_rejected(&[&["study", "stability"], args].concat(), &[message]);
+        assert_rejected(&[&["thesis", "stability"], args].concat(), &[message]);
     }
 }
 
 /// A small volume that is computed quickly.
-const SMALL: [&str; 7] = ["volume", "--base", "15.5 mm, 19 mm", "--mu-static", "0,0.8", "--resolution", "4,3,5"];
+const SMALL: [&str; 8] =
+    ["thesis", "volume", "--base", "15.5 mm, 19 mm", "--mu-static", "0,0.8", "--resolution", "4,3,5"];
 
 fn run_small(more: &[&str]) -> String {
     succeed(&[&SMALL[..], more].concat())
@@ -251,11 +252,12 @@ fn volume_files_contain_every_point_and_are_reproducible() {
 fn volume_scene_is_the_template() {
     let directory = directory("volume_scene");
     let scene = variant(&directory, "wide.toml", "[material]\ndensity = \"2140 kg/m^3\"");
-    let heavy = succeed_json(&["volume", &scene, "--resolution", "3"]);
+    let heavy = succeed_json(&["thesis", "volume", &scene, "--resolution", "3"]);
     let [volume] = &heavy["volumes"].as_array().unwrap()[..] else { panic!("one base, one friction") };
     assert_eq!((&volume["base_m"], &volume["mu_static"]), (&0.0155.into(), &0.8.into()));
     assert_eq!(heavy["scene"], "experiment-95");
-    let with_sizing = |sizing: &str| succeed_json(&["volume", &scene, "--resolution", "3", "--sizing", sizing]);
+    let with_sizing =
+        |sizing: &str| succeed_json(&["thesis", "volume", &scene, "--resolution", "3", "--sizing", sizing]);
     assert_eq!((&heavy["sizing"], &with_sizing("whole")["sizing"]), (&"rigid".into(), &"whole".into()));
     assert_ne!(with_sizing("whole")["volumes"], heavy["volumes"]);
 }
@@ -264,7 +266,7 @@ fn volume_scene_is_the_template() {
 fn missing_designs_are_reported() {
     // A base without designs has shares of 0 and a warning. It is an error if no base has designs.
     let out = directory("volume_none");
-    let args = ["volume", "--base", "15.5 mm, 30 mm", "--mu-static", "0", "--resolution", "2", "--out"];
+    let args = ["thesis", "volume", "--base", "15.5 mm, 30 mm", "--mu-static", "0", "--resolution", "2", "--out"];
     let output = assert_status(
         &[&args[..], &[path_text(&out)]].concat(),
         0,
@@ -277,7 +279,7 @@ fn missing_designs_are_reported() {
     assert_eq!(points.rows.iter().filter(missing).count(), 8);
     let out = directory("volume_nothing").join("out");
     assert_rejected(
-        &["volume", "--base", "155mm", "--resolution", "3", "--out", path_text(&out)],
+        &["thesis", "volume", "--base", "155mm", "--resolution", "3", "--out", path_text(&out)],
         &["error: no design exists at a base of 155 mm", "must be below", "give another --base"],
     );
     assert!(!out.join("points.csv").exists());
@@ -317,6 +319,6 @@ fn volume_errors_say_what_to_do() {
         (&["--resolution", "2", "--out", &file], &["that is a file"]),
         (&["--resolution", "2", "--out", path_text(&path_in_file)], &["cannot create the directory"]),
     ] {
-        assert_rejected(&[&["volume"], args].concat(), parts);
+        assert_rejected(&[&["thesis", "volume"], args].concat(), parts);
     }
 }

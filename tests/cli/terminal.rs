@@ -61,7 +61,7 @@ fn tables_fit_the_terminal_completely() {
     let log = file("cli_terminal_log", "run.mcap");
     assert_eq!(run_piped(&[], &["run", EXPERIMENT_95, "--log", &log]).status.code(), Some(0));
     for columns in [60, 80, 120] {
-        assert_complete(&["select", &results, "--no-form-closed", "--no-pfp"], columns);
+        assert_complete(&["thesis", "select", &results, "--no-form-closed", "--no-pfp"], columns);
         assert_complete(&["statics", EXPERIMENT_95, "--mu-static", "0,0.4,0.8"], columns);
         assert_complete(&["size", EXPERIMENT_95], columns);
         assert_complete(&["sweep", "scenes/studies/thesis.toml", "--list"], columns);
@@ -78,11 +78,11 @@ fn reports_with_wall_times_fit_the_terminal() {
     assert_fits(&["run", "scenes/laws/two-free.toml"], &widths);
     assert_fits(&["sweep", "scenes/studies/thesis.toml", "--limit", "96", "--out", &results], &widths);
     assert_fits(
-        &["volume", "--base", "15.5 mm, 19 mm", "--mu-static", "0,0.2,0.4,0.6,0.8", "--resolution", "3"],
+        &["thesis", "volume", "--base", "15.5 mm, 19 mm", "--mu-static", "0,0.2,0.4,0.6,0.8", "--resolution", "3"],
         &widths,
     );
-    assert_fits(&["study", "stability", EXPERIMENT_95, "--quick"], &[80]);
-    assert_fits(&["study", "step-size", "--quick"], &[80]);
+    assert_fits(&["thesis", "stability", EXPERIMENT_95, "--quick"], &[80]);
+    assert_fits(&["thesis", "step-size", "--quick"], &[80]);
     assert_fits(&["validate", "scenes/laws/step-size.toml", "--ladder", "--quick", "--set", "duration=2 ms"], &[80]);
     let validated = assert_fits(&["validate", "scenes/free-swing.toml", "--ladder", "--quick"], &[80]);
     assert!(validated.screen.contains("speed against error"), "{}", validated.screen);
@@ -91,7 +91,7 @@ fn reports_with_wall_times_fit_the_terminal() {
 #[test]
 fn tables_in_pipes_are_unwrapped_unless_columns_is_set() {
     let results = results("cli_terminal_pipe");
-    let args = ["select", &results, "--no-form-closed", "--no-pfp"];
+    let args = ["thesis", "select", &results, "--no-form-closed", "--no-pfp"];
     let piped = run_piped(&[], &args);
     let widest = stdout(&piped).lines().map(|line| line.chars().count()).max();
     assert!(widest > Some(120), "{widest:?}");
@@ -152,7 +152,7 @@ fn progress(args: &[&str]) -> String {
 #[test]
 fn long_commands_show_progress_and_remaining_time() {
     // One command with many parts and one with a single run; both would run much longer than this test.
-    let volume = progress(&["volume", "--resolution", "60", "--mu-static", "0.5", "--threads", "1"]);
+    let volume = progress(&["thesis", "volume", "--resolution", "60", "--mu-static", "0.5", "--threads", "1"]);
     assert_contains(&volume, &["[", " %  ", " of 864000, designs", " s, ", " left"]);
     let run =
         progress(&["run", EXPERIMENT_95, "--model", "engine", "--step", "1 us", "--duration", "5 s", "--no-check"]);
@@ -170,7 +170,7 @@ fn quiet_commands_print_only_results_warnings_and_errors() {
         assert_eq!((stderr(&quiet), quiet.status.code()), ("", Some(0)));
         assert_eq!(json(&quiet), json(&verbose));
     }
-    let with_warning = run_piped(&[], &["volume", "-q", "--base", "15.5 mm, 155 mm", "--resolution", "2"]);
+    let with_warning = run_piped(&[], &["thesis", "volume", "-q", "--base", "15.5 mm, 155 mm", "--resolution", "2"]);
     assert!(stderr(&with_warning).contains("warning: no design exists"), "{}", stderr(&with_warning));
     let failed = run_piped(&[], &["-q", "run", "no/such/scene.toml"]);
     assert!(stderr(&failed).starts_with("error: ") && failed.status.code() == Some(2), "{}", stderr(&failed));
@@ -189,7 +189,7 @@ fn short_commands_show_no_progress() {
 fn files_are_not_wrapped() {
     let out = directory("cli_terminal_files");
     let out_text = out.display().to_string();
-    let args = ["volume", "--resolution", "2", "--mu-static", "0,0.2,0.4,0.6,0.8", "--out", &out_text];
+    let args = ["thesis", "volume", "--resolution", "2", "--mu-static", "0,0.2,0.4,0.6,0.8", "--out", &out_text];
     let output = run_on_terminal(40, &[], &args);
     assert_eq!(output.status, Some(0), "{}", output.other_stream);
     let text = fs::read_to_string(out.join("table.txt")).expect("the tables");

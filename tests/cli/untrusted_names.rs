@@ -63,12 +63,12 @@ fn pictures_and_pages_escape_names() {
     let log = path_in("\u{1b}x.mcap");
     for args in [
         &["run", &scene, "--log", &log][..],
-        &["replay", &log, "--html", &path_in("page.html")],
+        &["replay", &log, "--plot", &path_in("page.html")],
         &["replay", &log, "--against", &log, "--out", &path_in("two")],
-        &["statics", &scene, "--svg", &path_in("grasp.svg")],
+        &["statics", &scene, "--plot", &path_in("grasp.svg")],
         &["size", &scene, "--out", &path_in("sized")],
         &["validate", &scene, "--quick", "--set", "duration=1 ms", "--out", &path_in("validated")],
-        &["scene", "show", &scene, "--figure", &path_in("linkage.svg")],
+        &["scene", "show", &scene, "--plot", &path_in("linkage.svg")],
     ] {
         succeed(args);
     }

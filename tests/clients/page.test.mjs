@@ -706,7 +706,7 @@ describe("the page of a gripper that lifts a box", () => {
   let file;
   before(() => {
     file = path.join(DIRECTORY, "lift.html");
-    execFileSync(PHALANX, ["run", path.join(PROJECT, "scenes/real/2f85-lift.toml"), "--html", file], { stdio: ["ignore", "ignore", "inherit"] });
+    execFileSync(PHALANX, ["run", path.join(PROJECT, "scenes/real/2f85-lift.toml"), "--plot", file], { stdio: ["ignore", "ignore", "inherit"] });
   });
 
   it("shows one contact for each pair of outlines, and gravity points down", async () => {

@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use phalanx::criteria::Fate;
+use phalanx::parallel::Monitor;
 use phalanx::scene::{self, Axis, Layer, Scene};
 use phalanx::statics::MechanismLimit;
 use phalanx::study::hold::{Evaluation, Hold, HoldError, LoadCase, LoadResult, Loads, Plan, StartReason, hold};
-use phalanx::thesis::Monitor;
 use phalanx::trace::Model;
 
 use crate::support::cli::assert_contains;

@@ -3,10 +3,10 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use phalanx::parallel::Monitor;
 use phalanx::scene::{self, Axis, Scene};
 use phalanx::statics::MechanismLimit;
 use phalanx::study::hold::{Hold, HoldError, LoadCase, LoadResult, Loads, Plan, StartReason, hold};
-use phalanx::thesis::Monitor;
 use phalanx::trace::Model;
 
 use crate::support::cli::assert_contains;

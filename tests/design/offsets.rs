@@ -1,9 +1,9 @@
 //! Offsets of an object that the hand of a mechanism captures: closed forms, direct runs, and rejected plans.
 
 use phalanx::criteria::ObjectTracker;
+use phalanx::parallel::Monitor;
 use phalanx::scene::{self, Axis, Scene};
 use phalanx::study::offsets::{OffsetPlacement, OffsetPlan, Offsets, offsets};
-use phalanx::thesis::Monitor;
 use phalanx::trace::{self, Model};
 
 use crate::support::designs::assert_near;

@@ -6,8 +6,8 @@ use crate::support::cli::{assert_rejected, directory, path_in, run_json, succeed
 use phalanx::format::ToReport;
 use phalanx::format::report::Block;
 use phalanx::page::report_page;
+use phalanx::parallel::Monitor;
 use phalanx::report::reproduce::{ReproductionReport, reproduce};
-use phalanx::thesis::Monitor;
 use phalanx::thesis::reproduce::{Comparison, Reproduction, Verdict, computed_values, figures};
 use serde_json::Value;
 
@@ -37,7 +37,7 @@ fn check_completeness(reproduction: &Reproduction) {
 fn check_expected_values(all: &[Comparison]) {
     let outside = all.iter().filter(|entry| entry.verdict == Verdict::Outside);
     let outside: Vec<_> = outside.map(|entry| (&entry.figure.key, entry.ours_text(), entry.expected_text())).collect();
-    // `phalanx reproduce` then exits with status 0.
+    // `phalanx thesis reproduce` then exits with status 0.
     assert!(outside.is_empty(), "{outside:?}");
     assert!(all.iter().filter(|entry| entry.verdict == Verdict::Inside).count() >= 40);
     // Values from the specification, independent of the file of figures.
@@ -150,7 +150,7 @@ fn check_formats(reproduction: &Reproduction, report: &ReproductionReport<'_>) {
 #[test]
 fn command_writes_its_files() {
     let out = directory("reproduce").join("report");
-    let document = run_json(&["reproduce", "--quick", "--json", "--out", out.to_str().expect("plain text")]);
+    let document = run_json(&["thesis", "reproduce", "--quick", "--json", "--out", out.to_str().expect("plain text")]);
     let mut saved: Value =
         serde_json::from_str(&fs::read_to_string(out.join("report.json")).expect("report.json")).expect("JSON");
     saved.as_object_mut().expect("an object").remove("generator");
@@ -164,7 +164,7 @@ fn command_writes_its_files() {
     for figure in figures {
         assert!(out.join("figures").join(figure).is_file(), "{figure}");
     }
-    let selected = succeed_json(&["select", &path_in(&out, "results.csv")]);
+    let selected = succeed_json(&["thesis", "select", &path_in(&out, "results.csv")]);
     assert_eq!(selected["ranking"], document["selection"]["ranking"]);
-    assert_rejected(&["reproduce", "--out", "Cargo.toml"], &[]);
+    assert_rejected(&["thesis", "reproduce", "--out", "Cargo.toml"], &[]);
 }

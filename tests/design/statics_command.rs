@@ -20,7 +20,7 @@ fn statics(args: &[&str]) -> Value {
 /// Runs `phalanx statics` with a picture; returns the text and the picture.
 fn draw(directory: &Path, scene: &str) -> (String, String) {
     let picture = path_in(directory, "grasp.svg");
-    (succeed(&["statics", scene, "--svg", &picture]), std::fs::read_to_string(&picture).expect("a picture"))
+    (succeed(&["statics", scene, "--plot", &picture]), std::fs::read_to_string(&picture).expect("a picture"))
 }
 
 #[track_caller]
@@ -179,7 +179,7 @@ fn rejects_scenes_without_a_grasp() {
         ("scenes/nowhere.toml", &picture, "nowhere.toml"),
         (EXPERIMENT_95, &missing, "mkdir -p"),
     ] {
-        assert_rejected(&["statics", scene, "--svg", picture], &["error: ", fragment]);
+        assert_rejected(&["statics", scene, "--plot", picture], &["error: ", fragment]);
     }
     assert!(!Path::new(&picture).exists());
 }

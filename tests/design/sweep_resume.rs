@@ -228,7 +228,7 @@ fn arguments_are_checked_before_running() {
     cli::assert_rejected(&["sweep", &study], &["--out"]);
     let output = succeed(&["sweep", &study, "--list"]);
     assert_contains(&output, &["50 runs", "motor.torque_n_m", "and 38 more"]);
-    assert_eq!(run_json(&["sweep", "--schema"])["title"], "phalanx study");
+    assert_eq!(run_json(&["schema", "study"])["title"], "phalanx study");
     assert_eq!(fs::read_dir(&directory).expect("read").count(), 2, "only the study and the directory of this test");
 }
 

@@ -10,10 +10,10 @@ use crate::support::cli::{
 };
 use crate::support::faults::XorShift;
 use crate::support::studies::{write_short_study, write_short_study_as};
+use phalanx::parallel::{ComputeError, Monitor};
 use phalanx::study::parts::{merge, write_part};
 use phalanx::study::sweep::{Study, load, shard, summary};
 use phalanx::table::{self, Table};
-use phalanx::thesis::{Monitor, StudyError};
 
 const KEEP_RUNNING: &(dyn Fn() -> bool + Sync) = &|| true;
 
@@ -324,7 +324,7 @@ fn invalid_parts_are_reported_and_nothing_is_written() {
     // An interrupted merge leaves no file, and the parts are still valid.
     let before = names(&directory);
     let interrupted = merge(&study, &parts, &out, &Monitor::silent(&|| false));
-    assert_eq!(interrupted, Err(StudyError::Stopped { done: 0, total: 100 }));
+    assert_eq!(interrupted, Err(ComputeError::Stopped { done: 0, total: 100 }));
     assert_eq!(names(&directory), before);
     assert_eq!(merge_with(all[1]).map(|merged| merged.summary.runs), Ok(100));
 }

@@ -241,13 +241,13 @@ fn every_mode_reports_missing_topics() {
     assert!(cell("proximal_normal_n").parse::<f64>().is_ok() && cell("q11_rad").parse::<f64>().is_ok());
     replay(&path, &["--csv", &name("table.csv")]);
     // No page is written.
-    replay(&path, &["--html", &name("page.html")]);
+    replay(&path, &["--plot", &name("page.html")]);
     assert!(!directory.join("page.html").exists());
     let output = replay(&path, &["--against", path_text(&original), "--json"]);
     assert_contains(stdout(&output), &["missing in "]);
     replay(&original, &["--against", path_text(&path), "--out", &name("both")]);
     assert!(!directory.join("both/page.html").exists() && directory.join("both/overlay.svg").exists());
-    replay(&original, &["--against", path_text(&path), "--html", &name("both.html")]);
+    replay(&original, &["--against", path_text(&path), "--plot", &name("both.html")]);
     let verification = &json(&replay(&path, &["--verify", "--json"]))["verification"];
     assert_eq!((&verification["same"], &verification["complete"]), (&false.into(), &false.into()));
 }

@@ -137,7 +137,7 @@ fn scene_command_shows_checks_and_prints_the_schema() {
     let checked = assert_status(&files, 2, &["error: `design.base`: `15.5` has no unit"]);
     assert!(stdout(&checked).starts_with("scenes/free-swing.toml: valid: l11 15.00"));
 
-    let schema = succeed(&["scene", "schema"]);
+    let schema = succeed(&["schema", "scene"]);
     assert!(schema.starts_with('{') && schema.ends_with("}\n"));
 }
 

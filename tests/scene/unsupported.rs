@@ -4,9 +4,9 @@ use std::fmt::Display;
 
 use phalanx::grasp::finger::{GraspOverrides, grasp};
 use phalanx::grasp::gripper::{GripperGraspRequest, PostureRequest, gripper_grasp};
+use phalanx::parallel::Monitor;
 use phalanx::scene::{ObjectMotion, PalmMotion, Scene, load_any};
 use phalanx::study::size::{SizingOptions, size_finger};
-use phalanx::thesis::Monitor;
 use phalanx::thesis::stability::{Grid, stability};
 use phalanx::thesis::step_size::step_size;
 use phalanx::trace::{Model, RunError, run};

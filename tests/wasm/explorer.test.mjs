@@ -113,7 +113,7 @@ describe("responses", () => {
   it("contain the statics report and its picture", () => {
     const { response } = send({ ask: "statics", scene });
     const picture = path.join(DIRECTORY, "grasp.svg");
-    const printed = phalanx("statics", path.join(SCENES, preset.file), "--svg", picture);
+    const printed = phalanx("statics", path.join(SCENES, preset.file), "--plot", picture);
     // The page arranges the picture in a column and the program in a sheet with a title; the texts are equal.
     const [title, ...pictureTexts] = texts(readFileSync(picture, "utf8"));
     assert.match(title, /the grasp at rest/);

@@ -6,21 +6,17 @@
 //! | [`stability`] | stability and accuracy of the engine model over step, stiffness and damping |
 //! | [`step_size`] | impact force as a function of step size |
 //! | [`reproduce`] | all printed figures, recomputed and compared |
-//! | [`monitor`] | progress, interruption and parallel execution of these computations |
 //!
 //! The crate reads and writes no files. Sweeps and selections are computed by the crate `phalanx` and passed to
 //! [`reproduce`].
 
 #![cfg_attr(test, allow(clippy::disallowed_methods, reason = "tests compare rounded values"))]
 
-pub mod monitor;
 pub mod reproduce;
 pub mod stability;
 pub mod step_size;
 mod text;
 pub mod volume;
-
-pub use monitor::{Monitor, StudyError};
 
 use phalanx_core::{check, criteria, gripper, integrator, invariants, numeric, scene, sizing, statics, trace};
 use phalanx_show::{format, plot};

@@ -11,7 +11,6 @@ use serde::Serialize;
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, row};
 use crate::format::report::{Report, Table, ToReport, table};
-use crate::monitor::{Monitor, StudyError};
 use crate::numeric::elementary::{ln, pow};
 use crate::plot::canvas::{Marker, THIN_LINE};
 use crate::plot::chart::{Axis, Series, series_chart};
@@ -19,6 +18,7 @@ use crate::plot::theme::{AMBER, Colour, GREEN, ORANGE, SOFT};
 use crate::scene::{Integrator, Method, Preset, Response, Scene, Stepping, one_line};
 use crate::text::csv;
 use crate::trace::{Event, EventKind, Model, Outcome, RequiredData, Sample, Schema, Sink, SinkError, is_grid_point};
+use phalanx_parallel::{ComputeError, Monitor};
 
 /// Steps as fractions of the plotted time, from coarse to fine: 1 % to 0.001 %.
 const STEP_FRACTIONS: [f64; 7] = [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5];
@@ -150,8 +150,8 @@ impl Sink for Impact {
 ///
 /// # Errors
 /// Returns an error if the scene has no suitable impact, a run fails, or the monitor stops the computation.
-pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSize, StudyError> {
-    let scene = scene.require_fingers(0).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSize, ComputeError> {
+    let scene = scene.require_fingers(0).map_err(|error| ComputeError::Unsuitable(error.to_string()))?;
     let fractions = &STEP_FRACTIONS[..if quick { QUICK_STEP_COUNT } else { STEP_FRACTIONS.len() }];
     let values = |formulation| if formulation == Formulation::Analytic { &TOLERANCES[..] } else { fractions };
     monitor.start(Formulation::ALL.map(|formulation| values(formulation).len()).iter().sum(), "the reference");
@@ -163,7 +163,7 @@ pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSi
     let impacts = outcome.contacts.iter().enumerate().filter(|(_, pair)| pair.touchdowns > 0);
     let strongest = impacts.max_by(|a, b| a.1.peak_normal_n.total_cmp(&b.1.peak_normal_n)).map(|(pair, _)| pair);
     let no_impact = || {
-        StudyError::Unsuitable(
+        ComputeError::Unsuitable(
             "no contact closes and opens again in this scene; use a scene with an impact that rebounds before the end"
                 .to_string(),
         )
@@ -202,7 +202,7 @@ fn evaluate(
     reference: &Impact,
     (touchdown_s, liftoff_s): (f64, f64),
     monitor: &Monitor,
-) -> Result<Row, StudyError> {
+) -> Result<Row, ComputeError> {
     let restitution = reference.rate_after_m_s / reference.approach_m_s;
     let mut varied = scene_with_setting(scene, formulation, setting, restitution);
     let model = if formulation == Formulation::Analytic { Model::Analytic } else { Model::Engine };
@@ -239,7 +239,7 @@ fn evaluate(
     })
 }
 
-fn simulate(model: Model, scene: &Scene, pair: usize, monitor: &Monitor) -> Result<Impact, StudyError> {
+fn simulate(model: Model, scene: &Scene, pair: usize, monitor: &Monitor) -> Result<Impact, ComputeError> {
     // The lowest rate has no grid points within the run.
     let has_grid = scene.log.numeric_hz * scene.duration_s > 1.0;
     let interval_s = has_grid.then_some(1.0 / scene.log.numeric_hz);
@@ -248,9 +248,9 @@ fn simulate(model: Model, scene: &Scene, pair: usize, monitor: &Monitor) -> Resu
     Ok(Impact { peak_n: outcome.contacts[pair].peak_normal_n, steps: outcome.work.steps, ..impact })
 }
 
-fn run(model: Model, scene: &Scene, sink: &mut impl Sink, monitor: &Monitor) -> Result<Outcome, StudyError> {
+fn run(model: Model, scene: &Scene, sink: &mut impl Sink, monitor: &Monitor) -> Result<Outcome, ComputeError> {
     let result = monitor.run(model, scene, sink)?;
-    result.map_err(|error| StudyError::Failed(format!("the {} model: {error}", model.name())))
+    result.map_err(|error| ComputeError::Failed(format!("the {} model: {error}", model.name())))
 }
 
 /// Returns the scene with a step (as a fraction of its duration) or a tolerance, logged only at the steps. rapier's

@@ -4,7 +4,7 @@ use phalanx_core::scene::{self, Scene};
 use phalanx_show::format::ToReport;
 use phalanx_thesis::stability::{Cell, Grid, Stability, Verdict, stability};
 use phalanx_thesis::step_size::{Formulation, step_size};
-use phalanx_thesis::{Monitor, StudyError};
+use phalanx_thesis::{ComputeError, Monitor};
 use serde_json::Value;
 
 fn experiment() -> Scene {
@@ -126,7 +126,7 @@ fn cells_without_a_comparison_are_not_judged() {
 #[test]
 fn map_can_be_interrupted() {
     let result = stability(&experiment(), &Grid::standard(false), 1e-3, &Monitor::silent(&|| false));
-    assert!(matches!(result, Err(StudyError::Stopped { total: 128, .. })), "{result:?}");
+    assert!(matches!(result, Err(ComputeError::Stopped { total: 128, .. })), "{result:?}");
 }
 
 #[test]
@@ -165,5 +165,5 @@ fn rejects_scenes_without_a_rebound() {
     let text = "kind = \"bodies\"\n[discs.ball]\nradius = \"1 mm\"\ncentre = [\"0 mm\", \"9 mm\"]\nmass = \"1 g\"\n";
     let scene = scene::parse_any(text, "still.toml").expect("a scene");
     let error = step_size(&scene, true, &Monitor::silent(&|| true)).expect_err("no contact");
-    assert!(matches!(&error, StudyError::Unsuitable(text) if text.contains("rebounds")), "{error}");
+    assert!(matches!(&error, ComputeError::Unsuitable(text) if text.contains("rebounds")), "{error}");
 }

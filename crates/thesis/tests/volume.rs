@@ -13,18 +13,18 @@ use phalanx_core::gripper::{
 use phalanx_core::scene::{self, Template};
 use phalanx_core::sizing::{Rule, Task, size};
 use phalanx_core::statics::{drive_loads, equilibrium, form_closure};
+use phalanx_parallel::{ComputeError, Monitor};
 use phalanx_thesis::volume::{
     self, Axes, Axis, BASES_M, Cell, Counts, GraspState, Quantity, SizedFinger, Volume, VolumeRequest, by_friction,
     cells, close_finger, count_volume, design_at, intersections, solve_grasp,
 };
-use phalanx_thesis::{Monitor, StudyError};
 
 /// Returns a request of a few hundred points.
 fn small_request(resolution: [usize; 3]) -> VolumeRequest {
     VolumeRequest { axes: Axes::thesis(resolution), ..VolumeRequest::thesis() }
 }
 
-fn volumes(request: &VolumeRequest, threads: usize) -> Result<Vec<Volume>, StudyError> {
+fn volumes(request: &VolumeRequest, threads: usize) -> Result<Vec<Volume>, ComputeError> {
     volume::volumes(request, threads, &Monitor::silent(&|| true))
 }
 
@@ -190,7 +190,7 @@ fn rejects_invalid_requests() {
         (VolumeRequest { axes: reversed, ..valid() }, "lower one first"),
     ] {
         let error = volumes(&request, 1).unwrap_err();
-        assert!(matches!(&error, StudyError::Unsuitable(text) if text.contains(fragment)), "{error}");
+        assert!(matches!(&error, ComputeError::Unsuitable(text) if text.contains(fragment)), "{error}");
     }
 }
 
@@ -202,7 +202,7 @@ fn progress_is_reported_and_study_can_be_interrupted() {
     volume::volumes(&request, 2, &Monitor::new(report, &|| true)).unwrap();
     assert!(reported.lock().unwrap().iter().copied().eq((0..=1280).map(|done| (done, 1280))));
     let stopped = volume::volumes(&request, 2, &Monitor::silent(&|| false)).unwrap_err();
-    assert!(matches!(stopped, StudyError::Stopped { done, total: 1280 } if done < 1280), "{stopped}");
+    assert!(matches!(stopped, ComputeError::Stopped { done, total: 1280 } if done < 1280), "{stopped}");
 }
 
 /// Agrees with 2-design §2.6; `tests/design/reproduce.rs` compares all figures of the volumes.

@@ -6,8 +6,8 @@ use super::prepare::{self, PreparedScene};
 use crate::criteria::ObjectTracker;
 use crate::grasp::run;
 use crate::scene::Scene;
-use crate::thesis::monitor::{Monitor, StudyError};
 use crate::trace::{Model, Sample};
+use phalanx_parallel::{ComputeError, Monitor};
 
 /// A gripper that is prepared for loads, with its state at their start.
 pub(super) struct PreparedGripper {
@@ -30,7 +30,7 @@ pub(super) fn simulate(
     prepared: &PreparedScene,
     load: Load,
     monitor: &Monitor<'_>,
-) -> Result<Result<LoadOutcome, String>, StudyError> {
+) -> Result<Result<LoadOutcome, String>, ComputeError> {
     let scene = prepared.scene.with_palm_motion(Some(load.motion), load.end_s + SETTLING_S);
     let tracker = ObjectTracker::for_scene(&scene);
     let mut tracker = tracker.map(|tracker| tracker.with_motion_start(prepared.setup.start_s));

@@ -14,8 +14,8 @@ use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, rotate};
 use crate::scene::{PalmMotion, Scene};
 use crate::statics::{GraspRoles, MechanismLimit};
-use crate::thesis::monitor::{Monitor, StudyError};
 use crate::trace::{BodyState, ContactSample, Event, Model, Removal, RequiredData, Sample, Sink, SinkError};
+use phalanx_parallel::{ComputeError, Monitor};
 
 /// Number of instants of a load at which overlaps with the surroundings are sought.
 const SWEEP_SAMPLES: usize = 1000;
@@ -232,7 +232,7 @@ impl PreparedMechanism {
         model: Model,
         load: Load,
         monitor: &Monitor<'_>,
-    ) -> Result<Result<LoadOutcome, String>, StudyError> {
+    ) -> Result<Result<LoadOutcome, String>, ComputeError> {
         let start_s = self.setup.start_s;
         let scene = with_motion(&self.scene, self.base, load.motion, load.end_s + SETTLING_S);
         let Some(tracker) = ObjectTracker::for_scene(&scene) else { return Ok(Err(HoldError::no_grasp().to_string())) };

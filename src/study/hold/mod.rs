@@ -27,9 +27,9 @@ use serde::{Serialize, Serializer};
 use crate::criteria::Fate;
 use crate::scene::Scene;
 use crate::statics::MechanismLimit;
-use crate::thesis::monitor::{Monitor, StudyError, map};
 use crate::trace::Model;
 use crate::units::MAX_TIME_S;
+use phalanx_parallel::{ComputeError, Monitor, map};
 
 use gripper::PreparedGripper;
 use mechanism::PreparedMechanism;
@@ -116,7 +116,7 @@ pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, Ho
     let evaluate = |case: &LoadCase, peak_m_s2: f64| {
         let outcome = prepared.simulate(plan.model, case.load(setup, peak_m_s2), monitor)?;
         monitor.advance(1, "runs");
-        Ok::<_, StudyError>(Evaluation { peak_m_s2, size: case.named_size(setup, peak_m_s2), outcome })
+        Ok::<_, ComputeError>(Evaluation { peak_m_s2, size: case.named_size(setup, peak_m_s2), outcome })
     };
     let scan = |(case, to_m_s2): (&LoadCase, &f64)| {
         let loads = limit::geometric_loads(plan.from_m_s2, *to_m_s2, plan.scan).into_iter();
@@ -141,7 +141,7 @@ pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, Ho
             let evaluation = evaluate(&result.case, load)?;
             result = result.with_evaluations(vec![evaluation], plan.slip_m);
         }
-        Ok::<_, StudyError>(result)
+        Ok::<_, ComputeError>(result)
     };
     let results = map(plan.threads, &results, refine)?;
     let (base, removed, assumed_hand) = match &prepared {
@@ -194,7 +194,7 @@ impl Prepared {
         model: Model,
         load: Load,
         monitor: &Monitor<'_>,
-    ) -> Result<Result<LoadOutcome, String>, StudyError> {
+    ) -> Result<Result<LoadOutcome, String>, ComputeError> {
         match self {
             Prepared::Gripper(of) => gripper::simulate(model, &of.prepared, load, monitor),
             Prepared::Mechanism(of) => of.simulate(model, load, monitor),

@@ -3,9 +3,9 @@
 use crate::criteria::{Fate, ObjectCriteria, Travel};
 use crate::scene::{Axis, WrongKind};
 use crate::statics::NoGrasp;
-use crate::thesis::StudyError;
 use crate::trace::{Model, Outcome};
 use crate::units::MAX_TIME_S;
+use phalanx_parallel::ComputeError;
 
 /// Time for which a run continues after its load, s. An object without contacts has left the hand by then, while a
 /// rattling one has not.
@@ -169,7 +169,7 @@ pub enum HoldError {
     )]
     TiedBase { base: String, what: String },
     #[error(transparent)]
-    Stopped(#[from] StudyError),
+    Stopped(#[from] ComputeError),
 }
 
 impl HoldError {

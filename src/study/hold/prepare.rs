@@ -14,8 +14,8 @@ use crate::scene::{Axis, Cycle, Motor, Move, ObjectMotion, PalmMotion, Profile, 
 use crate::shape::support;
 use crate::statics::{MechanismLimit, mechanism_balance_towards};
 use crate::study::bisect;
-use crate::thesis::Monitor;
 use crate::trace::{Event, Model, Outcome, RequiredData, Sample, Sink, SinkError};
+use phalanx_parallel::Monitor;
 
 /// Reason for the start time of the loads.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

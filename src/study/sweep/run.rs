@@ -17,8 +17,8 @@ use crate::criteria::{RunCriteriaTracker, StaticGrasp, Tracker, scene_static_gra
 use crate::scene::{self, Scene, SceneError};
 use crate::statics::{Equilibrium, form_closure};
 use crate::study::KeepRunning;
-use crate::thesis::monitor::thread_pool;
 use crate::trace::{self, Cancellable, Outcome, RunError, Sink};
+use phalanx_parallel::thread_pool;
 
 /// Statistics of one invocation of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,9 +10,9 @@ use serde::Serialize;
 use super::{Run, Simulations, is_stable, step_error};
 use crate::check::{Check, PERTURBATION, Verdict, check_with_sinks, perturbed};
 use crate::criteria::{Class, StaticGrasp, Tracker, scene_static_grasp};
-use crate::monitor::{self, Monitor, StudyError};
 use crate::scene::Scene;
 use crate::trace::{self, Model, RunError, Sink};
+use phalanx_parallel::{self, ComputeError, Monitor};
 
 /// Relative perturbation of the torque in the last variation.
 const STUDY_PERTURBATION: f64 = 1e-9;
@@ -99,10 +99,10 @@ pub fn chaos(
     simulations: &Simulations,
     threads: usize,
     monitor: &Monitor,
-) -> Result<(Vec<(usize, Check)>, Chaos), StudyError> {
+) -> Result<(Vec<(usize, Check)>, Chaos), ComputeError> {
     let runs = &simulations.runs;
     let jobs: Vec<usize> = (0..runs.len()).filter(|&run| runs[run].is_completed).collect();
-    let repeated = monitor::map(threads, &jobs, |&run| repeat_run(&runs[run], monitor))?;
+    let repeated = phalanx_parallel::map(threads, &jobs, |&run| repeat_run(&runs[run], monitor))?;
     let mut checks = Vec::new();
     let mut drifting_runs = Vec::new();
     // Classes in the study and in the variations.
@@ -148,7 +148,7 @@ pub fn chaos(
 type RunEnd = (Class, Option<f64>);
 
 /// Checks a run and, if it is statically stable, evaluates its variations.
-fn repeat_run(run: &Run, monitor: &Monitor) -> Result<(Check, Option<[RunEnd; VARIATIONS.len()]>), StudyError> {
+fn repeat_run(run: &Run, monitor: &Monitor) -> Result<(Check, Option<[RunEnd; VARIATIONS.len()]>), ComputeError> {
     let scene = &run.scene;
     let rest = scene_static_grasp(scene).map_err(step_error("a variation"))?;
     let mut trackers = [Tracker::new(rest.final_angles()), Tracker::new(rest.final_angles())];
@@ -172,7 +172,7 @@ fn run_end(tracker: &Tracker, rest: &StaticGrasp) -> RunEnd {
 }
 
 /// Runs the scene of the study with a perturbed torque. A failed run is unstable.
-fn run_perturbed(scene: &Scene, rest: &StaticGrasp) -> Result<RunEnd, StudyError> {
+fn run_perturbed(scene: &Scene, rest: &StaticGrasp) -> Result<RunEnd, ComputeError> {
     let mut tracker = Tracker::new(rest.final_angles());
     match trace::run_analytic(&perturbed(scene, STUDY_PERTURBATION), &mut tracker) {
         Ok(_) => Ok(run_end(&tracker, rest)),

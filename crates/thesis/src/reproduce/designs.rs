@@ -9,7 +9,6 @@ use std::f64::consts::FRAC_PI_2;
 use super::{Run, Simulations, step_error};
 use crate::criteria::{Criteria, Tracker, scene_static_grasp};
 use crate::gripper::{Placement, Spring, total_mass};
-use crate::monitor::{Monitor, StudyError};
 use crate::plot::canvas::Marker;
 use crate::plot::chart::{Axis as PlotAxis, Series, series_chart};
 use crate::plot::theme::{BLUE, Colour, GREEN, ORANGE};
@@ -18,6 +17,7 @@ use crate::sizing::{Profile, ProfilePoint, Rule, Sizing, Task, profile};
 use crate::statics::{NecessaryCount, drive_loads, equilibrium, form_closure, palm_force};
 use crate::trace::{self, Event, FingerContact, FingerState, Outcome, RequiredData, Sample, Sink, SinkError};
 use crate::volume::{Axes, Axis, BASES_M, ClosedFinger, close_finger, close_linkage, design_at};
+use phalanx_parallel::{ComputeError, Monitor};
 
 /// Motor torque that the thesis prints for design 95 (§4.3); it has no other source.
 const PRINTED_MOTOR_N_M: f64 = 0.480;
@@ -60,7 +60,7 @@ impl SizingFound {
 }
 
 /// Sizes design 95, the example, and every design.
-pub fn sizing<'a>(designs: impl Iterator<Item = &'a Scene>, chosen: &Scene) -> Result<SizingFound, StudyError> {
+pub fn sizing<'a>(designs: impl Iterator<Item = &'a Scene>, chosen: &Scene) -> Result<SizingFound, ComputeError> {
     let example = scene::parse(EXAMPLE, "example.toml").map_err(step_error("the example"))?;
     let chosen = sizing_profile(chosen, FEW_SAMPLES)?;
     let mut found = SizingFound {
@@ -82,12 +82,12 @@ pub fn sizing<'a>(designs: impl Iterator<Item = &'a Scene>, chosen: &Scene) -> R
     Ok(found)
 }
 
-fn sizing_profile(scene: &Scene, samples: usize) -> Result<Profile, StudyError> {
+fn sizing_profile(scene: &Scene, samples: usize) -> Result<Profile, ComputeError> {
     profile(&scene.finger().linkage, &task(scene)?, PRELOAD_RAD, samples).map_err(step_error("the sizing"))
 }
 
 /// Returns the closing motion for which the finger of a scene is sized.
-fn task(scene: &Scene) -> Result<Task, StudyError> {
+fn task(scene: &Scene) -> Result<Task, ComputeError> {
     let object = scene.object().ok_or("there is no object").map_err(step_error("the sizing"))?;
     Ok(Task::thesis(object.placed()))
 }
@@ -101,14 +101,14 @@ pub struct OtherSizing {
 }
 
 /// Returns the necessary condition (1.19) for form closure of the grasp of a scene.
-pub fn necessary_count(scene: &Scene) -> Result<NecessaryCount, StudyError> {
+pub fn necessary_count(scene: &Scene) -> Result<NecessaryCount, ComputeError> {
     let rest = scene_static_grasp(scene).map_err(step_error("form closure"))?;
     Ok(form_closure(&scene.finger().linkage, &rest.end).map_err(step_error("form closure"))?.necessary)
 }
 
 /// Returns the number of form-closed designs of the design space printed in §4.2, in which l21 takes quarters of its
 /// range (errata 15).
-pub(crate) fn form_closed_in_quarters() -> Result<usize, StudyError> {
+pub(crate) fn form_closed_in_quarters() -> Result<usize, ComputeError> {
     let axes = Axes { l21_fraction: Axis::new(0.0, 0.75, 4), ..Axes::thesis([4, 4, 3]) };
     let mut form_closed = 0;
     for base_m in BASES_M {
@@ -124,7 +124,7 @@ fn closed_fingers(
     base_m: f64,
     axes: Axes,
     step: &'static str,
-) -> impl Iterator<Item = Result<ClosedFinger, StudyError>> {
+) -> impl Iterator<Item = Result<ClosedFinger, ComputeError>> {
     let template = Template::thesis();
     (0..axes.len()).map(move |index| {
         let design = design_at(&template, base_m, axes.at(index));
@@ -134,7 +134,7 @@ fn closed_fingers(
 
 /// Evaluates static stability with the sizing of the study, with the other rule, and with motor and spring torques
 /// scaled by the printed ratios of design 95.
-pub(crate) fn other_sizings(simulations: &Simulations, found: &SizingFound) -> Result<Vec<OtherSizing>, StudyError> {
+pub(crate) fn other_sizings(simulations: &Simulations, found: &SizingFound) -> Result<Vec<OtherSizing>, ComputeError> {
     let [motor, spring] = found.printed_ratios();
     let mut sizings = vec![OtherSizing {
         torques: "this study: RMS over the rigid phase",
@@ -175,7 +175,7 @@ pub struct Grid {
 ///
 /// # Errors
 /// Returns an error if a finger or its statics cannot be computed, or the monitor stops the computation.
-pub fn grids(sizing: &SizingFound, monitor: &Monitor) -> Result<Vec<Grid>, StudyError> {
+pub fn grids(sizing: &SizingFound, monitor: &Monitor) -> Result<Vec<Grid>, ComputeError> {
     let [motor_ratio, spring_ratio] = sizing.printed_ratios();
     let centres = |axis: &Axis| {
         let half = 0.5 * (axis.to - axis.from) / axis.points as f64;
@@ -183,7 +183,7 @@ pub fn grids(sizing: &SizingFound, monitor: &Monitor) -> Result<Vec<Grid>, Study
     };
     let [l21_fraction, phi22_rad, arm_ratio] = Axes::thesis([CELLS_PER_AXIS; 3]).all().map(centres);
     let axes = Axes { l21_fraction, phi22_rad, arm_ratio };
-    let grid = |base_m: f64| -> Result<Grid, StudyError> {
+    let grid = |base_m: f64| -> Result<Grid, ComputeError> {
         let (mut counts, mut closed_and_stable) = ([[0usize; 2]; 3], 0usize);
         for closed in closed_fingers(base_m, axes, "the volumes by other torques") {
             monitor.check()?;
@@ -205,7 +205,7 @@ pub fn grids(sizing: &SizingFound, monitor: &Monitor) -> Result<Vec<Grid>, Study
 }
 
 /// Returns whether the grasp is force-positive with motor and spring torque multiplied by factors.
-fn is_stable(closed: &ClosedFinger, [motor, spring]: [f64; 2], mu_static: f64) -> Result<bool, StudyError> {
+fn is_stable(closed: &ClosedFinger, [motor, spring]: [f64; 2], mu_static: f64) -> Result<bool, ComputeError> {
     let sizing = closed.sized.sizing;
     let kind = SpringKind::Constant { torque_n_m: sizing.spring_n_m * spring };
     let spring = Spring { kind, placement: Placement::Phalanges };
@@ -229,7 +229,7 @@ pub struct Closing {
 }
 
 /// Simulates the finger of a scene.
-pub fn closing(name: &'static str, scene: &Scene) -> Result<Closing, StudyError> {
+pub fn closing(name: &'static str, scene: &Scene) -> Result<Closing, ComputeError> {
     let rest = scene_static_grasp(scene).map_err(step_error(name))?;
     let mut recorder = ClosingRecorder { tracker: Tracker::new(rest.final_angles()), points: Vec::new() };
     let outcome = trace::run_analytic(scene, &mut recorder).map_err(step_error(name))?;

@@ -24,10 +24,10 @@ pub use figures::{Comparison, Figure, Reason, Verdict, computed_values, figures,
 
 use crate::check::Check;
 use crate::criteria::Class;
-use crate::monitor::{Monitor, StudyError};
 use crate::scene::Scene;
 use crate::statics::NecessaryCount;
 use crate::volume::{Axes, Volume, VolumeRequest, volumes as compute_volumes};
+use phalanx_parallel::{ComputeError, Monitor};
 
 /// Number of the design that the thesis chooses.
 const CHOSEN_DESIGN: i64 = 95;
@@ -168,8 +168,8 @@ fn is_stable(class: Option<Class>) -> bool {
 }
 
 /// Returns a function that converts the error of a step.
-fn step_error<E: Display>(step: &'static str) -> impl Fn(E) -> StudyError {
-    move |reason| StudyError::Failed(format!("{step} could not be computed: {reason}"))
+fn step_error<E: Display>(step: &'static str) -> impl Fn(E) -> ComputeError {
+    move |reason| ComputeError::Failed(format!("{step} could not be computed: {reason}"))
 }
 
 /// Computes all results from the simulations, design 95 with the printed torques, its CAD model, and the errata as a
@@ -186,7 +186,7 @@ pub fn reproduce(
     quick: bool,
     threads: usize,
     monitor: &Monitor,
-) -> Result<Reproduction, StudyError> {
+) -> Result<Reproduction, ComputeError> {
     let start_step = |name: &str| {
         monitor.advance(1, name);
         monitor.check()
@@ -203,7 +203,7 @@ pub fn reproduce(
     // The designs are not parts of the reproduction.
     let silent = Monitor::silent(monitor.keep_running());
     let volumes = compute_volumes(&request, threads, &silent).map_err(|error| match error {
-        StudyError::Stopped { .. } => monitor.stopped(),
+        ComputeError::Stopped { .. } => monitor.stopped(),
         error => error,
     })?;
     let grids = designs::grids(&sizing, monitor)?;

@@ -28,9 +28,9 @@ use serde::Serialize;
 use crate::check::perturbed;
 use crate::integrator::{Failure, Reason};
 use crate::invariants::{Finding, Invariant, Invariants};
-use crate::monitor::{Monitor, StudyError, map, require};
 use crate::scene::{Engine, Preset, Response, Scene, Stepping};
 use crate::trace::{FingerState, Model, RequiredData, RunError, Sample, Sink, SinkError, interpolate};
+use phalanx_parallel::{ComputeError, Monitor, map, require};
 
 /// Spurious energy relative to the reference's throughput above which a run counts as failed.
 pub(crate) const ENERGY_TOLERANCE: f64 = 0.1;
@@ -170,7 +170,7 @@ impl Stability {
 /// # Errors
 /// Returns an error if the scene or the grid is not suitable, or the monitor stops the computation. Failed runs are part
 /// of the map.
-pub fn stability(scene: &Scene, grid: &Grid, accuracy_rad: f64, monitor: &Monitor) -> Result<Stability, StudyError> {
+pub fn stability(scene: &Scene, grid: &Grid, accuracy_rad: f64, monitor: &Monitor) -> Result<Stability, ComputeError> {
     check(scene, grid)?;
     let start = Instant::now();
     let factors = grid.columns();
@@ -192,8 +192,8 @@ pub fn stability(scene: &Scene, grid: &Grid, accuracy_rad: f64, monitor: &Monito
     })
 }
 
-fn check(scene: &Scene, grid: &Grid) -> Result<(), StudyError> {
-    let finger = scene.require_fingers(1).map_err(|error| StudyError::Unsuitable(error.to_string()))?;
+fn check(scene: &Scene, grid: &Grid) -> Result<(), ComputeError> {
+    let finger = scene.require_fingers(1).map_err(|error| ComputeError::Unsuitable(error.to_string()))?;
     require(finger.object().is_some(), || {
         "the scene has no contacts, so factors of contact stiffness and damping have no effect; add an object: [object] radius and \
          centre"
@@ -256,7 +256,7 @@ fn column(
     grid: &Grid,
     accuracy_rad: f64,
     monitor: &Monitor,
-) -> Result<(ReferenceRun, Vec<Cell>), StudyError> {
+) -> Result<(ReferenceRun, Vec<Cell>), ComputeError> {
     let scene = scaled(scene, factors.0, factors.1);
     let (reference, samples) = run_reference(&scene, factors, monitor)?;
     monitor.advance(1, "references");
@@ -326,7 +326,7 @@ fn run_reference(
     scene: &Scene,
     (stiffness_factor, damping_factor): (f64, f64),
     monitor: &Monitor,
-) -> Result<(ReferenceRun, Option<Vec<Sample>>), StudyError> {
+) -> Result<(ReferenceRun, Option<Vec<Sample>>), ComputeError> {
     let mut scene = scene.clone();
     scene.apply_preset(Preset::Reference);
     let dense_hz = (REFERENCE_SAMPLES / scene.duration_s).min(MAX_REFERENCE_HZ);
@@ -361,7 +361,7 @@ fn cell(
     reference: (&ReferenceRun, &Option<Vec<Sample>>),
     accuracy_rad: f64,
     monitor: &Monitor,
-) -> Result<Cell, StudyError> {
+) -> Result<Cell, ComputeError> {
     let (ReferenceRun { throughput_j, .. }, samples) = reference;
     let unjudged = |reason: &str| Cell {
         step_s,

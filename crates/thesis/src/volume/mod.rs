@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `point` | one design: built, sized, closed and in equilibrium; its quantities |
 //! | `counts` | points by grasp state, also for an intersection over the bases; tables and JSON |
-//! | `display` | slices, data of the page |
+//! | `display` | slices |
 
 mod counts;
 mod display;
@@ -18,16 +18,16 @@ mod point;
 
 pub use counts::{Cell, Counts, Intersection, LargestPalmForce, MissingFingers, Timing, VolumeCounts, VolumeReport};
 pub use counts::{by_friction, cells, count_volume, intersections};
-pub use display::{page_data, slices};
+pub use display::slices;
 pub(crate) use point::close_linkage;
 pub use point::{COLUMNS, ClosedFinger, FLAGS, GraspState, NoFinger, Point, Quantity, SizedFinger};
 pub use point::{close_finger, design_at, solve_grasp};
 
 use serde::Serialize;
 
-use crate::monitor::{Monitor, StudyError, map, require};
 use crate::scene::Template;
 use crate::sizing::Rule;
+use phalanx_parallel::{ComputeError, Monitor, map, require};
 
 /// Maximum total number of points. Points are kept in memory, with about 150 bytes each, and four times that as a
 /// table.
@@ -146,7 +146,7 @@ impl VolumeRequest {
     }
 
     /// Checks the request. Designs that do not exist are allowed; values that no design can have are not.
-    fn check(&self) -> Result<(), StudyError> {
+    fn check(&self) -> Result<(), ComputeError> {
         for (name, list, minimum, allowed) in [
             ("base", &self.bases_m, f64::MIN_POSITIVE, "above 0"),
             ("friction coefficient", &self.mu_static, 0.0, "at least 0"),
@@ -194,7 +194,7 @@ pub struct Volume {
 ///
 /// # Errors
 /// Returns an error if the request is invalid, or the monitor stops the computation.
-pub fn volumes(request: &VolumeRequest, threads: usize, monitor: &Monitor) -> Result<Vec<Volume>, StudyError> {
+pub fn volumes(request: &VolumeRequest, threads: usize, monitor: &Monitor) -> Result<Vec<Volume>, ComputeError> {
     request.check()?;
     let VolumeRequest { template, bases_m, mu_static, axes, rule } = request;
     let designs: Vec<(f64, usize)> =

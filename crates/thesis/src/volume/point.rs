@@ -108,10 +108,10 @@ pub fn solve_grasp(closed: &ClosedFinger, mu_static: f64) -> Point {
     Ok(GraspState { sized: closed.sized, forces })
 }
 
-/// A column of the table of points and of the page: its name with the unit, and its value in SI units or its property.
+/// A column of the table of points: its name with the unit, and its value in SI units or its property.
 pub type Column<T> = (&'static str, fn(&GraspState) -> T);
 
-/// Quantities of a point. The first `DESIGN_COLUMNS` do not depend on friction.
+/// Quantities of a point.
 pub const COLUMNS: [Column<f64>; 11] = [
     ("l11_m", |state| state.sized.lengths.l11_m),
     ("l12_m", |state| state.sized.lengths.l12_m),
@@ -125,9 +125,6 @@ pub const COLUMNS: [Column<f64>; 11] = [
     ("static_f22_n", |state| state.forces.f22_n),
     ("static_pfp_n", |state| state.forces.pfp_n),
 ];
-
-/// Number of columns that do not depend on friction.
-pub(crate) const DESIGN_COLUMNS: usize = 8;
 
 /// Properties of a point.
 pub const FLAGS: [Column<bool>; 3] = [

@@ -1,5 +1,5 @@
-//! Commands that reproduce the thesis: `phalanx study`, effects of settings on results, and `phalanx reproduce`, which
-//! recomputes its figures, with reasons for differences.
+//! `phalanx thesis`: `reproduce` recomputes the figures of the thesis, with reasons for differences; `volume` and `select` are its
+//! design work; `stability` and `step-size` show how settings affect a result.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,34 +8,39 @@ use std::time::Instant;
 use clap::{Args, Subcommand};
 
 use super::output::{OutputArgs, print_note, print_result, reserve, save, write_failure};
-use super::parsers::{number, parse_threads, positive};
+use super::parsers::{number, positive};
 use super::progress::Interrupt;
+use super::select::{self, SelectArgs};
 use super::set::{SetArgs, source_files};
+use super::volume::{self, VolumeArgs};
 use super::{Failure, Status};
 use crate::format::{ToReport, format_duration};
 use crate::page::report_page;
 use crate::report::reproduce::{Reproduced, ReproductionReport, reproduce};
 use crate::report::sweep::ranking_table;
 use crate::table;
-use crate::thesis::StudyError;
 use crate::thesis::stability::{ACCURACY_RAD, Grid, stability};
 use crate::thesis::step_size::step_size;
 use crate::units::Dimension;
+use phalanx_parallel::ComputeError;
 
 /// The shipped scene, built in so that the command works in any directory.
 const STEP_SIZE_SCENE: &str = include_str!("../../scenes/laws/step-size.toml");
 
-impl From<StudyError> for Failure {
-    fn from(error: StudyError) -> Self {
+impl From<ComputeError> for Failure {
+    fn from(error: ComputeError) -> Self {
         match error {
-            StudyError::Unsuitable(_) => Failure::bad_input(error),
-            StudyError::Failed(_) | StudyError::Stopped { .. } => Failure::incomplete(error),
+            ComputeError::Unsuitable(_) => Failure::bad_input(error),
+            ComputeError::Failed(_) | ComputeError::Stopped { .. } => Failure::incomplete(error),
         }
     }
 }
 
 #[derive(Debug, Subcommand)]
-pub(crate) enum StudyCommand {
+pub(crate) enum ThesisCommand {
+    Reproduce(ReproduceArgs),
+    Volume(VolumeArgs),
+    Select(SelectArgs),
     Stability(StabilityArgs),
     StepSize(StepSizeArgs),
 }
@@ -52,8 +57,8 @@ pub(crate) enum StudyCommand {
 /// "accurate" if it has not failed and its joint angles stay within the bound at all times. All other runs are stable
 /// but inaccurate. Pairs without a completed reference are not judged.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  phalanx study stability scenes/experiment-95.toml\n  phalanx study stability \
-                  scenes/experiment-95.toml --out map\n  phalanx study stability scenes/experiment-95.toml --steps \"100 us, 10 us\" \
+#[command(after_help = "Examples:\n  phalanx thesis stability scenes/experiment-95.toml\n  phalanx thesis stability \
+                  scenes/experiment-95.toml --out map\n  phalanx thesis stability scenes/experiment-95.toml --steps \"100 us, 10 us\" \
                   --stiffness 1,100 --damping 0,1 --json\n\n--out writes table.txt, stability.json, stability.csv and stability.svg. Exit status: 0 done, even if runs of the map failed; 2 bad input; 3 \
                   interrupted, or files could not be written.")]
 pub(crate) struct StabilityArgs {
@@ -95,7 +100,7 @@ pub(crate) struct StabilityArgs {
 /// has no finite force; it is represented by impulse divided by step, and uses the restitution of the reference.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx study step-size\n  phalanx study step-size my-impact.toml --out study\n  phalanx study \
+    after_help = "Examples:\n  phalanx thesis step-size\n  phalanx thesis step-size my-impact.toml --out study\n  phalanx study \
                   step-size --quick --json > study.json\n\n--out writes step-size.txt, .json, .csv and .svg."
 )]
 pub(crate) struct StepSizeArgs {
@@ -118,10 +123,13 @@ const STEPS: &str = "times such as \"100 us, 10 us\"";
 const STIFFNESS: &str = "factors above 0, such as 0.01,1,100";
 const DAMPING: &str = "factors of 0 or more, such as 0,1,10";
 
-pub(super) fn run(command: &StudyCommand) -> Result<Status, Failure> {
+pub(super) fn run(command: &ThesisCommand) -> Result<Status, Failure> {
     match command {
-        StudyCommand::Stability(args) => run_stability(args),
-        StudyCommand::StepSize(args) => run_step_size(args),
+        ThesisCommand::Reproduce(args) => run_reproduce(args),
+        ThesisCommand::Volume(args) => volume::run(args),
+        ThesisCommand::Select(args) => select::run(args),
+        ThesisCommand::Stability(args) => run_stability(args),
+        ThesisCommand::StepSize(args) => run_step_size(args),
     }
 }
 
@@ -182,7 +190,7 @@ fn build_grid(args: &StabilityArgs) -> Grid {
 /// are listed.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  phalanx reproduce\n  phalanx reproduce --out report\n  phalanx reproduce --quick --json > \
+    after_help = "Examples:\n  phalanx thesis reproduce\n  phalanx thesis reproduce --out report\n  phalanx thesis reproduce --quick --json > \
                   report.json\n\n--out writes report.md with figures/, report.html (self-contained), report.json, results.csv and ranking.csv. Exit status: 0 every value is as expected; 1 a value is outside its bounds; 3 something \
                   could not be computed or written."
 )]
@@ -193,17 +201,13 @@ pub(crate) struct ReproduceArgs {
     /// Compute volumes of 10³ instead of 20³ points; they are shown but not checked
     #[arg(long)]
     quick: bool,
-
-    /// Number of threads [default: all cores]
-    #[arg(long, value_name = "NUMBER", default_value_t = 0, hide_default_value = true, value_parser = parse_threads)]
-    threads: usize,
 }
 
-pub(super) fn run_reproduce(args: &ReproduceArgs) -> Result<Status, Failure> {
+fn run_reproduce(args: &ReproduceArgs) -> Result<Status, Failure> {
     let directory = reserve(&[], &[], (args.output.out.as_deref(), &FILES))?;
     let start = Instant::now();
     let task = ["the reproduction", "parts", args.output.unwritten()];
-    let reproduced = Interrupt::listen()?.compute(task, |monitor| reproduce(args.quick, args.threads, monitor))?;
+    let reproduced = Interrupt::listen()?.compute(task, |monitor| reproduce(args.quick, 0, monitor))?;
     let wall_s = start.elapsed().as_secs_f64();
     let report = ReproductionReport::new(&reproduced);
     directory.write_with(|out| write(out, &reproduced, &report))?;

@@ -1,18 +1,20 @@
 //! Progress, interruption and parallel execution of a computation.
 
+use std::env;
 use std::num::NonZeroUsize;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::scene::Scene;
-use crate::trace::{Cancellable, Model, Outcome, RunError, Sink, run};
+use phalanx_core::scene::Scene;
+use phalanx_core::trace::{Cancellable, Model, Outcome, RunError, Sink, run};
 
 /// Error of a computation.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum StudyError {
+pub enum ComputeError {
     /// The scene or the request does not suit the study; the message contains a remedy.
     #[error("{0}")]
     Unsuitable(String),
@@ -23,9 +25,9 @@ pub enum StudyError {
     Stopped { done: usize, total: usize },
 }
 
-/// Returns [`StudyError::Unsuitable`] with a message unless a condition is met.
-pub(crate) fn require(condition: bool, message: impl FnOnce() -> String) -> Result<(), StudyError> {
-    if condition { Ok(()) } else { Err(StudyError::Unsuitable(message())) }
+/// Returns [`ComputeError::Unsuitable`] with a message unless a condition is met.
+pub fn require(condition: bool, message: impl FnOnce() -> String) -> Result<(), ComputeError> {
+    if condition { Ok(()) } else { Err(ComputeError::Unsuitable(message())) }
 }
 
 /// Returns whether the computation may continue.
@@ -72,14 +74,14 @@ impl<'a> Monitor<'a> {
 
     /// # Errors
     /// Returns an error if the computation is to stop.
-    pub fn check(&self) -> Result<(), StudyError> {
+    pub fn check(&self) -> Result<(), ComputeError> {
         if (self.keep_running)() { Ok(()) } else { Err(self.stopped()) }
     }
 
     /// Returns the error of an interrupted computation.
-    pub fn stopped(&self) -> StudyError {
+    pub fn stopped(&self) -> ComputeError {
         let (done, total, _) = *self.lock();
-        StudyError::Stopped { done, total }
+        ComputeError::Stopped { done, total }
     }
 
     /// Runs a scene until it ends or fails.
@@ -91,7 +93,7 @@ impl<'a> Monitor<'a> {
         model: Model,
         scene: &Scene,
         sink: &mut S,
-    ) -> Result<Result<Outcome, RunError>, StudyError> {
+    ) -> Result<Result<Outcome, RunError>, ComputeError> {
         match run(model, scene, &mut Cancellable { sink, keep_running: self.keep_running }) {
             Err(error) if error.is_stop() => Err(self.stopped()),
             result => Ok(result),
@@ -103,13 +105,12 @@ impl<'a> Monitor<'a> {
     }
 }
 
-/// Builds a pool of `threads` threads, or one per core if `threads` is 0, but at most one per job.
+/// Builds a pool of `threads` threads, or of [`default_threads`] if `threads` is 0, but at most one per job.
 ///
 /// # Panics
 /// Panics if the system cannot start the threads.
 pub fn thread_pool(threads: usize, jobs: usize) -> ThreadPool {
-    // Set explicitly: by default, rayon reads an environment variable first.
-    let threads = if threads == 0 { all_cores() } else { threads }.min(jobs).max(1);
+    let threads = if threads == 0 { default_threads() } else { threads }.min(jobs).max(1);
     ThreadPoolBuilder::new().num_threads(threads).build().expect("the system starts threads")
 }
 
@@ -152,9 +153,24 @@ pub fn map<J: Sync, R: Send, E: Send>(
     thread_pool(threads, jobs.len()).install(|| jobs.par_iter().with_max_len(1).map(&work).collect())
 }
 
-/// Returns the number of cores available to the process.
-pub fn all_cores() -> usize {
-    thread::available_parallelism().map_or(1, NonZeroUsize::get)
+/// Largest number of threads.
+pub const MAX_THREADS: usize = 1024;
+
+/// The number of threads that [`set_threads`] has set.
+static THREADS: AtomicUsize = AtomicUsize::new(0);
+
+/// Sets the number of threads of computations for which none is given; 0 restores the default.
+pub fn set_threads(threads: usize) {
+    THREADS.store(threads, Ordering::Relaxed);
+}
+
+/// Returns the number of threads of computations for which none is given: that of [`set_threads`], else of the environment
+/// variable `RAYON_NUM_THREADS`, else the number of cores available to the process.
+pub fn default_threads() -> usize {
+    let from_environment = || env::var("RAYON_NUM_THREADS").ok()?.trim().parse().ok();
+    let chosen = Some(THREADS.load(Ordering::Relaxed)).filter(|threads| *threads > 0);
+    let chosen = chosen.or_else(|| from_environment().filter(|threads| (1..=MAX_THREADS).contains(threads)));
+    chosen.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZeroUsize::get))
 }
 
 #[cfg(test)]
