@@ -200,8 +200,7 @@ pub fn locate_problems(error: &SceneError) -> Vec<LocatedProblem> {
             let to_located = |problem: &Problem| {
                 let start = problem.span.as_ref().map(|span| span.start);
                 let (line, column) = start.map(|start| line_column(text, start)).unzip();
-                let entry = document.as_ref().zip(start).and_then(|(document, at)| entry_at(document.get_ref(), at));
-                let field = entry.map(|(path, ..)| path.join("."));
+                let field = document.as_ref().zip(start).and_then(|(document, at)| field_at(document.get_ref(), at));
                 let (message, help) = (shortened(&problem.message), problem.help.clone());
                 LocatedProblem { file: file.clone(), line, column, field, message, help }
             };
@@ -216,6 +215,24 @@ pub fn locate_problems(error: &SceneError) -> Vec<LocatedProblem> {
             vec![LocatedProblem::without_position(file, error.to_string())]
         }
     }
+}
+
+/// Returns the innermost field whose key or value contains a byte offset of the text, such as `objectives[1].column`.
+fn field_at(table: &DeTable<'_>, offset: usize) -> Option<String> {
+    let (path, ..) = entry_at(table, offset)?;
+    let (last, parents) = path.split_last()?;
+    let parent = parents.iter().try_fold(table, |table, name| table.get(name.as_str())?.get_ref().as_table());
+    let items = parent.and_then(|parent| parent.get(last.as_str())?.get_ref().as_array());
+    let tables = items
+        .into_iter()
+        .flatten()
+        .enumerate()
+        .filter_map(|(index, item)| Some((index, item.span(), item.get_ref().as_table()?)));
+    let entry = tables.filter_map(|(index, span, table)| match field_at(table, offset) {
+        Some(field) => Some(format!("[{index}].{field}")),
+        None => span.contains(&offset).then(|| format!("[{index}]")),
+    });
+    Some(path.join(".") + &entry.last().unwrap_or_default())
 }
 
 /// Returns path, key and value of the innermost field whose key or value contains a byte offset of the text.
