@@ -111,14 +111,14 @@ fn reports_problems_with_their_location() {
         (format!("{HEAD}{VARIABLE}"), "", "", "[[objectives]] is missing … column = \"tts_s\""),
         (format!("variables = []\n{HEAD}{OBJECTIVE}"), "", "", "[[variables]] is missing"),
         (format!("{VARIABLE}{OBJECTIVE}"), "", "", "`scene` is missing … or write it in a table [scene]"),
-        (more("[[axes]]\nfield = \"palm\"\n"), ":8:3", "axes", "unknown key `axes` … conditions, constraints"),
+        (more("[[axes]]\nfield = \"palm\"\n"), ":8:3", "axes[0]", "unknown key `axes` … conditions, constraints"),
         (more("[objective]\nname = \"a\"\n"), ":8:2", "objective", "did you mean `objectives`?"),
         (more("[conditions]\nfield = \"palm\"\n"), ":8:2", "conditions", "[[conditions]]"),
         (format!("name = 3\n{}", more("")), ":1:8", "name", "`name` is a bare number … must be a string"),
         (format!("model = \"engin\"\n{}", more("")), ":1:9", "model", "did you mean \"engine\"?"),
         (more("[method]\npopulaton = 8\n"), ":9:1", "method.populaton", "did you mean `population`?"),
         (more("[filter]\nform_closed = 1\n"), ":9:15", "filter.form_closed", "must be true or false"),
-        ("a = [".to_string(), ":1:5", "", "not valid TOML"),
+        ("a = [".to_string(), ":1:6", "", "not valid TOML"),
         // The base scene.
         (format!("scene = \"no.toml\"\n{VARIABLE}{OBJECTIVE}"), ":1:9", "scene", "no.toml: there is no such file"),
         (
@@ -129,7 +129,12 @@ fn reports_problems_with_their_location() {
         ),
         (format!("{VARIABLE}{OBJECTIVE}[scene]\npalm = 3\n"), ":8:8", "scene.palm", "must be true or false"),
         (format!("{VARIABLE}{OBJECTIVE}[scene]\npalm = true\n"), "", "", "is missing"),
-        (base("from = \"0.1 mm\"\nto = \"2 m\"\nstart = \"1 m\"\n"), ":1:9", "scene", "values of the study"),
+        (
+            more("[set]\ndesign.base = \"1 m\"\n"),
+            ":1:9",
+            "scene",
+            "with the values of the study is invalid: base is 1000.0000 mm … correct [set]",
+        ),
         // Variables.
         (variable("from = 1\nto = 2\n"), ":4:1", "variables[0]", "`field` is missing"),
         (variable("field = \"design.bas\"\nfrom = 1\nto = 2\n"), ":5:9", "variables[0].field", "did you mean `base`?"),
@@ -156,6 +161,12 @@ fn reports_problems_with_their_location() {
             ":8:9",
             "variables[0].start",
             "start value of `design.base`, 16 mm, is outside",
+        ),
+        (
+            base("from = \"12 mm\"\nto = \"2 m\"\nstart = \"1 m\"\n"),
+            ":8:9",
+            "variables[0].start",
+            "base is 1000.0000 mm, but must be below",
         ),
         (base("from = \"12 mm\"\nto = \"15 mm\"\nstart = true\n"), ":8:9", "variables[0].start", "expected a length"),
         (
@@ -314,8 +325,7 @@ fn problems_of_the_base_scene_are_in_its_own_file() {
         ("real/2f85-pinch", "real/2f85-pich", "cannot read the scene … 2f85-pich.toml … study.toml:10:11"),
         ("+ palm *", "+ plam *", "unknown parameter `plam` … study.toml:20:"),
         ("field = \"parameters.link\"", "field = \"parameters.lnk\"", "did you mean `link` … study.toml:45:9"),
-        // The object of the scene that it extends.
-        ("cube = \"40 mm\"", "cube = \"-40 mm\"", "study.toml:13"),
+        ("driver = \"31.767 mm\"", "driver = \"31.767 deg\"", "study.toml:22:16 … is a length, but … is an angle"),
     ] {
         let error = parse(&text.replacen(from, to, 1), FILE).expect_err(to).to_string();
         for word in words.split(" … ") {

@@ -5,8 +5,8 @@ use toml::de::DeTable;
 use super::Variable;
 use super::tables::{OptimisationFile, VariableTable};
 use crate::scene::{
-    Layer, Problem, Scene, SceneError, parse_any, parse_field, parse_layers, parse_layers_of_section,
-    setting_from_parts, show_written,
+    Layer, LocatedProblem, Problem, Scene, SceneError, locate_problems, parse_any, parse_field, parse_layers,
+    parse_layers_of_section, setting_from_parts, show_written,
 };
 use crate::study::parameter::value_in;
 use crate::study::sweep::{
@@ -76,7 +76,17 @@ pub(super) fn start_scene(
         Err(error) => error,
     };
     document.check()?;
-    // The text is none of the user's: the problems are sought in the files.
+    let at_start = |found: LocatedProblem| {
+        let range =
+            ranges.iter().find(|range| range.start.is_some() && found.field.as_ref() == Some(&range.field.path))?;
+        let span = document.span(&format!("{}.start", range.path));
+        Some(Problem::new(span, found.message, "as the value of the scene", found.help))
+    };
+    let of_starts: Vec<Problem> = locate_problems(&error).into_iter().filter_map(at_start).collect();
+    if !of_starts.is_empty() {
+        return Err(document.invalid(of_starts));
+    }
+    // The text is none of the user's: other problems are sought in the files.
     if document.has_inline_scene() {
         parse_layers_of_section(&document.layers, SCENE, parse_any)?;
     } else {
@@ -85,7 +95,7 @@ pub(super) fn start_scene(
         parse_layers(&document.layers, &settings.collect::<Vec<_>>(), parse_any)?;
     }
     let message = format!("the base scene with the values of the study is invalid: {}", problem_messages(&error));
-    let help = "correct the start values of the variables, or [set]";
+    let help = "correct [set], or the start values of the variables";
     Err(document.invalid(vec![Problem::new(document.span(SCENE), message, "this base scene", help)]))
 }
 

@@ -219,20 +219,20 @@ pub fn locate_problems(error: &SceneError) -> Vec<LocatedProblem> {
 
 /// Returns the innermost field whose key or value contains a byte offset of the text, such as `objectives[1].column`.
 fn field_at(table: &DeTable<'_>, offset: usize) -> Option<String> {
-    let (path, ..) = entry_at(table, offset)?;
-    let (last, parents) = path.split_last()?;
-    let parent = parents.iter().try_fold(table, |table, name| table.get(name.as_str())?.get_ref().as_table());
-    let items = parent.and_then(|parent| parent.get(last.as_str())?.get_ref().as_array());
-    let tables = items
-        .into_iter()
-        .flatten()
-        .enumerate()
-        .filter_map(|(index, item)| Some((index, item.span(), item.get_ref().as_table()?)));
-    let entry = tables.filter_map(|(index, span, table)| match field_at(table, offset) {
-        Some(field) => Some(format!("[{index}].{field}")),
-        None => span.contains(&offset).then(|| format!("[{index}]")),
-    });
-    Some(path.join(".") + &entry.last().unwrap_or_default())
+    let is_in = |span: Range<usize>| span.contains(&offset) || span.start == offset;
+    table.iter().find_map(|(key, value)| {
+        let name = key.get_ref();
+        let inner = match value.get_ref() {
+            DeValue::Table(inner) => field_at(inner, offset).map(|field| format!("{name}.{field}")),
+            DeValue::Array(items) => items.iter().enumerate().find_map(|(index, item)| {
+                let field = field_at(item.get_ref().as_table()?, offset).map(|field| format!(".{field}"));
+                let field = field.or_else(|| is_in(item.span()).then(String::new))?;
+                Some(format!("{name}[{index}]{field}"))
+            }),
+            _ => None,
+        };
+        inner.or_else(|| (is_in(key.span()) || is_in(value.span())).then(|| name.to_string()))
+    })
 }
 
 /// Returns path, key and value of the innermost field whose key or value contains a byte offset of the text.
