@@ -76,7 +76,7 @@ pub fn _read_optimisation<'py>(
     dict.set_item("name", name)?;
     dict.set_item("description", description)?;
     dict.set_item("model", model.name())?;
-    dict.set_item("scene", Scene::from_layers(py, Ok(vec![scene]), Vec::new())?)?;
+    dict.set_item("scene", Scene::from_layers(py, Ok(scene), Vec::new())?)?;
     dict.set_item("files", files)?;
     dict.set_item("variables", variables.into_iter().map(Variable).collect::<Vec<_>>())?;
     let condition = |fields: &Vec<(String, AxisValue)>| {

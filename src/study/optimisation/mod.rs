@@ -85,8 +85,8 @@ pub struct Optimisation {
     pub name: String,
     pub description: String,
     pub model: Model,
-    /// The base scene with the start values of the study, in one text.
-    pub scene: Layer,
+    /// The base scene with the start values of the study: its texts, as for `scene::parse_layers`.
+    pub scene: Vec<Layer>,
     /// The study file, and the files of the base scene.
     pub files: Vec<PathBuf>,
     pub variables: Vec<Variable>,

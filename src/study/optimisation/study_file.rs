@@ -36,9 +36,9 @@ pub fn parse(text: &str, file_name: &str) -> Result<Optimisation, StudyError> {
     }
     document.check()?;
     // A missing scene has been reported.
-    let Some(mut base) = base else { return Err(document.invalid(Vec::new()).into()) };
-    let ranges = read_ranges(&document, &file.variables, &mut base);
-    let (layer, scene) = start_scene(&mut document, &base, &ranges)?;
+    let Some(base) = base else { return Err(document.invalid(Vec::new()).into()) };
+    let ranges = read_ranges(&document, &file.variables, &base);
+    let (layers, scene) = start_scene(&mut document, &ranges)?;
     let results =
         if base.is_hand() { Ok(Results::of_hand(base.kind.fingers())) } else { Results::of(&scene, &[], &[]) };
     let names = results.map_or_else(|_| Vec::new(), |results| results.names.to_vec());
@@ -64,7 +64,7 @@ pub fn parse(text: &str, file_name: &str) -> Result<Optimisation, StudyError> {
         name: if file.name.is_empty() { default_name(file_name) } else { file.name },
         description: file.description,
         model: file.model.0,
-        scene: layer,
+        scene: layers,
         files: document.files(),
         variables,
         conditions: combinations(&axes),

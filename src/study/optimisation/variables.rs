@@ -6,12 +6,10 @@ use super::Variable;
 use super::tables::{OptimisationFile, VariableTable};
 use crate::scene::{
     Layer, LocatedProblem, Problem, Scene, SceneError, locate_problems, parse_any, parse_field, parse_layers,
-    parse_layers_of_section, setting_from_parts, show_written,
+    show_written,
 };
 use crate::study::parameter::value_in;
-use crate::study::sweep::{
-    AxisValue, AxisValues, Base, Document, Field, Range, SCENE, insert_at_path, problem_messages,
-};
+use crate::study::sweep::{AxisValue, AxisValues, Base, Document, Field, Range};
 
 /// The field of a variable with its path in the document, its range, and its start value in the study.
 pub(super) struct FieldRange {
@@ -21,8 +19,8 @@ pub(super) struct FieldRange {
     start: Option<AxisValue>,
 }
 
-/// Reads the ranges of all valid variables, and sets their start values in the base scene.
-pub(super) fn read_ranges(document: &Document<'_>, tables: &[VariableTable], base: &mut Base) -> Vec<FieldRange> {
+/// Reads the ranges of all valid variables.
+pub(super) fn read_ranges(document: &Document<'_>, tables: &[VariableTable], base: &Base) -> Vec<FieldRange> {
     let mut ranges: Vec<FieldRange> = Vec::new();
     for (index, table) in tables.iter().enumerate() {
         let path = format!("variables.{index}");
@@ -35,11 +33,6 @@ pub(super) fn read_ranges(document: &Document<'_>, tables: &[VariableTable], bas
         }
         ranges.push(read);
     }
-    for FieldRange { field, start, .. } in &ranges {
-        if let (Ok(path), Some(start)) = (parse_field(&field.path), start.as_ref().and_then(AxisValue::toml)) {
-            insert_at_path(&mut base.table, &path, start);
-        }
-    }
     ranges
 }
 
@@ -47,7 +40,12 @@ fn read_variable(document: &Document<'_>, path: String, table: &VariableTable, b
     if table.field.is_empty() {
         return document.missing("field", &path, "name the scene field to vary: field = \"design.base\"");
     }
-    let field = document.read_field(&format!("{path}.field"), &table.field, base)?;
+    let field = document.read_field(
+        &format!("{path}.field"),
+        &table.field,
+        base,
+        ["from", "to"].map(|key| format!("{path}.{key}")),
+    )?;
     let range = document.read_range(&path, &field, table.spacing, "vary another field")?;
     let start = match document.value(&format!("{path}.start")) {
         Some(start) => Some(document.read_value(&field, start)?),
@@ -56,47 +54,36 @@ fn read_variable(document: &Document<'_>, path: String, table: &VariableTable, b
     Some(FieldRange { path, field, range, start })
 }
 
-/// Returns the base scene with the start values of the study, as a text and as a scene.
+/// Returns the base scene with the start values of the study, as texts and as a scene.
 ///
 /// # Errors
-/// Returns the problems of the scene at their positions in its files, and those of variables.
+/// Returns the problems of variables, or those of the scene at their positions in its files.
 pub(super) fn start_scene(
     document: &mut Document<'_>,
-    base: &Base,
     ranges: &[FieldRange],
-) -> Result<(Layer, Scene), SceneError> {
-    let mut table = base.table.clone();
-    if !document.has_inline_scene() {
-        // A scene does not inherit the name of the one that it extends, and neither do the designs.
-        ["name", "description"].into_iter().for_each(|key| _ = table.remove(key));
-    }
-    let layer = Layer { file: document.file_name.to_string(), text: table.to_string() };
-    let error = match parse_any(&layer.text, &layer.file) {
-        Ok(scene) => return Ok((layer, scene)),
+) -> Result<(Vec<Layer>, Scene), SceneError> {
+    let start = |range: &FieldRange| parse_field(&range.field.path).ok().zip(range.start.as_ref()?.toml());
+    let layers = document.scene_layers(ranges.iter().filter_map(start).collect());
+    let error = match parse_layers(&layers, &[], parse_any) {
+        Ok(scene) => return Ok((layers, scene)),
         Err(error) => error,
     };
     document.check()?;
-    let at_start = |found: LocatedProblem| {
-        let range =
-            ranges.iter().find(|range| range.start.is_some() && found.field.as_ref() == Some(&range.field.path))?;
-        let span = document.span(&format!("{}.start", range.path));
-        Some(Problem::new(span, found.message, "as the value of the scene", found.help))
+    let problems = locate_problems(&error);
+    if problems.iter().any(|problem| problem.file != document.file_name) {
+        return Err(error);
+    }
+    // The last text is none of the user's.
+    let in_study = |found: LocatedProblem| {
+        let field = found.field.unwrap_or_default();
+        let start = ranges.iter().find(|range| range.start.is_some() && range.field.path == field);
+        let span = match start {
+            Some(range) => document.span(&format!("{}.start", range.path)),
+            None => document.scene_span(&field),
+        };
+        Problem::new(span, found.message, "in the base scene", found.help)
     };
-    let of_starts: Vec<Problem> = locate_problems(&error).into_iter().filter_map(at_start).collect();
-    if !of_starts.is_empty() {
-        return Err(document.invalid(of_starts));
-    }
-    // The text is none of the user's: other problems are sought in the files.
-    if document.has_inline_scene() {
-        parse_layers_of_section(&document.layers, SCENE, parse_any)?;
-    } else {
-        let starts = ranges.iter().filter_map(|range| Some((&range.field.path, range.start.as_ref()?)));
-        let settings = starts.filter_map(|(path, start)| setting_from_parts("start", path, &start.text).ok());
-        parse_layers(&document.layers, &settings.collect::<Vec<_>>(), parse_any)?;
-    }
-    let message = format!("the base scene with the values of the study is invalid: {}", problem_messages(&error));
-    let help = "correct [set], or the start values of the variables";
-    Err(document.invalid(vec![Problem::new(document.span(SCENE), message, "this base scene", help)]))
+    Err(document.invalid(problems.into_iter().map(in_study).collect()))
 }
 
 /// Reads the start values, by default those of the base scene.

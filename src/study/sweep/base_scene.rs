@@ -163,7 +163,7 @@ impl Template {
 }
 
 /// Inserts a value at a path and removes the fields that it replaces.
-pub(in crate::study) fn insert_at_path(table: &mut Table, path: &[Part], value: Value) {
+pub(super) fn insert_at_path(table: &mut Table, path: &[Part], value: Value) {
     let [part, rest @ ..] = path else { return };
     let key = part.key();
     let list = table.get_mut(&part.name).filter(|_| !part.entries.is_empty());

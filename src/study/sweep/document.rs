@@ -12,14 +12,16 @@ use serde_json::{Value as Json, json};
 use toml::de::{DeTable, DeValue, Deserializer};
 use toml::{Spanned, Table};
 
-use super::base_scene::{Base, base_from_layers, base_from_section, check_scene, check_values, merge, scene_kind};
+use super::base_scene::{
+    Base, base_from_layers, base_from_section, check_scene, check_values, insert_at_path, merge, scene_kind,
+};
 use crate::scene::check::Checker;
 use crate::scene::keywords::SceneKind;
 use crate::scene::parameters::{Parameters, unknown};
 use crate::scene::parse::syntax_problem;
 use crate::scene::schema::{file_schema, unwrap_lines};
 use crate::scene::{
-    EXTENDS, Keyword, Layer, PARAMETERS, Problem, SceneError, keys, load_extended_in, load_layers, read,
+    EXTENDS, Keyword, Layer, PARAMETERS, Part, Problem, SceneError, keys, load_extended_in, load_layers, read,
 };
 use crate::units::is_expression;
 
@@ -110,7 +112,7 @@ pub struct Document<'a> {
     /// Kind of the base scene; a finger before it has been read.
     pub kind: SceneKind,
     /// Texts of the base scene, after those that it extends; the last one is the study if the scene is a part of it.
-    pub layers: Vec<Layer>,
+    layers: Vec<Layer>,
     pub checker: Checker<'a>,
 }
 
@@ -145,7 +147,7 @@ impl<'a> Document<'a> {
 
     fn read_scene(&mut self, scene: &str) -> Result<Option<Base>, SceneError> {
         let own = Layer { file: self.file_name.to_string(), text: self.checker.text.to_string() };
-        match self.inline.take() {
+        match self.inline.clone() {
             Some(inline) if inline.get_ref().contains_key(EXTENDS) => {
                 self.layers = load_extended_in(own, Some(SCENE))?;
                 base_from_section(&self.layers, SCENE).map(Some)
@@ -175,9 +177,34 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Whether the base scene is a table [scene] of the study.
-    pub fn has_inline_scene(&self) -> bool {
-        self.layers.last().is_some_and(|layer| layer.file == self.file_name)
+    /// Texts of the base scene with other values of some fields: its files as they are, and a last one that extends them with
+    /// [scene], [set] and these values.
+    pub fn scene_layers(&self, fields: Vec<(Vec<Part>, toml::Value)>) -> Vec<Layer> {
+        let table = |section: &Option<Spanned<DeTable<'a>>>| {
+            let section = section.clone().map(|section| Table::deserialize(Deserializer::from(section)));
+            section.and_then(Result::ok).unwrap_or_default()
+        };
+        let mut own = table(&self.inline);
+        own.remove(EXTENDS);
+        merge(&mut own, table(&self.set));
+        fields.into_iter().for_each(|(path, value)| insert_at_path(&mut own, &path, value));
+        let own = Layer { file: self.file_name.to_string(), text: own.to_string() };
+        self.layers.iter().filter(|layer| layer.file != self.file_name).cloned().chain([own]).collect()
+    }
+
+    /// Position of a field of the base scene, or of the innermost part of its path, in [scene] or [set].
+    pub fn scene_span(&self, field: &str) -> Option<Span<usize>> {
+        let in_section = |section: &Spanned<DeTable<'a>>| {
+            let (mut table, mut found) = (Some(section.get_ref()), (0, section.span()));
+            for name in field.split(['.', '[']) {
+                let Some(value) = table.and_then(|table| table.get(name)) else { break };
+                (table, found) = (value.get_ref().as_table(), (found.0 + 1, value.span()));
+            }
+            found
+        };
+        let sections = [&self.set, &self.inline].into_iter().flatten().map(in_section);
+        let deepest = sections.max_by_key(|(depth, _)| *depth).filter(|(depth, _)| *depth > 0 || self.inline.is_some());
+        deepest.map(|(_, span)| span).or_else(|| self.span(SCENE))
     }
 
     /// The study file, and the files of the base scene.
@@ -260,7 +287,7 @@ impl<'a> Document<'a> {
     /// Merges the table [set] into the base scene.
     fn set(&mut self, mut base: Base) -> Base {
         self.checker.parameters = base.parameters.clone();
-        let Some(set) = self.set.take() else { return base };
+        let Some(set) = self.set.clone() else { return base };
         if let Some(section) = set.get_ref().get(PARAMETERS)
             && let Some(of_set) = section.get_ref().as_table()
         {

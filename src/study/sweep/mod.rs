@@ -22,9 +22,9 @@ mod study_file;
 
 pub(in crate::study) use axis::{AxisValues, Range, Spacing, column_kind};
 pub(in crate::study) use axis_table::AxisTable;
-pub(in crate::study) use base_scene::{Base, insert_at_path};
+pub(in crate::study) use base_scene::Base;
 pub(in crate::study) use document::{
-    Document, SCENE, any_value, default_name, list_first, read_study, schema as file_schema, similar,
+    Document, any_value, default_name, list_first, read_study, schema as file_schema, similar,
 };
 pub(in crate::study) use figures::Results;
 pub(in crate::study) use results::group_reasons;
