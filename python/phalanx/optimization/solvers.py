@@ -63,17 +63,15 @@ def problem(optimisation: Optimisation, threads: int = 0) -> Any:
     low, high = np.array(function.bounds).T
     is_log = np.array([variable.is_log for variable in optimisation.variables])
 
-    class Problem(base):  # type: ignore[misc]
-        """An optimisation of phalanx."""
-
-        def _evaluate(self, x: Array, out: dict[str, Any], *_: Any, **__: Any) -> None:
-            designs = x.astype(float)
-            designs[:, is_log] = 10.0 ** designs[:, is_log]
-            scores = function.scores(list(np.clip(designs, low, high)))
-            out["F"], out["G"] = scores.finite, scores.violations
+    def evaluate(_: Any, x: Array, out: dict[str, Any], *__: Any, **___: Any) -> None:
+        designs = x.astype(float)
+        designs[:, is_log] = 10.0 ** designs[:, is_log]
+        scores = function.scores(list(np.clip(designs, low, high)))
+        out["F"], out["G"] = scores.finite, scores.violations
 
     def scaled(values: Array) -> Array:
         return np.array([np.log10(value) if log else value for value, log in zip(values, is_log, strict=True)])
 
     counts = {"n_var": len(low), "n_obj": len(function.objectives), "n_ieq_constr": len(function.constraints)}
-    return Problem(**counts, xl=scaled(low), xu=scaled(high))
+    # Its base class is only imported here.
+    return type("Problem", (base,), {"_evaluate": evaluate})(**counts, xl=scaled(low), xu=scaled(high))
