@@ -33,7 +33,7 @@ sources=$( (find src crates python/src python/phalanx -type f ! -path '*/__pycac
 if [ "$(cat "$venv/.phalanx-from" 2>/dev/null)" != "$sources" ]; then
     say "Python: pip install ./python"
     rm -f "$venv/.phalanx-from"
-    MATURIN_PEP517_ARGS="--profile dev --features phalanx/live" "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
+    MATURIN_PEP517_ARGS="--profile dev" "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
     echo "$sources" >"$venv/.phalanx-from"
 fi
 

@@ -20,8 +20,10 @@ __all__ = [
     "SimulationBatch",
     "SimulationState",
     "Table",
+    "Variable",
     "__version__",
-    "_column_value",
+    "_optimisation_schema",
+    "_read_optimisation",
     "_study_files",
     "capture",
     "evaluate",
@@ -392,6 +394,36 @@ class Table:
     def __len__(self) -> int:
         """Returns the number of runs."""
 
+@final
+class Variable:
+    """A field that a search varies, in its range."""
+
+    @property
+    def path(self) -> str:
+        """Path of the field."""
+
+    @property
+    def column(self) -> str:
+        """Name of its column in the results: the path with the unit of the SI value."""
+
+    @property
+    def ends_si(self) -> list[float]:
+        """Both ends of the range in SI, as in the study."""
+
+    @property
+    def is_log(self) -> bool:
+        """Whether equal ratios of values have equal distances in the search."""
+
+    @property
+    def start_fraction(self) -> float:
+        """Fraction of the range at which the start value lies."""
+
+    def value_at(self, fraction: float) -> Any:
+        """Returns the value at a fraction of the range, from 0 to 1, as written in a scene."""
+
+    def si_at(self, fraction: float) -> float:
+        """Returns the SI value at a fraction of the range."""
+
 def run(
     scene: _SceneLike,
     model: _Model = "analytic",
@@ -505,11 +537,15 @@ def sweep_merge(
     Raises StudyError that names missing, duplicate, damaged or foreign parts. Returns `parts`, `bytes` and `runs`.
     """
 
-def _column_value(name: str, column: str, toml: str) -> float:
-    """Returns the SI value of a number or quantity in a column of results.
+def _read_optimisation(file: _Path, text: str | None = None, model: str | None = None) -> dict[str, Any]:
+    """Reads and checks a study file of an optimisation and its base scene.
 
-    `toml` is its text in a study, `name` its name in messages.
+    text: content of the file, if it is not to be read. model: overrides the model of the study. Raises StudyError with
+    file, line and field of the errors.
     """
+
+def _optimisation_schema() -> str:
+    """Returns the JSON Schema of study files of optimisations."""
 
 def _study_files(study: _Path) -> list[Path]:
     """Returns the files of a study: the study file, then the files of its base scene."""

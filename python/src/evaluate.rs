@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use phalanx::study::sweep::{
-    AxisValue, Field, FieldType, Filter, MAX_RUNS, column_type, columns, in_memory_study, result_type,
-};
+use phalanx::study::sweep::{AxisValue, Field, FieldType, Filter, MAX_RUNS, columns, in_memory_study};
 use phalanx::table::Value;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyIterator, PyList, PyString, PyTuple};
@@ -84,20 +82,6 @@ fn read_filter(py: Python<'_>, fingers: usize, criteria: BTreeMap<String, bool>)
         }
     }
     Ok(filter)
-}
-
-/// Returns the SI value of a number or quantity in a column of results; `toml` is its text in a study, `name` its name in
-/// messages.
-#[pyfunction]
-pub fn _column_value(py: Python<'_>, name: &str, column: &str, toml: &str) -> PyResult<f64> {
-    let field =
-        Field { path: name.to_string(), field_type: column_type(column).unwrap_or_else(|| result_type(column)) };
-    match field.parse_toml(toml).map(|parsed| parsed.value) {
-        Ok(Value::Number(number)) => Ok(number),
-        Ok(Value::Integer(integer)) => Ok(integer as f64),
-        Ok(_) => Err(errors::sweep(py, format!("`{name}` is not numeric"))),
-        Err(message) => Err(errors::sweep(py, message)),
-    }
 }
 
 fn require_known_columns(

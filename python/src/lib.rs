@@ -11,6 +11,7 @@
 //! | `table` | tables of sweeps |
 //! | `simulation` | simulations that Python advances |
 //! | `study`, `evaluate` | sweeps of study files and of arrays |
+//! | `optimisation` | study files of optimisations |
 //! | `documents` | JSON documents of other commands as dictionaries |
 
 mod columns;
@@ -19,6 +20,7 @@ mod documents;
 mod errors;
 mod evaluate;
 mod interruptible;
+mod optimisation;
 mod result;
 mod scene;
 mod simulate;
@@ -37,7 +39,9 @@ mod _phalanx {
     #[pymodule_export]
     use super::documents::{capture, hold, size, statics, validate};
     #[pymodule_export]
-    use super::evaluate::{_column_value, evaluate};
+    use super::evaluate::evaluate;
+    #[pymodule_export]
+    use super::optimisation::{_optimisation_schema, _read_optimisation, Variable};
     #[pymodule_export]
     use super::result::Result;
     #[pymodule_export]

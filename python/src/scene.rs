@@ -27,7 +27,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    fn from_layers(py: Python<'_>, layers: Result<Vec<Layer>, SceneError>, settings: Vec<Layer>) -> PyResult<Self> {
+    pub fn from_layers(py: Python<'_>, layers: Result<Vec<Layer>, SceneError>, settings: Vec<Layer>) -> PyResult<Self> {
         let scene = layers.and_then(|layers| {
             let scene = parse_layers(&layers, &settings, parse_any)?;
             Ok(Scene { layers, settings, scene })

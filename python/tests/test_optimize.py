@@ -45,7 +45,7 @@ generations = 6
 
 
 def parse(text: str) -> study.Optimisation:
-    return study.parse(text, str(STUDIES / "study.toml"))
+    return study.load(STUDIES / "study.toml", text=text)
 
 
 def shortened(name: str, population: int, generations: int) -> study.Optimisation:
@@ -161,14 +161,15 @@ class Algorithms(unittest.TestCase):
             asked = algorithm.ask()
             values, violation = zip(*(evaluate(x) for x in asked), strict=True)
             scores = search.Scores(
-                np.array(values), np.array(values), np.array(violation), [], np.zeros((len(asked), 4))
+                np.array(values), np.array(values), np.array(violation)[:, None], [], np.zeros((len(asked), 4))
             )
             algorithm.tell(scores)
             candidates += list(asked)
             objectives += values
             violations += violation
         values = np.array(objectives)
-        return np.array(candidates), search.Scores(values, values, np.array(violations), [], np.zeros((len(values), 4)))
+        found = search.Scores(values, values, np.array(violations)[:, None], [], np.zeros((len(values), 4)))
+        return np.array(candidates), found
 
     def test_nsga2_finds_a_front_along_a_constraint(self):
         """CONSTR (Deb 2001): f = (x, (1 + y)/x) with y + 9 x >= 6 and 9 x - y >= 1; x from 0.1 to 1, y from 0 to 5."""
@@ -219,7 +220,7 @@ class Algorithms(unittest.TestCase):
     def test_pareto_front_keeps_the_first_of_equal_feasible_designs(self):
         values = np.array([[1, 4], [2, 2], [3, 3], [0, 0], [9, 9], [4, 1], [2, 2]], dtype=float)
         violation = np.array([0, 0, 0, 0.5, 0.1, 0, 0])
-        scores = search.Scores(values, values, violation, [], np.zeros((7, 4)))
+        scores = search.Scores(values, values, violation[:, None], [], np.zeros((7, 4)))
         self.assertEqual(search.pareto_front(scores), [0, 1, 5])
 
     def test_missing_packages_are_named_with_the_command_that_installs_them(self):
@@ -356,172 +357,115 @@ class Files(InDirectory):
         self.assertRegex(text, r"None of 5 designs meets all constraints\. The closest is design \d")
 
 
+class Solvers(InDirectory):
+    """A study as a function, and as a problem of pymoo."""
+
+    def test_function_returns_objectives_and_violations(self):
+        path = self.small_study(4, 1)
+        f = phalanx.optimization.function(path, threads=2)
+        self.assertEqual(f.objectives, ["tts_s", "pfp_n"])
+        self.assertEqual(f.constraints, ["results", "force_positive", "form_closed", "class", "pfp_n", "motor_n_m"])
+        self.assertEqual((f.variables[0], f.bounds[0], f.start[0]), ("design.base", (0.012, 0.0225), 0.0155))
+        found = phalanx.optimize(path, self.directory / "small.parquet")
+        start = found.designs.slice(0, 1).to_pylist()[0]
+        objectives, violations = f(f.start)
+        # The palm force is maximised; all functions are minimised.
+        np.testing.assert_allclose(objectives, [start["tts_s"], -start["pfp_n"]], rtol=1e-12)
+        self.assertEqual(violations.tolist(), [0.0] * 6)
+        # A dictionary has values as in a scene; the other variables have their start values.
+        np.testing.assert_array_equal(f({"design.base": "15.5 mm"})[0], f({})[0])
+        objectives, violations = f({"design.base": "22.5 mm", "design.l21_fraction": 0.0})
+        self.assertGreater(violations.sum(), 0.0)
+        # Several designs at once; a refused one lacks all results.
+        scores = f.scores([f.start, {"design.base": "-1 mm"}])
+        self.assertEqual((scores.feasible.tolist(), scores.minimised[1].tolist()), ([True, False], [np.inf] * 2))
+        for design, message in [({"design.bas": 1.0}, "`design.bas` is not a variable"), ([0.1], "1 values, .*has 4 var")]:
+            with self.assertRaisesRegex(phalanx.StudyError, rf"{message}(.|\n)*the variables are design.base, "):
+                f(design)
+
+    def test_problem_of_pymoo_is_that_of_the_search(self):
+        from pymoo.algorithms.moo.nsga2 import NSGA2
+        from pymoo.optimize import minimize
+
+        problem = phalanx.optimization.problem(self.small_study(4, 1), threads=2)
+        self.assertEqual((problem.n_var, problem.n_obj, problem.n_ieq_constr), (4, 2, 6))
+        np.testing.assert_array_equal([problem.xl[0], problem.xu[0]], [0.012, 0.0225])
+        result = minimize(problem, NSGA2(pop_size=16), ("n_gen", 4), seed=1)
+        self.assertGreater(len(result.F), 0)
+        np.testing.assert_array_equal(result.G <= 0.0, True)
+        function = phalanx.optimization.function(self.small_study(4, 1))
+        for x, objectives in zip(result.X, result.F, strict=True):
+            np.testing.assert_array_equal(function(x)[0], objectives)
+        # Variables with logarithmic spacing are decadic logarithms.
+        path = self.directory / "log.toml"
+        log = VARIABLE.replace("design.base", "contact.stiffness_si").replace('"12 mm"', "1e6").replace('"2 cm"', "1e10")
+        path.write_text(f'scene = "{ANCHOR}"\n{log}spacing = "log"\nstart = 1e8\n{OBJECTIVE}')
+        problem = phalanx.optimization.problem(path)
+        np.testing.assert_allclose([*problem.xl, *problem.xu], [6.0, 10.0])
+        function = phalanx.optimization.function(path)
+        self.assertEqual(problem.evaluate(np.array([[8.0]]), return_as_dictionary=True)["F"][0], function([1e8])[0])
+
+    def test_missing_pymoo_is_named(self):
+        with (
+            mock.patch.dict(sys.modules, {"pymoo.core.problem": None}),
+            self.assertRaisesRegex(phalanx.PhalanxError, r"pymoo is not installed(.|\n)*pip install phalanx\[optimize\]"),
+        ):
+            phalanx.optimization.problem(self.small_study(4, 1))
+
+
 class Studies(InDirectory):
-    def test_reads_all_sections(self):
-        optimisation = parse(
-            HEAD + VARIABLE + '[[variables]]\nfield = "contact.stiffness_si"\nfrom = 1e6\nto = 1e10\nspacing = "log"\n'
-            'start = 1e8\n[[conditions]]\nfield = "contact.friction.mu_static"\nvalues = [0.4, 0.8]\n[[conditions]]\n'
+    """Studies are read by the library; tests/design/optimisation.rs has their keys and messages."""
+
+    def test_values_are_those_of_a_scene(self):
+        conditions = (
+            '[[conditions]]\nfield = "contact.friction.mu_static"\nvalues = [0.4, 0.8]\n[[conditions]]\n'
             'fields = ["palm", "gravity"]\nrows = [[true, ["0 m/s^2", "9.81 m/s^2"]], [true, ["0 m/s^2", "0 m/s^2"]]]\n'
-            + OBJECTIVE
-            + '[[objectives]]\ncolumns = ["peak_f21_n", "peak_f22_n"]\nof = "sum"\ngoal = "max"\nover = "mean"\n'
-            '[[constraints]]\ncolumn = "tts_s"\nat_most = "8 ms"\n[[constraints]]\ncolumn = "class"\nat_least = '
-            '"semi-stable"\n[[constraints]]\ncolumn = "form_closed"\nequals = true\n'
         )
-        self.assertEqual((optimisation.name, len(optimisation.conditions)), ("study", 4))
-        self.assertEqual(optimisation.method, study.Method("nsga2", 64, 50, 1))
-        self.assertEqual(optimisation.max_runs, 4 * 64 * 50)
-        self.assertEqual(optimisation.objectives[1].name, "sum_peak_f21_n_peak_f22_n")
-        self.assertEqual((optimisation.objectives[1].goal, optimisation.objectives[1].over), ("max", "mean"))
-        self.assertEqual(
-            optimisation.constraints,
-            [
-                study.Constraint("tts_s", at_most=0.008),
-                study.Constraint("class", worst_class=1),
-                study.Constraint("form_closed", equals=True),
-            ],
-        )
-        base, stiffness = optimisation.variables
-        # The start value is the text of the base scene; other values are in the unit of the study.
-        self.assertEqual((base.value_at(base.start_fraction), base.value_at(0.5)), ("15.5 mm", "16.0 mm"))
-        self.assertAlmostEqual(stiffness.start_fraction, 0.5, delta=1e-15)
-        self.assertEqual(optimisation.conditions[1], {**optimisation.conditions[0], "gravity": ["0 m/s^2", "0 m/s^2"]})
-        # A single objective is optimised with CMA-ES.
-        self.assertEqual(parse(HEAD + VARIABLE + OBJECTIVE).method, study.Method("cma-es", 4, 100, 1))
-        friction = '[[conditions]]\nfield = "contact.friction.mu_static"\nfrom = 0.2\nto = 0.8\ncount = 3\n'
-        values = [list(c.values()) for c in parse(HEAD + VARIABLE + OBJECTIVE + friction).conditions]
-        np.testing.assert_allclose(values, [[0.2], [0.5], [0.8]], rtol=1e-15)
+        optimisation = parse(HEAD + VARIABLE + OBJECTIVE + conditions + '[filter]\nform_closed = true\n')
+        self.assertEqual((optimisation.name, optimisation.model, optimisation.max_runs), ("study", "analytic", 4 * 401))
+        self.assertEqual(optimisation.method, study.Method("cma-es", 4, 100, 1))
+        self.assertEqual(optimisation.filter, {"form_closed": True})
+        (base,) = optimisation.variables
+        self.assertEqual((base.value_at(base.start_fraction), base.path, base.column), ("15.5 mm", "design.base", "design.base_m"))
+        self.assertEqual((base.ends_si, base.value_at(0.0), base.si_at(1.0)), ([0.012, 0.02], "0.012 m", 0.02))
+        first, second = optimisation.conditions[:2]
+        self.assertEqual(first, {"contact.friction.mu_static": 0.4, "palm": True, "gravity": ["0 m/s^2", "9.81 m/s^2"]})
+        self.assertEqual(second, {**first, "gravity": ["0 m/s^2", "0 m/s^2"]})
 
     def test_the_scene_extends_a_file_and_defines_parameters(self):
         # Paths are relative to the directory of the study.
         text = (STUDIES / "optimize-2f85.toml").read_text()
-        optimisation = study.parse(text, str(STUDIES / "own.toml"))
+        optimisation = study.load(STUDIES / "own.toml", text=text)
         self.assertEqual(optimisation.scene["parameters.cube"], "40 mm")
         self.assertEqual([variable.column for variable in optimisation.variables][0], "parameters.palm_m")
         # The base is an input, which no output replaces.
         self.assertIn(STUDIES / "../real/2f85-pinch.toml", optimisation.files)
-        for wrong, field, message in [
-            (("real/2f85-pinch", "real/2f85-pich"), "scene.extends", "cannot read the scene .*2f85-pich.toml"),
-            (("+ palm *", "+ plam *"), "scene.parameters.driver_x", "unknown parameter `plam`"),
-            (('field = "parameters.link"', 'field = "parameters.lnk"'), "variables[3].field", "did you mean `link`"),
-        ]:
-            with self.subTest(field=field), self.assertRaisesRegex(phalanx.StudyError, message) as caught:
-                study.parse(text.replace(*wrong, 1), str(STUDIES / "own.toml"))
-            self.assertIn(field, [problem["field"] for problem in caught.exception.problems])
 
     def test_errors_name_file_line_key_and_remedy(self):
-        def more(text):
-            return HEAD + VARIABLE + OBJECTIVE + text
-
-        def objective(text):
-            return f"{HEAD}{VARIABLE}[[objectives]]\n{text}"
-
-        def constraint(text):
-            return more(f"[[constraints]]\n{text}")
-
-        def variable(text):
-            return f"{HEAD}{OBJECTIVE}[[variables]]\n{text}"
-
-        friction = '[[conditions]]\nfield = "contact.friction.mu_static"\n'
+        more = HEAD + VARIABLE + OBJECTIVE
         for text, line, field, message in [
-            (HEAD + OBJECTIVE, None, None, r"there are no \[\[variables\]\]"),
-            (HEAD + VARIABLE, None, None, r"there are no \[\[objectives\]\]"),
-            (VARIABLE + OBJECTIVE, None, None, "`scene` is missing"),
-            (more('[[axes]]\nfield = "palm"\n'), 8, "axes", "unknown key `axes`"),
-            (more("[method]\npopulaton = 8\n"), 9, "method.populaton", 'did you mean "population"'),
-            (variable('field = "design.bas"\nfrom = 1\nto = 2\n'), 5, "variables[0].field", "did you mean `base`"),
-            (variable('field = "palm"\nfrom = true\nto = false\n'), 6, "variables[0].from", "has no range"),
-            (variable('field = "design.base"\nfrom = "1 mm"\n'), 4, "variables[0]", "`to` is missing"),
-            (variable('field = "design.base"\nfrom = 1\nto = "2 mm"\n'), 6, "variables[0].from", "unit: m, cm, mm, um"),
-            (
-                variable('field = "design.base"\nfrom = "12 mm"\nto = "15 mm"\n'),
-                5,
-                "variables[0].field",
-                "start value of `design.base`, 15.5 mm, is outside",
-            ),
-            (
-                variable('field = "design.l21"\nfrom = "12 mm"\nto = "18 mm"\n'),
-                5,
-                "variables[0].field",
-                r"no start value for `design\.l21`(.|\n)*start = \.\.",
-            ),
-            (more(VARIABLE), 9, "variables[1].field", "declared twice"),
-            (
-                more('[[conditions]]\nfield = "design.base"\nvalues = ["12 mm"]\n'),
-                9,
-                "conditions[0].field",
-                "both a variable and a condition",
-            ),
-            (more(f"{friction}from = 0\nto = 1\n"), 8, "conditions[0]", "`count` is missing"),
-            (more(f"{friction}values = [0.1, true]\n"), 10, "conditions[0].values", "must be a plain number"),
-            (more(f"{friction}values = [0.1]\nagain = true\n"), 11, "conditions[0].again", "unknown key `again`"),
-            (objective('column = "tts"\n'), 7, "objectives[0].column", 'no column `tts`(.|\n)*did you mean "tts_s"'),
-            (objective('column = "class"\n'), 7, "objectives[0].column", r"is not numeric(.|\n)*\[\[constraints\]\]"),
-            (objective('goal = "min"\n'), 6, "objectives[0]", "`column` is missing"),
-            (objective('column = "tts_s"\ngoal = "smallest"\n'), 8, "objectives[0].goal", "allowed: min, max"),
-            (objective('column = "tts_s"\ncolumns = ["tts_s"]\n'), 8, "objectives[0].columns", "both `column` and"),
-            (objective('columns = ["tts_s", 3]\n'), 7, "objectives[0].columns", "contains the number 3"),
-            (objective('column = "tts_s"\nname = "design.base_m"\n'), 6, "objectives[0]", "two columns"),
-            (more(OBJECTIVE), 8, "objectives[1]", r"two columns `tts_s`(.|\n)*name = \.\."),
-            (constraint('column = "pfp_n"\n'), 8, "constraints[0]", r"at_least = \.\. or at_most"),
-            (
-                constraint('column = "rebound_percent"\nat_most = "5 mm"\n'),
-                10,
-                "constraints[0].at_most",
-                "a plain number",
-            ),
-            (constraint('column = "tts_s"\nat_most = "8 mm"\n'), 10, "constraints[0].at_most", "expected a time"),
-            (
-                constraint('column = "pfp_n"\nat_least = 3\nat_most = 2\n'),
-                11,
-                "constraints[0].at_most",
-                "at least 3 and",
-            ),
-            (constraint('column = "pfp_n"\nequals = 3\n'), 10, "constraints[0].equals", "`equals` has no effect"),
-            (constraint('column = "class"\nat_least = "stabel"\n'), 10, "constraints[0].at_least", 'mean "stable"'),
-            (constraint('column = "form_closed"\nequals = "yes"\n'), 10, "constraints[0].equals", "true or false"),
-            (constraint('column = "form_closed"\nat_least = true\n'), 10, "constraints[0].at_least", "has no effect"),
-            (
-                constraint('column = "pfp_n"\nat_least = 1\n[[constraints]]\ncolumn = "pfp_n"\nat_most = 2\n'),
-                12,
-                "constraints[1].column",
-                "two constraints on `pfp_n`",
-            ),
-            (more('[method]\nalgorithm = "nsga"\n'), 9, "method.algorithm", 'did you mean "nsga2"'),
-            (more("[method]\npopulation = 2\n"), 9, "method.population", "at least 4"),
-            (more("[method]\npopulation = 1000\ngenerations = 1000\n"), 8, "method", "more than 1000000 runs"),
-            (
-                more('[[objectives]]\ncolumn = "pfp_n"\n[method]\nalgorithm = "cma-es"\n'),
-                11,
-                "method.algorithm",
-                "one objective(.|\n)*nsga2",
-            ),
-            ("a = [", None, None, "invalid TOML"),
-            (f'scene = "no.toml"\n{VARIABLE}{OBJECTIVE}', 1, "scene", r"no\.toml does not exist"),
-            (f'{VARIABLE}{OBJECTIVE}[scene.design]\nbas = "1 mm"\n', 8, "scene.design.bas", "unknown key `bas`"),
-            (f"{VARIABLE}{OBJECTIVE}[scene]\nduration = {10**30}\n", 7, "scene", "value of the base scene is invalid"),
-            (f"variables = []\n{HEAD}{OBJECTIVE}", None, None, r"there are no \[\[variables\]\]"),
+            (HEAD + OBJECTIVE, None, None, r"\[\[variables\]\] is missing"),
+            (more + "[method]\npopulaton = 8\n", 9, "method.populaton", "did you mean `population`"),
+            (more + VARIABLE, 9, "variables[1].field", "declared twice"),
+            ("a = [", 1, None, "not valid TOML"),
+            (f'scene = "no.toml"\n{VARIABLE}{OBJECTIVE}', 1, "scene", r"no\.toml: there is no such file"),
+            (f"{VARIABLE}{OBJECTIVE}[scene]\nduration = {10**30}\n", 8, "scene.duration", "`scene.duration` is"),
         ]:
             with self.subTest(text=text), self.assertRaisesRegex(phalanx.StudyError, message) as caught:
                 parse(text)
             error = caught.exception
             self.assertIn("= help: ", str(error))
             self.assertIn("study.toml", str(error))
-            if line is not None:
-                self.assertEqual((error.line, error.field), (line, field), str(error))
-        # All problems are reported together.
-        with self.assertRaises(phalanx.StudyError) as caught:
-            parse(more('[method]\npopulaton = 8\nseed = "a"\n'))
-        self.assertEqual([problem["line"] for problem in caught.exception.problems], [9, 10])
+            self.assertEqual((error.line, error.field), (line, field), str(error))
+        with self.assertRaisesRegex(phalanx.SceneError, "model is"):
+            study.load(STUDIES / "optimize-95.toml", "analytical")
 
     def test_shipped_studies_are_valid_and_the_schema_has_their_keys(self):
         status, text, _ = self.command("--schema")
         self.assertEqual(status, 0)
-        properties = json.loads(text)["properties"]
-        for name, variables in [("optimize-95", 4), ("optimize-95-wide", 8), ("optimize-95-fastest", 8), ("optimize-2f85", 4)]:
-            optimisation = study.load(STUDIES / f"{name}.toml")
-            self.assertEqual((optimisation.name, len(optimisation.variables)), (name, variables))
-            self.assertLessEqual(set(optimisation.source), set(properties))
-        self.assertIn("over", properties["objectives"]["items"]["properties"])
+        self.assertIn("over", json.loads(text)["properties"]["objectives"]["items"]["properties"])
+        for path in STUDIES.glob("optimize-*.toml"):
+            self.assertEqual(study.load(path).name, path.stem)
         status, text, _ = self.command(STUDIES / "optimize-95.toml", "--list")
         self.assertEqual(status, 0)
         for line in [

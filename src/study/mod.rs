@@ -4,6 +4,7 @@ pub mod batch;
 pub mod capture;
 pub mod hold;
 pub mod offsets;
+pub mod optimisation;
 pub mod parameter;
 pub mod parts;
 pub mod posture;

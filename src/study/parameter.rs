@@ -1,7 +1,7 @@
 //! Numeric fields of a scene as parameters of its derivatives.
 
-use toml::Value;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
+use toml::{Spanned, Value};
 
 use crate::gradient::Parameter;
 use crate::scene::keys::child_schema;
@@ -11,7 +11,8 @@ use crate::scene::parse::document;
 use crate::scene::schema::schema_for;
 use crate::scene::value::{ValueType, dimension_of};
 use crate::scene::{
-    Layer, PARAMETERS, Scene, no_such_entry, parse_any, parse_field, parse_layers, setting_from_parts, show_written,
+    Layer, PARAMETERS, Part, Scene, no_such_entry, parse_any, parse_field, parse_layers, setting_from_parts,
+    show_written,
 };
 use crate::units::Measured;
 
@@ -68,20 +69,9 @@ fn find((kind, scene): (SceneKind, &DeTable<'_>), parameters: &Parameters, field
              all fields, such as design.base"
         )
     };
-    let (mut table, mut schema, mut value) = (Some(scene), schema_for(kind), None);
-    for part in &parts {
-        let get = |key: &str| table.and_then(|table| table.get(key));
-        // An entry without its list is a key of its own.
-        let own = get(&part.key());
-        let mut found = own.or_else(|| get(&part.name)).ok_or_else(error)?;
-        for entry in part.entries.iter().filter(|_| own.is_none()) {
-            let items = found.get_ref().as_array().ok_or_else(error)?;
-            found = items.get(*entry).ok_or_else(|| no_such_entry(&part.name, *entry, items.len()))?;
-        }
-        (table, value) = (found.get_ref().as_table(), Some(found));
-        schema = child_schema(schema, &part.key()).ok_or_else(error)?;
-    }
-    let (value, value_type) = (value.ok_or_else(error)?, ValueType::from_schema(schema));
+    let value = value_in(scene, &parts)?.ok_or_else(error)?;
+    let schema = parts.iter().try_fold(schema_for(kind), |schema, part| child_schema(schema, &part.key()));
+    let value_type = ValueType::from_schema(schema.ok_or_else(error)?);
     let dimension = match &value_type {
         ValueType::Quantity(dimension) => Some(*dimension),
         ValueType::OneOf(dimensions) => {
@@ -95,4 +85,24 @@ fn find((kind, scene): (SceneKind, &DeTable<'_>), parameters: &Parameters, field
         _ => return Err(error()),
     };
     Ok(Measured::new(si, dimension))
+}
+
+/// The value at a path of a complete scene; the error names a list that has no such entry.
+pub(super) fn value_in<'s, 't>(
+    scene: &'s DeTable<'t>,
+    path: &[Part],
+) -> Result<Option<&'s Spanned<DeValue<'t>>>, String> {
+    let (mut table, mut value) = (Some(scene), None);
+    for part in path {
+        let get = |key: &str| table.and_then(|table| table.get(key));
+        // An entry without its list is a key of its own.
+        let own = get(&part.key());
+        let Some(mut found) = own.or_else(|| get(&part.name)) else { return Ok(None) };
+        for entry in part.entries.iter().filter(|_| own.is_none()) {
+            let Some(items) = found.get_ref().as_array() else { return Ok(None) };
+            found = items.get(*entry).ok_or_else(|| no_such_entry(&part.name, *entry, items.len()))?;
+        }
+        (table, value) = (found.get_ref().as_table(), Some(found));
+    }
+    Ok(value)
 }

@@ -18,6 +18,7 @@ mod hold_mechanism;
 mod mechanism_balance;
 mod mechanism_grasp;
 mod offsets;
+mod optimisation;
 mod reproduce;
 mod select;
 mod shapes;

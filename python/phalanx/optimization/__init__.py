@@ -1,11 +1,12 @@
-"""Optimisation of designs by simulation: `phalanx.optimize`.
+"""Optimisation of designs by simulation: `phalanx.optimize`; and studies for other solvers: `function`, `problem`.
 
 | module | purpose |
 |---|---|
-| `study` | study files: keys, checks, and the resulting problem |
+| `study` | the problem that a study file describes |
 | `search` | NSGA-II and CMA-ES, scores of designs, checkpoints |
 | `report` | text, JSON, pictures, pages and scenes |
 | `run` | a search with its files |
+| `solvers` | a study as a function, and as a problem of pymoo |
 | `command` | command line of `python -m phalanx.optimize` |
 """
 
@@ -13,12 +14,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 if TYPE_CHECKING:
     from .run import Optimum
+    from .solvers import Function
 
-__all__ = ["optimize"]
+__all__ = ["function", "optimize", "problem"]
 
 _Path: TypeAlias = str | os.PathLike[str]
 
@@ -58,3 +60,44 @@ def optimize(
 
     outputs = Outputs.of(out=out, plot=plot, html=html, scenes=scenes)
     return run(load(study, model), outputs, threads, restart=restart, force=force, progress=progress)
+
+
+def function(
+    study: _Path, *, model: Literal["analytic", "engine"] | None = None, threads: int = 0
+) -> Function:
+    """Returns a study as a function, for any solver.
+
+        f = phalanx.optimization.function("scenes/studies/optimize-95-fastest.toml")
+        objectives, violations = f(f.start)
+        objectives, violations = f({"design.base": "15 mm"})  # the other variables at their start
+
+    The function takes the variables as a vector in SI in the order of `f.variables`, or as a dictionary of values in SI
+    or with units. It returns the `f.objectives`, all to be minimised (those to be maximised with opposite sign, missing
+    ones infinite), and the violations of the `f.constraints`, 0 if met. The first violation counts runs without a
+    verdict and missing figures. `f.bounds` are in SI; `f.scores` takes several designs, which run on `threads` threads
+    (0: one per core).
+
+    Needs `pip install phalanx[optimize]`. Raises StudyError for an invalid study or an unknown variable.
+    """
+    from .run import load
+    from .solvers import Function
+
+    return Function(load(study, model), threads)
+
+
+def problem(study: _Path, *, model: Literal["analytic", "engine"] | None = None, threads: int = 0) -> Any:
+    """Returns a study as a `pymoo.core.problem.Problem`, for any algorithm of pymoo.
+
+        problem = phalanx.optimization.problem("scenes/studies/optimize-95.toml")
+        result = pymoo.optimize.minimize(problem, NSGA2(pop_size=32), ("n_gen", 20), seed=1)
+
+    Variables are in SI; those with spacing = "log" are decadic logarithms of SI values. F contains the objectives, all to
+    be minimised; G the violations of `function`, so that Deb's feasibility rules rank designs as in `optimize`. A
+    generation runs on `threads` threads (0: one per core).
+
+    Needs `pip install phalanx[optimize]`. Raises StudyError for an invalid study.
+    """
+    from .run import load
+    from .solvers import problem as new
+
+    return new(load(study, model), threads)

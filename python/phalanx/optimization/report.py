@@ -127,8 +127,8 @@ def plan_text(optimisation: Optimisation) -> str:
     """Describes the search space, objectives and constraints without running the search."""
     rows = [["variable", "from", "to", "start"]]
     for variable, label in zip(optimisation.variables, _variable_labels(optimisation), strict=True):
-        quantity, range_ = _Quantity(variable.column), variable.range
-        values = (*range_.ends_si, range_.si_at(variable.start_fraction))
+        quantity = _Quantity(variable.column)
+        values = (*variable.ends_si, variable.si_at(variable.start_fraction))
         rows.append([label, *(quantity.value(value, 4) for value in values)])
 
     def line(objective: Objective) -> str:
@@ -334,9 +334,9 @@ def document(found: Found) -> dict[str, Any]:
         "variables": [
             {
                 "column": variable.column,
-                "from": variable.range.ends_si[0],
-                "to": variable.range.ends_si[1],
-                "spacing": "log" if variable.range.is_log else "linear",
+                "from": variable.ends_si[0],
+                "to": variable.ends_si[1],
+                "spacing": "log" if variable.is_log else "linear",
             }
             for variable in optimisation.variables
         ],

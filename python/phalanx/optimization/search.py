@@ -54,12 +54,22 @@ class Scores:
     """Objectives in SI, without sign change; NaN if a run has no such figure."""
     minimised: Array
     """Objectives, all to be minimised; infinite if missing."""
-    violation: Array
-    """Sum of constraint violations; 0 if all are met."""
+    violations: Array
+    """Violations by design: missing verdicts and figures, then one column per constraint; 0 if met."""
     worst: list[list[Any]]
     """Worst value of each constraint over the conditions, by constraint and design."""
     by_status: Array
     """Number of runs by status, in the order of STATUSES."""
+
+    @property
+    def violation(self) -> Array:
+        """Sum of the violations of each design."""
+        return np.asarray(sum(self.violations.T))
+
+    @property
+    def finite(self) -> Array:
+        """Objectives, all to be minimised; finite, because an infeasible design is ranked by its violation alone."""
+        return np.where(np.isfinite(self.minimised), self.minimised, np.finfo(float).max)
 
     @property
     def feasible(self) -> Array:
@@ -70,7 +80,7 @@ class Scores:
 def score(optimisation: Optimisation, runs: ArrowTable) -> Scores:
     """Scores designs from their runs, which are ordered by design and condition.
 
-    The violation is a sum over all conditions: 1 for a run without a verdict (not completed, or the finger cannot grasp
+    Violations are sums over all conditions: 1 for a run without a verdict (not completed, or the finger cannot grasp
     its object), 1 for each missing figure, and from 0 to 1 for each violated constraint, depending on the deviation.
     """
     shape = (-1, len(optimisation.conditions))
@@ -85,26 +95,26 @@ def score(optimisation: Optimisation, runs: ArrowTable) -> Scores:
     statuses = objects("status")
     verdict = optimisation.verdict
     is_missing = _equals(objects(verdict), None) if verdict else ~_equals(statuses, "completed")
-    violation = np.sum(is_missing, axis=1).astype(float)
+    results = np.sum(is_missing, axis=1).astype(float)
     values, minimised = [], []
     for objective in optimisation.objectives:
         stacked = np.stack([numbers(name) for name in objective.columns])
         reductions: dict[str, Callable[..., Any]] = {"largest": np.max, "smallest": np.min, "sum": np.sum}
         figures = np.asarray(reductions[objective.of](stacked, axis=0))
-        violation += np.sum(np.isnan(figures), axis=1)
+        results += np.sum(np.isnan(figures), axis=1)
         value = _aggregate(objective, figures)
         values.append(value)
         minimised.append(np.where(np.isnan(value), np.inf, value if objective.goal == "min" else -value))
-    worst = []
+    worst, violations = [], [results]
     for constraint in optimisation.constraints:
         is_bound = constraint.at_least is not None or constraint.at_most is not None
         cells = numbers(constraint.column) if is_bound else objects(constraint.column)
-        violations, margins = _violations(constraint, cells)
-        violation += np.sum(violations, axis=1)
+        of_runs, margins = _violations(constraint, cells)
+        violations.append(np.sum(of_runs, axis=1))
         rows = objects(constraint.column)
         worst.append([row[index] for row, index in zip(rows, np.argmin(margins, axis=1), strict=True)])
     counts = np.column_stack([np.sum(_equals(statuses, status), axis=1) for status in STATUSES])
-    return Scores(np.column_stack(values), np.column_stack(minimised), violation, worst, counts)
+    return Scores(np.column_stack(values), np.column_stack(minimised), np.column_stack(violations), worst, counts)
 
 
 def _equals(cells: Array, value: Any) -> Array:
@@ -192,9 +202,7 @@ class Nsga2:
         from pymoo.core.evaluator import Evaluator
         from pymoo.problems.static import StaticProblem
 
-        # An infeasible design is ranked by its violation alone; its objectives only have to be finite.
-        objectives = np.where(np.isfinite(scores.minimised), scores.minimised, np.finfo(float).max)
-        Evaluator().eval(StaticProblem(self._problem, F=objectives, G=scores.violation[:, None]), self._pending)
+        Evaluator().eval(StaticProblem(self._problem, F=scores.finite, G=scores.violation[:, None]), self._pending)
         self._algorithm.tell(infills=self._pending)
 
     def has_converged(self) -> bool:
@@ -368,7 +376,7 @@ def run(optimisation: Optimisation, threads: int, checkpoint: Checkpoint | None,
         ]
         table = next(stored, None)
         if table is None:
-            table = _simulate(optimisation, designs[len(generations) :], len(generations), threads)
+            table = simulate(optimisation, designs[len(generations) :], len(generations), threads)
             if checkpoint:
                 checkpoint.append(table)
             new_runs += len(table)
@@ -400,7 +408,7 @@ def run(optimisation: Optimisation, threads: int, checkpoint: Checkpoint | None,
     )
 
 
-def _simulate(optimisation: Optimisation, designs: list[dict[str, Any]], previous: int, threads: int) -> ArrowTable:
+def simulate(optimisation: Optimisation, designs: list[dict[str, Any]], previous: int, threads: int) -> ArrowTable:
     """Simulates designs under all conditions; runs and designs are numbered throughout the search."""
     import pyarrow as pa
 
@@ -421,7 +429,7 @@ def _matches(optimisation: Optimisation, candidates: Array, table: ArrowTable) -
     if len(table) != len(candidates) * conditions:
         return False
     for variable, fractions in zip(optimisation.variables, candidates.T, strict=True):
-        expected = [variable.range.si_at(float(x)) for x in fractions]
+        expected = [variable.si_at(float(x)) for x in fractions]
         actual = table[variable.column].to_numpy(zero_copy_only=False)[::conditions]
         if not np.allclose(actual, expected, rtol=1e-9, atol=0.0):
             return False

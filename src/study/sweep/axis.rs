@@ -6,7 +6,7 @@ use serde_json::Value as Json;
 use toml::de::DeValue;
 use toml::{Spanned, Table};
 
-use crate::numeric::elementary::pow;
+use crate::numeric::elementary::{ln, pow};
 use crate::scene::Problem;
 use crate::scene::keys::{child_schema, has_tables, is_table, join, unknown_key};
 use crate::scene::keywords::SceneKind;
@@ -33,6 +33,13 @@ pub struct AxisValue {
     pub text: String,
     /// Value in the results, in SI units.
     pub value: Value,
+}
+
+impl AxisValue {
+    /// The value as written in a scene file.
+    pub fn toml(&self) -> Option<toml::Value> {
+        format!("value = {}", self.text).parse::<Table>().ok()?.remove("value")
+    }
 }
 
 impl Field {
@@ -156,7 +163,7 @@ impl Field {
         fields.find(|field| field.column() == column)
     }
 
-    pub(super) fn read(&self, value: &Spanned<DeValue<'_>>) -> Result<AxisValue, Vec<Problem>> {
+    pub(in crate::study) fn read(&self, value: &Spanned<DeValue<'_>>) -> Result<AxisValue, Vec<Problem>> {
         let text = to_toml(value.get_ref());
         if self.field_type.is_numeric() && value.get_ref().as_str().is_some_and(is_expression) {
             let message = format!("`{}` is varied by values, but {text} is an expression", self.path);
@@ -217,7 +224,7 @@ fn missing_entry(list: &str, entry: usize, count: usize) -> Problem {
 }
 
 /// Kind of a result column with values of this type.
-pub(super) fn column_kind(field_type: &FieldType) -> Kind {
+pub(in crate::study) fn column_kind(field_type: &FieldType) -> Kind {
     match field_type {
         FieldType::Quantity(_) | FieldType::Number | FieldType::Percent => Kind::Number,
         FieldType::Integer(..) => Kind::Integer,
@@ -244,7 +251,7 @@ fn to_toml(value: &DeValue<'_>) -> String {
 
 /// One field, or several that vary together.
 #[derive(Clone, Debug)]
-pub(super) struct Axis {
+pub(in crate::study) struct Axis {
     pub fields: Vec<Field>,
     pub values: AxisValues,
     /// Whether the axis repeats the same designs under other conditions and is not part of the design number.
@@ -252,7 +259,7 @@ pub(super) struct Axis {
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum AxisValues {
+pub(in crate::study) enum AxisValues {
     /// One value for each field, row by row.
     Rows(Vec<Vec<AxisValue>>),
     /// A range of the only field; the sample determines its values.
@@ -269,7 +276,7 @@ impl Axis {
 /// Spacing of the values in a range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Spacing {
+pub(in crate::study) enum Spacing {
     #[default]
     Linear,
     Log,
@@ -277,7 +284,7 @@ pub(super) enum Spacing {
 
 /// Closed interval of numbers or quantities, in the unit of the study file.
 #[derive(Clone, Debug)]
-pub(super) struct Range {
+pub(in crate::study) struct Range {
     pub from: f64,
     pub to: f64,
     /// Unit; empty for plain numbers.
@@ -316,6 +323,26 @@ impl Range {
             }
             _ => AxisValue { text: format!("{number:?}"), value: Value::Number(number) },
         }
+    }
+
+    /// SI value at fraction `x` of the range.
+    pub fn si_at(&self, x: f64) -> f64 {
+        self.value_at(x, false).value.as_number().unwrap_or(f64::NAN)
+    }
+
+    /// Fraction of the range at which an SI value lies; outside 0 to 1, or not a number, for a value outside the range.
+    pub fn fraction_of(&self, si: f64) -> f64 {
+        let [from, to] = [0.0, 1.0].map(|end| self.si_at(end));
+        match self.spacing {
+            _ if si == from => 0.0,
+            _ if si == to => 1.0,
+            Spacing::Linear => (si - from) / (to - from),
+            Spacing::Log => ln(si / from) / ln(to / from),
+        }
+    }
+
+    pub fn is_log(&self) -> bool {
+        self.spacing == Spacing::Log
     }
 
     /// Grid of `count` values including both ends.

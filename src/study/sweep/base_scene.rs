@@ -18,7 +18,7 @@ use crate::scene::{
     split_entries,
 };
 
-pub(super) struct Base {
+pub(in crate::study) struct Base {
     pub table: Table,
     pub kind: SceneKind,
     pub parameters: Parameters,
@@ -163,7 +163,7 @@ impl Template {
 }
 
 /// Inserts a value at a path and removes the fields that it replaces.
-fn insert_at_path(table: &mut Table, path: &[Part], value: Value) {
+pub(super) fn insert_at_path(table: &mut Table, path: &[Part], value: Value) {
     let [part, rest @ ..] = path else { return };
     let key = part.key();
     let list = table.get_mut(&part.name).filter(|_| !part.entries.is_empty());

@@ -27,7 +27,7 @@ const AFTER: [&str; 3] = ["steps", "check", "check_error_rad"];
 
 /// What the runs of a study have in common, and the names of its result columns.
 #[derive(Clone, Debug)]
-pub(super) enum Figures {
+pub(in crate::study) enum Figures {
     /// Of this number of five-bar fingers.
     Hand(usize),
     /// Of a scene of any other kind.
@@ -36,7 +36,7 @@ pub(super) enum Figures {
 
 /// The result columns of a study.
 #[derive(Clone, Debug)]
-pub(super) struct Results {
+pub(in crate::study) struct Results {
     pub figures: Figures,
     /// Channels whose least and largest values are columns.
     pub extrema: Vec<Channel>,
@@ -102,7 +102,7 @@ impl Results {
 
 /// An unknown name in `[results]`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct UnknownFigure {
+pub(in crate::study) struct UnknownFigure {
     pub key: &'static str,
     /// Index in its list.
     pub index: usize,
@@ -149,7 +149,7 @@ const GRASP: [(&str, Source); 8] = [
 
 /// The figures of a scene, and where they come from.
 #[derive(Clone, Debug)]
-pub(super) struct SceneFigures {
+pub(in crate::study) struct SceneFigures {
     schema: Schema,
     pairs: Vec<OutlinePair>,
     /// Names of the columns with their sources, in order.

@@ -9,7 +9,9 @@
 //! order of execution or the number of threads.
 
 mod axis;
+mod axis_table;
 mod base_scene;
+mod document;
 mod figures;
 mod hands;
 mod results;
@@ -18,22 +20,30 @@ mod sequence;
 mod shard;
 mod study_file;
 
+pub(in crate::study) use axis::{AxisValues, Range, Spacing, column_kind};
+pub(in crate::study) use axis_table::AxisTable;
+pub(in crate::study) use base_scene::Base;
+pub(in crate::study) use document::{
+    Document, any_value, default_name, list_first, read_study, schema as file_schema, similar,
+};
+pub(in crate::study) use figures::Results;
 pub(in crate::study) use results::group_reasons;
 pub(in crate::study) use run::problem_messages;
 pub(in crate::study) use shard::{find_gaps, list_message, missing_message, run_range_text};
 
 pub use axis::{AxisValue, Field, FieldType};
+pub use document::StudyError;
 pub use results::{Reason, Row, Status, Summary, column_type, columns, result_type, sorted_table, summary, table};
 pub use run::{RunStats, run_while};
 pub use shard::{Shard, check_unsharded, shard, shard_range};
-pub use study_file::{StudyError, in_memory_study, load, parse, schema, source_files};
+pub use study_file::{in_memory_study, load, parse, schema, source_files};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use axis::{Axis, AxisValues};
+use axis::Axis;
 use base_scene::Template;
-use figures::{Figures, Results};
+use figures::Figures;
 
 use sequence::Sequence;
 

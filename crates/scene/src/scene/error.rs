@@ -200,8 +200,7 @@ pub fn locate_problems(error: &SceneError) -> Vec<LocatedProblem> {
             let to_located = |problem: &Problem| {
                 let start = problem.span.as_ref().map(|span| span.start);
                 let (line, column) = start.map(|start| line_column(text, start)).unzip();
-                let entry = document.as_ref().zip(start).and_then(|(document, at)| entry_at(document.get_ref(), at));
-                let field = entry.map(|(path, ..)| path.join("."));
+                let field = document.as_ref().zip(start).and_then(|(document, at)| field_at(document.get_ref(), at));
                 let (message, help) = (shortened(&problem.message), problem.help.clone());
                 LocatedProblem { file: file.clone(), line, column, field, message, help }
             };
@@ -216,6 +215,24 @@ pub fn locate_problems(error: &SceneError) -> Vec<LocatedProblem> {
             vec![LocatedProblem::without_position(file, error.to_string())]
         }
     }
+}
+
+/// Returns the innermost field whose key or value contains a byte offset of the text, such as `objectives[1].column`.
+fn field_at(table: &DeTable<'_>, offset: usize) -> Option<String> {
+    let is_in = |span: Range<usize>| span.contains(&offset) || span.start == offset;
+    table.iter().find_map(|(key, value)| {
+        let name = key.get_ref();
+        let inner = match value.get_ref() {
+            DeValue::Table(inner) => field_at(inner, offset).map(|field| format!("{name}.{field}")),
+            DeValue::Array(items) => items.iter().enumerate().find_map(|(index, item)| {
+                let field = field_at(item.get_ref().as_table()?, offset).map(|field| format!(".{field}"));
+                let field = field.or_else(|| is_in(item.span()).then(String::new))?;
+                Some(format!("{name}[{index}]{field}"))
+            }),
+            _ => None,
+        };
+        inner.or_else(|| (is_in(key.span()) || is_in(value.span())).then(|| name.to_string()))
+    })
 }
 
 /// Returns path, key and value of the innermost field whose key or value contains a byte offset of the text.
