@@ -22,5 +22,3 @@ pub const MAX_TABLE_BYTES: u64 = 256 << 20;
 pub const MAX_COMPARED_VALUES: usize = 20_000_000;
 /// Maximum number of threads: more threads slow each other down, and each takes memory.
 pub use phalanx_parallel::MAX_THREADS;
-/// Maximum number of clients connected to a run at the same time.
-pub const MAX_CLIENTS: usize = 32;

@@ -22,7 +22,6 @@ __all__ = [
     "Table",
     "Variable",
     "__version__",
-    "_optimisation_schema",
     "_read_optimisation",
     "_study_files",
     "capture",
@@ -543,9 +542,6 @@ def _read_optimisation(file: _Path, text: str | None = None, model: str | None =
     text: content of the file, if it is not to be read. model: overrides the model of the study. Raises StudyError with
     file, line and field of the errors.
     """
-
-def _optimisation_schema() -> str:
-    """Returns the JSON Schema of study files of optimisations."""
 
 def _study_files(study: _Path) -> list[Path]:
     """Returns the files of a study: the study file, then the files of its base scene."""

@@ -41,7 +41,7 @@ mod _phalanx {
     #[pymodule_export]
     use super::evaluate::evaluate;
     #[pymodule_export]
-    use super::optimisation::{_optimisation_schema, _read_optimisation, Variable};
+    use super::optimisation::{_read_optimisation, Variable};
     #[pymodule_export]
     use super::result::Result;
     #[pymodule_export]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use phalanx::study::optimisation::{self, Optimisation, Variable as Varied, load, parse};
+use phalanx::study::optimisation::{Optimisation, Variable as Varied, load, parse};
 use phalanx::study::sweep::AxisValue;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -91,12 +91,6 @@ pub fn _read_optimisation<'py>(
     dict.set_item("verdict", verdict)?;
     dict.set_item("source", to_python(py, &study.keys)?)?;
     Ok(dict)
-}
-
-/// Returns the JSON Schema of study files of optimisations.
-#[pyfunction]
-pub fn _optimisation_schema() -> String {
-    optimisation::schema()
 }
 
 fn to_python<'py>(py: Python<'py>, value: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {

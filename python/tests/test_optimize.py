@@ -282,7 +282,7 @@ class Files(InDirectory):
         path = self.small_study(16, 6)
         names = ["front.csv", "front.svg", "front.html", "scenes"]
         out, plot, page, scenes = targets = [self.directory / name for name in names]
-        flags = ["--out", out, "--plot", plot, "--html", page, "--scenes", scenes]
+        flags = ["--out", out, "--plot", plot, "--plot", page, "--scenes", scenes]
         status, text, message = self.command(path, *flags)
         self.assertEqual((status, message), (0, ""))
         for fragment in [
@@ -331,7 +331,7 @@ class Files(InDirectory):
             (["--out", foreign], "phalanx did not write it"),
             (["--out", self.directory / "a.txt"], r"must end in .csv or .parquet"),
             (["--out", out, "--plot", self.directory / "link.svg"], "an input of the search"),
-            (["--out", out, "--html", out], "also the file of out"),
+            (["--out", out, "--plot", out], "plot"),
             (["--out", self.directory / "no" / "a.csv"], "does not exist"),
             (["--out", out, "--scenes", self.directory / "scenes"], "phalanx did not write it"),
         ]:

@@ -11,7 +11,7 @@ use clap_mangen::Man;
 use super::output::{print, reserve, save};
 use super::{Cli, Failure, Status};
 use crate::scene;
-use crate::study::sweep;
+use crate::study::{optimisation, sweep};
 
 /// Print the JSON Schema of scene files, study files or optimisations, for editors.
 #[derive(Debug, Args)]
@@ -31,12 +31,15 @@ enum SchemaFile {
     Scene,
     /// Study files of `phalanx sweep`
     Study,
+    /// Study files of `phalanx optimize`
+    Optimize,
 }
 
 pub(super) fn run_schema(args: &SchemaArgs) -> Result<Status, Failure> {
     print(&match args.file {
         SchemaFile::Scene => scene::schema(),
         SchemaFile::Study => sweep::schema(),
+        SchemaFile::Optimize => optimisation::schema(),
     })
 }
 

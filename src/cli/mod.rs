@@ -230,7 +230,7 @@ const FORMER_NAMES: [(&str, &str); 11] = [
     ("reproduce", "phalanx thesis reproduce"),
     ("volume", "phalanx thesis volume"),
     ("select", "phalanx thesis select"),
-    ("study", "phalanx thesis stability, or phalanx thesis step-size"),
+    ("study", "phalanx thesis"),
     ("schema", "phalanx schema scene"),
     ("--schema", "phalanx schema study"),
     ("--html", "--plot FILE.html"),

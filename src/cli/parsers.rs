@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, is_separator};
 use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -119,8 +119,8 @@ pub(crate) fn picture(
 ) -> impl Fn(&str) -> Result<PathBuf, String> + Clone + Send + Sync + 'static {
     move |text| {
         let extension = Path::new(text).extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-        // A pipe or a device may have any name.
-        let is_special = fs::metadata(text).is_ok_and(|found| !found.is_file() && !found.is_dir());
+        // A pipe or a device may have any name; directories are refused with the other targets.
+        let is_special = text.ends_with(is_separator) || fs::metadata(text).is_ok_and(|found| !found.is_file());
         if is_special || extensions.contains(&extension) {
             return Ok(text.into());
         }

@@ -233,7 +233,7 @@ fn figure_errors_leave_files_unchanged() {
     let scene = write(&directory, "scene.toml", &text);
     let missing_directory = directory.join("nowhere/figure.svg").display().to_string();
     for (scene, figure, part) in [
-        (scene.as_str(), scene.as_str(), "the scene itself"),
+        (scene.as_str(), scene.as_str(), "the name must end in .svg or .html"),
         (scene.as_str(), missing_directory.as_str(), "does not exist; create it first (mkdir -p"),
         ("scenes/laws/impact.toml", "figure.svg", "a scene without five-bar finger, but the symbols are those of one"),
     ] {

@@ -47,7 +47,6 @@ fn limits_page_matches_constants() {
         ("pictures: ", format!("{:e}", limits::MAX_PICTURES)),
         ("samples of a run that is validated", format!("{:e}", limits::MAX_VALIDATED_SAMPLES)),
         ("steps of a run that is checked", thousands(limits::MAX_CHECKED_STEPS)),
-        ("clients of a run", limits::MAX_CLIENTS.to_string()),
         ("runs of a sweep", thousands(limits::MAX_RUNS)),
         ("runs of a study", thousands(limits::MAX_SHARDED_RUNS)),
         ("points of a latin-hypercube", thousands(limits::MAX_RUNS)),

@@ -180,3 +180,34 @@ fn closed_stdout_is_status_3() {
         assert!(stderr(&output).contains("cannot write to standard output"), "{}", stderr(&output));
     }
 }
+
+#[test]
+fn former_names_answer_with_the_present_ones() {
+    for (args, present) in [
+        (&["reproduce"][..], "phalanx thesis reproduce"),
+        (&["volume", "--out", "x"], "phalanx thesis volume"),
+        (&["select", "x.csv"], "phalanx thesis select"),
+        (&["study", "step-size"], "phalanx thesis"),
+        (&["scene", "schema"], "phalanx schema scene"),
+        (&["sweep", "--schema"], "phalanx schema study"),
+        (&["run", EXPERIMENT_95, "--html", "x.html"], "--plot FILE.html"),
+        (&["hold", EXPERIMENT_95, "--svg=x.svg"], "--plot FILE.svg"),
+        (&["scene", "show", EXPERIMENT_95, "--figure", "x.svg"], "--plot FILE.svg"),
+        (&["run", EXPERIMENT_95, "--live"], "--log FILE.mcap for the Foxglove app"),
+    ] {
+        assert_rejected(args, &[&format!("it is now `{present}")]);
+    }
+    for name in ["x.png", "x", "x.pdf"] {
+        assert_rejected(&["statics", EXPERIMENT_95, "--plot", name], &["the name must end in .svg or .html"]);
+    }
+}
+
+#[test]
+fn a_picture_can_be_a_page() {
+    let page = path_in(&directory("cli_picture_page"), "grasp.html");
+    for force in [&[][..], &["--quiet"]] {
+        cli::succeed_silently(&[&["statics", EXPERIMENT_95, "--plot", &page], force].concat());
+        let text = std::fs::read_to_string(&page).expect("a page");
+        assert!(text.starts_with("<!DOCTYPE html>") && text.contains("<svg"), "{text}");
+    }
+}

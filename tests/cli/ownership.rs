@@ -135,16 +135,16 @@ fn outputs_never_overwrite_each_other_or_inputs() {
         assert_rejected(&directory, &[&["run", &scene, "--force"], args].concat(), &[message]);
     };
     run(&["--csv", &path_in("empty.html"), "--plot", &linked], "the file of --csv");
-    run(&["--plot", &scene], "the scene itself");
+    run(&["--plot", &scene], "the name must end in .html");
     run(&["--log", &scene], "the scene itself");
-    run(&["--log", &path_in("x.mcap"), "--plot", &path_in("x.mcap")], "the file of --log");
+    run(&["--log", &path_in("x.html"), "--plot", &path_in("x.html")], "the file of --log");
     run(&["--log", &path_in("x.mcap"), "--csv", &path_in("x.mcap.partial")], "the file of --log");
     #[cfg(unix)]
-    run(&["--csv", &path_in("scenes/x"), "--plot", &path_in("link/x")], "the file of --csv");
+    run(&["--csv", &path_in("scenes/x.html"), "--plot", &path_in("link/x.html")], "the file of --csv");
     let two = ["replay", &log, "--against", &log, "--out", &path_in("two"), "--plot", &path_in("two/page.html")];
     assert_rejected(&directory, &two, &["the file of --plot"]);
     let both = ["replay", &log, "--csv", &path_in("a.csv"), "--plot", &log];
-    assert_rejected(&directory, &both, &["--plot", "is the log itself"]);
+    assert_rejected(&directory, &both, &["--plot", "the name must end in .html"]);
     run_ok(&["run", &scene, "--csv", "/dev/null", "--plot", "/dev/null"]);
     // An empty file may be replaced.
     run_ok(&["run", &scene, "--plot", &linked]);

@@ -300,7 +300,9 @@ fn writes_page_of_one_log_and_of_two() {
         assert!(two_log_page.contains("Side by side") && !single_log_page.contains("Side by side"));
         assert_eq!(fs::read_to_string(Path::new(&out).join("page.html")).expect("the page"), two_log_page);
         // The page must not replace the log, and its directory must exist.
-        for (target, part) in [(analytic.clone(), "the log itself"), (path_in("nowhere/run.html"), "cannot write")] {
+        for (target, part) in
+            [(analytic.clone(), "the name must end in .html"), (path_in("nowhere/run.html"), "cannot write")]
+        {
             assert_rejected(&["replay", &analytic, "--plot", &target], &[part]);
         }
     }

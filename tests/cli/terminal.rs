@@ -113,8 +113,8 @@ fn tables_in_pipes_are_unwrapped_unless_columns_is_set() {
 #[test]
 fn help_fits_the_terminal_and_respects_colour_settings() {
     let is_styled = |text: &str| text.contains('\u{1b}');
-    let commands = ",run ,validate ,replay ,scene show ,volume ,sweep ,select ,reproduce ,study stability ,study step-size ,size ,statics ,\
-                    new ,completions ,man ";
+    let commands = ",run ,validate ,replay ,scene show ,sweep ,optimize ,schema ,thesis volume ,thesis select ,thesis reproduce ,\
+                    thesis stability ,thesis step-size ,size ,statics ,new ,completions ,man ";
     let long_help = commands.split(',').map(|command| format!("{command}--help"));
     for command in long_help.chain(["run -h".to_string()]) {
         let args: Vec<&str> = command.split(' ').collect();

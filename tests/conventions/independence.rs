@@ -117,8 +117,8 @@ const SHOW: CrateLayers = CrateLayers {
 /// What reproduces the thesis; may use the core and its reports.
 const THESIS: CrateLayers = CrateLayers {
     root: "crates/thesis/src",
-    layers: &["monitor", "text", "volume", "stability", "step_size", "reproduce"],
-    dependencies: &["phalanx-core", "phalanx-show"],
+    layers: &["text", "volume", "stability", "step_size", "reproduce"],
+    dependencies: &["phalanx-core", "phalanx-parallel", "phalanx-show"],
 };
 /// The command line and its studies; may use all crates.
 const SHELL: CrateLayers = CrateLayers {
@@ -127,7 +127,7 @@ const SHELL: CrateLayers = CrateLayers {
         "files", "mjcf", "scene", "shipped", "table", "validate", "study", "format", "plot", "page", "report", "cli",
         "prelude",
     ],
-    dependencies: &["phalanx-core", "phalanx-log", "phalanx-show", "phalanx-thesis"],
+    dependencies: &["phalanx-core", "phalanx-log", "phalanx-parallel", "phalanx-show", "phalanx-thesis"],
 };
 const CRATE_LAYERS: [CrateLayers; 7] = [MECHANICS, INTEGRATOR, SCENE, CORE, SHOW, THESIS, SHELL];
 

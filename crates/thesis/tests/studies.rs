@@ -1,10 +1,10 @@
 //! Stability map of the reference scene, and step-size study of the shipped scene (thesis Fig. B.3).
 
 use phalanx_core::scene::{self, Scene};
+use phalanx_parallel::{ComputeError, Monitor};
 use phalanx_show::format::ToReport;
 use phalanx_thesis::stability::{Cell, Grid, Stability, Verdict, stability};
 use phalanx_thesis::step_size::{Formulation, step_size};
-use phalanx_thesis::{ComputeError, Monitor};
 use serde_json::Value;
 
 fn experiment() -> Scene {

@@ -1,16 +1,15 @@
-"""Command line: `python -m phalanx.optimize STUDY --out FILE`."""
+"""Command line: `phalanx optimize STUDY --out FILE`, or `python -m phalanx.optimize`."""
 
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 from .. import __version__
 from ..errors import PhalanxError
-from . import report, study
+from . import report
 from .run import Outputs, load, run
 
 _DESCRIPTION = """\
@@ -27,10 +26,9 @@ repeating an interrupted command resumes the search and gives the same result.""
 
 _EPILOG = """\
 examples:
-  python -m phalanx.optimize scenes/studies/optimize-95.toml --out front.parquet --html front.html
-  python -m phalanx.optimize my-study.toml --out front.csv --scenes front --json
-  python -m phalanx.optimize my-study.toml --list
-  python -m phalanx.optimize --schema > optimisation.schema.json
+  phalanx optimize scenes/studies/optimize-95.toml --out front.parquet --plot front.html
+  phalanx optimize my-study.toml --out front.csv --scenes front --json
+  phalanx optimize my-study.toml --list
 
 exit status: 0 done; 1 no design meets all constraints; 2 bad input; 3 interrupted (the same command resumes), or files
 could not be written."""
@@ -47,22 +45,24 @@ def _count(minimum: int) -> Callable[[str], int]:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
-        prog="python -m phalanx.optimize",
+        prog="phalanx optimize",
         description=_DESCRIPTION,
         epilog=_EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add = parser.add_argument
-    add("study", nargs="?", type=Path, metavar="STUDY", help="study file (TOML); --schema describes it")
+    add("study", type=Path, metavar="STUDY", help="study file (TOML); `phalanx schema optimize` describes it")
     add("--out", type=Path, metavar="FILE", help="write all designs to this file, as CSV or Parquet by its suffix")
     add("--model", choices=("analytic", "engine"), help="simulation model, instead of the one in the study")
     add("--threads", type=_count(0), default=0, metavar="N", help="number of threads; 0 (default) uses all cores")
-    add("--plot", type=Path, metavar="FILE", help="write a picture of the designs and the front, as SVG or PNG")
     add(
-        "--html",
+        "--plot",
         type=Path,
-        metavar="FILE.html",
-        help="write a page with the picture, the tables and the scenes of the front",
+        action="append",
+        default=[],
+        metavar="FILE.svg|png|html",
+        help="write a picture of the designs and the front, or a page that also has the tables and the scenes of the "
+        "front; can be repeated",
     )
     add(
         "--scenes",
@@ -74,7 +74,6 @@ def _parser() -> argparse.ArgumentParser:
     add("--restart", action="store_true", help="discard the results of earlier commands and start again")
     add("--force", action="store_true", help="replace existing files that phalanx did not write")
     add("--list", action="store_true", help="list variables, objectives and constraints without running the search")
-    add("--schema", action="store_true", help="print the JSON Schema of study files, for editors")
     add("--json", action="store_true", help="print one JSON document with SI units in its keys instead of tables")
     add("-q", "--quiet", action="store_true", help="print results and errors only; no progress and no notes")
     add("-V", "--version", action="version", version=f"phalanx {__version__}")
@@ -85,15 +84,14 @@ def main(arguments: list[str] | None = None) -> int:
     """Runs the command line and returns its exit status."""
     parser = _parser()
     args = parser.parse_args(arguments)
-    if args.schema:
-        print(json.dumps(study.schema(), indent=2, ensure_ascii=False))
-        return 0
-    if args.study is None or (args.out is None and not args.list):
-        parser.error(
-            "the study file is missing" if args.study is None else "--out FILE is missing, the file of the designs"
-        )
+    if args.out is None and not args.list:
+        parser.error("--out FILE is missing, the file of the designs")
+    pictures = [[path for path in args.plot if (path.suffix == ".html") == is_page] for is_page in (False, True)]
+    if any(len(files) > 1 for files in pictures):
+        parser.error("--plot takes one picture and one page")
+    plot, html = (files[0] if files else None for files in pictures)
     try:
-        return _command(args)
+        return _command(args, plot, html)
     except KeyboardInterrupt:
         hint = "; finished generations are stored, and the same command resumes from there" if args.out else ""
         return _fail(f"error: the search was interrupted{hint}", 3)
@@ -103,7 +101,7 @@ def main(arguments: list[str] | None = None) -> int:
         return _fail(f"error: cannot write: {error}; finished generations are stored, and the same command resumes", 3)
 
 
-def _command(args: argparse.Namespace) -> int:
+def _command(args: argparse.Namespace, plot: Path | None, html: Path | None) -> int:
     optimisation = load(args.study, args.model)
     if args.list:
         print(report.plan_text(optimisation), end="")
@@ -117,7 +115,7 @@ def _command(args: argparse.Namespace) -> int:
     try:
         result = run(
             optimisation,
-            Outputs(args.out, args.plot, args.html, args.scenes),
+            Outputs(args.out, plot, html, args.scenes),
             args.threads,
             restart=args.restart,
             force=args.force,

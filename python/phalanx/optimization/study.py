@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -88,11 +87,6 @@ class Optimisation:
     def max_runs(self) -> int:
         """Largest number of runs."""
         return self.max_designs * len(self.conditions)
-
-
-def schema() -> dict[str, Any]:
-    """Returns the JSON Schema of study files, for editors."""
-    return dict(json.loads(_phalanx._optimisation_schema()))
 
 
 def load(path: Path, model: str | None = None, text: str | None = None) -> Optimisation:
