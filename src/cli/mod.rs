@@ -275,10 +275,109 @@ fn suggest(mut error: clap::Error) -> clap::Error {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::Path;
+
     use super::*;
 
     #[test]
     fn command_line_is_valid() {
         allow_negative_values(Cli::command()).debug_assert();
+    }
+
+    /// Pages with commands: the README, and those of the directories.
+    fn pages() -> Vec<(PathBuf, String)> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let of_directory = |directory: &str| fs::read_dir(root.join(directory)).expect("a directory").flatten();
+        let files =
+            ["src/docs", "book/pages", "tools/viewers"].into_iter().flat_map(of_directory).map(|entry| entry.path());
+        let files = files.chain(["README.md", "CONTRIBUTING.md", "python/README.md"].map(|name| root.join(name)));
+        let pages = files.filter(|file| file.extension().is_some_and(|extension| extension == "md"));
+        pages.map(|file| (file.clone(), fs::read_to_string(file).expect("a page"))).collect()
+    }
+
+    /// Splits a line of a shell into words, up to a comment, a pipe or a redirection.
+    fn words(line: &str) -> Vec<String> {
+        let (mut words, mut word, mut quote, mut is_word) = (Vec::new(), String::new(), None, false);
+        for c in line.chars().chain([' ']) {
+            match (quote, c) {
+                (Some(open), _) if c == open => quote = None,
+                (None, '"' | '\'') => (quote, is_word) = (Some(c), true),
+                (None, '#' | '|' | '>' | ';' | '&') if !is_word => break,
+                (None, ' ') if is_word => (words.push(std::mem::take(&mut word)), is_word = false).1,
+                (None, ' ') => {}
+                _ => (word.push(c), is_word = true).1,
+            }
+        }
+        words
+    }
+
+    /// Commands in code blocks parse, and name shipped files that exist.
+    #[test]
+    fn commands_of_the_documents_are_valid() {
+        let mut count = 0;
+        for (file, text) in pages() {
+            let mut is_code = false;
+            for line in text.lines() {
+                is_code = if line.starts_with("```") { !is_code } else { is_code };
+                let line = line.trim_start_matches("$ ");
+                let line = line
+                    .strip_prefix("cargo run --release -- ")
+                    .map_or_else(|| line.to_string(), |rest| format!("phalanx {rest}"));
+                if !is_code || !line.starts_with("phalanx ") {
+                    continue;
+                }
+                count += 1;
+                let words = words(&line);
+                let parsed = allow_negative_values(Cli::command()).try_get_matches_from(&words);
+                let is_help = |error: &clap::Error| !error.use_stderr();
+                assert!(
+                    parsed.as_ref().is_ok_and(|_| true) || parsed.as_ref().is_err_and(is_help),
+                    "{}: {line}: {parsed:?}",
+                    file.display()
+                );
+                let mut shipped = words.iter().filter(|word| word.starts_with("scenes/") && !word.contains(['*', ':']));
+                let missing = shipped.find(|path| !Path::new(env!("CARGO_MANIFEST_DIR")).join(path).exists());
+                assert_eq!(missing, None, "{}: {line}", file.display());
+            }
+        }
+        assert!(count >= 70, "{count} commands");
+    }
+
+    /// Commands within sentences exist, with their flags.
+    #[test]
+    fn commands_in_sentences_exist() {
+        let command = Cli::command();
+        let mut count = 0;
+        for (file, text) in pages() {
+            for code in
+                text.split('`').skip(1).step_by(2).filter(|code| code.starts_with("phalanx ") && !code.contains('\n'))
+            {
+                let mut found = &command;
+                let mut flags = Vec::new();
+                for word in words(code).iter().skip(1) {
+                    match found.find_subcommand(word) {
+                        Some(inner) => found = inner,
+                        None if word.starts_with("--") => {
+                            flags.push(word.split('=').next().unwrap_or_default().to_string())
+                        }
+                        None => {}
+                    }
+                }
+                let second = words(code).get(1).cloned().unwrap_or_default();
+                let is_command = found.get_name() != "phalanx" || second.starts_with('-') || second == "help";
+                assert!(is_command, "{}: no command in `{code}`", file.display());
+                let names: Vec<String> = [&command, found]
+                    .into_iter()
+                    .flat_map(|each| each.get_arguments())
+                    .filter_map(|arg| Some(format!("--{}", arg.get_long()?)))
+                    .collect();
+                let unknown =
+                    flags.iter().find(|flag| !names.contains(flag) && *flag != "--help" && *flag != "--version");
+                assert_eq!(unknown, None, "{}: `{code}`", file.display());
+                count += 1;
+            }
+        }
+        assert!(count > 60, "{count} commands");
     }
 }

@@ -309,6 +309,16 @@ fn the_scene_of_a_study_extends_a_file() {
     assert_contains(&itself, &["`duration` is a bare number", "study.toml:3:12"]);
 }
 
+#[test]
+fn a_scene_given_as_a_study_is_one_problem() {
+    for file in ["scenes/mechanisms/two-pivot.toml", "scenes/real/2f85-lift.toml", "scenes/experiment-95.toml"] {
+        let text = std::fs::read_to_string(file).expect("a scene");
+        let error = parse(&text, file).expect_err("a scene").to_string();
+        assert_contains(&error, &["this file is a scene, not a study", "write a study that names it: scene = \""]);
+        assert_eq!(error.matches("error:").count(), 1, "{error}");
+    }
+}
+
 /// The dimension of these fields depends on a joint or a law: on whether it turns or slides.
 #[test]
 fn fields_of_several_dimensions_have_columns_of_numbers() {

@@ -116,11 +116,29 @@ pub struct Document<'a> {
     pub checker: Checker<'a>,
 }
 
+/// The problem of a scene that is given instead of a study: it has no base scene, but a key of scenes at its top level.
+fn scene_given(values: &DeTable<'_>, file_name: &str) -> Option<Problem> {
+    if values.contains_key(SCENE) {
+        return None;
+    }
+    let key = ["kind", EXTENDS, "duration", "design", "lengths", "bodies"]
+        .into_iter()
+        .find_map(|key| values.get_key_value(key))?;
+    let name = Path::new(file_name).file_name().map_or_else(|| file_name.into(), |name| name.to_string_lossy());
+    let help = format!(
+        "write a study that names it: scene = \"{name}\", and the fields to vary; scenes/studies contains examples"
+    );
+    Some(Problem::new(Some(key.0.span()), "this file is a scene, not a study", "a key of scenes", help))
+}
+
 impl<'a> Document<'a> {
     /// Reads the keys of a study file. `file_name` appears in messages, and the base scene is relative to its directory.
     pub fn read<T: DeserializeOwned + JsonSchema>(text: &'a str, file_name: &'a str) -> Result<(T, Self), SceneError> {
         let invalid = |problems| invalid(text, file_name, problems);
         let mut values = DeTable::parse(text).map_err(|error| invalid(vec![syntax_problem(&error)]))?;
+        if let Some(problem) = scene_given(values.get_ref(), file_name) {
+            return Err(invalid(vec![problem]));
+        }
         let [inline, set] = [SCENE, SET].map(|key| take_table(values.get_mut(), key));
         let mut schema = own_schema::<T>();
         // A table [set] has been taken out; messages list the key and reject other values.
