@@ -52,7 +52,7 @@ def main(arguments: list[str] | None = None) -> None:
     tts = f"stable from {1e3 * criteria['tts_s']:.3f} ms on" if criteria.get("tts_s") else "not stable"
     figure.suptitle(f"{result.summary['scene']}: {criteria.get('class')}, {tts}; check: {result.check['verdict']}")
     figure.savefig(args.out, dpi=120)
-    print(f"{args.out}: {len(result)} samples, {len(result.events)} events, {tts}")
+    print(f"{args.out}: {len(result.time)} samples, {len(result.events)} events, {tts}")
 
 
 if __name__ == "__main__":

@@ -126,5 +126,4 @@ class RunError(PhalanxError, RuntimeError):
         """Time beyond which a `Simulation` cannot advance, s; None for other errors."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # A result cannot be pickled.
-        return (type(self), (self.args[0], None, self.time_s))
+        return (type(self), (self.args[0], self.result, self.time_s))
