@@ -100,7 +100,7 @@ class Scene:
         Quantities are strings with units, or numbers in SI.
         """
 
-    def with_(self, fields: dict[str, _Value]) -> Scene:
+    def with_(self, fields: Mapping[str, _Value]) -> Scene:
         """Returns a copy with other values of some fields, as with `phalanx run --set`.
 
         `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`
@@ -565,7 +565,7 @@ def read_log(path: _Path) -> Result:
 
 def evaluate(
     scene: _SceneLike,
-    fields: dict[str, _Values],
+    fields: Mapping[str, _Values],
     *,
     model: _Model = "analytic",
     threads: int = 0,

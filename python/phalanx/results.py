@@ -86,7 +86,9 @@ class ContactResult(TypedDict, total=False):
     max_penetration_rad: float
     impulse_n_m_s: float
     restitution: float | None
-    """Of discs."""
+    """Of discs, with its speeds."""
+    approach_m_s: float | None
+    separation_m_s: float | None
 
 
 class ForceClosure(TypedDict):
@@ -175,29 +177,15 @@ class Grasp(TypedDict, total=False):
 _Class = TypedDict("_Class", {"class": str}, total=False)
 
 
-class Criteria(_Class, total=False):
+class Criteria(Grasp, _Class, total=False):
     """Criteria of a finger, or of a hand (`grasp`). A gripper also has the entries of its `grasp` itself."""
 
-    # Of a finger.
     rebound_percent: float | None
     class_reason: str
     t_geo_s: float | None
     lost_s: float
     statically_stable: bool | None
-    # Of a finger or a gripper.
-    tts_s: float | None
-    # Of a hand.
     grasp: Grasp
-    # Of a gripper: see `Grasp`.
-    fate: Fate
-    fate_reason: str
-    answer: str
-    grasped_s: float | None
-    held_since_s: float | None
-    until_s: float | None
-    slip: Displacement | None
-    margin: Margin | None
-    pairs: dict[str, Pair]
 
 
 class Check(TypedDict, total=False):
@@ -325,6 +313,11 @@ class StudyInfo(TypedDict):
 class PartInfo(TypedDict, total=False):
     """Description of a part of a study."""
 
+    study: str
+    fingerprint: str
+    model: str
+    checked: bool
+    version: str
     shard: int
     of: int
     first_run: int

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use phalanx::study::sweep::{AxisValue, Field, FieldType, Filter, MAX_RUNS, columns, in_memory_study};
 use phalanx::table::Value;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyIterator, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyFloat, PyInt, PyIterator, PyList, PyMapping, PyString, PyTuple};
 
 use super::scene::{Scene, SceneLike};
 use super::table::Table;
@@ -28,7 +28,7 @@ use super::{conversion, errors, quantities, study};
 pub fn evaluate(
     py: Python<'_>,
     scene: SceneLike,
-    fields: &Bound<'_, PyDict>,
+    fields: &Bound<'_, PyMapping>,
     model: &str,
     threads: i128,
     columns: Option<Vec<String>>,
@@ -37,7 +37,7 @@ pub fn evaluate(
 ) -> PyResult<Table> {
     let threads = conversion::threads(py, threads)?;
     let scene = scene.get(py)?;
-    let paths = fields.keys().extract::<Vec<String>>()?;
+    let paths = fields.keys()?.extract::<Vec<String>>()?;
     let names: Vec<&str> = paths.iter().map(String::as_str).collect();
     let model = super::result::model(py, model)?;
     let mut study = in_memory_study(&scene.layers, &scene.settings, &names, model).map_err(|error| match error {
@@ -48,7 +48,7 @@ pub fn evaluate(
     study.filter = read_filter(py, study.fingers(), filter.unwrap_or_default())?;
     require_known_columns(py, &study, columns.as_deref())?;
     let values: Vec<FieldValues> = fields
-        .values()
+        .values()?
         .iter()
         .zip(study.row_fields())
         .map(|(value, field)| FieldValues::from_python(&value, field, &scene))

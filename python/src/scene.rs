@@ -6,7 +6,7 @@ use phalanx::mjcf::mujoco_model;
 use phalanx::scene::{self, Keyword, Layer, SceneError, parse_any, parse_layers};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyDict, PyList, PyMapping};
 
 use super::{conversion, errors, quantities};
 
@@ -109,10 +109,10 @@ impl Scene {
     ///
     /// A value is a string with a unit, a number (in SI, if the field has a unit), True or False, or a list.
     /// `object.centre[0]` is an entry of a list. A string that begins with "=" is an expression.
-    fn with_(&self, py: Python<'_>, fields: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn with_(&self, py: Python<'_>, fields: &Bound<'_, PyMapping>) -> PyResult<Self> {
         let mut settings = self.settings.clone();
-        for (field, value) in fields {
-            let field: String = field.extract()?;
+        for item in fields.items()? {
+            let (field, value): (String, Bound<'_, PyAny>) = item.extract()?;
             let text = quantities::setting_text(self, &field, &value)?;
             let setting = scene::setting_from_parts(SETTING_FILE, &field, &text);
             settings.push(setting.map_err(|error| errors::argument(py, error))?);

@@ -1,12 +1,11 @@
-"""Simulations that Python advances: inputs, copies, batches, and the environment of the examples."""
+"""Simulations that Python advances: inputs, observations, copies and batches."""
 
 import copy
-import importlib.util
 import unittest
 
 import numpy as np
 import phalanx
-from common import ANCHOR, ROOT, SCENES
+from common import ANCHOR, SCENES
 
 FINGER = SCENES / "mechanisms" / "f85-finger.toml"
 FAILS = SCENES / "hard" / "through-the-fold.toml"
@@ -155,33 +154,6 @@ class Simulations(unittest.TestCase):
             self.assertEqual(list(batch.time), [0.0] * 6)
         with self.assertRaisesRegex(phalanx.SceneError, "6 simulations, but 2"):
             batch.set_torque("motor", [0.1, 0.2])
-
-    def test_the_environment_of_the_examples(self):
-        path = ROOT / "python" / "examples" / "grasp_environment.py"
-        specification = importlib.util.spec_from_file_location("grasp_environment", path)
-        example = importlib.util.module_from_spec(specification)
-        specification.loader.exec_module(example)
-        environment = example.GraspEnvironment()
-
-        def episode(torque):
-            observation, _ = environment.reset(seed=1)
-            self.assertTrue(environment.observation_space.contains(observation))
-            rewards, done = [], False
-            while not done:
-                action = np.full(2, torque)
-                self.assertTrue(environment.action_space.contains(action))
-                observation, reward, terminated, truncated, information = environment.step(action)
-                self.assertTrue(environment.observation_space.contains(observation))
-                rewards.append(reward)
-                done = terminated or truncated
-            return rewards, information
-
-        rewards, information = episode(0.48)
-        self.assertTrue(information["grasped"], information)
-        self.assertGreater(sum(rewards), 5.0)
-        self.assertEqual(episode(0.48)[0], rewards)
-        self.assertLess(sum(episode(0.0)[0]), 0.0)
-        self.assertTrue(environment.action_space.contains(environment.action_space.sample()))
 
 
 if __name__ == "__main__":

@@ -28,6 +28,8 @@ def differences(value: object, expected: object, path: str = "") -> list[str]:
         return min(found, key=len)
     if origin is typing.Literal:
         return [] if value in arguments else [f"{path}: {value!r} is none of {arguments}"]
+    if origin in (dict, list) and not isinstance(value, origin):
+        return [f"{path}: {value!r} is no {origin.__name__}"]
     if origin is dict:
         return [text for key, item in value.items() for text in differences(item, arguments[1], f"{path}.{key}")]
     if origin is list:
