@@ -52,8 +52,11 @@ class Pages(unittest.TestCase):
             self.assertEqual(len(list((Path(directory) / "best").iterdir())), 2)
 
     def test_first_plot_takes_five_lines(self):
-        first = BLOCK.findall((ROOT / "python" / "README.md").read_text())[0]
+        first = BLOCK.findall((BOOK / "python.md").read_text())[0]
         self.assertEqual(len(first.strip().splitlines()), 5)
+
+    def test_the_page_of_the_package_is_short(self):
+        self.assertLessEqual(len((ROOT / "python" / "README.md").read_text().splitlines()), 40)
 
 
 if __name__ == "__main__":
