@@ -17,6 +17,7 @@ import argparse
 import csv
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import phalanx
@@ -57,7 +58,7 @@ def main(arguments: list[str] | None = None) -> None:
         "peak_n": np.fmax(results["peak_f21_n"], results["peak_f22_n"]),
         "is stable": (~unstable).astype(float),
     }
-    rows = []
+    rows: list[list[Any]] = []
     for name, values in figures.items():
         indices = analysis.analyze(problem, values, calc_second_order=False, seed=1)
         for index, variable in enumerate(RANGES):

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Literal, TypeAlias, TypeVar, final, overload
 
 import numpy
 import numpy.typing
@@ -58,6 +58,7 @@ __all__ = [
 
 __version__: str
 
+_T = TypeVar("_T")
 _Path: TypeAlias = str | PathLike[str]
 _SceneLike: TypeAlias = Scene | _Path
 _Model: TypeAlias = Literal["analytic", "engine"]
@@ -163,6 +164,12 @@ class Result(Mapping[str, _Numbers]):
     def __contains__(self, column: object, /) -> bool: ...
     def __iter__(self) -> Iterator[str]:
         """Iterates over the names of the columns."""
+
+    @overload
+    def get(self, key: str, default: None = None, /) -> _Numbers | None: ...
+    @overload
+    def get(self, key: str, default: _T, /) -> _Numbers | _T:
+        """Returns a column, or a default if there is none of this name."""
 
     @property
     def columns(self) -> list[str]:

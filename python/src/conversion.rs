@@ -32,8 +32,14 @@ pub fn format_toml_number(value: f64) -> String {
     }
 }
 
-/// Parses a JSON document into dictionaries and lists.
+/// Parses a JSON document of results into dictionaries and lists. Its messages name arguments, not flags.
 pub fn parse_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    let document = parse_unchanged_json(py, text)?;
+    if text.contains("--") { errors::document_in_python(&document) } else { Ok(document) }
+}
+
+/// Parses a JSON document into dictionaries and lists.
+pub fn parse_unchanged_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("json")?.call_method1("loads", (text,))
 }
 
@@ -191,6 +197,9 @@ pub fn vector<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyAny
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
     py.import("numpy")?.call_method1("frombuffer", (PyByteArray::new(py, &bytes), "float64"))
 }
+
+/// A pickled object: the function that restores it, and its arguments.
+pub type Reduced<'py, T> = (Bound<'py, PyAny>, T);
 
 /// Numbers as bytes, for pickling.
 pub fn to_bytes(values: &[f64]) -> Vec<u8> {

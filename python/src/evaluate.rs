@@ -56,8 +56,19 @@ pub fn evaluate(
     let count = design_count(py, &paths, &values)?;
     let rows = (0..count).map(|row| values.iter().map(|value| value.of_row(row)).collect()).collect();
     let study = study.with_rows(rows);
-    let results = study::run_rows(py, &study, threads, u64::MAX)?;
+    let mut results = study::run_rows(py, &study, threads, u64::MAX)?;
+    translate_reasons(py, &mut results)?;
     Table::new(py, results, columns.as_deref())
+}
+
+/// Replaces the flags of the command line in the texts of a table.
+fn translate_reasons(py: Python<'_>, results: &mut phalanx::table::Table) -> PyResult<()> {
+    for cell in results.rows.iter_mut().flatten() {
+        if let Value::Text(text) = cell {
+            *text = errors::in_python(py, std::mem::take(text))?;
+        }
+    }
+    Ok(())
 }
 
 /// Reads the static criteria of the designs to simulate.

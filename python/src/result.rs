@@ -16,6 +16,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule, PyDict, PyIterator, PyType};
 
 use super::columns::Heading;
+use super::conversion::Reduced;
 use super::simulate::{self, RunInput, SavedRun};
 use super::simulation::{event_list, named_events};
 use super::{columns, conversion, errors};
@@ -304,7 +305,7 @@ impl Result {
     }
 
     /// Supports pickling, such as for other processes: with the numbers, without repeating the run.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (SavedResult<'py>,))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, (SavedResult<'py>,)>> {
         let (py, result) = (slf.py(), slf.get());
         let column = |((name, unit), array): (&Heading, &ArrayRef)| {
             let numbers = array.as_any().downcast_ref::<PrimitiveArray<Float64Type>>();

@@ -48,7 +48,10 @@ impl Scene {
     fn to_python_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let text = scene::show_written(&self.scene);
         let table = scene::parse::values(&text).map_err(|error| errors::argument(py, error))?;
-        conversion::parse_json(py, &serde_json::to_string(&table).map_err(|error| errors::argument(py, error))?)
+        conversion::parse_unchanged_json(
+            py,
+            &serde_json::to_string(&table).map_err(|error| errors::argument(py, error))?,
+        )
     }
 }
 

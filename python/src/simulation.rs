@@ -10,6 +10,7 @@ use pyo3::exceptions::{PyIndexError, PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyString, PyType};
 
+use super::conversion::Reduced;
 use super::result::{NamedEvent, model};
 use super::scene::{Scene, SceneLike};
 use super::{columns, conversion, errors, interruptible};
@@ -108,6 +109,9 @@ struct Saved<'py> {
     values: Bound<'py, PyBytes>,
 }
 
+/// A batch for pickling: its model, and its simulations.
+type SavedBatch<'py> = (String, Vec<Saved<'py>>);
+
 fn column_values(simulation: &trace::Simulation) -> Vec<u8> {
     let sample = simulation.sample();
     conversion::to_bytes(&simulation.channels().iter().map(|channel| channel.value(sample)).collect::<Vec<_>>())
@@ -167,9 +171,6 @@ impl Saved<'_> {
     }
 }
 
-/// Pickled object: the function that restores it, and its argument.
-type Reduced<'py, T> = (Bound<'py, PyAny>, (T,));
-
 /// A scene that the caller advances: a controller in the loop.
 ///
 /// `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
@@ -196,7 +197,7 @@ pub struct SimulationState {
 #[pymethods]
 impl SimulationState {
     /// Supports pickling. The run is repeated when the state is read.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, Saved<'py>>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, (Saved<'py>,)>> {
         let (py, state) = (slf.py(), slf.get());
         let saved = save(py, &*lock(&state.simulation)?, &state.scene)?;
         Ok((py.get_type::<Self>().getattr("_restore")?, (saved,)))
@@ -326,7 +327,7 @@ impl Simulation {
     /// `target_rate` follows it from its present value, at most at that rate.
     ///
     /// Raises SceneError that lists the actuators if the name is wrong.
-    #[pyo3(signature = (actuator, target, rate = None), text_signature = "(actuator, target, rate=0.0)")]
+    #[pyo3(signature = (actuator, target, rate = None), text_signature = "($self, actuator, target, rate=0.0)")]
     fn set_target(
         &self,
         py: Python<'_>,
@@ -364,7 +365,7 @@ impl Simulation {
     }
 
     /// Supports pickling. The run is repeated when the simulation is read.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, Saved<'py>>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, (Saved<'py>,)>> {
         let (py, loaded) = (slf.py(), lock(&slf.get().loaded)?);
         Ok((py.get_type::<Self>().getattr("_restore")?, (save(py, &loaded.simulation, &loaded.scene)?,)))
     }
@@ -508,9 +509,11 @@ impl SimulationBatch {
 
     /// Reason of the failure of each simulation; None if it can advance.
     #[getter]
-    fn failures(&self) -> PyResult<Vec<Option<String>>> {
+    fn failures(&self, py: Python<'_>) -> PyResult<Vec<Option<String>>> {
         let simulations = &lock(&self.loaded)?.simulations;
-        Ok(simulations.iter().map(|simulation| simulation.failure().map(ToString::to_string)).collect())
+        let message = |simulation: &trace::Simulation| simulation.failure().map(ToString::to_string);
+        let messages = simulations.iter().map(message);
+        messages.map(|message| message.map(|message| errors::in_python(py, message)).transpose()).collect()
     }
 
     /// States of all simulations, for `restore`.
@@ -546,7 +549,7 @@ impl SimulationBatch {
     }
 
     /// Supports pickling. The runs are repeated, on all cores, when the batch is read.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, (String, Vec<Saved<'py>>)>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, (SavedBatch<'py>,)>> {
         let (py, loaded) = (slf.py(), lock(&slf.get().loaded)?);
         let saved =
             loaded.simulations.iter().zip(&loaded.scenes).map(|(simulation, scene)| save(py, simulation, scene));
@@ -555,7 +558,7 @@ impl SimulationBatch {
     }
 
     #[classmethod]
-    fn _restore(class: &Bound<'_, PyType>, saved: (String, Vec<Saved<'_>>)) -> PyResult<Self> {
+    fn _restore(class: &Bound<'_, PyType>, saved: SavedBatch<'_>) -> PyResult<Self> {
         let (py, (model, saved)) = (class.py(), saved);
         let (model, scenes) = (self::model(py, &model)?, saved.iter().map(|saved| saved.scene.clone_ref(py)).collect());
         let mut loaded = LoadedBatch::new(py, scenes, model)?;

@@ -14,6 +14,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyCapsule, PyType};
 
+use super::conversion::Reduced;
 use super::{columns, conversion, errors};
 
 /// Number of rows that `print` shows.
@@ -104,7 +105,7 @@ type SavedColumn<'py> = (String, String, Bound<'py, PyAny>);
 
 /// Converts a column for pickling. Numbers are bytes, and flags tell which are present; other values are lists.
 fn save_column<'py>(py: Python<'py>, name: &str, array: &ArrayRef) -> PyResult<SavedColumn<'py>> {
-    fn present<'a, A: 'static>(array: &'a ArrayRef) -> PyResult<&'a A> {
+    fn present<A: 'static>(array: &ArrayRef) -> PyResult<&A> {
         array.as_any().downcast_ref().ok_or_else(|| PyValueError::new_err("the column has another type"))
     }
     let (kind, values) = match array.data_type() {
@@ -208,7 +209,7 @@ impl Table {
     }
 
     /// Supports pickling, such as for other processes.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Vec<SavedColumn<'py>>, String))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, (Vec<SavedColumn<'py>>, String)>> {
         let (py, table) = (slf.py(), slf.get());
         let fields = table.batch.schema_ref().fields().iter().zip(table.batch.columns());
         let saved = fields.map(|(field, array)| save_column(py, field.name(), array)).collect::<PyResult<Vec<_>>>()?;
