@@ -65,5 +65,6 @@ def evaluate_designs(base: phalanx.Scene, designs: np.ndarray, threads: int = 0)
     peak_n = np.where(missing, NO_RESULT_FORCE_N, peak_n)
     classes = np.array([CLASSES.index(name) if name in CLASSES else len(CLASSES) for name in table["class"]])
     pfp_n = np.where(np.isnan(table["pfp_n"]), -100.0, table["pfp_n"])
-    violation = is_false(table["force_positive"]) + is_false(table["form_closed"]) + np.maximum(classes - 1, 0) + np.maximum(-pfp_n, 0) / 10.0
+    violation = is_false(table["force_positive"]) + is_false(table["form_closed"])
+    violation += np.maximum(classes - 1, 0) + np.maximum(-pfp_n, 0) / 10.0
     return {"tts_s": tts_s, "peak_n": peak_n, "violation": violation + missing}

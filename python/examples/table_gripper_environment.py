@@ -39,12 +39,14 @@ SCENE = Path(__file__).resolve().parents[2] / "scenes" / "real" / "2f85-lift.tom
 PERIOD_S, STEPS = 0.01, 40
 MAX_OFFSET_M = 3e-3
 # Set points of the fingers, rad, and of the lift, m, for the actions -1 and 1, and the rates at which they move.
-LOW, HIGH, RATES = np.array([np.radians(20), 0.0]), np.array([0.8, 0.05]), np.array([6.0, 0.2])
+LOW: Array = np.array([np.radians(20), 0.0])
+HIGH: Array = np.array([0.8, 0.05])
+RATES: Array = np.array([6.0, 0.2])
 START_Y_M, HELD_HEIGHT_M, HELD_FORCE_N = 0.140062, 0.04, 1.0
 STATE = ["right_driver_rad", "left_driver_rad", "right_driver_rate_rad_s", "lift_position_m", "lift_rate_m_s"]
 STATE += ["object_x_m", "object_y_m", "object_angle_rad", "object_vx_m_s", "object_vy_m_s"]
-OFFSETS = np.array([0.5, 0.5, 0.0, 0.025, 0.0, 0.0, START_Y_M, 0.0, 0.0, 0.0])
-SCALES = np.array([0.5, 0.5, 5.0, 0.025, 0.2, 0.005, 0.05, 0.1, 0.2, 0.2])
+OFFSETS: Array = np.array([0.5, 0.5, 0.0, 0.025, 0.0, 0.0, START_Y_M, 0.0, 0.0, 0.0])
+SCALES: Array = np.array([0.5, 0.5, 5.0, 0.025, 0.2, 0.005, 0.05, 0.1, 0.2, 0.2])
 
 
 def scene_with_offset(scene: phalanx.Scene, offset_m: float) -> phalanx.Scene:
@@ -72,7 +74,8 @@ class Task:
         """Angles, rates and positions of the order of 1, and the force of each pad in 50 N."""
         state, left, right = np.split(values, self.splits, axis=-1)
         forces = np.stack([left.sum(axis=-1), right.sum(axis=-1)], axis=-1)
-        return np.concatenate([(state - OFFSETS) / SCALES, forces / 50.0], axis=-1)
+        observation: Array = np.concatenate([(state - OFFSETS) / SCALES, forces / 50.0], axis=-1)
+        return observation
 
     def reward(self, observation: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Height of a gripped cube as a fraction of the largest one, and whether it is held and lifted."""
@@ -123,7 +126,7 @@ class TableGripperEnvironment(gymnasium.Env[Array, Array]):
         return self.task.observation(self.simulation.observe(self.task.columns))
 
 
-class TableGripperVectorEnvironment(VectorEnv[Array, Array, Array]):
+class TableGripperVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
     """The same environment many times, which `SimulationBatch` advances on all cores. Episodes end together."""
 
     metadata: dict[str, Any] = {"render_modes": [], "autoreset_mode": AutoresetMode.DISABLED}
@@ -143,7 +146,7 @@ class TableGripperVectorEnvironment(VectorEnv[Array, Array, Array]):
         self.steps = 0
         return self.observe(), {"offset_m": offsets_m}
 
-    def step(self, actions: Array) -> tuple[Array, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+    def step(self, actions: Array) -> tuple[Array, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """Moves the set points for one period."""
         for name, targets in zip(("motor", "lift"), set_points(actions).T, strict=True):
             self.batch.set_target(name, targets)

@@ -119,11 +119,11 @@ impl Result {
     }
 
     /// Returns a column, or a default if there is none of this name.
-    #[pyo3(signature = (column, default = None, /))]
-    fn get<'py>(&self, column: &Bound<'py, PyAny>, default: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
-        let py = column.py();
-        match self.__contains__(column) {
-            true => self.__getitem__(py, column.extract()?),
+    #[pyo3(signature = (key, default = None, /))]
+    fn get<'py>(&self, key: &Bound<'py, PyAny>, default: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let py = key.py();
+        match self.__contains__(key) {
+            true => self.__getitem__(py, key.extract()?),
             false => Ok(default.unwrap_or_else(|| py.None().into_bound(py))),
         }
     }

@@ -18,7 +18,8 @@ class Units(unittest.TestCase):
     def test_settings_of_a_run(self):
         for options, si in (
             ({"duration": "5 ms"}, {"duration": 5e-3}),
-            ({"duration": "4 ms", "numeric_rate": "2 kHz", "picture_rate": "1 kHz"}, {"duration": 4e-3, "numeric_rate": 2e3, "picture_rate": 1000}),
+            ({"duration": "4 ms", "numeric_rate": "2 kHz"}, {"duration": 4e-3, "numeric_rate": 2e3}),
+            ({"duration": "4 ms", "picture_rate": "1 kHz"}, {"duration": 4e-3, "picture_rate": 1000}),
             ({"duration": "2 ms", "model": "engine", "step": "2 us"}, {"duration": 2e-3, "model": "engine", "step": 2e-6}),
             ({"duration": "2 ms", "model": "engine", "tolerance": "0.1 um"}, {"duration": 2e-3, "model": "engine", "tolerance": 1e-7}),
         ):
