@@ -251,7 +251,7 @@ class Result(Mapping[str, _Numbers]):
         """
 
     def html(self) -> str | None:
-        """Returns the animated page of `phalanx run --html`. None for a log without a readable scene."""
+        """Returns the animated page of `phalanx run --plot`. None for a log without a readable scene."""
 
     def _repr_html_(self) -> str | None:
         """Returns the page of `html` in a frame, for notebooks."""
