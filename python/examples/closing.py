@@ -48,11 +48,12 @@ def main(arguments: list[str] | None = None) -> None:
         axes.legend(frameon=False)
     for axes in (energies, balance):
         axes.set_xlabel("time, ms")
-    criteria = result.criteria or {}
-    tts = f"stable from {1e3 * criteria['tts_s']:.3f} ms on" if criteria.get("tts_s") else "not stable"
-    figure.suptitle(f"{result.summary['scene']}: {criteria.get('class')}, {tts}; check: {result.check['verdict']}")
+    criteria, check = result.criteria or {}, result.check or {}
+    tts_s = criteria.get("tts_s")
+    tts = f"stable from {1e3 * tts_s:.3f} ms on" if tts_s else "not stable"
+    figure.suptitle(f"{result.summary['scene']}: {criteria.get('class')}, {tts}; check: {check.get('verdict')}")
     figure.savefig(args.out, dpi=120)
-    print(f"{args.out}: {len(result)} samples, {len(result.events)} events, {tts}")
+    print(f"{args.out}: {len(result.time)} samples, {len(result.events)} events, {tts}")
 
 
 if __name__ == "__main__":

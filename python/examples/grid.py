@@ -46,6 +46,11 @@ def load_scene() -> phalanx.Scene:
     return phalanx.Scene.from_toml(SCENE, "design.toml")
 
 
+def is_false(flags: np.ndarray[Any, Any]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """1 for each flag that is missing or False."""
+    return np.array([value is not True and value is not np.True_ for value in flags], dtype=np.float64)
+
+
 def evaluate_designs(base: phalanx.Scene, designs: np.ndarray, threads: int = 0) -> dict[str, np.ndarray]:
     """Returns time to stability (s), peak force (N) and violation of the thesis' criteria (0 if met) of each row.
 
@@ -60,6 +65,6 @@ def evaluate_designs(base: phalanx.Scene, designs: np.ndarray, threads: int = 0)
     peak_n = np.where(missing, NO_RESULT_FORCE_N, peak_n)
     classes = np.array([CLASSES.index(name) if name in CLASSES else len(CLASSES) for name in table["class"]])
     pfp_n = np.where(np.isnan(table["pfp_n"]), -100.0, table["pfp_n"])
-    is_false = lambda name: np.array([value is not True and value is not np.True_ for value in table[name]], dtype=float)  # noqa: E731
-    violation = is_false("force_positive") + is_false("form_closed") + np.maximum(classes - 1, 0) + np.maximum(-pfp_n, 0) / 10.0
+    violation = is_false(table["force_positive"]) + is_false(table["form_closed"])
+    violation += np.maximum(classes - 1, 0) + np.maximum(-pfp_n, 0) / 10.0
     return {"tts_s": tts_s, "peak_n": peak_n, "violation": violation + missing}

@@ -54,7 +54,10 @@ def main(arguments: list[str] | None = None) -> None:
 
     scene = SCENE.replace('name = "design"\n', "").replace("[design]", "[scene.design]")
     units = {"design.base": "m", "design.phi22": "rad"}
-    bound = lambda field, value: f'"{value} {units[field]}"' if field in units else value  # noqa: E731
+
+    def bound(field: str, value: float) -> str:
+        return f'"{value} {units[field]}"' if field in units else str(value)
+
     variables = "".join(
         f'[[variables]]\nfield = "{field}"\nfrom = {bound(field, float(low))}\nto = {bound(field, float(high))}\n\n'
         for field, (low, high) in VARIABLES.items()

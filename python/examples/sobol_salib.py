@@ -17,6 +17,7 @@ import argparse
 import csv
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import phalanx
@@ -57,7 +58,7 @@ def main(arguments: list[str] | None = None) -> None:
         "peak_n": np.fmax(results["peak_f21_n"], results["peak_f22_n"]),
         "is stable": (~unstable).astype(float),
     }
-    rows = []
+    rows: list[list[Any]] = []
     for name, values in figures.items():
         indices = analysis.analyze(problem, values, calc_second_order=False, seed=1)
         for index, variable in enumerate(RANGES):
@@ -67,8 +68,8 @@ def main(arguments: list[str] | None = None) -> None:
         writer.writerow(["figure", "variable", "first_order", "first_order_95", "total", "total_95"])
         writer.writerows(rows)
     print(f"{args.out}: {len(points)} runs in {wall_s:.1f} s; {unstable.sum()} never stable, counted as {1e3 * DURATION_S:.0f} ms")
-    for name, variable, first, first_95, total, total_95 in rows:
-        print(f"{name:10} {variable:24} first {first:6.3f} ± {first_95:.3f}   total {total:6.3f} ± {total_95:.3f}")
+    for figure, variable, first, first_95, total, total_95 in rows:
+        print(f"{figure:10} {variable:24} first {first:6.3f} ± {first_95:.3f}   total {total:6.3f} ± {total_95:.3f}")
 
 
 if __name__ == "__main__":

@@ -11,6 +11,8 @@ All values are in SI; column names contain the units. The JSON output of a comma
 and its error messages are exceptions.
 """
 
+from collections.abc import Mapping
+
 from ._phalanx import (
     Result,
     Scene,
@@ -35,6 +37,8 @@ from ._phalanx import (
 from .errors import PhalanxError, RunError, SceneError, StudyError
 from .events import Event
 from .optimization import optimize
+
+Mapping.register(Result)
 
 __all__ = [
     "Event",

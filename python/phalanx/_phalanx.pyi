@@ -1,9 +1,9 @@
 """Compiled module of phalanx. `phalanx` exports all public names."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, TypeAlias, final
+from typing import Any, Literal, TypeAlias, TypeVar, final, overload
 
 import numpy
 import numpy.typing
@@ -11,6 +11,24 @@ import pandas
 import polars
 
 from .events import Event
+from .results import (
+    CaptureResult,
+    Check,
+    ContactResult,
+    Criteria,
+    Energies,
+    Gradient,
+    HoldResult,
+    MergeInfo,
+    OffsetsResult,
+    PartInfo,
+    RunSummary,
+    SizingResult,
+    Statics,
+    StudyInfo,
+    TableSummary,
+    ValidationResult,
+)
 
 __all__ = [
     "Column",
@@ -40,6 +58,7 @@ __all__ = [
 
 __version__: str
 
+_T = TypeVar("_T")
 _Path: TypeAlias = str | PathLike[str]
 _SceneLike: TypeAlias = Scene | _Path
 _Model: TypeAlias = Literal["analytic", "engine"]
@@ -77,14 +96,17 @@ class Scene:
 
     @staticmethod
     def from_dict(scene: dict[str, Any], name: str = "scene.toml") -> Scene:
-        """Reads a scene from a dictionary with the keys of a scene file: `{"design": {"base": "20 mm", …}, …}`."""
+        """Reads a scene from a dictionary with the keys of a scene file: `{"design": {"base": "20 mm", …}, …}`.
 
-    def with_(self, fields: dict[str, _Value]) -> Scene:
+        Quantities are strings with units, or numbers in SI.
+        """
+
+    def with_(self, fields: Mapping[str, _Value]) -> Scene:
         """Returns a copy with other values of some fields, as with `phalanx run --set`.
 
         `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`
 
-        A value is a string with a unit, a number (for a field without a unit), True or False, or a list.
+        A value is a string with a unit, a number (in SI, if the field has a unit), True or False, or a list.
         `object.centre[0]` is an entry of a list. A string that begins with "=" is an expression.
         """
 
@@ -98,6 +120,12 @@ class Scene:
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the contents of `toml` as a dictionary of strings with units, numbers, flags and lists."""
+
+    def to_mjcf(self) -> str:
+        """Returns the MuJoCo model of the scene (`phalanx scene export`).
+
+        Contacts, limits and friction are MuJoCo's own. Raises SceneError for a scene that has no model in MuJoCo.
+        """
 
     @property
     def kind(self) -> Literal["finger", "gripper", "bodies", "mechanism"]:
@@ -121,14 +149,27 @@ class Scene:
     def _from_texts(layers: list[tuple[str, str]], settings: list[tuple[str, str]]) -> Scene: ...
 
 @final
-class Result:
-    """The results of a run, or of the run in a log. All values are in SI; column names contain the units."""
+class Result(Mapping[str, _Numbers]):
+    """The results of a run, or of the run in a log: a mapping from column names to arrays.
+
+    All values are in SI; column names contain the units. A pickled result has its numbers; it is not simulated again.
+    """
 
     def __getitem__(self, column: str, /) -> _Numbers:
         """Returns a column as a read-only numpy array that shares memory with the run, such as `result["q11_rad"]`.
 
         `columns` lists the names. Units: angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
         """
+
+    def __contains__(self, column: object, /) -> bool: ...
+    def __iter__(self) -> Iterator[str]:
+        """Iterates over the names of the columns."""
+
+    @overload
+    def get(self, key: str, default: None = None, /) -> _Numbers | None: ...
+    @overload
+    def get(self, key: str, default: _T, /) -> _Numbers | _T:
+        """Returns a column, or a default if there is none of this name."""
 
     @property
     def columns(self) -> list[str]:
@@ -143,19 +184,19 @@ class Result:
         """Contact events in order of time."""
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> RunSummary:
         """The document of `phalanx run --json` (for a log: `phalanx replay --json`) as a dictionary."""
 
     @property
-    def outcome(self) -> dict[str, Any]:
+    def outcome(self) -> RunSummary:
         """Same as `summary`."""
 
     @property
-    def contacts(self) -> Any:
+    def contacts(self) -> dict[str, ContactResult]:
         """Results by contact: first touch-down (s), touch-downs, force peak (N), penetration (m), impulse (N·s)."""
 
     @property
-    def criteria(self) -> dict[str, Any] | None:
+    def criteria(self) -> Criteria | None:
         """Criteria of a finger (`class`, `class_reason`, `tts_s`, …), or the fate of the object of a hand: a dictionary whose
         `grasp` has fate, reason, times, pairs and margin. That of a gripper also has the entries of its `grasp` itself.
 
@@ -164,11 +205,11 @@ class Result:
         """
 
     @property
-    def energies(self) -> dict[str, float] | None:
+    def energies(self) -> Energies | None:
         """Energies and work at the end, J."""
 
     @property
-    def gradient(self) -> dict[str, Any] | None:
+    def gradient(self) -> dict[str, Gradient] | None:
         """Derivatives of the run by the fields given to `run(…, gradient=[…])`, in SI units; None without them.
 
         `gradient["design.base"]` has `end` (of the last sample, by column), `events` (`time`: of the time of the event,
@@ -177,7 +218,7 @@ class Result:
         """
 
     @property
-    def check(self) -> dict[str, Any] | None:
+    def check(self) -> Check | None:
         """Error estimate from a second, independent resolution; None if the run was not checked."""
 
     @property
@@ -197,6 +238,12 @@ class Result:
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         """Returns all columns as an Arrow stream, for pyarrow, Polars, DuckDB and others, without a copy."""
 
+    def __dataframe__(self, nan_as_null: bool = False, allow_copy: bool = True) -> object:
+        """Supports the dataframe interchange protocol through pyarrow.
+
+        Raises ImportError without pyarrow.
+        """
+
     def save(self, path: _Path) -> None:
         """Writes the same log as `phalanx run --log`, byte for byte (MCAP, for Foxglove, Rerun and PlotJuggler).
 
@@ -204,13 +251,19 @@ class Result:
         """
 
     def html(self) -> str | None:
-        """Returns the animated page of `phalanx run --html`. None for a log without a readable scene."""
+        """Returns the animated page of `phalanx run --plot`. None for a log without a readable scene."""
 
     def _repr_html_(self) -> str | None:
         """Returns the page of `html` in a frame, for notebooks."""
 
     def __len__(self) -> int:
-        """Returns the number of samples."""
+        """Number of columns. The number of samples is `len(result.time)`."""
+
+    def __reduce__(self) -> tuple[Any, Any]:
+        """Supports pickling, such as for other processes."""
+
+    @classmethod
+    def _restore(cls, saved: dict[str, Any]) -> Result: ...
 
 @final
 class Simulation:
@@ -221,20 +274,28 @@ class Simulation:
     of the analytic model do not depend on how the time is divided (in the engine model, by up to 4e-6 rad in 1,000 pieces).
     The duration of the scene is not its end.
 
-    `copy.copy(simulation)` and `state` continue with the same bits. Raises SceneError for an invalid scene, and RunError
-    if the model does not simulate it.
+    `copy.copy(simulation)` and `state` continue with the same bits, also when they are pickled: a pickle has the scene and the
+    inputs, and the run is repeated when it is read. Durations, torques and targets are numbers in SI, or strings with units.
+    Raises SceneError for an invalid scene, and RunError if the model does not simulate it.
     """
 
     def __new__(cls, scene: _SceneLike, model: _Model = "analytic") -> Simulation: ...
-    def advance(self, duration: float) -> None:
+    def advance(self, duration: _Quantity) -> None:
         """Advances by a duration, s.
 
         Raises RunError with its `time_s` if the model cannot advance further; the simulation is then at that time.
         Other Python threads continue; Ctrl-C interrupts, after which only a `state` can be continued.
         """
 
-    def advance_to(self, time: float) -> None:
+    def advance_to(self, time: _Quantity) -> None:
         """Advances to a time, s; see `advance`."""
+
+    def reset(self, seed: int | None = None) -> None:
+        """Returns to the start of the scene, with the inputs of the scene.
+
+        seed: has no effect, because nothing in a simulation is random; it is accepted for the `reset` of environments. Vary
+        the scene instead (`scene.with_`).
+        """
 
     @property
     def time(self) -> float:
@@ -244,6 +305,12 @@ class Simulation:
         """Returns the present value of a column, such as `simulation["q11_rad"]`.
 
         `columns` lists the names. Units: angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
+        """
+
+    def observe(self, columns: Sequence[str]) -> _Numbers:
+        """Returns the present values of some columns as a new array with shape (len(columns),), in their order and units.
+
+        Raises KeyError for an unknown column, with a similar one.
         """
 
     @property
@@ -266,13 +333,13 @@ class Simulation:
     def target_inputs(self) -> list[str]:
         """Names of the actuators with a target as input."""
 
-    def set_torque(self, actuator: str, torque: float) -> None:
+    def set_torque(self, actuator: str, torque: _Quantity) -> None:
         """Sets the torque of an actuator, N·m (of a prismatic joint: the force, N), from now on.
 
         Raises SceneError that lists the actuators if the name is wrong.
         """
 
-    def set_target(self, actuator: str, target: float, rate: float = 0.0) -> None:
+    def set_target(self, actuator: str, target: _Quantity, rate: _Quantity = 0.0) -> None:
         """Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s.
 
         The set point of a servo with a `target_rate` follows it from its present value, at most at that rate.
@@ -285,7 +352,7 @@ class Simulation:
         """The whole state.
 
         Assigning it, also to another simulation of the same scene and model, continues from there with the same bits; a
-        state of another scene or model raises SceneError. States belong to the process and cannot be pickled.
+        state of another scene or model raises SceneError.
         """
 
     @state.setter
@@ -293,12 +360,24 @@ class Simulation:
     def __copy__(self) -> Simulation:
         """Returns an independent copy."""
 
-    def __deepcopy__(self, _memo: object, /) -> Simulation:
+    def __deepcopy__(self, memo: object, /) -> Simulation:
         """Returns an independent copy."""
+
+    def __reduce__(self) -> tuple[Any, Any]:
+        """Supports pickling. The run is repeated when the pickle is read."""
+
+    @classmethod
+    def _restore(cls, saved: dict[str, Any]) -> Simulation: ...
 
 @final
 class SimulationState:
     """State of a `Simulation`, from which it can continue."""
+
+    def __reduce__(self) -> tuple[Any, Any]:
+        """Supports pickling. The run is repeated when the pickle is read."""
+
+    @classmethod
+    def _restore(cls, saved: dict[str, Any]) -> SimulationState: ...
 
 @final
 class SimulationBatch:
@@ -309,23 +388,36 @@ class SimulationBatch:
     """
 
     def __new__(cls, scenes: Sequence[_SceneLike], model: _Model = "analytic") -> SimulationBatch: ...
-    def advance(self, duration: float) -> None:
+    def advance(self, duration: _Quantity) -> None:
         """Advances all simulations by a duration, s. Ctrl-C interrupts; only a state can be continued then."""
+
+    def reset(self, seed: int | None = None, indices: Sequence[int] | None = None) -> None:
+        """Returns all simulations, or those with these indices, to the start of their scenes.
+
+        seed: has no effect; see `Simulation.reset`. Raises IndexError for an index without a simulation; all simulations are
+        then unchanged.
+        """
 
     @property
     def time(self) -> _Numbers:
         """Present time of each simulation, s."""
 
+    def observe(self, columns: Sequence[str]) -> _Numbers:
+        """Returns the present values of some columns as a new array with shape (len(batch), len(columns)).
+
+        Raises KeyError for an unknown column, with a similar one.
+        """
+
     def __getitem__(self, column: str, /) -> _Numbers:
         """Returns the present values of a column, one for each simulation, such as `batch["q11_rad"]`."""
 
-    def set_torque(self, actuator: str, torque: float | Sequence[float] | _Numbers) -> None:
+    def set_torque(self, actuator: str, torque: _Quantity | Sequence[_Quantity] | _Numbers) -> None:
         """Sets the torque of an actuator in all simulations, N·m (of a prismatic joint: the force, N).
 
         torque: one number, or one for each. Simulations that have failed ignore it.
         """
 
-    def set_target(self, actuator: str, target: float | Sequence[float] | _Numbers) -> None:
+    def set_target(self, actuator: str, target: _Quantity | Sequence[_Quantity] | _Numbers) -> None:
         """Sets the target of a servo in all simulations, rad or m: one number, or one for each.
 
         Simulations that have failed ignore it.
@@ -353,6 +445,12 @@ class SimulationBatch:
     def __len__(self) -> int:
         """Number of simulations."""
 
+    def __reduce__(self) -> tuple[Any, Any]:
+        """Supports pickling. The run is repeated when the pickle is read."""
+
+    @classmethod
+    def _restore(cls, saved: tuple[str, list[dict[str, Any]]]) -> SimulationBatch: ...
+
 @final
 class Table:
     """The results of a sweep: one row for each run, columns as in the tables of `phalanx sweep`, values in SI."""
@@ -369,7 +467,7 @@ class Table:
         """Names of all columns, with their units."""
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> TableSummary:
         """Counts of runs: `runs`, `by_status`, `by_class`, and `reasons` of runs without completion or class.
 
         `no_class` is the number of completed runs without a class, because the finger cannot grasp its object.
@@ -384,6 +482,12 @@ class Table:
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         """Returns all columns as an Arrow stream, for pyarrow, Polars, DuckDB and others."""
 
+    def __dataframe__(self, nan_as_null: bool = False, allow_copy: bool = True) -> object:
+        """Supports the dataframe interchange protocol through pyarrow.
+
+        Raises ImportError without pyarrow.
+        """
+
     def write(self, path: _Path) -> None:
         """Writes the table as CSV or Parquet, by the suffix of the path.
 
@@ -392,6 +496,12 @@ class Table:
 
     def __len__(self) -> int:
         """Returns the number of runs."""
+
+    def __reduce__(self) -> tuple[Any, Any]:
+        """Supports pickling, such as for other processes."""
+
+    @classmethod
+    def _restore(cls, columns: list[tuple[str, str, Any]], summary: str) -> Table: ...
 
 @final
 class Variable:
@@ -430,11 +540,11 @@ def run(
     *,
     preset: Literal["engineering", "reference"] | None = None,
     rtol: float | str | None = None,
-    step: str | None = None,
-    tolerance: str | None = None,
-    duration: str | None = None,
-    numeric_rate: str | None = None,
-    picture_rate: str | None = None,
+    step: _Quantity | None = None,
+    tolerance: _Quantity | None = None,
+    duration: _Quantity | None = None,
+    numeric_rate: _Quantity | None = None,
+    picture_rate: _Quantity | None = None,
     log: _Path | None = None,
     gradient: Sequence[str] | None = None,
 ) -> Result:
@@ -443,9 +553,9 @@ def run(
     check: True estimates the error from a second, independent resolution and detects a chaotic outcome, None does so if
     it is cheap (as `phalanx run`), False never. log: path of a log to write (MCAP).
 
-    The other arguments are the flags of `phalanx run`: preset (analytic), rtol (analytic), step such as "1 us"
-    (engine), tolerance such as "0.02 um" (engine), duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate
-    such as "1 kHz".
+    The other arguments replace settings of the scene: preset (analytic), rtol (analytic), step such as "1 us" (engine),
+    tolerance such as "0.02 um" (engine), duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate such as
+    "1 kHz". Quantities are strings with units, or numbers in SI.
 
     gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`, by which the run is
     differentiated (analytic model); the result has the derivatives as `gradient`.
@@ -462,7 +572,7 @@ def read_log(path: _Path) -> Result:
 
 def evaluate(
     scene: _SceneLike,
-    fields: dict[str, _Values],
+    fields: Mapping[str, _Values],
     *,
     model: _Model = "analytic",
     threads: int = 0,
@@ -514,7 +624,7 @@ def sweep_shard(
     model: _Model | None = None,
     check: bool = False,
     restart: bool = False,
-) -> dict[str, Any]:
+) -> PartInfo:
     """Simulates one part of a study and writes it atomically as a Parquet file (`phalanx sweep --shard k/n`).
 
     k: from 1 to n. An existing part is not simulated again, so the same call resumes an interrupted sweep. Returns the
@@ -529,7 +639,7 @@ def sweep_merge(
     *,
     model: _Model | None = None,
     check: bool = False,
-) -> dict[str, int]:
+) -> MergeInfo:
     """Merges the parts of a study (`phalanx sweep merge`).
 
     out and OUT.study.json get the same bytes as from an uninterrupted sweep. parts: files or directories, in any order.
@@ -546,7 +656,7 @@ def _read_optimisation(file: _Path, text: str | None = None, model: str | None =
 def _study_files(study: _Path) -> list[Path]:
     """Returns the files of a study: the study file, then the files of its base scene."""
 
-def study_info(study: _Path, *, model: _Model | None = None, check: bool = False) -> dict[str, Any]:
+def study_info(study: _Path, *, model: _Model | None = None, check: bool = False) -> StudyInfo:
     """Describes a study: `name`, `model`, `runs`, `designs`, and `fingerprint`.
 
     Studies with different results have different fingerprints.
@@ -563,7 +673,7 @@ def statics(
     object: str | None = None,
     base: str | None = None,
     every: str | None = None,
-) -> dict[str, Any]:
+) -> Statics:
     """Computes the static grasp of a scene (`phalanx statics --json`): forces, closure, and allowable acceleration.
 
     mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: torque, a string such as
@@ -579,7 +689,7 @@ def size(
     rule: Literal["rigid", "whole"] = "rigid",
     closing_time: _Quantity | None = None,
     preload: _Quantity | None = None,
-) -> dict[str, Any]:
+) -> SizingResult:
     """Sizes the spring and the motor of a finger for a test trajectory (`phalanx size --json`).
 
     closing_time: duration of the trajectory; default: 10 ms. preload: preload angle of the torsional spring that is
@@ -603,7 +713,7 @@ def hold(
     tol: float | None = None,
     model: _Model = "analytic",
     threads: int = 0,
-) -> dict[str, Any]:
+) -> HoldResult:
     """Finds the accelerations up to which a gripper, or the hand of a mechanism, holds its object (`phalanx hold --json`).
 
     Loads are pulses of duration `pulse` in `directions` directions; or vibrations with the frequencies `vibration` (a
@@ -620,7 +730,7 @@ def capture(
     model: _Model = "analytic",
     *,
     along: Sequence[str] | None = None,
-) -> dict[str, Any]:
+) -> CaptureResult | OffsetsResult:
     """Finds the positioning errors that a gripper, or the hand of a mechanism, captures (`phalanx capture --json`).
 
     along: offsets of the object of a mechanism, one or two of "x", "y" and "angle" in a list; default: x. to: largest error,
@@ -634,7 +744,7 @@ def validate(
     quick: bool = False,
     ladder: bool = False,
     ladder_time: _Quantity | None = None,
-) -> dict[str, Any]:
+) -> ValidationResult:
     """Compares the engine with the analytic model (`phalanx validate --json`): `passed`, and each bound and value.
 
     ladder: also compare and time other settings (speed against error), for at most `ladder_time`, by default 10 s.

@@ -56,6 +56,15 @@ def _in_python(message: str) -> str:
     return message
 
 
+def _document_in_python(value: Any) -> Any:
+    """Replaces the flags in all texts of a JSON document, such as the reason for which a run ended."""
+    if isinstance(value, dict):
+        return {key: _document_in_python(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_document_in_python(item) for item in value]
+    return _in_python(value) if isinstance(value, str) else value
+
+
 class Problem(TypedDict):
     """An error in a scene or a study, with its position."""
 
@@ -126,5 +135,4 @@ class RunError(PhalanxError, RuntimeError):
         """Time beyond which a `Simulation` cannot advance, s; None for other errors."""
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # A result cannot be pickled.
-        return (type(self), (self.args[0], None, self.time_s))
+        return (type(self), (self.args[0], self.result, self.time_s))

@@ -25,6 +25,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import __version__, study_info, sweep_merge, sweep_shard
+from .results import StudyInfo
 from ._phalanx import _study_files
 from .errors import PhalanxError, StudyError
 
@@ -144,7 +145,7 @@ def _plan_path(parts: Path) -> Path:
     return parts / "plan.json"
 
 
-def _planned_shards(parts: Path, info: dict[str, Any]) -> int | None:
+def _planned_shards(parts: Path, info: StudyInfo) -> int | None:
     """Returns the number of parts of an earlier sweep of the same study, whose parts can be reused."""
     try:
         plan = json.loads(_plan_path(parts).read_text())
@@ -153,7 +154,7 @@ def _planned_shards(parts: Path, info: dict[str, Any]) -> int | None:
         return None
 
 
-def _write_plan_file(parts: Path, info: dict[str, Any], shards: int) -> None:
+def _write_plan_file(parts: Path, info: StudyInfo, shards: int) -> None:
     """Stores the number of parts for a later call."""
     text = json.dumps({"study": info["name"], "fingerprint": info["fingerprint"], "shards": shards})
     _write_atomically(_plan_path(parts), text.encode())
@@ -168,7 +169,7 @@ def _write_atomically(path: Path, contents: bytes) -> None:
         partial.unlink(missing_ok=True)
 
 
-def _choose_shards(study: Path, info: dict[str, Any], model: str | None, check: bool, shard_s: float, cpus: int) -> int:
+def _choose_shards(study: Path, info: StudyInfo, model: str | None, check: bool, shard_s: float, cpus: int) -> int:
     """Returns the number of parts that take about `shard_s` each, from timed runs at the start, middle and end."""
     runs = int(info["runs"])
     shard_count = max(1, runs // 32)

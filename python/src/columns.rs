@@ -9,8 +9,7 @@ use arrow_array::{
     Array, ArrayRef, ArrowPrimitiveType, BooleanArray, PrimitiveArray, RecordBatch, RecordBatchIterator,
 };
 use arrow_schema::{DataType, Field, Schema};
-use phalanx::trace::Channel;
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCapsule, PyDict};
 
@@ -106,13 +105,33 @@ pub fn array_of_numbers(values: Vec<f64>) -> ArrayRef {
     Arc::new(PrimitiveArray::<Float64Type>::from(values))
 }
 
-/// Builds a batch from the arrays of channels. The metadata of each field has the unit.
-pub fn channel_batch(channels: &[Channel], arrays: &[ArrayRef]) -> PyResult<RecordBatch> {
-    let field = |channel: &Channel| {
-        let unit = HashMap::from([("unit".to_string(), channel.unit.to_string())]);
-        Field::new(&channel.name, DataType::Float64, false).with_metadata(unit)
+/// Name and unit of a column.
+pub type Heading = (String, String);
+
+/// Builds a batch from columns of numbers. The metadata of each field has the unit.
+pub fn number_batch(headings: &[Heading], arrays: &[ArrayRef]) -> PyResult<RecordBatch> {
+    let field = |(name, unit): &Heading| {
+        let unit = HashMap::from([("unit".to_string(), unit.clone())]);
+        Field::new(name, DataType::Float64, false).with_metadata(unit)
     };
-    build_batch(channels.iter().map(field).collect(), arrays.to_vec())
+    build_batch(headings.iter().map(field).collect(), arrays.to_vec())
+}
+
+/// KeyError for a column that does not exist; `of` is "this run" or "this table".
+pub fn unknown_column(column: &str, names: &[&str], of: &str, all: &str) -> PyErr {
+    let similar = phalanx::scene::closest_match(column, names);
+    let suggestion = similar.map_or(".".to_string(), |name| format!("; did you mean \"{name}\"?"));
+    PyKeyError::new_err(format!("{column} is not a column of {of}{suggestion} {all} lists all columns"))
+}
+
+/// Returns an object with `__arrow_c_stream__` by the dataframe interchange protocol, through pyarrow.
+pub fn interchange<'py>(
+    source: &Bound<'py, PyAny>,
+    nan_as_null: bool,
+    allow_copy: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    let table = source.py().import("pyarrow")?.call_method1("table", (source,))?;
+    table.call_method1("__dataframe__", (nan_as_null, allow_copy))
 }
 
 /// Builds a batch from columns with their names and types.

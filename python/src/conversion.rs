@@ -7,9 +7,9 @@ use phalanx::scene::Keyword;
 use phalanx::units::{self, Dimension};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyByteArray, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
-use super::errors;
+use super::{errors, quantities};
 
 /// Returns a value as the text of a field setting. A text stays unchanged, as with `--set`: it needs no quotes unless
 /// it is valid TOML.
@@ -32,19 +32,27 @@ pub fn format_toml_number(value: f64) -> String {
     }
 }
 
-/// Parses a JSON document into dictionaries and lists.
+/// Parses a JSON document of results into dictionaries and lists. Its messages name arguments, not flags.
 pub fn parse_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
+    let document = parse_unchanged_json(py, text)?;
+    if text.contains("--") { errors::document_in_python(&document) } else { Ok(document) }
+}
+
+/// Parses a JSON document into dictionaries and lists.
+pub fn parse_unchanged_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// Converts the dictionary of a scene into TOML text.
-pub fn scene_text(scene: &Bound<'_, PyDict>) -> PyResult<String> {
-    let text = toml::to_string(&Converter::default().table(scene)?);
+/// Converts the dictionary of a scene with this file name into TOML text.
+pub fn scene_text(scene: &Bound<'_, PyDict>, name: &str) -> PyResult<String> {
+    let mut table = Converter::default().table(scene)?;
+    quantities::add_units(&mut table, name);
+    let text = toml::to_string(&table);
     text.map_err(|error| PyValueError::new_err(format!("the dictionary cannot be written as TOML: {error}")))
 }
 
 /// Converts a value, with numbers exact to the last bit.
-fn toml_value(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
+pub fn toml_value(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
     Converter::default().value(value)
 }
 
@@ -165,4 +173,40 @@ pub fn parse_quantity(name: &str, value: &Bound<'_, PyAny>, dimension: Dimension
     }
     let number: f64 = value.extract()?;
     Ok(if number.is_finite() { Ok(number) } else { Err(format!("{name} is {number}, but must be finite")) })
+}
+
+/// Reads an argument: a string with a unit or a number in SI, returned in SI.
+pub fn quantity(py: Python<'_>, name: &str, value: &Bound<'_, PyAny>, dimension: Dimension) -> PyResult<f64> {
+    // Most calls have a number.
+    if let Ok(number) = value.cast::<PyFloat>() {
+        return Ok(number.value());
+    }
+    parse_quantity(name, value, dimension)?.map_err(|error| errors::argument(py, error))
+}
+
+/// Reads an argument as the text of a quantity, with the SI unit after a number.
+pub fn quantity_text(value: &Bound<'_, PyAny>, dimension: Dimension) -> PyResult<String> {
+    match value.cast::<PyString>() {
+        Ok(text) => Ok(text.to_str()?.to_string()),
+        Err(_) => Ok(format!("{:?} {}", value.extract::<f64>()?, dimension.units()[0].name)),
+    }
+}
+
+/// Returns numbers as a writable numpy array.
+pub fn vector<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyAny>> {
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
+    py.import("numpy")?.call_method1("frombuffer", (PyByteArray::new(py, &bytes), "float64"))
+}
+
+/// A pickled object: the function that restores it, and its arguments.
+pub type Reduced<'py, T> = (Bound<'py, PyAny>, T);
+
+/// Numbers as bytes, for pickling.
+pub fn to_bytes(values: &[f64]) -> Vec<u8> {
+    values.iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+/// Numbers from the bytes of [`to_bytes`].
+pub fn from_bytes(bytes: &[u8]) -> Vec<f64> {
+    bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number)).collect()
 }

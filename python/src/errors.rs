@@ -9,12 +9,28 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
 
+fn module(py: Python<'_>) -> PyResult<&Bound<'_, PyModule>> {
+    static MODULE: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
+    Ok(MODULE.get_or_try_init(py, || py.import("phalanx.errors").map(Bound::unbind))?.bind(py))
+}
+
+/// Returns a message with the arguments of functions in place of the flags of the command line.
+pub fn in_python(py: Python<'_>, message: String) -> PyResult<String> {
+    match message.contains("--") {
+        true => module(py)?.call_method1("_in_python", (message,))?.extract(),
+        false => Ok(message),
+    }
+}
+
+/// Returns a JSON document with the arguments of functions in place of the flags in its texts.
+pub fn document_in_python<'py>(document: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    module(document.py())?.call_method1("_document_in_python", (document,))
+}
+
 /// Creates the exception with this class name and these attributes.
 fn create_exception(py: Python<'_>, name: &str, message: &str, attributes: &Bound<'_, PyDict>) -> PyErr {
-    static MODULE: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
     let create = || -> PyResult<Bound<'_, PyAny>> {
-        let module = MODULE.get_or_try_init(py, || py.import("phalanx.errors").map(Bound::unbind))?;
-        let class = module.bind(py).getattr(name)?.cast_into::<PyType>()?;
+        let class = module(py)?.getattr(name)?.cast_into::<PyType>()?;
         class.call((message,), Some(attributes))
     };
     create().map_or_else(|error| error, PyErr::from_value)

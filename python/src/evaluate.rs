@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use phalanx::study::sweep::{AxisValue, Field, FieldType, Filter, MAX_RUNS, columns, in_memory_study};
 use phalanx::table::Value;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyIterator, PyList, PyString, PyTuple};
+use pyo3::types::{PyBool, PyFloat, PyInt, PyIterator, PyList, PyMapping, PyString, PyTuple};
 
-use super::scene::SceneLike;
+use super::scene::{Scene, SceneLike};
 use super::table::Table;
-use super::{conversion, errors, study};
+use super::{conversion, errors, quantities, study};
 
 /// Simulates many designs of a scene on native threads and returns a table with one row per design, in order.
 ///
@@ -28,7 +28,7 @@ use super::{conversion, errors, study};
 pub fn evaluate(
     py: Python<'_>,
     scene: SceneLike,
-    fields: &Bound<'_, PyDict>,
+    fields: &Bound<'_, PyMapping>,
     model: &str,
     threads: i128,
     columns: Option<Vec<String>>,
@@ -37,7 +37,7 @@ pub fn evaluate(
 ) -> PyResult<Table> {
     let threads = conversion::threads(py, threads)?;
     let scene = scene.get(py)?;
-    let paths = fields.keys().extract::<Vec<String>>()?;
+    let paths = fields.keys()?.extract::<Vec<String>>()?;
     let names: Vec<&str> = paths.iter().map(String::as_str).collect();
     let model = super::result::model(py, model)?;
     let mut study = in_memory_study(&scene.layers, &scene.settings, &names, model).map_err(|error| match error {
@@ -48,16 +48,27 @@ pub fn evaluate(
     study.filter = read_filter(py, study.fingers(), filter.unwrap_or_default())?;
     require_known_columns(py, &study, columns.as_deref())?;
     let values: Vec<FieldValues> = fields
-        .values()
+        .values()?
         .iter()
         .zip(study.row_fields())
-        .map(|(value, field)| FieldValues::from_python(&value, field))
+        .map(|(value, field)| FieldValues::from_python(&value, field, &scene))
         .collect::<PyResult<_>>()?;
     let count = design_count(py, &paths, &values)?;
     let rows = (0..count).map(|row| values.iter().map(|value| value.of_row(row)).collect()).collect();
     let study = study.with_rows(rows);
-    let results = study::run_rows(py, &study, threads, u64::MAX)?;
+    let mut results = study::run_rows(py, &study, threads, u64::MAX)?;
+    translate_reasons(py, &mut results)?;
     Table::new(py, results, columns.as_deref())
+}
+
+/// Replaces the flags of the command line in the texts of a table.
+fn translate_reasons(py: Python<'_>, results: &mut phalanx::table::Table) -> PyResult<()> {
+    for cell in results.rows.iter_mut().flatten() {
+        if let Value::Text(text) = cell {
+            *text = errors::in_python(py, std::mem::take(text))?;
+        }
+    }
+    Ok(())
 }
 
 /// Reads the static criteria of the designs to simulate.
@@ -108,7 +119,7 @@ enum FieldValues {
 }
 
 impl FieldValues {
-    fn from_python(value: &Bound<'_, PyAny>, field: &Field) -> PyResult<Self> {
+    fn from_python(value: &Bound<'_, PyAny>, field: &Field, scene: &Scene) -> PyResult<Self> {
         let value = match value.hasattr("tolist")? {
             true => &value.call_method0("tolist")?,
             false => value,
@@ -125,9 +136,9 @@ impl FieldValues {
             !value.is_instance_of::<PyString>()
         };
         if is_per_design && let Ok(items) = value.try_iter() {
-            return collect_values(items, field);
+            return collect_values(items, field, scene);
         }
-        Ok(FieldValues::Constant(convert_value(value, field)?))
+        Ok(FieldValues::Constant(convert_value(value, field, scene)?))
     }
 
     fn of_row(&self, row: usize) -> AxisValue {
@@ -139,7 +150,7 @@ impl FieldValues {
 }
 
 /// Collects one value per design, at most `MAX_RUNS`. Checks for Ctrl-C between values.
-fn collect_values(items: Bound<'_, PyIterator>, field: &Field) -> PyResult<FieldValues> {
+fn collect_values(items: Bound<'_, PyIterator>, field: &Field, scene: &Scene) -> PyResult<FieldValues> {
     let py = items.py();
     let mut values = Vec::new();
     for item in items {
@@ -150,7 +161,7 @@ fn collect_values(items: Bound<'_, PyIterator>, field: &Field) -> PyResult<Field
             return Err(errors::sweep(py, message));
         }
         py.check_signals()?;
-        values.push(convert_value(&item?, field)?);
+        values.push(convert_value(&item?, field, scene)?);
     }
     Ok(FieldValues::PerDesign(values))
 }
@@ -176,7 +187,12 @@ fn design_count(py: Python<'_>, paths: &[String], values: &[FieldValues]) -> PyR
 
 /// Converts one value. An invalid value becomes scene text unchanged, so that its row reports the scene error as the
 /// reason.
-fn convert_value(value: &Bound<'_, PyAny>, field: &Field) -> PyResult<AxisValue> {
+fn convert_value(value: &Bound<'_, PyAny>, field: &Field, scene: &Scene) -> PyResult<AxisValue> {
+    // The unit depends on the scene.
+    if matches!(field.field_type, FieldType::OneOf(_) | FieldType::List(..)) && !value.is_instance_of::<PyString>() {
+        let text = quantities::setting_text(scene, &field.path, value)?;
+        return Ok(field.parse_toml(&text).unwrap_or(AxisValue { text, value: Value::Missing }));
+    }
     if let Ok(number) = value.cast::<PyFloat>() {
         return Ok(convert_number(number.extract()?, field));
     }

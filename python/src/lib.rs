@@ -5,6 +5,7 @@
 //! | `errors` | errors of the library as exceptions |
 //! | `interruptible` | computations without the interpreter lock, interrupted by Ctrl-C |
 //! | `conversion` | Python values to scene values and quantities, JSON to Python |
+//! | `quantities` | units of numbers in scenes |
 //! | `columns` | columns as numpy arrays and Arrow streams |
 //! | `scene` | scenes |
 //! | `result`, `simulate` | results of runs and logs; running simulations and reading logs |
@@ -21,6 +22,7 @@ mod errors;
 mod evaluate;
 mod interruptible;
 mod optimisation;
+mod quantities;
 mod result;
 mod scene;
 mod simulate;

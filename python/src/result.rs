@@ -1,43 +1,51 @@
 //! The class `Result`: columns, events and summary of a run.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
-use arrow_array::{ArrayRef, RecordBatch};
-use phalanx::format::{Report, ToReport};
+use arrow_array::types::Float64Type;
+use arrow_array::{Array, ArrayRef, PrimitiveArray, RecordBatch};
+use phalanx::format::ToReport;
 use phalanx::log::copy_log;
-use phalanx::page::{Page, render_page};
+use phalanx::page::{Page, Playback, render_page};
 use phalanx::report::document::RunReport;
 use phalanx::report::replay::ReplayReport;
 use phalanx::scene::Scene;
-use phalanx::trace::{Channel, Event, Model, Recording, Schema};
-use pyo3::exceptions::PyKeyError;
+use phalanx::trace::{Channel, Model, Recording, Schema};
 use pyo3::prelude::*;
-use pyo3::types::{PyCapsule, PyDict};
+use pyo3::types::{PyBytes, PyCapsule, PyDict, PyIterator, PyType};
 
-use super::simulate::{self, RunInput};
-use super::simulation::event_list;
+use super::columns::Heading;
+use super::conversion::Reduced;
+use super::simulate::{self, RunInput, SavedRun};
+use super::simulation::{event_list, named_events};
 use super::{columns, conversion, errors};
 
 /// The results of a run, or of the run in a log. All values are in SI; column names contain the units.
-#[pyclass(frozen, module = "phalanx")]
+#[pyclass(frozen, mapping, module = "phalanx")]
 pub struct Result {
-    channels: Vec<Channel>,
-    /// One column for each channel.
+    headings: Vec<Heading>,
+    /// One column for each heading.
     arrays: Vec<ArrayRef>,
-    events: Vec<Event>,
-    schema: Schema,
+    events: Vec<NamedEvent>,
+    /// Number of fingers of the scene; 0 for mechanisms and discs.
+    fingers: usize,
     report: ResultReport,
     source: Source,
     /// Derivatives by field, as JSON.
     gradient: Option<String>,
 }
 
+/// An event as the arguments of `phalanx.Event`: time, contact, kind, approach speed, impulse.
+pub type NamedEvent = (f64, String, String, f64, f64);
+
 /// The report of a result: of `phalanx run`, or of `phalanx replay`.
 pub enum ResultReport {
     /// Built when first read: the closures of a grasp take longer than the rest of a result.
     Run(Box<LazyLock<RunReport, Box<dyn FnOnce() -> RunReport + Send>>>),
     Log(Box<ReplayReport>),
+    /// Of a pickled result, as JSON.
+    Saved(String),
 }
 
 impl ResultReport {
@@ -45,18 +53,12 @@ impl ResultReport {
         match self {
             ResultReport::Run(report) => report.json(),
             ResultReport::Log(report) => report.json(),
-        }
-    }
-
-    fn report(&self) -> Report {
-        match self {
-            ResultReport::Run(report) => report.report(),
-            ResultReport::Log(report) => report.report(),
+            ResultReport::Saved(json) => json.clone(),
         }
     }
 }
 
-/// Source of a result: the input of a run; or a log, and its scene if the log has all data of a page.
+/// Source of a result: the input of a run; or a log, and its scene if the log has all data of a page and is not pickled.
 pub enum Source {
     Run(Arc<RunInput>),
     Log(PathBuf, Option<Box<Scene>>),
@@ -71,14 +73,21 @@ impl Result {
         gradient: Option<String>,
     ) -> Self {
         let (columns, events) = recording.into_parts();
-        let (channels, arrays) =
-            columns.into_iter().map(|(channel, values)| (channel, columns::array_of_numbers(values))).unzip();
-        Result { channels, arrays, events, schema, report, source, gradient }
+        let column = |(channel, values): (Channel, Vec<f64>)| {
+            ((channel.name, channel.unit.to_string()), columns::array_of_numbers(values))
+        };
+        let (headings, arrays) = columns.into_iter().map(column).unzip();
+        let (events, fingers) = (named_events(&schema, &events), schema.fingers.len());
+        Result { headings, arrays, events, fingers, report, source, gradient }
     }
 
     /// Returns all columns as a batch. It is built when needed: names and units of its fields cost more than the arrays.
     fn batch(&self) -> PyResult<RecordBatch> {
-        columns::channel_batch(&self.channels, &self.arrays)
+        columns::number_batch(&self.headings, &self.arrays)
+    }
+
+    fn column_index(&self, column: &str) -> Option<usize> {
+        self.headings.iter().position(|(name, _)| name == column)
     }
 
     /// Returns an entry of the summary, or None.
@@ -94,21 +103,50 @@ impl Result {
     ///
     /// `columns` lists the names. Units: angles rad, rates rad/s, forces N, torques N·m, lengths m, energies J.
     fn __getitem__<'py>(&self, py: Python<'py>, column: &str) -> PyResult<Bound<'py, PyAny>> {
-        let index = self.channels.iter().position(|channel| channel.name == column).ok_or_else(|| {
-            let similar = phalanx::scene::closest_match(column, &self.columns());
-            let suggestion =
-                similar.map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_else(|| ".".to_string());
-            PyKeyError::new_err(format!(
-                "{column} is not a column of this run{suggestion} result.columns lists all columns"
-            ))
-        })?;
-        columns::number_array(py, &self.arrays[index])
+        match self.column_index(column) {
+            Some(index) => columns::number_array(py, &self.arrays[index]),
+            None => Err(columns::unknown_column(column, &self.columns(), "this run", "result.columns")),
+        }
+    }
+
+    fn __contains__(&self, column: &Bound<'_, PyAny>) -> bool {
+        column.extract::<&str>().is_ok_and(|column| self.column_index(column).is_some())
+    }
+
+    /// Iterates over the names of the columns.
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        self.columns().into_pyobject(py)?.try_iter()
+    }
+
+    /// Returns a column, or a default if there is none of this name.
+    #[pyo3(signature = (key, default = None, /))]
+    fn get<'py>(&self, key: &Bound<'py, PyAny>, default: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let py = key.py();
+        match self.__contains__(key) {
+            true => self.__getitem__(py, key.extract()?),
+            false => Ok(default.unwrap_or_else(|| py.None().into_bound(py))),
+        }
+    }
+
+    /// Names of the columns, as a view.
+    fn keys<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        view(slf, "KeysView")
+    }
+
+    /// Columns, as a view.
+    fn values<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        view(slf, "ValuesView")
+    }
+
+    /// Pairs of name and column, as a view.
+    fn items<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        view(slf, "ItemsView")
     }
 
     /// Names of all columns with their units, as in `phalanx replay --csv`: `time_s` first, the energies last.
     #[getter]
     fn columns(&self) -> Vec<&str> {
-        self.channels.iter().map(|channel| channel.name.as_str()).collect()
+        self.headings.iter().map(|(name, _)| name.as_str()).collect()
     }
 
     /// Times of the samples, s. Two samples may have the same time, before and after an event.
@@ -120,7 +158,7 @@ impl Result {
     /// Contact events in order of time, as `phalanx.Event`.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        event_list(py, &self.schema, &self.events)
+        event_list(py, self.events.clone())
     }
 
     /// The document of `phalanx run --json` (for a log: `phalanx replay --json`) as a dictionary.
@@ -150,8 +188,7 @@ impl Result {
     /// `summary["no_grasp"]` gives the reason.
     #[getter]
     fn criteria<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let fingers = self.schema.fingers.len();
-        if fingers == 1 {
+        if self.fingers == 1 {
             return self.summary_entry(py, "criteria");
         }
         let grasp = self.summary_entry(py, "grasp")?;
@@ -159,7 +196,7 @@ impl Result {
             return Ok(grasp);
         }
         let criteria = PyDict::new(py);
-        if fingers > 1 {
+        if self.fingers > 1 {
             criteria.update(grasp.cast()?)?;
         }
         criteria.set_item("grasp", grasp)?;
@@ -225,6 +262,14 @@ impl Result {
         columns::arrow_stream(py, &self.batch()?)
     }
 
+    /// Supports the dataframe interchange protocol through pyarrow, for libraries without Arrow's C stream interface.
+    ///
+    /// Raises ImportError without pyarrow.
+    #[pyo3(signature = (nan_as_null = false, allow_copy = true))]
+    fn __dataframe__<'py>(slf: &Bound<'py, Self>, nan_as_null: bool, allow_copy: bool) -> PyResult<Bound<'py, PyAny>> {
+        columns::interchange(slf.as_any(), nan_as_null, allow_copy)
+    }
+
     /// Writes the same log as `phalanx run --log`, byte for byte (MCAP, for Foxglove, Rerun and PlotJuggler).
     ///
     /// This repeats the run; the same scene gives the same run. For a result from a log, it copies the file.
@@ -236,51 +281,118 @@ impl Result {
     }
 
     /// Returns the page of `html` in a frame, for notebooks.
-    fn _repr_html_(&self) -> Option<String> {
-        let page = self.html()?.replace('&', "&amp;").replace('"', "&quot;");
-        Some(format!(
-            "<iframe srcdoc=\"{page}\" sandbox=\"allow-scripts allow-downloads\" width=\"100%\" height=\"720\" \
+    fn _repr_html_(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let page = self.html(py)?.map(|page| page.replace('&', "&amp;").replace('"', "&quot;"));
+        Ok(page.map(|page| {
+            format!(
+                "<iframe srcdoc=\"{page}\" sandbox=\"allow-scripts allow-downloads\" width=\"100%\" height=\"720\" \
              style=\"border:0\" title=\"phalanx\"></iframe>"
-        ))
+            )
+        }))
     }
 
     /// Returns the animated page of `phalanx run --plot`. None for a log without a readable scene.
     ///
     /// This repeats the run, or reads the log again.
-    fn html(&self) -> Option<String> {
-        let (scene, label, recorder) = match &self.source {
-            Source::Run(input) => (&input.scene, input.model.name().to_string(), simulate::playback(input)?),
-            Source::Log(log, scene) => {
-                let ResultReport::Log(report) = &self.report else { return None };
-                let label = report.model.clone().unwrap_or_else(|| "run".to_string());
-                (&**scene.as_ref()?, label, simulate::playback_of_log(log)?)
-            }
-        };
-        let grasp = match &self.report {
-            ResultReport::Run(report) => report.played_grasp(),
-            ResultReport::Log(report) => report.played_grasp(),
-        };
-        Some(render_page(&Page {
-            title: scene.name.clone(),
-            description: scene.description.clone(),
-            runs: vec![recorder.into_playback(&label, scene, self.report.report()).with_grasp(grasp)],
-            ..Page::default()
-        }))
+    fn html(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        Ok(match (&self.source, &self.report) {
+            (Source::Run(input), ResultReport::Run(report)) => page_of_run(input, report),
+            (Source::Run(input), _) => simulate::report(input).and_then(|report| page_of_run(input, &report)),
+            (Source::Log(log, Some(scene)), ResultReport::Log(report)) => page_of_log(log, scene, report),
+            (Source::Log(log, _), ResultReport::Saved(_)) => simulate::read_log(py, log.clone())?.html(py)?,
+            (Source::Log(..), _) => None,
+        })
     }
 
+    /// Supports pickling, such as for other processes: with the numbers, without repeating the run.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, (SavedResult<'py>,)>> {
+        let (py, result) = (slf.py(), slf.get());
+        let column = |((name, unit), array): (&Heading, &ArrayRef)| {
+            let numbers = array.as_any().downcast_ref::<PrimitiveArray<Float64Type>>();
+            let bytes = conversion::to_bytes(numbers.map_or(&[], |numbers| numbers.values()));
+            (name.clone(), unit.clone(), PyBytes::new(py, &bytes))
+        };
+        let (run, log) = match &result.source {
+            Source::Run(input) => (Some(input.saved(py)?), None),
+            Source::Log(path, _) => (None, Some(path.clone())),
+        };
+        let saved = SavedResult {
+            columns: result.headings.iter().zip(&result.arrays).map(column).collect(),
+            events: result.events.clone(),
+            fingers: result.fingers,
+            summary: result.report.json(),
+            gradient: result.gradient.clone(),
+            run,
+            log,
+        };
+        Ok((py.get_type::<Self>().getattr("_restore")?, (saved,)))
+    }
+
+    #[classmethod]
+    fn _restore(class: &Bound<'_, PyType>, saved: SavedResult<'_>) -> PyResult<Self> {
+        let column = |(name, unit, bytes): (String, String, Bound<'_, PyBytes>)| {
+            ((name, unit), columns::array_of_numbers(conversion::from_bytes(bytes.as_bytes())))
+        };
+        let (headings, arrays) = saved.columns.into_iter().map(column).unzip();
+        let source = match (saved.run, saved.log) {
+            (Some(run), _) => Source::Run(Arc::new(RunInput::restore(class.py(), &run)?)),
+            (None, log) => Source::Log(log.unwrap_or_default(), None),
+        };
+        let (events, fingers, report) = (saved.events, saved.fingers, ResultReport::Saved(saved.summary));
+        Ok(Result { headings, arrays, events, fingers, report, source, gradient: saved.gradient })
+    }
+
+    /// Number of columns.
     fn __len__(&self) -> usize {
-        self.arrays[0].len()
+        self.arrays.len()
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let text = |key: &str| -> PyResult<String> { Ok(self.summary_entry(py, key)?.str()?.to_string()) };
         let (scene, model, completed) = (text("scene")?, text("model")?, text("completed")?);
-        let (samples, columns, events) = (self.__len__(), self.arrays.len(), self.events.len());
+        let (samples, columns, events) = (self.arrays[0].len(), self.arrays.len(), self.events.len());
         let suffix = if completed == "True" { "" } else { ", not completed" };
         Ok(format!(
             "<phalanx.Result of \"{scene}\": {model} model, {samples} samples of {columns} columns, {events} events{suffix}>"
         ))
     }
+}
+
+/// A view of a result as a mapping, by its class in `collections.abc`.
+fn view<'py>(result: &Bound<'py, Result>, class: &str) -> PyResult<Bound<'py, PyAny>> {
+    result.py().import("collections.abc")?.call_method1(class, (result,))
+}
+
+/// A result for pickling.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+pub struct SavedResult<'py> {
+    /// Name, unit, and numbers as bytes.
+    columns: Vec<(String, String, Bound<'py, PyBytes>)>,
+    events: Vec<NamedEvent>,
+    fingers: usize,
+    summary: String,
+    gradient: Option<String>,
+    run: Option<SavedRun>,
+    log: Option<PathBuf>,
+}
+
+/// Renders the page of a run, which it repeats.
+fn page_of_run(input: &RunInput, report: &RunReport) -> Option<String> {
+    let playback = simulate::playback(input)?.into_playback(input.model.name(), &input.scene, report.report());
+    Some(render(playback.with_grasp(report.played_grasp()), &input.scene))
+}
+
+/// Renders the page of a log, which it reads again.
+fn page_of_log(log: &Path, scene: &Scene, report: &ReplayReport) -> Option<String> {
+    let label = report.model.as_deref().unwrap_or("run");
+    let playback = simulate::playback_of_log(log)?.into_playback(label, scene, report.report());
+    Some(render(playback.with_grasp(report.played_grasp()), scene))
+}
+
+fn render(playback: Playback, scene: &Scene) -> String {
+    let (title, description) = (scene.name.clone(), scene.description.clone());
+    render_page(&Page { title, description, runs: vec![playback], ..Page::default() })
 }
 
 /// Parses the name of a model.

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use phalanx::mjcf::mujoco_model;
 use phalanx::scene::{self, Keyword, Layer, SceneError, parse_any, parse_layers};
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList};
+use pyo3::types::{PyDict, PyList, PyMapping};
 
-use super::{conversion, errors};
+use super::{conversion, errors, quantities};
 
 /// Names and contents of files.
 type NamedTexts = Vec<(String, String)>;
@@ -47,7 +48,10 @@ impl Scene {
     fn to_python_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let text = scene::show_written(&self.scene);
         let table = scene::parse::values(&text).map_err(|error| errors::argument(py, error))?;
-        conversion::parse_json(py, &serde_json::to_string(&table).map_err(|error| errors::argument(py, error))?)
+        conversion::parse_unchanged_json(
+            py,
+            &serde_json::to_string(&table).map_err(|error| errors::argument(py, error))?,
+        )
     }
 }
 
@@ -64,6 +68,14 @@ impl SceneLike {
         match self {
             SceneLike::Scene(scene) => Ok(scene.get().clone()),
             SceneLike::Path(path) => Scene::load_from(py, path),
+        }
+    }
+
+    /// Returns the scene as an object of Python; loads it if this is a path.
+    pub fn into_python(self, py: Python<'_>) -> PyResult<Py<Scene>> {
+        match self {
+            SceneLike::Scene(scene) => Ok(scene),
+            SceneLike::Path(path) => Py::new(py, Scene::load_from(py, &path)?),
         }
     }
 }
@@ -88,22 +100,24 @@ impl Scene {
     }
 
     /// Reads a scene from a dictionary with the keys of a scene file: `{"design": {"base": "20 mm", …}, …}`.
+    /// Quantities are strings with units, or numbers in SI.
     #[staticmethod]
     #[pyo3(signature = (scene, name = "scene.toml"))]
     fn from_dict(scene: &Bound<'_, PyDict>, name: &str) -> PyResult<Self> {
-        Scene::from_toml(scene.py(), &conversion::scene_text(scene)?, name)
+        Scene::from_toml(scene.py(), &conversion::scene_text(scene, name)?, name)
     }
 
     /// Returns a copy with other values of some fields, as with `phalanx run --set`:
     /// `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`.
     ///
-    /// A value is a string with a unit, a number (for a field without a unit), True or False, or a list.
+    /// A value is a string with a unit, a number (in SI, if the field has a unit), True or False, or a list.
     /// `object.centre[0]` is an entry of a list. A string that begins with "=" is an expression.
-    fn with_(&self, py: Python<'_>, fields: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn with_(&self, py: Python<'_>, fields: &Bound<'_, PyMapping>) -> PyResult<Self> {
         let mut settings = self.settings.clone();
-        for (field, value) in fields {
-            let field: String = field.extract()?;
-            let setting = scene::setting_from_parts(SETTING_FILE, &field, &conversion::setting_text(&value)?);
+        for item in fields.items()? {
+            let (field, value): (String, Bound<'_, PyAny>) = item.extract()?;
+            let text = quantities::setting_text(self, &field, &value)?;
+            let setting = scene::setting_from_parts(SETTING_FILE, &field, &text);
             settings.push(setting.map_err(|error| errors::argument(py, error))?);
         }
         Scene::from_layers(py, Ok(self.layers.clone()), settings)
@@ -125,6 +139,16 @@ impl Scene {
     /// Returns the contents of `toml` as a dictionary of strings with units, numbers, flags and lists.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.to_python_dict(py)
+    }
+
+    /// Returns the MuJoCo model of the scene (`phalanx scene export`). Contacts, limits and friction are MuJoCo's own.
+    ///
+    /// Raises SceneError for a scene that has no model in MuJoCo.
+    fn to_mjcf(&self, py: Python<'_>) -> PyResult<String> {
+        let argument_error = |message: String| errors::argument(py, format!("{}: {message}", self.file()));
+        let mechanism = self.scene.mechanism().map_err(|error| argument_error(error.to_string()))?;
+        let model = mujoco_model(self.name(), &mechanism, self.scene.duration_s);
+        Ok(model.map_err(|error| argument_error(error.to_string()))?.xml)
     }
 
     /// "finger", "gripper", "bodies" (discs) or "mechanism".

@@ -11,33 +11,110 @@ use phalanx::page::PlaybackRecorder;
 use phalanx::report::document::RunReport;
 use phalanx::report::replay::{LogObserver, scene_in_log};
 use phalanx::report::simulation::{CheckPolicy, SimulationOptions, report_of};
-use phalanx::scene::{Preset, Scene};
+use phalanx::scene::{Keyword, Preset, Scene};
 use phalanx::study::parameter::parameters;
 use phalanx::trace::overrides::{self, Overrides};
 use phalanx::trace::{Cancellable, Event, KeepRunning, Model, Recording, Sample, Schema, Sink, SinkError};
+use phalanx::units::Dimension;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
 use super::result::{Result, ResultReport, Source, model};
-use super::scene::SceneLike;
+use super::scene::{Scene as PythonScene, SceneLike};
 use super::{conversion, errors, interruptible};
 
 /// The input of a run, with which it can be repeated.
-#[derive(Clone)]
 pub struct RunInput {
+    /// The scene with the overrides.
     pub scene: Scene,
     pub model: Model,
     /// Name of the scene file in the log.
-    pub scene_file: String,
+    scene_file: String,
+    check: Option<bool>,
+    loaded: PythonScene,
+    overrides: Overrides,
+}
+
+/// The input of a run for pickling.
+#[derive(FromPyObject, IntoPyObject)]
+#[pyo3(from_item_all)]
+pub struct SavedRun {
+    scene: Py<PythonScene>,
+    model: String,
+    check: Option<bool>,
+    preset: Option<String>,
+    /// rtol, step, tolerance, duration, numeric rate and picture rate.
+    numbers: [Option<f64>; 6],
+}
+
+impl RunInput {
+    fn new(
+        py: Python<'_>,
+        loaded: PythonScene,
+        model: Model,
+        check: Option<bool>,
+        overrides: Overrides,
+    ) -> PyResult<Self> {
+        let file_name = Path::new(loaded.file()).file_name().map(|name| name.to_string_lossy().into_owned());
+        let scene_file = file_name.unwrap_or_else(|| "scene.toml".to_string());
+        let mut scene = loaded.scene.clone();
+        overrides.apply(model, &mut scene).map_err(|error| errors::argument(py, error))?;
+        Ok(Self { scene, model, scene_file, check, loaded, overrides })
+    }
+
+    fn check_policy(&self) -> CheckPolicy {
+        match self.check {
+            Some(true) => CheckPolicy::Always,
+            Some(false) => CheckPolicy::Never,
+            None => CheckPolicy::IfCheap,
+        }
+    }
+
+    pub fn saved(&self, py: Python<'_>) -> PyResult<SavedRun> {
+        let Overrides { preset, rtol, step_s, tolerance_m, duration_s, numeric_hz, picture_hz } = &self.overrides;
+        Ok(SavedRun {
+            scene: Py::new(py, self.loaded.clone())?,
+            model: self.model.name().to_string(),
+            check: self.check,
+            preset: preset.map(|preset| preset.keyword().to_string()),
+            numbers: [*rtol, *step_s, *tolerance_m, *duration_s, *numeric_hz, *picture_hz],
+        })
+    }
+
+    pub fn restore(py: Python<'_>, saved: &SavedRun) -> PyResult<Self> {
+        let [rtol, step_s, tolerance_m, duration_s, numeric_hz, picture_hz] = saved.numbers;
+        let preset = parse_preset(py, saved.preset.as_deref())?;
+        let overrides = Overrides { preset, rtol, step_s, tolerance_m, duration_s, numeric_hz, picture_hz };
+        Self::new(py, saved.scene.get().clone(), self::model(py, &saved.model)?, saved.check, overrides)
+    }
+}
+
+fn parse_preset(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Preset>> {
+    let preset = name.map(|name| conversion::parse_keyword::<Preset>("preset", name)).transpose();
+    preset.map_err(|error| errors::argument(py, error))
+}
+
+/// Parses a setting of a run: a string with a unit, or a number in SI.
+fn parse_setting(
+    py: Python<'_>,
+    name: &str,
+    value: Option<&Bound<'_, PyAny>>,
+    dimension: Dimension,
+    parse: fn(&str) -> std::result::Result<f64, String>,
+) -> PyResult<Option<f64>> {
+    let text = value.map(|value| conversion::quantity_text(value, dimension)).transpose()?;
+    let parsed = text.as_deref().map(parse).transpose();
+    parsed.map_err(|error| errors::argument(py, format!("{name}: {error}")))
 }
 
 /// Simulates a scene.
 ///
 /// model: "analytic" or "engine". check: True estimates the error from a second, independent resolution and detects a
 /// chaotic outcome, None does so if it is cheap (as `phalanx run`), False never. log: path of a log to write (MCAP).
-/// The other arguments are the flags of `phalanx run`: preset "engineering" or "reference" (analytic), rtol (analytic),
+/// The other arguments replace settings of the scene: preset "engineering" or "reference" (analytic), rtol (analytic),
 /// step such as "1 us" (engine), tolerance such as "0.02 um" (engine),
-/// duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate such as "1 kHz".
+/// duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate such as "1 kHz". Quantities are strings with units,
+/// or numbers in SI.
 ///
 /// gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`, by which the run is
 /// differentiated (analytic model); the result has the derivatives as `gradient`.
@@ -56,49 +133,41 @@ pub fn run(
     check: Option<bool>,
     preset: Option<&str>,
     rtol: Option<&Bound<'_, PyAny>>,
-    step: Option<&str>,
-    tolerance: Option<&str>,
-    duration: Option<&str>,
-    numeric_rate: Option<&str>,
-    picture_rate: Option<&str>,
+    step: Option<&Bound<'_, PyAny>>,
+    tolerance: Option<&Bound<'_, PyAny>>,
+    duration: Option<&Bound<'_, PyAny>>,
+    numeric_rate: Option<&Bound<'_, PyAny>>,
+    picture_rate: Option<&Bound<'_, PyAny>>,
     log: Option<PathBuf>,
     gradient: Option<Vec<String>>,
 ) -> PyResult<Result> {
     let argument_error = |message: String| errors::argument(py, message);
     let model = self::model(py, model)?;
-    let parse = |name: &str, text: Option<&str>, parser: fn(&str) -> std::result::Result<f64, String>| {
-        text.map(parser).transpose().map_err(|error| errors::argument(py, format!("{name}: {error}")))
-    };
     let rtol = rtol.map(|value| -> PyResult<String> {
         if value.is_instance_of::<PyString>() { value.extract() } else { conversion::setting_text(value) }
     });
+    let rtol = rtol.transpose()?.as_deref().map(overrides::rtol).transpose();
     let overrides = Overrides {
-        preset: preset
-            .map(|name| conversion::parse_keyword::<Preset>("preset", name))
-            .transpose()
-            .map_err(argument_error)?,
-        rtol: parse("rtol", rtol.transpose()?.as_deref(), overrides::rtol)?,
-        step_s: parse("step", step, overrides::step)?,
-        tolerance_m: parse("tolerance", tolerance, overrides::tolerance)?,
-        duration_s: duration.map(overrides::duration).transpose().map_err(argument_error)?,
-        numeric_hz: parse("numeric_rate", numeric_rate, overrides::numeric_rate)?,
-        picture_hz: parse("picture_rate", picture_rate, overrides::picture_rate)?,
+        preset: parse_preset(py, preset)?,
+        rtol: rtol.map_err(|error| argument_error(format!("rtol: {error}")))?,
+        step_s: parse_setting(py, "step", step, Dimension::Time, overrides::step)?,
+        tolerance_m: parse_setting(py, "tolerance", tolerance, Dimension::Length, overrides::tolerance)?,
+        duration_s: parse_setting(py, "duration", duration, Dimension::Time, overrides::duration)?,
+        numeric_hz: parse_setting(py, "numeric_rate", numeric_rate, Dimension::Frequency, overrides::numeric_rate)?,
+        picture_hz: parse_setting(py, "picture_rate", picture_rate, Dimension::Frequency, overrides::picture_rate)?,
     };
-    let loaded = scene.get(py)?;
-    let file_name = Path::new(loaded.file()).file_name().map(|name| name.to_string_lossy().into_owned());
-    let mut scene = loaded.scene;
-    overrides.apply(model, &mut scene).map_err(argument_error)?;
+    let input = RunInput::new(py, scene.get(py)?, model, check, overrides)?;
     let gradient = match gradient {
         Some(_) if model == Model::Engine => {
             let message = "gradient: derivatives are computed in the analytic model; remove `model` or `gradient`";
             return Err(argument_error(message.to_string()));
         }
         Some(fields) => {
-            let finish = |scene: &mut Scene| drop(overrides.apply(model, scene));
-            let texts = (&loaded.layers[..], &loaded.settings[..]);
+            let finish = |scene: &mut Scene| drop(input.overrides.apply(model, scene));
+            let texts = (&input.loaded.layers[..], &input.loaded.settings[..]);
             let found = interruptible::run_on_caller(py, |keep_running| {
                 let parameters = parameters(texts, &fields, &finish).map_err(Err)?;
-                differentiate(&scene, &parameters, keep_running).map_err(|error| Ok(error.to_string()))
+                differentiate(&input.scene, &parameters, keep_running).map_err(|error| Ok(error.to_string()))
             })?;
             let found = found.map_err(|error| match error {
                 Ok(run_error) => errors::run(py, format!("gradient: {run_error}"), None),
@@ -109,16 +178,10 @@ pub fn run(
         }
         None => None,
     };
-    let check_policy = match check {
-        Some(true) => CheckPolicy::Always,
-        Some(false) => CheckPolicy::Never,
-        None => CheckPolicy::IfCheap,
-    };
-    let input = RunInput { scene, model, scene_file: file_name.unwrap_or_else(|| "scene.toml".to_string()) };
     let schema = Schema::from_scene(&input.scene);
     let recording = Recording::new(&schema);
     let (run, recording) = interruptible::run_on_caller(py, |keep_running| {
-        simulate(&input, log.as_deref(), check_policy, recording, keep_running)
+        simulate(&input, log.as_deref(), input.check_policy(), recording, keep_running)
     })?
     .map_err(|error| errors::run(py, error, None))?;
     let stopped = run.stopped.clone();
@@ -162,6 +225,12 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
     })?;
     let source = Source::Log(path, scene.map(Box::new));
     Ok(Result::new(schema, recording, ResultReport::Log(Box::new(report)), source, None))
+}
+
+/// Repeats a run for its report.
+pub fn report(input: &RunInput) -> Option<RunReport> {
+    let run = simulate(input, None, input.check_policy(), (), &|| true);
+    run.ok().map(|(run, ())| report_of(input.model, &input.scene, &run))
 }
 
 /// Repeats a run to record its page.

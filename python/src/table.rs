@@ -10,10 +10,11 @@ use phalanx::format::numbers::format_number;
 use phalanx::format::report;
 use phalanx::study::sweep::summary;
 use phalanx::table::{self, Column, Kind, Value};
-use pyo3::exceptions::PyKeyError;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyCapsule;
+use pyo3::types::{PyBytes, PyCapsule, PyType};
 
+use super::conversion::Reduced;
 use super::{columns, conversion, errors};
 
 /// Number of rows that `print` shows.
@@ -99,6 +100,56 @@ fn to_library_table(batch: &RecordBatch) -> table::Table {
     table::Table::new(columns, rows)
 }
 
+/// A column for pickling: name, type, and values.
+type SavedColumn<'py> = (String, String, Bound<'py, PyAny>);
+
+/// Converts a column for pickling. Numbers are bytes, and flags tell which are present; other values are lists.
+fn save_column<'py>(py: Python<'py>, name: &str, array: &ArrayRef) -> PyResult<SavedColumn<'py>> {
+    fn present<A: 'static>(array: &ArrayRef) -> PyResult<&A> {
+        array.as_any().downcast_ref().ok_or_else(|| PyValueError::new_err("the column has another type"))
+    }
+    let (kind, values) = match array.data_type() {
+        DataType::Float64 => {
+            let numbers: &PrimitiveArray<Float64Type> = present(array)?;
+            let is_present: Vec<bool> = (0..numbers.len()).map(|row| numbers.is_valid(row)).collect();
+            let bytes = PyBytes::new(py, &conversion::to_bytes(numbers.values()));
+            ("number", (bytes, is_present).into_pyobject(py)?.into_any())
+        }
+        DataType::Int64 => {
+            let integers: &PrimitiveArray<Int64Type> = present(array)?;
+            ("integer", integers.iter().collect::<Vec<_>>().into_pyobject(py)?)
+        }
+        DataType::Boolean => {
+            let flags: &BooleanArray = present(array)?;
+            ("flag", flags.iter().collect::<Vec<_>>().into_pyobject(py)?)
+        }
+        _ => {
+            let texts: &StringArray = present(array)?;
+            ("text", texts.iter().collect::<Vec<_>>().into_pyobject(py)?)
+        }
+    };
+    Ok((name.to_string(), kind.to_string(), values))
+}
+
+/// Converts a column back from [`save_column`].
+fn restore_column((name, kind, values): SavedColumn<'_>) -> PyResult<(Field, ArrayRef)> {
+    let (data_type, array): (DataType, ArrayRef) = match kind.as_str() {
+        "number" => {
+            let (bytes, is_present): (Bound<'_, PyBytes>, Vec<bool>) = values.extract()?;
+            let numbers = conversion::from_bytes(bytes.as_bytes());
+            let array = PrimitiveArray::<Float64Type>::new(numbers.into(), Some(is_present.into()));
+            (DataType::Float64, Arc::new(array))
+        }
+        "integer" => {
+            let integers: Vec<Option<i64>> = values.extract()?;
+            (DataType::Int64, Arc::new(PrimitiveArray::<Int64Type>::from(integers)))
+        }
+        "flag" => (DataType::Boolean, Arc::new(BooleanArray::from(values.extract::<Vec<Option<bool>>>()?))),
+        _ => (DataType::Utf8, Arc::new(StringArray::from(values.extract::<Vec<Option<String>>>()?))),
+    };
+    Ok((Field::new(name, data_type, true), array))
+}
+
 #[pymethods]
 impl Table {
     /// Returns a column as a numpy array.
@@ -106,14 +157,10 @@ impl Table {
     /// Numbers are a read-only view, or a copy with NaN if values are missing. Flags are bools, or objects if values
     /// are missing; strings are objects. Missing objects are None.
     fn __getitem__<'py>(&self, py: Python<'py>, column: &str) -> PyResult<Bound<'py, PyAny>> {
-        let array = self.batch.column_by_name(column).ok_or_else(|| {
-            let similar = phalanx::scene::closest_match(column, &self.names());
-            let suggestion =
-                similar.map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_else(|| ".".to_string());
-            PyKeyError::new_err(format!(
-                "{column} is not a column of this table{suggestion} table.columns lists all columns"
-            ))
-        })?;
+        let array = self
+            .batch
+            .column_by_name(column)
+            .ok_or_else(|| columns::unknown_column(column, &self.names(), "this table", "table.columns"))?;
         columns::column_array(py, array)
     }
 
@@ -151,6 +198,29 @@ impl Table {
         // The protocol allows a producer to ignore the requested schema.
         let _ = requested_schema;
         columns::arrow_stream(py, &self.batch)
+    }
+
+    /// Supports the dataframe interchange protocol through pyarrow, for libraries without Arrow's C stream interface.
+    ///
+    /// Raises ImportError without pyarrow.
+    #[pyo3(signature = (nan_as_null = false, allow_copy = true))]
+    fn __dataframe__<'py>(slf: &Bound<'py, Self>, nan_as_null: bool, allow_copy: bool) -> PyResult<Bound<'py, PyAny>> {
+        columns::interchange(slf.as_any(), nan_as_null, allow_copy)
+    }
+
+    /// Supports pickling, such as for other processes.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py, (Vec<SavedColumn<'py>>, String)>> {
+        let (py, table) = (slf.py(), slf.get());
+        let fields = table.batch.schema_ref().fields().iter().zip(table.batch.columns());
+        let saved = fields.map(|(field, array)| save_column(py, field.name(), array)).collect::<PyResult<Vec<_>>>()?;
+        Ok((py.get_type::<Self>().getattr("_restore")?, (saved, table.summary.clone())))
+    }
+
+    #[classmethod]
+    fn _restore(_class: &Bound<'_, PyType>, columns: Vec<SavedColumn<'_>>, summary: String) -> PyResult<Self> {
+        let restored = columns.into_iter().map(restore_column).collect::<PyResult<Vec<_>>>()?;
+        let (fields, arrays) = restored.into_iter().unzip();
+        Ok(Table { batch: columns::build_batch(fields, arrays)?, summary })
     }
 
     /// Writes the table as CSV or Parquet, by the suffix of the path. It replaces only a table of phalanx, or one with the same

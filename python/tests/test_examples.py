@@ -14,7 +14,7 @@ SHARED = {"grid.py"}
 class Examples(unittest.TestCase):
     def test_every_example_runs_and_writes_its_figure_or_table(self):
         scripts = sorted(path for path in EXAMPLES.glob("*.py") if path.name not in SHARED)
-        self.assertEqual(len(scripts), 8)
+        self.assertEqual(len(scripts), 9)
         for script in scripts:
             with self.subTest(script=script.name), tempfile.TemporaryDirectory() as directory:
                 table = script.stem in ("sobol_salib", "duckdb_parts")

@@ -13,6 +13,19 @@ FLAG = re.compile(_FLAG + "[a-z]")
 # Messages of these modules reach only the command line, or are parts of reports.
 OTHERS = {"cli", "docs", "live", "page", "report", "show", "tests"}
 
+# The message of this run names a flag.
+FOLD = """
+kind = "mechanism"
+duration = "200 ms"
+bodies.crank = { mass = "50 g", inertia = "2e-5 kg*m^2", guess = { angle = "1 rad" } }
+bodies.rod = { mass = "40 g", inertia = "5e-5 kg*m^2", guess = { at = ["16.2 mm", "25.2 mm"] } }
+bodies.rocker = { mass = "50 g", inertia = "2e-5 kg*m^2", guess = { at = ["50 mm", "0 mm"], angle = "1 rad" } }
+joints.a = { bodies = ["ground", "crank"], points = [["0 mm", "0 mm"], ["0 mm", "0 mm"]], start = "1 rad", start_rate = "-20 rad/s" }
+joints.b = { bodies = ["crank", "rod"], points = [["30 mm", "0 mm"], ["0 mm", "0 mm"]] }
+joints.c = { bodies = ["rod", "rocker"], points = [["50 mm", "0 mm"], ["30 mm", "0 mm"]] }
+joints.d = { bodies = ["ground", "rocker"], points = [["50 mm", "0 mm"], ["0 mm", "0 mm"]] }
+"""
+
 
 def messages() -> Iterator[str]:
     """Texts of the library with flags."""
@@ -79,6 +92,17 @@ class Messages(unittest.TestCase):
             with self.assertRaises(phalanx.PhalanxError) as raised:
                 call()
             self.assertNotRegex(str(raised.exception), FLAG)
+
+    def test_results_have_no_flags(self):
+        scene = phalanx.Scene.from_toml(FOLD)
+        batch = phalanx.SimulationBatch([scene])
+        batch.advance(1.0)
+        with self.assertRaises(phalanx.RunError) as raised:
+            phalanx.run(scene)
+        table = phalanx.evaluate(scene, {"duration": [0.2]})
+        for text in (batch.failures[0], str(raised.exception), str(raised.exception.result.summary["error"]), table["reason"][0]):
+            self.assertIn('model="engine"', text)
+            self.assertNotRegex(text, FLAG)
 
 
 if __name__ == "__main__":

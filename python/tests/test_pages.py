@@ -41,19 +41,22 @@ class Pages(unittest.TestCase):
 
     def test_search_of_the_tutorial_prints_what_the_page_shows(self):
         page = (ROOT / "book" / "pages" / "choosing.md").read_text()
-        command, shown = re.search(r"```sh\npython (-m phalanx\.optimize .*)\n```\n\n```text\n((?:.*\n)*?)```", page).groups()
+        command, shown = re.search(r"```sh\nphalanx optimize (.*)\n```\n\n```text\n((?:.*\n)*?)```", page).groups()
         with tempfile.TemporaryDirectory() as directory:
             for name, text in re.findall(r"^```toml file=(\S+)\n(.*?)^```$", page, re.DOTALL | re.MULTILINE):
                 (Path(directory) / name).write_text(text)
-            call = [sys.executable, *command.split()]
+            call = [sys.executable, "-m", "phalanx.optimize", *command.split()]
             result = subprocess.run(call, cwd=directory, capture_output=True, text=True, check=False)
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertIn(shown, result.stdout)
             self.assertEqual(len(list((Path(directory) / "best").iterdir())), 2)
 
     def test_first_plot_takes_five_lines(self):
-        first = BLOCK.findall((ROOT / "python" / "README.md").read_text())[0]
+        first = BLOCK.findall((BOOK / "python.md").read_text())[0]
         self.assertEqual(len(first.strip().splitlines()), 5)
+
+    def test_the_page_of_the_package_is_short(self):
+        self.assertLessEqual(len((ROOT / "python" / "README.md").read_text().splitlines()), 40)
 
 
 if __name__ == "__main__":

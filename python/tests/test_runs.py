@@ -5,12 +5,14 @@ import html
 import re
 import tempfile
 import unittest
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 import phalanx
 import polars
 import pyarrow
+import pyarrow.interchange
 from common import ANCHOR, DISCS, GRIPPER, command, document
 
 
@@ -52,7 +54,7 @@ class Runs(unittest.TestCase):
                 header, *rows = list(csv.reader(file))
             result = phalanx.run(ANCHOR)
             self.assertEqual(result.columns, header)
-            self.assertEqual(len(result), len(rows))
+            self.assertEqual(len(result.time), len(rows))
             for index, name in enumerate(header):
                 expected = np.array([float(row[index] or "nan") for row in rows])
                 np.testing.assert_array_equal(result[name], expected, err_msg=name)
@@ -76,6 +78,34 @@ class Runs(unittest.TestCase):
             q11[0] = 1.0
         with self.assertRaisesRegex(KeyError, "did you mean \"q11_rad\""):
             phalanx.run(ANCHOR)["q11_rd"]
+
+    def test_a_result_is_a_mapping(self):
+        result = phalanx.run(ANCHOR, duration="5 ms")
+        self.assertIsInstance(result, Mapping)
+        self.assertEqual(list(result), result.columns)
+        self.assertEqual((list(result.keys()), len(result)), (result.columns, len(result.columns)))
+        self.assertIn("q11_rad", result)
+        for missing in ("q11", 3, None):
+            self.assertNotIn(missing, result)
+            self.assertIsNone(result.get(missing))
+            self.assertEqual(result.get(missing, 7), 7)
+        self.assertEqual(address(result.get("q11_rad")), address(result["q11_rad"]))
+        self.assertEqual([address(column) for column in result.values()], [address(result[name]) for name in result])
+        self.assertEqual([name for name, _ in result.items()], result.columns)
+        self.assertEqual({**result}.keys(), result.keys())
+        match result:
+            case {"time_s": time, "q11_rad": _}:
+                np.testing.assert_array_equal(time, result.time)
+            case _:
+                self.fail("a result matches no mapping pattern")
+        for key in ("scene", "contacts", "energy", "criteria"):
+            self.assertIn(key, result.summary)
+
+    def test_columns_through_the_interchange_protocol(self):
+        result = phalanx.run(ANCHOR, duration="5 ms")
+        frame = pyarrow.interchange.from_dataframe(result)
+        self.assertEqual(frame.column_names, result.columns)
+        np.testing.assert_array_equal(frame["q11_rad"].to_numpy(), result["q11_rad"])
 
     def test_events_and_criteria(self):
         result = phalanx.run(ANCHOR)
@@ -151,7 +181,7 @@ class Runs(unittest.TestCase):
             phalanx.run(scene)
         result = caught.exception.result
         self.assertFalse(result.completed)
-        self.assertGreater(len(result), 20)
+        self.assertGreater(len(result.time), 20)
         self.assertLess(result.time[-1], 0.02)
         self.assertIn("not completed", repr(result))
 

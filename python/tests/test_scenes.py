@@ -30,7 +30,7 @@ class Scenes(unittest.TestCase):
                 self.assertEqual(restored.resolved, scene.resolved)
 
     def test_shipped_scenes_are_valid_by_the_schema(self):
-        schema = json.loads(command("scene", "schema"))
+        schema = json.loads(command("schema", "scene"))
         jsonschema.Draft7Validator.check_schema(schema)
         validator = jsonschema.Draft7Validator(schema)
         paths = [path for path in SCENES.glob("**/*.toml") if "studies" not in path.parts]

@@ -1,12 +1,11 @@
-"""Simulations that Python advances: inputs, copies, batches, and the environment of the examples."""
+"""Simulations that Python advances: inputs, observations, copies and batches."""
 
 import copy
-import importlib.util
 import unittest
 
 import numpy as np
 import phalanx
-from common import ANCHOR, ROOT, SCENES
+from common import ANCHOR, SCENES
 
 FINGER = SCENES / "mechanisms" / "f85-finger.toml"
 FAILS = SCENES / "hard" / "through-the-fold.toml"
@@ -62,6 +61,62 @@ class Simulations(unittest.TestCase):
         self.assertEqual(simulation.time, 4.321e-3)
         self.assertEqual(closed(simulation), expected)
 
+    def test_observations_are_arrays_in_the_order_of_the_columns(self):
+        columns = ["distal_normal_n", "q11_rad", "time_s", "q11_rad"]
+        simulation = phalanx.Simulation(ANCHOR)
+        simulation.advance(9e-3)
+        observation = simulation.observe(columns)
+        self.assertEqual((observation.dtype, observation.shape), (np.float64, (4,)))
+        self.assertEqual(list(observation), [simulation[column] for column in columns])
+        observation[0] = 0.0
+        self.assertNotEqual(simulation.observe(columns)[0], 0.0)
+        self.assertEqual(simulation.observe([]).shape, (0,))
+        batch = phalanx.SimulationBatch([ANCHOR] * 3)
+        batch.set_torque("motor", [0.3, 0.4, 0.5])
+        batch.advance(9e-3)
+        rows = batch.observe(columns)
+        self.assertEqual((rows.dtype, rows.shape), (np.float64, (3, 4)))
+        for index, column in enumerate(columns):
+            np.testing.assert_array_equal(rows[:, index], batch[column])
+        for owner in (simulation, batch):
+            with self.assertRaisesRegex(KeyError, "`q11_rd` is no column; did you mean `q11_rad`"):
+                owner.observe(["time_s", "q11_rd"])
+            with self.assertRaises(TypeError):
+                owner.observe("q11_rad")
+
+    def test_reset_returns_to_the_start(self):
+        simulation, new = phalanx.Simulation(ANCHOR), phalanx.Simulation(ANCHOR)
+        start = new.observe(new.columns)
+        simulation.set_torque("motor", 0.1)
+        simulation.advance(9e-3)
+        self.assertFalse(np.array_equal(simulation.observe(new.columns), start))
+        simulation.reset()
+        np.testing.assert_array_equal(simulation.observe(new.columns), start)
+        # The torque is that of the scene again, and a seed changes nothing.
+        for each in (simulation, new):
+            each.advance(9e-3)
+        np.testing.assert_array_equal(simulation.observe(new.columns), new.observe(new.columns))
+        simulation.reset(seed=7)
+        simulation.advance(9e-3)
+        np.testing.assert_array_equal(simulation.observe(new.columns), new.observe(new.columns))
+        failed = phalanx.Simulation(FAILS)
+        with self.assertRaises(phalanx.RunError):
+            failed.advance(1.0)
+        failed.reset()
+        failed.advance(1e-3)
+        self.assertEqual(failed.time, 1e-3)
+
+    def test_simulations_of_a_batch_are_reset_by_index(self):
+        batch = phalanx.SimulationBatch([ANCHOR] * 3)
+        batch.advance(2e-3)
+        batch.reset(indices=[1])
+        self.assertEqual(list(batch.time), [2e-3, 0.0, 2e-3])
+        with self.assertRaisesRegex(IndexError, "no simulation 3"):
+            batch.reset(indices=[0, 3])
+        self.assertEqual(list(batch.time), [2e-3, 0.0, 2e-3])
+        batch.reset(seed=1)
+        self.assertEqual(list(batch.time), [0.0] * 3)
+
     def test_errors_name_what_is_allowed_and_when(self):
         simulation = phalanx.Simulation(FAILS)
         with self.assertRaises(phalanx.RunError) as caught:
@@ -99,33 +154,6 @@ class Simulations(unittest.TestCase):
             self.assertEqual(list(batch.time), [0.0] * 6)
         with self.assertRaisesRegex(phalanx.SceneError, "6 simulations, but 2"):
             batch.set_torque("motor", [0.1, 0.2])
-
-    def test_the_environment_of_the_examples(self):
-        path = ROOT / "python" / "examples" / "grasp_environment.py"
-        specification = importlib.util.spec_from_file_location("grasp_environment", path)
-        example = importlib.util.module_from_spec(specification)
-        specification.loader.exec_module(example)
-        environment = example.GraspEnvironment()
-
-        def episode(torque):
-            observation, _ = environment.reset(seed=1)
-            self.assertTrue(environment.observation_space.contains(observation))
-            rewards, done = [], False
-            while not done:
-                action = np.full(2, torque)
-                self.assertTrue(environment.action_space.contains(action))
-                observation, reward, terminated, truncated, information = environment.step(action)
-                self.assertTrue(environment.observation_space.contains(observation))
-                rewards.append(reward)
-                done = terminated or truncated
-            return rewards, information
-
-        rewards, information = episode(0.48)
-        self.assertTrue(information["grasped"], information)
-        self.assertGreater(sum(rewards), 5.0)
-        self.assertEqual(episode(0.48)[0], rewards)
-        self.assertLess(sum(episode(0.0)[0]), 0.0)
-        self.assertTrue(environment.action_space.contains(environment.action_space.sample()))
 
 
 if __name__ == "__main__":

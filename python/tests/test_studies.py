@@ -10,6 +10,7 @@ import numpy as np
 import pandas
 import phalanx
 import pyarrow
+import pyarrow.interchange
 from common import ANCHOR, GRIPPER, SCENES, THESIS, command
 
 
@@ -151,6 +152,9 @@ class Sweep(unittest.TestCase):
         memory.register("runs", table)
         self.assertEqual(memory.sql("select count(*) from runs").fetchall(), [(30,)])
         self.assertEqual(table.to_polars().height, 30)
+        frame = pyarrow.interchange.from_dataframe(table)
+        self.assertEqual((frame.num_rows, frame.column_names), (30, table.columns))
+        self.assertEqual(frame["class"].to_pylist(), pyarrow.table(table)["class"].to_pylist())
         self.assertEqual(table["run"].dtype, np.int64)
         self.assertEqual(table["force_positive"].dtype, bool)
         self.assertIn("completed", repr(table))

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::scene::Scene;
-use crate::trace::{Model, Simulation, SimulationError};
+use crate::trace::{Action, Model, Simulation, SimulationError};
 use phalanx_parallel::on_all_cores;
 
 /// Creates one simulation for each scene.
@@ -34,6 +34,26 @@ pub fn advance(
 /// See [`Simulation::get`].
 pub fn read(simulations: &mut [Simulation], column: &str) -> Result<Vec<f64>, SimulationError> {
     on_all_cores(|| simulations.par_iter_mut().map(|simulation| simulation.get(column)).collect())
+}
+
+/// Returns numbers of the sample of each simulation, in the order of these columns.
+///
+/// # Errors
+/// See [`Simulation::get`].
+pub fn observe(simulations: &mut [Simulation], columns: &[String]) -> Result<Vec<Vec<f64>>, SimulationError> {
+    on_all_cores(|| simulations.par_iter_mut().map(|simulation| simulation.observe(columns)).collect())
+}
+
+/// Repeats the actions of other simulations on new ones; see [`Simulation::repeat`]. `actions` has a list for each.
+///
+/// # Errors
+/// See [`Simulation::repeat`].
+pub fn repeat(
+    simulations: &mut [Simulation],
+    actions: &[Vec<Action>],
+    keep_running: &(dyn Fn() -> bool + Sync),
+) -> Result<(), SimulationError> {
+    each(simulations, |index, simulation| simulation.repeat(&actions[index], &|| keep_running()))
 }
 
 /// Restores the states of the simulations with these indices.

@@ -315,3 +315,36 @@ fn a_motor_at_rest_can_be_driven() {
         assert_below((angle - expected).abs(), 1e-6, format!("{} model: {angle}", model.name()));
     }
 }
+
+#[test]
+fn repeated_actions_give_the_same_bits() {
+    let scenes = ["experiment-95", "gripper/cycle", "mechanisms/two-pivot"];
+    for (name, model) in scenes.map(|name| (name, Model::Analytic)).into_iter().chain([(scenes[0], Model::Engine)]) {
+        let scene = scene::load_any(format!("scenes/{name}.toml")).unwrap_or_else(|error| panic!("{error}"));
+        let new = || Simulation::new(&scene, model).unwrap_or_else(|error| panic!("{error}"));
+        let mut simulation = new();
+        let input = simulation.torque_inputs().next().map(str::to_string);
+        for piece in 1..=40 {
+            advance_to(&mut simulation, 3e-4 * f64::from(piece));
+            if let Some(input) = &input {
+                let set = simulation.set_torque(input, 0.1 + 0.01 * f64::from(piece / 4));
+                set.unwrap_or_else(|error| panic!("{error}"));
+            }
+        }
+        let actions = simulation.actions().unwrap_or_default();
+        assert!(actions.len() > usize::from(input.is_some()) * 20);
+        let mut repeated = new();
+        repeated.repeat(actions, &|| true).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((repeated.sample(), repeated.events()), (simulation.sample(), simulation.events()), "{name}");
+        for simulation in [&mut simulation, &mut repeated] {
+            advance_to(simulation, 0.015);
+        }
+        assert_eq!(repeated.sample(), simulation.sample(), "{name}");
+    }
+}
+
+#[test]
+fn an_unknown_column_has_a_suggestion() {
+    let error = start(&experiment_95()).observe(&["q11_rad".into(), "q11_rd".into()]).unwrap_err();
+    assert!(error.to_string().contains("`q11_rd` is no column; did you mean `q11_rad`?"), "{error}");
+}

@@ -38,7 +38,7 @@ pub use reach::{Exit, Reach};
 pub use recording::{Recording, record};
 pub use sample::{Event, EventKind, FingerContact, Sample, interpolate};
 pub use schema::{BodyState, Channel, ContactName, ContactSample, Counts, Energy, FingerState, JointState, Schema};
-pub use simulation::{Simulation, SimulationError};
+pub use simulation::{Action, Simulation, SimulationError};
 pub use sink::{Cancellable, KeepRunning, RequiredData, Sink, SinkError};
 
 // What the derivatives of a run need of it.

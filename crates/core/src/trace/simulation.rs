@@ -9,9 +9,9 @@ use super::schema::{Channel, ContactSample, Schema};
 use super::stepper::{Interruption, Stepper};
 use super::{KeepRunning, Model, RequiredData, RunError, Sink, SinkError, build, check_supported};
 use crate::drive::{Interpolation, Profile};
-use crate::integrator::Failure;
+use crate::integrator::{Failure, Reason};
 use crate::mechanism::{Actuator, Command};
-use crate::scene::Scene;
+use crate::scene::{Scene, closest_match};
 
 /// Time after which a target stops that was set with a rate, s.
 const MOVING_TARGET_S: f64 = 1e4;
@@ -33,9 +33,21 @@ pub struct Simulation {
     stepper: Box<dyn Stepper>,
     time_s: f64,
     events: Vec<Event>,
+    actions: Vec<Action>,
     failure: Option<Failure>,
     /// Sample at the present time, once it has been read.
     sample: OnceCell<Sample>,
+}
+
+/// A call that has changed a simulation. The same actions on a new simulation give the same bits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// Advance to a time, s.
+    Advance(f64),
+    /// Torque of the actuator with this index, N·m or N.
+    Torque(usize, f64),
+    /// Target of the actuator with this index and its rate.
+    Target(usize, f64, f64),
 }
 
 impl Clone for Simulation {
@@ -48,6 +60,7 @@ impl Clone for Simulation {
             stepper: self.stepper.clone_boxed(),
             time_s: self.time_s,
             events: self.events.clone(),
+            actions: self.actions.clone(),
             failure: self.failure.clone(),
             sample: self.sample.clone(),
         }
@@ -165,6 +178,7 @@ impl Simulation {
             stepper,
             time_s: 0.0,
             events,
+            actions: Vec::new(),
             failure: None,
             sample: OnceCell::new(),
         })
@@ -194,6 +208,44 @@ impl Simulation {
         self.check_state(state)?;
         self.clone_from(state);
         Ok(())
+    }
+
+    /// Actions since the start, without those that have changed nothing; none if an observer has ended a step, which
+    /// cannot be repeated.
+    pub fn actions(&self) -> Option<&[Action]> {
+        let is_stopped = self.failure.as_ref().is_some_and(|failure| failure.reason == Reason::Stopped);
+        (!is_stopped).then_some(&self.actions)
+    }
+
+    /// Repeats the actions of another simulation of the same scene and model; on a new simulation, this gives the same bits.
+    /// A failure is repeated as well, and is no error.
+    ///
+    /// # Errors
+    /// Returns an error for an action that this simulation does not have.
+    pub fn repeat(&mut self, actions: &[Action], keep_running: KeepRunning<'_>) -> Result<(), SimulationError> {
+        for action in actions {
+            let result = match *action {
+                Action::Advance(time_s) => self.advance_while(time_s, keep_running),
+                Action::Torque(index, torque) => self.input_name(index).and_then(|name| self.set_torque(&name, torque)),
+                Action::Target(index, target, rate) => {
+                    self.input_name(index).and_then(|name| self.set_target(&name, target, rate))
+                }
+            };
+            match result {
+                Err(SimulationError::Failed(_)) => return Ok(()),
+                result => result?,
+            }
+        }
+        Ok(())
+    }
+
+    fn input_name(&self, index: usize) -> Result<String, SimulationError> {
+        let input = self.inputs.get(index).map(|input| input.name.clone());
+        input.ok_or_else(|| SimulationError::Input(format!("there is no actuator with the index {index}")))
+    }
+
+    pub fn model(&self) -> Model {
+        self.origin.model
     }
 
     /// Present time, s.
@@ -257,9 +309,20 @@ impl Simulation {
             Some(channel) => Ok(channel.value(self.sample())),
             None => {
                 let names: Vec<&str> = self.channels.iter().map(|channel| &channel.name[..]).collect();
-                Err(SimulationError::Input(format!("`{column}` is no column; columns: {}", names.join(", "))))
+                let similar = closest_match(column, &names);
+                let suggestion = similar.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default();
+                let message = format!("`{column}` is no column{suggestion}; columns: {}", names.join(", "));
+                Err(SimulationError::Input(message))
             }
         }
+    }
+
+    /// Returns numbers of the sample in the order of these columns.
+    ///
+    /// # Errors
+    /// See [`Simulation::get`].
+    pub fn observe(&self, columns: &[String]) -> Result<Vec<f64>, SimulationError> {
+        columns.iter().map(|column| self.get(column)).collect()
     }
 
     /// Returns the contacts of the scene with their names.
@@ -302,12 +365,24 @@ impl Simulation {
                 "the simulation is at {now_s} s and cannot advance to {time_s} s; give a finite time that is not earlier"
             )));
         }
-        if self.is_within_step(time_s) {
+        let is_within_step = self.is_within_step(time_s);
+        if self.failure.is_none() {
+            self.record_advance(time_s);
+        }
+        if is_within_step {
             self.sample.take();
             self.time_s = time_s;
             return Ok(());
         }
         self.step(time_s, |stepper, sink| stepper.advance(time_s, sink), keep_running)
+    }
+
+    /// Records an advance. It replaces the one before where the division of time has no effect.
+    fn record_advance(&mut self, time_s: f64) {
+        match self.actions.last_mut() {
+            Some(Action::Advance(last_s)) if self.origin.model == Model::Analytic => *last_s = time_s,
+            _ => self.actions.push(Action::Advance(time_s)),
+        }
     }
 
     /// Sets the torque of an actuator, N·m (of a prismatic joint: the force, N), from now on.
@@ -357,6 +432,14 @@ impl Simulation {
         };
         input.profile.clone_from(&profile);
         let index = input.index;
+        if self.failure.is_none() {
+            let [value, rate] = values;
+            self.actions.push(if is_servo {
+                Action::Target(position, value, rate)
+            } else {
+                Action::Torque(position, value)
+            });
+        }
         self.step(time_s, |stepper, sink| stepper.set_input(time_s, index, profile, sink), &|| true)
     }
 

@@ -58,7 +58,7 @@ impl ValueType {
     }
 
     /// The same type with the dimension for a joint that slides or turns, if the dimension depends on it.
-    pub(crate) fn of_joint(&self, is_linear: bool) -> Self {
+    pub fn of_joint(&self, is_linear: bool) -> Self {
         match self {
             ValueType::OneOf(dimensions) => {
                 let of_joint = dimensions.iter().find(|dimension| dimension.is_linear() == is_linear);

@@ -138,7 +138,7 @@ impl Dimension {
     }
 
     /// Whether the quantity belongs to translation, where there is one of rotation as well.
-    pub(crate) fn is_linear(self) -> bool {
+    pub fn is_linear(self) -> bool {
         use Dimension as D;
         matches!(
             self,
