@@ -672,7 +672,7 @@ def statics(
     within: _Quantity | None = None,
     object: str | None = None,
     base: str | None = None,
-    every: str | None = None,
+    every: _Quantity | None = None,
 ) -> Statics:
     """Computes the static grasp of a scene (`phalanx statics --json`): forces, closure, and allowable acceleration.
 

@@ -55,7 +55,7 @@ pub fn statics<'py>(
     within: Option<&Bound<'_, PyAny>>,
     object: Option<&str>,
     base: Option<&str>,
-    every: Option<&str>,
+    every: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let scene = scene.get(py)?;
     let argument_error = |message: String| errors::argument(py, message);
@@ -75,7 +75,8 @@ pub fn statics<'py>(
         ("base", base.is_some()),
         ("every", every.is_some()),
     ];
-    let directions = parse_direction_count(every.unwrap_or("15 deg")).map_err(argument_error)?;
+    let every = every.map(|angle| conversion::quantity_text(angle, Dimension::Angle)).transpose()?;
+    let directions = parse_direction_count(every.as_deref().unwrap_or("15 deg")).map_err(argument_error)?;
     let at_s = optional_positive(py, "at", at, Dimension::Time)?;
     let within_m = optional_positive(py, "within", within, Dimension::Length)?;
     match scene.scene.finger_count() {

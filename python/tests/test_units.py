@@ -130,6 +130,8 @@ class Units(unittest.TestCase):
         np.testing.assert_array_equal(first.observe(["q11_rad"]), second.observe(["q11_rad"]))
 
     def test_documents(self):
+        texts, numbers = (phalanx.statics(LIFT, at="250 ms", every="30 deg"), phalanx.statics(LIFT, at=0.25, every=np.pi / 6))
+        self.assertEqual(texts, numbers)
         for function, arguments, texts, numbers in (
             (phalanx.statics, (ANCHOR,), {"motor": "500 N*mm"}, {"motor": 0.5}),
             (phalanx.statics, (GRIPPER,), {"at": "20 ms", "within": "0.1 mm"}, {"at": 0.02, "within": 1e-4}),
