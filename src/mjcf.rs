@@ -90,7 +90,7 @@ pub fn mujoco_model(name: &str, mechanism: &Mechanism, duration_s: f64) -> Resul
         writer.element("compiler angle=\"radian\" autolimits=\"true\"");
         let [x, y] = mechanism.gravity_m_s2;
         writer.element(&format!(
-            "option timestep=\"1e-4\" gravity=\"{x} {y} 0\" integrator=\"implicitfast\" cone=\"elliptic\" \
+            "option timestep=\"1e-4\" gravity=\"{x:?} {y:?} 0\" integrator=\"implicitfast\" cone=\"elliptic\" \
              iterations=\"100\" tolerance=\"1e-12\""
         ));
         writer.nest("default", |writer| {
@@ -389,7 +389,7 @@ fn control(actuator: &Actuator, t: f64) -> f64 {
 }
 
 fn join(numbers: &[f64]) -> String {
-    numbers.iter().map(f64::to_string).collect::<Vec<_>>().join(" ")
+    numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" ")
 }
 
 struct Writer<'a> {
@@ -460,7 +460,7 @@ impl Writer<'_> {
         let base = parent.map_or([0.0; 3], |parent| self.start.poses[parent]);
         let ([x, y], angle) = relative_pose(base, self.start.poses[index]);
         let (name, mocap) = (&self.names.bodies[index], if body.motion.is_some() { " mocap=\"true\"" } else { "" });
-        self.nest(&format!("body name=\"{name}\" pos=\"{x} {y} 0\" euler=\"0 0 {angle}\"{mocap}"), |writer| {
+        self.nest(&format!("body name=\"{name}\" pos=\"{x:?} {y:?} 0\" euler=\"0 0 {angle:?}\"{mocap}"), |writer| {
             joints(writer);
             if body.motion.is_none() {
                 writer.inertia(body);
@@ -476,7 +476,7 @@ impl Writer<'_> {
         // The moment of inertia of a body that does not rotate has no effect.
         let inertia = if body.rotates() { body.inertia_kg_m2 } else { mass };
         self.element(&format!(
-            "inertial pos=\"{x} {y} 0\" mass=\"{mass}\" diaginertia=\"{inertia} {inertia} {inertia}\""
+            "inertial pos=\"{x:?} {y:?} 0\" mass=\"{mass:?}\" diaginertia=\"{inertia:?} {inertia:?} {inertia:?}\""
         ));
     }
 
@@ -488,11 +488,11 @@ impl Writer<'_> {
         self.body(index, None, placed, |writer| {
             // Axes are in the frame of the body at the start.
             let (sin, cos) = sin_cos(pose[2]);
-            let slides = [[cos, -sin], [sin, cos]].map(|[x, y]| format!("slide\" axis=\"{x} {y} 0"));
+            let slides = [[cos, -sin], [sin, cos]].map(|[x, y]| format!("slide\" axis=\"{x:?} {y:?} 0"));
             let kinds = slides.into_iter().chain(["hinge\" axis=\"0 0 1".to_owned()]);
             for (axis, kind) in kinds.enumerate().take(axes) {
                 let name = &names.coordinates[index][axis];
-                writer.element(&format!("joint name=\"{name}\" type=\"{kind}\" ref=\"{}\"", pose[axis]));
+                writer.element(&format!("joint name=\"{name}\" type=\"{kind}\" ref=\"{:?}\"", pose[axis]));
                 writer.positions.push(pose[axis]);
                 writer.rates.push(rate[axis]);
             }
@@ -509,7 +509,7 @@ impl Writer<'_> {
             JointKind::Prismatic { axis_rad } => {
                 // The axis is fixed in the first body; both bodies keep their relative angle.
                 let (sin, cos) = sin_cos(if is_second { axis_rad - joint.offset_rad } else { axis_rad });
-                ("slide", format!("{} {} 0", sign * cos, sign * sin))
+                ("slide", format!("{:?} {:?} 0", sign * cos, sign * sin))
             }
         };
         let (position, rate) = self.start.joint(joint);
@@ -528,16 +528,16 @@ impl Writer<'_> {
         // The largest friction, without the range in which it sticks.
         let friction = joint.friction.map_or(0.0, |friction| friction.mu_static);
         let mut text = format!(
-            "joint name=\"{}\" type=\"{kind}\" pos=\"{x} {y} 0\" axis=\"{axis}\" ref=\"{position}\" damping=\"{damping}\" \
-             armature=\"{}\" frictionloss=\"{friction}\"",
+            "joint name=\"{}\" type=\"{kind}\" pos=\"{x:?} {y:?} 0\" axis=\"{axis}\" ref=\"{position:?}\" damping=\"{damping:?}\" \
+             armature=\"{:?}\" frictionloss=\"{friction:?}\"",
             self.names.joints[index], joint.armature
         );
         if stiffness > 0.0 {
-            let _ = write!(text, " stiffness=\"{stiffness}\" springref=\"{}\"", effort_at_zero / stiffness);
+            let _ = write!(text, " stiffness=\"{stiffness:?}\" springref=\"{:?}\"", effort_at_zero / stiffness);
         }
         if joint.limit.is_some() && (joint.lower.is_some() || joint.upper.is_some()) {
             let (lower, upper) = (joint.lower.unwrap_or(-UNLIMITED), joint.upper.unwrap_or(UNLIMITED));
-            let _ = write!(text, " range=\"{lower} {upper}\"");
+            let _ = write!(text, " range=\"{lower:?} {upper:?}\"");
         }
         self.element(&text);
     }
@@ -558,7 +558,7 @@ impl Writer<'_> {
             let SpringKind::Linear { bodies, points_m } = spring.kind else { continue };
             for end in (0..2).filter(|end| bodies[*end] == body) {
                 let [x, y] = points_m[end];
-                self.element(&format!("site name=\"{}\" pos=\"{x} {y} 0\"", self.names.sites[index][end]));
+                self.element(&format!("site name=\"{}\" pos=\"{x:?} {y:?} 0\"", self.names.sites[index][end]));
             }
         }
     }
@@ -597,7 +597,7 @@ impl Writer<'_> {
                 let friction = contact.law.friction.map_or(0.0, |friction| friction.mu_static);
                 let condim = if friction > 0.0 { 3 } else { 1 };
                 writer.element(&format!(
-                    "pair geom1=\"{first}\" geom2=\"{second}\" condim=\"{condim}\" friction=\"{friction} {friction} 0 0 0\""
+                    "pair geom1=\"{first}\" geom2=\"{second}\" condim=\"{condim}\" friction=\"{friction:?} {friction:?} 0 0 0\""
                 ));
             }
         });
@@ -621,7 +621,7 @@ impl Writer<'_> {
                 for (key, side) in [("body1", own), ("body2", other)] {
                     let _ = body(side).map(|name| write!(text, " {key}=\"{name}\""));
                 }
-                writer.element(&format!("{text} anchor=\"{x} {y} 0\""));
+                writer.element(&format!("{text} anchor=\"{x:?} {y:?} 0\""));
             }
             for (index, coupling) in mechanism.couplings.iter().enumerate() {
                 if writer.has_joints(&coupling.on) {
@@ -674,7 +674,7 @@ impl Writer<'_> {
         self.nest(&format!("fixed name=\"{name}\"{properties}"), |writer| {
             for (joint, factor) in &on.terms {
                 let name = &writer.names.joints[*joint];
-                writer.element(&format!("joint joint=\"{name}\" coef=\"{factor}\""));
+                writer.element(&format!("joint joint=\"{name}\" coef=\"{factor:?}\""));
             }
         });
     }
@@ -698,15 +698,15 @@ impl Writer<'_> {
                 }
                 let (gain, [constant, by_position, by_rate]) = gains(actuator);
                 let mut text = format!(
-                    "general name=\"{}\" {} gaintype=\"fixed\" gainprm=\"{gain}\" biastype=\"affine\" biasprm=\"{constant} \
-                     {by_position} {by_rate}\"",
+                    "general name=\"{}\" {} gaintype=\"fixed\" gainprm=\"{gain:?}\" biastype=\"affine\" biasprm=\"{constant:?} \
+                     {by_position:?} {by_rate:?}\"",
                     names.actuators[index],
                     writer.transmission(&names.combinations[index], &actuator.on),
                 );
                 if let Some(limit) = actuator.limit {
                     // The limit bounds an effort before it changes with the speed.
                     let range = if matches!(actuator.command, Command::Effort(_)) { "ctrlrange" } else { "forcerange" };
-                    let _ = write!(text, " {range}=\"{} {limit}\"", -limit);
+                    let _ = write!(text, " {range}=\"{:?} {limit:?}\"", -limit);
                 }
                 writer.element(&text);
                 controls.push(control(actuator, 0.0));
@@ -762,29 +762,29 @@ fn gains(actuator: &Actuator) -> (f64, [f64; 3]) {
 fn spring_properties(spring: &Spring, rest: f64) -> String {
     // A length of −1 stands for that of the start.
     let rest = if rest == -1.0 { rest.next_down() } else { rest };
-    format!(" stiffness=\"{}\" damping=\"{}\" springlength=\"{rest}\"", spring.stiffness, spring.damping)
+    format!(" stiffness=\"{:?}\" damping=\"{:?}\" springlength=\"{rest:?}\"", spring.stiffness, spring.damping)
 }
 
 /// Attributes of an outline.
 fn geom(name: &str, shape: &OutlineShape, is_of_body: bool) -> String {
     match *shape {
         OutlineShape::Disc { center_m: [x, y], radius_m } => {
-            format!("type=\"sphere\" pos=\"{x} {y} 0\" size=\"{radius_m}\"")
+            format!("type=\"sphere\" pos=\"{x:?} {y:?} 0\" size=\"{radius_m:?}\"")
         }
         OutlineShape::Capsule { from_m: [x0, y0], to_m: [x1, y1], radius_m } => {
-            format!("type=\"capsule\" fromto=\"{x0} {y0} 0 {x1} {y1} 0\" size=\"{radius_m}\"")
+            format!("type=\"capsule\" fromto=\"{x0:?} {y0:?} 0 {x1:?} {y1:?} 0\" size=\"{radius_m:?}\"")
         }
         OutlineShape::Ellipse { center_m: [x, y], semi_axes_m: [a, b], angle_rad } => {
-            format!("type=\"ellipsoid\" pos=\"{x} {y} 0\" euler=\"0 0 {angle_rad}\" size=\"{a} {b} {}\"", a.min(b))
+            format!("type=\"ellipsoid\" pos=\"{x:?} {y:?} 0\" euler=\"0 0 {angle_rad:?}\" size=\"{a:?} {b:?} {:?}\"", a.min(b))
         }
         OutlineShape::Polygon { .. } => format!("type=\"mesh\" mesh=\"{name}\""),
         OutlineShape::HalfPlane { point_m, normal } if is_of_body => {
             let [x, y] = sub(point_m, scale(normal, PLANE_BOX_M));
             let (angle, half) = (atan2(normal[1], normal[0]), PLANE_BOX_M);
-            format!("type=\"box\" pos=\"{x} {y} 0\" euler=\"0 0 {angle}\" size=\"{half} {half} {half}\"")
+            format!("type=\"box\" pos=\"{x:?} {y:?} 0\" euler=\"0 0 {angle:?}\" size=\"{half:?} {half:?} {half:?}\"")
         }
         OutlineShape::HalfPlane { point_m: [x, y], normal: [nx, ny] } => {
-            format!("type=\"plane\" pos=\"{x} {y} 0\" zaxis=\"{nx} {ny} 0\" size=\"1 1 0.1\"")
+            format!("type=\"plane\" pos=\"{x:?} {y:?} 0\" zaxis=\"{nx:?} {ny:?} 0\" size=\"1 1 0.1\"")
         }
     }
 }
