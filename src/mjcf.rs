@@ -775,7 +775,10 @@ fn geom(name: &str, shape: &OutlineShape, is_of_body: bool) -> String {
             format!("type=\"capsule\" fromto=\"{x0:?} {y0:?} 0 {x1:?} {y1:?} 0\" size=\"{radius_m:?}\"")
         }
         OutlineShape::Ellipse { center_m: [x, y], semi_axes_m: [a, b], angle_rad } => {
-            format!("type=\"ellipsoid\" pos=\"{x:?} {y:?} 0\" euler=\"0 0 {angle_rad:?}\" size=\"{a:?} {b:?} {:?}\"", a.min(b))
+            format!(
+                "type=\"ellipsoid\" pos=\"{x:?} {y:?} 0\" euler=\"0 0 {angle_rad:?}\" size=\"{a:?} {b:?} {:?}\"",
+                a.min(b)
+            )
         }
         OutlineShape::Polygon { .. } => format!("type=\"mesh\" mesh=\"{name}\""),
         OutlineShape::HalfPlane { point_m, normal } if is_of_body => {

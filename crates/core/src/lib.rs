@@ -1,6 +1,8 @@
 //! The computations of phalanx without files, threads and clocks: both models of a scene, their runs, and the
 //! evaluation of grasps.
 //!
+//! Internal to phalanx: its interface may change with any version. Programs use the crate `phalanx`.
+//!
 //! Modules depend on each other in one direction only: `analytic, engine ← trace, drawing ← criteria ← gradient,
 //! invariants, check ← grasp`. All of them use the crates `phalanx-integrator` and `phalanx-scene`. The crate `phalanx` adds files, logs,
 //! studies and the command line.

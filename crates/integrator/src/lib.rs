@@ -1,5 +1,7 @@
 //! Stiff integration of small hybrid second-order systems q̇ = v, v̇ = a(t, q, v).
 //!
+//! Internal to phalanx: its interface may change with any version. Programs use the crate `phalanx`.
+//!
 //! A [`Layout`] gives the number of coordinates and of quadratures (ż = g(t, q, v), integrated but never fed back): constants
 //! of its type, or numbers at run time. Within a step there is no allocation and no dynamic dispatch.
 

@@ -1,5 +1,7 @@
 //! Logs: one MCAP file per run, with protobuf channels and embedded descriptors. [`run_to`] writes one.
 //!
+//! Internal to phalanx: its interface may change with any version. Programs use the crate `phalanx`.
+//!
 //! Topics and fields of phalanx' own messages are the subjects and quantities of [`Schema`](phalanx_core::trace::Schema).
 //! Quantities that follow from others, such as the sliding power of a contact, are computed on reading.
 //!

@@ -1,4 +1,6 @@
 //! Progress, interruption and parallel execution of a computation.
+//!
+//! Internal to phalanx: its interface may change with any version. Programs use the crate `phalanx`.
 
 use std::env;
 use std::num::NonZeroUsize;

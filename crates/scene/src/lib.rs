@@ -1,5 +1,7 @@
 //! Scenes: descriptions of simulations, as text and in SI units. The crate `phalanx-core` simulates them.
 //!
+//! Internal to phalanx: its interface may change with any version. Programs use the crate `phalanx`.
+//!
 //! Modules depend on each other in one direction only: `limits, units ← scene`; `scene` uses the crate
 //! `phalanx-mechanics`.
 

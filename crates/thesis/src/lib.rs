@@ -1,5 +1,7 @@
 //! Reproduction of the master's thesis "Dynamic grasping of objects with a high-speed parallel robot".
 //!
+//! Internal to phalanx: its interface may change with any version. Programs use the crate `phalanx`.
+//!
 //! | module | content |
 //! |---|---|
 //! | [`volume`] | grasp-state volumes: designs that hold the object |

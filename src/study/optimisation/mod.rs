@@ -65,7 +65,7 @@ pub struct Constraint {
     pub at_most: Option<f64>,
     /// A text or a flag.
     pub equals: Option<Json>,
-    /// Index of the worst class allowed, in the order of [`Class::ALL`].
+    /// Index of the worst class allowed, in the order of `Class::ALL`.
     pub worst_class: Option<usize>,
 }
 
@@ -97,6 +97,6 @@ pub struct Optimisation {
     pub method: Method,
     /// Column with the verdict of a run; `None` for scenes without a grasp.
     pub verdict: Option<&'static str>,
-    /// Keys of the study file without [scene] and [set].
+    /// Keys of the study file without `scene` and `set`.
     pub keys: toml::Table,
 }

@@ -332,7 +332,8 @@ fn skeleton(
     let spools = mechanism.tendons.iter().flat_map(|tendon| &tendon.joints);
     let spools = spools.map(|(joint, radius_m)| (&mechanism.joints[*joint], radius_m.abs()));
     let spools = spools.filter(|(joint, _)| joint.kind.is_angle() && is_of_body(joint));
-    let mut drawn: Vec<Vec<[f64; 2]>> = spools.map(|(joint, radius_m)| circle_m(joint.points_m[side(joint)], radius_m)).collect();
+    let mut drawn: Vec<Vec<[f64; 2]>> =
+        spools.map(|(joint, radius_m)| circle_m(joint.points_m[side(joint)], radius_m)).collect();
     match pins {
         [] => {}
         [pin] => drawn.push(circle_m(*pin, pin_m)),
@@ -342,7 +343,8 @@ fn skeleton(
         for joint in mechanism.joints.iter().filter(is_of_body) {
             if let Some(axis_rad) = joint.kind.axis_rad() {
                 let (sin, cos) = sin_cos(axis_rad - joint.offset_rad);
-                let corner = |[x, y]: [f64; 2]| add(joint.points_m[side(joint)], rotate([x * pin_m, y * pin_m], [cos, sin]));
+                let corner =
+                    |[x, y]: [f64; 2]| add(joint.points_m[side(joint)], rotate([x * pin_m, y * pin_m], [cos, sin]));
                 drawn.push([[-3.0, -2.0], [3.0, -2.0], [3.0, 2.0], [-3.0, 2.0]].map(corner).to_vec());
             }
         }
