@@ -236,7 +236,7 @@ const FORMER_NAMES: [(&str, &str); 11] = [
     ("--html", "--plot FILE.html"),
     ("--svg", "--plot FILE.svg"),
     ("--figure", "--plot FILE.svg"),
-    ("--live", "--plot FILE.html for a page, or --log FILE.mcap for the Foxglove app"),
+    ("--live", "--log FILE.mcap"),
     ("--color-by", "--colour-by"),
 ];
 

@@ -193,7 +193,7 @@ fn former_names_answer_with_the_present_ones() {
         (&["run", EXPERIMENT_95, "--html", "x.html"], "--plot FILE.html"),
         (&["hold", EXPERIMENT_95, "--svg=x.svg"], "--plot FILE.svg"),
         (&["scene", "show", EXPERIMENT_95, "--figure", "x.svg"], "--plot FILE.svg"),
-        (&["run", EXPERIMENT_95, "--live"], "--log FILE.mcap for the Foxglove app"),
+        (&["run", EXPERIMENT_95, "--live"], "--log FILE.mcap"),
     ] {
         assert_rejected(args, &[&format!("it is now `{present}")]);
     }
