@@ -33,7 +33,8 @@ if [ "${1:-}" = crates ]; then
     cp "${CARGO_TARGET_DIR:-target}/release/phalanx-explorer.wasm.gz" explorer.wasm.gz
     # The package of Python is published as wheels.
     cargo package --workspace --exclude phalanx-python --locked --allow-dirty
-    if ! tar -tzf "${CARGO_TARGET_DIR:-target}/package/phalanx-$version.crate" | grep --quiet '/explorer.wasm.gz$'; then
+    crate=${CARGO_TARGET_DIR:-target}/package/phalanx-$version.crate
+    if ! tar -tzf "$crate" "phalanx-$version/explorer.wasm.gz" >/dev/null; then
         echo "phalanx-$version.crate does not contain the module of the explorer" >&2
         exit 1
     fi
