@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Simulates a scene with MuJoCo and with phalanx, and prints time and difference of both.
 
-    tools/mujoco_beside.py [SCENE] [--json FILE] [--repetitions N] [--published]
+    tools/mujoco_beside.py [SCENE] [--json FILE] [--repetitions N] [--steps S ...] [--published]
 
 SCENE is any scene file (default: scenes/experiment-95.toml). `phalanx scene export` writes its MuJoCo model: the same bodies, joints,
 springs and actuators. Loops are `connect` constraints, and contacts, limits and friction are MuJoCo's own: soft constraints with the
@@ -26,7 +26,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PHALANX = os.environ.get("PHALANX", str(ROOT / "target" / "release" / "phalanx"))
-# Time steps of MuJoCo, s.
+# Default time steps of MuJoCo, s.
 STEPS_S = (1e-4, 1e-5, 1e-6)
 INTEGRATORS = ("implicitfast", "RK4")
 # Interval of the compared samples, s.
@@ -121,6 +121,7 @@ def main():
     parser.add_argument("scene", nargs="?", default=ROOT / "scenes" / "experiment-95.toml")
     parser.add_argument("--json", type=Path, help="also write the rows to this file")
     parser.add_argument("--repetitions", type=int, default=9, help="runs that are timed")
+    parser.add_argument("--steps", nargs="+", type=float, default=STEPS_S, metavar="S", help="time steps of MuJoCo, s")
     parser.add_argument("--only", nargs="+", metavar="COLUMN", help="compare only these columns; default: those of all joints")
     parser.add_argument("--published", action="store_true", help="keep the default softness of MuJoCo's constraints")
     options = parser.parse_args()
@@ -141,7 +142,7 @@ def main():
         path = Path(directory) / "model.xml"
         print(phalanx("scene", "export", options.scene, "--mjcf", path).partition("\n")[2], end="", file=sys.stderr)
         for integrator in INTEGRATORS:
-            for step_s in STEPS_S:
+            for step_s in options.steps:
                 model, data = load(path, step_s, integrator, options.published)
                 addresses = {model.joint(k).name: model.joint(k).qposadr[0] for k in range(model.njnt)}
                 columns = {address: column_of(name, reference) for name, address in addresses.items()}
