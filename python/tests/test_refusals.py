@@ -130,7 +130,8 @@ class Arguments(unittest.TestCase):
             start = time.monotonic()
             with self.assertRaises(ValueError):
                 phalanx.Scene.from_dict(value)
-            self.assertLess(time.monotonic() - start, 5.0)
+            # Unfolding the shared lists would take years; a busy machine takes seconds.
+            self.assertLess(time.monotonic() - start, 60.0)
         anchor = phalanx.Scene.load(ANCHOR)
         with self.assertRaises(ValueError):
             anchor.with_({"object.centre": crossed})
