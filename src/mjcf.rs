@@ -392,6 +392,31 @@ fn join(numbers: &[f64]) -> String {
     numbers.iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" ")
 }
 
+/// Attributes whose values are names.
+const NAMES: [&str; 17] = [
+    "name", "model", "class", "mesh", "joint", "joint1", "joint2", "body1", "body2", "geom1", "geom2", "site", "site1",
+    "site2", "tendon", "tendon1", "tendon2",
+];
+
+/// The text of an element, whose numbers are written as by `{:?}`, with `2` in place of `2.0`. (`{}` would write 1e-200 with 200
+/// zeros.)
+fn with_short_numbers(text: &str) -> String {
+    let short = |word: &str| match word.strip_suffix(".0") {
+        Some(whole) if word.parse::<f64>().is_ok() => whole.to_string(),
+        _ => word.to_string(),
+    };
+    let mut key = "";
+    let part = |(index, part): (usize, &str)| match index % 2 {
+        0 => {
+            key = part.trim_start().trim_end_matches('=').rsplit(' ').next().unwrap_or_default();
+            part.to_string()
+        }
+        _ if NAMES.contains(&key) => part.to_string(),
+        _ => part.split(' ').map(short).collect::<Vec<_>>().join(" "),
+    };
+    text.split('"').enumerate().map(part).collect::<Vec<_>>().join("\"")
+}
+
 struct Writer<'a> {
     mechanism: &'a Mechanism,
     names: &'a Names,
@@ -412,12 +437,12 @@ impl Writer<'_> {
     }
 
     fn element(&mut self, text: &str) {
-        self.line(&format!("<{text}/>"));
+        self.line(&format!("<{}/>", with_short_numbers(text)));
     }
 
     /// Writes an element with children.
     fn nest(&mut self, text: &str, children: impl FnOnce(&mut Self)) {
-        self.line(&format!("<{text}>"));
+        self.line(&format!("<{}>", with_short_numbers(text)));
         self.depth += 1;
         children(self);
         self.depth -= 1;

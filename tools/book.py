@@ -209,7 +209,7 @@ def main(out: str = "", pages: str = "") -> None:
     if site.exists() and any(site.iterdir()) and not (site / MARKER).exists():
         sys.exit(f"{site} is not empty and was not written by this script: give an empty or a new directory")
     collect_sources(Path(pages or ROOT / "book" / "pages"))
-    command = [*mkdocs(), "build", "--strict", "--quiet", "--config-file", ROOT / "book" / "mkdocs.yml", "--site-dir", site]
+    command = [*mkdocs(), "build", "--strict", "--config-file", ROOT / "book" / "mkdocs.yml", "--site-dir", site]
     built = subprocess.run(command, check=False)
     # The 404 page of MkDocs works only at the root of a server.
     (site / "404.html").unlink(missing_ok=True)
