@@ -185,8 +185,8 @@ fn design_count(py: Python<'_>, paths: &[String], values: &[FieldValues]) -> PyR
     Ok(previous.map_or(1, |(count, _)| count))
 }
 
-/// Converts one value. An invalid value becomes scene text unchanged, so that its row reports the scene error as the
-/// reason.
+/// Converts one value. An invalid value is not an error here: it enters the scene as text, and the row of its run gives
+/// the error of the scene as the reason.
 fn convert_value(value: &Bound<'_, PyAny>, field: &Field, scene: &Scene) -> PyResult<AxisValue> {
     // The unit depends on the scene.
     if matches!(field.field_type, FieldType::OneOf(_) | FieldType::List(..)) && !value.is_instance_of::<PyString>() {

@@ -43,7 +43,8 @@ pub fn capture(found: &Capture) -> String {
     series_chart(&format!("{}: captured objects", found.scene), HEIGHT, &x, &y, &series)
 }
 
-/// Draws captured offsets of the object of a mechanism: a map along two axes, and the final over the initial offset along one.
+/// Draws which offsets of the object of a mechanism are captured. With offsets along two axes the plot is a map; with
+/// one axis it shows the final offset over the initial one.
 pub fn offsets(found: &Offsets) -> String {
     let label = |axis: scene::Axis| format!("{} at the start, {}", axis_name(axis), axis_unit(axis));
     let range = |(axis, largest): (scene::Axis, f64)| {

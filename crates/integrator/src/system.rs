@@ -200,8 +200,8 @@ impl<L: Layout> EventSet<L> {
         (self.clearance, self.clearance_rate) = (f64::INFINITY, 0.0);
     }
 
-    /// Adds the error weight of an event function, at most one for each, and returns its row, which the caller fills. Weights
-    /// may be added in any order.
+    /// Adds an error weight for the event function `index`, and returns the row of the weight for the caller to fill.
+    /// Each function has at most one weight. Weights may be added in any order.
     #[inline(always)]
     pub fn add_weight(&mut self, index: usize, quantity: WeightedQuantity) -> &mut VectorOf<L> {
         let count = self.weight_count;
@@ -372,8 +372,9 @@ pub trait Hybrid: System {
         true
     }
 
-    /// Changes the mode after a step with these event functions at its end, where it changes without a discontinuity (a
-    /// released contact whose surfaces have separated); returns whether it does.
+    /// Changes the mode at the end of a step if the change causes no discontinuity, such as when the surfaces of a
+    /// released contact have separated. `functions` are the event functions at the end of the step. Returns whether the
+    /// mode has changed.
     fn pass_step(&self, functions: &[EventFunction], mode: &mut Self::Mode) -> bool;
 
     /// Whether the mode at the start of a step is valid in the state at its end, a time `dt` later. A mode that counts whole

@@ -104,7 +104,7 @@ impl Results {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::study) struct UnknownFigure {
     pub key: &'static str,
-    /// Index in its list.
+    /// Index of the name in the list `key`.
     pub index: usize,
     pub name: String,
     pub known: Vec<String>,

@@ -325,8 +325,9 @@ impl Linkage {
         })
     }
 
-    /// Returns the forces and moments of joints and gears on a body, or on all bodies without those that are in equilibrium
-    /// with one another, after a call as for [`Linkage::joint_forces`].
+    /// Returns the forces and moments of joints and gears on `body`. Without a body, returns those on all bodies, but
+    /// omits pairs whose reactions on two bodies are in equilibrium with one another. Requires the same preceding call
+    /// as [`Linkage::joint_forces`].
     pub(crate) fn reactions(&self, body: Option<usize>) -> impl Iterator<Item = (usize, Twist)> {
         let is_needed = move |side: &&Side| body.map_or(side.acts_on_ground, |body| side.body == body);
         self.sides.iter().filter(is_needed).filter_map(|side| {

@@ -544,6 +544,6 @@ pub struct Event {
     pub kind: EventKind,
     /// Closing speed (−gap rate) at a touch-down, m/s (limit: rad/s); 0 otherwise.
     pub approach_speed: f64,
-    /// Normal impulse since the last touch-down of this contact at a lift-off, N·s (limit: N·m·s); 0 otherwise.
+    /// At a lift-off, normal impulse since the last touch-down of this contact, N·s (limit: N·m·s); 0 otherwise.
     pub impulse: f64,
 }

@@ -226,7 +226,7 @@ fn start_angles(lengths: &Lengths, pose: &Directions<f64>) -> [f64; 2] {
     [angle_between(pose.e1, pose.e3), opening_angle(pose.e2, rotate(pose.e4, [cos, sin])) - lengths.phi22_rad]
 }
 
-/// The equivalent of an angle that is nearest to a number.
+/// The angle plus the number of whole turns that brings it nearest to `near_rad`.
 #[inline(always)]
 pub fn continued_angle<T: Real>(angle: T, near_rad: f64) -> T {
     let off = angle.value() - near_rad;

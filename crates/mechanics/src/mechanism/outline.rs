@@ -77,7 +77,8 @@ pub enum ForcePoint {
     Points,
     /// In the middle of the overlap.
     Middle,
-    /// For each body on its own surface, as in the thesis: both forces then have a moment of friction times overlap.
+    /// On each body's own surface, as in the thesis. The two friction forces then form a couple: friction force times
+    /// overlap.
     Each,
 }
 

@@ -121,7 +121,8 @@ impl fmt::Display for Measured {
 mod tests {
     use super::*;
 
-    /// An expression determines the dimension of a value with several alternatives.
+    /// If a value allows several dimensions, the exponents of an expression determine which one is meant, so all
+    /// dimensions must differ.
     #[test]
     fn dimensions_have_different_exponents_and_the_units_of_their_names() {
         for first in Dimension::ALL {

@@ -168,8 +168,8 @@ fn pixel([left, top, width, height]: [f64; 4], [x_axis, y_axis]: [&Axis; 2], (x,
     [left + width * fraction(x_axis, x), top + height * (1.0 - fraction(y_axis, y))]
 }
 
-/// Draws a frame with its axes and series, and their legend to the right of `width`. `has_labels` states whether the
-/// horizontal axis has its labels. Equal names have one entry in the legend.
+/// Draws a frame with its axes and series, and the legend of the series to the right of `width`. `has_labels` states
+/// whether the horizontal axis has labels. Series with the same name share one entry of the legend.
 fn draw(svg: &mut Svg, top: f64, [width, height]: [f64; 2], x: &Axis, y: &Axis, has_labels: bool, series: &[Series]) {
     let below = if has_labels { AXIS_HEIGHT } else { BOTTOM_MARGIN };
     let frame_height = height - TOP_MARGIN - below;

@@ -130,7 +130,8 @@ fn sliding_angle(
     Some((k, base_angle(outer[k].base) + outer[k].sign() * mechanism.joints[outer[k].joint].offset_rad))
 }
 
-/// Assembly mode of a dyad in its pose at the start, without the sign of its root; `count` is the next free count.
+/// Assembly mode of a dyad in its pose at the start; the sign of the root remains to be set. `count` is the first
+/// unused index of the counts of turns.
 pub(super) fn mode_at_start(
     mechanism: &Mechanism,
     (outer, inner): (&[Attachment; 2], usize),

@@ -278,8 +278,8 @@ impl PlacedGroup {
         }
     }
 
-    /// Evaluates a part of the motions of all bodies and joints of the group at the coordinates `q` and rates `v` of the group.
-    /// Derivatives alone are those of a state whose poses and rates are evaluated.
+    /// Evaluates a part of the motions of all bodies and joints of the group at the coordinates `q` and rates `v` of
+    /// the group. `Part::Derivatives` requires that the poses and rates of the same state are evaluated already.
     pub fn evaluate(&self, mechanism: &Mechanism, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>, part: Part) {
         if part.has_rates() {
             self.place(mechanism, q, motions);

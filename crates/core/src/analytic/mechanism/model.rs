@@ -170,7 +170,7 @@ pub struct MechanismModel {
 }
 
 impl Workspace {
-    /// Whether the motions are those of a state.
+    /// Whether the stored motions were evaluated at the state (`q`, `v`).
     #[inline(always)]
     fn is_at(&self, (q, v): StateRef<'_, Dynamic>) -> bool {
         self.has_state && has_bits_of(&self.q, q) && has_bits_of(&self.v, v)
@@ -473,7 +473,7 @@ impl MechanismModel {
         }
     }
 
-    /// Time in a state; 0 if nothing depends on it.
+    /// Time of the state (`q`, `v`); 0 if nothing depends on time.
     #[inline(always)]
     pub(super) fn time_in(&self, (q, v): StateRef<'_, Dynamic>) -> f64 {
         match (self.time_index, self.clock_index) {

@@ -62,7 +62,8 @@ impl MechanismModel {
         }
     }
 
-    /// Adds the second derivatives of the length of a tendon by the coordinates to those of loads.
+    /// Adds the second derivatives of the length of a tendon with respect to the coordinates to the derivatives of
+    /// loads in `second`.
     fn add_second_derivatives(
         &self,
         (plain, motions): (&Motions<f64>, &[Motions<Lanes>]),

@@ -48,7 +48,7 @@ pub(super) struct PairHistory {
 }
 
 impl PairHistory {
-    /// Adds a part of the run, at whose start the object has this pose.
+    /// Adds the interval of the run from `from_s` to `to_s`; `pose` is the pose of the object at `from_s`.
     pub fn add(
         &mut self,
         (has_touched, is_active): (bool, bool),
