@@ -406,15 +406,18 @@ fn with_short_numbers(text: &str) -> String {
         _ => word.to_string(),
     };
     let mut key = "";
-    let part = |(index, part): (usize, &str)| match index % 2 {
-        0 => {
+    let mut parts = Vec::new();
+    for (index, part) in text.split('"').enumerate() {
+        let is_value = index % 2 == 1;
+        if !is_value {
             key = part.trim_start().trim_end_matches('=').rsplit(' ').next().unwrap_or_default();
-            part.to_string()
         }
-        _ if NAMES.contains(&key) => part.to_string(),
-        _ => part.split(' ').map(short).collect::<Vec<_>>().join(" "),
-    };
-    text.split('"').enumerate().map(part).collect::<Vec<_>>().join("\"")
+        parts.push(match is_value && !NAMES.contains(&key) {
+            true => part.split(' ').map(short).collect::<Vec<_>>().join(" "),
+            false => part.to_string(),
+        });
+    }
+    parts.join("\"")
 }
 
 struct Writer<'a> {
