@@ -14,6 +14,7 @@ Needs `pip install mujoco` and a release build of phalanx ($PHALANX names anothe
 
 import argparse
 import csv
+import importlib.util
 import io
 import json
 import os
@@ -41,9 +42,9 @@ def phalanx(*arguments):
     return result.stdout
 
 
-def trajectory(scene, preset):
+def trajectory(scene, *flags):
     """Columns of a run of the analytic model, every 0.1 ms and at each event, by name."""
-    text = phalanx("run", scene, "--preset", preset, "--no-check", "--numeric-rate", "10 kHz", "--csv", "-")
+    text = phalanx("run", scene, *flags, "--no-check", "--numeric-rate", "10 kHz", "--csv", "-")
     header, *rows = csv.reader(io.StringIO(text))
     return {name: [float(row[k]) for row in rows] for k, name in enumerate(header) if rows[0][k]}
 
@@ -116,6 +117,61 @@ def differences(times, found, exact, joints, first_s):
     return result
 
 
+def first_touch_s(scene, duration_s):
+    """Time of the first contact of two surfaces: limits of joints are often touched at the start."""
+    run = json.loads(phalanx("run", scene, "--preset", "reference", "--json", "--no-check"))
+    surfaces = [contact for contact in run["contacts"].values() if "final_normal_n" in contact]
+    return min((contact["first_s"] for contact in surfaces if contact["first_s"] is not None), default=duration_s)
+
+
+def mujoco_rows(scene, reference, only, *, integrators=INTEGRATORS, steps=STEPS_S, published=False, repetitions=9):
+    """Rows of MuJoCo with its integrators and time steps: errors of the columns `only` (all if empty), and the time of a run.
+
+    Also the compared columns of the reference.
+    """
+    import mujoco
+
+    duration_s, rows = reference["time_s"][-1], []
+    first_s = first_touch_s(scene, duration_s)
+    with tempfile.TemporaryDirectory() as directory:
+        path = Path(directory) / "model.xml"
+        print(phalanx("scene", "export", scene, "--mjcf", path).partition("\n")[2], end="", file=sys.stderr)
+        for integrator in integrators:
+            for step_s in steps:
+                model, data = load(path, step_s, integrator, published)
+                addresses = {model.joint(k).name: model.joint(k).qposadr[0] for k in range(model.njnt)}
+                columns = {address: column_of(name, reference) for name, address in addresses.items()}
+                joints = {address: column for address, column in columns.items() if column in (only or reference)}
+                times, found = [], []
+                simulate(model, data, duration_s, lambda: (times.append(data.time), found.append(data.qpos.copy())))  # noqa: B023
+                seconds = []
+                for _ in range(repetitions):
+                    mujoco.mj_resetDataKeyframe(model, data, 0)
+                    start = time.perf_counter()
+                    simulate(model, data, duration_s)
+                    seconds.append(time.perf_counter() - start)
+                rows.append({
+                    "method": f"MuJoCo {mujoco.__version__}, {integrator}",
+                    "step_s": step_s,
+                    **differences(times, found, reference, joints, first_s),
+                    "time_s": statistics.median(seconds),
+                })
+    return rows, list(joints.values())
+
+
+def own_row(scene, reference, columns, flags, repetitions):
+    """The row of the analytic model with these flags of `phalanx run`."""
+    runs = [json.loads(phalanx("run", scene, *flags, "--json", "--no-check")) for _ in range(repetitions)]
+    found = trajectory(scene, *flags)
+    # The grid of the reference, so that nothing is interpolated.
+    grid = set(reference["time_s"])
+    rows = [(t, {name: found[name][k] for name in columns}) for k, t in enumerate(found["time_s"]) if t in grid]
+    first_s = first_touch_s(scene, reference["time_s"][-1])
+    errors = differences([t for t, _ in rows], [row for _, row in rows], reference, {name: name for name in columns}, first_s)
+    seconds = statistics.median(run["wall_s"] for run in runs)
+    return {"method": "phalanx, analytic model", "step_s": None, **errors, "time_s": seconds}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scene", nargs="?", default=ROOT / "scenes" / "experiment-95.toml")
@@ -125,50 +181,14 @@ def main():
     parser.add_argument("--only", nargs="+", metavar="COLUMN", help="compare only these columns; default: those of all joints")
     parser.add_argument("--published", action="store_true", help="keep the default softness of MuJoCo's constraints")
     options = parser.parse_args()
-    try:
-        import mujoco
-    except ImportError:
+    if importlib.util.find_spec("mujoco") is None:
         sys.exit("this comparison needs MuJoCo: pip install mujoco")
-    reference = trajectory(options.scene, "reference")
+    reference = trajectory(options.scene, "--preset", "reference")
     if unknown := set(options.only or []) - set(reference):
         parser.error(f"--only names no columns of the run: {', '.join(sorted(unknown))}; they are {', '.join(reference)}")
-    run = json.loads(phalanx("run", options.scene, "--preset", "reference", "--json", "--no-check"))
-    duration_s = reference["time_s"][-1]
-    # The first contact of two surfaces: limits of joints are often touched at the start.
-    surfaces = [contact for contact in run["contacts"].values() if "final_normal_n" in contact]
-    first_s = min((contact["first_s"] for contact in surfaces if contact["first_s"] is not None), default=duration_s)
-    result = []
-    with tempfile.TemporaryDirectory() as directory:
-        path = Path(directory) / "model.xml"
-        print(phalanx("scene", "export", options.scene, "--mjcf", path).partition("\n")[2], end="", file=sys.stderr)
-        for integrator in INTEGRATORS:
-            for step_s in options.steps:
-                model, data = load(path, step_s, integrator, options.published)
-                addresses = {model.joint(k).name: model.joint(k).qposadr[0] for k in range(model.njnt)}
-                columns = {address: column_of(name, reference) for name, address in addresses.items()}
-                joints = {address: column for address, column in columns.items() if column in (options.only or reference)}
-                times, rows = [], []
-                simulate(model, data, duration_s, lambda: (times.append(data.time), rows.append(data.qpos.copy())))  # noqa: B023
-                seconds = []
-                for _ in range(options.repetitions):
-                    mujoco.mj_resetDataKeyframe(model, data, 0)
-                    start = time.perf_counter()
-                    simulate(model, data, duration_s)
-                    seconds.append(time.perf_counter() - start)
-                result.append({
-                    "method": f"MuJoCo {mujoco.__version__}, {integrator}",
-                    "step_s": step_s,
-                    **differences(times, rows, reference, joints, first_s),
-                    "time_s": statistics.median(seconds),
-                })
-    ours = [json.loads(phalanx("run", options.scene, "--preset", "engineering", "--json")) for _ in range(options.repetitions)]
-    everyday = trajectory(options.scene, "engineering")
-    # The grid of the reference, so that nothing is interpolated.
-    rows = [(t, k) for k, t in enumerate(everyday["time_s"]) if t in set(reference["time_s"])]
-    times, found = [t for t, _ in rows], [{c: everyday[c][k] for c in joints.values()} for _, k in rows]
-    ours_differ = differences(times, found, reference, {column: column for column in joints.values()}, first_s)
-    seconds = statistics.median(run["wall_s"] for run in ours)
-    result.append({"method": "phalanx, analytic model", "step_s": None, **ours_differ, "time_s": seconds})
+    settings = {"steps": options.steps, "published": options.published, "repetitions": options.repetitions}
+    result, columns = mujoco_rows(options.scene, reference, options.only, **settings)
+    result.append(own_row(options.scene, reference, columns, ["--preset", "engineering"], options.repetitions))
     print(f"{'method':<32} {'step':>7} {'before contact':>14} {'angles':>11} {'positions':>11} {'time':>10}")
     for row in result:
         cells = ["–" if row[key] is None else f"{row[key]:.1e}" for key in ("step_s", "swing_rad", "run_rad", "run_m")]

@@ -40,6 +40,7 @@ impl PhalanxSolver {
     pub fn from_preset(preset: Preset) -> Self {
         let settings = Integrator::preset(preset);
         let name = match preset {
+            Preset::Draft => "draft",
             Preset::Engineering => "engineering",
             Preset::Reference => "reference",
         };

@@ -62,6 +62,7 @@ _T = TypeVar("_T")
 _Path: TypeAlias = str | PathLike[str]
 _SceneLike: TypeAlias = Scene | _Path
 _Model: TypeAlias = Literal["analytic", "engine"]
+_Preset: TypeAlias = Literal["draft", "engineering", "reference"]
 # A string with a unit, such as "20 mm", or a number in SI.
 _Quantity: TypeAlias = str | float
 _Value: TypeAlias = str | float | bool | Sequence[str | float | bool] | numpy.generic
@@ -272,14 +273,14 @@ class Simulation:
     `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
     `simulation.set_torque("motor", 0.48)`. Between two calls the model takes its own steps and locates its events; results
     of the analytic model do not depend on how the time is divided (in the engine model, by up to 4e-6 rad in 1,000 pieces).
-    The duration of the scene is not its end.
+    The duration of the scene is not its end. preset: replaces the settings of the scene's integrator; "draft" is the fastest.
 
     `copy.copy(simulation)` and `state` continue with the same bits, also when they are pickled: a pickle has the scene and the
     inputs, and the run is repeated when it is read. Durations, torques and targets are numbers in SI, or strings with units.
     Raises SceneError for an invalid scene, and RunError if the model does not simulate it.
     """
 
-    def __new__(cls, scene: _SceneLike, model: _Model = "analytic") -> Simulation: ...
+    def __new__(cls, scene: _SceneLike, model: _Model = "analytic", *, preset: _Preset | None = None) -> Simulation: ...
     def advance(self, duration: _Quantity) -> None:
         """Advances by a duration, s.
 
@@ -384,10 +385,10 @@ class SimulationBatch:
     """Many simulations that advance together on all cores, with arrays as inputs and outputs.
 
     scenes: one scene for each simulation; `[scene] * 100` gives 100 equal ones. A simulation that fails stays at the time
-    of its failure, and the others continue. After `os.fork`, a batch also advances in the child process.
+    of its failure, and the others continue. preset: as of `Simulation`. After `os.fork`, a batch also advances in the child process.
     """
 
-    def __new__(cls, scenes: Sequence[_SceneLike], model: _Model = "analytic") -> SimulationBatch: ...
+    def __new__(cls, scenes: Sequence[_SceneLike], model: _Model = "analytic", *, preset: _Preset | None = None) -> SimulationBatch: ...
     def advance(self, duration: _Quantity) -> None:
         """Advances all simulations by a duration, s. Ctrl-C interrupts; only a state can be continued then."""
 
@@ -538,7 +539,7 @@ def run(
     model: _Model = "analytic",
     check: bool | None = False,
     *,
-    preset: Literal["engineering", "reference"] | None = None,
+    preset: _Preset | None = None,
     rtol: float | str | None = None,
     step: _Quantity | None = None,
     tolerance: _Quantity | None = None,
@@ -575,6 +576,7 @@ def evaluate(
     fields: Mapping[str, _Values],
     *,
     model: _Model = "analytic",
+    preset: _Preset | None = None,
     threads: int = 0,
     columns: Sequence[str] | None = None,
     check: bool = False,
@@ -584,9 +586,9 @@ def evaluate(
 
     fields: values by field path, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
     All arrays and lists must have the same length; a single value applies to every design. Values are numbers in SI, or
-    strings with units. threads: 0 for one per core. columns: return only these columns. check: check every run (three
-    more runs each). filter: static criteria of a finger, such as `{"form_closed": True}`; other designs are not
-    simulated and have the status "filtered".
+    strings with units. preset: replaces the integrator's settings of all designs ("draft" for searches). threads: 0 for
+    one per core. columns: return only these columns. check: check every run (three more runs each). filter: static
+    criteria of a finger, such as `{"form_closed": True}`; other designs are not simulated and have the status "filtered".
 
     A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception; a
     design that cannot grasp its object has a `reason` and no `class`. `class_reason` explains the class. Raises
@@ -599,6 +601,7 @@ def sweep(
     out: _Path | None = None,
     *,
     model: _Model | None = None,
+    preset: _Preset | None = None,
     check: bool = False,
     limit: int | None = None,
     restart: bool = False,
@@ -607,8 +610,8 @@ def sweep(
 
     study: path of a study file (TOML). threads: 0 for one per core. out: path of the results, CSV or Parquet by its
     suffix; an interrupted sweep then resumes when it is called again, and the file OUT.study.json identifies the study.
-    model: overrides the model of the study. check: check every run. limit: simulate only the first `limit` runs.
-    restart: discard earlier results in out.
+    model: overrides the model of the study. preset: replaces the integrator's settings of all runs ("draft" for searches).
+    check: check every run. limit: simulate only the first `limit` runs. restart: discard earlier results in out.
 
     An invalid scene or an incomplete run gives a row with status and reason; a design that cannot grasp its object has
     a reason and no class. Raises StudyError for an invalid study or unusable results.
@@ -622,6 +625,7 @@ def sweep_shard(
     threads: int = 0,
     *,
     model: _Model | None = None,
+    preset: _Preset | None = None,
     check: bool = False,
     restart: bool = False,
 ) -> PartInfo:
@@ -638,6 +642,7 @@ def sweep_merge(
     out: _Path,
     *,
     model: _Model | None = None,
+    preset: _Preset | None = None,
     check: bool = False,
 ) -> MergeInfo:
     """Merges the parts of a study (`phalanx sweep merge`).
@@ -646,17 +651,21 @@ def sweep_merge(
     Raises StudyError that names missing, duplicate, damaged or foreign parts. Returns `parts`, `bytes` and `runs`.
     """
 
-def _read_optimisation(file: _Path, text: str | None = None, model: str | None = None) -> dict[str, Any]:
+def _read_optimisation(
+    file: _Path, text: str | None = None, model: str | None = None, preset: str | None = None
+) -> dict[str, Any]:
     """Reads and checks a study file of an optimisation and its base scene.
 
-    text: content of the file, if it is not to be read. model: overrides the model of the study. Raises StudyError with
-    file, line and field of the errors.
+    text: content of the file, if it is not to be read. model: overrides the model of the study. preset: of the integrator,
+    in place of its settings in the scene. Raises StudyError with file, line and field of the errors.
     """
 
 def _study_files(study: _Path) -> list[Path]:
     """Returns the files of a study: the study file, then the files of its base scene."""
 
-def study_info(study: _Path, *, model: _Model | None = None, check: bool = False) -> StudyInfo:
+def study_info(
+    study: _Path, *, model: _Model | None = None, preset: _Preset | None = None, check: bool = False
+) -> StudyInfo:
     """Describes a study: `name`, `model`, `runs`, `designs`, and `fingerprint`.
 
     Studies with different results have different fingerprints.

@@ -70,6 +70,7 @@ class _Plan(NamedTuple):
     texts: dict[str, str]
     """Contents of the study and scene files by relative path."""
     model: str | None
+    preset: str | None
     check: bool
     fingerprint: str
     shards: int
@@ -83,6 +84,7 @@ def sweep(
     shards: int | None = None,
     *,
     model: str | None = None,
+    preset: str | None = None,
     check: bool = False,
     parts: str | os.PathLike[str] | None = None,
     shared: bool = True,
@@ -91,7 +93,7 @@ def sweep(
     """Simulates all runs of a study on a Ray cluster, and writes the same bytes as `phalanx sweep STUDY --out OUT`.
 
     study: path of a study file (TOML). out: CSV or Parquet by the suffix. shards: number of parts; by default a few
-    runs are timed to choose parts that take about `shard_s` seconds each. model, check: as in `phalanx.sweep`. parts:
+    runs are timed to choose parts that take about `shard_s` seconds each. model, preset, check: as in `phalanx.sweep`. parts:
     directory of the parts, by default OUT.parts; it is not deleted. shared: whether workers have access to this
     directory under the same path; if not, Ray transfers the parts.
 
@@ -104,19 +106,19 @@ def sweep(
     study, out = Path(study), Path(out)
     parts = Path(parts) if parts is not None else out.with_name(out.name + ".parts")
     parts = parts.absolute()
-    info = study_info(study, model=_model(model), check=check)
+    info = study_info(study, model=_any(model), preset=_any(preset), check=check)
     parts.mkdir(parents=True, exist_ok=True)
     if not ray.is_initialized():
         ray.init()
     cpus = max(1, int(ray.cluster_resources().get("CPU", 1)))
     if shards is None:
-        shards = _planned_shards(parts, info) or _choose_shards(study, info, model, check, shard_s, cpus)
+        shards = _planned_shards(parts, info) or _choose_shards(study, info, (model, preset), check, shard_s, cpus)
     _write_plan_file(parts, info, shards)
     study_path, texts = _read_texts(study)
-    plan = _Plan(study_path, texts, model, check, info["fingerprint"], shards, str(parts), shared)
+    plan = _Plan(study_path, texts, model, preset, check, info["fingerprint"], shards, str(parts), shared)
     missing = [k for k in range(1, shards + 1) if not _part_path(parts, k, shards).exists()]
     _run_parts(ray, plan, missing, cpus, parts)
-    sweep_merge(study, [_part_path(parts, k, shards) for k in range(1, shards + 1)], out, model=_model(model), check=check)
+    sweep_merge(study, [_part_path(parts, k, shards) for k in range(1, shards + 1)], out, model=_any(model), preset=_any(preset), check=check)
     return Swept(out, info["runs"], shards, len(missing), time.monotonic() - start)
 
 
@@ -132,9 +134,9 @@ def _import_ray() -> ModuleType:
     return module
 
 
-def _model(model: str | None) -> Any:
-    """Removes the type of a model name for the type checker; the library validates it."""
-    return model
+def _any(name: str | None) -> Any:
+    """Removes the type of a name for the type checker; the library validates it."""
+    return name
 
 
 def _part_path(parts: Path, k: int, shards: int) -> Path:
@@ -169,8 +171,11 @@ def _write_atomically(path: Path, contents: bytes) -> None:
         partial.unlink(missing_ok=True)
 
 
-def _choose_shards(study: Path, info: StudyInfo, model: str | None, check: bool, shard_s: float, cpus: int) -> int:
+def _choose_shards(
+    study: Path, info: StudyInfo, settings: tuple[str | None, str | None], check: bool, shard_s: float, cpus: int
+) -> int:
     """Returns the number of parts that take about `shard_s` each, from timed runs at the start, middle and end."""
+    model, preset = settings
     runs = int(info["runs"])
     shard_count = max(1, runs // 32)
     elapsed_s, completed = 0.0, 0
@@ -178,7 +183,7 @@ def _choose_shards(study: Path, info: StudyInfo, model: str | None, check: bool,
         for k in sorted({1, shard_count // 2 + 1, shard_count}):
             start = time.monotonic()
             part = sweep_shard(
-                study, k, shard_count, Path(directory) / f"{k}.parquet", threads=1, model=_model(model), check=check
+                study, k, shard_count, Path(directory) / f"{k}.parquet", threads=1, model=_any(model), preset=_any(preset), check=check
             )
             elapsed_s += time.monotonic() - start
             completed += int(part["made_now"])
@@ -248,11 +253,11 @@ def _shard(plan: _Plan, k: int) -> bytes | None:
     if plan.shared:
         out = _part_path(Path(plan.parts), k, plan.shards)
         out.parent.mkdir(parents=True, exist_ok=True)
-        sweep_shard(study, k, plan.shards, out, threads=1, model=_model(plan.model), check=plan.check)
+        sweep_shard(study, k, plan.shards, out, threads=1, model=_any(plan.model), preset=_any(plan.preset), check=plan.check)
         return None
     with TemporaryDirectory() as directory:
         out = _part_path(Path(directory), k, plan.shards)
-        sweep_shard(study, k, plan.shards, out, threads=1, model=_model(plan.model), check=plan.check)
+        sweep_shard(study, k, plan.shards, out, threads=1, model=_any(plan.model), preset=_any(plan.preset), check=plan.check)
         return out.read_bytes()
 
 
@@ -265,7 +270,7 @@ def _local_study(plan: _Plan) -> Path:
             path = Path(directory.name) / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
-        info = study_info(Path(directory.name) / plan.study, model=_model(plan.model), check=plan.check)
+        info = study_info(Path(directory.name) / plan.study, model=_any(plan.model), preset=_any(plan.preset), check=plan.check)
         if info["fingerprint"] != plan.fingerprint:
             raise StudyError(
                 f"error: phalanx {__version__} on this worker gives other results for the study than the version of the driver\n"

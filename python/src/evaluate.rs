@@ -15,7 +15,7 @@ use super::{conversion, errors, quantities, study};
 ///
 /// fields: values by field path, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
 /// All arrays and lists must have the same length; a single value applies to every design. Values are numbers in SI, or
-/// strings with units. threads: 0 for one per core. columns: return only these columns. check: check every run (three
+/// strings with units. preset: replaces the integrator's settings of all designs ("draft" for searches). threads: 0 for one per core. columns: return only these columns. check: check every run (three
 /// more runs each). filter: static criteria of a finger, such as `{"form_closed": True}`; other designs are not simulated
 /// and have the status "filtered".
 ///
@@ -23,13 +23,14 @@ use super::{conversion, errors, quantities, study};
 /// design that cannot grasp its object has a `reason` and no `class`. `class_reason` explains the class. Raises
 /// StudyError for an unknown field or arrays of different lengths, and SceneError for an invalid scene.
 #[pyfunction]
-#[pyo3(signature = (scene, fields, *, model = "analytic", threads = 0, columns = None, check = false, filter = None))]
+#[pyo3(signature = (scene, fields, *, model = "analytic", preset = None, threads = 0, columns = None, check = false, filter = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments")]
 pub fn evaluate(
     py: Python<'_>,
     scene: SceneLike,
     fields: &Bound<'_, PyMapping>,
     model: &str,
+    preset: Option<&str>,
     threads: i128,
     columns: Option<Vec<String>>,
     check: bool,
@@ -44,6 +45,7 @@ pub fn evaluate(
         phalanx::study::sweep::StudyError::Invalid(error) => errors::scene(py, &error),
         error => errors::sweep(py, error),
     })?;
+    super::study::set_preset(py, &mut study, preset)?;
     study.checked = check;
     study.filter = read_filter(py, study.fingers(), filter.unwrap_or_default())?;
     require_known_columns(py, &study, columns.as_deref())?;

@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use phalanx::scene::Keyword;
 use phalanx::study::optimisation::{Optimisation, Variable as Varied, load, parse};
 use phalanx::study::sweep::AxisValue;
+use phalanx::trace::overrides::Overrides;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
@@ -59,23 +61,29 @@ impl Variable {
 }
 
 /// Reads and checks a study file of an optimisation and its base scene. text: content of the file, if it is not to be read.
-/// model: overrides the model of the study. Raises StudyError with file, line and field of the errors.
+/// model: overrides the model of the study. preset: of the integrator, in place of its settings in the scene. Raises StudyError
+/// with file, line and field of the errors.
 #[pyfunction]
-#[pyo3(signature = (file, text = None, model = None))]
+#[pyo3(signature = (file, text = None, model = None, preset = None))]
 pub fn _read_optimisation<'py>(
     py: Python<'py>,
     file: PathBuf,
     text: Option<&str>,
     model: Option<&str>,
+    preset: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let read = text.map_or_else(|| load(&file), |text| parse(text, &file.display().to_string()));
     let study = read.map_err(|error| errors::study(py, &error))?;
     let model = model.map_or(Ok(study.model), |model| super::result::model(py, model))?;
+    let preset = super::simulate::parse_preset(py, preset)?;
+    let overrides = Overrides { preset, ..Overrides::default() };
+    overrides.reject_unused(model).map_err(|error| errors::argument(py, error))?;
     let Optimisation { name, description, scene, files, variables, verdict, .. } = study;
     let dict = PyDict::new(py);
     dict.set_item("name", name)?;
     dict.set_item("description", description)?;
     dict.set_item("model", model.name())?;
+    dict.set_item("preset", preset.map(|preset| preset.keyword()))?;
     dict.set_item("scene", Scene::from_layers(py, Ok(scene), Vec::new())?)?;
     dict.set_item("files", files)?;
     dict.set_item("variables", variables.into_iter().map(Variable).collect::<Vec<_>>())?;

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use phalanx::mjcf::mujoco_model;
 use phalanx::scene::{self, Keyword, Layer, SceneError, parse_any, parse_layers};
+use phalanx::trace::Model;
+use phalanx::trace::overrides::Overrides;
 use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyMapping};
@@ -38,6 +40,28 @@ impl Scene {
 
     pub fn load_from(py: Python<'_>, path: &Path) -> PyResult<Self> {
         Scene::from_layers(py, scene::load_layers(path), Vec::new())
+    }
+
+    /// A copy whose integrator has the settings of a preset, or an equal one if `name` is `None`.
+    pub fn with_preset(&self, py: Python<'_>, model: Model, name: Option<&str>) -> PyResult<Self> {
+        let Some(preset) = super::simulate::parse_preset(py, name)? else { return Ok(self.clone()) };
+        let mut scene = self.scene.clone();
+        let overrides = Overrides { preset: Some(preset), ..Overrides::default() };
+        overrides.apply(model, &mut scene).map_err(|error| errors::argument(py, error))?;
+        let scene::Integrator { method, rtol, atol_angle_rad, atol_rate_rad_s, .. } = scene.integrator;
+        let texts = [
+            ("preset", format!("\"{}\"", preset.keyword())),
+            ("method", format!("\"{}\"", method.keyword())),
+            ("rtol", format!("{rtol:?}")),
+            ("atol_angle", format!("\"{atol_angle_rad:?} rad\"")),
+            ("atol_rate", format!("\"{atol_rate_rad_s:?} rad/s\"")),
+        ];
+        let mut settings = self.settings.clone();
+        for (key, text) in texts {
+            let setting = scene::setting_from_parts(SETTING_FILE, &format!("integrator.{key}"), &text);
+            settings.push(setting.map_err(|error| errors::argument(py, error))?);
+        }
+        Scene::from_layers(py, Ok(self.layers.clone()), settings)
     }
 
     /// File name in messages.

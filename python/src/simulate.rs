@@ -89,7 +89,8 @@ impl RunInput {
     }
 }
 
-fn parse_preset(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Preset>> {
+/// Reads the name of a preset.
+pub fn parse_preset(py: Python<'_>, name: Option<&str>) -> PyResult<Option<Preset>> {
     let preset = name.map(|name| conversion::parse_keyword::<Preset>("preset", name)).transpose();
     preset.map_err(|error| errors::argument(py, error))
 }

@@ -76,6 +76,14 @@ const EFFORT: [Dimension; 2] = [Dimension::Torque, Dimension::Force];
 const TARGET: [Dimension; 2] = [Dimension::Angle, Dimension::Length];
 const TARGET_RATE: [Dimension; 2] = [Dimension::AngularRate, Dimension::Speed];
 
+/// Reads a scene, and replaces the settings of its integrator by those of a preset, if there is one.
+fn with_preset(py: Python<'_>, scene: SceneLike, model: Model, preset: Option<&str>) -> PyResult<Py<Scene>> {
+    match preset {
+        None => scene.into_python(py),
+        name => Py::new(py, scene.get(py)?.with_preset(py, model, name)?),
+    }
+}
+
 /// A simulation, its start and its scene.
 struct Loaded {
     simulation: trace::Simulation,
@@ -174,7 +182,8 @@ impl Saved<'_> {
 /// A scene that the caller advances: a controller in the loop.
 ///
 /// `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
-/// `simulation.set_torque("motor", 0.48)`. model: "analytic" or "engine". Between two calls the model takes its own steps
+/// `simulation.set_torque("motor", 0.48)`. model: "analytic" or "engine". preset: replaces the settings of the scene's
+/// integrator; "draft" is the fastest. Between two calls the model takes its own steps
 /// and locates its events; results of the analytic model do not depend on how the time is divided (in the engine model, by
 /// up to 4e-6 rad in 1,000 pieces). The duration of the scene is not its end.
 ///
@@ -213,10 +222,10 @@ impl SimulationState {
 #[pymethods]
 impl Simulation {
     #[new]
-    #[pyo3(signature = (scene, model = "analytic"))]
-    fn new(py: Python<'_>, scene: SceneLike, model: &str) -> PyResult<Self> {
+    #[pyo3(signature = (scene, model = "analytic", *, preset = None))]
+    fn new(py: Python<'_>, scene: SceneLike, model: &str, preset: Option<&str>) -> PyResult<Self> {
         let model = self::model(py, model)?;
-        let loaded = Loaded::new(py, scene.into_python(py)?, model)?;
+        let loaded = Loaded::new(py, with_preset(py, scene, model, preset)?, model)?;
         Ok(Self { loaded: Mutex::new(loaded) })
     }
 
@@ -399,7 +408,7 @@ enum Numbers<'py> {
 /// Many simulations that advance together on all cores, with arrays as inputs and outputs.
 ///
 /// scenes: one scene for each simulation; `[scene] * 100` gives 100 equal ones. A simulation that fails stays at the time
-/// of its failure, and the others continue. After `os.fork`, a batch also advances in the child process.
+/// of its failure, and the others continue. preset: as of `Simulation`. After `os.fork`, a batch also advances in the child process.
 #[pyclass(frozen, module = "phalanx")]
 pub struct SimulationBatch {
     loaded: Mutex<LoadedBatch>,
@@ -427,10 +436,11 @@ impl LoadedBatch {
 #[pymethods]
 impl SimulationBatch {
     #[new]
-    #[pyo3(signature = (scenes, model = "analytic"))]
-    fn new(py: Python<'_>, scenes: Vec<SceneLike>, model: &str) -> PyResult<Self> {
+    #[pyo3(signature = (scenes, model = "analytic", *, preset = None))]
+    fn new(py: Python<'_>, scenes: Vec<SceneLike>, model: &str, preset: Option<&str>) -> PyResult<Self> {
         let model = self::model(py, model)?;
-        let scenes = scenes.into_iter().map(|scene| scene.into_python(py)).collect::<PyResult<Vec<_>>>()?;
+        let scenes = scenes.into_iter().map(|scene| with_preset(py, scene, model, preset));
+        let scenes = scenes.collect::<PyResult<Vec<_>>>()?;
         Ok(Self { loaded: Mutex::new(LoadedBatch::new(py, scenes, model)?), model })
     }
 

@@ -17,13 +17,20 @@ use super::table::Table;
 use super::{conversion, errors, interruptible};
 
 /// Reads a study file.
-fn load(py: Python<'_>, path: &Path, model: Option<&str>, check: bool) -> PyResult<Study> {
+fn load(py: Python<'_>, path: &Path, model: Option<&str>, preset: Option<&str>, check: bool) -> PyResult<Study> {
     let mut study = load_study_file(path).map_err(|error| errors::study(py, &error))?;
     if let Some(model) = model {
         study.model = super::result::model(py, model)?;
     }
+    set_preset(py, &mut study, preset)?;
     study.checked = check;
     Ok(study)
+}
+
+/// Sets the preset of all runs of a study by its name.
+pub fn set_preset(py: Python<'_>, study: &mut Study, name: Option<&str>) -> PyResult<()> {
+    let preset = super::simulate::parse_preset(py, name)?;
+    study.set_preset(preset).map_err(|error| errors::argument(py, error))
 }
 
 /// Simulates at most the first `limit` runs of a study, on `threads` threads, and returns their rows.
@@ -45,13 +52,13 @@ pub fn run_rows(py: Python<'_>, study: &Study, threads: usize, limit: u64) -> Py
 ///
 /// study: path of a study file (TOML). threads: 0 for one per core. out: path of the results, CSV or Parquet by its
 /// suffix; an interrupted sweep then resumes when it is called again, and the file OUT.study.json identifies the study.
-/// model: overrides the model of the study. check: check every run. limit: simulate only the first `limit` runs.
+/// model: overrides the model of the study. preset: replaces the integrator's settings of all runs ("draft" for searches). check: check every run. limit: simulate only the first `limit` runs.
 /// restart: discard earlier results in out.
 ///
 /// An invalid scene or an incomplete run gives a row with status and reason; a design that cannot grasp its object has
 /// a reason and no class. Raises StudyError for an invalid study or unusable results.
 #[pyfunction]
-#[pyo3(signature = (study, threads = 0, out = None, *, model = None, check = false, limit = None, restart = false))]
+#[pyo3(signature = (study, threads = 0, out = None, *, model = None, preset = None, check = false, limit = None, restart = false))]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
 pub fn sweep(
     py: Python<'_>,
@@ -59,13 +66,14 @@ pub fn sweep(
     threads: i128,
     out: Option<PathBuf>,
     model: Option<&str>,
+    preset: Option<&str>,
     check: bool,
     limit: Option<i128>,
     restart: bool,
 ) -> PyResult<Table> {
     let threads = conversion::threads(py, threads)?;
     let limit = limit.map_or(Ok(u64::MAX), |limit| conversion::count(py, "limit", limit, 0..=u64::MAX))?;
-    let study = load(py, &study, model, check)?;
+    let study = load(py, &study, model, preset, check)?;
     let table = match out {
         None => run_rows(py, &study, threads, limit)?,
         Some(out) => run_to_file(py, &study, threads, &out, limit, restart)?,
@@ -111,7 +119,7 @@ fn run_to_file(
 /// description of the part: `shard`, `of`, `first_run`, `last_run`, `runs` (of the whole study), …, and `made_now`, the
 /// number of new runs.
 #[pyfunction]
-#[pyo3(signature = (study, k, n, out, threads = 0, *, model = None, check = false, restart = false))]
+#[pyo3(signature = (study, k, n, out, threads = 0, *, model = None, preset = None, check = false, restart = false))]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
 pub fn sweep_shard<'py>(
     py: Python<'py>,
@@ -121,13 +129,14 @@ pub fn sweep_shard<'py>(
     out: PathBuf,
     threads: i128,
     model: Option<&str>,
+    preset: Option<&str>,
     check: bool,
     restart: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
     let threads = conversion::threads(py, threads)?;
     let [k, n] = [("k", k), ("n", n)].map(|(name, value)| conversion::count(py, name, value, 1..=u64::MAX));
     let (k, n) = (k?, n?);
-    let study = load(py, &study, model, check)?;
+    let study = load(py, &study, model, preset, check)?;
     let shard = shard(&study, k, n).map_err(|error| results_error(py, &ComputeError::Unsuitable(error)))?;
     let written = interruptible::run(py, |keep_running| {
         parts::write_part(&study, shard, &out, threads, restart, keep_running, |_| {})
@@ -144,16 +153,17 @@ pub fn sweep_shard<'py>(
 /// parts: files or directories, in any order. Raises StudyError that names missing, duplicate, damaged or foreign
 /// parts. Returns `parts`, `bytes` and `runs`.
 #[pyfunction]
-#[pyo3(signature = (study, parts, out, *, model = None, check = false))]
+#[pyo3(signature = (study, parts, out, *, model = None, preset = None, check = false))]
 pub fn sweep_merge<'py>(
     py: Python<'py>,
     study: PathBuf,
     parts: Vec<PathBuf>,
     out: PathBuf,
     model: Option<&str>,
+    preset: Option<&str>,
     check: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let study = load(py, &study, model, check)?;
+    let study = load(py, &study, model, preset, check)?;
     let merged =
         interruptible::run(py, |keep_running| parts::merge(&study, &parts, &out, &Monitor::silent(keep_running)))?;
     let MergeResult { parts, bytes, summary } = merged.map_err(|error| results_error(py, &error))?;
@@ -174,14 +184,15 @@ pub fn _study_files(py: Python<'_>, study: PathBuf) -> PyResult<Vec<PathBuf>> {
 /// Describes a study: `name`, `model`, `runs`, `designs`, and `fingerprint`, which differs between studies with
 /// different results.
 #[pyfunction]
-#[pyo3(signature = (study, *, model = None, check = false))]
+#[pyo3(signature = (study, *, model = None, preset = None, check = false))]
 pub fn study_info<'py>(
     py: Python<'py>,
     study: PathBuf,
     model: Option<&str>,
+    preset: Option<&str>,
     check: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let study = load(py, &study, model, check)?;
+    let study = load(py, &study, model, preset, check)?;
     let info = PyDict::new(py);
     info.set_item("name", &study.name)?;
     info.set_item("model", study.model.name())?;

@@ -7,8 +7,9 @@ use std::process::{Command, Stdio};
 
 use clap::Args;
 
-use super::parsers::{count, model, picture};
+use super::parsers::{count, model, picture, preset};
 use super::{Failure, Status};
+use crate::scene::Preset;
 use crate::trace::Model;
 
 /// Search for the best designs of any scene: vary fields within bounds to minimise or maximise results.
@@ -47,6 +48,10 @@ pub(crate) struct OptimizeArgs {
     /// Simulation model, instead of the one in the study
     #[arg(long, value_parser = model())]
     model: Option<Model>,
+
+    /// Preset of integrator method and tolerances of the analytic model, instead of those of the scene
+    #[arg(long, value_parser = preset())]
+    preset: Option<Preset>,
 
     /// Number of designs to print [default: 10]
     #[arg(long, value_name = "NUMBER", value_parser = count(1..=1_000_000, "10"))]

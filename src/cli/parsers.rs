@@ -9,7 +9,7 @@ use std::str::FromStr;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use crate::limits::MAX_THREADS;
-use crate::scene::Axis;
+use crate::scene::{Axis, Preset};
 use crate::sizing::Rule;
 use crate::study::hold::axis_name;
 use crate::trace::Model;
@@ -90,6 +90,14 @@ pub(crate) fn model() -> impl TypedValueParser<Value = Model> {
             Model::Analytic,
         ),
         ("engine", "Rigid-body engine with the same contact laws", Model::Engine),
+    ])
+}
+
+pub(crate) fn preset() -> impl TypedValueParser<Value = Preset> {
+    choice([
+        ("draft", "For searches and learning: errors of up to 1e-3 rad or parts of a length", Preset::Draft),
+        ("engineering", "For everyday runs", Preset::Engineering),
+        ("reference", "For comparisons, with tight tolerances", Preset::Reference),
     ])
 }
 

@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::output::{FileKind, NO_DIRECTORY, print_diagnostic, print_note, print_result, reserve};
 use super::page::PageArgs;
-use super::parsers::{self, choice};
+use super::parsers::{self, preset};
 use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
 use super::simulate::{CheckPolicy, RunLimits, SampleTable, csv_file, simulate};
@@ -91,9 +91,8 @@ pub(crate) struct RunArgs {
 /// Settings of the simulation given on the command line, which override fields of the scene.
 #[derive(Debug, Args)]
 struct Overrides {
-    /// Preset of integrator method and tolerances of the analytic model: engineering for everyday runs, reference for
-    /// reference results with tight tolerances [default: as in the scene]
-    #[arg(long, value_parser = choice([("engineering", "", Preset::Engineering), ("reference", "", Preset::Reference)]))]
+    /// Preset of integrator method and tolerances of the analytic model [default: as in the scene]
+    #[arg(long, value_parser = preset())]
     preset: Option<Preset>,
 
     /// Relative tolerance of the analytic model [default: from the scene or preset]; absolute tolerances are scaled by

@@ -8,11 +8,12 @@ use clap::{Args, Subcommand};
 use super::output::{
     FileKind, NO_DIRECTORY, picture_target, print_note, print_report, print_result, reserve, save_picture,
 };
-use super::parsers::{model, number, picture};
+use super::parsers::{model, number, picture, preset};
 use super::progress::{Interrupt, Progress};
 use super::{Failure, Status};
 use crate::plot::map;
 use crate::report::sweep::{SweepReport, SweepWork, sweep_list};
+use crate::scene::Preset;
 use crate::study::parts::{merge, part_files, write_part};
 use crate::study::results::{OpenedResults, Store, open};
 use crate::study::sweep::{self, Row, Study, StudyError, run_while, shard, summary};
@@ -60,6 +61,10 @@ pub(crate) struct SweepArgs {
     /// Simulation model, instead of the one in the study
     #[arg(long, value_parser = model())]
     model: Option<Model>,
+
+    /// Preset of integrator method and tolerances of the analytic model, instead of those of the scene
+    #[arg(long, value_parser = preset())]
+    preset: Option<Preset>,
 
     /// Check every run, with three additional runs for each; adds the columns `check` (sure, uncertain, chaotic or
     /// unknown) and `check_error_rad`
@@ -119,6 +124,10 @@ struct MergeArgs {
     #[arg(long, value_parser = model())]
     model: Option<Model>,
 
+    /// Preset of the shards, if they were written with --preset
+    #[arg(long, value_parser = preset())]
+    preset: Option<Preset>,
+
     /// The shards were written with --check
     #[arg(long)]
     check: bool,
@@ -140,7 +149,7 @@ pub(super) fn run(args: &SweepArgs) -> Result<Status, Failure> {
         return run_merge(args);
     }
     let file = args.study.as_ref().expect("clap requires the study");
-    let study = load(file, args.model, args.check)?;
+    let study = load(file, (args.model, args.preset), args.check)?;
     let (Some(out), false) = (&args.out, args.list) else {
         return print_report(&sweep_list(&study, args.limit.unwrap_or(DEFAULT_LISTED_RUNS)));
     };
@@ -174,10 +183,11 @@ pub(super) fn run(args: &SweepArgs) -> Result<Status, Failure> {
     Ok(status)
 }
 
-/// Loads a study with the model and the checks of the command line.
-fn load(file: &Path, model: Option<Model>, check: bool) -> Result<Study, Failure> {
+/// Loads a study with the model, the preset and the checks of the command line.
+fn load(file: &Path, (model, preset): (Option<Model>, Option<Preset>), check: bool) -> Result<Study, Failure> {
     let mut study = sweep::load(file)?;
     study.model = model.unwrap_or(study.model);
+    study.set_preset(preset).map_err(Failure::bad_input)?;
     study.checked = check;
     Ok(study)
 }
@@ -236,7 +246,7 @@ fn run_shard(args: &SweepArgs, study: &Study, (number, count): (u64, u64), out: 
 }
 
 fn run_merge(args: &MergeArgs) -> Result<Status, Failure> {
-    let study = load(&args.study, args.model, args.check)?;
+    let study = load(&args.study, (args.model, args.preset), args.check)?;
     let parts = part_files(&args.parts)?;
     let inputs = [("the study", &sweep::source_files(&args.study)[..]), ("a shard", &parts)];
     reserve(&inputs, &[("--out", Some(&args.out), FileKind::Results)], NO_DIRECTORY)?;

@@ -22,6 +22,7 @@ use super::sweep::{
     run_range_text, run_while, shard_range, sorted_table, summary,
 };
 use crate::files::{FileKind, cannot_write, check_target, is_forced, is_special, replace_file};
+use crate::scene::Keyword as _;
 use crate::table::{self, Format, RowGroups, RowWriter, Value};
 use phalanx_parallel::{ComputeError, Monitor};
 
@@ -33,6 +34,9 @@ pub struct PartInfo {
     version: String,
     study: String,
     model: String,
+    /// Preset in place of the settings of the scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    preset: Option<String>,
     checked: bool,
     /// Fingerprint of study, base scene, model, checks and version.
     fingerprint: String,
@@ -48,6 +52,7 @@ impl PartInfo {
             version: env!("CARGO_PKG_VERSION").to_string(),
             study: study.name.clone(),
             model: study.model.name().to_string(),
+            preset: study.preset.map(|preset| preset.keyword().to_string()),
             checked: study.checked,
             fingerprint: study.fingerprint(),
             shard,
@@ -62,6 +67,10 @@ impl PartInfo {
                 ("version of phalanx", info.version.clone()),
                 ("study", format!("`{}`", info.study)),
                 ("model", format!("--model {}", info.model)),
+                (
+                    "preset",
+                    info.preset.as_ref().map_or("that of the scene".to_string(), |name| format!("--preset {name}")),
+                ),
                 ("sweep", if info.checked { "with --check" } else { "without --check" }.to_string()),
                 ("text (study or base scene, by its fingerprint)", info.fingerprint.clone()),
             ]

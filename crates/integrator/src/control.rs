@@ -32,6 +32,9 @@ const TYPICAL_EVENTS: u64 = 4;
 const STEPS_PER_EVENT: u64 = 80;
 /// Smallest factor by which the tolerances of a long run are reduced.
 const MIN_TOLERANCE_FACTOR: f64 = 1.0 / 100.0;
+/// Relative tolerances from which those of a long run stay as they are: a coarse run does not need errors that add up to few times
+/// its tolerance.
+const COARSE_RTOL: f64 = 2e-5;
 /// Smallest tolerances after tightening: below them, angles of 1 rad and rates of 100 rad/s are rounding noise.
 const MIN_TOLERANCES: Tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rtol_v: 1e-11 };
 
@@ -114,7 +117,7 @@ impl ToleranceSchedule {
     pub fn tolerances(&self, requested: &Tolerances, [steps, events]: [u64; 2]) -> Tolerances {
         let event_steps = events.saturating_sub(TYPICAL_EVENTS) * STEPS_PER_EVENT;
         let length_ratio = (steps + event_steps) as f64 / self.typical_steps;
-        if length_ratio <= 1.0 {
+        if length_ratio <= 1.0 || requested.rtol_v >= COARSE_RTOL {
             *requested
         } else {
             requested.scaled((length_ratio * length_ratio).recip().max(MIN_TOLERANCE_FACTOR))

@@ -23,13 +23,16 @@ if TYPE_CHECKING:
 __all__ = ["function", "optimize", "problem"]
 
 _Path: TypeAlias = str | os.PathLike[str]
+_Model: TypeAlias = Literal["analytic", "engine"] | None
+_Preset: TypeAlias = Literal["draft", "engineering", "reference"] | None
 
 
 def optimize(
     study: _Path,
     out: _Path | None = None,
     *,
-    model: Literal["analytic", "engine"] | None = None,
+    model: _Model = None,
+    preset: _Preset = None,
     threads: int = 0,
     plot: _Path | None = None,
     html: _Path | None = None,
@@ -48,7 +51,8 @@ def optimize(
     generation (OUT with the suffix `.runs.parquet`), so that the same call resumes an interrupted search with the same
     result. plot: write a picture (SVG or PNG). html: write a page with picture, tables and scenes. scenes: write each
     design of the front as a scene to this directory: design-N.toml, and start.toml. model: overrides the model of the
-    study. threads: 0 for one per core. restart: discard earlier results in out. force: replace existing files that
+    study. preset: settings of the integrator in place of those of the scene; "draft" is the fastest. threads: 0 for one per
+    core. restart: discard earlier results in out. force: replace existing files that
     phalanx did not write. progress: called after each generation with the number of designs, the largest number of
     designs, the generation, and the number of designs that meet all constraints.
 
@@ -59,12 +63,10 @@ def optimize(
     from .run import Outputs, load, run
 
     outputs = Outputs.of(out=out, plot=plot, html=html, scenes=scenes)
-    return run(load(study, model), outputs, threads, restart=restart, force=force, progress=progress)
+    return run(load(study, model, preset), outputs, threads, restart=restart, force=force, progress=progress)
 
 
-def function(
-    study: _Path, *, model: Literal["analytic", "engine"] | None = None, threads: int = 0
-) -> Function:
+def function(study: _Path, *, model: _Model = None, preset: _Preset = None, threads: int = 0) -> Function:
     """Returns a study as a function, for any solver.
 
         f = phalanx.optimization.function("scenes/studies/optimize-95-fastest.toml")
@@ -82,10 +84,10 @@ def function(
     from .run import load
     from .solvers import Function
 
-    return Function(load(study, model), threads)
+    return Function(load(study, model, preset), threads)
 
 
-def problem(study: _Path, *, model: Literal["analytic", "engine"] | None = None, threads: int = 0) -> Any:
+def problem(study: _Path, *, model: _Model = None, preset: _Preset = None, threads: int = 0) -> Any:
     """Returns a study as a `pymoo.core.problem.Problem`, for any algorithm of pymoo.
 
         problem = phalanx.optimization.problem("scenes/studies/optimize-95.toml")
@@ -100,4 +102,4 @@ def problem(study: _Path, *, model: Literal["analytic", "engine"] | None = None,
     from .run import load
     from .solvers import problem as new
 
-    return new(load(study, model), threads)
+    return new(load(study, model, preset), threads)

@@ -54,6 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     add("study", type=Path, metavar="STUDY", help="study file (TOML); `phalanx schema optimize` describes it")
     add("--out", type=Path, metavar="FILE", help="write all designs to this file, as CSV or Parquet by its suffix")
     add("--model", choices=("analytic", "engine"), help="simulation model, instead of the one in the study")
+    add("--preset", choices=("draft", "engineering", "reference"), help="settings of the integrator, instead of those of the scene")
     add("--threads", type=_count(0), default=0, metavar="N", help="number of threads; 0 (default) uses all cores")
     add(
         "--plot",
@@ -102,7 +103,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _command(args: argparse.Namespace, plot: Path | None, html: Path | None) -> int:
-    optimisation = load(args.study, args.model)
+    optimisation = load(args.study, args.model, args.preset)
     if args.list:
         print(report.plan_text(optimisation), end="")
         return 0

@@ -73,10 +73,10 @@ class Optimum:
         return f"<phalanx.optimization.run.Optimum of {len(found.generation)} designs, {len(found.front)} on the front>"
 
 
-def load(path: _Path, model: str | None = None) -> Optimisation:
-    """Reads and checks a study file; `model` overrides its model. See `phalanx.optimize` for errors."""
+def load(path: _Path, model: str | None = None, preset: str | None = None) -> Optimisation:
+    """Reads and checks a study file; `model` overrides its model, and `preset` the settings of the integrator. See `phalanx.optimize` for errors."""
     require("pyarrow", "a search")
-    return study.load(Path(path), model)
+    return study.load(Path(path), model, preset)
 
 
 @dataclass(frozen=True)

@@ -416,7 +416,8 @@ def simulate(optimisation: Optimisation, designs: list[dict[str, Any]], previous
     rows = [{**design, **condition} for design in designs for condition in conditions]
     fields: dict[str, Any] = {path: [row[path] for row in rows] for path in rows[0]}
     results = _phalanx.evaluate(
-        optimisation.scene, fields, model=optimisation.model, threads=threads, filter=optimisation.filter or None
+        optimisation.scene, fields, model=optimisation.model, preset=optimisation.preset, threads=threads,
+        filter=optimisation.filter or None,
     )
     table = pa.table(results)
     runs = np.arange(len(table)) + previous * len(conditions)
@@ -442,6 +443,7 @@ def fingerprint(optimisation: Optimisation) -> str:
     parts = [
         _phalanx.__version__,
         optimisation.model,
+        *([optimisation.preset] if optimisation.preset else []),
         optimisation.scene.resolved,
         json.dumps(content, sort_keys=True, default=str),
     ]

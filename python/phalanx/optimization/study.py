@@ -59,6 +59,8 @@ class Optimisation:
     name: str
     description: str
     model: Literal["analytic", "engine"]
+    preset: Literal["draft", "engineering", "reference"] | None
+    """Preset in place of the settings of the scene's integrator."""
     scene: _phalanx.Scene
     files: list[Path]
     """The study file, and the files of the base scene."""
@@ -89,13 +91,14 @@ class Optimisation:
         return self.max_designs * len(self.conditions)
 
 
-def load(path: Path, model: str | None = None, text: str | None = None) -> Optimisation:
-    """Reads and checks a study file and its base scene; `model` overrides the model of the study.
+def load(path: Path, model: str | None = None, preset: str | None = None, text: str | None = None) -> Optimisation:
+    """Reads and checks a study file and its base scene; `model` overrides the model of the study, and `preset` the settings
+    of the integrator.
 
     `text` is the content of the file, if it is not to be read: `path` then appears in messages, and the base scene is
     relative to its directory. Raises StudyError with file, line and field of the errors.
     """
-    read = _phalanx._read_optimisation(path, text, model)
+    read = _phalanx._read_optimisation(path, text, model, preset)
     lists: dict[str, Any] = {
         "objectives": [Objective(**objective) for objective in read["objectives"]],
         "constraints": [Constraint(**constraint) for constraint in read["constraints"]],

@@ -47,7 +47,9 @@ use figures::Figures;
 
 use sequence::Sequence;
 
+use crate::scene::{Keyword as _, Preset};
 use crate::trace::Model;
+use crate::trace::overrides::Overrides;
 
 /// Maximum number of runs of a sweep that is not divided, or of one part. Their rows are sorted in memory, one kilobyte
 /// each.
@@ -77,6 +79,8 @@ pub struct Study {
     pub name: String,
     pub description: String,
     pub model: Model,
+    /// Method and tolerances of all runs, in place of those of the scene.
+    pub preset: Option<Preset>,
     /// Whether every run is checked, which takes three more simulations each.
     pub checked: bool,
     pub filter: Filter,
@@ -96,6 +100,16 @@ impl Study {
     /// Number of five-bar fingers of its scenes; 0 for scenes of any other kind.
     pub fn fingers(&self) -> usize {
         if let Figures::Hand(fingers) = self.results.figures { fingers } else { 0 }
+    }
+
+    /// Replaces method and tolerances of all runs by those of a preset, unless it is `None`.
+    ///
+    /// # Errors
+    /// Returns an error if the model has no presets.
+    pub fn set_preset(&mut self, preset: Option<Preset>) -> Result<(), String> {
+        Overrides { preset, ..Overrides::default() }.reject_unused(self.model)?;
+        self.preset = preset;
+        Ok(())
     }
 
     pub fn runs(&self) -> u64 {
@@ -176,8 +190,9 @@ impl Study {
     pub fn fingerprint(&self) -> String {
         let checked = if self.checked { "checked" } else { "" };
         let inputs = [env!("CARGO_PKG_VERSION"), self.model.name(), self.source.as_str(), self.base.as_str(), checked];
+        let preset = self.preset.map(|preset| preset.keyword());
         let mut hash = 0xcbf2_9ce4_8422_2325_u64;
-        for input in inputs {
+        for input in inputs.into_iter().chain(preset) {
             // The length is hashed first, so that the boundary between two texts is unique.
             for byte in (input.len() as u64).to_le_bytes().iter().chain(input.as_bytes()) {
                 hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);

@@ -72,10 +72,13 @@ fn run_one(study: &Study, run: u64, keep_running: KeepRunning<'_>) -> Option<Row
     let values = study.field_values(run);
     let text = study.template.fill(&values);
     let cells = Cells::new(study, run, values.into_iter().map(|value| value.value));
-    let scene = match scene::parse_any(&text, "run.toml") {
+    let mut scene = match scene::parse_any(&text, "run.toml") {
         Ok(scene) => scene,
         Err(error) => return Some(cells.row(Status::Refused, &problem_messages(&error))),
     };
+    if let Some(preset) = study.preset {
+        scene.apply_preset(preset);
+    }
     match (&study.results.figures, scene.finger_count()) {
         (Figures::Hand(2), 2) => run_gripper(study, &scene, cells, keep_running),
         (Figures::Hand(1), 1) => run_finger(study, &scene, cells, keep_running),

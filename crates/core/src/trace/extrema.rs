@@ -6,8 +6,30 @@ use super::{ContactSample, ContactSummary};
 #[cfg(feature = "engine")]
 use crate::engine::ContactExtremum;
 
-/// Steps whose force exceeds this fraction of the largest force so far are searched for a larger one.
-pub(super) const MIN_SEARCHED_FORCE_FRACTION: f64 = 0.8;
+/// Deviation of a force from the parabola through its values at both ends of a step and its mean, as a multiple of the deviation
+/// of the mean from that of a straight line; that of the parabola itself from the straight line is 1.5.
+const MEAN_MARGIN: f64 = 3.0;
+
+/// Whether a force with these values at the ends of a step and this mean may exceed `peak` in between.
+pub(super) fn may_exceed(peak: f64, [start, end]: [f64; 2], mean: f64) -> bool {
+    start.max(end) + MEAN_MARGIN * (mean - 0.5 * (start + end)).abs() > peak
+}
+
+/// Depth between the ends of a step, as a multiple of that of a convex gap: the tangents of a convex gap bound it.
+const DEPTH_MARGIN: f64 = 2.0;
+
+/// Whether a penetration with these depths and gap rates at the ends of a step of length `step_s` has a maximum in between that may
+/// exceed `largest`.
+pub(super) fn may_be_deeper(largest: f64, depths: [f64; 2], [before, after]: [f64; 2], step_s: f64) -> bool {
+    let reaches = before < 0.0 && after > 0.0;
+    reaches && depths[0].max(depths[1]) + DEPTH_MARGIN * step_s * before * after / (before - after) > largest
+}
+
+/// Whether a force is monotonic over a step: a parabola is, if its mean deviates from that of a straight line by less than a sixth
+/// of the difference of its ends.
+pub(super) fn is_monotonic([start, end]: [f64; 2], mean: f64) -> bool {
+    6.0 * MEAN_MARGIN * (mean - 0.5 * (start + end)).abs() < (end - start).abs()
+}
 
 /// Number of bisections of a step; they locate a time to 1e-12 of its length.
 pub(super) const BISECTIONS: u32 = 40;

@@ -62,7 +62,10 @@ impl Overrides {
     }
 
     /// Rejects settings that the model does not use.
-    fn reject_unused(&self, model: Model) -> Result<(), String> {
+    ///
+    /// # Errors
+    /// Returns an error that names the setting and the model that uses it.
+    pub fn reject_unused(&self, model: Model) -> Result<(), String> {
         if self.step_s.is_some() && self.tolerance_m.is_some() {
             return Err("--step sets a fixed step and --tolerance adapts the step: leave one of them out".to_string());
         }

@@ -2,7 +2,7 @@
 
 use super::contact_tracker::{ContactTracker, ReportedEvent, has_hand_touched, update_summaries};
 use super::extrema::{
-    BISECTIONS, MIN_SEARCHED_FORCE_FRACTION, Reason, StepExtrema, bisect, find_crossing, parabola_peak,
+    BISECTIONS, Reason, StepExtrema, bisect, find_crossing, is_monotonic, may_be_deeper, may_exceed, parabola_peak,
 };
 use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::reading::Kernel;
@@ -391,10 +391,9 @@ impl<R: Kernel> Recorder<'_, R> {
         true
     }
 
-    /// Searches the largest force and penetration within the step from the last sample to its end.
-    fn search_peaks(&mut self, mode: &R::Mode, tools: &mut dyn StepTools<R::Layout>) {
+    /// Searches the largest force and penetration within the step of length `step_s` from the last sample to its end.
+    fn search_peaks(&mut self, step_s: f64, mode: &R::Mode, tools: &mut dyn StepTools<R::Layout>) {
         self.state.peaks.clear();
-        let length_s = self.state.end.time_s - self.state.last.time_s;
         for (contact, tracker) in self.state.trackers.iter_mut().enumerate() {
             let index = self.kernel.contact_index(contact);
             // A released contact can still get deeper without a force.
@@ -409,7 +408,8 @@ impl<R: Kernel> Recorder<'_, R> {
             if summary.update_max_penetration(-end.gap_m) {
                 self.state.peaks.push(1.0, Reason::Peak);
             }
-            if start.gap_rate_m_s < 0.0 && end.gap_rate_m_s > 0.0 {
+            let rates = [start.gap_rate_m_s, end.gap_rate_m_s];
+            if may_be_deeper(summary.max_penetration_m, [-start.gap_m, -end.gap_m], rates, step_s) {
                 let deepest = bisect(&mut |theta| -read(tools.interpolate(theta)).gap_rate_m_s);
                 if summary.update_max_penetration(-read(tools.resolve(deepest)).gap_m) {
                     self.state.peaks.push(deepest, Reason::Peak);
@@ -420,14 +420,14 @@ impl<R: Kernel> Recorder<'_, R> {
                 true => read(tools.resolve(STEP_START)).normal_n,
                 false => start.normal_n,
             };
-            let mut highest = at_start.max(end.normal_n);
-            if highest == 0.0 {
-                // A force that starts and ends within the step still has a mean.
-                highest = (end.impulse_n_s - start.impulse_n_s) / length_s;
-            }
-            if is_active && highest > MIN_SEARCHED_FORCE_FRACTION * summary.peak_normal_n {
+            let mean = (end.impulse_n_s - start.impulse_n_s) / step_s;
+            if is_active && may_exceed(summary.peak_normal_n, [at_start, end.normal_n], mean) {
                 let mut force = |theta: f64| read(tools.refine_motion(theta)).normal_n;
-                let (theta, mut peak) = parabola_peak(at_start, end.normal_n, &mut force);
+                let (theta, mut peak) = match is_monotonic([at_start, end.normal_n], mean) {
+                    true if at_start < end.normal_n => (1.0, end.normal_n),
+                    true => (0.0, at_start),
+                    false => parabola_peak(at_start, end.normal_n, &mut force),
+                };
                 if theta > 0.0 && theta < 1.0 && peak > summary.peak_normal_n {
                     peak = read(tools.resolve(theta)).normal_n;
                 }
@@ -479,7 +479,7 @@ impl<R: Kernel> Observer<R::Layout, R::Mode> for Recorder<'_, R> {
         let mut interior = Interior { kernel, step, mode, tools, buffers, contacts };
         let exits = self.end_at_exit(&mut interior);
         if self.state.required_data.peaks && !exits {
-            self.search_peaks(mode, interior.tools);
+            self.search_peaks(step.h, mode, interior.tools);
         } else {
             self.state.peaks.clear();
             update_summaries(&mut self.state.trackers, &self.state.end);

@@ -238,6 +238,7 @@ impl Scene {
     pub fn apply_preset(&mut self, preset: Preset) {
         let max_steps = self.integrator.max_steps;
         self.integrator = match preset {
+            Preset::Draft => Integrator { max_steps, ..Integrator::preset(preset) },
             Preset::Engineering => {
                 Integrator { max_steps, ..Integrator::engineering_for(self.kind, self.grasp_roles().is_ok()) }
             }

@@ -40,7 +40,7 @@ pub struct Integrator {
 
 keyword_enum! {
     /// Tolerances of the integrator.
-    pub enum Preset { Engineering = "engineering", Reference = "reference" }
+    pub enum Preset { Draft = "draft", Engineering = "engineering", Reference = "reference" }
 }
 
 keyword_enum! {
@@ -68,6 +68,7 @@ impl Integrator {
     /// Returns the settings of a preset.
     pub const fn preset(preset: Preset) -> Self {
         let (method, rtol, atol_angle_rad, atol_rate_rad_s) = match preset {
+            Preset::Draft => (Method::Rodas5p, 2e-4, 2e-8, 2e-4),
             Preset::Engineering => (Method::Rodas5p, 1e-5, 1e-9, 1e-5),
             Preset::Reference => (Method::RadauIIa5, 1e-11, 1e-14, 1e-9),
         };
@@ -371,7 +372,7 @@ impl LogSettings {
 pub fn integrator(input: &SectionInput<'_>, has_grasp: bool) -> Integrator {
     let mut base = Integrator::engineering_for(input.kind, has_grasp);
     let Integrator { preset, rtol, .. } = input.read_over(&base);
-    if preset == Preset::Reference {
+    if preset != Preset::Engineering {
         base = Integrator::preset(preset);
     }
     if input.has("rtol") {
