@@ -104,7 +104,7 @@ class TableGripperEnvironment(gymnasium.Env[Array, Array]):
         """Starts an episode. The seed determines the offset of the cube, and nothing else is random."""
         super().reset(seed=seed)
         offset_m = (options or {}).get("offset_m", self.np_random.uniform(-MAX_OFFSET_M, MAX_OFFSET_M))
-        self.simulation = phalanx.Simulation(scene_with_offset(self.scene, offset_m))
+        self.simulation = phalanx.Simulation(scene_with_offset(self.scene, offset_m), preset="draft")
         self.steps = 0
         return self.observe(), {"offset_m": offset_m}
 
@@ -142,7 +142,8 @@ class TableGripperVectorEnvironment(VectorEnv[Array, Array, NDArray[Any]]):
         """Starts an episode of all environments, with a random offset for each."""
         super().reset(seed=seed)
         offsets_m = self.np_random.uniform(-MAX_OFFSET_M, MAX_OFFSET_M, self.num_envs)
-        self.batch = phalanx.SimulationBatch([scene_with_offset(self.scene, offset_m) for offset_m in offsets_m])
+        scenes = [scene_with_offset(self.scene, offset_m) for offset_m in offsets_m]
+        self.batch = phalanx.SimulationBatch(scenes, preset="draft")
         self.steps = 0
         return self.observe(), {"offset_m": offsets_m}
 

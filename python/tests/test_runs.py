@@ -30,6 +30,7 @@ class Runs(unittest.TestCase):
         cases = [
             (ANCHOR, {}, []),
             (ANCHOR, {"preset": "reference", "duration": "8 ms"}, ["--preset", "reference", "--duration", "8 ms"]),
+            (ANCHOR, {"preset": "draft"}, ["--preset", "draft"]),
             (ANCHOR, {"rtol": 1e-8}, ["--rtol", "1e-8"]),
             (ANCHOR, {"model": "engine", "step": "2 us", "duration": "5 ms"}, ["--model", "engine", "--step", "2 us", "--duration", "5 ms"]),
             (GRIPPER, {"duration": "12 ms"}, ["--duration", "12 ms"]),
@@ -164,7 +165,7 @@ class Runs(unittest.TestCase):
     def test_invalid_arguments_raise_the_errors_of_the_program(self):
         for options, message in (
             ({"model": "magic"}, "\"analytic\" or \"engine\""),
-            ({"preset": "fine"}, "\"engineering\" or \"reference\""),
+            ({"preset": "fine"}, "\"draft\" or \"engineering\" or \"reference\""),
             ({"step": "1 us"}, 'leave `step` out or use model="engine"'),
             ({"model": "engine", "rtol": 1e-6}, "leave `rtol` out"),
             ({"rtol": 2.0}, "between 0 and 1"),

@@ -1,6 +1,7 @@
 """Simulations that Python advances: inputs, observations, copies and batches."""
 
 import copy
+import pickle
 import unittest
 
 import numpy as np
@@ -83,6 +84,17 @@ class Simulations(unittest.TestCase):
                 owner.observe(["time_s", "q11_rd"])
             with self.assertRaises(TypeError):
                 owner.observe("q11_rad")
+
+    def test_a_preset_replaces_the_settings_of_the_integrator(self):
+        scene = phalanx.Scene.load(ANCHOR).with_({"integrator.rtol": 1e-9})
+        result = phalanx.run(scene, preset="draft")
+        simulation, batch = phalanx.Simulation(scene, preset="draft"), phalanx.SimulationBatch([scene, ANCHOR], preset="draft")
+        for owner in (simulation, batch, pickle.loads(pickle.dumps(simulation))):
+            owner.advance(20e-3)
+            self.assertEqual(set(owner.observe(["q11_rad"]).flatten()), {result["q11_rad"][-1]})
+        self.assertNotEqual(phalanx.run(scene)["q11_rad"][-1], result["q11_rad"][-1])
+        with self.assertRaisesRegex(phalanx.SceneError, "`preset` is a setting of the analytic model"):
+            phalanx.Simulation(scene, "engine", preset="draft")
 
     def test_reset_returns_to_the_start(self):
         simulation, new = phalanx.Simulation(ANCHOR), phalanx.Simulation(ANCHOR)

@@ -52,6 +52,15 @@ class Evaluate(unittest.TestCase):
         self.assertEqual((series.columns, len(series)), (["run", "tts_s"], 2))
         self.assertEqual(len(phalanx.evaluate(scene, {"design.base": []})), 0)
 
+    def test_a_preset_replaces_the_settings_of_the_integrator(self):
+        fields = {"contact.friction.mu_static": [0.4, 0.8], "integrator.rtol": 1e-8}
+        fine, draft = (phalanx.evaluate(ANCHOR, fields, preset=preset)["steps"] for preset in (None, "draft"))
+        expected = [phalanx.run(phalanx.Scene.load(ANCHOR).with_({"contact.friction.mu_static": mu}), preset="draft") for mu in (0.4, 0.8)]
+        self.assertEqual(list(draft), [result.outcome["steps"] for result in expected])
+        self.assertTrue(all(2 * few < many for few, many in zip(draft, fine, strict=True)))
+        with self.assertRaisesRegex(phalanx.SceneError, "`preset` is a setting of the analytic model"):
+            phalanx.evaluate(ANCHOR, fields, model="engine", preset="draft")
+
     def test_varies_parameters(self):
         text = ANCHOR.read_text().replace('base = "15.5 mm"', 'base = "= reach - margin"')
         scene = phalanx.Scene.from_toml('parameters = { reach = "16.5 mm", margin = "1 mm", ratio = 2 }\n' + text)

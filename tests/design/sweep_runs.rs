@@ -39,6 +39,32 @@ fn runs_of_the_thesis_equal_single_runs() {
     assert_eq!(classes[287 - 1], Some("stable"));
 }
 
+#[test]
+fn a_preset_replaces_the_settings_of_the_integrator_in_all_runs() {
+    let text = "scene = \"../mechanisms/two-pivot.toml\"\n[set]\nduration = \"40 ms\"\n[[axes]]\nfield = \
+                \"bodies.object.mass\"\nvalues = [\"20 g\", \"80 g\"]\n";
+    let study = parse_study(text);
+    let mut drafts = study.clone();
+    drafts.set_preset(Some(Preset::Draft)).expect("the analytic model has presets");
+    assert_ne!(study.fingerprint(), drafts.fingerprint());
+    let [everyday, draft] = [&study, &drafts].map(run_study);
+    let steps = |table: &Table| table.numbers("steps").expect("numbers");
+    for run in 0..2 {
+        let mut scene = scene::parse_any(&study.scene_text(run as u64 + 1), "run.toml").expect("a scene");
+        scene.apply_preset(Preset::Draft);
+        let outcome = run_analytic(&scene, &mut ()).expect("completes");
+        assert_eq!(steps(&draft)[run], Some(outcome.work.steps as f64));
+        assert!(steps(&draft)[run] < steps(&everyday)[run].map(|steps| 0.7 * steps), "{run}");
+    }
+    assert_eq!(draft.texts("fate").expect("texts"), everyday.texts("fate").expect("texts"));
+
+    drafts.model = Model::Engine;
+    assert_contains(
+        &drafts.set_preset(Some(Preset::Draft)).expect_err("no preset"),
+        "--preset is a setting of the analytic",
+    );
+}
+
 const MIXED: &str = "scene = \"../experiment-95.toml\"\n[set]\nintegrator.max_steps = 120\n[[axes]]\nfield = \
                      \"contact.friction.mu_static\"\nvalues = [-0.5, 0.0, 0.8]\n[[axes]]\nfield = \"design.phi22\"\nfrom = \"60 \
                      deg\"\nto = \"170 deg\"\ncount = 6\n[[axes]]\nfield = \"design.l21_fraction\"\nvalues = [0.0, 1.0, 1.5]\n";

@@ -53,6 +53,15 @@ fn single_keys_override_the_preset() {
     assert_eq!((scene.integrator, expected.method), (expected, Method::RadauIIa5));
 }
 
+#[test]
+fn a_draft_has_the_same_tolerances_in_every_kind_of_scene() {
+    let finger = finger_with("[integrator]\npreset = \"draft\"\n");
+    let mut mechanism = scene::load_any("scenes/mechanisms/two-pivot.toml").expect("a shipped scene");
+    mechanism.apply_preset(Preset::Draft);
+    assert_eq!([finger.integrator, mechanism.integrator], [Integrator::preset(Preset::Draft); 2]);
+    assert_eq!(finger.integrator.rtol, 2e-4);
+}
+
 /// One contact may have a bristle while the other has none. The damping of a bristle defaults to that of its normal
 /// law.
 #[test]

@@ -187,3 +187,42 @@ impl ContactSample {
         self.impulse_n_s = impulse_n_s + extremum.impulse;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ends and mean of the parabola `start + slope θ + curvature θ²` over a step, and its largest value.
+    fn parabola(start: f64, slope: f64, curvature: f64) -> ([f64; 2], f64, f64) {
+        let at = |theta: f64| start + slope * theta + curvature * theta * theta;
+        let largest = (0..=1000).map(|i| at(i as f64 / 1000.0)).fold(f64::MIN, f64::max);
+        ([start, at(1.0)], start + slope / 2.0 + curvature / 3.0, largest)
+    }
+
+    #[test]
+    fn the_bound_of_a_force_contains_parabolas_and_their_ends_where_they_are_monotonic() {
+        for slope in [-8.0, -2.0, -0.1, 0.0, 0.3, 4.0] {
+            for curvature in [-9.0, -1.0, 0.0, 0.05, 3.0] {
+                let (ends, mean, largest) = parabola(5.0, slope, curvature);
+                assert!(may_exceed(largest - 1e-6, ends, mean), "{slope} {curvature}");
+                if is_monotonic(ends, mean) {
+                    assert!(largest <= ends[0].max(ends[1]), "{slope} {curvature}");
+                }
+            }
+        }
+        let (ends, mean, _) = parabola(5.0, 1.0, -0.1);
+        assert!(is_monotonic(ends, mean) && !may_exceed(6.0, ends, mean));
+    }
+
+    #[test]
+    fn the_bound_of_a_depth_contains_the_maximum_of_a_parabola() {
+        // Depth d + v θ h − a (θ h)² / 2, whose largest value is d + v² / (2 a).
+        let (depth, speed, acceleration, step_s) = (1e-4, 0.2, 900.0, 5e-4);
+        let end = depth + speed * step_s - 0.5 * acceleration * step_s * step_s;
+        let rates = [-speed, acceleration * step_s - speed];
+        let largest = depth + speed * speed / (2.0 * acceleration);
+        assert!(may_be_deeper(0.99 * largest, [depth, end], rates, step_s));
+        assert!(!may_be_deeper(3.0 * largest, [depth, end], rates, step_s));
+        assert!(!may_be_deeper(0.0, [depth, end], [-0.1, -0.05], step_s), "it only gets deeper");
+    }
+}

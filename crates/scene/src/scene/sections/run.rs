@@ -19,7 +19,7 @@ use crate::units::{self, Dimension, G_M_S2};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Integrator {
     /// "engineering" for general use (rtol 1e-5; 3e-6 in grippers and in mechanisms with a grasp, 3e-7 in other mechanisms),
-    /// "reference" for comparisons (rtol 1e-11).
+    /// "draft" for searches and learning (rtol 2e-4), "reference" for comparisons (rtol 1e-11).
     #[schemars(extend("default" = "engineering"))]
     pub preset: Preset,
     /// Integration method: Rodas5P or Radau IIA of order 5.
@@ -56,7 +56,9 @@ const MAX_STEPS: u64 = 10_000_000;
 /// of six linkages it is above 1e-5 (rad or 100 mm) in one, and below 5e-7 in 81.
 const GRASP_RTOL: f64 = 3e-6;
 
-/// Default relative tolerance of mechanisms without a grasp: cranks turn many times, and errors of their phase add up.
+/// Default relative tolerance of mechanisms without a grasp: cranks turn many times, and errors of their phase add up. Of 899
+/// random mechanisms with and without a grasp whose check is `sure`, 99 % are within 1e-5 at these defaults, and 94 % at 1e-5
+/// (tools/tolerances.py).
 const MECHANISM_RTOL: f64 = 3e-7;
 
 /// Smallest useful absolute tolerance of angles: the precision of an angle of 1 rad.
