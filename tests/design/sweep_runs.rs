@@ -61,7 +61,7 @@ fn a_preset_replaces_the_settings_of_the_integrator_in_all_runs() {
     drafts.model = Model::Engine;
     assert_contains(
         &drafts.set_preset(Some(Preset::Draft)).expect_err("no preset"),
-        "--preset is a setting of the analytic",
+        &["--preset is a setting of the analytic"],
     );
 }
 
