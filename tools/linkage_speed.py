@@ -31,7 +31,7 @@ plt.rcParams["svg.hashsalt"] = "phalanx"
 plt.rcParams["svg.fonttype"] = "none"
 plt.rcParams["font.family"] = "sans-serif"
 
-SCENES = ["real/2f85-lift", "mechanisms/two-pivot", "real/t42-grasp", "mechanisms/gripper-box"]
+SCENES = ["real/2f85-lift", "mechanisms/two-pivot", "real/franka-lift", "mechanisms/gripper-box"]
 MUJOCO_STEPS_S = (2e-3, 5e-4, 1e-4, 1e-5)
 RTOLS = (1e-2, 1e-3, 1e-5, 1e-7, 1e-9)
 PRESETS = ("draft", "engineering")
@@ -75,7 +75,7 @@ def draw(cases):
         for method, style in STYLES.items():
             points = [(error(row), row["time_s"] / case["duration_s"], row["setting"]) for row in case["rows"] if row["method"] == method]
             points = [point for point in points if point[0]]
-            line = sorted(point[:2] for point in points if point[2] not in PRESETS)
+            line = [point[:2] for point in points if point[2] not in PRESETS]
             axes.plot(*zip(*line), markersize=6, **style)
             for at, time, _ in (point for point in points if point[2] in PRESETS):
                 axes.plot(at, time, marker="*", color="black", markersize=11, linestyle="none", zorder=5)
@@ -86,7 +86,8 @@ def draw(cases):
         axes.grid(True, which="major", color="0.9")
         axes.set_axisbelow(True)
     panels[0].set_ylabel("time per simulated second (s)")
-    figure.supxlabel("largest error along the run (rad, or parts of 20 mm)", fontsize=10)
+    # Centred below all panels.
+    panels[1].set_xlabel("largest error along the run (rad, or parts of 20 mm)", x=1.05)
     marks = [plt.Line2D([], [], label=method, markersize=6, **style) for method, style in STYLES.items()]
     marks.append(plt.Line2D([], [], label="presets draft, engineering", marker="*", color="black", markersize=11, linestyle="none"))
     figure.legend(handles=marks, loc="outside lower center", ncols=4, fontsize=10, frameon=False)
@@ -98,7 +99,7 @@ def main():
     parser.add_argument("--from", dest="source", type=Path, help="draw these figures, and measure nothing")
     parser.add_argument("--json", type=Path, help="file for the figures")
     parser.add_argument("--out", type=Path, help="picture (.svg, .png)")
-    parser.add_argument("--repetitions", type=int, default=5, help="runs that are timed (default: 5)")
+    parser.add_argument("--repetitions", type=int, default=15, help="runs that are timed (default: 15)")
     arguments = parser.parse_args()
     if arguments.source:
         found = json.loads(arguments.source.read_text())

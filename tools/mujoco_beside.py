@@ -63,9 +63,12 @@ def load(path, step_s, integrator, published):
     model = mujoco.MjModel.from_xml_path(str(path))
     model.opt.timestep = step_s
     model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    # Defaults of MuJoCo, or the stiffest constraints that the step allows.
+    for solref in (model.eq_solref, model.pair_solref, model.jnt_solref):
+        solref[:] = (0.02, 1) if published else (2 * step_s, 1)
+    for solimp in (model.eq_solimp, model.pair_solimp, model.jnt_solimp):
+        solimp[:, :3] = (0.9, 0.95, 0.001)
     if not published:
-        for solref in (model.eq_solref, model.pair_solref, model.jnt_solref):
-            solref[:] = (2 * step_s, 1)
         model.eq_solimp[:, :3] = (0.99, 0.9999, 1e-5)
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)

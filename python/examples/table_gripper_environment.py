@@ -179,7 +179,7 @@ def phalanx_episode(environment: TableGripperVectorEnvironment) -> tuple[Array, 
 
 
 class MujocoGripper:
-    """The same scene in MuJoCo: its own contacts, with the default softness, on all cores."""
+    """The same scene in MuJoCo: its own contacts, as stiff as the time step allows, on all cores."""
 
     def __init__(self, scene: phalanx.Scene, offsets_m: Array, step_s: float) -> None:
         self.model = mujoco.MjModel.from_xml_string(scene_with_offset(scene, 0.0).to_mjcf())
