@@ -24,7 +24,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 from dark_scheme import add_dark_scheme  # noqa: E402
 from matplotlib.ticker import LogLocator  # noqa: E402
-from mujoco_beside import ROOT, mujoco_rows, own_row, trajectory  # noqa: E402
+from mujoco_beside import ROOT, mujoco_rows, own_row, reference_of  # noqa: E402
 
 # The same data gives the same bytes.
 plt.rcParams["svg.hashsalt"] = "phalanx"
@@ -56,16 +56,16 @@ def error(row):
 def measure(name, repetitions):
     """Rows of one scene."""
     scene = ROOT / "scenes" / f"{name}.toml"
-    reference = trajectory(scene, "--preset", "reference")
+    exact = reference_of(scene)
     rows, columns = [], None
     for method, published in [("MuJoCo, stiff constraints", False), ("MuJoCo, default constraints", True)]:
         settings = {"integrators": ("implicitfast",), "steps": MUJOCO_STEPS_S, "published": published, "repetitions": repetitions}
-        found, columns = mujoco_rows(scene, reference, None, **settings)
+        found, columns = mujoco_rows(scene, exact, None, **settings)
         rows += [{**row, "method": method, "setting": f"{row['step_s'] * 1e3:g} ms"} for row in found]
     flags = {f"rtol {rtol:.0e}": ["--rtol", f"{rtol:g}"] for rtol in RTOLS} | {preset: ["--preset", preset] for preset in PRESETS}
     for setting, flag in flags.items():
-        rows.append({**own_row(scene, reference, columns, flag, repetitions), "method": "phalanx", "setting": setting})
-    return {"scene": name, "duration_s": reference["time_s"][-1], "rows": rows}
+        rows.append({**own_row(scene, exact, columns, flag, repetitions), "method": "phalanx", "setting": setting})
+    return {"scene": name, "duration_s": exact[0]["time_s"][-1], "rows": rows}
 
 
 def draw(cases):

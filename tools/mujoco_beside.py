@@ -127,15 +127,21 @@ def first_touch_s(scene, duration_s):
     return min((contact["first_s"] for contact in surfaces if contact["first_s"] is not None), default=duration_s)
 
 
-def mujoco_rows(scene, reference, only, *, integrators=INTEGRATORS, steps=STEPS_S, published=False, repetitions=9):
+def reference_of(scene):
+    """Columns of the reference, and the time of the first contact of two surfaces."""
+    reference = trajectory(scene, "--preset", "reference")
+    return reference, first_touch_s(scene, reference["time_s"][-1])
+
+
+def mujoco_rows(scene, exact, only, *, integrators=INTEGRATORS, steps=STEPS_S, published=False, repetitions=9):
     """Rows of MuJoCo with its integrators and time steps: errors of the columns `only` (all if empty), and the time of a run.
 
-    Also the compared columns of the reference.
+    `exact` is the reference with its first contact. Also returns the compared columns of the reference.
     """
     import mujoco
 
-    duration_s, rows = reference["time_s"][-1], []
-    first_s = first_touch_s(scene, duration_s)
+    (reference, first_s), rows = exact, []
+    duration_s = reference["time_s"][-1]
     with tempfile.TemporaryDirectory() as directory:
         path = Path(directory) / "model.xml"
         print(phalanx("scene", "export", scene, "--mjcf", path).partition("\n")[2], end="", file=sys.stderr)
@@ -162,14 +168,13 @@ def mujoco_rows(scene, reference, only, *, integrators=INTEGRATORS, steps=STEPS_
     return rows, list(joints.values())
 
 
-def own_row(scene, reference, columns, flags, repetitions):
+def own_row(scene, exact, columns, flags, repetitions):
     """The row of the analytic model with these flags of `phalanx run`."""
     runs = [json.loads(phalanx("run", scene, *flags, "--json", "--no-check")) for _ in range(repetitions)]
-    found = trajectory(scene, *flags)
+    (reference, first_s), found = exact, trajectory(scene, *flags)
     # The grid of the reference, so that nothing is interpolated.
     grid = set(reference["time_s"])
     rows = [(t, {name: found[name][k] for name in columns}) for k, t in enumerate(found["time_s"]) if t in grid]
-    first_s = first_touch_s(scene, reference["time_s"][-1])
     errors = differences([t for t, _ in rows], [row for _, row in rows], reference, {name: name for name in columns}, first_s)
     seconds = statistics.median(run["wall_s"] for run in runs)
     return {"method": "phalanx, analytic model", "step_s": None, **errors, "time_s": seconds}
@@ -186,12 +191,13 @@ def main():
     options = parser.parse_args()
     if importlib.util.find_spec("mujoco") is None:
         sys.exit("this comparison needs MuJoCo: pip install mujoco")
-    reference = trajectory(options.scene, "--preset", "reference")
+    exact = reference_of(options.scene)
+    reference, _ = exact
     if unknown := set(options.only or []) - set(reference):
         parser.error(f"--only names no columns of the run: {', '.join(sorted(unknown))}; they are {', '.join(reference)}")
     settings = {"steps": options.steps, "published": options.published, "repetitions": options.repetitions}
-    result, columns = mujoco_rows(options.scene, reference, options.only, **settings)
-    result.append(own_row(options.scene, reference, columns, ["--preset", "engineering"], options.repetitions))
+    result, columns = mujoco_rows(options.scene, exact, options.only, **settings)
+    result.append(own_row(options.scene, exact, columns, ["--preset", "engineering"], options.repetitions))
     print(f"{'method':<32} {'step':>7} {'before contact':>14} {'angles':>11} {'positions':>11} {'time':>10}")
     for row in result:
         cells = ["–" if row[key] is None else f"{row[key]:.1e}" for key in ("step_s", "swing_rad", "run_rad", "run_m")]

@@ -12,10 +12,8 @@ program than target/release/phalanx).
 
 import argparse
 import csv
-import io
 import json
 import math
-import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -29,19 +27,16 @@ QUANTILES = (0.5, 0.9, 0.99, 1.0)
 
 
 def table(path, *flags):
-    """Angles and positions of all bodies by time, and the steps of the run; None if it is not completed."""
-    command = [random_grippers.PHALANX, "run", str(path), "--no-check", "--quiet", "--numeric-rate", "1 kHz", *flags]
-    try:
-        result = subprocess.run([*command, "--csv", "-"], capture_output=True, text=True, timeout=random_grippers.TIME_LIMIT_S, check=False)
-        document = subprocess.run([*command, "--json"], capture_output=True, text=True, timeout=random_grippers.TIME_LIMIT_S, check=False)
-    except subprocess.TimeoutExpired:
+    """Angles and positions of all bodies by time, and the document of the run; None if it is not completed."""
+    samples_file = path.with_suffix(".csv")
+    samples_file.unlink(missing_ok=True)
+    result = random_grippers.run(path, "--no-check", "--numeric-rate", "1 kHz", "--csv", str(samples_file), *flags)
+    if random_grippers.failure(result):
         return None
-    if result.returncode != 0 or document.returncode != 0:
-        return None
-    header, *rows = csv.reader(io.StringIO(result.stdout))
+    with samples_file.open(newline="") as file:
+        header, *rows = csv.reader(file)
     scales = {k: 1 / POSITION_UNIT_M if name.endswith("_m") else 1 for k, name in enumerate(header) if is_pose(name)}
-    samples = {row[0]: [float(row[k]) * scale for k, scale in scales.items()] for row in rows}
-    return samples, json.loads(document.stdout)
+    return {row[0]: [float(row[k]) * scale for k, scale in scales.items()] for row in rows}, result["document"]
 
 
 def is_pose(name):
@@ -50,7 +45,7 @@ def is_pose(name):
 
 
 def error(found, exact):
-    """Largest difference at times of both, of which the end is one."""
+    """Largest difference at the times of both runs. Both have the end."""
     times = found.keys() & exact.keys()
     return max(abs(a - b) for time in times for a, b in zip(found[time], exact[time], strict=True))
 

@@ -15,9 +15,9 @@ use super::{conversion, errors, quantities, study};
 ///
 /// fields: values by field path, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
 /// All arrays and lists must have the same length; a single value applies to every design. Values are numbers in SI, or
-/// strings with units. preset: replaces the integrator's settings of all designs ("draft" for searches). threads: 0 for one per core. columns: return only these columns. check: check every run (three
-/// more runs each). filter: static criteria of a finger, such as `{"form_closed": True}`; other designs are not simulated
-/// and have the status "filtered".
+/// strings with units. preset: replaces the integrator's settings of all designs ("draft" for searches). threads: 0 for
+/// one per core. columns: return only these columns. check: check every run (three more runs each). filter: static
+/// criteria of a finger, such as `{"form_closed": True}`; other designs are not simulated and have the status "filtered".
 ///
 /// A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception; a
 /// design that cannot grasp its object has a `reason` and no `class`. `class_reason` explains the class. Raises

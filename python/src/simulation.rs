@@ -182,10 +182,10 @@ impl Saved<'_> {
 /// A scene that the caller advances: a controller in the loop.
 ///
 /// `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
-/// `simulation.set_torque("motor", 0.48)`. model: "analytic" or "engine". preset: replaces the settings of the scene's
-/// integrator; "draft" is the fastest. Between two calls the model takes its own steps
-/// and locates its events; results of the analytic model do not depend on how the time is divided (in the engine model, by
-/// up to 4e-6 rad in 1,000 pieces). The duration of the scene is not its end.
+/// `simulation.set_torque("motor", 0.48)`. model: "analytic" or "engine". preset: replaces the settings of the
+/// scene's integrator; "draft" is the fastest. Between two calls the model takes its own steps and locates its events;
+/// results of the analytic model do not depend on how the time is divided (in the engine model, by up to 4e-6 rad in
+/// 1,000 pieces). The duration of the scene is not its end.
 ///
 /// `copy.copy(simulation)` and `state` continue with the same bits, also when they are pickled: a pickle has the scene and
 /// the inputs, and the run is repeated when it is read. Durations, torques and targets are numbers in SI, or strings with
@@ -408,7 +408,8 @@ enum Numbers<'py> {
 /// Many simulations that advance together on all cores, with arrays as inputs and outputs.
 ///
 /// scenes: one scene for each simulation; `[scene] * 100` gives 100 equal ones. A simulation that fails stays at the time
-/// of its failure, and the others continue. preset: as of `Simulation`. After `os.fork`, a batch also advances in the child process.
+/// of its failure, and the others continue. preset: as of `Simulation`. After `os.fork`, a batch also advances in the
+/// child process.
 #[pyclass(frozen, module = "phalanx")]
 pub struct SimulationBatch {
     loaded: Mutex<LoadedBatch>,

@@ -52,8 +52,8 @@ pub fn run_rows(py: Python<'_>, study: &Study, threads: usize, limit: u64) -> Py
 ///
 /// study: path of a study file (TOML). threads: 0 for one per core. out: path of the results, CSV or Parquet by its
 /// suffix; an interrupted sweep then resumes when it is called again, and the file OUT.study.json identifies the study.
-/// model: overrides the model of the study. preset: replaces the integrator's settings of all runs ("draft" for searches). check: check every run. limit: simulate only the first `limit` runs.
-/// restart: discard earlier results in out.
+/// model: overrides the model of the study. preset: replaces the integrator's settings of all runs ("draft" for
+/// searches). check: check every run. limit: simulate only the first `limit` runs. restart: discard earlier results in out.
 ///
 /// An invalid scene or an incomplete run gives a row with status and reason; a design that cannot grasp its object has
 /// a reason and no class. Raises StudyError for an invalid study or unusable results.
