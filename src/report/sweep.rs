@@ -11,7 +11,7 @@ use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution}
 use crate::format::percent_of;
 use crate::format::quantity::ColumnFormat;
 use crate::format::report::{Report, ToReport, list, table, to_json_document};
-use crate::scene::one_line;
+use crate::scene::{Keyword as _, one_line};
 use crate::study::select::{ClassCounts, Condition, Ranked, Selection, TERMS, Term};
 use crate::study::sweep::{Reason, Shard, Status, Study, Summary};
 use crate::table::{Column, Kind, Table, Value};
@@ -22,6 +22,9 @@ use crate::units::Dimension;
 pub(crate) struct SweepReport {
     pub study: String,
     pub model: String,
+    /// Preset in place of the integrator's settings in the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preset: Option<&'static str>,
     /// File of the results.
     pub out: String,
     pub runs: u64,
@@ -45,6 +48,7 @@ impl SweepReport {
         SweepReport {
             study: study.name.clone(),
             model: study.model.name().to_string(),
+            preset: study.preset.map(|preset| preset.keyword()),
             out: out.display().to_string(),
             runs: study.runs(),
             designs: study.designs(),
@@ -89,7 +93,7 @@ impl ToReport for SweepReport {
     }
 
     fn report(&self) -> Report {
-        let SweepReport { study, model, out, runs, designs, shard, parts, summary, work } = self;
+        let SweepReport { study, model, preset, out, runs, designs, shard, parts, summary, work } = self;
         let scope = match shard {
             Some(Shard { number, count, .. }) if summary.runs == 0 => {
                 format!("shard {number}/{count}: none of {runs} runs")
@@ -100,8 +104,9 @@ impl ToReport for SweepReport {
             None if summary.runs == *runs => format!("{runs} runs"),
             None => format!("{} of {runs} runs", summary.runs),
         };
+        let preset = preset.map_or(String::new(), |preset| format!(" ({preset} preset)"));
         let mut text = Report::from(format!(
-            "{}: {model} model, {scope}, {designs} designs; in {}\n\n",
+            "{}: {model} model{preset}, {scope}, {designs} designs; in {}\n\n",
             one_line(study),
             one_line(out)
         ));

@@ -16,6 +16,7 @@ use fs4::{FileExt, TryLockError};
 use super::sweep::{Study, check_unsharded, columns, sorted_table};
 use crate::files::{FileKind, cannot_write, check_target, is_forced, replace_file};
 use crate::log::is_same_file;
+use crate::scene::Keyword as _;
 use crate::table::{self, Table, Value};
 use phalanx_parallel::ComputeError;
 
@@ -34,7 +35,7 @@ pub(super) fn write_failed(path: &Path, error: &io::Error) -> ComputeError {
 /// Writes `OUT.study.json` for results with this number of rows: the study with its exact text.
 pub(super) fn write_provenance(study: &Study, rows: u64, out: &Path) -> io::Result<()> {
     let [_, path] = companion_files(out);
-    let provenance = serde_json::json!({
+    let mut provenance = serde_json::json!({
         "phalanx": env!("CARGO_PKG_VERSION"),
         "study": study.name,
         "model": study.model.name(),
@@ -43,6 +44,9 @@ pub(super) fn write_provenance(study: &Study, rows: u64, out: &Path) -> io::Resu
         "study_toml": study.source,
         "scene_toml": study.base,
     });
+    if let Some(preset) = study.preset {
+        provenance["preset"] = preset.keyword().into();
+    }
     replace_file(&path, |file| writeln!(file, "{provenance:#}"))
 }
 

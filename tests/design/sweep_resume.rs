@@ -215,6 +215,18 @@ fn concurrent_sweeps_of_one_table_are_rejected() {
 }
 
 #[test]
+fn results_name_their_preset() {
+    let directory = directory("sweep_preset");
+    let (study, out) = (write_short_study(&directory, 20), directory.join("out.csv"));
+    let report = succeed(&["sweep", &study, "--out", path_text(&out), "--preset", "draft"]);
+    assert_contains(&report, &["analytic model (draft preset), 20 runs"]);
+    let provenance = fs::read_to_string(directory.join("out.csv.study.json")).expect("written");
+    assert_eq!(serde_json::from_str::<Value>(&provenance).expect("JSON")["preset"], "draft");
+    assert_rejected(&study, &out, &[], &["results of another study", "--restart"]);
+    assert_eq!(sweep(&study, &directory.join("other.csv"), &[])["preset"], Value::Null);
+}
+
+#[test]
 fn arguments_are_checked_before_running() {
     let directory = directory("sweep_arguments");
     let study = write_short_study(&directory, 50);
