@@ -49,10 +49,10 @@ PHALANX_EXPLORER_MODULE=$(cd "${CARGO_TARGET_DIR:-target}/release" && pwd)/phala
 export PHALANX_EXPLORER_MODULE
 build_dir=${CARGO_TARGET_DIR:-target}
 if [ "$target" = "$host" ]; then
-    cargo build --release --locked --bin phalanx
+    cargo build --release --locked --features png --bin phalanx
     build_dir=$build_dir/release
 else
-    cargo build --release --locked --bin phalanx --target "$target"
+    cargo build --release --locked --features png --bin phalanx --target "$target"
     build_dir=$build_dir/$target/release
 fi
 case $target in
@@ -68,7 +68,7 @@ cp "$build_dir/$program" README.md CHANGELOG.md CITATION.cff LICENSE-APACHE LICE
 # A cross-compiled program does not run here; the host's program writes the same manual pages and completions.
 generator=$build_dir/$program
 if ! "$generator" --version >/dev/null 2>&1; then
-    cargo build --release --locked --bin phalanx
+    cargo build --release --locked --features png --bin phalanx
     generator=${CARGO_TARGET_DIR:-target}/release/phalanx
 fi
 "$generator" man "$dist/$name/man/man1" >/dev/null

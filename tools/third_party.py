@@ -56,7 +56,7 @@ follows. Written by tools/third_party.py.
 
 
 def metadata(manifest, target):
-    command = ["cargo", "metadata", "--locked", "--format-version", "1", "--manifest-path", ROOT / manifest, "--filter-platform", target]
+    command = ["cargo", "metadata", "--locked", "--all-features", "--format-version", "1", "--manifest-path", ROOT / manifest, "--filter-platform", target]
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
 
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::{OutputArgs, picture_target, print_result, reserve, save_picture};
-use super::parsers::{axis, count, model, number, picture, positive, size};
+use super::parsers::{PICTURE, axis, count, model, number, picture, positive, size};
 use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
@@ -252,7 +252,7 @@ pub(crate) struct HoldArgs {
 
     /// Write a plot to this file: limits in polar coordinates for pulses, limits over frequency for three or more
     /// vibrations, else the slip of every run; an existing file is replaced only when the new one is complete
-    #[arg(long, value_name = "FILE.svg|html", value_parser = picture(&["svg", "html"]))]
+    #[arg(long, value_name = "FILE.svg|png|html", value_parser = picture(PICTURE))]
     plot: Option<PathBuf>,
 
     #[command(flatten)]

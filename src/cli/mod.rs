@@ -13,6 +13,7 @@ mod optimize;
 mod output;
 mod page;
 mod parsers;
+mod png;
 mod progress;
 mod replay;
 mod replay_against;

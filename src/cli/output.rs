@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 
+use super::png::render as render_png;
 use super::{Failure, Status};
 pub(crate) use crate::files::FileKind;
 use crate::files::{
@@ -269,11 +270,15 @@ pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
     replace_file(path, |out| out.write_all(text.as_bytes())).map_err(|error| write_failure(path, error))
 }
 
-/// Writes a picture: as it is, or in a page if the file's extension is html.
+/// Writes a picture in the format of the file's extension: svg, png, or a page for html.
 pub(super) fn save_picture(path: &Path, title: &str, svg: &str) -> Result<(), Failure> {
-    match path.extension().is_some_and(|extension| extension == "html") {
-        true => save(path, &picture_page(title, svg)),
-        false => save(path, svg),
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("html") => save(path, &picture_page(title, svg)),
+        Some("png") => {
+            let pixels = render_png(svg).map_err(|error| write_failure(path, error))?;
+            replace_file(path, |out| out.write_all(&pixels)).map_err(|error| write_failure(path, error))
+        }
+        _ => save(path, svg),
     }
 }
 

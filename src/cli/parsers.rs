@@ -121,6 +121,9 @@ pub(crate) fn limits(
     }
 }
 
+/// Extensions of pictures that this program draws itself.
+pub(crate) const PICTURE: &[&str] = if cfg!(feature = "png") { &["svg", "png", "html"] } else { &["svg", "html"] };
+
 /// Returns a parser of the file of a picture, whose name ends in one of these extensions.
 pub(crate) fn picture(
     extensions: &'static [&'static str],
@@ -132,12 +135,16 @@ pub(crate) fn picture(
         if is_special || extensions.contains(&extension) {
             return Ok(text.into());
         }
-        let allowed = extensions.iter().map(|each| format!(".{each}")).collect::<Vec<_>>().join(" or ");
-        let convert = match extension {
-            "png" if extensions.contains(&"svg") => "; rsvg-convert, Inkscape and browsers convert .svg to .png",
+        let allowed = extensions.iter().map(|each| format!(".{each}")).collect::<Vec<_>>().join(", ");
+        let allowed = allowed.replace(", .html", " or .html");
+        let remedy = match extension {
+            "png" if extensions.contains(&"svg") => {
+                "; this program was built without the feature `png` (cargo install --features png), which releases have; \
+                 browsers, Inkscape and rsvg-convert convert .svg to .png"
+            }
             _ => "",
         };
-        Err(format!("the name must end in {allowed}{convert}"))
+        Err(format!("the name must end in {allowed}{remedy}"))
     }
 }
 

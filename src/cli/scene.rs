@@ -9,7 +9,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use super::output::{
     FileKind, NO_DIRECTORY, picture_target, print, print_diagnostic, print_report, reserve, save_picture,
 };
-use super::parsers::picture;
+use super::parsers::{PICTURE, picture};
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
 use crate::files::{cannot_write, is_forced, replace_file};
@@ -151,7 +151,7 @@ pub(crate) enum SceneCommand {
         set: SetArgs,
 
         /// Draw the finger with the symbols of scenes and results (l11, φ22, q21, F22, …) instead of printing the scene
-        #[arg(long, value_name = "FILE.svg|html", value_parser = picture(&["svg", "html"]))]
+        #[arg(long, value_name = "FILE.svg|png|html", value_parser = picture(PICTURE))]
         plot: Option<PathBuf>,
 
         /// Print the simulated values in full precision: lengths and masses instead of design and material, initial

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::output::{NO_DIRECTORY, OutputArgs, picture_target, print_result, reserve, save_picture};
-use super::parsers::{number, picture, positive, quantity, rule};
+use super::parsers::{PICTURE, number, picture, positive, quantity, rule};
 use super::progress::Interrupt;
 use super::set::{SetArgs, source_files};
 use super::{Failure, Status};
@@ -121,7 +121,7 @@ pub(crate) struct StaticsArgs {
 
     /// Draw the grasp to this file, with the forces for the last friction coefficient, or for a gripper with its
     /// admissible accelerations; an existing file is replaced only when the new one is complete
-    #[arg(long, value_name = "FILE.svg|html", value_parser = picture(&["svg", "html"]))]
+    #[arg(long, value_name = "FILE.svg|png|html", value_parser = picture(PICTURE))]
     plot: Option<PathBuf>,
 
     /// Print one JSON document with SI units in its keys instead of tables

@@ -8,7 +8,7 @@ use clap::{Args, Subcommand};
 use super::output::{
     FileKind, NO_DIRECTORY, picture_target, print_note, print_report, print_result, reserve, save_picture,
 };
-use super::parsers::{model, number, picture, preset};
+use super::parsers::{PICTURE, model, number, picture, preset};
 use super::progress::{Interrupt, Progress};
 use super::{Failure, Status};
 use crate::plot::map;
@@ -55,7 +55,7 @@ pub(crate) struct SweepArgs {
     out: Option<PathBuf>,
 
     /// Draw a map of the verdicts over two axes, and of the margin or the time to stability; a third axis gives panels
-    #[arg(long, value_name = "FILE.svg|html", value_parser = picture(&["svg", "html"]), requires = "out", conflicts_with_all = ["shard", "list"])]
+    #[arg(long, value_name = "FILE.svg|png|html", value_parser = picture(PICTURE), requires = "out", conflicts_with_all = ["shard", "list"])]
     plot: Option<PathBuf>,
 
     /// Simulation model, instead of the one in the study

@@ -224,6 +224,12 @@ fn readme_picture_matches_command_output() {
     let readme_picture = fs::read_to_string("tools/figures/linkage.svg").expect("the picture of the README");
     let drawn = fs::read_to_string(&figure).expect("the figure");
     assert_eq!(drawn, readme_picture, "run tools/readme_figures.py scenes to redraw it");
+    #[cfg(feature = "png")]
+    {
+        let figure = directory.join("linkage.png").display().to_string();
+        succeed_silently(&["scene", "show", EXPERIMENT_95, "--plot", &figure]);
+        assert!(fs::read(&figure).expect("the figure").starts_with(b"\x89PNG"));
+    }
 }
 
 #[test]
@@ -233,7 +239,7 @@ fn figure_errors_leave_files_unchanged() {
     let scene = write(&directory, "scene.toml", &text);
     let missing_directory = directory.join("nowhere/figure.svg").display().to_string();
     for (scene, figure, part) in [
-        (scene.as_str(), scene.as_str(), "the name must end in .svg or .html"),
+        (scene.as_str(), scene.as_str(), "the name must end in .svg"),
         (scene.as_str(), missing_directory.as_str(), "does not exist; create it first (mkdir -p"),
         ("scenes/laws/impact.toml", "figure.svg", "a scene without five-bar finger, but the symbols are those of one"),
     ] {

@@ -197,9 +197,12 @@ fn former_names_answer_with_the_present_ones() {
     ] {
         assert_rejected(args, &[&format!("it is now `{present}")]);
     }
-    for name in ["x.png", "x", "x.pdf"] {
-        assert_rejected(&["statics", EXPERIMENT_95, "--plot", name], &["the name must end in .svg or .html"]);
+    for name in ["x", "x.pdf"] {
+        let allowed = if cfg!(feature = "png") { ".svg, .png or .html" } else { ".svg or .html" };
+        assert_rejected(&["statics", EXPERIMENT_95, "--plot", name], &[&format!("the name must end in {allowed}")]);
     }
+    #[cfg(not(feature = "png"))]
+    assert_rejected(&["statics", EXPERIMENT_95, "--plot", "x.png"], &["cargo install --features png"]);
 }
 
 #[test]
