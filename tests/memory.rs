@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::path::Path;
 
 use phalanx::analytic::mechanism::MechanismModel;
-use phalanx::integrator::{Options, RadauOrRodas, Tolerances, integrate_by};
+use phalanx::integrator::{Options, SwitchedMethod, Tolerances, integrate_by};
 use phalanx::mechanism::assemble;
 use phalanx::trace::{self, Event, Model, Sample, Sink, SinkError};
 use phalanx::{log, scene};
@@ -82,7 +82,7 @@ fn cost_of_integration(name: &str, part: f64) -> [usize; 3] {
     let model = MechanismModel::new(&mechanism, (&start.poses, &start.rates)).expect("dyads");
     let tolerances = Tolerances { atol_q: 3e-11, atol_v: 3e-7, rtol_v: 3e-7 };
     let options = Options { tolerances, max_steps: 1_000_000 };
-    let (method, state) = (RadauOrRodas::rodas(model.sizes()), model.start());
+    let (method, state) = (SwitchedMethod::rodas(model.sizes()), model.start());
     let before = ALLOCATIONS.get();
     let end = integrate_by(method, &model, &options, 0.0, state, part * scene.duration_s, &mut ());
     let allocations = ALLOCATIONS.get() - before;

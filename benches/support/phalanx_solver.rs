@@ -2,8 +2,8 @@
 
 use phalanx::analytic::{ContactState, FingerMode, Model, QUADRATURES};
 use phalanx::integrator::{
-    Counters, End, Fixed, Method as Stepper, Observer, Options, RadauOrRodas, Reason, Rodas5p, State, Step, StepTools,
-    Tolerances, integrate,
+    Counters, End, Fixed, Method as Stepper, Observer, Options, Reason, Rodas5p, State, Step, StepTools,
+    SwitchedMethod, Tolerances, integrate,
 };
 use phalanx::scene::{Integrator, Method, Preset};
 
@@ -55,7 +55,7 @@ impl PhalanxSolver {
     ) -> End<FingerLayout> {
         match self.method {
             Method::Rodas5p => self.integrate_with::<Rodas5p<FingerLayout>, O>(problem, observer),
-            Method::RadauIIa5 => self.integrate_with::<RadauOrRodas<FingerLayout>, O>(problem, observer),
+            Method::RadauIIa5 => self.integrate_with::<SwitchedMethod<FingerLayout>, O>(problem, observer),
         }
     }
 

@@ -9,7 +9,7 @@ use crate::support::runs::{
 };
 use phalanx::analytic::{ContactReading, ContactState, FingerMode, Model, QUADRATURES, StictionModel};
 use phalanx::gripper::FingerContact;
-use phalanx::integrator::{self, Fixed, Radau5, RadauOrRodas, Rodas5p, State, integrate};
+use phalanx::integrator::{self, Fixed, Radau5, Rodas5p, State, SwitchedMethod, integrate};
 use phalanx::law::{Bristle, ContactLaw, FrictionKind, FrictionRange, elastic_energy};
 use phalanx::scene::{
     self, FingerContactLaws, Integrator, Interpolation, Method, Placement, Profile, Scene, Spring, SpringKind,
@@ -387,7 +387,7 @@ struct EndContact {
 /// Runs a finger up to `time_s` and returns the contacts of both phalanges.
 fn contacts_at(scene: &Scene, time_s: f64) -> [EndContact; 2] {
     let (model, start) = (StictionModel::new(&scene.hand), StictionModel::start(&scene.hand));
-    let end = integrate::<_, RadauOrRodas<Fixed<4, QUADRATURES>>, _>(
+    let end = integrate::<_, SwitchedMethod<Fixed<4, QUADRATURES>>, _>(
         &model,
         &options(&reference_settings()),
         0.0,

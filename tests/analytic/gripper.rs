@@ -3,7 +3,7 @@
 
 use phalanx::analytic::mechanism::{MechanismMode, MechanismModel};
 use phalanx::gripper::FingerContact;
-use phalanx::integrator::{Dynamic, End, Observer, RadauOrRodas, Rates, State, Step, StepTools, System, integrate};
+use phalanx::integrator::{Dynamic, End, Observer, Rates, State, Step, StepTools, SwitchedMethod, System, integrate};
 use phalanx::mechanism::assemble;
 use phalanx::scene::{Hand, HandContact, Object, ObjectMotion, Scene, Side};
 use phalanx::shape::{PlacedShape, max_radius};
@@ -83,7 +83,8 @@ fn integrate_scene(
     observer: &mut impl Observer<Dynamic, MechanismMode>,
 ) -> End<Dynamic> {
     let options = options(&reference_settings());
-    let end = integrate::<_, RadauOrRodas<Dynamic>, _>(model, &options, 0.0, model.start(), scene.duration_s, observer);
+    let end =
+        integrate::<_, SwitchedMethod<Dynamic>, _>(model, &options, 0.0, model.start(), scene.duration_s, observer);
     assert!(end.result.is_ok(), "{}: {:?}", scene.name, end.result);
     end
 }

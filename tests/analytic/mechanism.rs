@@ -6,8 +6,8 @@ use phalanx::analytic::{ContactState, Energies, FingerMode, Model as FingerKerne
 use phalanx::drive::{Brake, Interpolation, Profile};
 use phalanx::gripper::{Finger, FingerContact, Posture, close_loop};
 use phalanx::integrator::{
-    Dynamic, Fixed, Hybrid, Linearised, Method, Observer, Options, Radau5, RadauOrRodas, Rates, State, Step, StepTools,
-    System, Tolerances, integrate_by,
+    Dynamic, Fixed, Hybrid, Linearised, Method, Observer, Options, Radau5, Rates, State, Step, StepTools,
+    SwitchedMethod, System, Tolerances, integrate_by,
 };
 use phalanx::law::Bristle;
 use phalanx::mechanism::structure::{Closures, Group, Placement, find_groups, regroup};
@@ -86,7 +86,7 @@ impl Observer<Dynamic, MechanismMode> for Comparison<'_> {
     }
 }
 
-fn compare(case: &MechanismCase, method: fn(Dynamic) -> RadauOrRodas<Dynamic>, tolerances: Tolerances) -> Difference {
+fn compare(case: &MechanismCase, method: fn(Dynamic) -> SwitchedMethod<Dynamic>, tolerances: Tolerances) -> Difference {
     let model = MechanismModel::new(&case.mechanism, (&case.start.poses, &case.start.rates)).expect("dyads");
     let mut comparison = Comparison { model: &model, case, next: 0, balance_j: None, found: Difference::default() };
     let options = Options { tolerances, max_steps: 1_000_000 };
@@ -120,7 +120,7 @@ fn reference_solutions_are_met_at_reference_tolerances() {
 fn everyday_tolerances_are_accurate_to_1e_5() {
     let tolerances = Tolerances { atol_q: 3e-11, atol_v: 3e-7, rtol_v: 3e-7 };
     for case in all_cases() {
-        let found = compare(&case, RadauOrRodas::rodas, tolerances);
+        let found = compare(&case, SwitchedMethod::rodas, tolerances);
         assert!(found.position_m < 1e-6 && found.angle_rad < 1e-5, "{}: {found:?}", case.name);
     }
 }
@@ -215,7 +215,7 @@ fn check_jacobians(name: &str, (mechanism, start): (&Mechanism, &Start), duratio
     let model = MechanismModel::new(mechanism, (&start.poses, &start.rates)).expect("coordinates");
     let mut states = States::default();
     let options = Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 1_000_000 };
-    let (method, start) = (RadauOrRodas::rodas(model.sizes()), model.start());
+    let (method, start) = (SwitchedMethod::rodas(model.sizes()), model.start());
     let end = integrate_by(method, &model, &options, 0.0, start, duration_s, &mut states);
     end.result.unwrap_or_else(|failure| panic!("{name}: {failure}"));
     let stride = states.0.len().div_ceil(40);
@@ -384,7 +384,7 @@ fn the_five_bar_as_a_mechanism_equals_its_closed_form() {
         let mut closing = Closing::default();
         let options =
             Options { tolerances: Tolerances { atol_q: 1e-9, atol_v: 1e-5, rtol_v: 1e-5 }, max_steps: 100_000 };
-        let method: RadauOrRodas<FingerLayout> = RadauOrRodas::rodas(Fixed);
+        let method: SwitchedMethod<FingerLayout> = SwitchedMethod::rodas(Fixed);
         integrate_by(method, &kernel, &options, 0.0, start, 0.012, &mut closing);
         let mut size = 0.0f64;
         for (t, state, finger_mode) in closing.0.into_iter().step_by(7) {
@@ -423,7 +423,7 @@ fn run_random(mechanism: &Mechanism, rtol: f64) -> Result<(Vec<f64>, f64), Strin
     let model = MechanismModel::new(mechanism, (&start.poses, &start.rates)).expect("dyads");
     let tolerances = Tolerances { atol_q: 1e-4 * rtol, atol_v: rtol, rtol_v: rtol };
     let options = Options { tolerances, max_steps: 200_000 };
-    let (method, start) = (RadauOrRodas::rodas(model.sizes()), model.start());
+    let (method, start) = (SwitchedMethod::rodas(model.sizes()), model.start());
     let before = model.energies((&start.q, &start.v));
     let end = integrate_by(method, &model, &options, 0.0, start, 0.02, &mut ());
     if let Err(failure) = end.result {
@@ -558,7 +558,7 @@ fn combinations_brakes_and_prescribed_bodies_keep_the_energy_balance() {
     assert_eq!((model.sizes().coordinates, largest_group(&case.mechanism)), (4 + 2 + 1 + 1, 4));
     let tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-10, rtol_v: 1e-10 };
     let options = Options { tolerances, max_steps: 1_000_000 };
-    let (method, start) = (RadauOrRodas::rodas(model.sizes()), model.start());
+    let (method, start) = (SwitchedMethod::rodas(model.sizes()), model.start());
     let mut states = States::default();
     let end = integrate_by(method, &model, &options, 0.0, start.clone(), case.duration_s, &mut states);
     end.result.unwrap_or_else(|failure| panic!("{failure}"));

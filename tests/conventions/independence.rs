@@ -98,7 +98,7 @@ const INTEGRATOR: CrateLayers = CrateLayers {
         "rodas5p",
         "error_weight",
         "step_attempts",
-        "radau_or_rodas",
+        "switched",
         "driver",
     ],
     dependencies: &["phalanx-mechanics"],

@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use phalanx::integrator::{
-    Hybrid, Layout, Method as _, Observer, Options, RadauOrRodas, State, Step, StepTools, Tolerances, integrate_by,
+    Hybrid, Layout, Method as _, Observer, Options, SwitchedMethod, State, Step, StepTools, Tolerances, integrate_by,
 };
 use phalanx::scene::{Integrator, Method, Preset};
 use serde::Serialize;
@@ -135,8 +135,8 @@ fn run_phalanx<M: Hybrid>(
 ) -> Result<Cost, String> {
     let layout = case.kernel.layout();
     let method = match method {
-        Method::Rodas5p => RadauOrRodas::rodas(layout),
-        Method::RadauIIa5 => RadauOrRodas::new(layout),
+        Method::Rodas5p => SwitchedMethod::rodas(layout),
+        Method::RadauIIa5 => SwitchedMethod::new(layout),
     };
     let options = Options { tolerances, max_steps: MAX_STEPS as u64 };
     let Case { kernel, start, duration_s, coordinate_count, .. } = case;

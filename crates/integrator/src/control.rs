@@ -156,6 +156,16 @@ impl Controller {
         Self { exponent: 1.0 / order, last_error: None, last_h: 0.0, rejections: 0, last_rejection: (0.0, 0.0) }
     }
 
+    /// Changes the order of the error estimate, if another method takes over; the history then has no meaning.
+    #[inline(always)]
+    pub fn set_order(&mut self, order: f64) {
+        let exponent = 1.0 / order;
+        if exponent != self.exponent {
+            self.exponent = exponent;
+            self.restart();
+        }
+    }
+
     /// Discards the error history, after an event.
     pub fn restart(&mut self) {
         self.last_error = None;

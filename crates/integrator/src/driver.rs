@@ -382,8 +382,10 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Run<L, M, K> {
         if self.counters.steps >= self.options.max_steps {
             return Err(Reason::Budget(self.options.max_steps));
         }
-        system.linearise(t, &self.state.q, &self.state.v, &self.mode, linearised);
-        self.counters.jacobians += 1;
+        let start = (t, &self.state, &self.mode);
+        let has_derivatives = self.method.evaluate_start(system, start, self.h, linearised);
+        self.counters.jacobians += u64::from(has_derivatives);
+        self.controller.set_order(self.method.error_order());
         if !linearised.rates.a.as_ref().iter().all(|a| a.is_finite()) {
             return Err(Reason::NotFinite);
         }

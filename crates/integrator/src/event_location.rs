@@ -5,11 +5,12 @@ use std::cell::RefCell;
 use super::gap_search::{GapSearch, Part, Point, Unresolved, find_root};
 use super::interior::Interior;
 use super::layout::{Layout, VectorOf};
-use super::state::DensePositions;
+use super::state::{DENSE_TERMS, DensePositions};
 use super::{
     CoordinateBounds, Dense, EventFunction, EventSet, GapBound, GapBounds, Hybrid, Method, RootSearch, State,
     WeightedQuantity,
 };
+use crate::numeric::array_from;
 use crate::numeric::elementary::powi;
 
 /// The earliest zero crossing of an event function in a step.
@@ -41,7 +42,7 @@ pub struct SearchMemory<L: Layout> {
     bounds: GapBounds,
     motion: CoordinateBounds<L>,
     part: RefCell<Part<L>>,
-    positions: [VectorOf<L>; 3],
+    positions: [VectorOf<L>; DENSE_TERMS],
     dense: Dense<L>,
     state: RefCell<[VectorOf<L>; 2]>,
     samples: SampleMemory,
@@ -71,7 +72,7 @@ impl<L: Layout> SearchMemory<L> {
             part: RefCell::new(Part { bounds: bounds.clone(), motion: motion.clone() }),
             bounds,
             motion,
-            positions: [zero(), zero(), zero()],
+            positions: std::array::from_fn(|_| zero()),
             dense: Dense::new(layout),
             state: RefCell::new([zero(), zero()]),
             samples,
@@ -111,10 +112,9 @@ pub fn search_step<Y: Hybrid, K: Method<Y::Layout>>(
     };
     let mut first = None;
     if end.clearance != f64::INFINITY || (0..system.event_count()).any(|index| is_bounded(&index)) {
-        method.dense_positions(positions);
-        let [a, b, c] = &*positions;
-        let d = [a.as_ref(), b.as_ref(), c.as_ref()];
-        let positions = DensePositions { start: from.q.as_ref(), end: to.q.as_ref(), d, step_s: h };
+        let terms = method.dense_positions(positions);
+        let d = array_from(|i| positions[i].as_ref());
+        let positions = DensePositions { start: from.q.as_ref(), end: to.q.as_ref(), d, terms, step_s: h };
         positions.bounds([0.0, 1.0], system.coordinate_count(), motion);
         system.gap_bounds(motion, (&to.q, &to.v), end.clearance, bounds);
         let search = GapSearch::new(&interior, part);
@@ -503,8 +503,9 @@ mod tests {
             (dense.h, dense.start.v, dense.end.q, dense.end.v) = (1.0, [1.0], [1.0], [1.0]);
         }
 
-        fn dense_positions(&self, d: &mut [[f64; 1]; 3]) {
-            *d = [[0.0]; 3];
+        fn dense_positions(&self, d: &mut [[f64; 1]; DENSE_TERMS]) -> usize {
+            *d = [[0.0]; DENSE_TERMS];
+            DENSE_TERMS
         }
     }
 

@@ -11,6 +11,7 @@
 
 mod clock;
 mod control;
+mod dop853;
 mod driver;
 mod error_weight;
 mod event_location;
@@ -20,24 +21,25 @@ mod layout;
 mod linear;
 mod method;
 mod radau5;
-mod radau_or_rodas;
 mod rodas5p;
 mod stall;
 mod state;
 mod step_attempts;
+mod switched;
 mod system;
 
 use phalanx_mechanics::numeric;
 
 pub use clock::Clock;
 pub use control::Tolerances;
+pub use dop853::Dop853;
 pub use driver::{End, Failure, Integration, Options, Reason, integrate, integrate_by};
 pub use layout::{Dynamic, DynamicMatrix, Entry, Fixed, FixedMatrix, Layout, Matrix, Vector, VectorOf};
 pub use method::{Attempt, Method, Refinement, StepStart};
-pub use radau_or_rodas::RadauOrRodas;
 pub use radau5::{Radau5, radau5_tableau};
 pub use rodas5p::Rodas5p;
 pub use state::{CoordinateBounds, Counters, Dense, Observer, State, Step, StepTools};
+pub use switched::SwitchedMethod;
 pub use system::{
     ErrorWeight, EventFunction, EventSet, GapBound, GapBounds, Hybrid, Linearised, QuasiStaticState, Rates, RootSearch,
     System, WeightedQuantity,

@@ -1,6 +1,7 @@
 //! Interface between one-step methods and the integration loop.
 
 use super::layout::{Layout, VectorOf};
+use super::state::DENSE_TERMS;
 use super::{Dense, Linearised, Rates, State, System, Tolerances};
 
 /// Result of one attempted step.
@@ -108,6 +109,20 @@ pub trait Method<L: Layout>: Clone {
     /// interpolated.
     fn dense(&self, linearised: Option<&Linearised<L>>, dense: &mut Dense<L>);
 
-    /// Writes the coordinates of the terms d of [`Method::dense`].
-    fn dense_positions(&self, d: &mut [VectorOf<L>; 3]);
+    /// Writes the coordinates of the terms d of [`Method::dense`]; returns their number.
+    fn dense_positions(&self, d: &mut [VectorOf<L>; DENSE_TERMS]) -> usize;
+
+    /// Writes the right-hand side at the start of a step of about the size `h`, and its derivatives if the method needs them;
+    /// returns whether they are written.
+    #[inline(always)]
+    fn evaluate_start<Y: System<Layout = L>>(
+        &mut self,
+        system: &Y,
+        (t, state, mode): (f64, &State<L>, &Y::Mode),
+        _h: f64,
+        linearised: &mut Linearised<L>,
+    ) -> bool {
+        system.linearise(t, &state.q, &state.v, mode, linearised);
+        true
+    }
 }

@@ -6,6 +6,7 @@ use num_complex::Complex64;
 use super::layout::{Layout, VectorOf, add, add_scaled, copy};
 use super::linear::{ShiftedSolver, Sizes};
 use super::method::{Attempt, Method, StepStart};
+use super::state::{DENSE_TERMS, IMPLICIT_TERMS};
 use super::{Dense, Linearised, Rates, State, System};
 use crate::numeric::elementary::{cbrt, powi};
 
@@ -308,7 +309,7 @@ impl<L: Layout> Radau5<L> {
             let d2 = (r2 - r1) / (c[1] - c[0]);
             [r1 - c[0] * d2, d2]
         };
-        let [first, second, _] = &mut candidate.d;
+        let [first, second, ..] = &mut candidate.d;
         for n in 0..from.q.as_ref().len() {
             [first.q[n], second.q[n]] = solve([z[0].q[n], z[1].q[n], z[2].q[n]]);
             [first.v[n], second.v[n]] = solve([z[0].v[n], z[1].v[n], z[2].v[n]]);
@@ -429,8 +430,9 @@ impl<L: Layout> Method<L> for Radau5<L> {
     }
 
     #[inline(always)]
-    fn dense_positions(&self, d: &mut [VectorOf<L>; 3]) {
-        d.iter_mut().zip(&self.candidate.d).for_each(|(to, from)| copy(to, &from.q));
+    fn dense_positions(&self, d: &mut [VectorOf<L>; DENSE_TERMS]) -> usize {
+        d[..IMPLICIT_TERMS].iter_mut().zip(&self.candidate.d).for_each(|(to, from)| copy(to, &from.q));
+        IMPLICIT_TERMS
     }
 }
 

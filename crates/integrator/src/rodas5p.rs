@@ -4,6 +4,7 @@
 use super::layout::{Layout, VectorOf, add, add_scaled, add_weighted, copy};
 use super::linear::{ShiftedSolver, dot};
 use super::method::{Attempt, Method, Refinement, StepStart};
+use super::state::{DENSE_TERMS, IMPLICIT_TERMS};
 use super::{Dense, Linearised, Rates, State, System};
 use crate::numeric::array_from;
 
@@ -196,10 +197,10 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
     }
 
     fn dense(&self, linearised: Option<&Linearised<L>>, dense: &mut Dense<L>) {
-        (dense.t0, dense.h) = (self.t0, self.h);
+        (dense.t0, dense.h, dense.terms) = (self.t0, self.h, IMPLICIT_TERMS);
         dense.start.copy_from(&self.start);
         dense.end.copy_from(&self.end);
-        for i in 0..3 {
+        for i in 0..IMPLICIT_TERMS {
             let d = &mut dense.d[i];
             match linearised {
                 Some(linearised) => quadratures(&self.k, self.h, linearised, &Z_WEIGHTS[i + 1], d),
@@ -213,11 +214,12 @@ impl<L: Layout> Method<L> for Rodas5p<L> {
     }
 
     #[inline(always)]
-    fn dense_positions(&self, d: &mut [VectorOf<L>; 3]) {
-        for i in 0..3 {
+    fn dense_positions(&self, d: &mut [VectorOf<L>; DENSE_TERMS]) -> usize {
+        for i in 0..IMPLICIT_TERMS {
             d[i].as_mut().fill(0.0);
             add_weighted(d[i].as_mut(), &H[i], &self.k, |k| k.q.as_ref());
         }
+        IMPLICIT_TERMS
     }
 }
 

@@ -5,7 +5,7 @@ use super::reading::{Kernel, Start};
 use super::recorder::{Recorder, RecorderState, StepObserver};
 use super::{Outcome, Sample, Sink, SinkError, Work};
 use crate::drive::Profile;
-use crate::integrator::{self, Counters, Failure, Hybrid, Integration, Options, RadauOrRodas, Tolerances};
+use crate::integrator::{self, Counters, Failure, Hybrid, Integration, Options, SwitchedMethod, Tolerances};
 use crate::scene::{Integrator, Method};
 
 /// Reason why a stepper did not advance.
@@ -50,7 +50,7 @@ pub(crate) trait Stepper: Send {
 #[derive(Clone)]
 pub(crate) struct AnalyticStepper<M: Kernel> {
     kernel: M,
-    integration: Integration<M::Layout, M::Mode, RadauOrRodas<M::Layout>>,
+    integration: Integration<M::Layout, M::Mode, SwitchedMethod<M::Layout>>,
     recorder: RecorderState<M>,
     duration_s: f64,
     /// Number of durations at whose end the integration ends a step.
@@ -61,8 +61,8 @@ impl<M: Kernel + Hybrid> AnalyticStepper<M> {
     /// Creates the stepper of a kernel at its start.
     pub fn new(start: Start<M>, duration_s: f64, recording: RecordingOptions) -> Self {
         let Start { kernel, state, settings, exit } = start;
-        let method: RadauOrRodas<M::Layout> = match settings.method {
-            Method::Rodas5p => RadauOrRodas::rodas(kernel.layout()),
+        let method: SwitchedMethod<M::Layout> = match settings.method {
+            Method::Rodas5p => SwitchedMethod::rodas(kernel.layout()),
             Method::RadauIIa5 => integrator::Method::new(kernel.layout()),
         };
         let mode = kernel.mode_at(0.0, &state.q, &state.v);
