@@ -73,7 +73,7 @@ TABLES = [
         row("`--rtol 1e-3`", "the error is 100 times larger, 2e-7 rad for the finger", ["--rtol", "1e-3"]),
         row("`--rtol 1e-7`", "the error is 40 times smaller for the finger", ["--rtol", "1e-7"]),
         row("`--rtol 1e-9`", "the error is 300 times smaller for the finger", ["--rtol", "1e-9"]),
-        row('`integrator.method = "radau5"`', "about the same error by another method, to compare with", settings("integrator.method=radau5")),
+        row('`integrator.method = "radau5"`', "about the same error with another method, for comparison", settings("integrator.method=radau5")),
         row("`--preset reference`", "the error is near rounding: 4e-12 rad for the finger, 1e-9 rad for the cycle", ["--preset", "reference"]),
     ]),
     ("The engine model", "a run of the engine model with default settings", [
@@ -81,13 +81,13 @@ TABLES = [
         row('`--tolerance "1 um"`', "the error is 1.3 to 5 times larger", [*ENGINE, "--tolerance", "1 um"], ENGINE),
         row('`--tolerance "0.01 um"`', "the error is 2 to 19 times smaller", [*ENGINE, "--tolerance", "0.01 um"], ENGINE),
         row('`engine.max_step = "20 us"`', "the error is at most 11 times smaller", [*ENGINE, *settings("engine.max_step=20 us")], ENGINE),
-        row('`--step "10 us"`', "equal steps, for studies of the step; the error is up to 1,500 times larger", [*ENGINE, "--step", "10 us"], ENGINE),
+        row('`--step "10 us"`', "equal steps, for studies of the step size; the error is up to 1,500 times larger", [*ENGINE, "--step", "10 us"], ENGINE),
     ]),
     ("Contact", "the same run with the other setting", [
         row("bristle friction in place of regularised, analytic model", "contacts at rest do not creep", BRISTLE, REGULARISED),
         row("bristle friction in place of regularised, engine model", "the same", {k: [*ENGINE, *BRISTLE.get(k, [])] for k in ALL}, {k: [*ENGINE, *REGULARISED.get(k, [])] for k in ALL}),
         row("`object.outline` a disc, analytic model", "none: the default tolerance of a mechanism is finer", DISC, (), ("gripper",)),
-        row("… a polygon of 6 corners", "outlines that are no discs", polygon(6), (), ("gripper",)),
+        row("… a polygon of 6 corners", "outlines other than discs", polygon(6), (), ("gripper",)),
         row("… of 10 corners", "the same", polygon(10), (), ("gripper",)),
         row("`object.outline` a disc, engine model", "none", [*ENGINE, *DISC], ENGINE, ("gripper",)),
         row("… a polygon of 10 corners", "the same", [*ENGINE, *polygon(10)], ENGINE, ("gripper",)),
@@ -116,8 +116,8 @@ PYTHON = [
     ("`evaluate`, one thread, per design of 20", "one row per design, no samples", "phalanx.evaluate(scene, {field: 20 * value}, threads=1)", 20, ("finger", "gripper")),
     ('`numeric_rate="1 kHz"`', "fewer samples", "phalanx.run(scene, numeric_rate='1 kHz')", 1, ALL),
     ('`numeric_rate="100 kHz"`', "more samples", "phalanx.run(scene, numeric_rate='100 kHz')", 1, ALL),
-    ("`gradient` by 1 field", "derivatives of the results", "phalanx.run(scene, gradient=[field])", 1, ("finger",)),
-    ("`gradient` by 3 fields", "the same", "phalanx.run(scene, gradient=[field, *more])", 1, ("finger",)),
+    ("`gradient` with respect to 1 field", "derivatives of the results", "phalanx.run(scene, gradient=[field])", 1, ("finger",)),
+    ("`gradient` with respect to 3 fields", "the same", "phalanx.run(scene, gradient=[field, *more])", 1, ("finger",)),
 ]
 FIELDS = {
     "finger": ("contact.friction.mu_static", 0.8, ["design.base", "motor.torque"]),
