@@ -74,7 +74,8 @@ pub struct Terms<T> {
     pub rates: PassiveRates<T>,
     /// M₁₁, M₁₂ = M₂₁ and M₂₂.
     pub mass: [T; 3],
-    /// c = quadratic · (θ̇1², θ̇2², θ̇3², θ̇4²) + gravity: with squares of absolute rates there are no cross terms.
+    /// c = quadratic · (θ̇1², θ̇2², θ̇3², θ̇4²) + gravity. There are no cross terms, because the squares are those of
+    /// absolute rates.
     pub quadratic: [[T; 4]; 2],
     pub gravity: [T; 2],
 }
@@ -199,7 +200,7 @@ pub fn kinetic_energy(mass: &[f64; 3], v: [f64; 2]) -> f64 {
     0.5 * (mass[0] * v[0] * v[0] + mass[2] * v[1] * v[1]) + mass[1] * v[0] * v[1]
 }
 
-/// Potential −Σ m g·s, in J, zero at the origin.
+/// Potential energy of gravity, −Σ m g·s, in J; zero at the origin.
 pub fn gravity_energy(dynamics: &Dynamics, pose: &Directions<f64>) -> f64 {
     let moment = |tree: &Tree, first, second| {
         let (u, w) = (rotate(first, tree.moment_first), rotate(second, tree.moment_second));
