@@ -36,13 +36,13 @@ pub struct StepStart<'a, Y: System> {
     pub linearised: &'a Linearised<Y::Layout>,
     pub tolerances: &'a Tolerances,
     pub t: f64,
-    /// Latest time at which the right-hand side may be evaluated: just before a discontinuity, which belongs to the
-    /// next step.
+    /// Latest time at which the right-hand side may be evaluated. It is just before the next discontinuity, which
+    /// belongs to the next step.
     pub latest_time: f64,
     pub state: &'a State<Y::Layout>,
 }
 
-/// A corrected state of the dense output, with memory for its corrections.
+/// A corrected state of the dense output, with the memory for its corrections.
 #[derive(Clone, Debug)]
 pub struct Refinement<L: Layout> {
     pub state: State<L>,

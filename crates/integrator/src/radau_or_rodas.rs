@@ -4,12 +4,12 @@ use super::layout::{Layout, VectorOf};
 use super::method::{Attempt, Method, Refinement, StepStart};
 use super::{Dense, Linearised, Radau5, Rodas5p, System};
 
-/// Rodas5P, or Radau IIA until a run stalls and Rodas5P afterwards. One type for both, so that the integration of a
-/// model is compiled once.
+/// Rodas5P alone, or Radau IIA until a run stalls and Rodas5P afterwards. Both are one type, so that the integration of
+/// a model is compiled once.
 ///
-/// A stiff stop whose contact force depends on the last digits of its coordinates turns the Newton corrections into
-/// noise, so that steps of Radau IIA are rejected. Rodas5P has no iteration and takes a tenth of the time there at the
-/// same tolerances.
+/// If the contact force of a stiff stop depends on the last digits of its coordinates, the Newton corrections become
+/// noise and steps of Radau IIA are rejected. Rodas5P has no iteration; at the same tolerances it takes a tenth of the
+/// time there.
 #[derive(Clone)]
 pub struct RadauOrRodas<L: Layout> {
     radau: Radau5<L>,
@@ -20,7 +20,7 @@ pub struct RadauOrRodas<L: Layout> {
 }
 
 impl<L: Layout> RadauOrRodas<L> {
-    /// Creates the method with Rodas5P from the start.
+    /// Creates the method that uses Rodas5P from the start.
     pub fn rodas(layout: L) -> Self {
         let (radau, rodas) = (Radau5::new(layout), Rodas5p::new(layout));
         Self { error_order: rodas.error_order(), radau, rodas, uses_radau: false }

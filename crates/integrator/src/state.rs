@@ -11,7 +11,7 @@ pub struct State<L: Layout> {
 }
 
 impl<L: Layout> State<L> {
-    /// The state with all numbers 0.
+    /// Returns the state in which all numbers are 0.
     pub fn zero(layout: L) -> Self {
         Self { q: layout.vector(0.0), v: layout.vector(0.0), z: layout.zero_quadratures() }
     }
@@ -39,7 +39,7 @@ impl<L: Layout> State<L> {
     }
 }
 
-/// y(Θ) = y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ d₃)) on t₀ + Θ h, Θ in 0…1.
+/// Dense output: y(Θ) = y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ d₃)) at the time t₀ + Θ h, Θ in 0…1.
 #[derive(Clone, Debug)]
 pub struct Dense<L: Layout> {
     pub t0: f64,
@@ -168,8 +168,9 @@ pub(crate) struct DensePositions<'a> {
 }
 
 impl DensePositions<'_> {
-    /// Largest first and second derivatives of the first `count` coordinates by Θ between two fractions of the step; the others
-    /// are at rest. A polynomial lies within the hull of its Bernstein coefficients, so nothing is sampled.
+    /// Bounds the first and second derivatives with respect to Θ of the first `count` coordinates between two fractions
+    /// of the step; the other coordinates are at rest. A polynomial lies within the hull of its Bernstein coefficients,
+    /// so nothing is sampled.
     #[inline(always)]
     pub fn bounds<L: Layout>(&self, [from, to]: [f64; 2], count: usize, bounds: &mut CoordinateBounds<L>) {
         let width = to - from;
@@ -190,7 +191,7 @@ impl DensePositions<'_> {
     }
 }
 
-/// Upper bounds of the first and second derivatives of the coordinates by Θ, over a part of a step.
+/// Upper bounds of the first and second derivatives of the coordinates with respect to Θ, over a part of a step.
 #[derive(Clone, Debug)]
 pub struct CoordinateBounds<L: Layout> {
     /// Length of the step, s.
@@ -202,7 +203,7 @@ pub struct CoordinateBounds<L: Layout> {
 }
 
 impl<L: Layout> CoordinateBounds<L> {
-    /// Bounds of a system at rest.
+    /// Returns the bounds of a system at rest.
     pub fn at_rest(layout: L) -> Self {
         Self { step_s: 0.0, width: 0.0, rate: layout.vector(0.0), acceleration: layout.vector(0.0) }
     }
@@ -219,7 +220,7 @@ pub struct Step<'a, L: Layout> {
     pub end: &'a State<L>,
 }
 
-/// States inside a step.
+/// Tools that evaluate states inside a step.
 pub trait StepTools<L: Layout> {
     /// Returns the dense output at the fraction `theta` of the step: accurate for angles and rates.
     fn interpolate(&mut self, theta: f64) -> &State<L>;
