@@ -22,13 +22,17 @@ impl<L: Layout> Rates<L> {
 #[derive(Clone, Debug)]
 pub struct Linearised<L: Layout> {
     pub rates: Rates<L>,
-    /// ∂a/∂q; the next fields are ∂a/∂v and ∂a/∂t.
+    /// ∂a/∂q.
     pub a_q: L::Square<f64>,
+    /// ∂a/∂v.
     pub a_v: L::Square<f64>,
+    /// ∂a/∂t.
     pub a_t: VectorOf<L>,
-    /// ∂g/∂q; the next fields are ∂g/∂v and ∂g/∂t.
+    /// ∂g/∂q.
     pub g_q: L::QuadratureRows,
+    /// ∂g/∂v.
     pub g_v: L::QuadratureRows,
+    /// ∂g/∂t.
     pub g_t: L::Quadratures,
 }
 

@@ -6,42 +6,42 @@ use super::{Event, Sample};
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {target}: {source}")]
 pub struct SinkError {
-    /// Name of the output for messages.
+    /// Name of the output, for messages.
     pub target: String,
     #[source]
     pub source: std::io::Error,
 }
 
-/// Data that a sink uses. The analytic model skips unused data: in a sweep of 384 simulations this saves a tenth of the
-/// time. The last sample of its outcomes is always complete. The engine skips only the forces in joints, which are then
-/// 0 in its outcomes too.
+/// Data that a sink uses. The analytic model skips unused data, which saves a tenth of the time of a sweep of 384
+/// simulations; the last sample of an outcome is always complete. The engine skips only the forces in joints, which are
+/// then 0 in its outcomes too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RequiredData {
-    /// Whether samples need energies, which are 0 otherwise.
+    /// Whether samples need energies; otherwise they are 0.
     pub energies: bool,
-    /// Whether samples need the forces in joints, which are 0 otherwise.
+    /// Whether samples need the forces in joints; otherwise they are 0.
     pub joint_forces: bool,
-    /// Whether samples need passive joint angles and motor torques, which are 0 otherwise.
+    /// Whether samples need passive joint angles and motor torques; otherwise they are 0.
     pub passive: bool,
-    /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps;
-    /// otherwise only the ends of steps are used.
+    /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps.
+    /// Otherwise only the ends of steps are used.
     pub peaks: bool,
     /// Whether samples are needed on the grid, in addition to the ends of all steps.
     pub grid: bool,
-    /// Interval at whose multiples, except 0, [`Sink::point`] receives samples, s; 0 for none.
+    /// Interval of the points, s; 0 for none. At its multiples, except 0, [`Sink::point`] receives samples.
     pub point_interval_s: f64,
 }
 
 impl RequiredData {
     pub const NONE: Self =
         Self { energies: false, joint_forces: false, passive: false, peaks: false, grid: false, point_interval_s: 0.0 };
-    /// All except points.
+    /// All data except points.
     pub const ALL: Self =
         Self { energies: true, joint_forces: true, passive: true, peaks: true, grid: true, point_interval_s: 0.0 };
-    /// All but the forces in joints.
+    /// All data except points and the forces in joints.
     pub const EVALUATION: Self = Self { joint_forces: false, ..Self::ALL };
 
-    /// Returns the data that one of two sinks uses. Only one of them may need points.
+    /// Returns the data that at least one of two sinks uses. Only one of them may need points.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -164,7 +164,7 @@ impl<T: Sink> Sink for Option<T> {
     }
 }
 
-/// Returns whether the run may continue; called once per step.
+/// Function that returns whether the run may continue; called once per step.
 pub type KeepRunning<'a> = &'a dyn Fn() -> bool;
 
 /// A sink whose run ends as soon as `keep_running` returns false.

@@ -18,9 +18,9 @@ pub struct LinkLoads {
     pub gravity_m_s2: [f64; 2],
     /// Sum of the contact forces on l21, N.
     pub proximal_n: [f64; 2],
-    /// Sum of the contact forces on l22, N. The next field is the sum of their moments about the joint of l22 with l21,
-    /// N·m.
+    /// Sum of the contact forces on l22, N.
     pub distal_n: [f64; 2],
+    /// Sum of the moments of these forces about the joint of l22 with l21, N·m.
     pub distal_moment_n_m: f64,
     /// Torques of the springs and the joint limit on l12 and on l22, N·m.
     pub torques_n_m: [f64; 2],

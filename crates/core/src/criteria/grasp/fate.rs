@@ -41,7 +41,8 @@ impl Fate {
         }]
     }
 
-    /// Returns the time since which the object is not held, or at which it left the hand; `None` for other fates.
+    /// Returns the time since which the object has not been held, or at which it left the hand, s; `None` for other
+    /// fates.
     pub fn lost_at_s(self) -> Option<f64> {
         match self {
             Fate::Dropped { since_s } => Some(since_s),
@@ -57,13 +58,15 @@ pub(super) struct Evidence<'a> {
     pub hold: &'a HoldHistory,
     pub held_time_s: f64,
     pub pairs: &'a [PairCriteria],
-    /// Whether the object is slow in the frame of the base, and in the world.
+    /// Whether the object is slow in the frame of the base.
     pub is_slow_in_base: bool,
+    /// Whether the object is slow in the world.
     pub is_slow_in_world: bool,
-    /// Speed of its centre in these frames, m/s.
+    /// Speeds of the centre of the object in the frame of the base and in the world, m/s.
     pub speeds_m_s: [f64; 2],
-    /// Time at which it left the hand, and the reach of the fingers of a five-bar hand.
+    /// Time at which the object left the hand, s.
     pub escaped_s: Option<f64>,
+    /// Time at which the object left the reach of the fingers of a five-bar hand, s.
     pub ejected_s: Option<f64>,
 }
 

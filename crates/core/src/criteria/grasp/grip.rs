@@ -33,8 +33,9 @@ struct Instant {
 }
 
 impl GripSearch {
-    /// Whether these active points grip the object at a time, and the time since which they do or do not: a change between
-    /// two instants with the same active points is searched on edges that change linearly.
+    /// Returns whether the active points grip the object at a time, and the time since which this has been so. If the
+    /// result changes between two instants with the same active points, the time is searched; the edges are assumed to
+    /// change linearly.
     pub fn evaluate(&mut self, time_s: f64, active: impl Iterator<Item = (usize, Edges)>) -> (bool, Option<f64>) {
         let mut contacts = std::mem::take(&mut self.memory);
         contacts.clear();
