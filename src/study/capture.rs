@@ -65,8 +65,11 @@ pub struct ObjectPlacement {
     pub tts_s: Option<f64>,
     /// Final x of the centre of the object, m.
     pub x_m: Option<f64>,
+    /// Final y of the centre of the object, m.
     pub y_m: Option<f64>,
+    /// Final angle of the object, rad.
     pub angle_rad: Option<f64>,
+    /// Final speed of the object, m/s.
     pub speed_m_s: Option<f64>,
     pub slip: Option<Slip>,
     /// Whether the contacts that are active at the end form-close the object; `None` if the object is not held.

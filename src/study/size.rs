@@ -36,6 +36,7 @@ pub struct FingerSizing {
     pub profile: Profile,
     /// Constant motor torque of the scene, N·m; `None` if it is not constant.
     pub given_motor_n_m: Option<f64>,
+    /// Constant spring torque of the scene, N·m; `None` if it is not constant.
     pub given_spring_n_m: Option<f64>,
 }
 

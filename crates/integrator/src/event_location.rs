@@ -28,9 +28,9 @@ pub struct Crossing {
 pub enum Found {
     Nothing,
     Crossing(Crossing),
-    /// A singularity, so that the step is shortened.
+    /// A singularity, because of which the step is shortened.
     Obstacle,
-    /// The bounds of the gaps exclude no crossing, so that the step is shortened.
+    /// A crossing that the bounds of the gaps cannot exclude, because of which the step is shortened.
     Unresolved,
 }
 

@@ -29,7 +29,7 @@ pub trait Matrix<T>: Clone + Debug + Send + Index<usize, Output = [T]> + IndexMu
     /// All entries by rows, and the number of columns.
     fn entries(&self) -> (&[T], usize);
 
-    /// [`Matrix::entries`], to be changed.
+    /// Like [`Matrix::entries`], but mutable.
     fn entries_mut(&mut self) -> (&mut [T], usize);
 }
 

@@ -11,8 +11,9 @@ pub struct Attempt<L: Layout> {
     /// Number of right-hand-side evaluations.
     pub rhs: u64,
     pub end: State<L>,
-    /// Estimated errors of coordinates and rates.
+    /// Estimated errors of the coordinates.
     pub error_q: VectorOf<L>,
+    /// Estimated errors of the rates.
     pub error_v: VectorOf<L>,
 }
 
@@ -83,7 +84,7 @@ pub trait Method<L: Layout>: Clone {
     /// Notifies the method that its last attempt was accepted.
     fn accept_step(&mut self);
 
-    /// Takes over the history of another method.
+    /// Takes over the history of another instance of the method.
     fn follow(&mut self, other: &Self);
 
     /// Notifies the method that the run has stalled.
@@ -92,8 +93,9 @@ pub trait Method<L: Layout>: Clone {
     /// Attempts a step of size `h`.
     fn attempt<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64, attempt: &mut Attempt<L>);
 
-    /// Corrects the dense output of the last attempt at the fraction `theta` of its step, so that it gives the forces of stiff
-    /// contacts: writes the corrected state, and returns `false` if a step that ends there is required.
+    /// Corrects the dense output of the last attempt at the fraction `theta` of its step, so that it gives the forces
+    /// of stiff contacts accurately. Writes the corrected state. Returns `false` if a separate step that ends there is
+    /// required instead.
     fn refine<Y: System<Layout = L>>(
         &self,
         _origin: &StepStart<Y>,
@@ -104,8 +106,8 @@ pub trait Method<L: Layout>: Clone {
         false
     }
 
-    /// Writes the dense output of the last attempt, which had this linearisation; without it the quadratures are not
-    /// interpolated.
+    /// Writes the dense output of the last attempt. `linearised` is the linearisation of this attempt; without it, the
+    /// quadratures are not interpolated.
     fn dense(&self, linearised: Option<&Linearised<L>>, dense: &mut Dense<L>);
 
     /// Writes the coordinates of the terms d of [`Method::dense`].

@@ -222,17 +222,18 @@ pub struct Step<'a, L: Layout> {
 
 /// Tools that evaluate states inside a step.
 pub trait StepTools<L: Layout> {
-    /// Returns the dense output at the fraction `theta` of the step: accurate for angles and rates.
+    /// Returns the dense output at the fraction `theta` of the step. It is accurate for angles and rates.
     fn interpolate(&mut self, theta: f64) -> &State<L>;
 
-    /// Returns the dense output, corrected so that it gives contact forces as accurately.
+    /// Returns the dense output, corrected so that it also gives accurate contact forces.
     fn refine(&mut self, theta: f64) -> &State<L>;
 
-    /// Like [`StepTools::refine`], without the quadratures, whose values are unspecified: forces do not depend on them.
+    /// Like [`StepTools::refine`], but without the quadratures, whose values are then unspecified. Forces do not depend
+    /// on them.
     fn refine_motion(&mut self, theta: f64) -> &State<L>;
 
-    /// Returns the end of a separate step from the same start, the most accurate state. The force of a stiff damper requires this accuracy,
-    /// since it is a large multiple of a tiny rate.
+    /// Returns the most accurate state: the end of a separate step from the same start. The force of a stiff damper
+    /// requires this accuracy, because it is a large multiple of a tiny rate.
     fn resolve(&mut self, theta: f64) -> &State<L>;
 }
 
@@ -245,8 +246,8 @@ pub trait Observer<L: Layout, M> {
     /// is the mode after the event.
     fn event(&mut self, t: f64, state: &State<L>, index: usize, mode: &M);
 
-    /// Called before the next step, in the state, mode and clearance (of [`EventSet`](super::EventSet)) from which it starts.
-    /// Returning `true` suspends the advance, so that other equations can take over by
+    /// Called before the next step. State, mode and clearance (of [`EventSet`](super::EventSet)) are those from which
+    /// it starts. Returning `true` suspends the advance, so that other equations can take over with
     /// [`Integration::restart`](super::Integration::restart).
     #[inline(always)]
     fn suspends(&mut self, _state: &State<L>, _mode: &M, _clearance: f64) -> bool {

@@ -70,15 +70,16 @@ pub trait System {
 
     fn layout(&self) -> Self::Layout;
 
-    /// Number of coordinates with equations of second order, which come first. The rates after them are first-order
-    /// states, such as those of bristles: the rate of each depends on the coordinates and rates before them and on itself
-    /// only. Nothing depends on their coordinates, which stay at 0.
+    /// Number of coordinates with equations of second order; they come first. The remaining rates are first-order
+    /// states, such as those of bristles. The rate of a first-order state depends only on the preceding coordinates and
+    /// rates, and on the state itself. Nothing depends on the coordinates at the indices of first-order states; they
+    /// stay at 0.
     #[inline(always)]
     fn second_order_count(&self) -> usize {
         self.layout().coordinates()
     }
 
-    /// Number of coordinates in use. The remaining ones stay at 0 and have no effect.
+    /// Number of coordinates in use. The others stay at 0 and have no effect.
     #[inline(always)]
     fn coordinate_count(&self) -> usize {
         self.layout().coordinates()
@@ -108,21 +109,23 @@ pub trait System {
 /// How the zero crossings of an event function are searched within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RootSearch {
-    /// A value with a known rate: checked at the midpoint, at the end, and at its minimum if its end rates allow a dip.
+    /// A value with a known rate. It is checked at the midpoint, at the end, and, if its rates at the ends allow a dip,
+    /// at its minimum.
     #[default]
     Gap,
-    /// A gap with a known rate and with bounds of its derivatives ([`Hybrid::gap_bounds`]): no zero within the step is
+    /// A gap with a known rate and with bounds of its derivatives ([`Hybrid::gap_bounds`]). No zero within the step is
     /// missed.
     Bounded,
-    /// Checked only at the end. The force of a stiff damper cannot be evaluated from the dense output: inside a step
-    /// the interpolated rate is off the slow manifold, and the force is a large multiple of it.
+    /// A value that is checked only at the end, such as the force of a stiff damper. Inside a step, the interpolated
+    /// rate is off the slow manifold, and the force is a large multiple of it.
     EndOnly,
-    /// A value that a step resolves well, such as a rate: if its curvature allows a dip, sampled inside, and at the
-    /// minimum between samples.
+    /// A value that a step resolves well, such as a rate. If its curvature allows a dip, it is sampled inside the step,
+    /// and at the minimum between samples.
     Smooth,
-    /// The force of a slowly separating contact: as `Smooth`, in steps that lose most of its depth.
+    /// The force of a slowly separating contact. It is searched like `Smooth`, but only in steps that lose most of the
+    /// contact's depth.
     FadingForce,
-    /// As `Smooth`, and always sampled in a step in which the surfaces separate.
+    /// Like `Smooth`, and always sampled in a step in which the surfaces separate.
     Interior,
 }
 
@@ -130,11 +133,11 @@ pub enum RootSearch {
 /// and rates reflect.
 #[derive(Clone, Copy, Debug)]
 pub enum WeightedQuantity {
-    /// Penetration of an active contact; its row is over coordinates. `is_spring_dominated`: the spring is stronger than the
-    /// damper. `is_rebounding`: the contact is also moving, so that an error of its rate persists.
+    /// Penetration of an active contact; the row is over the coordinates. `is_spring_dominated`: the spring is stronger
+    /// than the damper. `is_rebounding`: the contact is also moving, so that an error of its rate persists.
     Depth { depth: f64, is_rebounding: bool, is_spring_dominated: bool },
-    /// Slip of an active contact, its row over rates, with the smallest slip scale of its friction law and the normal
-    /// force.
+    /// Slip of an active contact; the row is over the rates. It has the smallest slip scale of the friction law, and
+    /// the normal force.
     Slip { slip_scale: f64, normal_force: f64 },
 }
 
@@ -308,8 +311,8 @@ pub trait Hybrid: System {
     /// Next time after `t` at which the right-hand side is discontinuous in time; infinite if there is none.
     fn next_discontinuity(&self, t: f64) -> f64;
 
-    /// Upper bound on the next step from this state, for effects that the error estimate does not see because only
-    /// quadratures depend on them.
+    /// Upper bound of the next step from this state. It covers effects that the error estimate does not detect, because
+    /// only quadratures depend on them.
     #[inline(always)]
     fn max_step(&self, _t: f64, _q: &VectorOf<Self::Layout>, _v: &VectorOf<Self::Layout>, _mode: &Self::Mode) -> f64 {
         f64::INFINITY
@@ -395,8 +398,8 @@ pub trait Hybrid: System {
         true
     }
 
-    /// Changes the mode for the steps after a state, where it differs from that of the steps before it without an event and
-    /// without a change of any law: its whole turns are counted from another angle.
+    /// Changes the mode for the steps after a state, without an event and without a change of any law: whole turns are
+    /// counted from another angle.
     #[inline(always)]
     fn count_turns(&self, _q: &VectorOf<Self::Layout>, _v: &VectorOf<Self::Layout>, _mode: &mut Self::Mode) {}
 
@@ -406,8 +409,8 @@ pub trait Hybrid: System {
     /// Returns the mode derived from a state alone, at the start of a run.
     fn mode_at(&self, t: f64, q: &VectorOf<Self::Layout>, v: &VectorOf<Self::Layout>) -> Self::Mode;
 
-    /// Returns the mode derived from a state after a step with a clamped law, whose mode was `last`: only what no state
-    /// contains is kept.
+    /// Returns the mode derived from a state after a step with a clamped law. Only what a state does not contain is
+    /// taken from the previous mode `last`.
     #[inline(always)]
     fn mode_after(
         &self,

@@ -17,8 +17,8 @@ pub enum Loads {
     Pulses { directions: usize, length_s: f64 },
     /// Vibrations along each of the axes at each of the frequencies.
     Vibrations { axes: Vec<Axis>, frequencies_hz: Vec<f64> },
-    /// The scene's own moves and path with a scaled duration and its vibrations, or the standard cycle if the scene has
-    /// none.
+    /// The moves and the path of the scene with a scaled duration, together with its vibrations. If the scene has no
+    /// moves, the standard cycle is used.
     Move,
 }
 

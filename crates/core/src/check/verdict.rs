@@ -13,8 +13,8 @@ use crate::trace::Model;
 pub enum Verdict {
     /// Two independent resolutions agree.
     Accurate,
-    /// They disagree, or the energy does not balance, or a joint opens: the outcome depends on the tolerance. Or a contact is
-    /// so deep that the direction of its force jumps.
+    /// The resolutions disagree, the energy does not balance, or a joint opens: the outcome depends on the tolerance.
+    /// Also if a contact is so deep that the direction of its force jumps.
     Uncertain,
     /// The outcome depends on the last digits of the input.
     Chaotic,

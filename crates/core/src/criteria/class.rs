@@ -102,7 +102,8 @@ pub enum ClassReason {
     OutOfPosition { deviation_rad: [f64; 2] },
     /// The run ends in position, but a phalanx is not in contact.
     NotInContact { phalanges: [FinalContact; 2] },
-    /// The finger is in position with both contacts active from `tts_s` on. `loss`: the last loss of a rebound, if any.
+    /// The finger is in position with both contacts active from `tts_s` on. `loss` is the last loss of a rebound, if
+    /// there was one.
     Settled { tts_s: f64, rebound_percent: f64, loss: Option<Loss> },
 }
 

@@ -286,13 +286,13 @@ pub struct PlannedContact {
 /// Choice of the material points of two surfaces at which contact forces act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactPointConvention {
-    /// Each surface at its own closest point.
+    /// Each force acts at the closest point of its own surface.
     EachSurface,
-    /// Both at the closest point of the body's surface.
+    /// Both forces act at the closest point of the body's surface.
     BodySurface,
-    /// Both at the closest point of the other surface.
+    /// Both forces act at the closest point of the other surface.
     PartnerSurface,
-    /// Both in the middle between the closest points.
+    /// Both forces act in the middle between the closest points.
     Middle,
 }
 

@@ -33,7 +33,7 @@ pub struct GripperGraspRequest {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PostureRequest {
     /// Posture of a run of the analytic model at `at_s`; by default at its end, or just before the release. The
-    /// contacts are the active ones, and those with a gap of at most `within_m`, if given.
+    /// contacts are the active ones. If `within_m` is given, surfaces with at most this gap are also in contact.
     Run {
         at_s: Option<f64>,
         within_m: Option<f64>,

@@ -80,11 +80,11 @@ pub struct ActuatorAtRest {
 /// Bodies that an actuator moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActuatorRole {
-    /// Object or hand: it is blocked, or at its effort.
+    /// It moves the object or the hand. It is blocked, or at its effort.
     Hand,
-    /// The base, which follows the acceleration: it is blocked in both cases.
+    /// It moves the base, which follows the acceleration. It is blocked in both cases.
     Base,
-    /// Bodies that are not balanced.
+    /// It moves bodies that are not balanced.
     LeftOut,
 }
 

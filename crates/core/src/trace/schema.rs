@@ -21,7 +21,7 @@ pub enum Interpolation {
     Cubic {
         rate: usize,
     },
-    /// The quantity follows from the others of its subject ([`State::from_values`]), and logs do not contain it.
+    /// The quantity follows from other quantities of its subject ([`State::from_values`]); logs do not contain it.
     Derived,
 }
 

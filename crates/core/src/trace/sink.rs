@@ -71,24 +71,26 @@ pub trait Sink {
         Ok(())
     }
 
-    /// Receives a sample at which a normal force crosses the threshold of the criteria; by default like any sample.
+    /// Receives a sample at which a normal force crosses the threshold of the criteria. By default, it is treated like
+    /// any other sample.
     fn crossing(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.sample(sample)
     }
 
-    /// Receives a sample at a multiple of [`RequiredData::point_interval_s`]. Points change no other figure of a run.
+    /// Receives a sample at a multiple of [`RequiredData::point_interval_s`]. Points do not change any other figure of
+    /// a run.
     fn point(&mut self, _sample: &Sample) -> Result<(), SinkError> {
         Ok(())
     }
 
-    /// Returns the data that the sink uses, by default everything; called once before a run. A sink that passes samples
-    /// on must also pass on this request.
+    /// Returns the data that the sink uses, by default all data; called once before a run. A sink that forwards samples
+    /// to another sink must also forward this request.
     fn required_data(&self) -> RequiredData {
         RequiredData::ALL
     }
 
-    /// Whether the run may continue; called at least once per step of either model, because samples can be far apart.
-    /// After `false` the run ends with [`Reason::Stopped`](crate::integrator::Reason::Stopped).
+    /// Whether the run may continue. It is called at least once per step of either model, because samples can be far
+    /// apart. After `false` the run ends with [`Reason::Stopped`](crate::integrator::Reason::Stopped).
     fn should_continue(&self) -> bool {
         true
     }

@@ -37,9 +37,11 @@ impl Tree {
 /// M_ti in relative coordinates, its Coriolis coefficient and gravity vector (2.19)–(2.22).
 #[derive(Clone, Copy, Debug)]
 pub struct TreeTerms<T> {
-    /// M_ti = [[m11, m12], [m12, m22]].
+    /// M_ti = [[m11, m12], [m12, m22]]: the first entry.
     pub m11: T,
+    /// Second entry of M_ti.
     pub m12: T,
+    /// Last entry of M_ti.
     pub m22: f64,
     /// h = m_i2 l_i1 (a_i2 sin q_i2 + b_i2 cos q_i2): B_ti = [−2h, 0], C_ti = [[0, −h], [h, 0]] (errata 2).
     pub h: T,

@@ -51,7 +51,7 @@ pub enum Damping {
     },
 }
 
-/// Depth over which a contact is resolved whose law has no depth of its own, m (limit: rad).
+/// Depth over which a contact is resolved, m (limit: rad), if its law has no depth of its own.
 const DEPTH_SCALE_M: f64 = 1e-5;
 
 impl NormalLaw {

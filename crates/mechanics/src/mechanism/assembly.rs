@@ -106,7 +106,7 @@ pub enum AssemblyError {
         condition: Condition,
         name: String,
         from: Vec<String>,
-        /// Couplings of the loop, which may lead to the posture.
+        /// Couplings of the loop that may have led to this posture.
         couplings: Vec<String>,
     },
     #[error(

@@ -104,7 +104,8 @@ pub struct Body {
 pub enum PrescribedMotion {
     /// From the pose and rate of the body: x(t) = x + velocity t + ½ acceleration t², angle = angle + spin t.
     ConstantAcceleration { acceleration_m_s2: [f64; 2] },
-    /// Motion of a palm, from rest at its initial pose, which is that of the body. Samples of the other bodies are relative to the palm.
+    /// Motion of a palm, starting at rest from its initial pose, which is the pose of the body. Samples of the other
+    /// bodies are relative to the palm.
     Palm(PalmMotion),
 }
 
@@ -148,9 +149,9 @@ pub struct Spring {
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpringKind {
-    /// Q = −k (q − rest) − c q̇ + preload, with the energy ½ k (q − rest)² − preload q.
+    /// Q = −k (q − rest) − c q̇ + preload. The energy is ½ k (q − rest)² − preload q.
     Torsional { on: JointCombination, preload: f64 },
-    /// Tension k (ℓ − rest) + c ℓ̇ between a point of each body.
+    /// Tension k (ℓ − rest) + c ℓ̇ between two points, one on each body.
     Linear { bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2] },
 }
 
@@ -163,12 +164,14 @@ pub struct Tendon {
     /// Eyelets and pulleys in the order of the cable; the first and the last element are eyelets. Empty for a belt between
     /// spools.
     pub path: Vec<PathElement>,
-    /// Pairs (joint, c): the length contains the term c q with the coordinate q of the joint. A spool of radius r has c
-    /// = ±r.
+    /// Pairs (joint, c): the length contains the term c q, where q is the coordinate of the joint. For a spool of radius
+    /// r, c is ±r.
     pub joints: Vec<(usize, f64)>,
-    /// k in T = max(0, k (L − rest) + c dL/dt) for L > rest. With k = c = 0, only the actuator pulls.
+    /// Stiffness k, N/m: T = max(0, k (L − rest) + c dL/dt) for L > rest. With k = c = 0, only the actuator pulls.
     pub stiffness_n_per_m: f64,
+    /// Damping c, N·s/m.
     pub damping_n_s_per_m: f64,
+    /// Free length, m.
     pub rest_m: f64,
     pub actuator: Option<TendonActuator>,
 }
@@ -211,12 +214,13 @@ pub struct Actuator {
 pub enum Command {
     /// Torque or force over time.
     Effort(Profile),
-    /// kp (target − q) + kd (d target/dt − q̇). With a rate it is computed at that rate, and constant in between.
+    /// Controller: kp (target − q) + kd (d target/dt − q̇). With a rate, it is evaluated at this rate, and is constant
+    /// in between.
     Servo {
         kp: f64,
         kd: f64,
         target: Profile,
-        /// Largest rate of the target; the target of a scene keeps it.
+        /// Largest rate of the target. The target in a scene already respects it.
         target_rate: Option<f64>,
         rate_hz: Option<f64>,
     },

@@ -48,14 +48,15 @@ pub enum Coordinate {
     Joint(usize),
     /// A component (x, y or θ) of the pose of a body without joints to the ground.
     Body(usize, usize),
-    /// Time, on which the poses of bodies with prescribed motion depend: the first coordinate of their group.
+    /// Time, on which the poses of bodies with prescribed motion depend. It is the first coordinate of their group.
     Time,
 }
 
 /// Bodies that are placed from bodies with a known pose.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Placement {
-    /// A body whose pose is coordinates, from `first` on: three `axes`, or two for a body that does not rotate.
+    /// A body whose pose is given by coordinates from index `first` on: three `axes`, or two for a body that does not
+    /// rotate.
     Free { body: usize, first: usize, axes: usize },
     /// A body with prescribed motion.
     Prescribed { body: usize },
@@ -63,9 +64,9 @@ pub enum Placement {
     Joint { at: Attachment, coordinate: Source },
     /// Two bodies that close a loop at the joint `inner`.
     Dyad { outer: [Attachment; 2], inner: usize },
-    /// Bodies whose joints determine their poses, without a dyad among them: each one is attached to a body before it by the
-    /// joints of `tree`, and the joints `closing` close the loops. The coordinate of a joint of the tree may be an independent
-    /// one of the group, by its index in `known`.
+    /// Bodies whose joints determine their poses, without a dyad among them. The joints of `tree` attach each body to a
+    /// preceding body; the joints `closing` close the loops. If the coordinate of a joint of the tree is an independent
+    /// coordinate of the group, `known` contains its index.
     Assur { tree: Vec<Attachment>, known: Vec<Option<usize>>, closing: Vec<usize> },
 }
 
@@ -73,7 +74,7 @@ pub enum Placement {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Closures {
     Dyads,
-    /// Also Assur groups beyond dyads.
+    /// Dyads and larger Assur groups.
     All,
 }
 

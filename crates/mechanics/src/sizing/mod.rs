@@ -26,7 +26,8 @@ pub const INTERVALS: usize = 400;
 pub enum Rule {
     /// RMS of the net torque r1 + r2 over the rigid phase.
     Rigid,
-    /// RMS over all of T, with the constant spring at q22, and l21 at rest after its contact: r1 + (∂q22/∂q11) k_s.
+    /// RMS of r1 + (∂q22/∂q11) k_s over all of T: with the constant spring at q22, and with l21 at rest after its
+    /// contact.
     Whole,
 }
 

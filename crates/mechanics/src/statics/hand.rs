@@ -392,10 +392,10 @@ pub fn unilateral(hand: &Hand<'_>) -> Result<Unilateral> {
 /// if the parts are blocked in both directions, because this only adds constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blocked {
-    /// Each driven link separately: both motors, or both outputs of a differential. n_u = 2 in (1.19).
+    /// Each driven link is blocked separately: both motors, or both outputs of a differential. n_u = 2 in (1.19).
     Outputs,
-    /// Only the input of a differential, whose rotation is the mean of its outputs: one finger may yield while the
-    /// other follows. n_u = 1.
+    /// Only the input of a differential is blocked. Its rotation is the mean of the outputs, so that one finger may
+    /// yield while the other follows. n_u = 1.
     Input,
 }
 

@@ -56,9 +56,9 @@ impl ContactAtRest {
 /// State of the actuators of the hand. Actuators that move the base of the hand are always blocked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveState {
-    /// Every actuator holds with any torque or force, on a cable with any tension.
+    /// Every actuator gives any torque or force; on a cable, any tension.
     Blocked,
-    /// Every actuator has the effort of its command at rest, and its brake the limit that it has at the time.
+    /// Every actuator gives the effort of its command at rest. Its brake adds an effort up to the limit at this time.
     AtEffort,
 }
 
@@ -94,7 +94,7 @@ pub const MAX_REMAINDER: f64 = 0.01;
 pub enum BalanceAtRest {
     /// Limits in all directions.
     Limits(Vec<MechanismBalance>),
-    /// The unbalanced part of the loads, relative to the largest one.
+    /// The loads are not balanced. `remainder` is the unbalanced part, relative to the largest load.
     NotAtRest { remainder: f64 },
 }
 
@@ -121,30 +121,31 @@ pub struct MechanismBalance {
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum MechanismLimit {
-    /// Not even a base at rest: no forces within the cones balance weight, springs and actuators.
+    /// Not even a base at rest can be balanced: no forces within the cones balance weight, springs and actuators.
     Infeasible {
-        /// A motion in which all admissible forces together have positive power.
+        /// A motion in which every set of admissible forces has positive power.
         motion: Vec<BodyMotion>,
-        /// Actuators that move in it, as in `Limited`.
+        /// Actuators that move in this motion, as in `Limited`.
         yielding: Vec<usize>,
     },
-    /// Any acceleration: the balancing forces can grow with it.
+    /// Any acceleration can be balanced, because the balancing forces can grow with it.
     Unlimited,
     Limited {
         acceleration_m_s2: f64,
-        /// Normal and tangential force of each contact, not necessarily unique, and its motion.
+        /// For each contact, normal force, tangential force and motion. The forces are not necessarily unique.
         contacts: Vec<(f64, f64, ContactMotion)>,
-        /// Effort of each joint limit that is reached, N·m or N, and its motion.
+        /// For each joint limit that is reached, its effort, N·m or N, and its motion.
         limits: Vec<(f64, ContactMotion)>,
-        /// Brakes and joints with friction, in their order, and whether they slip.
+        /// Brakes and joints with friction, in their order, each with whether it slips.
         brakes: Vec<BrakeLoad>,
         /// Tensions of the blocked cables, in the order of the tendons with an actuator; none at effort.
         tensions_n: Vec<f64>,
         /// The motion that a larger acceleration causes.
         motion: Vec<BodyMotion>,
-        /// Actuators that move in it, in the order of [`efforts`]: their efforts decide. A blocked cable becomes slack.
+        /// Actuators that move in this motion, in the order of [`efforts`]. Their efforts determine the limit; a
+        /// blocked cable becomes slack.
         yielding: Vec<usize>,
-        /// Relative difference of the limits from forces and from motion.
+        /// Relative difference of the limits computed from forces and from the motion.
         gap: f64,
     },
 }

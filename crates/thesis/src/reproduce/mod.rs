@@ -133,8 +133,9 @@ pub struct Run {
     pub form_closed: Option<bool>,
     pub class: Option<Class>,
     pub tts_s: Option<f64>,
-    /// Final normal forces in the simulation, N.
+    /// Final normal force of the proximal phalanx in the simulation, N.
     pub f21_n: Option<f64>,
+    /// Final normal force of the distal phalanx in the simulation, N.
     pub f22_n: Option<f64>,
     /// Palm force computed from these normal forces, N.
     pub pfp_n: Option<f64>,

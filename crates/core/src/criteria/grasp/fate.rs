@@ -6,21 +6,22 @@ use super::pairs::PairCriteria;
 /// Fate of the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fate {
-    /// The object is gripped at the end, or at the release, and has been for at least the required time of the scene.
+    /// The object is gripped at the end, or at the release, and has been gripped for at least the time that the scene
+    /// requires.
     Held,
     /// The hand carries the object without a grip.
     Carried,
     /// The hand lifted the object and released it at `until_s`, and it rests outside the hand.
     Placed { until_s: f64 },
-    /// The object was gripped for the required time, the last time until `since_s`. An object that is lost, gripped again and
-    /// held at the end is not dropped. The travel does not matter.
+    /// The object was gripped for the required time, for the last time until `since_s`. An object that is lost, gripped
+    /// again and held at the end is not dropped. The travel does not matter.
     Dropped { since_s: f64 },
-    /// At `at_s` the object left the region that the fingers of a five-bar hand can reach ([`Reach`](crate::trace::Reach)),
-    /// after a contact. The run ends there.
+    /// After a contact, the object left at `at_s` the region that the fingers of a five-bar hand can reach
+    /// ([`Reach`](crate::trace::Reach)). The run ends there.
     Ejected { at_s: f64 },
-    /// At `at_s` an object that was never gripped for the required time left the hand after a contact.
+    /// After a contact, an object that was never gripped for the required time left the hand at `at_s`.
     Escaped { at_s: f64 },
-    /// None of these.
+    /// None of the other fates.
     NotGrasped,
 }
 

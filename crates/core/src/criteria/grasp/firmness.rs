@@ -46,14 +46,14 @@ pub enum Margin {
     /// Any acceleration in any direction.
     Any,
     Limited {
-        /// At least 0: a grasp that balances its loads only within rounding balances no acceleration.
+        /// Limit, at least 0. A grasp that balances its loads only within rounding errors balances no acceleration.
         acceleration_m_s2: f64,
         /// All directions with this limit, from x towards y.
         directions_rad: Vec<f64>,
-        /// What a larger acceleration in the first of them makes.
+        /// How the grasp fails under a larger acceleration in the first of these directions.
         failure: Failure,
     },
-    /// The loads at the end are not balanced: the part that is not, relative to the largest load.
+    /// The loads at the end are not balanced. `remainder` is the unbalanced part, relative to the largest load.
     NotAtRest { remainder: f64 },
     /// The programme has no certified result.
     Undecided { reason: String },

@@ -8,13 +8,13 @@ use super::pose::RelativePose;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HoldState {
-    /// Contacts of the hand press on it from all sides: the origin is in the convex hull of their wrenches.
+    /// Contacts of the hand press on the object from all sides: the origin is in the convex hull of their wrenches.
     Gripped,
-    /// The hand touches it, and nothing else.
+    /// The hand touches the object, and nothing else does.
     Carried,
-    /// Something else touches it.
+    /// Something other than the hand touches the object.
     Resting,
-    /// Nothing touches it.
+    /// Nothing touches the object.
     Free,
 }
 
