@@ -27,7 +27,7 @@ pub enum Axis {
     Angle,
 }
 
-/// A move from rest to rest along a polynomial of degree 7; rate, acceleration and jerk are zero at both ends.
+/// A move from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at both ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
     pub axis: Axis,

@@ -140,8 +140,8 @@ pub struct SceneFile {
     /// Settings of the left finger that differ from those of both fingers. It is described by its mirror image.
     #[schemars(extend("x-kinds" = GRIPPER, "x-overrides" = true))]
     pub left: FingerSettings,
-    /// One section per name, chosen freely. A move of the palm from rest to rest along a polynomial of degree 7; rate,
-    /// acceleration and jerk are zero at both ends. Overlapping moves are added.
+    /// One section per name, chosen freely. A move of the palm from rest to rest along a polynomial of order 7, with
+    /// zero rate, acceleration and jerk at both ends. Overlapping moves add up.
     #[schemars(extend("x-kinds" = GRIPPER, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub moves: BTreeMap<String, MoveSettings>,
     /// One section per name, chosen freely. A vibration of the palm, amplitude × sin(2π f (t − start) + phase), with a
@@ -172,8 +172,8 @@ pub struct MechanismFile {
     #[serde(flatten)]
     pub mechanism: MechanismSettings,
     pub grasp: GraspSettings,
-    /// One section per name, chosen freely. A move of a body from rest to rest along a polynomial of degree 7; rate,
-    /// acceleration and jerk are zero at both ends. Overlapping moves are added.
+    /// One section per name, chosen freely. A move of a body from rest to rest along a polynomial of order 7, with zero
+    /// rate, acceleration and jerk at both ends. Overlapping moves add up.
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub moves: BTreeMap<String, MoveSettings>,
     /// One section per name, chosen freely. A vibration of a body, amplitude × sin(2π f (t − start) + phase), with a ramp over
@@ -232,9 +232,9 @@ pub struct FingerSettings {
 /// Settings at the top level.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct SceneSettings {
-    /// Path of a scene file that this one extends, relative to its own directory. Omitted keys are inherited, except
-    /// name and description. A section with `type` or `profile` replaces the inherited section; [lengths] replaces
-    /// [design].
+    /// Path of a scene file that this one extends, relative to the directory of this file. Omitted keys are inherited,
+    /// except name and description. A section with `type` or `profile` replaces the inherited section; [lengths]
+    /// replaces [design].
     #[schemars(extend("minLength" = 1, "x-bodies" = {
         "description": "Scene file that this one extends, relative to its own directory: omitted keys are inherited, except name \
             and description."

@@ -22,8 +22,8 @@ fn nonzero(x: f64, y: f64, angle: f64) -> impl Iterator<Item = (Axis, f64)> {
     [(Axis::X, x), (Axis::Y, y), (Axis::Angle, angle)].into_iter().filter(|(_, value)| *value != 0.0)
 }
 
-/// A move of the palm from rest to rest along a polynomial of degree 7; rate, acceleration and jerk are zero at both
-/// ends. Overlapping moves are added.
+/// A move of the palm from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at both
+/// ends. Overlapping moves add up.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(extend("x-mechanism" = { "description": "A move of a body from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at both ends. Overlapping moves add up." }))]
 pub struct MoveSettings {

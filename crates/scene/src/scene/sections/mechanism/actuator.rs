@@ -98,8 +98,8 @@ pub struct ActuatorSettings {
     /// `no_load_speed`, no torque exceeds it. Default: none.
     pub limit: Option<Positive<Effort>>,
     /// Rate ω₀ at which the torque (force) has fallen to 0: at the rate v in its direction, it is the command times 1 −
-    /// v/ω₀. It exceeds `limit` if the joint moves against it (v below 0), and brakes beyond ω₀. Default: none; it is
-    /// the command.
+    /// v/ω₀. It exceeds `limit` if the joint moves against it (v below 0), and brakes beyond ω₀. Default: none; the
+    /// torque does not depend on the rate.
     pub no_load_speed: Option<Positive<CoordinateRate>>,
     #[schemars(with = "BrakeSettings")]
     pub brake: Subsection,

@@ -25,8 +25,8 @@ pub struct GraspSettings {
     #[schemars(extend("minLength" = 1))]
     pub base: Option<String>,
     /// Bodies or outlines that do not belong to the hand, written as in `between` of a contact: surroundings =
-    /// ["ground.table"]. Bodies without joints never belong to it; outlines of the ground do not if the base is another
-    /// body.
+    /// ["ground.table"]. Bodies without joints never belong to it. Outlines of the ground belong to it only if the base
+    /// is the ground.
     #[schemars(extend("default" = []))]
     pub surroundings: Vec<String>,
     /// Time at which the hand releases the object. The fate of the grasp is that at this time. Default: the end.
