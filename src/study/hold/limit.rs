@@ -57,8 +57,8 @@ pub struct LoadBracket {
     pub failed: Option<f64>,
     /// Largest load that is held although a smaller load fails; `None` if there is none.
     pub held_above: Option<f64>,
-    /// Number of loads between `held` and `failed` whose run was not completed; if there is only one of the two, the
-    /// number beyond it.
+    /// Number of loads between `held` and `failed` whose run was not completed; if only one of the two exists, the
+    /// number above it.
     pub unknown: usize,
 }
 

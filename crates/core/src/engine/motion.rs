@@ -197,8 +197,8 @@ impl Motion {
         self.update_node();
     }
 
-    /// Takes one step. Fails with [`StepError::TooLong`] once `keep_running` returns false; after any other error, the
-    /// motion is not usable.
+    /// Takes one step. Stops with an error once `keep_running` returns false. The motion is usable after
+    /// [`StepError::TooLong`], but not after any other error.
     pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
         let power_before =
             self.support_power + forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());

@@ -130,9 +130,9 @@ pub struct EventMarker {
     /// Name of the contact in samples, if it differs from `location`, as for a point of a pair of outlines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub point: Option<String>,
-    /// Approach speed or impulse; `None` if this kind of event has neither.
+    /// Kind of the event.
     pub kind: &'static str,
-    /// Approach speed or impulse, and its SI unit; `None` if this kind of event has neither.
+    /// Approach speed or impulse; `None` if this kind of event has neither.
     pub figure: Option<f64>,
     /// SI unit of the figure.
     pub unit: &'static str,
