@@ -94,7 +94,7 @@ pub struct Motion {
     /// Impulses of rapier's own contacts in the last step, if the scene selects them.
     pub rapier_contacts: Vec<RapierContact>,
     pub last_dt_s: f64,
-    /// Work of motors, servos of motors, and prescribed motions, J.
+    /// Work of motors, of servos that act as motors, and of prescribed motions, J.
     pub motor_work_j: f64,
     /// Work of contacts, cables, brakes and dampers, J.
     pub contact_work_j: f64,

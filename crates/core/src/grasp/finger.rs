@@ -29,8 +29,8 @@ pub struct Grasp {
     pub forces: Vec<Forces>,
     pub palm: Palm,
     pub closure: FormClosure,
-    /// Forces per 1 N·m of motor torque alone, without friction. With a palm, the grasp is form-closed if all of them
-    /// are positive.
+    /// Forces per 1 N·m of motor torque alone, without friction. With a palm, all of them are positive if the grasp is
+    /// form-closed.
     pub unit_torque_forces: Equilibrium,
 }
 

@@ -13,7 +13,7 @@ pub const MAX_WRAP_RAD: f64 = 3.0 * FRAC_PI_2;
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<T> {
     pub length: T,
-    /// Unit vector from the first to the second element.
+    /// Unit vector along the segment, from the first to the second element.
     pub direction: Vector<T>,
 }
 

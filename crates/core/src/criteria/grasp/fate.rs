@@ -16,10 +16,10 @@ pub enum Fate {
     /// The object was gripped for the required time, for the last time until `since_s`. An object that is lost, gripped
     /// again and held at the end is not dropped. The travel does not matter.
     Dropped { since_s: f64 },
-    /// After a contact, the object left at `at_s` the region that the fingers of a five-bar hand can reach
-    /// ([`Reach`](crate::trace::Reach)). The run ends there.
+    /// The object left the region that the fingers of a five-bar hand can reach ([`Reach`](crate::trace::Reach)) at
+    /// `at_s`, after a contact. The run ends there.
     Ejected { at_s: f64 },
-    /// After a contact, an object that was never gripped for the required time left the hand at `at_s`.
+    /// An object that was never gripped for the required time left the hand at `at_s`, after a contact.
     Escaped { at_s: f64 },
     /// None of the other fates.
     NotGrasped,
