@@ -237,8 +237,8 @@ impl Scene {
     }
 
     /// Applies a preset of the integrator to this scene and keeps the step budget. The reference preset resolves slip
-    /// rates to 1e-5 of the narrowest slip range of a friction law. Without this, for a sticking range of 1 µm/s and a
-    /// tolerance of 1e-9 m/s, two methods differed by 1.2e-7 m.
+    /// rates to 1e-5 of the narrowest slip range of a friction law. The reason is that two methods differed by 1.2e-7 m
+    /// with a sticking range of 1 µm/s and a tolerance of 1e-9 m/s.
     pub fn apply_preset(&mut self, preset: Preset) {
         let max_steps = self.integrator.max_steps;
         self.integrator = match preset {

@@ -7,9 +7,9 @@ use super::names::{GROUND, check_name, report_name};
 use crate::scene::keys::{closest_match, is_name};
 use crate::scene::section_input::SectionInput;
 
-/// Mirrors everything that is called `from`, or whose name begins with `from` and an underscore, about the y axis:
-/// bodies, joints, springs, tendons, couplings, rotors, actuators, and the contacts of these bodies. The names of the
-/// images contain `to` instead. Joints have the same coordinates as their images.
+/// Adds a mirror image, about the y axis, of everything that is called `from`, or whose name begins with `from` and an
+/// underscore: bodies, joints, springs, tendons, couplings, rotors, actuators, and the contacts of these bodies. The
+/// names of the images contain `to` instead. Joints have the same coordinates as their images.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct MirrorSettings {
     /// Prefix of the names of the original: from = "right".
