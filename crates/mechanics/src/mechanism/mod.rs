@@ -164,8 +164,8 @@ pub struct Tendon {
     /// Eyelets and pulleys in the order of the cable; the first and the last element are eyelets. Empty for a belt between
     /// spools.
     pub path: Vec<PathElement>,
-    /// Pairs (joint, c): the length contains the term c q, where q is the coordinate of the joint. For a spool of radius
-    /// r, c is ±r.
+    /// Pairs (joint, c): the length contains the term c q, where q is the coordinate of the joint. For a spool of
+    /// radius r, c is ±r.
     pub joints: Vec<(usize, f64)>,
     /// Stiffness k, N/m: T = max(0, k (L − rest) + c dL/dt) for L > rest. With k = c = 0, only the actuator pulls.
     pub stiffness_n_per_m: f64,
