@@ -10,15 +10,16 @@ pub use phalanx_core::limits::{
     MAX_SAMPLES, MAX_SHOWN_PROBLEMS, MAX_TABLE_POINTS, MAX_TENDONS,
 };
 
-/// Largest scene or study file, bytes.
+/// Largest size of a scene or study file, bytes.
 pub const MAX_SCENE_BYTES: u64 = 1 << 20;
-/// Largest packed module of the explorer, bytes: ten times its actual size.
+/// Largest size of the packed module of the explorer, bytes: ten times its actual size.
 pub const MAX_MODULE_BYTES: u64 = 16 << 20;
-/// Maximum number of grid samples of a validated run: several such runs are in memory at once, 1,600 bytes per sample.
+/// Maximum number of grid samples of a validated run. Several such runs are in memory at once, with 1,600 bytes per
+/// sample.
 pub const MAX_VALIDATED_SAMPLES: f64 = 2e5;
-/// Largest input table, bytes: in memory it takes ten times as much.
+/// Largest size of an input table, bytes. In memory it takes ten times as much.
 pub const MAX_TABLE_BYTES: u64 = 256 << 20;
 /// Maximum number of values read from each of two compared logs.
 pub const MAX_COMPARED_VALUES: usize = 20_000_000;
-/// Maximum number of threads: more threads slow each other down, and each takes memory.
+/// Maximum number of threads. More threads slow each other down, and each one takes memory.
 pub use phalanx_parallel::MAX_THREADS;

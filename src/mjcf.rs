@@ -19,16 +19,16 @@ use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use crate::numeric::plane::{Vector, add, rotate, scale, sub};
 use phalanx_show::format::escape_markup;
 
-/// A model, and what it does not have.
+/// A MuJoCo model, and a list of what it omits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MujocoModel {
     /// The model in MJCF. Its key frame `start` is the start of the scene.
     pub xml: String,
-    /// Properties of the mechanism that the model lacks, one sentence each.
+    /// Properties of the mechanism that the model does not have, one sentence each.
     pub omissions: Vec<String>,
 }
 
-/// Reason why a mechanism has no model in MuJoCo.
+/// Reason why a mechanism cannot be written as a model for MuJoCo.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MjcfError {
     #[error(transparent)]
@@ -56,10 +56,10 @@ const HALF_THICKNESS_M: f64 = 0.01;
 /// Half of the edges of the box that stands for a half plane of a moving body, m: MuJoCo has planes of fixed bodies only.
 const PLANE_BOX_M: f64 = 1.0;
 
-/// Returns the MuJoCo model of a mechanism; commands over time are given up to `duration_s`.
+/// Returns the MuJoCo model of a mechanism. Commands that vary over time are written up to `duration_s`.
 ///
 /// # Errors
-/// Returns an error for a mechanism that cannot be assembled, or with something that MuJoCo does not have at all.
+/// Returns an error if the mechanism cannot be assembled, or contains something that has no counterpart in MuJoCo.
 pub fn mujoco_model(name: &str, mechanism: &Mechanism, duration_s: f64) -> Result<MujocoModel, MjcfError> {
     for (index, body) in mechanism.bodies.iter().enumerate().filter(|(_, body)| body.motion.is_none()) {
         if !body.rotates() && mechanism.has_joint(Some(index)) {

@@ -22,7 +22,7 @@ pub fn load_any(path: impl AsRef<FilePath>) -> Result<Scene, SceneError> {
     load_any_with(path, &[])
 }
 
-/// Like [`load_any`], but single fields are overridden by `settings`: lines of `key = value` as in a scene file.
+/// Like [`load_any`], with single fields overridden by `settings`: lines of `key = value` as in a scene file.
 ///
 /// # Errors
 /// Returns all problems of the file and of the settings.
@@ -33,17 +33,17 @@ pub fn load_any_with(path: impl AsRef<FilePath>, settings: &[Layer]) -> Result<S
 /// Maximum number of scenes in a chain of extensions.
 const MAX_LAYERS: usize = 16;
 
-/// Reads a scene file and the scenes it extends; the scene's own text comes last.
+/// Reads a scene file and the scenes that it extends. The text of the scene itself comes last.
 ///
 /// # Errors
-/// Returns an error if a file cannot be read or scenes extend each other.
+/// Returns an error if a file cannot be read, or if scenes extend each other.
 pub fn load_layers(path: &FilePath) -> Result<Vec<Layer>, SceneError> {
     let (text, file) = read(path)?;
     load_bases(Layer { file, text }, path.to_path_buf(), None)
 }
 
-/// Reads the scenes that the text of a scene extends; the given text comes last. Paths are relative to its `file`,
-/// which need not exist.
+/// Reads the scenes that the text of a scene extends. The given text comes last. Paths are relative to the directory of
+/// its `file`, which need not exist.
 ///
 /// # Errors
 /// See [`load_layers`].
@@ -51,7 +51,7 @@ pub fn load_extended(scene_layer: Layer) -> Result<Vec<Layer>, SceneError> {
     load_extended_in(scene_layer, None)
 }
 
-/// Like [`load_extended`], of a scene that is the whole text or the table `section` of it.
+/// Like [`load_extended`], for a scene that is the table `section` of the text; `None` for the whole text.
 ///
 /// # Errors
 /// See [`load_layers`].

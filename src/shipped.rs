@@ -7,7 +7,7 @@ use crate::scene::{self, Layer, SceneError, closest_match};
 /// A shipped scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShippedScene {
-    /// Path under `scenes`, such as `real/2f85-lift.toml`.
+    /// Path relative to `scenes`, such as `real/2f85-lift.toml`.
     pub file: &'static str,
     /// Contents of the file.
     pub text: &'static str,
@@ -15,7 +15,7 @@ pub struct ShippedScene {
 
 macro_rules! shipped_scenes {
     ($($file:literal),* $(,)?) => {
-        /// All shipped scenes, by their directories.
+        /// All shipped scenes, ordered by their directories.
         pub const SHIPPED_SCENES: &[ShippedScene] = &[$(ShippedScene {
             file: $file,
             text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/", $file)),
@@ -58,12 +58,13 @@ shipped_scenes! {
 }
 
 impl ShippedScene {
-    /// Name: the path without its extension.
+    /// Name of the scene: its path without the extension.
     pub fn name(&self) -> &'static str {
         self.file.trim_end_matches(".toml")
     }
 
-    /// First sentence of the comment at the top of the file, after the answer of its run if it begins with that.
+    /// First sentence of the comment at the top of the file. If the comment begins with the answer of the run, it is
+    /// the sentence after that.
     pub fn title(&self) -> String {
         let comment = self.text.lines().take_while(|line| line.starts_with('#'));
         let lines: Vec<&str> = comment.map(|line| line.trim_start_matches('#').trim()).collect();
@@ -73,10 +74,10 @@ impl ShippedScene {
         text.split_inclusive(". ").next().unwrap_or_default().trim().to_string()
     }
 
-    /// Returns the scene as a single file: with the values of the scenes that it extends.
+    /// Returns the scene as a single file that contains the values of the scenes it extends.
     ///
     /// # Errors
-    /// Returns an error if the scene is invalid, which a test excludes.
+    /// Returns an error if the scene is invalid. A test ensures that it is not.
     pub fn standalone_text(&self) -> Result<String, SceneError> {
         if scene::extended(self.text).is_none() {
             return Ok(self.text.to_string());
@@ -87,7 +88,7 @@ impl ShippedScene {
         Ok(if merged.starts_with('#') { merged } else { format!("{comment}\n{merged}") })
     }
 
-    /// Returns the scenes that it extends, then the scene.
+    /// Returns the scenes that this scene extends, then this scene.
     pub fn layers(&self) -> Vec<Layer> {
         let layer = |of: &ShippedScene| Layer { file: of.file.to_string(), text: of.text.to_string() };
         let (mut of, mut layers) = (*self, vec![layer(self)]);
@@ -114,10 +115,11 @@ fn is_path(path: &Path, file: &str) -> bool {
     parts.join("/") == file
 }
 
-/// Returns the shipped scene of a name: its path with or without extension, or the name of its file if only one has it.
+/// Returns the shipped scene with a name. The name is the path with or without its extension, or the file name if only
+/// one scene has it.
 ///
 /// # Errors
-/// Returns a sentence with a similar name, or with the names among which the given one does not decide.
+/// Returns a sentence with a similar name, or with all scenes to which an ambiguous name applies.
 pub fn shipped_scene(name: &str) -> Result<&'static ShippedScene, String> {
     let name = name.trim_start_matches("scenes/").trim_end_matches(".toml");
     let is_file = |scene: &&ShippedScene| scene.name().rsplit('/').next() == Some(name);

@@ -79,7 +79,9 @@ class Column:
 
 @final
 class Scene:
-    """A validated scene of a finger, gripper, mechanism or discs. It is immutable: `with_` returns a changed copy."""
+    """A validated scene of a finger, a gripper, a mechanism or discs. It is immutable: `with_` returns a changed
+    copy.
+    """
 
     @staticmethod
     def load(path: _Path) -> Scene:
@@ -92,12 +94,13 @@ class Scene:
     def from_toml(text: str, name: str = "scene.toml") -> Scene:
         """Reads a scene from a TOML string.
 
-        `name` is its file name in messages and logs; extended scenes are relative to its directory.
+        `name` is its file name in messages and logs. Paths of extended scenes are relative to the directory of this
+        name.
         """
 
     @staticmethod
     def from_dict(scene: dict[str, Any], name: str = "scene.toml") -> Scene:
-        """Reads a scene from a dictionary with the keys of a scene file: `{"design": {"base": "20 mm", …}, …}`.
+        """Reads a scene from a dictionary with the keys of a scene file, such as `{"design": {"base": "20 mm", …}, …}`.
 
         Quantities are strings with units, or numbers in SI.
         """
@@ -107,17 +110,19 @@ class Scene:
 
         `scene.with_({"contact.friction.mu_static": 0.6, "design.base": "20 mm"})`
 
-        A value is a string with a unit, a number (in SI, if the field has a unit), True or False, or a list.
+        A value is a string with a unit, a number (in SI if the field has a unit), True, False, or a list.
         `object.centre[0]` is an entry of a list. A string that begins with "=" is an expression.
         """
 
     @property
     def toml(self) -> str:
-        """The scene as written, with all defaults, as the text of a scene file: the output of `phalanx scene show`."""
+        """The scene as written, with all defaults, as the text of a scene file. It is the output of `phalanx scene
+        show`.
+        """
 
     @property
     def resolved(self) -> str:
-        """The simulated scene as text in full precision: the output of `phalanx scene show --resolved`."""
+        """The simulated scene as text in full precision. It is the output of `phalanx scene show --resolved`."""
 
     def to_dict(self) -> dict[str, Any]:
         """Returns the contents of `toml` as a dictionary of strings with units, numbers, flags and lists."""
@@ -153,7 +158,8 @@ class Scene:
 class Result(Mapping[str, _Numbers]):
     """The results of a run, or of the run in a log: a mapping from column names to arrays.
 
-    All values are in SI; column names contain the units. A pickled result has its numbers; it is not simulated again.
+    All values are in SI; column names contain the units. A pickled result contains its numbers; unpickling does not
+    simulate it again.
     """
 
     def __getitem__(self, column: str, /) -> _Numbers:
@@ -170,15 +176,17 @@ class Result(Mapping[str, _Numbers]):
     def get(self, key: str, default: None = None, /) -> _Numbers | None: ...
     @overload
     def get(self, key: str, default: _T, /) -> _Numbers | _T:
-        """Returns a column, or a default if there is none of this name."""
+        """Returns a column, or `default` if there is no column of this name."""
 
     @property
     def columns(self) -> list[str]:
-        """Names of all columns with their units, as in `phalanx replay --csv`: `time_s` first, the energies last."""
+        """Names of all columns with their units, as in `phalanx replay --csv`: `time_s` is first, the energies are
+        last.
+        """
 
     @property
     def time(self) -> _Numbers:
-        """Times of the samples, s. Two samples may have the same time, before and after an event."""
+        """Times of the samples, s. Two samples may have the same time: one before and one after an event."""
 
     @property
     def events(self) -> list[Event]:
@@ -194,15 +202,18 @@ class Result(Mapping[str, _Numbers]):
 
     @property
     def contacts(self) -> dict[str, ContactResult]:
-        """Results by contact: first touch-down (s), touch-downs, force peak (N), penetration (m), impulse (N·s)."""
+        """Results by contact: first touch-down (s), touch-downs, largest force (N), penetration (m), impulse (N·s)."""
 
     @property
     def criteria(self) -> Criteria | None:
-        """Criteria of a finger (`class`, `class_reason`, `tts_s`, …), or the fate of the object of a hand: a dictionary whose
-        `grasp` has fate, reason, times, pairs and margin. That of a gripper also has the entries of its `grasp` itself.
+        """Criteria of a finger, or the fate of the object of a hand.
 
-        None for discs (`contacts` contains their restitution), and for a run without criteria; `summary["no_criteria"]` or
-        `summary["no_grasp"]` gives the reason.
+        For a finger, a dictionary with `class`, `class_reason`, `tts_s`, … For a hand, a dictionary whose `grasp`
+        contains fate, reason, times, pairs and margin; for a gripper, it also contains the entries of its `grasp`
+        itself.
+
+        None for discs (`contacts` contains their restitution), and for a run without criteria; the reason is then given
+        by `summary["no_criteria"]` or `summary["no_grasp"]`.
         """
 
     @property
@@ -211,11 +222,13 @@ class Result(Mapping[str, _Numbers]):
 
     @property
     def gradient(self) -> dict[str, Gradient] | None:
-        """Derivatives of the run by the fields given to `run(…, gradient=[…])`, in SI units; None without them.
+        """Derivatives of the run with respect to the fields in `run(…, gradient=[…])`, in SI units; None without such
+        fields.
 
-        `gradient["design.base"]` has `end` (of the last sample, by column), `events` (`time`: of the time of the event,
-        `state`: of the sample at it) and `tts_s` (time to stability). `end` and `state` have `values`, `errors` (estimates)
-        and `reason`; the others have `value`, `error` and `reason`. Where there is no derivative, `reason` is a sentence.
+        `gradient["design.base"]` contains `end` (derivatives of the last sample, by column), `events`, and `tts_s`
+        (derivative of the time to stability). Each event has `time` (derivative of its time) and `state` (derivatives
+        of the sample at the event). `end` and `state` have `values`, `errors` (estimates) and `reason`; the others have
+        `value`, `error` and `reason`. If there is no derivative, `reason` is a sentence.
         """
 
     @property
@@ -228,7 +241,7 @@ class Result(Mapping[str, _Numbers]):
 
     @property
     def completed(self) -> bool | None:
-        """Whether the run reached its full duration; None if a log ends too early to tell."""
+        """Whether the run reached its full duration; None for a log that ends too early to tell."""
 
     def to_pandas(self) -> pandas.DataFrame:
         """Returns all columns as a pandas DataFrame that shares memory with the run."""
@@ -248,7 +261,7 @@ class Result(Mapping[str, _Numbers]):
     def save(self, path: _Path) -> None:
         """Writes the same log as `phalanx run --log`, byte for byte (MCAP, for Foxglove, Rerun and PlotJuggler).
 
-        This repeats the run; the same scene gives the same run. For a result from a log, it copies the file.
+        The run is repeated for this; the same scene gives the same run. The log of a result from a log is copied.
         """
 
     def html(self) -> str | None:
@@ -271,21 +284,23 @@ class Simulation:
     """A scene that the caller advances: a controller in the loop.
 
     `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
-    `simulation.set_torque("motor", 0.48)`. Between two calls the model takes its own steps and locates its events; results
-    of the analytic model do not depend on how the time is divided (in the engine model, by up to 4e-6 rad in 1,000 pieces).
-    The duration of the scene is not its end. preset: replaces the settings of the scene's integrator; "draft" is the fastest.
+    `simulation.set_torque("motor", 0.48)`. Between two calls the model takes its own steps and locates its events.
+    Results of the analytic model do not depend on how the time is divided; those of the engine model differ by up to
+    4e-6 rad for 1,000 pieces. A simulation can continue beyond the duration of the scene. preset: replaces the settings
+    of the scene's integrator; "draft" is the fastest.
 
-    `copy.copy(simulation)` and `state` continue with the same bits, also when they are pickled: a pickle has the scene and the
-    inputs, and the run is repeated when it is read. Durations, torques and targets are numbers in SI, or strings with units.
-    Raises SceneError for an invalid scene, and RunError if the model does not simulate it.
+    A copy (`copy.copy(simulation)`) or a `state` continues bit for bit, also after pickling: a pickle contains the
+    scene and the inputs, and the run is repeated when it is read. Durations, torques and targets are numbers in SI, or
+    strings with units. Raises SceneError for an invalid scene, and RunError if the model does not simulate it.
     """
 
     def __new__(cls, scene: _SceneLike, model: _Model = "analytic", *, preset: _Preset | None = None) -> Simulation: ...
     def advance(self, duration: _Quantity) -> None:
         """Advances by a duration, s.
 
-        Raises RunError with its `time_s` if the model cannot advance further; the simulation is then at that time.
-        Other Python threads continue; Ctrl-C interrupts, after which only a `state` can be continued.
+        Raises RunError with the time `time_s` of the failure if the model cannot advance further; the simulation is
+        then at that time. Other Python threads continue. Ctrl-C interrupts the call; then only a `state` that was
+        stored before can be continued.
         """
 
     def advance_to(self, time: _Quantity) -> None:
@@ -294,8 +309,8 @@ class Simulation:
     def reset(self, seed: int | None = None) -> None:
         """Returns to the start of the scene, with the inputs of the scene.
 
-        seed: has no effect, because nothing in a simulation is random; it is accepted for the `reset` of environments. Vary
-        the scene instead (`scene.with_`).
+        seed: has no effect, because nothing in a simulation is random; it is accepted because environments have a
+        `reset` with a seed. Vary the scene instead (`scene.with_`).
         """
 
     @property
@@ -309,41 +324,44 @@ class Simulation:
         """
 
     def observe(self, columns: Sequence[str]) -> _Numbers:
-        """Returns the present values of some columns as a new array with shape (len(columns),), in their order and units.
+        """Returns the present values of `columns` as a new array with shape (len(columns),), in their order and units.
 
         Raises KeyError for an unknown column, with a similar one.
         """
 
     @property
     def columns(self) -> list[str]:
-        """Names of all columns with their units: `time_s` first, the energies last."""
+        """Names of all columns with their units: `time_s` is first, the energies are last."""
 
     @property
     def contacts(self) -> dict[str, dict[str, float]]:
-        """Present values by contact, with the keys of its columns: `simulation.contacts["distal"]["normal_n"]`."""
+        """Present values by contact, with the keys of its columns, such as
+        `simulation.contacts["distal"]["normal_n"]`.
+        """
 
     @property
     def events(self) -> list[Event]:
-        """Contact events so far in order of time."""
+        """Contact events so far, in order of time."""
 
     @property
     def torque_inputs(self) -> list[str]:
-        """Names of the actuators with a torque or a force as input."""
+        """Names of the actuators whose input is a torque or a force."""
 
     @property
     def target_inputs(self) -> list[str]:
-        """Names of the actuators with a target as input."""
+        """Names of the actuators whose input is a target."""
 
     def set_torque(self, actuator: str, torque: _Quantity) -> None:
-        """Sets the torque of an actuator, N·m (of a prismatic joint: the force, N), from now on.
+        """Sets the torque of an actuator, N·m (prismatic joint: the force, N), from now on.
 
         Raises SceneError that lists the actuators if the name is wrong.
         """
 
     def set_target(self, actuator: str, target: _Quantity, rate: _Quantity = 0.0) -> None:
-        """Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s.
+        """Sets the target of a servo, rad or m, from now on; the target moves at `rate`, rad/s or m/s.
 
-        The set point of a servo with a `target_rate` follows it from its present value, at most at that rate.
+        For a servo with a `target_rate`, the set point starts from its present value and follows the target at no more
+        than that rate.
 
         Raises SceneError that lists the actuators if the name is wrong.
         """
@@ -352,8 +370,8 @@ class Simulation:
     def state(self) -> SimulationState:
         """The whole state.
 
-        Assigning it, also to another simulation of the same scene and model, continues from there with the same bits; a
-        state of another scene or model raises SceneError.
+        Assign it to this simulation, or to another one of the same scene and model, to continue from there bit for bit.
+        A state of another scene or model raises SceneError.
         """
 
     @state.setter
@@ -384,19 +402,20 @@ class SimulationState:
 class SimulationBatch:
     """Many simulations that advance together on all cores, with arrays as inputs and outputs.
 
-    scenes: one scene for each simulation; `[scene] * 100` gives 100 equal ones. A simulation that fails stays at the time
-    of its failure, and the others continue. preset: as of `Simulation`. After `os.fork`, a batch also advances in the child process.
+    scenes: one scene for each simulation; `[scene] * 100` gives 100 equal simulations. A simulation that fails keeps
+    the time of its failure, and the others continue. preset: see `Simulation`. After `os.fork`, a batch can also
+    advance in the child process.
     """
 
     def __new__(cls, scenes: Sequence[_SceneLike], model: _Model = "analytic", *, preset: _Preset | None = None) -> SimulationBatch: ...
     def advance(self, duration: _Quantity) -> None:
-        """Advances all simulations by a duration, s. Ctrl-C interrupts; only a state can be continued then."""
+        """Advances all simulations by a duration, s. Ctrl-C interrupts; then only a stored state can be continued."""
 
     def reset(self, seed: int | None = None, indices: Sequence[int] | None = None) -> None:
         """Returns all simulations, or those with these indices, to the start of their scenes.
 
-        seed: has no effect; see `Simulation.reset`. Raises IndexError for an index without a simulation; all simulations are
-        then unchanged.
+        seed: has no effect; see `Simulation.reset`. Raises IndexError for an index without a simulation; no simulation
+        is changed then.
         """
 
     @property
@@ -404,7 +423,7 @@ class SimulationBatch:
         """Present time of each simulation, s."""
 
     def observe(self, columns: Sequence[str]) -> _Numbers:
-        """Returns the present values of some columns as a new array with shape (len(batch), len(columns)).
+        """Returns the present values of `columns` as a new array with shape (len(batch), len(columns)).
 
         Raises KeyError for an unknown column, with a similar one.
         """
@@ -413,15 +432,15 @@ class SimulationBatch:
         """Returns the present values of a column, one for each simulation, such as `batch["q11_rad"]`."""
 
     def set_torque(self, actuator: str, torque: _Quantity | Sequence[_Quantity] | _Numbers) -> None:
-        """Sets the torque of an actuator in all simulations, N·m (of a prismatic joint: the force, N).
+        """Sets the torque of an actuator in all simulations, N·m (prismatic joint: the force, N).
 
-        torque: one number, or one for each. Simulations that have failed ignore it.
+        torque: one number for all simulations, or one for each. Simulations that have failed ignore it.
         """
 
     def set_target(self, actuator: str, target: _Quantity | Sequence[_Quantity] | _Numbers) -> None:
-        """Sets the target of a servo in all simulations, rad or m: one number, or one for each.
+        """Sets the target of a servo in all simulations, rad or m.
 
-        Simulations that have failed ignore it.
+        target: one number for all simulations, or one for each. Simulations that have failed ignore it.
         """
 
     @property
@@ -437,10 +456,10 @@ class SimulationBatch:
         """States of all simulations, for `restore`."""
 
     def restore(self, indices: Sequence[int], states: Sequence[SimulationState]) -> None:
-        """Restores the states of the simulations with these indices; `states` has one for each.
+        """Restores states of the simulations with these indices; `states` contains one state for each index.
 
-        Raises IndexError for an index without a simulation, and SceneError for a state of another scene or model; all
-        simulations are then unchanged.
+        Raises IndexError for an index without a simulation, and SceneError for a state of another scene or model; no
+        simulation is changed then.
         """
 
     def __len__(self) -> int:
@@ -454,13 +473,15 @@ class SimulationBatch:
 
 @final
 class Table:
-    """The results of a sweep: one row for each run, columns as in the tables of `phalanx sweep`, values in SI."""
+    """The results of a sweep: one row for each run. Columns are those of the tables of `phalanx sweep`; values are
+    in SI.
+    """
 
     def __getitem__(self, column: str, /) -> numpy.typing.NDArray[Any]:
         """Returns a column as a numpy array.
 
-        Numbers are a read-only view, or a copy with NaN if values are missing. Flags are bools, or objects if values
-        are missing; strings are objects. Missing objects are None.
+        Numbers are a read-only view; if values are missing, they are a copy with NaN. Flags are bools; if values are
+        missing, they are objects. Strings are objects. Missing objects are None.
         """
 
     @property
@@ -492,7 +513,8 @@ class Table:
     def write(self, path: _Path) -> None:
         """Writes the table as CSV or Parquet, by the suffix of the path.
 
-        It replaces only a table of phalanx, or one with the same columns; for another file it raises StudyError.
+        An existing file is replaced only if it is a table of phalanx, or has the same columns; otherwise StudyError is
+        raised.
         """
 
     def __len__(self) -> int:
@@ -506,7 +528,7 @@ class Table:
 
 @final
 class Variable:
-    """A field that a search varies, in its range."""
+    """A field that a search varies, with its range."""
 
     @property
     def path(self) -> str:
@@ -514,15 +536,15 @@ class Variable:
 
     @property
     def column(self) -> str:
-        """Name of its column in the results: the path with the unit of the SI value."""
+        """Name of the column of the field in the results: the path with the unit of the SI value."""
 
     @property
     def ends_si(self) -> list[float]:
-        """Both ends of the range in SI, as in the study."""
+        """Both ends of the range in SI, in the order of the study."""
 
     @property
     def is_log(self) -> bool:
-        """Whether equal ratios of values have equal distances in the search."""
+        """Whether the search measures distances by ratios of values, on a logarithmic scale."""
 
     @property
     def start_fraction(self) -> float:
@@ -551,24 +573,24 @@ def run(
 ) -> Result:
     """Simulates a scene.
 
-    check: True estimates the error from a second, independent resolution and detects a chaotic outcome, None does so if
-    it is cheap (as `phalanx run`), False never. log: path of a log to write (MCAP).
+    check: True estimates the error with a second, independent resolution and detects a chaotic outcome; None does so
+    only if it is cheap (as `phalanx run` does); False never does. log: path of a log to write (MCAP).
 
     The other arguments replace settings of the scene: preset (analytic), rtol (analytic), step such as "1 us" (engine),
     tolerance such as "0.02 um" (engine), duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate such as
     "1 kHz". Quantities are strings with units, or numbers in SI.
 
-    gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`, by which the run is
-    differentiated (analytic model); the result has the derivatives as `gradient`.
+    gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`. The run is
+    differentiated with respect to them (analytic model); `gradient` of the result contains the derivatives.
 
-    Raises SceneError for an invalid scene or argument, and RunError if the run is not completed; the `result` of the
-    error contains the run up to its end. Other Python threads continue during the run; Ctrl-C interrupts it.
+    Raises SceneError for an invalid scene or argument, and RunError if the run is not completed. The `result` of a
+    RunError contains the run up to its end. Other Python threads continue during the run; Ctrl-C interrupts it.
     """
 
 def read_log(path: _Path) -> Result:
-    """Reads a log of phalanx (MCAP) up to its end or first damage.
+    """Reads a log of phalanx (MCAP) up to its end or to the first damage.
 
-    `summary["losses"]` lists lost data, `summary["missing"]` missing topics.
+    `summary["losses"]` lists lost data; `summary["missing"]` lists missing topics.
     """
 
 def evaluate(
@@ -582,17 +604,18 @@ def evaluate(
     check: bool = False,
     filter: dict[str, bool] | None = None,
 ) -> Table:
-    """Simulates many designs of a scene on native threads and returns a table with one row per design, in order.
+    """Simulates many designs of a scene on native threads. Returns a table with one row per design, in order.
 
     fields: values by field path, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
     All arrays and lists must have the same length; a single value applies to every design. Values are numbers in SI, or
-    strings with units. preset: replaces the integrator's settings of all designs ("draft" for searches). threads: 0 for
-    one per core. columns: return only these columns. check: check every run (three more runs each). filter: static
-    criteria of a finger, such as `{"form_closed": True}`; other designs are not simulated and have the status "filtered".
+    strings with units. preset: replaces the integrator settings of all designs ("draft" for searches). threads: number
+    of threads; 0 for one per core. columns: columns to return; by default all. check: check every run, with three more
+    runs each. filter: static criteria of a finger, such as `{"form_closed": True}`; other designs are not simulated and
+    have the status "filtered".
 
-    A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception; a
+    A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception. A
     design that cannot grasp its object has a `reason` and no `class`. `class_reason` explains the class. Raises
-    StudyError for an unknown field or arrays of different lengths, and SceneError for an invalid scene.
+    StudyError for an unknown field or for arrays of different lengths, and SceneError for an invalid scene.
     """
 
 def sweep(
@@ -608,12 +631,13 @@ def sweep(
 ) -> Table:
     """Simulates all runs of a study (`phalanx sweep`).
 
-    study: path of a study file (TOML). threads: 0 for one per core. out: path of the results, CSV or Parquet by its
-    suffix; an interrupted sweep then resumes when it is called again, and the file OUT.study.json identifies the study.
-    model: overrides the model of the study. preset: replaces the integrator's settings of all runs ("draft" for searches).
-    check: check every run. limit: simulate only the first `limit` runs. restart: discard earlier results in out.
+    study: path of a study file (TOML). threads: number of threads; 0 for one per core. out: path of the results, CSV or
+    Parquet according to its suffix. With `out`, an interrupted sweep resumes when it is called again, and the file
+    OUT.study.json identifies the study. model: overrides the model of the study. preset: replaces the integrator
+    settings of all runs ("draft" for searches). check: check every run. limit: simulate only the first `limit` runs.
+    restart: discard earlier results in `out`.
 
-    An invalid scene or an incomplete run gives a row with status and reason; a design that cannot grasp its object has
+    An invalid scene or an incomplete run gives a row with status and reason. A design that cannot grasp its object has
     a reason and no class. Raises StudyError for an invalid study or unusable results.
     """
 
@@ -631,9 +655,9 @@ def sweep_shard(
 ) -> PartInfo:
     """Simulates one part of a study and writes it atomically as a Parquet file (`phalanx sweep --shard k/n`).
 
-    k: from 1 to n. An existing part is not simulated again, so the same call resumes an interrupted sweep. Returns the
-    description of the part: `shard`, `of`, `first_run`, `last_run`, `runs` (of the whole study), …, and `made_now`, the
-    number of new runs.
+    k: number of the part, from 1 to n. An existing part is not simulated again, so repeating the call resumes an
+    interrupted sweep. Returns the description of the part: `shard`, `of`, `first_run`, `last_run`, `runs` (of the whole
+    study), …, and `made_now`, the number of new runs.
     """
 
 def sweep_merge(
@@ -647,8 +671,9 @@ def sweep_merge(
 ) -> MergeInfo:
     """Merges the parts of a study (`phalanx sweep merge`).
 
-    out and OUT.study.json get the same bytes as from an uninterrupted sweep. parts: files or directories, in any order.
-    Raises StudyError that names missing, duplicate, damaged or foreign parts. Returns `parts`, `bytes` and `runs`.
+    The files `out` and OUT.study.json have the same bytes as those of an uninterrupted sweep. parts: files or
+    directories, in any order. Raises StudyError that names missing, duplicate, damaged or foreign parts. Returns
+    `parts`, `bytes` and `runs`.
     """
 
 def _read_optimisation(
@@ -656,8 +681,8 @@ def _read_optimisation(
 ) -> dict[str, Any]:
     """Reads and checks a study file of an optimisation and its base scene.
 
-    text: content of the file, if it is not to be read. model: overrides the model of the study. preset: of the integrator,
-    in place of its settings in the scene. Raises StudyError with file, line and field of the errors.
+    text: content of the file; by default, the file is read. model: overrides the model of the study. preset: replaces
+    the integrator settings of the scene. Raises StudyError with file, line and field of the errors.
     """
 
 def _study_files(study: _Path) -> list[Path]:
@@ -685,12 +710,13 @@ def statics(
 ) -> Statics:
     """Computes the static grasp of a scene (`phalanx statics --json`): forces, closure, and allowable acceleration.
 
-    mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: torque, a string such as
-    "500 N*mm" or a number in N·m, for fingers and grippers. The other arguments are for grippers and mechanisms. posture: "run",
-    "geometric" or angles such as "q11=2 deg, q21=65 deg", for grippers. at: time in the run. within: largest gap at which a
-    surface counts as in contact. object: held body of a mechanism, if it has several without joints. base: body of a mechanism
-    that is accelerated. every: angle between
-    directions, such as "15 deg". Quantities are strings with units, or numbers in SI.
+    mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: motor torque for fingers and
+    grippers, a string such as "500 N*mm" or a number in N·m.
+
+    For grippers and mechanisms: at: time in the run. within: largest gap at which a surface counts as in contact.
+    every: angle between directions, such as "15 deg". For grippers: posture: "run", "geometric", or angles such as
+    "q11=2 deg, q21=65 deg". For mechanisms: object: the held body, if several bodies have no joints. base: the body
+    that is accelerated. Quantities are strings with units, or numbers in SI.
     """
 
 def size(
@@ -702,8 +728,8 @@ def size(
     """Sizes the spring and the motor of a finger for a test trajectory (`phalanx size --json`).
 
     closing_time: duration of the trajectory; default: 10 ms. preload: preload angle of the torsional spring that is
-    compared with the constant one; default: the preload of the scene, or 90 deg if it has none. Quantities are strings
-    with units, or numbers in s and rad.
+    compared with the constant spring; default: the preload of the scene, or 90 deg if it has none. Quantities are
+    strings with units, or numbers in s and rad.
     """
 
 def hold(
@@ -727,8 +753,9 @@ def hold(
 
     Loads are pulses of duration `pulse` in `directions` directions; or vibrations with the frequencies `vibration` (a
     list) along "x", "y" or "angle"; or, with `move`, the motion of the scene. slip: largest allowed slip of the object
-    in the hand. at: start of the loads. from_, to: range of the peak acceleration. scan: number of accelerations in
-    this range. tol: relative tolerance of a limit. Quantities are strings with units, or numbers in SI.
+    in the hand. at: time at which the loads begin. from_, to: range of the peak acceleration. scan: number of
+    accelerations in this range. tol: relative tolerance of a limit. Quantities are strings with units, or numbers in
+    SI.
     """
 
 def capture(
@@ -742,10 +769,10 @@ def capture(
 ) -> CaptureResult | OffsetsResult:
     """Finds the positioning errors that a gripper, or the hand of a mechanism, captures (`phalanx capture --json`).
 
-    along: offsets of the object of a mechanism, one or two of "x", "y" and "angle" in a list; default: x. to: largest error,
-    or a list with one for each of `along`; default: 3.5 mm, 10 deg. places: number of object positions, odd and at least 3.
-    finely: tolerance of the edges of the range; default: 0.01 mm, 0.01 deg. Sizes are strings with units, or numbers in m or
-    rad.
+    along: directions of the offsets of the object of a mechanism: a list of one or two of "x", "y" and "angle";
+    default: x. to: largest error, or a list with one value for each of `along`; default: 3.5 mm, 10 deg. places: number
+    of object positions, odd and at least 3. finely: tolerance of the edges of the captured range; default: 0.01 mm,
+    0.01 deg. Sizes are strings with units, or numbers in m or rad.
     """
 
 def validate(
@@ -754,8 +781,9 @@ def validate(
     ladder: bool = False,
     ladder_time: _Quantity | None = None,
 ) -> ValidationResult:
-    """Compares the engine with the analytic model (`phalanx validate --json`): `passed`, and each bound and value.
+    """Compares the engine with the analytic model (`phalanx validate --json`). Returns `passed`, and each bound with
+    its value.
 
     ladder: also compare and time other settings (speed against error), for at most `ladder_time`, by default 10 s.
-    quick: skip the slow settings of the ladder.
+    quick: omit the slow settings of the ladder.
     """

@@ -1,4 +1,4 @@
-"""Exceptions of the package, with the messages of the command line, in which arguments replace flags."""
+"""Exceptions of the package. Their messages are those of the command line, with arguments in place of flags."""
 
 from __future__ import annotations
 
@@ -70,11 +70,11 @@ class Problem(TypedDict):
 
     file: str
     line: int | None
-    """From 1; None for a missing entry."""
+    """Line number, from 1; None if an entry is missing."""
     column: int | None
-    """Characters, from 1."""
+    """Column in characters, from 1; None if an entry is missing."""
     field: str | None
-    """Such as "contact.friction.mu_static"; None if the error concerns no field."""
+    """Path of the field, such as "contact.friction.mu_static"; None if the error does not concern a field."""
     message: str
     help: str
     """Allowed values, or a remedy."""
@@ -106,7 +106,7 @@ class _LocatedError(PhalanxError, ValueError):
         self.line: int | None = first.get("line")
         """From 1."""
         self.column: int | None = first.get("column")
-        """Characters, from 1."""
+        """Column in characters, from 1; None if an entry is missing."""
         self.field: str | None = first.get("field")
         """Such as "contact.friction.mu_static"."""
         self.help: str | None = first.get("help")
@@ -117,15 +117,19 @@ class _LocatedError(PhalanxError, ValueError):
 
 
 class SceneError(_LocatedError):
-    """A scene or an argument is invalid; also a ValueError."""
+    """Error for an invalid scene or argument; also a ValueError."""
 
 
 class StudyError(_LocatedError):
-    """A study, its fields, rows or result files are invalid, or its parts are incomplete; also a ValueError."""
+    """Error for an invalid study, for invalid fields, rows or result files of a study, or for incomplete parts; also
+    a ValueError.
+    """
 
 
 class RunError(PhalanxError, RuntimeError):
-    """A run or a simulation was not completed, or a log cannot be read or written; also a RuntimeError."""
+    """Error for a run or a simulation that was not completed, or for a log that cannot be read or written; also a
+    RuntimeError.
+    """
 
     def __init__(self, message: str, result: Result | None = None, time_s: float | None = None) -> None:
         super().__init__(message)

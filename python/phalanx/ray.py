@@ -35,29 +35,33 @@ if TYPE_CHECKING:
 __all__ = ["SHARD_S", "Swept", "sweep"]
 
 SHARD_S = 1.0
-"""Target duration of a task, s: long compared with Ray's overhead of a few ms, short enough to lose little on failure."""
+"""Target duration of a task, s. It is long compared with Ray's overhead of a few ms, and short enough to lose little
+on failure.
+"""
 
 MAX_SHARD_RUNS = 250_000
-"""Largest number of runs of a part, which a worker stores in memory (about 1 kB each)."""
+"""Largest number of runs of a part. A worker keeps them in memory (about 1 kB each)."""
 
 MAX_RETRIES = 20
 """Number of times that Ray retries a part whose worker or machine has failed."""
 
 TASKS_PER_CPU = 4
-"""Tasks in flight for each processor of the cluster, because Ray's scheduler is slow with a million tasks."""
+"""Number of tasks in flight for each processor of the cluster. It is limited because Ray's scheduler is slow with a
+million tasks.
+"""
 
 
 class Swept(NamedTuple):
     """Summary of a sweep."""
 
     out: Path
-    """The results; the file OUT.study.json identifies the study."""
+    """Path of the results. The file OUT.study.json identifies the study."""
     runs: int
-    """Runs of the whole study."""
+    """Number of runs of the whole study."""
     shards: int
     """Number of parts."""
     made: int
-    """Number of parts simulated in this call; the others existed already."""
+    """Number of parts simulated in this call; the other parts already existed."""
     wall_s: float
     """Wall time of the call, s."""
 
@@ -90,12 +94,12 @@ def sweep(
     shared: bool = True,
     shard_s: float = SHARD_S,
 ) -> Swept:
-    """Simulates all runs of a study on a Ray cluster, and writes the same bytes as `phalanx sweep STUDY --out OUT`.
+    """Simulates all runs of a study on a Ray cluster. The results have the same bytes as those of `phalanx sweep`.
 
-    study: path of a study file (TOML). out: CSV or Parquet by the suffix. shards: number of parts; by default a few
-    runs are timed to choose parts that take about `shard_s` seconds each. model, preset, check: as in `phalanx.sweep`. parts:
-    directory of the parts, by default OUT.parts; it is not deleted. shared: whether workers have access to this
-    directory under the same path; if not, Ray transfers the parts.
+    study: path of a study file (TOML). out: path of the results, CSV or Parquet according to its suffix. shards: number
+    of parts; by default, a few runs are timed to choose parts that take about `shard_s` seconds each. model, preset,
+    check: as in `phalanx.sweep`. parts: directory of the parts, by default OUT.parts; it is not deleted. shared:
+    whether workers have access to this directory under the same path; if not, Ray transfers the parts.
 
     Uses the cluster of `ray.init` or RAY_ADDRESS, or else starts one on this machine. After an interruption, the same
     call simulates only missing parts. Raises StudyError for an invalid study or invalid results, and PhalanxError if
@@ -244,7 +248,7 @@ def _store_part(ray: ModuleType, reference: Any, plan: _Plan, k: int, parts: Pat
 
 
 _directories: dict[str, Any] = {}
-"""Temporary directories with the files of a study, by its fingerprint; one for each worker process."""
+"""Temporary directories that contain the files of a study, by its fingerprint. Each worker process has its own."""
 
 
 def _shard(plan: _Plan, k: int) -> bytes | None:

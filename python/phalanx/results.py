@@ -47,7 +47,7 @@ Fate: TypeAlias = Literal["held", "carried", "placed", "dropped", "ejected", "es
 
 
 class Displacement(TypedDict):
-    """A displacement in the plane; its rotation has a sign."""
+    """A displacement in the plane. The sign of the rotation is kept."""
 
     displacement_m: float
     rotation_rad: float
@@ -70,7 +70,7 @@ class ContactResult(TypedDict, total=False):
     """Results of a contact of two surfaces (forces) or of a joint limit (torques)."""
 
     first_s: float | None
-    """First touch-down; None if there was none."""
+    """Time of the first touch-down, s; None if there was none."""
     touchdowns: int
     final_normal_n: float
     final_tangential_n: float
@@ -78,7 +78,7 @@ class ContactResult(TypedDict, total=False):
     max_penetration_m: float
     impulse_n_s: float
     slips: int
-    """Only with bristle friction."""
+    """Number of transitions from stiction to slip; only with bristle friction."""
     final_torque_n_m: float
     final_force_n: float
     peak_torque_n_m: float
@@ -86,7 +86,7 @@ class ContactResult(TypedDict, total=False):
     max_penetration_rad: float
     impulse_n_m_s: float
     restitution: float | None
-    """Of discs, with its speeds."""
+    """Coefficient of restitution of a pair of discs, with its speeds; None if it is not meaningful."""
     approach_m_s: float | None
     separation_m_s: float | None
 
@@ -98,28 +98,30 @@ class ForceClosure(TypedDict):
     q1_l1: float
     q1_linf: float
     weakest: list[float]
-    """Weakest direction of the load: force along x and y, torque over the radius."""
+    """Weakest direction of the load: force along x, force along y, and torque divided by the radius."""
 
 
 class BalancedLoad(TypedDict, total=False):
-    """The acceleration up to which contacts balance the object in its weakest directions."""
+    """Largest acceleration for which contacts can balance the object in its weakest directions."""
 
     acceleration_m_s2: float | str
-    """A number, or "any"."""
+    """Largest acceleration, m/s²; "any" if there is no limit."""
     directions_rad: list[float]
     failure: dict[str, list[str]]
-    """What moves beyond it: names that are `slipping`, `tilting`, `separating` or `yielding`."""
+    """Names of what moves beyond this acceleration, by kind of motion: `slipping`, `tilting`, `separating`,
+    `yielding`.
+    """
 
 
 class Margin(TypedDict):
-    """Margin of a grasp, with the actuators as they are and with all of them blocked."""
+    """Margin of a grasp, both with the actuators as they are and with all of them blocked."""
 
     driven: BalancedLoad
     blocked: BalancedLoad
 
 
 class Pair(TypedDict):
-    """Two bodies, one of them the object, that touched."""
+    """A pair of bodies that touched; one of them is the object."""
 
     role: str
     first_touch_s: float | None
@@ -130,7 +132,7 @@ class Pair(TypedDict):
     normal_n: float
     friction_n: float
     friction_used: float | None
-    """Friction as a fraction of the largest one."""
+    """Friction force as a fraction of the largest possible friction force."""
     pressure_centre_m: list[float] | None
     slips: bool
 
@@ -141,12 +143,12 @@ class Grasp(TypedDict, total=False):
     fate: Fate
     fate_reason: str
     answer: str
-    """The fate in a sentence."""
+    """Sentence that states the fate."""
     object: str
     base: str
     assumed_hand: list[str]
     states: list[tuple[float, str]]
-    """States of the object with their beginnings, s: "free", "carried", "gripped", …"""
+    """States of the object, each with the time at which it begins, s: "free", "carried", "gripped", …"""
     grasped_s: float | None
     held_since_s: float | None
     tts_s: float | None
@@ -178,7 +180,9 @@ _Class = TypedDict("_Class", {"class": str}, total=False)
 
 
 class Criteria(Grasp, _Class, total=False):
-    """Criteria of a finger, or of a hand (`grasp`). A gripper also has the entries of its `grasp` itself."""
+    """Criteria of a finger, or of a hand (in `grasp`). For a gripper, it also contains the entries of its `grasp`
+    itself.
+    """
 
     rebound_percent: float | None
     class_reason: str
@@ -254,7 +258,7 @@ class RunSummary(TypedDict, total=False):
 
 
 class Derivative(TypedDict):
-    """A derivative in SI units; without one, `reason` is a sentence."""
+    """A derivative in SI units. If there is none, `reason` is a sentence."""
 
     value: float | None
     error: float | None
@@ -262,7 +266,7 @@ class Derivative(TypedDict):
 
 
 class Derivatives(TypedDict):
-    """Derivatives of all columns; without them, `reason` is a sentence."""
+    """Derivatives of all columns. If there are none, `reason` is a sentence."""
 
     values: dict[str, float] | None
     errors: dict[str, float] | None
@@ -280,10 +284,10 @@ class GradientEvent(TypedDict):
 
 
 class Gradient(TypedDict):
-    """Derivatives of a run by one field."""
+    """Derivatives of a run with respect to one field."""
 
     value: float
-    """Of the field, in SI."""
+    """Value of the field, in SI."""
     unit: str
     end: Derivatives
     events: list[GradientEvent]
@@ -323,7 +327,7 @@ class PartInfo(TypedDict, total=False):
     first_run: int
     last_run: int
     runs: int
-    """Of the whole study."""
+    """Number of runs of the whole study."""
     made_now: int
 
 
@@ -396,7 +400,7 @@ class SizingResult(TypedDict):
 
 
 class HoldLimit(TypedDict):
-    """Largest acceleration at which the object is held, and smallest one at which it is not."""
+    """Largest acceleration at which the object is held, and smallest acceleration at which it is not."""
 
     held_m_s2: float | None
     failed_m_s2: float | None

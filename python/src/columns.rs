@@ -59,8 +59,8 @@ fn column_arrays<'py>(py: Python<'py>, batch: &RecordBatch) -> PyResult<Bound<'p
     Ok(arrays)
 }
 
-/// Returns a column as a numpy array. Missing numbers are NaN; columns of strings, and of flags with missing values, are
-/// objects with None where a value is missing.
+/// Returns a column as a numpy array. Missing numbers are NaN. Columns of strings, and columns of flags in which values
+/// are missing, are objects with None for missing values.
 pub fn column_array<'py>(py: Python<'py>, array: &ArrayRef) -> PyResult<Bound<'py, PyAny>> {
     let is_complete = array.null_count() == 0;
     match array.data_type() {
@@ -117,14 +117,14 @@ pub fn number_batch(headings: &[Heading], arrays: &[ArrayRef]) -> PyResult<Recor
     build_batch(headings.iter().map(field).collect(), arrays.to_vec())
 }
 
-/// KeyError for a column that does not exist; `of` is "this run" or "this table".
+/// Returns the KeyError for a column that does not exist; `of` is "this run" or "this table".
 pub fn unknown_column(column: &str, names: &[&str], of: &str, all: &str) -> PyErr {
     let similar = phalanx::scene::closest_match(column, names);
     let suggestion = similar.map_or(".".to_string(), |name| format!("; did you mean \"{name}\"?"));
     PyKeyError::new_err(format!("{column} is not a column of {of}{suggestion} {all} lists all columns"))
 }
 
-/// Returns an object with `__arrow_c_stream__` by the dataframe interchange protocol, through pyarrow.
+/// Converts an object with `__arrow_c_stream__` for the dataframe interchange protocol, through pyarrow.
 pub fn interchange<'py>(
     source: &Bound<'py, PyAny>,
     nan_as_null: bool,

@@ -11,8 +11,8 @@ use pyo3::types::{PyBool, PyByteArray, PyDict, PyFloat, PyInt, PyList, PyString,
 
 use super::{errors, quantities};
 
-/// Returns a value as the text of a field setting. A text stays unchanged, as with `--set`: it needs no quotes unless
-/// it is valid TOML.
+/// Returns a value as the text of a field setting. A text is unchanged, as with `--set`: it needs quotes only if it is
+/// valid TOML without them.
 pub fn setting_text(value: &Bound<'_, PyAny>) -> PyResult<String> {
     match value.cast::<PyString>() {
         Ok(text) => Ok(text.to_str()?.to_string()),
@@ -32,7 +32,7 @@ pub fn format_toml_number(value: f64) -> String {
     }
 }
 
-/// Parses a JSON document of results into dictionaries and lists. Its messages name arguments, not flags.
+/// Parses a JSON document of results into dictionaries and lists. Its messages then name arguments instead of flags.
 pub fn parse_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyAny>> {
     let document = parse_unchanged_json(py, text)?;
     if text.contains("--") { errors::document_in_python(&document) } else { Ok(document) }
@@ -43,7 +43,7 @@ pub fn parse_unchanged_json<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<
     py.import("json")?.call_method1("loads", (text,))
 }
 
-/// Converts the dictionary of a scene with this file name into TOML text.
+/// Converts the dictionary of a scene into TOML text; `name` is the file name in messages.
 pub fn scene_text(scene: &Bound<'_, PyDict>, name: &str) -> PyResult<String> {
     let mut table = Converter::default().table(scene)?;
     quantities::add_units(&mut table, name);
@@ -51,7 +51,7 @@ pub fn scene_text(scene: &Bound<'_, PyDict>, name: &str) -> PyResult<String> {
     text.map_err(|error| PyValueError::new_err(format!("the dictionary cannot be written as TOML: {error}")))
 }
 
-/// Converts a value, with numbers exact to the last bit.
+/// Converts a value; numbers are exact to the last bit.
 pub fn toml_value(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
     Converter::default().value(value)
 }
@@ -135,7 +135,7 @@ fn type_name(value: &Bound<'_, PyAny>) -> String {
     value.get_type().name().map_or_else(|_| "unknown".to_string(), |name| name.to_string())
 }
 
-/// Checks a whole number of an argument.
+/// Checks the whole number that was given for an argument.
 pub fn count(py: Python<'_>, name: &str, value: i128, allowed: RangeInclusive<u64>) -> PyResult<u64> {
     u64::try_from(value).ok().filter(|value| allowed.contains(value)).ok_or_else(|| {
         let (least, most) = (allowed.start(), allowed.end());
@@ -143,7 +143,7 @@ pub fn count(py: Python<'_>, name: &str, value: i128, allowed: RangeInclusive<u6
     })
 }
 
-/// Checks the number of threads; 0 is one per core.
+/// Checks the number of threads; 0 means one per core.
 pub fn threads(py: Python<'_>, value: i128) -> PyResult<usize> {
     Ok(count(py, "threads", value, 0..=MAX_THREADS as u64)? as usize)
 }
@@ -184,7 +184,7 @@ pub fn quantity(py: Python<'_>, name: &str, value: &Bound<'_, PyAny>, dimension:
     parse_quantity(name, value, dimension)?.map_err(|error| errors::argument(py, error))
 }
 
-/// Reads an argument as the text of a quantity, with the SI unit after a number.
+/// Reads an argument as the text of a quantity. A number gets the SI unit.
 pub fn quantity_text(value: &Bound<'_, PyAny>, dimension: Dimension) -> PyResult<String> {
     match value.cast::<PyString>() {
         Ok(text) => Ok(text.to_str()?.to_string()),
@@ -201,12 +201,12 @@ pub fn vector<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyAny
 /// A pickled object: the function that restores it, and its arguments.
 pub type Reduced<'py, T> = (Bound<'py, PyAny>, T);
 
-/// Numbers as bytes, for pickling.
+/// Converts numbers to bytes, for pickling.
 pub fn to_bytes(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// Numbers from the bytes of [`to_bytes`].
+/// Converts the bytes of [`to_bytes`] to numbers.
 pub fn from_bytes(bytes: &[u8]) -> Vec<f64> {
     bytes.as_chunks().0.iter().map(|number| f64::from_le_bytes(*number)).collect()
 }

@@ -36,12 +36,13 @@ fn optional_positive(
 
 /// Computes the static grasp of a scene (`phalanx statics --json`): forces, closure, and allowable acceleration.
 ///
-/// mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: torque, a string such as
-/// "500 N*mm" or a number in N·m, for fingers and grippers. The other arguments are for grippers and mechanisms. posture: "run",
-/// "geometric" or angles such as "q11=2 deg, q21=65 deg", for grippers. at: time in the run. within: largest gap at which a
-/// surface counts as in contact. object: held body of a mechanism, if it has several without joints. base: body of a mechanism
-/// that is accelerated. every: angle between
-/// directions, such as "15 deg". Quantities are strings with units, or numbers in SI.
+/// mu_static: friction coefficients; default: 0 and the coefficient of the scene. motor: motor torque for fingers and
+/// grippers, a string such as "500 N*mm" or a number in N·m.
+///
+/// For grippers and mechanisms: at: time in the run. within: largest gap at which a surface counts as in contact.
+/// every: angle between directions, such as "15 deg". For grippers: posture: "run", "geometric", or angles such as
+/// "q11=2 deg, q21=65 deg". For mechanisms: object: the held body, if several bodies have no joints. base: the body
+/// that is accelerated. Quantities are strings with units, or numbers in SI.
 #[pyfunction]
 #[pyo3(signature = (scene, mu_static = None, motor = None, *, posture = None, at = None, within = None, object = None, base = None, every = None))]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
@@ -131,7 +132,7 @@ pub fn statics<'py>(
 /// Sizes the spring and the motor of a finger for a test trajectory (`phalanx size --json`).
 ///
 /// rule: "rigid" or "whole". closing_time: duration of the trajectory; default: 10 ms. preload: preload angle of the
-/// torsional spring that is compared with the constant one; default: the preload of the scene, or 90 deg if it has
+/// torsional spring that is compared with the constant spring; default: the preload of the scene, or 90 deg if it has
 /// none. Quantities are strings with units, or numbers in s and rad.
 #[pyfunction]
 #[pyo3(signature = (scene, rule = "rigid", closing_time = None, preload = None))]
@@ -165,8 +166,9 @@ pub fn size<'py>(
 ///
 /// Loads are pulses of duration `pulse` in `directions` directions; or vibrations with the frequencies `vibration` (a
 /// list) along "x", "y" or "angle"; or, with `move`, the motion of the scene. slip: largest allowed slip of the object
-/// in the hand. at: start of the loads. from_, to: range of the peak acceleration. scan: number of accelerations in
-/// this range. tol: relative tolerance of a limit. Quantities are strings with units, or numbers in SI.
+/// in the hand. at: time at which the loads begin. from_, to: range of the peak acceleration. scan: number of
+/// accelerations in this range. tol: relative tolerance of a limit. Quantities are strings with units, or numbers in
+/// SI.
 #[pyfunction]
 #[pyo3(signature = (scene, *, pulse = None, directions = None, vibration = None, along = None, r#move = false, slip = None,
                     at = None, from_ = None, to = None, scan = None, tol = None, model = "analytic", threads = 0))]
@@ -262,9 +264,10 @@ fn parse_axis(name: &str) -> Result<Axis, String> {
 
 /// Finds the positioning errors that a gripper, or the hand of a mechanism, captures (`phalanx capture --json`).
 ///
-/// along: offsets of the object of a mechanism, one or two of "x", "y" and "angle" in a list; default: x. to: largest error, or a
-/// list with one for each of `along`; default: 3.5 mm, 10 deg. places: number of object positions, odd and at least 3. finely:
-/// tolerance of the edges of the range; default: 0.01 mm, 0.01 deg. Sizes are strings with units, or numbers in m or rad.
+/// along: directions of the offsets of the object of a mechanism: a list of one or two of "x", "y" and "angle";
+/// default: x. to: largest error, or a list with one value for each of `along`; default: 3.5 mm, 10 deg. places: number
+/// of object positions, odd and at least 3. finely: tolerance of the edges of the captured range; default: 0.01 mm,
+/// 0.01 deg. Sizes are strings with units, or numbers in m or rad.
 #[pyfunction]
 #[pyo3(signature = (scene, to = None, places = 15, finely = None, model = "analytic", *, along = None))]
 pub fn capture<'py>(
@@ -349,10 +352,11 @@ fn offset_plan(
     Ok(plan)
 }
 
-/// Compares the engine with the analytic model (`phalanx validate --json`): `passed`, and each bound and value.
+/// Compares the engine with the analytic model (`phalanx validate --json`). Returns `passed`, and each bound with its
+/// value.
 ///
 /// ladder: also compare and time other settings (speed against error), for at most `ladder_time`, by default 10 s.
-/// quick: skip the slow settings of the ladder.
+/// quick: omit the slow settings of the ladder.
 #[pyfunction]
 #[pyo3(signature = (scene, quick = false, ladder = false, ladder_time = None))]
 pub fn validate<'py>(

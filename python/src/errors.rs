@@ -14,7 +14,7 @@ fn module(py: Python<'_>) -> PyResult<&Bound<'_, PyModule>> {
     Ok(MODULE.get_or_try_init(py, || py.import("phalanx.errors").map(Bound::unbind))?.bind(py))
 }
 
-/// Returns a message with the arguments of functions in place of the flags of the command line.
+/// Returns a message in which the flags of the command line are replaced by the arguments of functions.
 pub fn in_python(py: Python<'_>, message: String) -> PyResult<String> {
     match message.contains("--") {
         true => module(py)?.call_method1("_in_python", (message,))?.extract(),
@@ -22,7 +22,7 @@ pub fn in_python(py: Python<'_>, message: String) -> PyResult<String> {
     }
 }
 
-/// Returns a JSON document with the arguments of functions in place of the flags in its texts.
+/// Returns a JSON document in whose texts the flags are replaced by the arguments of functions.
 pub fn document_in_python<'py>(document: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     module(document.py())?.call_method1("_document_in_python", (document,))
 }
@@ -36,17 +36,17 @@ fn create_exception(py: Python<'_>, name: &str, message: &str, attributes: &Boun
     create().map_or_else(|error| error, PyErr::from_value)
 }
 
-/// `SceneError` for an invalid scene.
+/// Returns the `SceneError` for an invalid scene.
 pub fn scene(py: Python<'_>, error: &SceneError) -> PyErr {
     located(py, "SceneError", &error.to_string(), &locate_problems(error))
 }
 
-/// `SceneError` for an invalid argument.
+/// Returns the `SceneError` for an invalid argument.
 pub fn argument(py: Python<'_>, message: impl Display) -> PyErr {
     located(py, "SceneError", &format!("error: {message}"), &[])
 }
 
-/// `StudyError` for an invalid study file.
+/// Returns the `StudyError` for an invalid study file.
 pub fn study(py: Python<'_>, error: &StudyError) -> PyErr {
     match error {
         StudyError::Read { .. } | StudyError::Field { .. } => located(py, "StudyError", &error.to_string(), &[]),
@@ -54,23 +54,23 @@ pub fn study(py: Python<'_>, error: &StudyError) -> PyErr {
     }
 }
 
-/// `StudyError` for invalid fields, rows or result files of a study.
+/// Returns the `StudyError` for invalid fields, rows or result files of a study.
 pub fn sweep(py: Python<'_>, message: impl Display) -> PyErr {
     located(py, "StudyError", &message.to_string(), &[])
 }
 
-/// `StudyError` for a table that cannot be read or written.
+/// Returns the `StudyError` for a table that cannot be read or written.
 pub fn table(py: Python<'_>, error: &TableError) -> PyErr {
     sweep(py, format!("error: {error}"))
 }
 
-/// `RunError` for a run that was not completed, or a log that cannot be read or written; `result` contains the run up
-/// to the error.
+/// Returns the `RunError` for a run that was not completed, or for a log that cannot be read or written. `result`
+/// contains the run up to the error.
 pub fn run(py: Python<'_>, message: impl Display, result: Option<Py<PyAny>>) -> PyErr {
     run_error(py, message, ("result", result))
 }
 
-/// `RunError` for a simulation that cannot advance beyond `time_s`.
+/// Returns the `RunError` for a simulation that cannot advance beyond `time_s`.
 pub fn failure(py: Python<'_>, message: impl Display, time_s: f64) -> PyErr {
     run_error(py, message, ("time_s", time_s))
 }

@@ -11,17 +11,18 @@ use super::scene::{Scene, SceneLike};
 use super::table::Table;
 use super::{conversion, errors, quantities, study};
 
-/// Simulates many designs of a scene on native threads and returns a table with one row per design, in order.
+/// Simulates many designs of a scene on native threads. Returns a table with one row per design, in order.
 ///
 /// fields: values by field path, such as `{"design.base": [0.018, 0.020, 0.022], "contact.friction.mu_static": 0.6}`.
 /// All arrays and lists must have the same length; a single value applies to every design. Values are numbers in SI, or
-/// strings with units. preset: replaces the integrator's settings of all designs ("draft" for searches). threads: 0 for
-/// one per core. columns: return only these columns. check: check every run (three more runs each). filter: static
-/// criteria of a finger, such as `{"form_closed": True}`; other designs are not simulated and have the status "filtered".
+/// strings with units. preset: replaces the integrator settings of all designs ("draft" for searches). threads: number
+/// of threads; 0 for one per core. columns: columns to return; by default all. check: check every run, with three more
+/// runs each. filter: static criteria of a finger, such as `{"form_closed": True}`; other designs are not simulated and
+/// have the status "filtered".
 ///
-/// A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception; a
+/// A design with an invalid scene or an incomplete run gives a row with `status` and `reason`, never an exception. A
 /// design that cannot grasp its object has a `reason` and no `class`. `class_reason` explains the class. Raises
-/// StudyError for an unknown field or arrays of different lengths, and SceneError for an invalid scene.
+/// StudyError for an unknown field or for arrays of different lengths, and SceneError for an invalid scene.
 #[pyfunction]
 #[pyo3(signature = (scene, fields, *, model = "analytic", preset = None, threads = 0, columns = None, check = false, filter = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments")]

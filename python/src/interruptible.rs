@@ -13,9 +13,10 @@ use pyo3::prelude::*;
 /// Interval between checks for signals: imperceptible to the user, with negligible cost.
 const SIGNAL_CHECK_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Runs a computation on the calling thread without the interpreter lock; `keep_running` checks for signals. A short run
-/// would notice the start of a thread; the computation must call `keep_running` often, and on the calling thread. After
-/// Ctrl-C, `keep_running` returns false, and the signal is raised when the computation has ended.
+/// Runs a computation on the calling thread without the interpreter lock; `keep_running` checks for signals. It is for
+/// short runs, in which the start of a thread would be noticeable. The computation must call `keep_running` often, and
+/// on the calling thread. After Ctrl-C, `keep_running` returns false, and the signal is raised when the computation has
+/// ended.
 pub fn run_on_caller<T: Send>(py: Python<'_>, compute: impl FnOnce(&dyn Fn() -> bool) -> T + Send) -> PyResult<T> {
     py.detach(|| {
         let (checked, signal) = (Cell::new(Instant::now()), RefCell::new(None));
@@ -30,7 +31,7 @@ pub fn run_on_caller<T: Send>(py: Python<'_>, compute: impl FnOnce(&dyn Fn() -> 
     })
 }
 
-/// Runs a computation of several threads, itself on another thread, without the interpreter lock. After Ctrl-C,
+/// Runs a computation that uses several threads, itself on a new thread, without the interpreter lock. After Ctrl-C,
 /// `keep_running` returns false, and the signal is raised when the computation has ended.
 ///
 /// A panic of the computation propagates to the caller and becomes a Python exception.

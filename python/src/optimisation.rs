@@ -13,7 +13,7 @@ use serde::Serialize;
 use super::scene::Scene;
 use super::{conversion, errors};
 
-/// A field that a search varies, in its range.
+/// A field that a search varies, with its range.
 #[pyclass(frozen, module = "phalanx._phalanx")]
 pub struct Variable(Varied);
 
@@ -60,9 +60,10 @@ impl Variable {
     }
 }
 
-/// Reads and checks a study file of an optimisation and its base scene. text: content of the file, if it is not to be read.
-/// model: overrides the model of the study. preset: of the integrator, in place of its settings in the scene. Raises StudyError
-/// with file, line and field of the errors.
+/// Reads and checks a study file of an optimisation and its base scene.
+///
+/// text: content of the file; by default, the file is read. model: overrides the model of the study. preset: replaces
+/// the integrator settings of the scene. Raises StudyError with file, line and field of the errors.
 #[pyfunction]
 #[pyo3(signature = (file, text = None, model = None, preset = None))]
 pub fn _read_optimisation<'py>(

@@ -14,7 +14,7 @@ use toml::{Table, Value};
 use super::conversion;
 use super::scene::Scene;
 
-/// Adds units to the numbers of a scene in a dictionary with the keys of a scene file.
+/// Adds units to the numbers in the dictionary of a scene, which has the keys of a scene file.
 pub fn add_units(scene: &mut Table, name: &str) {
     let (kind, base) = kind_and_base(scene, name);
     let complete = merged(base, scene);
@@ -50,7 +50,7 @@ fn merged(mut base: Table, own: &Table) -> Table {
     base
 }
 
-/// Returns a setting of a scene as text, with the unit after each number that needs one.
+/// Returns a setting of a scene as text. Each number that needs a unit gets it.
 pub fn setting_text(scene: &Scene, field: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
     let text = conversion::setting_text(value)?;
     if value.is_instance_of::<PyString>() || value.is_instance_of::<PyBool>() {

@@ -39,7 +39,7 @@ pub struct Result {
 /// An event as the arguments of `phalanx.Event`: time, contact, kind, approach speed, impulse.
 pub type NamedEvent = (f64, String, String, f64, f64);
 
-/// The report of a result: of `phalanx run`, or of `phalanx replay`.
+/// The report of a result: that of `phalanx run`, or that of `phalanx replay`.
 pub enum ResultReport {
     /// Built when first read: the closures of a grasp take longer than the rest of a result.
     Run(Box<LazyLock<RunReport, Box<dyn FnOnce() -> RunReport + Send>>>),
@@ -58,7 +58,8 @@ impl ResultReport {
     }
 }
 
-/// Source of a result: the input of a run; or a log, and its scene if the log has all data of a page and is not pickled.
+/// Source of a result: either the input of a run, or a log. The scene of a log is included if the log has all data of a
+/// page and is not pickled.
 pub enum Source {
     Run(Arc<RunInput>),
     Log(PathBuf, Option<Box<Scene>>),
@@ -363,7 +364,7 @@ fn view<'py>(result: &Bound<'py, Result>, class: &str) -> PyResult<Bound<'py, Py
     result.py().import("collections.abc")?.call_method1(class, (result,))
 }
 
-/// A result for pickling.
+/// A result in the form in which it is pickled.
 #[derive(FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct SavedResult<'py> {

@@ -18,11 +18,11 @@ type NamedTexts = Vec<(String, String)>;
 /// File name in error messages about a field that `with_` sets.
 const SETTING_FILE: &str = "with_";
 
-/// A validated scene of a finger, gripper, mechanism or discs. It is immutable: `with_` returns a changed copy.
+/// A validated scene of a finger, a gripper, a mechanism or discs. It is immutable: `with_` returns a changed copy.
 #[pyclass(frozen, module = "phalanx")]
 #[derive(Clone)]
 pub struct Scene {
-    /// The scene text, after the texts that it extends.
+    /// The text of the scene, preceded by the texts of the scenes that it extends.
     pub layers: Vec<Layer>,
     /// Fields set by `with_`.
     pub settings: Vec<Layer>,
@@ -42,7 +42,7 @@ impl Scene {
         Scene::from_layers(py, scene::load_layers(path), Vec::new())
     }
 
-    /// A copy whose integrator has the settings of a preset, or an equal one if `name` is `None`.
+    /// Returns a copy whose integrator has the settings of a preset; an unchanged copy if `name` is `None`.
     pub fn with_preset(&self, py: Python<'_>, model: Model, name: Option<&str>) -> PyResult<Self> {
         let Some(preset) = super::simulate::parse_preset(py, name)? else { return Ok(self.clone()) };
         let mut scene = self.scene.clone();
@@ -64,7 +64,7 @@ impl Scene {
         Scene::from_layers(py, Ok(self.layers.clone()), settings)
     }
 
-    /// File name in messages.
+    /// Name of the file, for messages.
     pub fn file(&self) -> &str {
         self.layers.last().map_or("", |layer| layer.file.as_str())
     }

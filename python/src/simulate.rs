@@ -23,9 +23,9 @@ use super::result::{Result, ResultReport, Source, model};
 use super::scene::{Scene as PythonScene, SceneLike};
 use super::{conversion, errors, interruptible};
 
-/// The input of a run, with which it can be repeated.
+/// The input of a run. The run can be repeated from it.
 pub struct RunInput {
-    /// The scene with the overrides.
+    /// The scene, including the overrides.
     pub scene: Scene,
     pub model: Model,
     /// Name of the scene file in the log.
@@ -35,7 +35,7 @@ pub struct RunInput {
     overrides: Overrides,
 }
 
-/// The input of a run for pickling.
+/// The input of a run in the form in which it is pickled.
 #[derive(FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct SavedRun {
@@ -110,18 +110,19 @@ fn parse_setting(
 
 /// Simulates a scene.
 ///
-/// model: "analytic" or "engine". check: True estimates the error from a second, independent resolution and detects a
-/// chaotic outcome, None does so if it is cheap (as `phalanx run`), False never. log: path of a log to write (MCAP).
-/// The other arguments replace settings of the scene: preset "engineering" or "reference" (analytic), rtol (analytic),
-/// step such as "1 us" (engine), tolerance such as "0.02 um" (engine),
-/// duration such as "30 ms", numeric_rate such as "20 kHz", picture_rate such as "1 kHz". Quantities are strings with units,
-/// or numbers in SI.
+/// model: "analytic" or "engine". check: True estimates the error with a second, independent resolution and detects a
+/// chaotic outcome; None does so only if it is cheap (as `phalanx run` does); False never does. log: path of a log to
+/// write (MCAP).
 ///
-/// gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`, by which the run is
-/// differentiated (analytic model); the result has the derivatives as `gradient`.
+/// The other arguments replace settings of the scene: preset "draft", "engineering" or "reference" (analytic), rtol
+/// (analytic), step such as "1 us" (engine), tolerance such as "0.02 um" (engine), duration such as "30 ms",
+/// numeric_rate such as "20 kHz", picture_rate such as "1 kHz". Quantities are strings with units, or numbers in SI.
 ///
-/// Raises SceneError for an invalid scene or argument, and RunError if the run is not completed; the `result` of the
-/// error contains the run up to its end. Other Python threads continue during the run; Ctrl-C interrupts it.
+/// gradient: numeric fields of the scene, such as `["design.base", "contact.friction.mu_static"]`. The run is
+/// differentiated with respect to them (analytic model); `gradient` of the result contains the derivatives.
+///
+/// Raises SceneError for an invalid scene or argument, and RunError if the run is not completed. The `result` of a
+/// RunError contains the run up to its end. Other Python threads continue during the run; Ctrl-C interrupts it.
 #[pyfunction]
 #[pyo3(signature = (scene, model = "analytic", check = Some(false), *, preset = None, rtol = None, step = None, tolerance = None, duration = None, numeric_rate = None, picture_rate = None, log = None, gradient = None),
        text_signature = "(scene, model='analytic', check=False, *, preset=None, rtol=None, step=None, \
@@ -203,8 +204,8 @@ pub fn run(
     }
 }
 
-/// Reads a log of phalanx (MCAP) up to its end or first damage. `summary["losses"]` lists lost data,
-/// `summary["missing"]` missing topics.
+/// Reads a log of phalanx (MCAP) up to its end or to the first damage. `summary["losses"]` lists lost data;
+/// `summary["missing"]` lists missing topics.
 #[pyfunction]
 pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
     let contents = interruptible::run_on_caller(py, |keep_running| {
@@ -228,7 +229,7 @@ pub fn read_log(py: Python<'_>, path: PathBuf) -> PyResult<Result> {
     Ok(Result::new(schema, recording, ResultReport::Log(Box::new(report)), source, None))
 }
 
-/// Repeats a run for its report.
+/// Repeats a run to obtain its report.
 pub fn report(input: &RunInput) -> Option<RunReport> {
     let run = simulate(input, None, input.check_policy(), (), &|| true);
     run.ok().map(|(run, ())| report_of(input.model, &input.scene, &run))
@@ -240,7 +241,7 @@ pub fn playback(input: &RunInput) -> Option<PlaybackRecorder> {
     run.ok().map(|(_, recorder)| recorder)
 }
 
-/// Reads a log again to record its page.
+/// Reads a log again, to record its page.
 pub fn playback_of_log(path: &Path) -> Option<PlaybackRecorder> {
     struct LogPlayback(PlaybackRecorder);
     impl LogSink for LogPlayback {

@@ -24,7 +24,7 @@ fn exception(py: Python<'_>, error: &SimulationError) -> PyErr {
     }
 }
 
-/// Returns events with the names of their contacts.
+/// Returns events in which contacts are given by their names.
 pub fn named_events(schema: &Schema, events: &[Event]) -> Vec<NamedEvent> {
     let named = |event: &Event| {
         let name = schema.contacts.get(event.contact).map_or(String::new(), |contact| contact.name.clone());
@@ -33,7 +33,7 @@ pub fn named_events(schema: &Schema, events: &[Event]) -> Vec<NamedEvent> {
     events.iter().map(named).collect()
 }
 
-/// Returns events as `phalanx.Event`.
+/// Returns events as a list of `phalanx.Event`.
 pub fn event_list<'py>(py: Python<'py>, events: Vec<NamedEvent>) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let class = py.import("phalanx.events")?.getattr("Event")?;
     events.into_iter().map(|event| class.call1(event)).collect()
@@ -182,15 +182,14 @@ impl Saved<'_> {
 /// A scene that the caller advances: a controller in the loop.
 ///
 /// `simulation = phalanx.Simulation("scene.toml")`, `simulation.advance(1e-4)`, `simulation["q11_rad"]`,
-/// `simulation.set_torque("motor", 0.48)`. model: "analytic" or "engine". preset: replaces the settings of the
-/// scene's integrator; "draft" is the fastest. Between two calls the model takes its own steps and locates its events;
-/// results of the analytic model do not depend on how the time is divided (in the engine model, by up to 4e-6 rad in
-/// 1,000 pieces). The duration of the scene is not its end.
+/// `simulation.set_torque("motor", 0.48)`. model: "analytic" or "engine". preset: replaces the settings of the scene's
+/// integrator; "draft" is the fastest. Between two calls the model takes its own steps and locates its events. Results
+/// of the analytic model do not depend on how the time is divided; those of the engine model differ by up to 4e-6 rad
+/// for 1,000 pieces. A simulation can continue beyond the duration of the scene.
 ///
-/// `copy.copy(simulation)` and `state` continue with the same bits, also when they are pickled: a pickle has the scene and
-/// the inputs, and the run is repeated when it is read. Durations, torques and targets are numbers in SI, or strings with
-/// units. Raises SceneError for an invalid scene, and RunError
-/// if the model does not simulate it.
+/// A copy (`copy.copy(simulation)`) or a `state` continues bit for bit, also after pickling: a pickle contains the
+/// scene and the inputs, and the run is repeated when it is read. Durations, torques and targets are numbers in SI, or
+/// strings with units. Raises SceneError for an invalid scene, and RunError if the model does not simulate it.
 #[pyclass(frozen, module = "phalanx")]
 pub struct Simulation {
     loaded: Mutex<Loaded>,
@@ -407,9 +406,9 @@ enum Numbers<'py> {
 
 /// Many simulations that advance together on all cores, with arrays as inputs and outputs.
 ///
-/// scenes: one scene for each simulation; `[scene] * 100` gives 100 equal ones. A simulation that fails stays at the time
-/// of its failure, and the others continue. preset: as of `Simulation`. After `os.fork`, a batch also advances in the
-/// child process.
+/// scenes: one scene for each simulation; `[scene] * 100` gives 100 equal simulations. A simulation that fails keeps
+/// the time of its failure, and the others continue. preset: see `Simulation`. After `os.fork`, a batch can also
+/// advance in the child process.
 #[pyclass(frozen, module = "phalanx")]
 pub struct SimulationBatch {
     loaded: Mutex<LoadedBatch>,

@@ -33,7 +33,7 @@ pub fn set_preset(py: Python<'_>, study: &mut Study, name: Option<&str>) -> PyRe
     study.set_preset(preset).map_err(|error| errors::argument(py, error))
 }
 
-/// Simulates at most the first `limit` runs of a study, on `threads` threads, and returns their rows.
+/// Simulates the first `limit` runs of a study, on `threads` threads, and returns their rows.
 pub fn run_rows(py: Python<'_>, study: &Study, threads: usize, limit: u64) -> PyResult<table::Table> {
     check_unsharded(study, limit).map_err(|error| errors::sweep(py, format!("error: {error}")))?;
     let rows = interruptible::run(py, |keep_running| {
@@ -50,12 +50,13 @@ pub fn run_rows(py: Python<'_>, study: &Study, threads: usize, limit: u64) -> Py
 
 /// Simulates all runs of a study (`phalanx sweep`).
 ///
-/// study: path of a study file (TOML). threads: 0 for one per core. out: path of the results, CSV or Parquet by its
-/// suffix; an interrupted sweep then resumes when it is called again, and the file OUT.study.json identifies the study.
-/// model: overrides the model of the study. preset: replaces the integrator's settings of all runs ("draft" for
-/// searches). check: check every run. limit: simulate only the first `limit` runs. restart: discard earlier results in out.
+/// study: path of a study file (TOML). threads: number of threads; 0 for one per core. out: path of the results, CSV or
+/// Parquet according to its suffix. With `out`, an interrupted sweep resumes when it is called again, and the file
+/// OUT.study.json identifies the study. model: overrides the model of the study. preset: replaces the integrator
+/// settings of all runs ("draft" for searches). check: check every run. limit: simulate only the first `limit` runs.
+/// restart: discard earlier results in `out`.
 ///
-/// An invalid scene or an incomplete run gives a row with status and reason; a design that cannot grasp its object has
+/// An invalid scene or an incomplete run gives a row with status and reason. A design that cannot grasp its object has
 /// a reason and no class. Raises StudyError for an invalid study or unusable results.
 #[pyfunction]
 #[pyo3(signature = (study, threads = 0, out = None, *, model = None, preset = None, check = false, limit = None, restart = false))]
@@ -115,9 +116,9 @@ fn run_to_file(
 
 /// Simulates one part of a study and writes it atomically as a Parquet file (`phalanx sweep --shard k/n`).
 ///
-/// k: from 1 to n. An existing part is not simulated again, so the same call resumes an interrupted sweep. Returns the
-/// description of the part: `shard`, `of`, `first_run`, `last_run`, `runs` (of the whole study), …, and `made_now`, the
-/// number of new runs.
+/// k: number of the part, from 1 to n. An existing part is not simulated again, so repeating the call resumes an
+/// interrupted sweep. Returns the description of the part: `shard`, `of`, `first_run`, `last_run`, `runs` (of the whole
+/// study), …, and `made_now`, the number of new runs.
 #[pyfunction]
 #[pyo3(signature = (study, k, n, out, threads = 0, *, model = None, preset = None, check = false, restart = false))]
 #[expect(clippy::too_many_arguments, reason = "the flags of the command")]
@@ -147,11 +148,11 @@ pub fn sweep_shard<'py>(
     Ok(info)
 }
 
-/// Merges the parts of a study (`phalanx sweep merge`): out and OUT.study.json get the same bytes as from an
-/// uninterrupted sweep.
+/// Merges the parts of a study (`phalanx sweep merge`).
 ///
-/// parts: files or directories, in any order. Raises StudyError that names missing, duplicate, damaged or foreign
-/// parts. Returns `parts`, `bytes` and `runs`.
+/// The files `out` and OUT.study.json have the same bytes as those of an uninterrupted sweep. parts: files or
+/// directories, in any order. Raises StudyError that names missing, duplicate, damaged or foreign parts. Returns
+/// `parts`, `bytes` and `runs`.
 #[pyfunction]
 #[pyo3(signature = (study, parts, out, *, model = None, preset = None, check = false))]
 pub fn sweep_merge<'py>(
@@ -181,8 +182,8 @@ pub fn _study_files(py: Python<'_>, study: PathBuf) -> PyResult<Vec<PathBuf>> {
     Ok(source_files(&study))
 }
 
-/// Describes a study: `name`, `model`, `runs`, `designs`, and `fingerprint`, which differs between studies with
-/// different results.
+/// Describes a study: `name`, `model`, `runs`, `designs`, and `fingerprint`. Studies with different results have
+/// different fingerprints.
 #[pyfunction]
 #[pyo3(signature = (study, *, model = None, preset = None, check = false))]
 pub fn study_info<'py>(

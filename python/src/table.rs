@@ -22,7 +22,7 @@ const PREVIEW_ROWS: usize = 5;
 /// Width of the printed text, characters.
 const PREVIEW_WIDTH: usize = 100;
 
-/// The results of a sweep: one row for each run, columns as in the tables of `phalanx sweep`, values in SI.
+/// The results of a sweep: one row for each run. Columns are those of the tables of `phalanx sweep`; values are in SI.
 #[pyclass(frozen, module = "phalanx")]
 pub struct Table {
     batch: RecordBatch,
@@ -31,7 +31,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Converts the results of a sweep; `requested`: only these columns.
+    /// Converts the results of a sweep. If `requested` is given, only these columns are kept.
     pub fn new(py: Python<'_>, results: table::Table, requested: Option<&[String]>) -> PyResult<Self> {
         let counts = summary(&results).map_err(|error| errors::table(py, &error))?;
         let mut document = serde_json::to_value(&counts).unwrap_or_default();

@@ -165,7 +165,7 @@ impl Failure {
         Failure { message: format!("error: {message}"), status: Status::BadInput }
     }
 
-    /// Failure of a run that was not completed, or whose results could not be written.
+    /// Creates the failure of a run that was not completed, or whose results could not be written.
     pub fn incomplete(message: impl Display) -> Self {
         Failure { message: format!("error: {message}"), status: Status::Incomplete }
     }
@@ -178,7 +178,7 @@ impl From<SceneError> for Failure {
     }
 }
 
-/// Runs the command given by the arguments of the process.
+/// Runs the command given by the command-line arguments of the process.
 pub fn main() -> ExitCode {
     progress::fail_writes_beyond_file_limit();
     let matches = build_command().try_get_matches().unwrap_or_else(|error| exit_with_error(suggest(error)));

@@ -79,7 +79,7 @@ extern "C" fn check_stdout() {
     STDOUT_WRITABLE.store(flags.is_ok_and(|flags| flags & OFlags::RWMODE != OFlags::RDONLY), Ordering::Relaxed);
 }
 
-/// Returns standard output if it is open for writing.
+/// Returns standard output; returns an error if it is not open for writing.
 pub fn stdout() -> io::Result<io::StdoutLock<'static>> {
     match STDOUT_WRITABLE.load(Ordering::Relaxed) {
         true => Ok(io::stdout().lock()),
@@ -87,7 +87,8 @@ pub fn stdout() -> io::Result<io::StdoutLock<'static>> {
     }
 }
 
-/// Prints to stdout, which completes a command. A pipe closed by its reader (`| head`) is not an error.
+/// Prints a text to standard output, which completes a command. If the reader closes the pipe (`| head`), this is not
+/// an error.
 pub fn print(text: &str) -> Result<Status, Failure> {
     match stdout().and_then(|mut out| out.write_all(escape_unsafe_chars(text).as_bytes()).and_then(|()| out.flush())) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -250,7 +251,7 @@ impl OutputDirectory {
         self.0.as_deref().map_or(Ok(()), write)
     }
 
-    /// Writes each text to the file of its name.
+    /// Writes each text to the file with the name at the same index.
     pub fn write<const N: usize>(self, names: [&str; N], texts: impl FnOnce() -> [String; N]) -> Result<(), Failure> {
         self.write_with(|out| names.iter().zip(texts()).try_for_each(|(name, text)| save(&out.join(name), &text)))
     }

@@ -66,7 +66,7 @@ pub(crate) struct ReplayArgs {
 /// table, or a recording in memory.
 pub(super) struct LogReader<'a> {
     pub path: &'a Path,
-    /// The head of the log, and the whole log after it was read.
+    /// Contents of the log: at first only its head; after reading, the whole log.
     pub summary: LogSummary,
     pub schema: Schema,
     pub recording: Option<Recording>,

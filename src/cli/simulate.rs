@@ -19,7 +19,7 @@ use crate::trace::{Channel, Event, Model, RequiredData, Sample, Schema, Sink, Si
 /// Conditions that end a run early, and whether to check it.
 pub(super) struct RunLimits<'a> {
     pub interrupt: &'a Interrupt,
-    /// The run may end after the first sample beyond this time.
+    /// Time after which the run may end, at the next sample, s.
     pub until_s: f64,
     pub check_policy: CheckPolicy,
 }

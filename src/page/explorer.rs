@@ -29,9 +29,9 @@ const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 pub(crate) struct InitialScene {
     /// Name of the scene in messages.
     pub file: String,
-    /// Text of the scene, which extends no other.
+    /// Text of the scene, which does not extend another scene.
     pub text: String,
-    /// Overridden fields and their values.
+    /// Overridden fields of the scene, with their values.
     pub set: Vec<(String, String)>,
 }
 

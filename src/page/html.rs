@@ -20,7 +20,7 @@ pub(super) const VIEWER_SCRIPTS: [&str; 22] = scripts! {
 };
 const MAIN_SCRIPT: &str = include_str!("assets/main.js");
 
-/// Renders the page. Equal contents give equal bytes.
+/// Renders the page. The same contents give the same bytes.
 pub fn render_page(page: &Page) -> String {
     let fields = vec![
         ("title", escape_markup(&page.title)),
@@ -47,7 +47,7 @@ pub(crate) fn picture_page(title: &str, svg: &str) -> String {
 const REPORT_SCRIPT: &str = include_str!("assets/report/report.js");
 
 /// Renders the page of a report, such as a reproduction, with light and dark colours. Its content security policy
-/// forbids external sources. Equal reports give equal bytes.
+/// forbids external sources. The same report gives the same bytes.
 pub fn report_page(report: &Report) -> String {
     let entry =
         |(index, heading): (usize, &str)| format!("<li><a href=\"#s{index}\">{}</a></li>\n", escape_markup(heading));

@@ -28,9 +28,9 @@ use crate::format::Report;
 pub struct Page {
     /// Heading and window title: the name of the scene.
     pub title: String,
-    /// The description in the scene file; may be empty.
+    /// The description in the scene file; empty if there is none.
     pub description: String,
-    /// The run, or two overlaid runs.
+    /// The run, or two runs that are overlaid.
     pub runs: Vec<Playback>,
     /// Texts and tables, such as a report.
     pub notes: Vec<Note>,
@@ -44,7 +44,7 @@ pub struct Note {
     pub text: Report,
 }
 
-/// A picture of [`plot`](crate::plot), in the light or dark colours of the page.
+/// A picture drawn by [`plot`](crate::plot), in the light or dark colours of the page.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Picture {
     pub title: String,

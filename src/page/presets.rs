@@ -45,18 +45,18 @@ const PRESETS: &[&str] = &[
     "hard/gripper-undamped.toml",
 ];
 
-/// A standalone scene.
+/// A scene that does not depend on other files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Preset {
-    /// Path under `scenes`.
+    /// Path relative to `scenes`.
     pub file: String,
     /// File name without its extension.
     pub name: String,
     /// `finger`, `gripper`, `mechanism` or `hard`.
     pub group: &'static str,
-    /// First sentence of the description, otherwise of the first comment in the file.
+    /// First sentence of the description of the scene; without a description, that of the first comment in the file.
     pub title: String,
-    /// Text of the scene, merged with the scenes that it extends.
+    /// Text of the scene, merged with those of the scenes that it extends.
     pub text: String,
 }
 

@@ -17,7 +17,7 @@ use crate::study::offsets::{OffsetPlacement, Offsets};
 const MIN_CURVE_POINTS: usize = 3;
 const HEIGHT: f64 = 560.0;
 
-/// Draws the results of a capture study; objects that do not move are on the grey line.
+/// Draws the results of a capture study. Objects that do not move are on the grey line.
 pub fn capture(found: &Capture) -> String {
     let ended = |placement: &ObjectPlacement| placement.x_m.map(|x_m| x_m * 1e3);
     let reach = found.plan.error_m * 1e3;
@@ -43,8 +43,8 @@ pub fn capture(found: &Capture) -> String {
     series_chart(&format!("{}: captured objects", found.scene), HEIGHT, &x, &y, &series)
 }
 
-/// Draws which offsets of the object of a mechanism are captured. With offsets along two axes the plot is a map; with
-/// one axis it shows the final offset over the initial one.
+/// Draws the offsets of the object of a mechanism, and which of them are captured. For offsets along two axes, the plot
+/// is a map; for one axis, it shows the final offset over the initial offset.
 pub fn offsets(found: &Offsets) -> String {
     let label = |axis: scene::Axis| format!("{} at the start, {}", axis_name(axis), axis_unit(axis));
     let range = |(axis, largest): (scene::Axis, f64)| {
@@ -79,8 +79,8 @@ pub fn offsets(found: &Offsets) -> String {
     series_chart(&format!("{}: captured offsets", found.scene), HEIGHT, &range(first), &y, &series)
 }
 
-/// Draws the plot that suits the loads: limits by direction for pulses, by frequency for vibrations, or the slip over
-/// the load if there are too few of them.
+/// Draws the plot that suits the loads. For pulses, it shows the limits by direction; for vibrations, by frequency. If
+/// there are too few loads, it shows the slip over the load.
 pub fn hold(found: &Hold) -> String {
     match &found.plan.loads {
         Loads::Pulses { directions, .. } if *directions >= MIN_CURVE_POINTS => polar(found),

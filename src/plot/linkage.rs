@@ -30,17 +30,17 @@ const DIRECTIONS: usize = 32;
 /// Minimum gap between two labels.
 const LABEL_GAP: f64 = 3.0;
 
-/// Drawing of a linkage; lengths are in pixels.
+/// Drawing of a linkage. All lengths are in pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linkage {
     pub svg: String,
-    /// The symbols in the drawing and their boxes.
+    /// The symbols in the drawing, each with its label box.
     pub labels: Vec<(&'static str, LabelBox)>,
     /// Width and height of the drawing, without the table below it.
     pub size: [f64; 2],
 }
 
-/// Draws the linkage of a finger in its final grasp, or at its start if it has none.
+/// Draws the linkage of a finger in its final grasp, or at its start if there is no final grasp.
 pub fn linkage(scene: &Scene) -> Linkage {
     let linkage = &scene.finger().linkage;
     let object = scene.object().map(|object| object.placed());
@@ -350,13 +350,13 @@ impl LabelBox {
         [x - w, y - h, x + w, y + h]
     }
 
-    /// Whether two labels overlap, given a margin.
+    /// Whether two labels are less than `margin` apart.
     pub fn overlaps(&self, other: &LabelBox, margin: f64) -> bool {
         let (a, b) = (self.bounds(margin), other.bounds(0.0));
         a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
     }
 
-    /// Whether the label is within a picture of a size.
+    /// Whether the label lies within a picture of this width and height.
     pub fn is_within(&self, [width, height]: [f64; 2]) -> bool {
         let [x0, y0, x1, y1] = self.bounds(0.0);
         x0 >= 0.0 && y0 >= 0.0 && x1 <= width && y1 <= height

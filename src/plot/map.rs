@@ -65,7 +65,8 @@ impl MapAxis {
     }
 }
 
-/// Draws the verdicts of a study over its axes, and a figure: the margin of a grasp, or else the time to stability.
+/// Draws two maps over the axes of a study: the verdicts, and a figure. The figure is the margin of a grasp, or else
+/// the time to stability.
 ///
 /// # Errors
 /// Returns the reason why the study has no map.

@@ -67,7 +67,7 @@ pub(crate) fn plot_differences(
     series_chart(title, 560.0, &x, &y, &series)
 }
 
-/// Draws wall time over error of the settings with a finite error: one point per setting, one line per family.
+/// Draws the wall time over the error for all settings with a finite error: one point per setting, one line per family.
 pub fn speed_error(scene: &str, found: &Validation) -> String {
     let last = &found.reference.outcome.last;
     let label = match (last.counts().fingers == 0, last.counts().bodies == 0) {
@@ -107,7 +107,7 @@ pub fn speed_error(scene: &str, found: &Validation) -> String {
     series_chart(&format!("{scene}: speed against error"), 600.0, &x, &y, &series)
 }
 
-/// Draws the two models of a validation.
+/// Draws the runs of both models in a validation on top of each other.
 pub fn overlay(scene: &Scene, found: &Validation) -> String {
     let title = format!("{}: analytic model and engine", scene.name);
     let end_s = found.reference.outcome.last.time_s;

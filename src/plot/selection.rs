@@ -18,8 +18,8 @@ const KEY_HEIGHT: f64 = 36.0;
 const TEXT_SIZE: f64 = 14.0;
 const SMALL_TEXT_SIZE: f64 = 12.0;
 
-/// Draws the pictures of a selection: runs removed by each criterion, dynamic classes and static stability of the
-/// designs sorted by each variable, final forces, and the designs themselves.
+/// Draws the five pictures of a selection: runs removed by each criterion; dynamic classes; static stability of the
+/// designs, sorted by each variable; final forces; and the designs themselves.
 pub fn selection(title: &str, results: &Table, selection: &Selection) -> [String; 5] {
     [
         criteria(title, selection),

@@ -21,11 +21,11 @@ const CHOSEN: &str = include_str!("../../scenes/experiment-95.toml");
 const CAD: &str = include_str!("../../scenes/experiment-95-cad.toml");
 const ERRATA: &str = include_str!("../docs/errata.md");
 
-/// A reproduction, and the tables that it is based on.
+/// A reproduction, and the tables on which it is based.
 #[derive(Clone, Debug)]
 pub struct Reproduced {
     pub reproduction: Reproduction,
-    /// Results of the 384 simulations, with checks.
+    /// Results of the 384 simulations, including their checks.
     pub results: Table,
     pub selection: Selection,
 }
@@ -51,8 +51,7 @@ impl ToReport for ReproductionReport<'_> {
     }
 }
 
-/// Simulates and selects the designs of the thesis, and reproduces all figures, on the given number of threads (0: one
-/// per core).
+/// Simulates and selects the designs of the thesis, and reproduces all figures, on `threads` threads (0: one per core).
 ///
 /// # Errors
 /// Returns an error if the monitor stops the computation. Any other error is a bug, because all inputs are shipped.

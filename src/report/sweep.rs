@@ -22,28 +22,28 @@ use crate::units::Dimension;
 pub(crate) struct SweepReport {
     pub study: String,
     pub model: String,
-    /// Preset in place of the integrator's settings in the scene.
+    /// Preset that replaces the integrator settings of the scene; `None` without one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preset: Option<&'static str>,
-    /// File of the results.
+    /// Path of the results.
     pub out: String,
     pub runs: u64,
     pub designs: u64,
-    /// The shard, if the results are a part of the study.
+    /// The shard, if the results are only part of the study; otherwise `None`.
     #[serde(flatten)]
     pub shard: Option<Shard>,
-    /// Number of parts that the results were merged from, if they were merged.
+    /// Number of parts that were merged into the results; `None` if there was no merge.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parts: Option<u64>,
     #[serde(flatten)]
     pub summary: Summary,
-    /// Work of this invocation; the other results existed already.
+    /// Work of this invocation. The other results already existed.
     #[serde(rename = "now")]
     pub work: SweepWork,
 }
 
 impl SweepReport {
-    /// Creates the report of a whole study with results in `out`.
+    /// Creates the report of a whole study whose results are in the file `out`.
     pub fn new(study: &Study, out: &Path, summary: Summary, work: SweepWork) -> Self {
         SweepReport {
             study: study.name.clone(),
@@ -64,7 +64,7 @@ impl SweepReport {
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct SweepWork {
     pub runs: u64,
-    /// Number of simulated runs: neither filtered nor rejected.
+    /// Number of simulated runs: those that were neither filtered nor rejected.
     pub simulations: u64,
     pub threads: usize,
     pub wall_s: f64,
@@ -175,7 +175,7 @@ pub(crate) fn sweep_list(study: &Study, max_runs: u64) -> Report {
     text
 }
 
-/// Report of a selection, with SI values.
+/// Report of a selection; values are in SI.
 #[derive(Clone, Debug)]
 pub struct SelectionReport<'a> {
     /// Source of the results.
@@ -398,7 +398,8 @@ fn no_selection(selection: &Selection) -> String {
 /// Columns of the ranking that precede the columns of the results; the first is an integer.
 const RANKING_COLUMNS: [&str; 6] = ["place", "r_wc", "part_pfp", "part_tts", "part_f21", "part_f22"];
 
-/// Returns one row for each selected run, best first: rank, r_WC and its terms, then all columns of the results.
+/// Returns one row for each selected run, best first. Its columns are the rank, r_WC and its terms, then all columns of
+/// the results.
 pub fn ranking_table(results: &Table, selection: &Selection) -> Table {
     // If the results are already a ranking, the new ranking columns replace the old ones.
     let other_columns: Vec<usize> = (0..results.columns.len())

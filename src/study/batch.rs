@@ -9,14 +9,14 @@ use phalanx_parallel::on_all_cores;
 /// Creates one simulation for each scene.
 ///
 /// # Errors
-/// Returns the index of a scene that the model does not simulate, and the reason.
+/// Returns the index of a scene that the model cannot simulate, and the reason.
 pub fn create(scenes: &[Scene], model: Model) -> Result<Vec<Simulation>, (usize, SimulationError)> {
     let create = |(index, scene)| Simulation::new(scene, model).map_err(|error| (index, error));
     on_all_cores(|| scenes.par_iter().enumerate().map(create).collect())
 }
 
-/// Advances all simulations by a duration, s, as long as `keep_running` returns true. A simulation that has failed stays
-/// at its time.
+/// Advances all simulations by a duration, s, as long as `keep_running` returns true. A simulation that has failed
+/// keeps its time.
 ///
 /// # Errors
 /// Returns an error if the duration is negative or not finite.
@@ -28,7 +28,7 @@ pub fn advance(
     each(simulations, |_, simulation| simulation.advance_while(simulation.time_s() + duration_s, &|| keep_running()))
 }
 
-/// Returns a number of the sample of each simulation by the name of its column.
+/// Returns, for each simulation, the number of its sample in the column with this name.
 ///
 /// # Errors
 /// See [`Simulation::get`].
@@ -36,7 +36,7 @@ pub fn read(simulations: &mut [Simulation], column: &str) -> Result<Vec<f64>, Si
     on_all_cores(|| simulations.par_iter_mut().map(|simulation| simulation.get(column)).collect())
 }
 
-/// Returns numbers of the sample of each simulation, in the order of these columns.
+/// Returns, for each simulation, numbers of its sample in the order of `columns`.
 ///
 /// # Errors
 /// See [`Simulation::get`].
@@ -44,7 +44,8 @@ pub fn observe(simulations: &mut [Simulation], columns: &[String]) -> Result<Vec
     on_all_cores(|| simulations.par_iter_mut().map(|simulation| simulation.observe(columns)).collect())
 }
 
-/// Repeats the actions of other simulations on new ones; see [`Simulation::repeat`]. `actions` has a list for each.
+/// Repeats the actions of other simulations on new simulations; see [`Simulation::repeat`]. `actions` contains one list
+/// for each simulation.
 ///
 /// # Errors
 /// See [`Simulation::repeat`].
@@ -56,22 +57,23 @@ pub fn repeat(
     each(simulations, |index, simulation| simulation.repeat(&actions[index], &|| keep_running()))
 }
 
-/// Restores the states of the simulations with these indices.
+/// Restores states of simulations, each given with the index of its simulation.
 ///
 /// # Errors
-/// Returns an error if a state is of another scene or model; all simulations are then unchanged.
+/// Returns an error if a state belongs to another scene or model. No simulation is changed then.
 ///
 /// # Panics
-/// Panics if there is no simulation with an index.
+/// Panics if an index is out of range.
 pub fn restore(simulations: &mut [Simulation], states: &[(usize, Simulation)]) -> Result<(), SimulationError> {
     states.iter().try_for_each(|(index, state)| simulations[*index].check_state(state))?;
     states.iter().try_for_each(|(index, state)| simulations[*index].restore(state))
 }
 
-/// Sets an input of each simulation with a function such as [`Simulation::set_torque`]; `values` has one value for each.
+/// Sets an input of each simulation with a function such as [`Simulation::set_torque`]. `values` contains one value for
+/// each simulation.
 ///
 /// # Errors
-/// See [`Simulation::set_torque`]. A simulation that has failed is no error.
+/// See [`Simulation::set_torque`]. A simulation that has failed does not cause an error.
 pub fn set(
     simulations: &mut [Simulation],
     values: &[f64],

@@ -25,7 +25,7 @@ pub struct Plan {
     pub model: Model,
     /// Largest positioning error in either direction, m.
     pub error_m: f64,
-    /// Number of positions over the range including both ends and the middle: odd, at least 3.
+    /// Number of positions over the range, including both ends and the middle. It must be odd and at least 3.
     pub position_count: usize,
     /// Tolerance of the edges, m.
     pub tolerance_m: f64,
@@ -47,32 +47,35 @@ pub struct Capture {
 pub struct Edge {
     /// Outermost offset at which the object is captured, m.
     pub captured_m: f64,
-    /// Nearest offset farther out at which it is not captured, m; `None` if it is captured at the largest error.
+    /// Nearest larger offset at which the object is not captured, m; `None` if it is captured at the largest error.
     pub lost_m: Option<f64>,
 }
 
-/// A position of the object and the outcome of its run. The figures are missing if the run was not completed.
+/// A position of the object, and the outcome of its run. Figures are `None` if the run was not completed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ObjectPlacement {
-    /// x of the centre of the object at the start, m.
+    /// Initial x of the centre of the object, m.
     pub offset_m: f64,
-    /// Whether the grasp of the object at this position by all four phalanges and the palm is form-closed; `None` if
-    /// the fingers cannot reach it.
+    /// Whether the grasp of the object at this position by all four phalanges and the palm is form-closed. `None` if
+    /// the fingers cannot reach the object.
     #[serde(rename = "form_closed_there")]
     pub geometric_form_closed: Option<bool>,
     pub fate: Option<&'static str>,
-    /// Time to stability; `None` if the object is not held.
+    /// Time to stability, s; `None` if the object is not held.
     pub tts_s: Option<f64>,
-    /// Final position, angle and speed of the object.
+    /// Final x of the centre of the object, m.
     pub x_m: Option<f64>,
+    /// Final y of the centre of the object, m.
     pub y_m: Option<f64>,
+    /// Final angle of the object, rad.
     pub angle_rad: Option<f64>,
+    /// Final speed of the object, m/s.
     pub speed_m_s: Option<f64>,
     pub slip: Option<Slip>,
-    /// Form closure by the contacts active at the end; `None` if the object is not held.
+    /// Whether the contacts that are active at the end form-close the object; `None` if the object is not held.
     pub form_closed: Option<bool>,
     pub steps: Option<u64>,
-    /// Why the run was not completed.
+    /// Reason why the run was not completed; `None` if it was.
     pub reason: Option<String>,
 }
 
@@ -109,7 +112,7 @@ pub enum CaptureError {
     Stopped(#[from] ComputeError),
 }
 
-/// Texts of a scene and additional settings.
+/// Texts of a scene, and additional settings that override them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneSource {
     pub layers: Vec<Layer>,
@@ -136,11 +139,11 @@ impl SceneSource {
     }
 }
 
-/// Simulates all positions on all cores and locates the edges. The monitor counts the positions.
+/// Simulates all positions on all cores and locates the edges of the captured range. The monitor counts the positions.
 ///
 /// # Errors
-/// Returns an error if the scene is invalid in the middle or at either end, or is not a gripper, or the monitor stops
-/// the study.
+/// Returns an error if the scene is invalid in the middle or at either end, if it is not a gripper, or if the monitor
+/// stops the study.
 pub fn capture(plan: Plan, source: &SceneSource, monitor: &Monitor<'_>) -> Result<Capture, CaptureError> {
     let middle = source.load_at_offset(&plan, 0.0)?;
     for end in [-plan.error_m, plan.error_m] {

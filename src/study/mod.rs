@@ -17,7 +17,10 @@ pub mod sweep;
 use crate::scene::{HandFinger, Scene, SpringKind};
 use phalanx_parallel::KeepRunning;
 
-/// Returns the scene if it has a grasp, of a gripper or of a mechanism; the error calls it `name` and suggests `example`.
+/// Returns the scene if it has a grasp: that of a gripper or of a mechanism.
+///
+/// # Errors
+/// Returns an error that calls the scene `name` and suggests `example`.
 pub fn require_grasp(scene: Scene, name: &str, example: &str) -> Result<Scene, String> {
     match scene.finger_count() {
         2 => Ok(scene),

@@ -29,9 +29,9 @@ pub struct OffsetPlan {
     pub model: Model,
     /// One or two axes, each with the largest offset in either direction, m or rad.
     pub axes: Vec<(Axis, f64)>,
-    /// Number of offsets along each axis, both ends and zero among them: odd, at least 3.
+    /// Number of offsets along each axis, including both ends and zero. It must be odd and at least 3.
     pub count: usize,
-    /// Tolerance of the edges along a single axis, m or rad.
+    /// Tolerance of the edges for a single axis, m or rad.
     pub tolerance: f64,
 }
 
@@ -39,7 +39,10 @@ pub struct OffsetPlan {
 const MAX_RUNS: usize = 10_000;
 
 impl OffsetPlan {
-    /// Checks the settings; the error names the invalid one and the allowed values.
+    /// Checks the settings.
+    ///
+    /// # Errors
+    /// Returns an error that names the invalid setting and the allowed values.
     pub fn check(&self) -> Result<(), String> {
         let OffsetPlan { axes, count, .. } = self;
         match axes[..] {
@@ -67,9 +70,10 @@ pub struct Offsets {
     pub object: String,
     pub base: String,
     pub plan: OffsetPlan,
-    /// By the first axis, then by the second one.
+    /// Placements, ordered by the first axis, then by the second one.
     pub placements: Vec<OffsetPlacement>,
-    /// The range about zero in which the object is captured; `None` along two axes, and if it is not captured at zero.
+    /// The range about zero in which the object is captured. `None` for two axes, or if the object is not captured at
+    /// zero.
     pub captured_range: Option<[OffsetEdge; 2]>,
 }
 
@@ -78,14 +82,14 @@ pub struct Offsets {
 pub struct OffsetEdge {
     /// Outermost offset at which the object is captured.
     pub captured: f64,
-    /// Nearest offset farther out at which it is not captured; `None` if it is captured at the largest offset.
+    /// Nearest larger offset at which the object is not captured; `None` if it is captured at the largest offset.
     pub lost: Option<f64>,
 }
 
-/// An offset and the outcome of its run. The figures are missing if the run was not completed.
+/// An offset, and the outcome of its run. Figures are `None` if the run was not completed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OffsetPlacement {
-    /// Offsets along x and y, m, and by the angle, rad.
+    /// Offsets along x and y, m, and of the angle, rad.
     pub offset: Pose,
     pub fate: Option<&'static str>,
     pub fate_reason: Option<String>,
@@ -95,7 +99,7 @@ pub struct OffsetPlacement {
     pub end: Option<Pose>,
     pub slip: Option<Slip>,
     pub steps: Option<u64>,
-    /// Why the run was not completed.
+    /// Reason why the run was not completed; `None` if it was.
     pub reason: Option<String>,
 }
 
@@ -175,13 +179,14 @@ struct Placing<'a> {
     start: Vec<Pose>,
 }
 
-/// Simulates all offsets on all cores, and locates the edges along a single axis. The monitor counts the offsets.
+/// Simulates all offsets on all cores. For a single axis, it also locates the edges of the captured range. The monitor
+/// counts the offsets.
 ///
 /// # Errors
-/// Returns an error if the scene has no grasp or cannot be assembled, or the monitor stops the study.
+/// Returns an error if the scene has no grasp or cannot be assembled, or if the monitor stops the study.
 ///
 /// # Panics
-/// Panics without an axis.
+/// Panics if there is no axis.
 pub fn offsets(plan: OffsetPlan, scene: &Scene, monitor: &Monitor<'_>) -> Result<Offsets, OffsetError> {
     let roles = scene.grasp_roles().map_err(OffsetError::NoGrasp)?;
     let mechanism = scene.mechanism.as_ref().ok_or(OffsetError::NoGrasp(NoGrasp::Nothing))?;

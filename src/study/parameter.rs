@@ -19,8 +19,8 @@ use crate::units::Measured;
 /// Origin of a changed field in messages.
 const ORIGIN: &str = "gradient";
 
-/// Returns numeric fields of a scene as parameters. `layers` and `settings` are the texts of the scene; `finish` applies what was
-/// changed after it was read.
+/// Returns numeric fields of a scene as parameters. `layers` and `settings` are the texts of the scene. `finish`
+/// applies the changes that were made after the scene was read.
 ///
 /// # Errors
 /// Returns a message for a field that is not a number or a quantity of the scene.

@@ -175,15 +175,15 @@ pub struct WrittenPart {
     pub stats: Option<RunStats>,
 }
 
-/// Runs a part of a study on `threads` threads (0: one per core) and writes it atomically. An existing part is kept,
-/// unless `restart` is set, so that repeating the call resumes a sweep. Concurrent calls for the same part write the same
-/// bytes.
+/// Runs a part of a study on `threads` threads (0: one per core) and writes it atomically. An existing part is kept
+/// unless `restart` is set, so that repeating the call resumes a sweep. Concurrent calls for the same part write the
+/// same bytes.
 ///
-/// `keep_running` is polled during the runs and stops them when it returns false. `on_row` is called with every row, in
+/// `keep_running` is polled during the runs; the runs stop when it returns false. `on_row` is called with every row, in
 /// any order.
 ///
 /// # Errors
-/// Returns an error if the output path is unusable or contains other data, writing failed, or the runs were
+/// Returns an error if the output path is unusable or contains other data, if writing fails, or if the runs are
 /// interrupted.
 pub fn write_part(
     study: &Study,
@@ -265,15 +265,15 @@ pub struct MergeResult {
     pub summary: Summary,
 }
 
-/// Merges parts, given as files or directories in any order, into the results of their study. `out` and its file of the
-/// study have the same bytes as those of an undivided sweep. The parts may be of different shard counts, as long as they
-/// contain every run exactly once.
+/// Merges parts into the results of their study. The parts are given as files or directories, in any order. `out` and
+/// its file of the study have the same bytes as those of an undivided sweep. The parts may have different shard counts,
+/// as long as they contain every run exactly once.
 ///
 /// The monitor counts the rows; it can stop the merge after each row group.
 ///
 /// # Errors
-/// Returns an error if a part is missing, damaged, duplicate or of another study; the output path is unusable or
-/// contains other data; writing failed; or the merge was interrupted. In all cases `out` is unchanged.
+/// Returns an error if a part is missing, damaged, duplicate or of another study; if the output path is unusable or
+/// contains other data; if writing fails; or if the merge is interrupted. In all cases `out` is unchanged.
 pub fn merge(study: &Study, parts: &[PathBuf], out: &Path, monitor: &Monitor<'_>) -> Result<MergeResult, ComputeError> {
     let format = table::format(out).map_err(refused)?;
     check_target(out, FileKind::Table).map_err(refused)?;

@@ -11,8 +11,8 @@ pub const END_OF_RUN: PostureRequest = PostureRequest::Run { at_s: None, within_
 /// Default distance from the object's surface within which a phalanx is in contact, m.
 const DEFAULT_WITHIN_M: f64 = 5e-5;
 
-/// The posture at time `at_s` of a run; a surface no farther than `within_m` from the object is in contact. Refuses
-/// arguments that do not apply to this posture.
+/// Returns the posture of this request at time `at_s` of a run. A surface is in contact if it is at most `within_m`
+/// from the object. Returns an error if an argument does not apply to this kind of posture.
 pub fn with_options(
     posture: PostureRequest,
     at_s: Option<f64>,
@@ -68,7 +68,8 @@ pub fn parse_posture(text: &str) -> Result<PostureRequest, String> {
     Ok(PostureRequest::Explicit(ExplicitPosture { angles_rad, object_m, within_m: DEFAULT_WITHIN_M }))
 }
 
-/// Parses the angle between adjacent directions, which divides a full turn into 4 to 720; returns their number.
+/// Parses the angle between adjacent directions and returns the number of directions. The angle must divide a full turn
+/// into 4 to 720 parts.
 pub fn parse_direction_count(text: &str) -> Result<usize, String> {
     let angle_rad = units::parse(text, Dimension::Angle).map_err(|error| error.to_string())?;
     let count = std::f64::consts::TAU / angle_rad;

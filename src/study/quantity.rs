@@ -5,14 +5,14 @@ use crate::table::Value;
 use crate::units::Dimension;
 use phalanx_show::format::numbers::{format_number, zero_below_resolution};
 
-/// Display format of a column of SI values.
+/// Format in which a column of SI values is displayed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnFormat {
-    /// The last part of the name without its unit: `base` of `design.base_m`.
+    /// Last part of the name without its unit, such as `base` for `design.base_m`.
     pub name: String,
     /// Displayed unit; empty for plain numbers.
     pub unit: &'static str,
-    /// Displayed value per SI value.
+    /// Factor from SI units to the displayed unit.
     pub scale: f64,
     dimension: Option<Dimension>,
 }
@@ -47,8 +47,8 @@ impl ColumnFormat {
         ColumnFormat::new(column, &column_type(column).unwrap_or(FieldType::Number))
     }
 
-    /// Returns the format of a column or key with values of this kind; the unit depends on their dimension, not on the
-    /// name.
+    /// Returns the format of a column or key with values of this type. The unit depends on the dimension of the type,
+    /// not on the name.
     pub fn new(name: &str, field_type: &FieldType) -> ColumnFormat {
         let last = name.rsplit('.').next().unwrap_or(name);
         let (suffix, (unit, scale), dimension) = match field_type {
@@ -61,7 +61,7 @@ impl ColumnFormat {
         ColumnFormat { name: unprefixed.unwrap_or(last).to_string(), unit, scale, dimension }
     }
 
-    /// Name and unit: `base, mm`.
+    /// Name and unit, such as `base, mm`.
     pub fn label(&self) -> String {
         if self.unit.is_empty() { self.name.clone() } else { format!("{}, {}", self.name, self.unit) }
     }

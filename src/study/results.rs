@@ -90,7 +90,7 @@ pub enum OpenedResults {
     Incomplete(Store),
 }
 
-/// Unfinished results of a study, appended row by row.
+/// Unfinished results of a study, to which rows are appended one by one.
 pub struct Store {
     out: PathBuf,
     partial: PathBuf,
@@ -103,7 +103,7 @@ fn run_numbers(rows: &[Vec<Value>]) -> impl Iterator<Item = u64> {
     rows.iter().filter_map(|row| u64::try_from(row.first()?.as_integer()?).ok())
 }
 
-/// Opens the results of a study; the first `max_runs` runs are requested.
+/// Opens the results of a study, of which the first `max_runs` runs are requested.
 ///
 /// # Errors
 /// Returns an error if the output path is unusable, contains results of another study, or is being written by another
@@ -205,10 +205,10 @@ impl Store {
         &self.partial
     }
 
-    /// Writes the complete results in order and removes the file of unfinished results.
+    /// Writes the complete results in order, and removes the file of unfinished results.
     ///
     /// # Errors
-    /// Returns an error if writing fails; the file of unfinished results still contains every finished run.
+    /// Returns an error if writing fails. The file of unfinished results then still contains every finished run.
     pub fn finish(self, study: &Study) -> Result<Table, ComputeError> {
         let Store { out, partial, rows, .. } = self;
         let table = sorted_table(study, rows);

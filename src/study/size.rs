@@ -11,12 +11,13 @@ const SAMPLES: usize = 400;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizingOptions {
-    /// Rule by which the motor torque is averaged.
+    /// Rule for averaging the motor torque.
     pub rule: Rule,
     /// Duration of the test trajectory, s.
     pub closing_s: f64,
-    /// Preload angle, with the finger straight, of the torsional spring that is compared with the constant spring.
-    /// Default: the preload of the scene's spring, or a right angle if the scene has no preloaded torsional spring.
+    /// Deflection of the torsional spring when the finger is straight, rad. This spring is compared with the constant
+    /// spring. Default: the preload of the scene's spring, or a right angle if the scene has no preloaded torsional
+    /// spring.
     pub preload_rad: Option<f64>,
 }
 
@@ -26,15 +27,16 @@ impl Default for SizingOptions {
     }
 }
 
-/// Sized torques of a finger, with the current torques of its scene.
+/// Sized torques of a finger, and the present torques of its scene.
 #[derive(Clone, Debug)]
 pub struct FingerSizing {
     pub scene: String,
     pub options: SizingOptions,
     pub preload_rad: f64,
     pub profile: Profile,
-    /// Constant torques of the scene; `None` if they are not constant.
+    /// Constant motor torque of the scene, N·m; `None` if it is not constant.
     pub given_motor_n_m: Option<f64>,
+    /// Constant spring torque of the scene, N·m; `None` if it is not constant.
     pub given_spring_n_m: Option<f64>,
 }
 
@@ -50,7 +52,7 @@ pub enum SizeError {
     Sizing(#[from] SizingError),
 }
 
-/// Sizes spring and motor of the finger for closing on the object from its initial posture.
+/// Sizes the spring and the motor of the finger. The task is to close on the object from the initial posture.
 pub fn size_finger(scene: &Scene, options: SizingOptions) -> Result<FingerSizing, SizeError> {
     let object =
         scene.require_fingers(1)?.object().ok_or_else(|| SizeError::NoObject { scene: scene.display_name() })?;

@@ -11,10 +11,11 @@ use super::{Column, Kind, Origin, Table, TableError, Value};
 use crate::files::read_at_most;
 use crate::limits::MAX_TABLE_BYTES;
 
-/// Reads a CSV file. `known` columns have the given kind; the kind of other columns is inferred, see [`super::read`].
+/// Reads a CSV file. The `known` columns have their given kind; the kind of other columns is inferred, see
+/// [`super::read`].
 ///
 /// # Errors
-/// Returns an error if the file cannot be read, or is not a table; the error contains the location.
+/// Returns an error if the file cannot be read or is not a table; the error contains the location.
 pub fn read_csv(path: &Path, known: &[Column]) -> Result<Table, TableError> {
     let bytes = read_at_most(path, MAX_TABLE_BYTES).map_err(|error| TableError::unopened(path, &error))?;
     parse(&bytes.ok_or_else(|| TableError::too_large(path))?, &path.display().to_string(), known)
@@ -69,7 +70,7 @@ fn check_names(names: Vec<String>, file: &str) -> Result<Vec<String>, TableError
 }
 
 /// Parses rows of known columns from lines without a header, up to the first incomplete or damaged line. Also returns
-/// the number of bytes parsed.
+/// the number of bytes that were parsed.
 pub fn read_rows(bytes: &[u8], columns: &[Column]) -> (Vec<Vec<Value>>, usize) {
     let mut reader = ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
     let (mut record, mut rows, mut valid_bytes) = (StringRecord::new(), Vec::new(), 0);

@@ -23,7 +23,7 @@ use crate::files::{cannot_write, check_table_target, replace_file};
 use crate::scene::closest_match;
 use value::parse_cell;
 
-/// Error while reading, writing or using a table: one line with the location and the remedy.
+/// Error while reading, writing or using a table: a single line with the location and the remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct TableError(String);
@@ -76,7 +76,7 @@ impl Column {
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     pub columns: Vec<Column>,
-    /// One value per column in each row; values are of the column's kind or missing.
+    /// Rows with one value per column. Each value is of the kind of its column, or missing.
     pub rows: Vec<Vec<Value>>,
     /// Source of the table, for messages.
     pub origin: Origin,
@@ -85,9 +85,9 @@ pub struct Table {
 /// Source of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Origin {
-    /// File name; empty if the table was not read from a file.
+    /// Name of the file; empty if the table was not read from a file.
     pub file: String,
-    /// Line of each row in a CSV file; empty otherwise.
+    /// Line number of each row in a CSV file; empty for other sources.
     pub lines: Vec<u64>,
 }
 
@@ -117,7 +117,7 @@ impl Table {
         })
     }
 
-    /// Index of an optional column.
+    /// Index of a column; `None` if the table has no column of that name.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|column| column.name == name)
     }
@@ -125,31 +125,31 @@ impl Table {
     /// Values of a column of numbers or integers; `None` for missing values.
     ///
     /// # Errors
-    /// Returns an error if there is no such column, or a value is of another kind.
+    /// Returns an error if there is no such column, or if a value is of another kind.
     pub fn numbers(&self, name: &str) -> Result<Vec<Option<f64>>, TableError> {
         self.values_of_kind(name, Kind::Number, Value::as_number)
     }
 
-    /// Values of a column of integers.
+    /// Values of a column of integers; `None` for missing values.
     ///
     /// # Errors
-    /// Returns an error if there is no such column, or a value is of another kind.
+    /// Returns an error if there is no such column, or if a value is of another kind.
     pub fn integers(&self, name: &str) -> Result<Vec<Option<i64>>, TableError> {
         self.values_of_kind(name, Kind::Integer, Value::as_integer)
     }
 
-    /// Values of a column of flags.
+    /// Values of a column of flags; `None` for missing values.
     ///
     /// # Errors
-    /// Returns an error if there is no such column, or a value is of another kind.
+    /// Returns an error if there is no such column, or if a value is of another kind.
     pub fn flags(&self, name: &str) -> Result<Vec<Option<bool>>, TableError> {
         self.values_of_kind(name, Kind::Flag, Value::as_flag)
     }
 
-    /// Values of a column of texts.
+    /// Values of a column of texts; `None` for missing values.
     ///
     /// # Errors
-    /// Returns an error if there is no such column, or a value is of another kind.
+    /// Returns an error if there is no such column, or if a value is of another kind.
     pub fn texts(&self, name: &str) -> Result<Vec<Option<&str>>, TableError> {
         self.values_of_kind(name, Kind::Text, Value::as_text)
     }
@@ -256,18 +256,18 @@ pub fn read(path: &Path) -> Result<Table, TableError> {
     }
 }
 
-/// Writes a table atomically: an older file is replaced once the new one is on the disk.
+/// Writes a table atomically: an existing file is replaced only after the new one is on the disk.
 ///
 /// # Errors
-/// Returns an error if the file cannot be written, or a value is not of its column's kind.
+/// Returns an error if the file cannot be written, or if a value is not of the kind of its column.
 pub fn write(path: &Path, table: &Table) -> Result<(), TableError> {
     write_with_metadata(path, table, &[])
 }
 
-/// Like [`write()`], but replaces only a table of phalanx, or one with the same columns.
+/// Like [`write()`], but replaces an existing file only if it is a table of phalanx, or a table with the same columns.
 ///
 /// # Errors
-/// See [`write()`]; also returns an error for another file, which is unchanged.
+/// See [`write()`]; also returns an error for any other existing file, which is not changed.
 pub fn write_over_own(path: &Path, table: &Table) -> Result<(), TableError> {
     format(path)?;
     let columns: Vec<&str> = table.columns.iter().map(|column| column.name.as_str()).collect();
@@ -275,7 +275,7 @@ pub fn write_over_own(path: &Path, table: &Table) -> Result<(), TableError> {
     write(path, table)
 }
 
-/// Like [`write()`], with keys and values in the metadata of a Parquet file.
+/// Like [`write()`], with additional keys and values in the metadata of a Parquet file.
 ///
 /// # Errors
 /// See [`write()`].
@@ -290,7 +290,7 @@ pub fn write_with_metadata(path: &Path, table: &Table, metadata: &[(String, Stri
     written.map_err(|error| TableError(cannot_write(path, error)))
 }
 
-/// Writer of a table row by row, for tables larger than memory. The same rows give the same bytes.
+/// Writes a table row by row, for tables that are larger than memory. The same rows give the same bytes.
 pub enum RowWriter<'a> {
     Csv(Box<csv::Writer<&'a mut (dyn Write + Send)>>),
     Parquet(Box<parquet_file::Writer<'a>>),
@@ -312,10 +312,10 @@ impl<'a> RowWriter<'a> {
         })
     }
 
-    /// Adds a row with one value per column, of the column's kind or missing.
+    /// Adds a row with one value per column. Each value is of the kind of its column, or missing.
     ///
     /// # Errors
-    /// Returns an error if the row cannot be written, or its length differs from the number of columns.
+    /// Returns an error if the row cannot be written, or if its length differs from the number of columns.
     pub fn add(&mut self, row: &[Value]) -> io::Result<()> {
         match self {
             RowWriter::Csv(writer) => Ok(writer.write_record(row.iter().map(csv_file::cell))?),
@@ -323,7 +323,7 @@ impl<'a> RowWriter<'a> {
         }
     }
 
-    /// Writes the remaining data, and the metadata of a Parquet file.
+    /// Writes the remaining data; for a Parquet file, also the metadata.
     ///
     /// # Errors
     /// Returns an error if the data cannot be written.

@@ -23,7 +23,7 @@ const MAX_GROUP_ROWS: usize = 1 << 16;
 
 type Output<'a> = &'a mut (dyn Write + Send);
 
-/// Writer of a Parquet file, with one group of rows in memory.
+/// Writer of a Parquet file. It keeps one group of rows in memory.
 pub struct Writer<'a> {
     file: SerializedFileWriter<Output<'a>>,
     columns: Vec<Column>,
@@ -124,7 +124,7 @@ pub(super) fn read(path: &Path) -> Result<Table, TableError> {
     Ok(table)
 }
 
-/// Groups of rows of a Parquet file with flat columns, for files of any size.
+/// Reader of a Parquet file with flat columns, group of rows by group of rows; files may be of any size.
 pub struct RowGroups {
     file: String,
     reader: SerializedFileReader<File>,
@@ -136,7 +136,7 @@ impl RowGroups {
     /// Opens a file and reads its metadata, but no rows.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read, or is not a Parquet table of plain values.
+    /// Returns an error if the file cannot be read, or if it is not a Parquet table of plain values.
     pub fn open(path: &Path) -> Result<Self, TableError> {
         if path.is_dir() {
             return Err(TableError::unopened(path, &io::ErrorKind::IsADirectory.into()));
@@ -160,7 +160,7 @@ impl RowGroups {
         u64::try_from(self.reader.metadata().file_metadata().num_rows()).unwrap_or(0)
     }
 
-    /// Value of a metadata key.
+    /// Value of a metadata key; `None` if there is no such key.
     pub fn metadata_value(&self, name: &str) -> Option<&str> {
         let metadata = self.reader.metadata().file_metadata().key_value_metadata()?;
         metadata.iter().find(|entry| entry.key == name)?.value.as_deref()

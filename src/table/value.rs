@@ -52,7 +52,7 @@ impl PartialEq for Value {
 }
 
 impl Value {
-    /// Whether the value may be in a column of this kind: it is of this kind, or missing.
+    /// Whether the value may be in a column of this kind. It must be of this kind, or missing.
     pub fn fits(&self, kind: Kind) -> bool {
         match self {
             Value::Integer(_) => kind == Kind::Integer,
@@ -67,7 +67,7 @@ impl Value {
         if let Value::Integer(integer) = self { Some(*integer) } else { None }
     }
 
-    /// The number; also that of an integer.
+    /// Returns the number; an integer is converted. `None` for other values.
     pub fn as_number(&self) -> Option<f64> {
         if let Value::Number(number) = self { Some(*number) } else { self.as_integer().map(|integer| integer as f64) }
     }
@@ -80,8 +80,8 @@ impl Value {
         if let Value::Text(text) = self { Some(text) } else { None }
     }
 
-    /// Text of the value in a CSV cell. A number differs from an integer: it contains a decimal point or an exponent,
-    /// or is not finite.
+    /// Text of the value in a CSV cell. The text of a number can be told from that of an integer: it contains a decimal
+    /// point or an exponent, or is not finite.
     pub fn text(&self) -> String {
         match self {
             Value::Integer(value) => value.to_string(),

@@ -18,7 +18,7 @@ const MAX_ENSEMBLE_STEPS: f64 = 15e3;
 /// Shortest fixed step of a quick ladder, s; slightly less than 1e-5 s to allow for rounding.
 const MIN_QUICK_STEP_S: f64 = 0.999e-5;
 
-/// Configurations that differ in numerical parameters only.
+/// A family of configurations, which differ only in numerical parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// Contact laws of the scene, adaptive steps.
@@ -52,14 +52,14 @@ impl Family {
     }
 }
 
-/// One configuration of a model.
+/// One configuration of the solver of a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolverConfiguration {
     pub family: Family,
     pub settings: Solver,
-    /// Whether the scene requests this configuration. Only that configuration is judged.
+    /// Whether the scene requests this configuration. Only such a configuration is judged.
     pub is_from_scene: bool,
-    /// Number of runs; the worst one determines the result.
+    /// Number of runs in the ensemble. The worst run determines the result.
     pub members: usize,
 }
 
@@ -85,7 +85,7 @@ impl SolverConfiguration {
         }
     }
 
-    /// Returns the scene with this configuration.
+    /// Returns the scene, changed to this configuration.
     pub fn apply(&self, scene: &Scene) -> Scene {
         modify(scene, |scene| match self.settings {
             Solver::Analytic(integrator) => scene.integrator = integrator,
@@ -93,7 +93,7 @@ impl SolverConfiguration {
         })
     }
 
-    /// Whether this is the reference configuration, which has no error by definition.
+    /// Whether this is the reference configuration. By definition, it has no error.
     pub fn is_reference(&self) -> bool {
         matches!(self.settings, Solver::Analytic(integrator) if integrator.preset == Preset::Reference)
     }
@@ -152,8 +152,8 @@ pub(super) fn engine_keys(configuration: &SolverConfiguration) -> String {
     keys.collect::<Vec<_>>().join(", ")
 }
 
-/// Returns all configurations for a scene, grouped by family, including the scene's own. `quick` omits those that take
-/// long.
+/// Returns all configurations for a scene, grouped by family, including that of the scene itself. With `quick`,
+/// configurations that take long are omitted.
 pub fn ladder_configurations(scene: &Scene, quick: bool) -> Vec<SolverConfiguration> {
     // The number of solver iterations is the scene's if its contact model is of the same kind.
     let engine = |response: Response, stepping: Stepping| {
@@ -248,17 +248,18 @@ pub enum Status {
     NoTime,
 }
 
-/// Cost of a configuration without any output; all `None` if it was not evaluated.
+/// Cost of a configuration, measured without any output. All fields are `None` if it was not evaluated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Cost {
     pub steps: Option<u64>,
-    /// Median wall time of the timed runs.
+    /// Median wall time of the timed runs, s.
     pub wall_s: Option<f64>,
     /// Number of timed runs.
     pub timed_runs: Option<usize>,
     /// Ratio of simulated time to wall time.
     pub real_time_factor: Option<f64>,
-    /// Ratio of the wall time to that of the analytic model at its engineering preset, measured between the timed runs.
+    /// Ratio of the wall time to that of the analytic model with its engineering preset. The latter is measured between
+    /// the timed runs.
     pub analytic_factor: Option<f64>,
 }
 
@@ -277,13 +278,13 @@ pub struct LadderRow {
     #[serde(rename = "reference")]
     pub is_reference: bool,
     pub status: Status,
-    /// Reason why the configuration has no results.
+    /// Reason why the configuration has no results; `None` if it has results.
     pub reason: Option<String>,
-    /// Number of runs; the worst counts.
+    /// Number of runs in the ensemble; the worst run counts.
     pub ensemble_runs: usize,
     #[serde(flatten)]
     pub cost: Cost,
-    /// Worst differences of the ensemble; `None` for the reference and without results.
+    /// Worst differences of the ensemble; `None` for the reference, or without results.
     #[serde(skip)]
     pub differences: Option<Differences>,
 }

@@ -76,16 +76,16 @@ impl RunningDifference {
     }
 }
 
-/// Error of one coordinate over a run: an angle in rad, the centre of a body in m.
+/// Error of one coordinate over a run: that of an angle is in rad, that of the centre of a body in m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CoordinateError {
     /// Largest absolute difference.
     pub max: f64,
     /// Time of the largest difference, s.
     pub max_at_s: f64,
-    /// Root mean square.
+    /// Root mean square of the difference.
     pub rms: f64,
-    /// Difference at the end of the compared time.
+    /// Difference at the end of the compared interval.
     pub end: f64,
 }
 
@@ -97,8 +97,8 @@ impl CoordinateError {
     }
 }
 
-/// Differences of a run from its reference, or the worst of several runs. A value is infinite where only one of the two
-/// has the quantity, and `None` where neither has it.
+/// Differences of a run from its reference, or the worst differences of several runs. A value is infinite if only one
+/// of the two runs has the quantity, and `None` if neither has it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
     /// Errors of q11, q21, q22 of every finger, then of the centre of every body.
@@ -107,25 +107,26 @@ pub struct Differences {
     pub rate_rms_rad_s: Vec<f64>,
     /// Error of the angle of every body.
     pub turn: Vec<CoordinateError>,
-    /// Difference of the first touch-down of every contact between surfaces.
+    /// Difference of the time of the first touch-down, for every contact between surfaces, s.
     pub contact_time_s: Vec<Option<f64>>,
-    /// Worst relative difference of the normal impulse of an impact; for pairs of bodies, of the impulse over the run.
+    /// Worst relative difference of the normal impulse of an impact. For pairs of bodies, that of the impulse over the
+    /// whole run.
     pub impulse: Vec<Option<f64>>,
-    /// Difference of the normal force at the end of the run, relative to the reference (in N where the reference force
-    /// is zero).
+    /// Difference of the normal force at the end of the run, relative to the reference; in N if the reference force is
+    /// zero.
     pub final_force: Vec<Option<f64>>,
     /// Relative difference of the largest normal force.
     pub peak_force: Vec<Option<f64>>,
-    /// Largest opening of a joint.
+    /// Largest opening of a joint, m.
     pub loop_gap_m: f64,
     /// Largest excess of the energy balance, J.
     pub energy_created_j: f64,
-    /// The same relative to the motor's work, or for scenes without joints to the largest energy of the run.
+    /// The same excess, relative to the work of the motor; in scenes without joints, to the largest energy of the run.
     pub energy_created: f64,
 }
 
 impl Differences {
-    /// Largest difference of any coordinate. In scenes with fingers, distances are scaled by [`REFERENCE_LENGTH_M`].
+    /// Largest difference of any coordinate. In scenes with fingers, distances are divided by [`REFERENCE_LENGTH_M`].
     pub fn path_max(&self) -> f64 {
         let unit = if self.has_fingers() { REFERENCE_LENGTH_M } else { 1.0 };
         self.angle_max().max(self.centre_max() / unit)
@@ -146,7 +147,7 @@ impl Differences {
         self.path[self.rate_rms_rad_s.len()..].iter().map(|error| error.max).fold(0.0, f64::max)
     }
 
-    /// Returns the maximum of each difference.
+    /// Returns the larger of the two values for each difference.
     pub fn worst(&self, other: &Self) -> Self {
         let each = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a.max(*b)).collect();
         let each_known =
@@ -166,7 +167,7 @@ impl Differences {
     }
 }
 
-/// Returns the largest of the values that are present.
+/// Returns the largest of the values that are not `None`.
 pub fn largest(values: &[Option<f64>]) -> Option<f64> {
     values.iter().copied().flatten().reduce(f64::max)
 }
@@ -186,7 +187,7 @@ pub struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// Creates a comparison of trajectories up to `until_s`.
+    /// Creates a comparison of trajectories up to the time `until_s`.
     pub fn new(reference: &'a Recording, until_s: f64) -> Self {
         let counts = reference.outcome.last.counts();
         let angles = Angle::ALL.len() * counts.fingers;
@@ -271,7 +272,7 @@ impl<'a> Comparison<'a> {
         (last.time_s <= self.until_s).then(|| distance(contact.normal_n, expected.normal_n) / scale)
     }
 
-    /// Returns the differences after the end of the run.
+    /// Returns the differences, after the end of the run.
     pub fn finish(self, outcome: &Outcome) -> Differences {
         let reference = &self.reference.outcome;
         let has_fingers = reference.last.counts().fingers > 0;
@@ -342,7 +343,7 @@ pub(crate) fn coordinate_errors(sample: &Sample, expected: &Sample) -> impl Iter
     angles.chain(centres)
 }
 
-/// Compares a recorded run with its reference, with trajectories up to `until_s`.
+/// Compares a recorded run with its reference; trajectories are compared up to `until_s`.
 pub fn compare(run: &Recording, reference: &Recording, until_s: f64) -> Differences {
     let mut comparison = Comparison::new(reference, until_s);
     // A recording stores samples and events separately, so its impacts are reused instead of being measured again.

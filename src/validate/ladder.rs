@@ -9,7 +9,7 @@ use crate::scene::{Preset, Scene};
 use crate::trace::{Cancellable, Model, RunError, run};
 use phalanx_parallel::{KeepRunning, Monitor};
 
-/// Default time limit of a ladder, s: enough for all configurations of a finger except the shortest fixed steps.
+/// Default time limit of a ladder, s. It suffices for all configurations of a finger except the shortest fixed steps.
 pub const LADDER_TIME_S: f64 = 10.0;
 /// Wall time spent on repeated runs of one configuration, s.
 const TIMING_BUDGET_S: f64 = 0.2;
@@ -20,22 +20,22 @@ const MAX_TIMED_RUNS: usize = 15;
 /// Runs of the analytic model per timed run. Each takes a fraction of a millisecond.
 const ANALYTIC_RUNS_PER_RUN: usize = 3;
 
-/// Selects the configurations of a ladder.
+/// Options that select the configurations of a ladder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LadderOptions {
     /// Whether to omit configurations that take long, regardless of the time limit.
     pub quick: bool,
-    /// Time limit, s. Configurations are started as long as the expected total time is below it.
+    /// Time limit, s. A configuration is started only if the expected total time is below it.
     pub time_s: f64,
 }
 
-/// Adds the ladder to a validation: other configurations of both models, compared with the same references and timed,
-/// but not judged. They run sequentially, because their times are measured, in order of their predicted number of
-/// steps. The monitor counts the configurations and names the family of the current one.
+/// Adds the ladder to a validation: other configurations of both models, which are compared with the same references
+/// and timed, but not judged. They run sequentially, because their times are measured, in the order of their predicted
+/// number of steps. The monitor counts the configurations and names the family of the current one.
 ///
 /// # Errors
-/// Returns an error if the scene's own configuration failed or the monitor stops the ladder. A failure of any other
-/// configuration is reported in its row.
+/// Returns an error if the scene's own configuration has failed, or if the monitor stops the ladder. A failure of any
+/// other configuration is reported in its row.
 pub fn run_ladder(
     validation: &mut Validation,
     full_scene: &Scene,

@@ -9,14 +9,14 @@ use crate::trace::{RequiredData, Sink, SinkError, interpolate, run};
 /// All samples, events and results of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
-    /// Samples in order of time; two samples may have the same time.
+    /// Samples in order of time. Two samples may have the same time.
     pub samples: Vec<Sample>,
     pub events: Vec<Event>,
     pub impacts: Impacts,
     pub outcome: Outcome,
     /// Criteria of the run.
     pub run_criteria: Option<RunCriteria>,
-    /// Spring force of each contact of a mechanism at its maximum penetration, N.
+    /// For each contact of a mechanism, its spring force at its maximum penetration, N.
     pub peak_spring_n: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ impl Sink for Recording {
 
 impl Recording {
     /// Returns the state at a time, interpolated between the two adjacent samples; `None` without samples. `cursor`
-    /// stores the index of the previous search, which makes access in order of time cheap.
+    /// stores the index of the previous search, which makes access in order of time fast.
     pub fn interpolate(&self, time_s: f64, cursor: &mut usize) -> Option<Sample> {
         let last = self.samples.len().checked_sub(1)?;
         *cursor = (*cursor).min(last);
@@ -100,20 +100,20 @@ impl Sink for JudgedRecording {
 }
 
 /// Time after the touch-down over which the impulse of a lasting contact is measured, s. The impact force of these
-/// grippers has decayed after about 10 µs; the impulse of the motor and the spring over 20 µs is below a hundredth of
-/// it.
+/// grippers has decayed after about 10 µs. Over 20 µs, the impulse of the motor and the spring is below a hundredth of
+/// that of the impact.
 pub const IMPACT_S: f64 = 20e-6;
 
-/// One touch-down and the normal impulse after it.
+/// One touch-down, and the normal impulse after it.
 ///
-/// Within the step that contains the touch-down, the impulse is taken as instantaneous, minus the contribution of the
-/// normal force at the end of the step, because the step does not resolve the impact. In later steps the impulse is
+/// The step that contains the touch-down does not resolve the impact. The impulse within it is therefore taken as
+/// instantaneous, minus the contribution of the normal force at the end of the step. In later steps, the impulse is
 /// interpolated with the normal forces as slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// Index among the contacts of a sample.
     pub contact: usize,
-    /// Time of the touch-down.
+    /// Time of the touch-down, s.
     pub time_s: f64,
     /// Cumulative normal impulse at the last sample before the touch-down; the contact force is zero from then on until
     /// the touch-down.
@@ -129,12 +129,13 @@ pub struct Impact {
 }
 
 impl Impact {
-    /// Normal impulse up to the lift-off, or of a lasting contact in the [`IMPACT_S`] after the touch-down.
+    /// Normal impulse up to the lift-off, N·s. For a lasting contact, it is the impulse within [`IMPACT_S`] after the
+    /// touch-down.
     pub fn impulse_n_s(&self) -> f64 {
         self.lift_off.map_or(self.after_n_s - self.before_n_s, |(_, impulse_n_s)| impulse_n_s)
     }
 
-    /// End of the interval covered by [`Impact::impulse_n_s`].
+    /// End of the interval over which [`Impact::impulse_n_s`] is measured, s.
     pub fn end_s(&self) -> f64 {
         self.lift_off.map_or(self.time_s + IMPACT_S, |(end_s, _)| end_s)
     }

@@ -21,8 +21,8 @@ const MAX_REFERENCE_SAMPLES: f64 = 1e5;
 /// Maximum rate of a reference grid; interpolation at this rate is exact to rounding.
 const MAX_REFERENCE_HZ: f64 = 1e6;
 
-/// Returns the scene that a validation runs. Scenes without joints end at `until`, so that every figure of a run, including
-/// peaks and impulses, covers the compared time only.
+/// Returns the scene that a validation runs. A scene without joints ends at `until`, so that every figure of a run,
+/// including peaks and impulses, is limited to the compared interval.
 pub fn compared_scene(scene: &Scene) -> Scene {
     modify(scene, |scene| {
         if !scene.has_joints() {
@@ -41,7 +41,7 @@ pub(crate) fn ensemble_member(scene: &Scene, index: usize) -> Scene {
     perturbed(scene, index as f64 * MEMBER_PERTURBATION)
 }
 
-/// Checks that a validation of the scene fits into memory, because whole runs are stored to be compared.
+/// Checks that a validation of the scene fits into memory. Whole runs are stored for the comparison.
 ///
 /// # Errors
 /// Returns an error if the number of samples exceeds [`MAX_VALIDATED_SAMPLES`].
@@ -75,13 +75,13 @@ pub(super) fn modify(scene: &Scene, change: impl FnOnce(&mut Scene)) -> Scene {
     changed
 }
 
-/// Returns the scene of the reference run: tightest settings, dense grid.
+/// Returns the scene of the reference run: with the tightest settings and a dense grid.
 pub fn reference_scene(scene: &Scene) -> Scene {
     sampled_scene(Model::Analytic, &modify(scene, |scene| scene.apply_preset(Preset::Reference)))
 }
 
-/// Returns the scene with the sampling that a comparison needs. The analytic model has dense output, so it is sampled
-/// on a dense grid. The engine is sampled at every step, without interpolation.
+/// Returns the scene with the sampling that a comparison needs. The analytic model is sampled on a dense grid, because
+/// it has dense output. The engine is sampled at every step, without interpolation.
 pub fn sampled_scene(model: Model, scene: &Scene) -> Scene {
     match model {
         Model::Analytic => modify(scene, |scene| {
@@ -92,7 +92,7 @@ pub fn sampled_scene(model: Model, scene: &Scene) -> Scene {
     }
 }
 
-/// Returns the scene sampled at integrator steps only.
+/// Returns the scene that is sampled only at the steps of the integrator.
 pub fn scene_sampled_at_steps(scene: &Scene) -> Scene {
     modify(scene, |scene| scene.log.numeric_hz = 1.0 / scene.duration_s)
 }

@@ -16,7 +16,7 @@ use crate::trace::{Event, EventKind, FingerContact, Model, RequiredData, RunErro
 pub(crate) const STATISTICS_RUNS: usize = 24;
 /// Half the relative spread of the motor torque over the runs.
 pub(crate) const TORQUE_SPREAD: f64 = 0.01;
-/// Largest accepted difference of two means, in standard errors. With six statistics and two correct models, one scene
+/// Largest accepted difference of two means, in standard errors. For two correct models and six statistics, one scene
 /// in two thousand is judged wrongly.
 pub const MAX_STANDARD_ERRORS: f64 = 4.0;
 
@@ -33,26 +33,26 @@ pub(crate) const STATISTIC_NAMES: [&str; 6] = [
     "mean_kinetic_j",
 ];
 
-/// One statistic in both models: its mean and standard deviation over the runs.
+/// One statistic of both models: its mean and its standard deviation over the runs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Statistic {
-    /// Name with unit.
+    /// Name of the statistic with its unit.
     #[serde(rename = "figure")]
     pub name: &'static str,
     pub analytic_mean: f64,
     pub analytic_deviation: f64,
     pub engine_mean: f64,
     pub engine_deviation: f64,
-    /// Absolute difference of the means, in standard errors of that difference.
+    /// Absolute difference of the two means, in standard errors of this difference.
     pub standard_errors: f64,
 }
 
-/// Statistics of runs that are too sensitive to be compared individually.
+/// Statistics of runs that are too sensitive for an individual comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Statistics {
-    /// Start of the evaluated time, s.
+    /// Start of the interval that is evaluated, s.
     pub from_s: f64,
-    /// Number of torques.
+    /// Number of motor torques; each is one run of both models.
     pub runs: usize,
     /// Half the relative spread of the torques.
     pub torque_spread: f64,
@@ -63,15 +63,14 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Largest difference of a mean, in standard errors.
+    /// Largest difference of two means, in standard errors.
     pub fn worst(&self) -> f64 {
         self.statistics.iter().map(|statistic| statistic.standard_errors).fold(0.0, f64::max)
     }
 }
 
-/// Runs both models over the spread of torques and compares them from `bounds.until_s` on. Torques for which one of the
-/// models does not complete the run (a fold of the linkage) are excluded and not counted in
-/// [`Statistics::completed`].
+/// Runs both models over the spread of torques and compares them from `bounds.until_s` on. A torque is excluded, and
+/// not counted in [`Statistics::completed`], if one of the models does not complete its run (a fold of the linkage).
 ///
 /// # Errors
 /// Returns an error if a run was interrupted.

@@ -17,10 +17,10 @@ use crate::scene::Scene;
 use crate::trace::{Cancellable, Model, RunError, run};
 use phalanx_parallel::{KeepRunning, on_all_cores};
 
-/// A finer configuration of the engine that was run because a bound failed.
+/// A finer configuration of the engine, which was run because a bound failed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FinerConfiguration {
-    /// The configuration as keys of `[engine]`.
+    /// The configuration, written as keys of `[engine]`.
     pub setting: String,
     pub passed: bool,
 }
@@ -28,40 +28,41 @@ pub struct FinerConfiguration {
 /// All results of a validation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Validation {
-    /// Trajectories are compared up to this time.
+    /// Time up to which trajectories are compared, s.
     pub until_s: f64,
     /// Largest allowed error of the engine's trajectory, rad; for scenes without joints, m.
     pub path_bound: f64,
-    /// Run of the analytic model at its reference preset, on a dense grid, for the scene itself.
+    /// Run of the analytic model with its reference preset, on a dense grid. It is that of the scene itself, not of
+    /// another member of the ensemble.
     pub reference: Recording,
-    /// Run of the engine at the scene's settings, for the scene itself.
+    /// Run of the engine with the settings of the scene, for the scene itself.
     pub engine: Recording,
     /// The other members of the ensemble with their references.
     pub(super) other_members: Vec<(Scene, Recording)>,
-    /// Differences of the engine at the scene's settings: the worst of the ensemble.
+    /// Differences of the engine with the settings of the scene: the worst ones of the ensemble.
     pub differences: Differences,
-    /// Comparison of the criteria of both runs.
+    /// Comparison of the criteria of the two runs.
     pub criteria: Vec<Criterion>,
-    /// Reason why the criteria are not judged; `None` if they are.
+    /// Reason why the criteria are not judged; `None` if they are judged.
     pub reason_not_judged: Option<&'static str>,
     /// Margins of the invariants in `reference`.
     pub reference_invariants: Vec<Finding>,
     /// Margins of the invariants in `engine`.
     pub engine_invariants: Vec<Finding>,
-    /// Means over many runs beyond `until_s`; `None` where trajectories are compared to the end.
+    /// Means over many runs beyond `until_s`; `None` if trajectories are compared to the end.
     pub statistics: Option<Statistics>,
     /// The evaluated configurations of the ladder; empty without a ladder.
     pub ladder: Vec<LadderRow>,
     pub verdict: Verdict,
-    /// The check of the reference against another integration method.
+    /// The check that compares the reference with another integration method.
     pub reference_check: check::Check,
-    /// Finer configurations of the engine, run because the verdict failed, from coarse to fine, and whether each
-    /// passes. The series ends with the first that passes.
+    /// Finer configurations of the engine that were run because the verdict failed, from coarse to fine, each with its
+    /// result. The series ends with the first configuration that passes.
     pub finer_configurations: Vec<FinerConfiguration>,
 }
 
 impl Validation {
-    /// Returns the estimated error of the reference, in the unit of a check; `None` where it could not be estimated.
+    /// Returns the estimated error of the reference, in the unit of a check; `None` if it could not be estimated.
     pub fn reference_error(&self) -> Option<f64> {
         (self.reference_check.verdict != check::Verdict::Unknown).then_some(self.reference_check.errors.path)
     }
@@ -73,7 +74,7 @@ impl Validation {
     }
 }
 
-/// Error for a scene whose reference or engine run could not be completed.
+/// Error for a scene whose reference run or engine run could not be completed.
 #[derive(Debug, thiserror::Error)]
 #[error("the {} model did not complete the scene, so there is nothing to compare: {error}", model.name())]
 pub struct ValidationError {
@@ -90,11 +91,11 @@ struct Member {
     differences: Differences,
 }
 
-/// Compares the engine at the scene's settings with the reference and judges it. The members of the ensemble run in
-/// parallel.
+/// Compares the engine with the reference, and judges it. The engine has the settings of the scene. The members of the
+/// ensemble run in parallel.
 ///
 /// # Errors
-/// Returns an error if a reference run, or the engine at the scene's own settings, could not be completed, or if
+/// Returns an error if a reference run, or the engine with the scene's own settings, could not be completed, or if
 /// `keep_running` returned false.
 pub fn validate(full_scene: &Scene, keep_running: KeepRunning) -> Result<Validation, ValidationError> {
     let scene = &compared_scene(full_scene);

@@ -28,7 +28,7 @@ pub struct Check {
     pub bound: &'static str,
     /// Description of the measured quantity.
     pub meaning: &'static str,
-    /// Measured value; `None` if the scene does not have the quantity; infinite if only one of the models has it.
+    /// Measured value. `None` if the scene does not have the quantity; infinite if only one of the models has it.
     pub measured: Option<f64>,
     pub limit: f64,
     /// Whether the bound holds. It always holds for a quantity that the scene does not have.
@@ -54,14 +54,14 @@ impl Verdict {
         self.checks.iter().all(|check| check.passed)
     }
 
-    /// Whether any of these bounds fails.
+    /// Whether at least one of these bounds fails.
     pub fn fails(&self, bounds: &[&str]) -> bool {
         self.checks.iter().any(|check| bounds.contains(&check.bound) && !check.passed)
     }
 }
 
-/// Judges the differences of the engine at the settings of the scene: angles and positions, and final forces of fingers or
-/// peak forces of mechanisms.
+/// Judges the differences of the engine with the settings of the scene: angles and positions, and the final forces of
+/// fingers or the peak forces of mechanisms.
 pub fn check_bounds(found: &Differences, bounds: &Bounds) -> Verdict {
     let (has_fingers, has_bodies) = (found.has_fingers(), !found.turn.is_empty());
     let [angle, position, impulse] = match has_fingers {
@@ -98,7 +98,7 @@ pub(super) struct Evidence<'a> {
     pub reference_check: &'a check::Check,
     /// Largest allowed error of the engine, in the unit of the check of the reference.
     pub path_bound: f64,
-    /// Criteria of both runs; empty if they are not judged.
+    /// Criteria of the two runs; empty if they are not judged.
     pub criteria: &'a [Criterion],
     pub reference_invariants: &'a [Finding],
     pub engine_invariants: &'a [Finding],
@@ -130,12 +130,12 @@ pub(super) fn judge(found: &Differences, bounds: &Bounds, evidence: &Evidence) -
 
 /// A criterion that both models must agree on.
 pub(crate) struct CriterionKind {
-    /// Key of its bound, with its unit.
+    /// Key of the bound of the criterion, with its unit.
     pub bound: &'static str,
     pub meaning: &'static str,
     /// Name in tables, with the displayed unit.
     pub label: &'static str,
-    /// Displayed value per SI value.
+    /// Factor from SI units to the displayed unit.
     pub scale: f64,
     pub digits: usize,
 }
@@ -180,7 +180,7 @@ pub enum Value {
 /// One criterion in both models.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Criterion {
-    /// Key of its bound, with its unit.
+    /// Key of the bound of the criterion, with its unit.
     #[serde(rename = "criterion")]
     pub bound: &'static str,
     /// Name of the pair or contact; `None` for criteria of the whole scene.
@@ -188,8 +188,8 @@ pub struct Criterion {
     pub subject: Option<String>,
     pub analytic: Value,
     pub engine: Value,
-    /// Difference compared with the limit: 0 or 1 for labels, otherwise the absolute difference; infinite if only one
-    /// model has a value.
+    /// Difference that is compared with the limit: 0 or 1 for labels, otherwise the absolute difference. Infinite if
+    /// only one model has a value.
     pub difference: f64,
     pub limit: f64,
 }
@@ -212,7 +212,7 @@ impl Criterion {
     }
 }
 
-/// Compares the criteria of both runs of a scene; empty if there are none, as for a finger without an object.
+/// Compares the criteria of the two runs of a scene; empty if there are none, as for a finger without an object.
 pub fn compare_criteria(scene: &Scene, analytic: &Recording, engine: &Recording) -> Vec<Criterion> {
     let (Some(analytic), Some(engine)) = (&analytic.run_criteria, &engine.run_criteria) else { return Vec::new() };
     match (&analytic.criteria, &engine.criteria, &analytic.grasp, &engine.grasp) {
@@ -283,8 +283,8 @@ fn compare_losses(
     std::iter::once(count).chain(time).collect()
 }
 
-/// Returns why the criteria of two accurate runs of a scene may differ, so that they are reported without being judged;
-/// `None` where they are judged.
+/// Returns the reason why the criteria of two accurate runs of a scene may differ. They are then reported without being
+/// judged. `None` if they are judged.
 pub fn reason_not_judged(scene: &Scene, reference: &check::Check) -> Option<&'static str> {
     let Scene { bounds, duration_s, .. } = scene;
     if scene.has_joints() && bounds.until_s < *duration_s {
@@ -298,7 +298,7 @@ pub fn reason_not_judged(scene: &Scene, reference: &check::Check) -> Option<&'st
     }
 }
 
-/// Returns the criteria as bounds of the verdict: the worst of each kind.
+/// Returns the criteria as bounds of the verdict: for each kind, the worst criterion.
 pub fn criteria_checks(found: &[Criterion]) -> Vec<Check> {
     let check = |&CriterionKind { bound, meaning, .. }: &CriterionKind| {
         let of_bound = found.iter().filter(|criterion| criterion.bound == bound);

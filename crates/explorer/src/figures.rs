@@ -22,7 +22,7 @@ fn final_values(scene: &str, model: Model) -> Vec<f64> {
     angles.chain(bodies).chain(outcome.contacts.iter().map(|contact| contact.impulse_n_s)).collect()
 }
 
-/// Returns one of the results of a scene and a model; NaN beyond the last.
+/// Returns the result `index` of a scene and a model; NaN if `index` is beyond the last result.
 #[unsafe(export_name = "figure")]
 pub extern "C" fn final_value(scene: usize, model: usize, index: usize) -> f64 {
     static RESULTS: OnceLock<[[Vec<f64>; 2]; 2]> = OnceLock::new();

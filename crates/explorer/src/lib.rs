@@ -63,7 +63,7 @@ pub extern "C" fn respond(bytes: usize) -> *const u32 {
     })
 }
 
-/// Returns the panic message of a call that ended in a trap: a text, in the layout of a response.
+/// Returns the panic message of a call that ended in a trap, in the layout of a response.
 #[unsafe(export_name = "error")]
 pub extern "C" fn panic_message() -> *const u32 {
     BUFFERS.with_borrow_mut(|buffers| {

@@ -1,8 +1,8 @@
 //! Time as an unevaluated sum of two floating-point numbers.
 
-/// A time that can advance by steps below its own resolution. Repeated impacts at a stiff joint limit have a time scale
-/// of 1e-12 s, and their events are located a million times finer, whereas the last digit of a time of 1e-2 s is 2e-18
-/// s.
+/// A time that can advance by steps below its own resolution. At a stiff joint limit, repeated impacts have a time
+/// scale of 1e-12 s, and their events are located a million times more finely. The last digit of a time of 1e-2 s is
+/// 2e-18 s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clock {
     time: f64,

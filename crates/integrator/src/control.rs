@@ -4,8 +4,8 @@ use super::State;
 use super::layout::{Layout, VectorOf};
 use crate::numeric::elementary::{ln, pow};
 
-/// Angles have only an absolute tolerance: penetrations of 1e-8 rad occur together with angles of 1 rad, and a relative
-/// tolerance would hide them.
+/// Tolerances of coordinates and rates. Angles have only an absolute tolerance: a relative one would hide penetrations
+/// of 1e-8 rad, which occur together with angles of 1 rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances {
     pub atol_q: f64,
@@ -79,8 +79,8 @@ impl Tolerances {
         if scale > 0.0 { error.abs() / scale } else { 0.0 }
     }
 
-    /// Root mean square of the scaled errors of the first `coordinate_count` coordinates and their rates; at most 1 is
-    /// acceptable.
+    /// Root mean square of the scaled errors of the first `coordinate_count` coordinates and of their rates. A step is
+    /// acceptable if it is at most 1.
     #[inline(always)]
     pub fn norm<L: Layout>(
         &self,
@@ -107,12 +107,12 @@ pub struct ToleranceSchedule {
 }
 
 impl ToleranceSchedule {
-    /// Returns the schedule of a run with these tolerances.
+    /// Returns the schedule of a run; `tolerances` are those at its start.
     pub fn new(tolerances: &Tolerances) -> Self {
         Self { typical_steps: TYPICAL_STEPS * pow(1e-5 / tolerances.rtol_v, 0.2) }
     }
 
-    /// Tolerances of the next step after these numbers of steps and events.
+    /// Returns the tolerances of the next step, after a number of steps and a number of events.
     #[inline(always)]
     pub fn tolerances(&self, requested: &Tolerances, [steps, events]: [u64; 2]) -> Tolerances {
         let event_steps = events.saturating_sub(TYPICAL_EVENTS) * STEPS_PER_EVENT;
@@ -151,7 +151,7 @@ const MIN_ORDER: f64 = 0.5;
 const MAX_REPEATED_REDUCTION: f64 = 0.1;
 
 impl Controller {
-    /// `order` is the order of the error estimate's leading term in h.
+    /// Creates a controller; `order` is the order in h of the leading term of the error estimate.
     pub fn new(order: f64) -> Self {
         Self { exponent: 1.0 / order, last_error: None, last_h: 0.0, rejections: 0, last_rejection: (0.0, 0.0) }
     }
@@ -166,7 +166,7 @@ impl Controller {
         }
     }
 
-    /// Discards the error history, after an event.
+    /// Discards the error history; called after an event.
     pub fn restart(&mut self) {
         self.last_error = None;
         self.rejections = 0;
@@ -205,8 +205,8 @@ impl Controller {
         h * factor.clamp(max_reduction, 0.9)
     }
 
-    /// Returns `factor` times the size of a step that was rejected for another reason than its error. The step after
-    /// the next accepted one does not grow.
+    /// Returns `factor` times the size of a step that was rejected for a reason other than its error. The next accepted
+    /// step is not followed by a larger one.
     pub fn cut(&mut self, h: f64, factor: f64) -> f64 {
         self.rejections += 1;
         self.last_rejection = (h, f64::INFINITY);

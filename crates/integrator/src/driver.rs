@@ -43,7 +43,7 @@ pub enum Reason {
     Stopped,
 }
 
-/// An integration that ended early, and when.
+/// Time and reason of an integration that ended early.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("at t = {time_s:.9} s: {reason}")]
 pub struct Failure {
@@ -116,11 +116,11 @@ where
     End { time_s: integration.time_s(), state: integration.state().clone(), counters: *integration.counters(), result }
 }
 
-/// An integration in progress. Its system is a parameter of its functions, the same in every call.
+/// An integration in progress. Its functions receive the system as an argument, which must be the same in every call.
 ///
-/// Steps have their natural length: the last one may end after the time to which the integration has advanced. It is
-/// pending until that time reaches its end; states before are read inside it. Therefore results do not depend on the
-/// times to which the integration advances.
+/// The sizes of steps do not depend on the times to which the integration advances, and neither do the results. The
+/// last step may therefore end after such a time. It is then pending, and states are read inside it. It is committed
+/// once the integration advances to its end.
 #[derive(Clone)]
 pub struct Integration<L: Layout, M, K> {
     run: Run<L, M, K>,
@@ -192,7 +192,7 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Integration<L, M, K> {
         &self.run.counters
     }
 
-    /// Commits all steps that end before or at time `t`, at most `t_end`. A step ends at `t_end`, the end of the run,
+    /// Commits all steps that end before or at time `t`, at most `t_end`. One step ends at `t_end`, the end of the run,
     /// which must not change while a step is pending. Returns earlier if the observer suspends the advance.
     ///
     /// # Errors
@@ -205,7 +205,7 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Integration<L, M, K> {
         self.step_to(system, t, (t_end, t_end), observer)
     }
 
-    /// Like [`Integration::advance`], but the last step ends at `t`: a pending step is discarded.
+    /// Like [`Integration::advance`], but the last step ends at `t`. A pending step is discarded.
     ///
     /// # Errors
     /// See [`Integration::advance`].
@@ -250,8 +250,8 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Integration<L, M, K> {
         self.pending.as_ref().is_some_and(|pending| pending.ends_after(&self.found, &self.run.clock, t))
     }
 
-    /// Reads states inside the pending step; `None` if no step is pending. `read` receives the step, its mode, and the
-    /// evaluation of its inside. The integration does not change.
+    /// Reads states inside the pending step; `None` if no step is pending. `read` receives the step, its mode, and
+    /// tools that evaluate states inside it. The integration does not change.
     pub fn read_pending<Y, R>(
         &self,
         system: &Y,
@@ -280,7 +280,7 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Integration<L, M, K> {
         Some(read(&step, &run.mode, &mut tools))
     }
 
-    /// Continues from the end of the last committed step with another right-hand side in the given mode.
+    /// Continues from the end of the last committed step with another state, mode and right-hand side.
     pub fn restart<Y: Hybrid<Layout = L, Mode = M>>(&mut self, system: &Y, state: State<L>, mode: M) {
         self.pending = None;
         (self.run.state, self.run.mode) = (state, mode);

@@ -54,9 +54,9 @@ pub(crate) fn raise_above_noise<L: Layout>(
 
 /// Scaled error of a step, weighted by the sensitivity of the laws of active contacts.
 ///
-/// A contact may be active at a depth below the tolerance of the coordinates: there the step's linearised damper may
-/// transmit or pull a force that the law does not. Likewise a sticking range may be narrower than the tolerance of the
-/// rates.
+/// A contact may be active at a depth below the tolerance of the coordinates. The linearised damper of the step may
+/// then transmit a force, or even pull, where the law does not. Likewise, a sticking range may be narrower than the
+/// tolerance of the rates.
 #[inline(always)]
 pub fn error<L: Layout>(events: &EventSet<L>, attempt: &Attempt<L>, from: &State<L>, tolerances: &Tolerances) -> f64 {
     let contact_tolerance = tolerances.contact_tolerance();
@@ -92,8 +92,9 @@ pub fn error<L: Layout>(events: &EventSet<L>, attempt: &Attempt<L>, from: &State
     worst
 }
 
-/// Whether a sticking contact loses most of its normal force in a step and slips beyond the tolerance. Creep grows with
-/// the reciprocal of the force, which the polynomial of a step cannot represent and its error estimate does not reveal.
+/// Whether a sticking contact loses most of its normal force in a step and slips beyond the tolerance. Its creep is
+/// inversely proportional to the force. The polynomial of a step cannot represent this, and its error estimate does not
+/// reveal it.
 #[inline(always)]
 pub fn unloads<L: Layout>(
     start: &EventSet<L>,

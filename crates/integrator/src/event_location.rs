@@ -13,29 +13,29 @@ use super::{
 use crate::numeric::array_from;
 use crate::numeric::elementary::powi;
 
-/// The earliest zero crossing of an event function in a step.
+/// The earliest zero of an event function in a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Crossing {
     pub event_index: usize,
-    /// Fraction of the step, just beyond the crossing.
+    /// Fraction of the step just beyond the zero.
     pub theta: f64,
-    /// A later fraction at which the event function is known to be negative. After a dip it may be positive again at
-    /// the end of the step.
+    /// A later fraction at which the event function is known to be negative. If the function only dips below zero, it
+    /// may be positive again at the end of the step.
     pub negative_at: f64,
 }
 
-/// What a step contains.
+/// What the search of a step has found.
 #[derive(Clone, Copy, Debug)]
 pub enum Found {
     Nothing,
     Crossing(Crossing),
-    /// A singularity, so that the step is shortened.
+    /// A singularity, because of which the step is shortened.
     Obstacle,
-    /// The bounds of the gaps exclude no crossing, so that the step is shortened.
+    /// A crossing that the bounds of the gaps cannot exclude, because of which the step is shortened.
     Unresolved,
 }
 
-/// Memory of the search of a step, used again for the next one.
+/// Working memory of the search of a step, reused for the next step.
 #[derive(Clone, Debug)]
 pub struct SearchMemory<L: Layout> {
     /// Bounds over the whole step, and over a part of it.
@@ -58,7 +58,7 @@ struct SampleMemory {
 }
 
 impl<L: Layout> SearchMemory<L> {
-    /// Memory for this number of event functions.
+    /// Creates the memory for `count` event functions.
     pub fn new(layout: L, count: usize) -> Self {
         let (bounds, values) = (GapBounds::new(count), vec![f64::NAN; count]);
         let samples = SampleMemory {
@@ -90,12 +90,12 @@ pub(crate) fn function_inside<Y: Hybrid, K: Method<Y::Layout>>(
     Interior::new((system, mode, method), &mut memory.dense, &memory.state).function(index, theta)
 }
 
-/// Searches a step of size `h`, the last attempt of the method, for its first zero crossing and for a singularity, given the
-/// event functions at both ends.
+/// Searches a step of size `h`, the last attempt of the method, for its first zero of an event function and for a
+/// singularity. The event functions at both ends are given.
 ///
-/// Gaps and the clearance are searched with bounds of their rates, so that no link passes through an object, however thin
-/// or short the contact. Other values are checked at the end; those that may be negative in between, according to their
-/// rates at the ends or their curvature, are sampled inside the step.
+/// Gaps and the clearance are searched with bounds of their rates, so that no link passes through an object, however
+/// thin it is or however short the contact. Other functions are checked at the end. They are also sampled inside the
+/// step if they may be negative there, according to their rates at the ends or to their curvature.
 #[inline(always)]
 pub fn search_step<Y: Hybrid, K: Method<Y::Layout>>(
     (system, mode, method): (&Y, &Y::Mode, &K),

@@ -100,7 +100,7 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> GapSearch<'a, Y, K> {
         if self.evaluations.get() > MAX_EVALUATIONS { Err(Unresolved) } else { Ok(()) }
     }
 
-    /// A gap at a fraction of the step.
+    /// Evaluates a gap at a fraction of the step.
     pub fn point(&self, index: usize, theta: f64) -> Result<Point, Unresolved> {
         self.count()?;
         let Interior { system, mode, .. } = self.interior;
@@ -111,7 +111,7 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> GapSearch<'a, Y, K> {
         Ok(Point { theta, value: function.value, rate: function.rate * self.interior.dense().h })
     }
 
-    /// The first zero of a gap between two points. Dips to less than `tolerance` below zero do not count.
+    /// Returns the first zero of a gap between two points. Dips of less than `tolerance` below zero do not count.
     pub fn first_zero(
         &self,
         index: usize,
@@ -145,7 +145,8 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> GapSearch<'a, Y, K> {
         self.first_zero(index, [middle, right], part(middle.theta, right.theta), tolerance)
     }
 
-    /// Whether the clearance stays positive over the whole step, which ends in a state with this reach.
+    /// Whether the clearance stays positive over the whole step; `reach_at_end` is the [`GapBounds::clearance_reach`]
+    /// of its end.
     pub fn stays_clear(&self, reach_at_end: f64) -> bool {
         reach_at_end >= 1.0 || self.is_clear_between([0.0, 1.0]).unwrap_or(false)
     }

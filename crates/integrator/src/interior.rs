@@ -34,22 +34,22 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> Interior<'a, Y, K> {
         })
     }
 
-    /// An event function at a fraction of the step.
+    /// Evaluates an event function at a fraction of the step.
     pub fn function(&self, index: usize, theta: f64) -> EventFunction {
         let [q, v] = &mut *self.state.borrow_mut();
         self.dense().motion(theta, q, v);
         self.system.eval_event(q, v, self.mode, index)
     }
 
-    /// Values of the selected event functions at a fraction of the step: most steps need no further evaluation.
+    /// Evaluates the selected event functions at a fraction of the step. Most steps need no other evaluation.
     pub fn values(&self, theta: f64, selected: &[bool], values: &mut [f64]) {
         let [q, v] = &mut *self.state.borrow_mut();
         self.dense().motion(theta, q, v);
         self.system.event_values(q, v, self.mode, selected, values);
     }
 
-    /// Reads the coordinates at a fraction of the step with their derivative, which differs from the dense output of the rates
-    /// by its error.
+    /// Reads the coordinates at a fraction of the step and their derivative. The derivative differs from the dense
+    /// output of the rates by the interpolation error.
     pub fn at_derivative<R>(
         &self,
         theta: f64,

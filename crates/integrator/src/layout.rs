@@ -29,7 +29,7 @@ pub trait Matrix<T>: Clone + Debug + Send + Index<usize, Output = [T]> + IndexMu
     /// All entries by rows, and the number of columns.
     fn entries(&self) -> (&[T], usize);
 
-    /// [`Matrix::entries`], to be changed.
+    /// Like [`Matrix::entries`], but mutable.
     fn entries_mut(&mut self) -> (&mut [T], usize);
 }
 
@@ -37,7 +37,7 @@ pub trait Matrix<T>: Clone + Debug + Send + Index<usize, Output = [T]> + IndexMu
 #[derive(Clone, Copy, Debug)]
 pub struct FixedMatrix<T, const ROWS: usize, const COLUMNS: usize>(pub [[T; COLUMNS]; ROWS]);
 
-/// Matrix of a size at run time.
+/// Matrix whose size is known at run time.
 #[derive(Clone, Debug)]
 pub struct DynamicMatrix<T> {
     entries: Vec<T>,
@@ -94,7 +94,7 @@ impl<T> IndexMut<usize> for DynamicMatrix<T> {
 }
 
 impl<T> DynamicMatrix<T> {
-    /// Row `i`, and another row `k`.
+    /// Returns row `i`, mutable, and another row `k`.
     #[inline(always)]
     pub fn rows_mut(&mut self, i: usize, k: usize) -> (&mut [T], &[T]) {
         let columns = self.columns;
@@ -142,14 +142,14 @@ pub trait Layout: Copy + Debug + Send + Sync + 'static {
     fn zero_quadrature_rows(self) -> Self::QuadratureRows;
 }
 
-/// Numbers of the coordinates of a system.
+/// Vector with one number for each coordinate of a system.
 pub type VectorOf<L> = <L as Layout>::Vector<f64>;
 
 /// N coordinates and Z quadratures.
 #[derive(Clone, Copy, Debug)]
 pub struct Fixed<const N: usize, const Z: usize>;
 
-/// Numbers of coordinates and quadratures at run time.
+/// Numbers of coordinates and quadratures that are known at run time.
 #[derive(Clone, Copy, Debug)]
 pub struct Dynamic {
     pub coordinates: usize,

@@ -176,7 +176,7 @@ fn subtract_scaled<F: Field>(y: &mut [F], w: F, x: &[F]) {
 }
 
 impl<F: Field, L: Layout> ShiftedSolver<F, L> {
-    /// A solver without a matrix.
+    /// Creates a solver that does not yet hold a matrix.
     pub fn zero(layout: L) -> Self {
         let zero = F::from(0.0);
         Self {
@@ -188,7 +188,7 @@ impl<F: Field, L: Layout> ShiftedSolver<F, L> {
         }
     }
 
-    /// Factors the matrix of a shift.
+    /// Factors the matrix for a shift.
     #[inline(always)]
     pub fn factor(&mut self, shift: F, (a_q, a_v): (&L::Square<f64>, &L::Square<f64>), [second_order, n]: Sizes) {
         let size = self.pivots.as_ref().len();
@@ -235,8 +235,8 @@ impl<F: Field, L: Layout> ShiftedSolver<F, L> {
         lu.factor(m);
     }
 
-    /// Replaces the right-hand side by (x_q, x_v), with the matrix a_q and the sizes from which this was factored. The
-    /// coordinates of first-order states stay at 0. `scratch` is memory.
+    /// Solves for (x_q, x_v), which replace the right-hand side. The matrix a_q and the sizes must be those of
+    /// [`factor`](Self::factor). The coordinates of first-order states stay at 0. `scratch` is working memory.
     #[inline(always)]
     pub fn solve(
         &self,

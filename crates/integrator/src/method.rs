@@ -12,8 +12,9 @@ pub struct Attempt<L: Layout> {
     /// Number of right-hand-side evaluations.
     pub rhs: u64,
     pub end: State<L>,
-    /// Estimated errors of coordinates and rates.
+    /// Estimated errors of the coordinates.
     pub error_q: VectorOf<L>,
+    /// Estimated errors of the rates.
     pub error_v: VectorOf<L>,
 }
 
@@ -37,13 +38,13 @@ pub struct StepStart<'a, Y: System> {
     pub linearised: &'a Linearised<Y::Layout>,
     pub tolerances: &'a Tolerances,
     pub t: f64,
-    /// Latest time at which the right-hand side may be evaluated: just before a discontinuity, which belongs to the
-    /// next step.
+    /// Latest time at which the right-hand side may be evaluated. It is just before the next discontinuity, which
+    /// belongs to the next step.
     pub latest_time: f64,
     pub state: &'a State<Y::Layout>,
 }
 
-/// A corrected state of the dense output, with memory for its corrections.
+/// A corrected state of the dense output, with the memory for its corrections.
 #[derive(Clone, Debug)]
 pub struct Refinement<L: Layout> {
     pub state: State<L>,
@@ -84,7 +85,7 @@ pub trait Method<L: Layout>: Clone {
     /// Notifies the method that its last attempt was accepted.
     fn accept_step(&mut self);
 
-    /// Takes over the history of another method.
+    /// Takes over the history of another instance of the method.
     fn follow(&mut self, other: &Self);
 
     /// Notifies the method that the run has stalled.
@@ -93,8 +94,9 @@ pub trait Method<L: Layout>: Clone {
     /// Attempts a step of size `h`.
     fn attempt<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64, attempt: &mut Attempt<L>);
 
-    /// Corrects the dense output of the last attempt at the fraction `theta` of its step, so that it gives the forces of stiff
-    /// contacts: writes the corrected state, and returns `false` if a step that ends there is required.
+    /// Corrects the dense output of the last attempt at the fraction `theta` of its step, so that it gives the forces
+    /// of stiff contacts accurately. Writes the corrected state. Returns `false` if a separate step that ends there is
+    /// required instead.
     fn refine<Y: System<Layout = L>>(
         &self,
         _origin: &StepStart<Y>,
@@ -105,8 +107,8 @@ pub trait Method<L: Layout>: Clone {
         false
     }
 
-    /// Writes the dense output of the last attempt, which had this linearisation; without it the quadratures are not
-    /// interpolated.
+    /// Writes the dense output of the last attempt. `linearised` is the linearisation of this attempt; without it, the
+    /// quadratures are not interpolated.
     fn dense(&self, linearised: Option<&Linearised<L>>, dense: &mut Dense<L>);
 
     /// Writes the coordinates of the terms d of [`Method::dense`]; returns their number.

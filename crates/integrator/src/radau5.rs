@@ -14,7 +14,8 @@ use crate::numeric::elementary::{cbrt, powi};
 /// [`NEWTON_TOLERANCE`].
 const MAX_NEWTON: usize = 12;
 
-/// Abscissae and Runge–Kutta matrix of Radau IIA of order 5; the last row of the matrix contains the weights.
+/// Returns the abscissae and the Runge–Kutta matrix of Radau IIA of order 5. The last row of the matrix contains the
+/// weights.
 pub fn radau5_tableau() -> ([f64; 3], [[f64; 3]; 3]) {
     let s6 = 6f64.sqrt();
     let c = [(4.0 - s6) / 10.0, (4.0 + s6) / 10.0, 1.0];
@@ -107,7 +108,7 @@ fn zero_stages<L: Layout>(layout: L) -> Stages<L> {
     std::array::from_fn(|_| Stage { q: layout.vector(0.0), v: layout.vector(0.0) })
 }
 
-/// Radau IIA with the stages of the last step, which give the initial guess of the next ones.
+/// Radau IIA with the stages of the last step, which give the initial guess of the next stages.
 #[derive(Clone)]
 pub struct Radau5<L: Layout> {
     coefficients: Coefficients,

@@ -8,7 +8,7 @@ use super::state::{DENSE_TERMS, IMPLICIT_TERMS};
 use super::{Dense, Linearised, Rates, State, System};
 use crate::numeric::array_from;
 
-/// Rodas5P with the stages of its last attempt, for dense output; it has no other history.
+/// Rodas5P with the stages of its last attempt, which give the dense output. It has no other history.
 #[derive(Clone)]
 pub struct Rodas5p<L: Layout> {
     t0: f64,
@@ -240,7 +240,7 @@ pub(crate) const STAGES: usize = 8;
 
 pub const GAMMA: f64 = 0.21193756319429014;
 
-/// Weights of the stage increments. Rows 7 and 8 and the result are row 6 with a unit weight for every later stage.
+/// Weights of the stage increments. Rows 7 and 8 and the result repeat row 6, with a unit weight for each later stage.
 pub const A: [[f64; 5]; 6] = [
     [0.0; 5],
     [3.0, 0.0, 0.0, 0.0, 0.0],

@@ -111,8 +111,8 @@ const MAX_SPACING_S: f64 = 1e-15;
 /// Number of rapid events after which one step uses the clamped law.
 const MAX_RAPID_EVENTS: u32 = 6;
 
-/// Detects chattering, which is events that trigger each other without progress in time, from rapid events of one event
-/// function.
+/// Detects chattering: events that trigger each other without progress in time. It is detected from rapid events of a
+/// single event function.
 #[derive(Clone, Debug)]
 pub struct Chatter {
     recent: Vec<(f64, u32)>,
@@ -120,12 +120,13 @@ pub struct Chatter {
 }
 
 impl Chatter {
-    /// Detects chattering of this number of event functions.
+    /// Creates a detector for `count` event functions.
     pub fn new(count: usize) -> Self {
         Self { recent: vec![(f64::NEG_INFINITY, 0); count], is_clamped: false }
     }
 
-    /// Records an event; returns whether the next step should use the clamped law of this contact.
+    /// Records an event. Returns whether the next step should use the clamped law of the contact of this event
+    /// function.
     pub fn record(&mut self, index: usize, t: f64) -> bool {
         let (last, count) = &mut self.recent[index];
         *count = if t - *last <= MAX_SPACING_S { *count + 1 } else { 0 };

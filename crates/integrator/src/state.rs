@@ -12,7 +12,7 @@ pub struct State<L: Layout> {
 }
 
 impl<L: Layout> State<L> {
-    /// The state with all numbers 0.
+    /// Returns the state in which all numbers are 0.
     pub fn zero(layout: L) -> Self {
         Self { q: layout.vector(0.0), v: layout.vector(0.0), z: layout.zero_quadratures() }
     }
@@ -45,7 +45,7 @@ pub(crate) const DENSE_TERMS: usize = 6;
 /// Number of terms of the implicit methods.
 pub(crate) const IMPLICIT_TERMS: usize = 3;
 
-/// y(Θ) = y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ (d₃ + …))) on t₀ + Θ h, Θ in 0…1.
+/// Dense output: y(Θ) = y₀ + Θ (y₁ − y₀) + Θ (1 − Θ) (d₁ + Θ (d₂ + Θ (d₃ + …))) at the time t₀ + Θ h, Θ in 0…1.
 #[derive(Clone, Debug)]
 pub struct Dense<L: Layout> {
     pub t0: f64,
@@ -173,8 +173,9 @@ pub(crate) struct DensePositions<'a> {
 }
 
 impl DensePositions<'_> {
-    /// Largest first and second derivatives of the first `count` coordinates by Θ between two fractions of the step; the others
-    /// are at rest. A polynomial lies within the hull of its Bernstein coefficients, so nothing is sampled.
+    /// Bounds the first and second derivatives with respect to Θ of the first `count` coordinates between two fractions
+    /// of the step; the other coordinates are at rest. A polynomial lies within the hull of its Bernstein coefficients,
+    /// so nothing is sampled.
     #[inline(always)]
     pub fn bounds<L: Layout>(&self, [from, to]: [f64; 2], count: usize, bounds: &mut CoordinateBounds<L>) {
         let width = to - from;
@@ -237,7 +238,7 @@ fn largest_coefficient<const N: usize>(mut by_power: [f64; N], [from, to]: [f64;
     by_power.into_iter().fold(0.0, |largest, coefficient| largest.max(coefficient.abs()))
 }
 
-/// Upper bounds of the first and second derivatives of the coordinates by Θ, over a part of a step.
+/// Upper bounds of the first and second derivatives of the coordinates with respect to Θ, over a part of a step.
 #[derive(Clone, Debug)]
 pub struct CoordinateBounds<L: Layout> {
     /// Length of the step, s.
@@ -249,7 +250,7 @@ pub struct CoordinateBounds<L: Layout> {
 }
 
 impl<L: Layout> CoordinateBounds<L> {
-    /// Bounds of a system at rest.
+    /// Returns the bounds of a system at rest.
     pub fn at_rest(layout: L) -> Self {
         Self { step_s: 0.0, width: 0.0, rate: layout.vector(0.0), acceleration: layout.vector(0.0) }
     }
@@ -266,19 +267,20 @@ pub struct Step<'a, L: Layout> {
     pub end: &'a State<L>,
 }
 
-/// States inside a step.
+/// Tools that evaluate states inside a step.
 pub trait StepTools<L: Layout> {
-    /// Returns the dense output at the fraction `theta` of the step: accurate for angles and rates.
+    /// Returns the dense output at the fraction `theta` of the step. It is accurate for angles and rates.
     fn interpolate(&mut self, theta: f64) -> &State<L>;
 
-    /// Returns the dense output, corrected so that it gives contact forces as accurately.
+    /// Returns the dense output, corrected so that it also gives accurate contact forces.
     fn refine(&mut self, theta: f64) -> &State<L>;
 
-    /// Like [`StepTools::refine`], without the quadratures, whose values are unspecified: forces do not depend on them.
+    /// Like [`StepTools::refine`], but without the quadratures, whose values are then unspecified. Forces do not depend
+    /// on them.
     fn refine_motion(&mut self, theta: f64) -> &State<L>;
 
-    /// Returns the end of a separate step from the same start, the most accurate state. The force of a stiff damper requires this accuracy,
-    /// since it is a large multiple of a tiny rate.
+    /// Returns the most accurate state: the end of a separate step from the same start. The force of a stiff damper
+    /// requires this accuracy, because it is a large multiple of a tiny rate.
     fn resolve(&mut self, theta: f64) -> &State<L>;
 }
 
@@ -291,8 +293,8 @@ pub trait Observer<L: Layout, M> {
     /// is the mode after the event.
     fn event(&mut self, t: f64, state: &State<L>, index: usize, mode: &M);
 
-    /// Called before the next step, in the state, mode and clearance (of [`EventSet`](super::EventSet)) from which it starts.
-    /// Returning `true` suspends the advance, so that other equations can take over by
+    /// Called before the next step. State, mode and clearance (of [`EventSet`](super::EventSet)) are those from which
+    /// it starts. Returning `true` suspends the advance, so that other equations can take over with
     /// [`Integration::restart`](super::Integration::restart).
     #[inline(always)]
     fn suspends(&mut self, _state: &State<L>, _mode: &M, _clearance: f64) -> bool {

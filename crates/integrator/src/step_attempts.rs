@@ -18,17 +18,18 @@ const MAX_LOCATION_ATTEMPTS: usize = 12;
 #[derive(Clone)]
 pub struct AcceptedStep<L: Layout> {
     pub attempt: Attempt<L>,
-    /// Event functions at its end.
+    /// Event functions at the end of the step.
     pub events: EventSet<L>,
     pub size: f64,
-    /// Acceptable size before the step was shortened; the next step starts from it.
+    /// Acceptable size before the step was shortened. The next step starts from this size.
     pub resume_size: f64,
     pub event: Option<usize>,
     /// Whether the step ends exactly at the stop time.
     pub reaches_stop: bool,
 }
 
-/// Number of attempts to locate an event that are kept: the last one, and the best ones that end before and after the event.
+/// Number of attempts to locate an event that are kept: the last attempt, the best attempt that ends before the event,
+/// and the best one that ends after it.
 pub const KEPT_ATTEMPTS: usize = 3;
 
 /// An attempt to locate an event, with the event functions at its end.
@@ -39,7 +40,7 @@ pub struct LocationAttempt<L: Layout> {
 }
 
 impl<L: Layout> LocationAttempt<L> {
-    /// Memory for an attempt, with event functions like these.
+    /// Creates the memory for an attempt, with as many event functions as `events`.
     pub fn new(layout: L, events: &EventSet<L>) -> Self {
         Self { attempt: Attempt::new(layout), events: events.clone() }
     }
@@ -84,8 +85,8 @@ impl<L: Layout, K: Method<L>> StepAttempts<'_, K, L> {
         attempt_step(self.method, self.counters, self.events, origin, size, attempt);
     }
 
-    /// Repeats a step of `size` until it ends on the event, and stores it in `found`. If an earlier event is found on the way,
-    /// locates that one instead.
+    /// Repeats a step of `size` until it ends on the event, and stores the step in `found`. If an earlier event is
+    /// found on the way, that event is located instead.
     pub fn locate_event<Y: Hybrid<Layout = L>>(
         &mut self,
         origin: &StepStart<Y>,
@@ -203,8 +204,8 @@ fn attempt_step<Y: Hybrid, K: Method<Y::Layout>>(
     }
 }
 
-/// Collects the other event functions that reach zero at the end of a step, within their tolerances, as those of both fingers of a
-/// symmetric gripper.
+/// Collects the other event functions that reach zero, within their tolerances, at the end of a step. Both fingers of a
+/// symmetric gripper have such simultaneous events.
 pub fn simultaneous_events<Y: Hybrid>(
     system: &Y,
     mode: &Y::Mode,

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use super::layout::{Layout, Matrix, VectorOf};
 use super::{CoordinateBounds, Tolerances};
 
-/// Right-hand side: accelerations and rates of the quadratures.
+/// Values of the right-hand side: accelerations, and rates of the quadratures.
 #[derive(Clone, Debug)]
 pub struct Rates<L: Layout> {
     pub a: VectorOf<L>,
@@ -22,13 +22,17 @@ impl<L: Layout> Rates<L> {
 #[derive(Clone, Debug)]
 pub struct Linearised<L: Layout> {
     pub rates: Rates<L>,
-    /// ∂a/∂q, ∂a/∂v, ∂a/∂t.
+    /// ∂a/∂q.
     pub a_q: L::Square<f64>,
+    /// ∂a/∂v.
     pub a_v: L::Square<f64>,
+    /// ∂a/∂t.
     pub a_t: VectorOf<L>,
-    /// ∂g/∂q, ∂g/∂v, ∂g/∂t.
+    /// ∂g/∂q.
     pub g_q: L::QuadratureRows,
+    /// ∂g/∂v.
     pub g_v: L::QuadratureRows,
+    /// ∂g/∂t.
     pub g_t: L::Quadratures,
 }
 
@@ -66,15 +70,16 @@ pub trait System {
 
     fn layout(&self) -> Self::Layout;
 
-    /// Number of coordinates with equations of second order, which come first. The rates after them are first-order
-    /// states, such as those of bristles: the rate of each depends on the coordinates and rates before them and on itself
-    /// only. Nothing depends on their coordinates, which stay at 0.
+    /// Number of coordinates with equations of second order; they come first. The remaining rates are first-order
+    /// states, such as those of bristles. The rate of a first-order state depends only on the preceding coordinates and
+    /// rates, and on the state itself. Nothing depends on the coordinates at the indices of first-order states; they
+    /// stay at 0.
     #[inline(always)]
     fn second_order_count(&self) -> usize {
         self.layout().coordinates()
     }
 
-    /// Number of coordinates in use. The remaining ones stay at 0 and have no effect.
+    /// Number of coordinates in use. The others stay at 0 and have no effect.
     #[inline(always)]
     fn coordinate_count(&self) -> usize {
         self.layout().coordinates()
@@ -104,52 +109,54 @@ pub trait System {
 /// How the zero crossings of an event function are searched within a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RootSearch {
-    /// A value with a known rate: checked at the midpoint, at the end, and at its minimum if its end rates allow a dip.
+    /// A value with a known rate. It is checked at the midpoint, at the end, and, if its rates at the ends allow a dip,
+    /// at its minimum.
     #[default]
     Gap,
-    /// A gap with a known rate and with bounds of its derivatives ([`Hybrid::gap_bounds`]): no zero within the step is
+    /// A gap with a known rate and with bounds of its derivatives ([`Hybrid::gap_bounds`]). No zero within the step is
     /// missed.
     Bounded,
-    /// Checked only at the end. The force of a stiff damper cannot be evaluated from the dense output: inside a step
-    /// the interpolated rate is off the slow manifold, and the force is a large multiple of it.
+    /// A value that is checked only at the end, such as the force of a stiff damper. Inside a step, the interpolated
+    /// rate is off the slow manifold, and the force is a large multiple of it.
     EndOnly,
-    /// A value that a step resolves well, such as a rate: if its curvature allows a dip, sampled inside, and at the
-    /// minimum between samples.
+    /// A value that a step resolves well, such as a rate. If its curvature allows a dip, it is sampled inside the step,
+    /// and at the minimum between samples.
     Smooth,
-    /// The force of a slowly separating contact: as `Smooth`, in steps that lose most of its depth.
+    /// The force of a slowly separating contact. It is searched like `Smooth`, but only in steps that lose most of the
+    /// contact's depth.
     FadingForce,
-    /// As `Smooth`, and always sampled in a step in which the surfaces separate.
+    /// Like `Smooth`, and always sampled in a step in which the surfaces separate.
     Interior,
 }
 
-/// Error weight of a contact: a quantity to which its force law is more sensitive than the tolerances of coordinates
+/// Quantity of a contact with an error weight: its force law is more sensitive to it than the tolerances of coordinates
 /// and rates reflect.
 #[derive(Clone, Copy, Debug)]
 pub enum WeightedQuantity {
-    /// Penetration of an active contact; its row is over coordinates. `is_spring_dominated`: the spring is stronger than the
-    /// damper. `is_rebounding`: the contact is also moving, so that an error of its rate persists.
+    /// Penetration of an active contact; the row is over the coordinates. `is_spring_dominated`: the spring is stronger
+    /// than the damper. `is_rebounding`: the contact is also moving, so that an error of its rate persists.
     Depth { depth: f64, is_rebounding: bool, is_spring_dominated: bool },
-    /// Slip of an active contact, its row over rates, with the smallest slip scale of its friction law and the normal
-    /// force.
+    /// Slip of an active contact; the row is over the rates. It has the smallest slip scale of the friction law, and
+    /// the normal force.
     Slip { slip_scale: f64, normal_force: f64 },
 }
 
-/// Error weight of an event function.
+/// Error weight of the contact of an event function.
 #[derive(Clone, Debug)]
 pub struct ErrorWeight<L: Layout> {
     /// Index of the event function.
     pub index: usize,
     pub quantity: WeightedQuantity,
-    /// Derivative of the quantity by the coordinates or rates.
+    /// Derivative of the quantity with respect to the coordinates (depth) or rates (slip).
     pub row: VectorOf<L>,
 }
 
-/// An event function with its root-search policy. The branch of its law is valid while the value is not negative.
+/// An event function with its root-search policy. The current branch of a law is valid while the value is not negative.
 #[derive(Clone, Copy, Debug)]
 pub struct EventFunction {
     /// Not negative while the branch is valid.
     pub value: f64,
-    /// Rate of `value` if known (a gap), otherwise 0. A sign change of the rate reveals a dip within a step.
+    /// Rate of `value`, if it is known (for a gap); otherwise 0. A sign change of the rate reveals a dip within a step.
     pub rate: f64,
     pub root_search: RootSearch,
     /// Whether the surfaces are separated, independent of the branch.
@@ -175,7 +182,7 @@ pub struct EventSet<L: Layout> {
 }
 
 impl<L: Layout> EventSet<L> {
-    /// `count` functions that never trigger, and an infinite clearance.
+    /// Creates a set of `count` functions that never trigger, with an infinite clearance.
     pub fn new(layout: L, count: usize) -> Self {
         Self {
             functions: vec![EventFunction::INACTIVE; count],
@@ -192,7 +199,7 @@ impl<L: Layout> EventSet<L> {
         }
     }
 
-    /// Sets all functions to [`EventFunction::INACTIVE`], without weights and with an infinite clearance.
+    /// Sets all functions to [`EventFunction::INACTIVE`], removes all weights, and sets an infinite clearance.
     #[inline(always)]
     pub fn clear(&mut self) {
         self.functions.fill(EventFunction::INACTIVE);
@@ -213,13 +220,13 @@ impl<L: Layout> EventSet<L> {
         &mut self.weights[place].row
     }
 
-    /// Error weights of contacts in the step error, in ascending order of their event functions.
+    /// Error weights of contacts that enter the step error, in ascending order of their event functions.
     #[inline(always)]
     pub fn weights(&self) -> &[ErrorWeight<L>] {
         &self.weights[..self.weight_count]
     }
 
-    /// Weighted quantity of an event function.
+    /// Weighted quantity of an event function; `None` if the function has no weight.
     #[inline(always)]
     pub fn weight(&self, index: usize) -> Option<&WeightedQuantity> {
         self.weights().iter().find(|weight| weight.index == index).map(|weight| &weight.quantity)
@@ -229,28 +236,29 @@ impl<L: Layout> EventSet<L> {
 /// Bounds of the derivatives of a gap over a part of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct GapBound {
-    /// V: the largest rate.
+    /// V: upper bound of the magnitude of the rate.
     pub rate: f64,
-    /// A: the gap is at least each of its tangents less A τ²/2 at the distance τ. Distances of convex bodies have such a
-    /// bound although their rates jump where the nearest points pass a corner.
+    /// A: at a distance τ from any point, the gap is at least its tangent there minus A τ²/2. The distance of convex
+    /// bodies has such a bound, although its rate jumps where the nearest points pass a corner.
     pub curvature: f64,
 }
 
-/// Bounds of all gaps over a part of a step, and how far a state is from the next singularity.
+/// Bounds of all gaps over a part of a step, and the distance of a state from the next singularity.
 #[derive(Clone, Debug)]
 pub struct GapBounds {
-    /// Bounds of the event functions, by their index. Those that are not bounds of a gap are not read.
+    /// Bounds, by the index of the event function. Bounds of functions that are not gaps are not read.
     pub gaps: Vec<GapBound>,
-    /// Part of the step, forwards and backwards from the state, in which the clearance stays positive; 0 if it is unknown, not
-    /// a number or negative if the state itself has none.
+    /// Part of the step, forwards and backwards from the state, in which the clearance stays positive. It is 0 if the
+    /// part is unknown, and NaN or negative if the clearance of the state itself is not positive.
     pub clearance_reach: f64,
 }
 
 impl GapBound {
-    /// Nothing is known.
+    /// Bound that excludes nothing.
     pub const NONE: Self = Self { rate: f64::INFINITY, curvature: f64::INFINITY };
 
-    /// Part of the step beside a point, over which a gap with this value and rate there is not negative.
+    /// Fraction of the step, on either side of a point, over which a gap is not negative; `gap` and `rate` are its
+    /// value and rate at the point.
     #[inline(always)]
     pub fn reach(&self, gap: f64, rate: f64) -> f64 {
         if gap.is_nan() || gap < 0.0 {
@@ -277,16 +285,16 @@ impl GapBound {
 }
 
 impl GapBounds {
-    /// Bounds of `count` functions, without gaps and singularities.
+    /// Creates bounds of `count` functions that exclude nothing, without a singularity.
     pub fn new(count: usize) -> Self {
         Self { gaps: vec![GapBound::NONE; count], clearance_reach: f64::INFINITY }
     }
 }
 
-/// A quasi-static state: its contacts rest at the equilibrium depth of their springs.
+/// A quasi-static state, in which contacts rest at the equilibrium depth of their springs.
 ///
 /// A stiff, weakly damped contact that is loaded suddenly oscillates about that depth: by 1e-12 rad at 1e9 rad/s, ten
-/// thousand times in a closing motion and without effect on it. Resolving these oscillations takes minutes.
+/// thousand times in a closing motion and without effect on the motion. Resolving these oscillations takes minutes.
 #[derive(Clone, Debug)]
 pub struct QuasiStaticState<L: Layout> {
     pub q: VectorOf<L>,
@@ -303,8 +311,8 @@ pub trait Hybrid: System {
     /// Next time after `t` at which the right-hand side is discontinuous in time; infinite if there is none.
     fn next_discontinuity(&self, t: f64) -> f64;
 
-    /// Upper bound on the next step from this state, for effects that the error estimate does not see because only
-    /// quadratures depend on them.
+    /// Upper bound of the next step from this state. It covers effects that the error estimate does not detect, because
+    /// only quadratures depend on them.
     #[inline(always)]
     fn max_step(&self, _t: f64, _q: &VectorOf<Self::Layout>, _v: &VectorOf<Self::Layout>, _mode: &Self::Mode) -> f64 {
         f64::INFINITY
@@ -390,8 +398,8 @@ pub trait Hybrid: System {
         true
     }
 
-    /// Changes the mode for the steps after a state, where it differs from that of the steps before it without an event and
-    /// without a change of any law: its whole turns are counted from another angle.
+    /// Changes the mode for the steps after a state, without an event and without a change of any law: whole turns are
+    /// counted from another angle.
     #[inline(always)]
     fn count_turns(&self, _q: &VectorOf<Self::Layout>, _v: &VectorOf<Self::Layout>, _mode: &mut Self::Mode) {}
 
@@ -401,8 +409,8 @@ pub trait Hybrid: System {
     /// Returns the mode derived from a state alone, at the start of a run.
     fn mode_at(&self, t: f64, q: &VectorOf<Self::Layout>, v: &VectorOf<Self::Layout>) -> Self::Mode;
 
-    /// Returns the mode derived from a state after a step with a clamped law, whose mode was `last`: only what no state
-    /// contains is kept.
+    /// Returns the mode derived from a state after a step with a clamped law. Only what a state does not contain is
+    /// taken from the previous mode `last`.
     #[inline(always)]
     fn mode_after(
         &self,

@@ -36,7 +36,7 @@ pub enum ChannelContent {
 }
 
 impl ChannelContent {
-    /// Index of the contact that the topic is about.
+    /// Index of the contact to which the topic belongs; `None` for other topics.
     pub fn contact(self) -> Option<usize> {
         match self {
             ChannelContent::Subject { contact, .. } => contact,
@@ -69,7 +69,7 @@ pub(crate) struct Topic {
     pub content: ChannelContent,
     /// Kind and name of its subject.
     subject: Option<(&'static str, String)>,
-    /// Its channels in a log that is read.
+    /// Channels of this topic, for a log that is read.
     pub channels: Vec<u16>,
 }
 
@@ -122,7 +122,7 @@ fn topic_name(kind: SubjectKind, name: &str) -> String {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct DescribedSubject {
     pub kind: SubjectKind,
-    /// Whether it is a contact of a joint with its limit; `None` if the log does not tell.
+    /// Whether the contact is that of a joint with its limit; `None` if the log does not tell.
     pub is_limit: Option<bool>,
     pub name: String,
 }

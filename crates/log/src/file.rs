@@ -63,8 +63,8 @@ pub struct LogFile {
 impl LogFile {
     /// Opens the file of a log for writing.
     ///
-    /// A target that is not a regular file is written directly. An abandoned partial log is replaced; an advisory lock
-    /// prevents two runs from writing the same one.
+    /// A target that is not a regular file is written directly. An abandoned partial log is replaced. An advisory lock
+    /// prevents two runs from writing the same log.
     ///
     /// # Errors
     /// Returns [`LogError`] with the path, the reason and a remedy.
@@ -123,7 +123,7 @@ impl Write for LogFile {
     }
 }
 
-/// Copies a log, see [`LogFile::open`]; the copy of a log to itself is the log.
+/// Copies a log to a file that is opened as by [`LogFile::open`]. A log that is copied to itself is unchanged.
 ///
 /// # Errors
 /// Returns an error if the log cannot be read or the copy cannot be written.
@@ -153,7 +153,7 @@ pub enum CopyError {
     Write(#[from] SinkError),
 }
 
-/// Starts a log in a file, see [`LogFile::open`].
+/// Starts a log in a file that is opened as by [`LogFile::open`].
 ///
 /// # Errors
 /// Returns [`LogError`] with the path, the reason and a remedy.
@@ -172,12 +172,13 @@ pub fn partial_name(path: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// Resolves a symbolic link, so that its target is replaced and the link remains.
+/// Resolves a symbolic link, so that the file it points to is replaced and the link remains.
 pub fn resolve_link(path: &Path) -> io::Result<PathBuf> {
     if path.is_symlink() { fs::canonicalize(path) } else { Ok(path.to_path_buf()) }
 }
 
-/// Accepts only logs and partial logs of phalanx for replacement: a mistyped path must not destroy another file.
+/// Checks that an existing file may be replaced: only logs and partial logs of phalanx are accepted, because a mistyped
+/// path must not destroy another file.
 pub fn ensure_replaceable(path: &Path, existing: &Path) -> Result<(), LogError> {
     let failed = |source| LogError::Create { path: path.to_path_buf(), source };
     let other = LogError::NotPhalanxLog { path: path.to_path_buf(), existing: existing.to_path_buf() };
@@ -225,7 +226,7 @@ pub fn is_same_file(file: &File, path: &Path) -> bool {
     }
 }
 
-/// On other systems an open file cannot be renamed.
+/// Whether the path exists: on other systems, an open file cannot be renamed.
 #[cfg(not(unix))]
 pub fn is_same_file(_: &File, path: &Path) -> bool {
     path.exists()

@@ -17,7 +17,7 @@ impl GraspState {
         Self { phalanges, in_contact: [false; 2] }
     }
 
-    /// Takes an event into account and returns a sentence if the grasp begins or ends with it.
+    /// Takes an event into account. Returns a sentence if the grasp begins or ends with this event.
     pub fn update(&mut self, event: &Event) -> Option<String> {
         if event.kind.is_friction_event() {
             return None;

@@ -14,8 +14,8 @@ use super::messages::stamp_ns;
 use super::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME, RunInfo, metadata, scene_text};
 use phalanx_core::trace::SinkError;
 
-/// Maximum uncompressed chunk size. A chunk of this size is closed, written and flushed, so a killed run loses at most
-/// this much.
+/// Maximum uncompressed size of a chunk. A chunk that reaches it is closed, written and flushed, so that a killed run
+/// loses at most this much data.
 pub const CHUNK_BYTES: usize = 256 * 1024;
 
 /// Size of the first chunks: small, so that little is left to compress at the end of a short run.
@@ -33,7 +33,7 @@ const RECORD_OVERHEAD: usize = 1 + 8 + 2 + 4 + 8 + 8;
 /// Encoding of all messages.
 const ENCODING: &str = "protobuf";
 
-/// Index of a channel of this log.
+/// Index of a channel among those of this log.
 #[derive(Clone, Copy, Debug)]
 pub struct ChannelId(usize);
 
@@ -133,7 +133,7 @@ impl<W: Write> McapFile<W> {
         self.clock_ns
     }
 
-    /// Writes a message of Foxglove.
+    /// Writes a Foxglove message.
     pub fn write_message<M: Encode>(
         &mut self,
         channel: ChannelId,
@@ -147,7 +147,7 @@ impl<W: Write> McapFile<W> {
         self.write_buffer(channel, log_time)
     }
 
-    /// Writes the message that `encode` appends to an empty buffer.
+    /// Writes a message. `encode` appends its bytes to an empty buffer.
     pub fn write(
         &mut self,
         channel: ChannelId,

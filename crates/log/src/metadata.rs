@@ -29,7 +29,7 @@ const RAPIER_VERSION: &str = "0.36.1";
 /// Pinned version of the elementary functions, which determine the last digits of every run.
 const LIBM_VERSION: &str = "0.2.16";
 
-/// Returns the scene text to attach. This is the scene file as written, or a generated one if the scene was changed in
+/// Returns the scene text to attach: the scene file as written. A text is generated instead if the scene was changed in
 /// more than the settings that the metadata record contains.
 pub fn scene_text(scene: &Scene) -> Cow<'_, str> {
     match parse_any(&scene.source, "scene.toml") {
@@ -64,7 +64,7 @@ pub(crate) fn check_entries(check: &Check) -> BTreeMap<String, String> {
     entries.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
 }
 
-/// Identity of a logged run.
+/// Description of a logged run.
 #[derive(Clone, Copy, Debug)]
 pub struct RunInfo<'a> {
     pub scene: &'a Scene,

@@ -14,7 +14,7 @@ pub struct Settings {
     pub solver: Solver,
     pub duration_s: f64,
     pub log: LogSettings,
-    /// File name of the scene and name of the attachment.
+    /// File name of the scene, which is also the name of the attachment.
     pub scene_file: String,
 }
 
@@ -51,7 +51,7 @@ impl Settings {
         }
     }
 
-    /// Replaces the settings of a scene by these.
+    /// Replaces the settings of a scene with these settings.
     pub fn apply_to(&self, scene: &mut Scene) {
         let Scene { duration_s, log, integrator, engine, .. } = scene;
         (*duration_s, *log) = (self.duration_s, self.log);

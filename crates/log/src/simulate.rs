@@ -31,7 +31,7 @@ pub enum CheckPolicy {
 /// Options of a simulation.
 pub struct SimulationOptions<'a> {
     pub check_policy: CheckPolicy,
-    /// Returns whether to continue. The sink can also stop the run.
+    /// Returns whether the run may continue. The sink can also stop it.
     pub keep_running: &'a dyn Fn() -> bool,
     /// Describes why a run ended early.
     pub describe_reason: &'a dyn Fn(&Reason) -> String,
@@ -40,25 +40,26 @@ pub struct SimulationOptions<'a> {
 /// A finished run.
 pub struct FinishedRun<W> {
     pub result: Result<Outcome, RunError>,
-    /// Time and reason of the end of a run that was not completed.
+    /// Time and reason of the end; `None` for a completed run.
     pub stopped: Option<(f64, String)>,
-    /// Criteria of a completed run of a single finger that can grasp its object.
+    /// Criteria of a single finger that can grasp its object; `None` for other scenes, and if the run was not
+    /// completed.
     pub criteria: Option<Criteria>,
-    /// Criteria of the object that a hand grasps, of a completed run.
+    /// Criteria of the object that a hand grasps; `None` without such an object, and if the run was not completed.
     pub grasp: Option<ObjectCriteria>,
     /// Rebounds, one per pair of discs; empty for scenes with a finger.
     pub rebounds: Vec<Rebound>,
     /// Reasons to doubt the results, as sentences; also written to the log.
     pub warnings: Vec<String>,
-    /// Result of the check of the run, if it was checked.
+    /// Result of the accuracy check; `None` if the run was not checked.
     pub check: Option<Check>,
     pub wall_s: f64,
-    /// The output of the closed log.
+    /// The output to which the log was written, or the error of the log.
     pub log: Result<Option<W>, SinkError>,
 }
 
-/// Simulates a scene, evaluates its criteria, checks the run unless it was interrupted or the policy excludes it, and
-/// closes the log. `extra_sink` receives the same samples and events as the log and can stop the run.
+/// Simulates a scene, evaluates its criteria, and closes the log. A run is checked unless it was interrupted or the
+/// policy excludes it. `extra_sink` receives the same samples and events as the log and can stop the run.
 pub fn simulate<W: Write + Send + 'static>(
     model: Model,
     scene: &Scene,
@@ -178,7 +179,7 @@ const UNNAMED_LOG: &str = "the log";
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoggedRun {
     pub outcome: Outcome,
-    /// Criteria, only for a single finger that can grasp its object.
+    /// Criteria of a single finger that can grasp its object; `None` for other scenes.
     pub criteria: Option<Criteria>,
     /// Rebounds, one per pair of discs; empty for scenes with a finger.
     pub rebounds: Vec<Rebound>,

@@ -20,9 +20,9 @@ const VERSIONS: [&str; 4] = ["phalanx_version", "mcap_version", "libm_version", 
 /// Range of the log to compare.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ComparisonOptions {
-    /// Data from this log time on are not compared, because an interrupt ended the run there.
+    /// Data at and after this log time are not compared, because an interrupt ended the run there.
     pub before_ns: Option<u64>,
-    /// Whether the log contains the end of its run: the new run must end there too.
+    /// Whether the log contains the end of its run. If it does, the new run must end at the same point.
     pub has_run_end: bool,
 }
 
@@ -34,7 +34,7 @@ pub struct Verification {
     pub samples_differing: u64,
     pub samples_only_in_log: u64,
     pub samples_only_in_new_run: u64,
-    /// Samples at the end of an interrupted run, which are not compared.
+    /// Number of samples that are not compared, at the end of an interrupted run.
     pub samples_not_compared: u64,
     pub events_compared: u64,
     pub events_differing: u64,
@@ -43,7 +43,7 @@ pub struct Verification {
     /// Time of the last sample that was compared.
     pub compared_to_s: Option<f64>,
     pub first_difference: Option<Difference>,
-    /// The largest difference of every column that differs.
+    /// For each column that differs, the largest difference.
     pub quantities: Vec<QuantityTally>,
     /// Metadata entries that differ.
     pub metadata: Vec<EntryDifference>,
@@ -57,11 +57,11 @@ pub struct Difference {
     pub quantity: String,
     /// Value in the log; null if absent.
     pub log: Option<f64>,
-    /// Value in the new run.
+    /// Value in the new run; null if absent.
     pub new_run: Option<f64>,
     /// Absolute difference in the unit of the quantity; null if a value is absent.
     pub absolute: Option<f64>,
-    /// Difference relative to the larger value.
+    /// Difference relative to the larger of the two values; null if a value is absent.
     pub relative: Option<f64>,
 }
 
@@ -83,7 +83,7 @@ pub struct EntryDifference {
 }
 
 impl Verification {
-    /// Whether all compared data is identical, bit for bit.
+    /// Whether all compared data are identical, bit for bit.
     pub fn is_same(&self) -> bool {
         let differing = self.samples_differing + self.samples_only_in_log + self.samples_only_in_new_run;
         differing + self.events_differing + self.events_only_in_log + self.events_only_in_new_run == 0
@@ -150,7 +150,7 @@ impl LogSink for Contents {
 }
 
 impl<R: Read + Seek> LogComparison<R> {
-    /// Opens a log for the comparison with the run `new_run`.
+    /// Opens a log to compare it with the run `new_run`.
     ///
     /// # Errors
     /// Returns [`ReadError`] if the log cannot be read.
@@ -188,7 +188,7 @@ impl<R: Read + Seek> LogComparison<R> {
         })
     }
 
-    /// Returns the result after the end of the new run. `new_end` describes how it ended, as the log does.
+    /// Returns the result after the end of the new run. `log_end` and `new_end` describe how each run ended.
     ///
     /// # Errors
     /// Returns [`ReadError`] if the log cannot be read.

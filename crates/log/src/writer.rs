@@ -16,11 +16,11 @@ use phalanx_core::drawing::Drawing;
 use phalanx_core::scene::{HandContact, LogSettings, Scene, Side};
 use phalanx_core::trace::{Event, FingerContact, RequiredData, Sample, Schema, Sink, SinkError};
 
-/// Streams one run to an MCAP file. Memory use is one chunk plus about 400 bytes of index per written chunk. The writer
-/// never seeks, so `W` can be a pipe.
+/// Streams one run to an MCAP file. It needs memory for one chunk, plus about 400 bytes of index per written chunk. The
+/// writer never seeks, so `W` can be a pipe.
 ///
-/// The caller must also write how the run ended, with [`Writer::note`] and the source `run`; otherwise the log counts
-/// as the log of a killed run. [`run_to`](super::run_to) does this.
+/// The caller must also write how the run ended, with [`Writer::note`] and the source `run`. Otherwise the log counts
+/// as that of a killed run. [`run_to`](super::run_to) does this.
 ///
 /// Dropping a writer also finishes the log but discards errors; [`Writer::finish`] returns them.
 pub struct Writer<W: Write> {

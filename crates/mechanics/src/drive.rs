@@ -41,7 +41,7 @@ pub enum Interpolation {
 }
 
 impl Profile {
-    /// Returns the value and its rate at time `t`. At a jump the value is that after it (t in [tᵢ, tᵢ₊₁)).
+    /// Returns the value and its rate at time `t`. At a jump, it is the value after the jump (t in [tᵢ, tᵢ₊₁)).
     #[inline(always)]
     pub fn at(&self, t: f64) -> (f64, f64) {
         match self {
@@ -91,7 +91,8 @@ impl Profile {
         }
     }
 
-    /// Returns max(0, value) over time. A linear table gains a time at each of its zeros, so that it is exact.
+    /// Returns max(0, value) over time. A linear table gets an additional point at each of its zeros, so that the
+    /// result is exact.
     pub fn positive_part(&self) -> Self {
         let mut positive = self.clone();
         match &mut positive {
@@ -117,8 +118,8 @@ impl Profile {
         positive
     }
 
-    /// Returns a set point that follows a constant or a linear table from a value at a time, with at most this rate. It
-    /// follows its own result exactly.
+    /// Returns a set point that starts from the value y at time t and follows this profile, a constant or a linear
+    /// table, at a rate of at most `limit`. Applied to its own result, it returns the same set point.
     pub fn rate_limited(&self, (mut t, mut y): (f64, f64), limit: f64) -> Self {
         let mut points = Vec::new();
         loop {
@@ -185,24 +186,25 @@ pub struct Brake {
     pub start_s: f64,
     /// Duration of engagement and of release.
     pub rise_s: f64,
-    /// Time at which the release starts; `None` if the brake is never released.
+    /// Time at which the release starts, s; `None` if the brake is never released.
     pub release_s: Option<f64>,
     /// Whether the brake resists opening only.
     pub one_way: bool,
     /// Half width of the sticking range of the regularised law.
     pub v_static_rad_s: f64,
-    /// Bristle that holds without creep below the maximum torque, in rad; `None` for the regularised law, which creeps.
+    /// Bristle, in rad, that holds without creep below the maximum torque; `None` for the regularised law, which
+    /// creeps.
     pub bristle: Option<Bristle>,
 }
 
 /// The torque of a brake at one instant, and its effect on the state of its bristle.
 #[derive(Clone, Copy, Debug)]
 pub struct BrakeTorque {
-    /// Torque, N·m, and its derivatives with respect to the rate of the shaft and time.
+    /// Torque, N·m, and its derivatives with respect to the rate of the shaft and to time.
     pub torque: [f64; 3],
-    /// Derivative of the torque with respect to the state of the bristle; 0 without one.
+    /// Derivative of the torque with respect to the state of the bristle; 0 without a bristle.
     pub by_bristle: f64,
-    /// Rate of the state of the bristle per torque, which acts on it in the opposite direction; 0 without one.
+    /// Rate of the bristle's state per unit of brake torque; negative, or 0 without a bristle.
     pub gain: f64,
 }
 
@@ -232,7 +234,8 @@ impl Brake {
         first_after(t, from.flat_map(|from| [from, from + self.rise_s]))
     }
 
-    /// Torque at a rate of the shaft and a state of the bristle. Without a state, it follows the regularised law.
+    /// Returns the torque at a rate of the shaft, rad/s, and a state of the bristle. Without a state, the torque
+    /// follows the regularised law.
     #[inline(always)]
     pub fn torque(&self, t: f64, rate: f64, bristle_state: Option<f64>) -> BrakeTorque {
         let Some((bristle, state)) = self.bristle.as_ref().zip(bristle_state) else {

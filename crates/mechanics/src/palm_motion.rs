@@ -6,16 +6,16 @@ use crate::drive::first_after;
 use crate::numeric::elementary::{hypot, powi, sin_cos};
 use crate::numeric::plane::rotate;
 
-/// Pose (X, Y, Φ) of the palm over time: the sum of its initial pose, moves, vibrations and path; initially at rest. X and Y
-/// are along the axes of the world, Φ about the origin of the palm.
+/// Pose (X, Y, Φ) of the palm over time: the sum of its initial pose, moves, vibrations and path. The palm is initially
+/// at rest. X and Y are along the axes of the world; Φ is the rotation about the origin of the palm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PalmMotion {
-    /// Pose before all motions, m and rad: that of the body at the start.
+    /// Pose before all motions, m and rad: the start pose of the body.
     pub initial_pose: [f64; 3],
     pub moves: Vec<Move>,
     pub vibrations: Vec<Vibration>,
     pub path: Option<Path>,
-    /// Names of moves and of vibrations in the scene file; may be shorter than the lists.
+    /// Names of the moves and of the vibrations in the scene file; either list may be shorter than that of the motions.
     pub names: [Vec<String>; 2],
 }
 
@@ -69,7 +69,7 @@ pub struct Path {
     second_derivatives: Vec<[f64; 3]>,
 }
 
-/// (X, Y, Φ) and its first three derivatives, in m, rad and s.
+/// Pose (X, Y, Φ) and its first three derivatives, in m, rad and s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     pub position: [f64; 3],
@@ -105,13 +105,14 @@ impl PalmMotion {
         pose
     }
 
-    /// Returns a vector of the world in the axes of the initial pose of the palm.
+    /// Transforms a vector from the axes of the world to those of the initial pose of the palm.
     pub fn in_initial_axes(&self, vector: [f64; 2]) -> [f64; 2] {
         let (sin, cos) = sin_cos(self.initial_pose[2]);
         rotate(vector, [cos, -sin])
     }
 
-    /// Pose of the world in the frame of the palm at time t: with the position as a complex number p, −e^(−iΦ) p and −Φ.
+    /// Pose of the world in the frame of the palm at time t: position −e^(−iΦ) p and angle −Φ, where the complex number
+    /// p is the position of the palm.
     pub fn world_pose(&self, t: f64) -> Pose {
         let Pose { position, rate, acceleration, jerk } = self.pose(t);
         let ([.., angle], [.., omega], [.., alpha], [.., alpha_rate]) = (position, rate, acceleration, jerk);
@@ -177,7 +178,7 @@ impl PalmMotion {
         largest
     }
 
-    /// Returns the next time after `t` at which some derivative jumps; infinite if there is none.
+    /// Returns the next time after `t` at which any derivative jumps; infinite if there is none.
     #[inline]
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         first_after(t, self.corners())
@@ -188,7 +189,7 @@ impl PalmMotion {
         self.corners().fold(f64::INFINITY, f64::min)
     }
 
-    /// Largest acceleration of a point of the palm in the world up to a time, m/s².
+    /// Largest absolute acceleration of a point of the palm up to a time, m/s².
     pub fn peak_acceleration_m_s2(&self, [x, y]: [f64; 2], until_s: f64) -> f64 {
         let acceleration = |time_s: f64| {
             let pose = self.pose(time_s);

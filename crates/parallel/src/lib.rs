@@ -27,12 +27,12 @@ pub enum ComputeError {
     Stopped { done: usize, total: usize },
 }
 
-/// Returns [`ComputeError::Unsuitable`] with a message unless a condition is met.
+/// Returns [`ComputeError::Unsuitable`] with a message if a condition is not met.
 pub fn require(condition: bool, message: impl FnOnce() -> String) -> Result<(), ComputeError> {
     if condition { Ok(()) } else { Err(ComputeError::Unsuitable(message())) }
 }
 
-/// Returns whether the computation may continue.
+/// A function that returns whether the computation may continue.
 pub type KeepRunning<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// Progress and interruption of a computation, shared by its threads.
@@ -56,13 +56,13 @@ impl<'a> Monitor<'a> {
         Monitor::new(|_, _, _| (), keep_running)
     }
 
-    /// Starts a computation of `total` parts.
+    /// Starts a computation of `total` parts; `name` is the current part.
     pub fn start(&self, total: usize, name: &str) {
         self.lock().1 = total;
         self.advance(0, name);
     }
 
-    /// Counts `parts` more completed parts and reports the name of the current one.
+    /// Adds `parts` to the number of completed parts, and reports the name of the current part.
     pub fn advance(&self, parts: usize, name: &str) {
         let (done, total, report) = &mut *self.lock();
         *done += parts;
@@ -74,6 +74,8 @@ impl<'a> Monitor<'a> {
         self.keep_running
     }
 
+    /// Checks whether the computation may continue.
+    ///
     /// # Errors
     /// Returns an error if the computation is to stop.
     pub fn check(&self) -> Result<(), ComputeError> {
@@ -118,8 +120,8 @@ pub fn thread_pool(threads: usize, jobs: usize) -> ThreadPool {
 
 /// Runs a computation whose parallel iterators use all cores.
 ///
-/// The threads belong to this process. A child process that was forked has the memory of its parent but not its threads, so
-/// that rayon's own pool would wait for ever there; the child gets other threads.
+/// The threads belong to this process. A forked child process has the memory of its parent but not its threads, so that
+/// a computation on rayon's own pool would wait forever; the child therefore gets new threads.
 ///
 /// # Panics
 /// Panics if the system cannot start the threads.
@@ -145,7 +147,7 @@ pub fn on_all_cores<R: Send>(compute: impl FnOnce() -> R + Send) -> R {
 /// Applies `work` to the jobs on the threads of a [`thread_pool`], and returns the results in the order of the jobs.
 ///
 /// # Errors
-/// Returns the error of a job; no further jobs are started then.
+/// Returns the error of a job. After an error, no further jobs are started.
 pub fn map<J: Sync, R: Send, E: Send>(
     threads: usize,
     jobs: &[J],
@@ -161,13 +163,13 @@ pub const MAX_THREADS: usize = 1024;
 /// The number of threads that [`set_threads`] has set.
 static THREADS: AtomicUsize = AtomicUsize::new(0);
 
-/// Sets the number of threads of computations for which none is given; 0 restores the default.
+/// Sets the number of threads for computations that do not specify it; 0 restores the default.
 pub fn set_threads(threads: usize) {
     THREADS.store(threads, Ordering::Relaxed);
 }
 
-/// Returns the number of threads of computations for which none is given: that of [`set_threads`], else of the environment
-/// variable `RAYON_NUM_THREADS`, else the number of cores available to the process.
+/// Returns the number of threads for computations that do not specify it. This is the number given to [`set_threads`],
+/// else that of the environment variable `RAYON_NUM_THREADS`, else the number of cores available to the process.
 pub fn default_threads() -> usize {
     let from_environment = || env::var("RAYON_NUM_THREADS").ok()?.trim().parse().ok();
     let chosen = Some(THREADS.load(Ordering::Relaxed)).filter(|threads| *threads > 0);

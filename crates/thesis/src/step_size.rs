@@ -60,7 +60,7 @@ impl Formulation {
     }
 }
 
-/// One run. Force errors are relative to the peak force of the reference; the error of the restitution is absolute.
+/// One run. Force errors are relative to the peak force of the reference. The error of the restitution is absolute.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     pub formulation: Formulation,
@@ -71,22 +71,23 @@ pub struct Row {
     pub steps: u64,
     pub wall_s: f64,
     pub peak_error: f64,
-    /// Root mean square difference over the contact of the reference, extended by a quarter of its duration on both
-    /// sides.
+    /// Root mean square of the force difference over the duration of the contact in the reference, extended by a
+    /// quarter at both ends.
     pub curve_rms_error: f64,
-    /// Largest difference over the same interval.
+    /// Largest force difference over the same interval.
     pub curve_max_error: f64,
     pub restitution_error: f64,
 }
 
-/// Largest step below which the largest error of the force curve stays below a level.
+/// Largest step for which the largest error of the force curve is below a level.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Crossing {
     pub formulation: Formulation,
     pub error: f64,
-    /// Interpolated between the evaluated steps; `None` if even the finest step is worse.
+    /// Step as a fraction, interpolated between the evaluated steps; `None` if even the shortest step has a larger
+    /// error.
     pub step_fraction: Option<f64>,
-    /// Whether the coarsest step is already better, so that the actual value is larger.
+    /// Whether the longest step already has a smaller error, so that the actual value is larger.
     pub at_least: bool,
 }
 
@@ -146,10 +147,10 @@ impl Sink for Impact {
     }
 }
 
-/// Runs the study. Parts of the computation are the varied settings.
+/// Runs the study. The monitor counts the varied settings as parts of the computation.
 ///
 /// # Errors
-/// Returns an error if the scene has no suitable impact, a run fails, or the monitor stops the computation.
+/// Returns an error if the scene has no suitable impact, if a run fails, or if the monitor stops the computation.
 pub fn step_size(scene: &Scene, quick: bool, monitor: &Monitor) -> Result<StepSize, ComputeError> {
     let scene = scene.require_fingers(0).map_err(|error| ComputeError::Unsuitable(error.to_string()))?;
     let fractions = &STEP_FRACTIONS[..if quick { QUICK_STEP_COUNT } else { STEP_FRACTIONS.len() }];
@@ -325,13 +326,13 @@ fn crossing(rows: &[Row], formulation: Formulation, error: f64) -> Crossing {
 }
 
 impl StepSize {
-    /// Returns all runs as CSV, one per line. Unknown values are empty.
+    /// Returns all runs as CSV, one run per line. Unknown values are empty.
     pub fn csv(&self) -> String {
         csv(&self.rows)
     }
 
-    /// Draws errors over step size, one line per formulation, solid for the curve and faint for the peak; errors of zero are
-    /// omitted.
+    /// Draws errors over the step size. Each formulation has a solid line for the curve and a faint line for the peak;
+    /// errors of zero are omitted.
     pub fn picture(&self) -> String {
         let errors = self.rows.iter().flat_map(|row| [row.curve_max_error, row.peak_error]);
         let steps = self.rows.iter().map(|row| row.step_fraction);

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-/// Units of figures and columns: name, factor from SI to the unit, and suffix of the key.
+/// Units of figures and columns: name, factor from SI units to the unit, and suffix of the key.
 pub const UNITS: [(&str, f64, &str); 8] = [
     ("", 1.0, ""),
     ("%", 1.0, "_percent"),

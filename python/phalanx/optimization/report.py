@@ -64,7 +64,9 @@ class _Quantity:
 
 
 def format_number(value: float, digits: int) -> str:
-    """Formats a number with significant digits and without trailing zeros; with an exponent beyond 1e-3 to 1e6."""
+    """Formats a number with `digits` significant digits and without trailing zeros; it has an exponent beyond 1e-3
+    to 1e6.
+    """
     scientific = f"{value:.{digits - 1}e}"
     exponent = int(scientific.partition("e")[2])
     if value == 0.0:
@@ -143,7 +145,7 @@ def plan_text(optimisation: Optimisation) -> str:
 
 
 def selected(found: Found) -> list[tuple[str, int]]:
-    """Returns the designs that are compared with the start: the best for each objective, and the compromise."""
+    """Returns the designs that are compared with the start: the best design for each objective, and the compromise."""
     objectives = found.optimisation.objectives
     roles = [f"best {objective.name}" if len(objectives) > 1 else "best" for objective in objectives]
     designs = [*((role, found.best(index)) for index, role in enumerate(roles)), ("compromise", found.compromise())]
@@ -151,12 +153,16 @@ def selected(found: Found) -> list[tuple[str, int]]:
 
 
 def scene_file(found: Found, index: int) -> str:
-    """Returns the file name of the scene of a design; the alphabetical order of the names is the numerical one."""
+    """Returns the file name of the scene of a design. In alphabetical order, the names are in the order of the
+    numbers.
+    """
     return f"design-{index + 1:0{len(str(len(found.generation)))}}.toml"
 
 
 def reasons(runs: ArrowTable) -> list[dict[str, Any]]:
-    """Groups runs that were not completed, or have no verdict, by status and reason without numbers."""
+    """Groups the runs that were not completed or have no verdict. Runs in a group have the same status and, apart
+    from numbers, the same reason.
+    """
     groups: dict[tuple[str, str], dict[str, Any]] = {}
     counts: dict[tuple[str, str], int] = defaultdict(int)
     for run, status, reason in zip(*(runs[name].to_pylist() for name in ("run", "status", "reason")), strict=True):
@@ -284,7 +290,7 @@ def _work(found: Found) -> str:
 
 
 def document(found: Found) -> dict[str, Any]:
-    """Returns the report as a JSON document; SI units are in its keys."""
+    """Returns the report as a JSON document. Its keys contain the SI units."""
     optimisation, scores, compromise = found.optimisation, found.scores, found.compromise()
     rate = found.simulations / found.wall_s if found.wall_s else 0.0
 
@@ -362,7 +368,9 @@ def document(found: Found) -> dict[str, Any]:
 
 
 def scenes(found: Found) -> dict[str, str]:
-    """Returns the scene files of the start and of the front by file name; a comment states the objectives."""
+    """Returns the scene files of the start and of the front, by file name. A comment in each file states the
+    objectives.
+    """
     return {"start.toml": _scene(found, 0), **{scene_file(found, index): _scene(found, index) for index in found.front}}
 
 
@@ -381,8 +389,9 @@ def _scene(found: Found, index: int) -> str:
 def picture(found: Found, format: str, has_links: bool = False) -> bytes:
     """Draws the designs that meet all constraints, the front, the start and the compromise.
 
-    With several objectives, the first is plotted against each of the others; with one, designs are plotted in the order
-    of their evaluation. `format` is "svg" or "png". With `has_links`, points of the front link to `#design-N`.
+    With several objectives, the first one is plotted against each of the others. With one objective, designs are
+    plotted in the order of their evaluation. `format` is "svg" or "png". With `has_links`, points of the front link to
+    `#design-N`.
     """
     require("matplotlib", "a picture")
     import matplotlib
@@ -501,9 +510,9 @@ def json_text(found: Found) -> str:
 
 
 def table_bytes(path: Path, table: ArrowTable, fingerprint: str, generation: Any = None) -> bytes:
-    """Returns the contents of a table file, as CSV or Parquet by the suffix of the path.
+    """Returns the contents of a table file, as CSV or Parquet according to the suffix of the path.
 
-    `generation` of each design is added to a table of runs.
+    If `generation` is given, a table of runs gets a column with the generation of each design.
     """
     import pyarrow.csv
     import pyarrow.parquet

@@ -28,8 +28,9 @@ class Optimum:
     def designs(self) -> ArrowTable:
         """All designs as an Arrow table: `.to_pandas()`, or `polars.from_arrow`.
 
-        Columns: number, generation, variables, objectives, the worst value of each constraint over the conditions, runs
-        by status, violation of the constraints, and whether the design meets them (`feasible`) and is on the `front`.
+        Columns: number, generation, variables, objectives, the worst value of each constraint over the conditions,
+        numbers of runs by status, violation of the constraints, whether the design meets them (`feasible`), and whether
+        it is on the `front`.
         """
         return self._found.designs()
 
@@ -45,9 +46,9 @@ class Optimum:
 
     @property
     def hypervolume(self) -> float | None:
-        """Hypervolume of the front in units of the start: that of the start alone is 1. None for one objective.
+        """Hypervolume of the front, relative to that of the start alone. None for one objective.
 
-        Objectives are gains over the start; the reference point is worse than the start by 100 % in each.
+        Objectives are gains over the start. The reference point is worse than the start by 100 % in each objective.
         """
         return self._found.hypervolume()
 
@@ -74,7 +75,9 @@ class Optimum:
 
 
 def load(path: _Path, model: str | None = None, preset: str | None = None) -> Optimisation:
-    """Reads and checks a study file; `model` overrides its model, and `preset` the settings of the integrator. See `phalanx.optimize` for errors."""
+    """Reads and checks a study file. `model` overrides the model of the study, and `preset` replaces the integrator
+    settings. For errors, see `phalanx.optimize`.
+    """
     require("pyarrow", "a search")
     return study.load(Path(path), model, preset)
 

@@ -27,7 +27,7 @@ STATUSES = ["completed", "filtered", "refused", "failed"]
 """Status of a run."""
 
 INITIAL_STEP_SIZE = 0.3
-"""Initial step size of CMA-ES relative to the ranges: the first samples cover most of the ranges."""
+"""Initial step size of CMA-ES, relative to the ranges. With it, the first samples cover most of the ranges."""
 
 CONVERGENCE_TOLERANCE = 1e-6
 """CMA-ES has converged when the standard deviations of a generation are below this fraction of the ranges."""
@@ -48,18 +48,20 @@ def require(name: str, purpose: str) -> ModuleType:
 
 @dataclass
 class Scores:
-    """Evaluation of designs from their runs; one row or entry per design."""
+    """Evaluation of designs from their runs. Arrays have one row or entry per design."""
 
     values: Array
-    """Objectives in SI, without sign change; NaN if a run has no such figure."""
+    """Objectives in SI, without change of sign; NaN if a run does not have the figure. Shape: designs × objectives."""
     minimised: Array
-    """Objectives, all to be minimised; infinite if missing."""
+    """Objectives with signs such that all are to be minimised; infinite if missing."""
     violations: Array
-    """Violations by design: missing verdicts and figures, then one column per constraint; 0 if met."""
+    """Violations of each design: the first column counts missing verdicts and figures, then there is one column per
+    constraint; 0 if met.
+    """
     worst: list[list[Any]]
-    """Worst value of each constraint over the conditions, by constraint and design."""
+    """Worst value of each constraint over the conditions; the first index is the constraint, the second the design."""
     by_status: Array
-    """Number of runs by status, in the order of STATUSES."""
+    """Number of runs of each design by status, in the order of STATUSES."""
 
     @property
     def violation(self) -> Array:
@@ -68,20 +70,22 @@ class Scores:
 
     @property
     def finite(self) -> Array:
-        """Objectives, all to be minimised; finite, because an infeasible design is ranked by its violation alone."""
+        """Objectives, all to be minimised. They are finite, because an infeasible design is ranked by its violation
+        alone.
+        """
         return np.where(np.isfinite(self.minimised), self.minimised, np.finfo(float).max)
 
     @property
     def feasible(self) -> Array:
-        """Whether all constraints are met."""
+        """For each design, whether it meets all constraints."""
         return self.violation <= 0.0
 
 
 def score(optimisation: Optimisation, runs: ArrowTable) -> Scores:
-    """Scores designs from their runs, which are ordered by design and condition.
+    """Scores designs from their runs. The runs are ordered by design and condition.
 
-    Violations are sums over all conditions: 1 for a run without a verdict (not completed, or the finger cannot grasp
-    its object), 1 for each missing figure, and from 0 to 1 for each violated constraint, depending on the deviation.
+    Violations are sums over all conditions. A run without a verdict (not completed, or the finger cannot grasp its
+    object) counts 1; a missing figure counts 1; a violated constraint counts from 0 to 1, depending on the deviation.
     """
     shape = (-1, len(optimisation.conditions))
 
@@ -149,12 +153,14 @@ def _violations(constraint: Constraint, cells: Array) -> tuple[Array, Array]:
 
 
 def dominates(a: Array, b: Array) -> Array:
-    """Returns for each row of `a` whether it dominates `b`; all objectives are minimised."""
+    """Returns, for each row of `a`, whether it dominates `b`. All objectives are minimised."""
     return np.asarray(np.all(a <= b, axis=-1) & np.any(a < b, axis=-1))
 
 
 def pareto_front(scores: Scores) -> list[int]:
-    """Returns the feasible designs that no other design dominates, sorted by objectives; the first of equal ones."""
+    """Returns the feasible designs that no other design dominates, sorted by objectives. Of equal designs, only the
+    first one is returned.
+    """
     minimised, front = scores.minimised, np.zeros(0, dtype=int)
     for index in np.flatnonzero(scores.feasible):
         # Designs of the front that are no worse in every objective exclude this one.
@@ -171,10 +177,10 @@ class Search(Protocol):
         """Returns the candidates of the next generation, one per row."""
 
     def tell(self, scores: Scores) -> None:
-        """Receives the scores of the last generation, in its order."""
+        """Receives the scores of the last generation, in the order of its candidates."""
 
     def has_converged(self) -> bool:
-        """Whether further generations would not change the result."""
+        """Whether the search has converged, so that further generations would not change the result."""
 
 
 class Nsga2:
@@ -212,7 +218,7 @@ class Nsga2:
 class CmaEs:
     """CMA-ES of the package cma for one objective. The first generation contains the start only.
 
-    Bounds are those of the cube. The strategy needs only a ranking, which is that of Deb's feasibility rules.
+    The bounds are those of the unit cube. The strategy needs only a ranking, which follows Deb's feasibility rules.
     """
 
     def __init__(self, start: list[float], population: int, seed: int) -> None:
@@ -267,15 +273,15 @@ class Found:
     runs: ArrowTable
     """One row per run, ordered by design and condition, with the columns of `phalanx sweep`."""
     fields: list[dict[str, Any]]
-    """Values of the variables of each design by field, as written in a scene."""
+    """For each design, the values of the variables by field, as written in a scene."""
     generation: Array
     """Generation of each design, from 0."""
     converged: bool
     """Whether the search ended by convergence."""
     new_runs: int
-    """Number of runs of this call; the others were stored."""
+    """Number of runs in this call; the other runs were already stored."""
     simulations: int
-    """Number of simulations of this call."""
+    """Number of simulations in this call."""
     threads: int
     wall_s: float
     scores: Scores = field(init=False)
@@ -287,11 +293,12 @@ class Found:
         self.front = pareto_front(self.scores)
 
     def best(self, objective: int) -> int | None:
-        """Returns the design of the front that is best in an objective."""
+        """Returns the design of the front that is best for an objective."""
         return min(self.front, key=lambda index: float(self.scores.minimised[index, objective]), default=None)
 
     def compromise(self) -> int | None:
-        """Returns the design of the front nearest to the best values of all objectives, relative to its extent.
+        """Returns the design of the front that is nearest to the best values of all objectives. Distances are relative
+        to the extent of the front.
 
         None with a single objective, or with fewer than three designs on the front.
         """
@@ -313,10 +320,10 @@ class Found:
         return gains
 
     def hypervolume(self) -> float | None:
-        """Returns the hypervolume of the front in units of the start: that of the start alone is 1.
+        """Returns the hypervolume of the front, relative to that of the start alone.
 
-        Objectives are gains over the start; the reference point has a gain of -1 in each. None for one objective, or if
-        the start lacks a figure.
+        Objectives are gains over the start. The reference point has a gain of -1 in each objective. None for one
+        objective, or if the start lacks a figure.
         """
         if len(self.optimisation.objectives) < 2 or any(gain is None for gain in self.gains(0)):
             return None
@@ -332,8 +339,8 @@ class Found:
     def designs(self) -> ArrowTable:
         """Returns one row per design.
 
-        Columns: number, generation, variables, objectives, worst value of each constraint, runs by status, violation,
-        and whether the design is feasible and on the front.
+        Columns: number, generation, variables, objectives, worst value of each constraint, numbers of runs by status,
+        violation, whether the design is feasible, and whether it is on the front.
         """
         import pyarrow as pa
 
@@ -351,7 +358,9 @@ class Found:
 
 
 Progress: TypeAlias = Callable[[int, int, int, int], None]
-"""Receives after each generation: designs, largest number of designs, generation, and feasible designs."""
+"""Function that is called after each generation with the number of designs, the largest number of designs, the
+generation, and the number of feasible designs.
+"""
 
 
 def run(optimisation: Optimisation, threads: int, checkpoint: Checkpoint | None, progress: Progress | None) -> Found:
@@ -506,7 +515,9 @@ class Checkpoint:
 
 
 def open_checkpoint(path: Path, runs: Path, fingerprint: str) -> Checkpoint:
-    """Opens the checkpoint of a search; finished results in the Parquet file `runs` replace its generations."""
+    """Opens the checkpoint of a search. If the Parquet file `runs` contains finished results, they replace its
+    generations.
+    """
     finished = None
     if runs.exists() and not path.exists():
         import pyarrow.parquet
@@ -522,7 +533,7 @@ def open_checkpoint(path: Path, runs: Path, fingerprint: str) -> Checkpoint:
 
 
 def require_same_search(metadata: dict[bytes, bytes] | None, path: Path, fingerprint: str) -> None:
-    """Refuses stored results of another search."""
+    """Raises an error if stored results belong to another search."""
     if (metadata or {}).get(b"phalanx.optimize") != fingerprint.encode():
         raise StudyError(
             f"error: {path} contains the runs of another study, scene, model or version\n"

@@ -12,7 +12,7 @@ from .search import Array, Scores, require, score, simulate
 from .study import Optimisation
 
 Design: TypeAlias = Mapping[str, str | float] | Sequence[float] | Array
-"""Values of the variables, in SI or as in a scene: by field, or in the order of the study."""
+"""Values of the variables, in SI or as in a scene: either by field, or in the order of the study."""
 
 
 class Function:
@@ -32,7 +32,9 @@ class Function:
         """Names of the violations: missing results, then the columns of the constraints."""
 
     def __call__(self, design: Design) -> tuple[Array, Array]:
-        """Simulates a design and returns its objectives, all to be minimised, and its violations, 0 if met."""
+        """Simulates a design. Returns its objectives, all to be minimised, and its violations, which are 0 if a
+        constraint is met.
+        """
         scores = self.scores([design])
         return scores.minimised[0], scores.violations[0]
 

@@ -14,7 +14,7 @@ CLASSES = ["stable", "semi-stable", "semi-unstable", "unstable"]
 
 @dataclass(frozen=True)
 class Objective:
-    """A figure to minimise or maximise."""
+    """A figure that is minimised or maximised."""
 
     name: str
     columns: list[str]
@@ -27,14 +27,14 @@ class Objective:
 
 @dataclass(frozen=True)
 class Constraint:
-    """A requirement under every condition; bounds are numbers in SI."""
+    """A requirement that must be met under every condition. Bounds are numbers in SI."""
 
     column: str
     at_least: float | None = None
     at_most: float | None = None
     equals: bool | str | None = None
     worst_class: int | None = None
-    """Index of the worst class allowed, from good to bad."""
+    """Index of the worst allowed class, in the order of CLASSES."""
 
 
 @dataclass(frozen=True)
@@ -60,24 +60,24 @@ class Optimisation:
     description: str
     model: Literal["analytic", "engine"]
     preset: Literal["draft", "engineering", "reference"] | None
-    """Preset in place of the settings of the scene's integrator."""
+    """Preset that replaces the integrator settings of the scene; None without a preset."""
     scene: _phalanx.Scene
     files: list[Path]
     """The study file, and the files of the base scene."""
     variables: list[_phalanx.Variable]
     conditions: list[dict[str, Any]]
-    """Values of the fields of each condition; one empty condition if there are none."""
+    """For each condition, the values of its fields; one empty condition if there are none."""
     objectives: list[Objective]
     constraints: list[Constraint]
     method: Method
     verdict: str | None
-    """Column with the verdict of a run: "class", "grasp" or "fate"; None for scenes without a grasp."""
+    """Name of the column with the verdict of a run: "class", "grasp" or "fate"; None for scenes without a grasp."""
     source: dict[str, Any] = field(repr=False)
     """Keys of the study file without its base scene."""
 
     @property
     def filter(self) -> dict[str, bool]:
-        """Static criteria of the designs to simulate."""
+        """Static criteria for the designs that are simulated."""
         return dict(self.source.get("filter", {}))
 
     @property
@@ -92,11 +92,13 @@ class Optimisation:
 
 
 def load(path: Path, model: str | None = None, preset: str | None = None, text: str | None = None) -> Optimisation:
-    """Reads and checks a study file and its base scene; `model` overrides the model of the study, and `preset` the settings
-    of the integrator.
+    """Reads and checks a study file and its base scene.
 
-    `text` is the content of the file, if it is not to be read: `path` then appears in messages, and the base scene is
-    relative to its directory. Raises StudyError with file, line and field of the errors.
+    `model` overrides the model of the study. `preset` replaces the integrator settings of the scene.
+
+    `text` is the content of the file; by default, the file is read. With `text`, `path` only appears in messages and
+    determines the directory to which the base scene is relative. Raises StudyError with file, line and field of the
+    errors.
     """
     read = _phalanx._read_optimisation(path, text, model, preset)
     lists: dict[str, Any] = {

@@ -12,42 +12,42 @@ use crate::scene::one_line;
 /// Comparison of two logs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct LogComparisonReport {
-    /// `finger` or `bodies`.
+    /// Kind of scene: `finger` or `bodies`.
     pub kind: &'static str,
     /// Labels of the two logs.
     pub labels: [String; 2],
     pub logs: [ReplayReport; 2],
-    /// End of the time interval covered by both logs.
+    /// End of the interval of time that both logs cover, s.
     pub compared_to_s: f64,
     /// Remarks on the comparison.
     pub notes: Vec<String>,
-    /// Numbers of both summaries, identified by their path; null where a log does not have the number.
+    /// Numbers of both summaries, identified by their path. A number is null if its log does not contain it.
     #[serde(rename = "figures")]
     pub numbers: Vec<NumberComparison>,
     /// Text values of both summaries, such as the class.
     #[serde(rename = "words")]
     pub texts: Vec<TextComparison>,
-    /// Differences of joint angles, or of the centres of discs, over the common time.
+    /// Differences of joint angles, or of the centres of discs, over the interval of time that both logs cover.
     #[serde(rename = "apart")]
     pub trajectory_differences: Vec<TrajectoryDifference>,
-    /// Directory of the pictures, as given; null if none was requested.
+    /// Directory of the pictures, as given by the user; null if none was requested.
     pub directory: Option<String>,
-    /// Files in `directory`.
+    /// Files in `directory`; null if none were requested.
     pub files: Option<Vec<String>>,
-    /// Path of the page as given; null unless it was requested separately.
+    /// Path of the page, as given by the user; null unless the page was requested separately.
     pub page: Option<String>,
 }
 
 /// Values of one number in both summaries.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct NumberComparison {
-    /// Path, such as `contacts.proximal.first_s`, which ends in the unit.
+    /// Path of the number, such as `contacts.proximal.first_s`; it ends in the unit.
     #[serde(rename = "figure")]
     pub path: String,
     pub values: [Option<f64>; 2],
-    /// Second value minus first.
+    /// Second value minus first value.
     pub difference: Option<f64>,
-    /// Absolute difference relative to the larger value.
+    /// Absolute difference relative to the larger of the two values.
     pub relative: Option<f64>,
 }
 
@@ -62,12 +62,12 @@ pub(crate) struct TextComparison {
 /// Difference of one quantity over the common time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct TrajectoryDifference {
-    /// Name with unit, such as `q11_rad` or `hammer_centre_m`.
+    /// Name of the quantity with its unit, such as `q11_rad` or `hammer_centre_m`.
     pub quantity: String,
     pub max: f64,
     pub max_at_s: f64,
     pub rms: f64,
-    /// Difference at the end of the common time.
+    /// Difference at the end of the interval of time that both logs cover.
     pub end: f64,
 }
 

@@ -32,21 +32,21 @@ const MAX_ROWS: usize = 15;
 /// Report of a log.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReplayReport {
-    /// Path of the log as given.
+    /// Path of the log, as given by the user.
     pub log: String,
-    /// Path of the page as given; null if none was requested.
+    /// Path of the page, as given by the user; null if no page was requested.
     pub page: Option<String>,
-    /// Path of the table of samples as given; null if none was requested.
+    /// Path of the table of samples, as given by the user; null if no table was requested.
     pub csv: Option<String>,
-    /// Contents, lost and missing parts.
+    /// Contents of the log, and its lost and missing parts.
     #[serde(flatten)]
     pub reading: LogSummary,
-    /// Whether no part of the log is lost.
+    /// Whether the log is complete: no part of it is lost.
     #[serde(rename = "whole")]
     pub is_complete: bool,
     /// Name of the scene; null if the log does not contain it.
     pub scene: Option<String>,
-    /// `finger`, `gripper`, `bodies` or `mechanism`; null if the log does not contain it.
+    /// Kind of scene: `finger`, `gripper`, `bodies` or `mechanism`; null if the log does not contain it.
     pub kind: Option<String>,
     /// Whether the log has joints.
     #[serde(skip)]
@@ -54,38 +54,40 @@ pub struct ReplayReport {
     pub model: Option<String>,
     /// Version of phalanx that wrote the log.
     pub phalanx_version: Option<String>,
-    /// Requested duration.
+    /// Requested duration of the run, s.
     pub duration_s: Option<f64>,
-    /// Samples on the grid, per second.
+    /// Number of samples on the grid per second.
     pub log_numeric_hz: Option<f64>,
-    /// Settings of the analytic model, as in the report of the run; null for the engine, and where they cannot be read.
+    /// Settings of the analytic model, as in the report of the run. Null for a run of the engine, or if they cannot be
+    /// read.
     #[serde(serialize_with = "serialize_settings")]
     pub integrator: Option<Integrator>,
-    /// Settings of the engine, likewise.
+    /// Settings of the engine. Null for a run of the analytic model, or if they cannot be read.
     #[serde(serialize_with = "serialize_settings")]
     pub engine: Option<Engine>,
     /// Whether the run was completed; null if the log does not contain the end of the run.
     pub completed: Option<bool>,
-    /// Reason why the run was not completed.
+    /// Reason why the run was not completed; null for a completed run.
     pub error: Option<Failure>,
     /// States of fingers and bodies in the last sample.
     #[serde(flatten, serialize_with = "serialize_states")]
     pub states: Option<States>,
-    /// Contacts without missing topics. Peaks are taken from the samples, which include the peaks of the run.
+    /// Contacts; those whose topics are missing are omitted. Peaks are taken from the samples, which include the peaks
+    /// of the run.
     pub contacts: Option<Contacts>,
-    /// Criteria of a finger; null without an object or a scene, if the log does not reach the end of a completed run,
-    /// or if a required topic is missing.
+    /// Criteria of a finger. Null without an object or without a scene, if the log does not reach the end of a
+    /// completed run, or if a required topic is missing.
     pub criteria: Option<Criteria>,
-    /// Criteria of the object of a hand; omitted under the same conditions.
+    /// Criteria of the object of a hand; omitted under the conditions under which `criteria` is null.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grasp: Option<Box<ObjectReport>>,
     pub energy: Option<Energy>,
     /// Reasons to doubt the results; empty for a valid run.
     pub warnings: Vec<String>,
-    /// Whether the log marks a run as completed that is shorter than its settings.
+    /// Whether the log is inconsistent: it marks a run as completed that is shorter than its duration in the settings.
     #[serde(skip)]
     pub is_inconsistent: bool,
-    /// Comparison with a new simulation; null unless requested.
+    /// Comparison with a new simulation; null unless it was requested.
     pub verification: Option<VerificationReport>,
 }
 
@@ -183,7 +185,7 @@ impl ReplayReport {
         report
     }
 
-    /// The grasp as a page shows it.
+    /// The grasp in the form in which a page shows it.
     pub fn played_grasp(&self) -> Option<PlayedGrasp> {
         self.grasp.as_deref().map(ObjectReport::played)
     }
@@ -283,22 +285,22 @@ pub struct VerificationReport {
     /// Whether all compared data are identical, bit for bit.
     #[serde(rename = "same")]
     pub is_identical: bool,
-    /// Whether the whole run was compared: no part of the log is lost, and it contains the end of the run.
+    /// Whether the whole run was compared: no part of the log is lost, and the log contains the end of the run.
     #[serde(rename = "complete")]
     pub is_complete: bool,
-    /// Reason why only a part of the run was compared.
+    /// Reason why only part of the run was compared; null if the whole run was compared.
     #[serde(rename = "incomplete_because")]
     pub incomplete_reason: Option<String>,
     pub phalanx_version_log: Option<String>,
     pub phalanx_version: &'static str,
-    /// Wall time of the new simulation.
+    /// Wall time of the new simulation, s.
     pub wall_s: f64,
     #[serde(flatten)]
     pub found: Verification,
 }
 
 impl VerificationReport {
-    /// Creates the report. `inconsistency` describes why the log cannot contain its whole run, if it is inconsistent.
+    /// Creates the report. `inconsistency` states why the log cannot contain its whole run; `None` if it is consistent.
     pub fn new(found: Verification, reading: &LogSummary, inconsistency: Option<&str>, wall_s: f64) -> Self {
         let incomplete_reason = incomplete_reason(reading, inconsistency);
         VerificationReport {

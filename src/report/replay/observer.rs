@@ -8,7 +8,7 @@ use crate::log::{LogSink, LogSummary, Settings, settings};
 use crate::scene::{self, Scene, SceneError};
 use crate::trace::{ContactSummary, Event, EventKind, OffGrid, Outcome, Sample, Schema, Sink, SinkError};
 
-/// A sink for the contents of a log that collects the data of its report.
+/// A sink that receives the contents of a log and collects the data of the report.
 #[derive(Debug, Default)]
 pub struct LogObserver {
     pub(super) schema: Schema,
@@ -26,7 +26,8 @@ pub struct LogObserver {
 
 impl LogObserver {
     /// Creates an observer from the head of the log, because the criteria need the scene before the first sample. Also
-    /// returns a warning if the finger cannot grasp its object; a scene that cannot be read is a loss of the log.
+    /// returns a warning if the finger cannot grasp its object. A scene that cannot be read counts as a loss of the
+    /// log.
     pub fn new(head: &LogSummary) -> (Self, Option<String>) {
         match scene_in_log(head) {
             None | Some(Err(_)) => (LogObserver::default(), None),
@@ -46,8 +47,8 @@ impl LogObserver {
         }
     }
 
-    /// Returns the outcome of the run; `None` without samples. It contains no computational cost, which samples do not
-    /// record.
+    /// Returns the outcome of the run; `None` without samples. The computational cost is missing, because samples do
+    /// not contain it.
     pub fn outcome(&self) -> Option<&Outcome> {
         self.has_sample.then_some(&self.outcome)
     }
@@ -62,7 +63,7 @@ impl LogObserver {
         self.scene.as_ref().filter(|scene| scene.finger_count() != 1)
     }
 
-    /// Creates the report of the log, after it was read.
+    /// Creates the report of the log after the log has been read.
     pub fn report(&mut self, name: String, reading: &LogSummary) -> ReplayReport {
         // Criteria and audit return no errors.
         let _ = (self.tracker.as_mut().map(OffGrid::end), self.audit.as_mut().map(OffGrid::end));
@@ -88,7 +89,7 @@ fn audit(settings: &Settings, scene: &Scene) -> EnergyAudit {
     EnergyAudit::new(settings.model(), &scene)
 }
 
-/// Returns the scene that is stored in a log; `None` if there is none or it exceeds the size limit of scenes.
+/// Returns the scene that is stored in a log. `None` if there is none, or if it exceeds the size limit of scenes.
 pub fn scene_in_log(head: &LogSummary) -> Option<Result<Scene, SceneError>> {
     let (name, text) = head.scene.as_ref().filter(|(_, text)| text.len() as u64 <= MAX_SCENE_BYTES)?;
     Some(scene::parse_any(text, name))

@@ -33,14 +33,14 @@ pub struct ValidationReport<'a> {
     validation: &'a Validation,
     /// Options of the ladder, if it was run.
     ladder: Option<LadderOptions>,
-    /// Directory of the results, as given by the user, and the files in it; `None` if none were requested.
+    /// Directory of the results, as given by the user, and the files in it; `None` if no files were requested.
     pub files: Option<(String, Vec<String>)>,
-    /// Whether the text of a mechanism contains all differences, or else the largest ones.
+    /// Whether the text of a mechanism contains all differences; otherwise only the largest ones.
     pub all: bool,
 }
 
 impl<'a> ValidationReport<'a> {
-    /// Creates the report. `ladder` are the options of the ladder of `validation`, if it was run.
+    /// Creates the report. `ladder` contains the options of the ladder in `validation`; `None` if no ladder was run.
     pub fn new(scene: &'a Scene, validation: &'a Validation, ladder: Option<LadderOptions>) -> Self {
         let schema = Schema::from_scene(scene);
         ValidationReport { scene, schema, validation, ladder, files: None, all: true }

@@ -24,7 +24,7 @@ impl Evaluation {
         Some(self.outcome.as_ref().ok()?.fate == Fate::Held)
     }
 
-    /// Whether the object is held at the end and slips by at most `max_slip_m`.
+    /// Whether the object is held at the end and slips by at most `max_slip_m`; `None` if the run was not completed.
     pub fn is_held_within(&self, max_slip_m: f64) -> Option<bool> {
         let outcome = self.outcome.as_ref().ok()?;
         Some(outcome.fate == Fate::Held && outcome.slip.displacement_m <= max_slip_m)
@@ -48,16 +48,17 @@ impl Serialize for Evaluation {
     }
 }
 
-/// Bracket of the first failure among the evaluated loads.
+/// Bracket of the first failure, that is, the failure at the smallest load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LoadBracket {
-    /// Largest load below the first failure that is held; `None` if the smallest load fails.
+    /// Largest load below the first failure at which the object is held; `None` if the smallest load fails.
     pub held: Option<f64>,
     /// Smallest load that fails; `None` if no load fails.
     pub failed: Option<f64>,
-    /// Largest load above the first failure that is held: the result is not always monotone.
+    /// Largest load that is held although a smaller load fails; `None` if there is none.
     pub held_above: Option<f64>,
-    /// Number of loads between the two, or above the only one, whose run was not completed.
+    /// Number of loads between `held` and `failed` whose run was not completed; if only one of the two exists, the
+    /// number above it.
     pub unknown: usize,
 }
 
@@ -89,9 +90,10 @@ impl LoadBracket {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadResult {
     pub case: LoadCase,
-    /// Largest load of the scan: the plan's, or the largest that keeps the object clear of the table.
+    /// Largest load of the scan: that of the plan, or the largest one that keeps the object clear of the table.
     pub to_m_s2: f64,
-    /// Acceleration that is balanced at rest at the start of the loads; `None` if this kind of load has no such limit.
+    /// Acceleration that can be balanced at rest at the start of the loads; `None` if this kind of load has no such
+    /// limit.
     pub static_limit: Option<MechanismLimit>,
     /// Evaluations, sorted by load.
     pub evaluations: Vec<Evaluation>,
@@ -109,7 +111,7 @@ impl LoadResult {
         Some(self.evaluation_at(limit.held?)?.size)
     }
 
-    /// Returns how the object fails at the limit: `slip`, or its fate; `None` if no load fails.
+    /// Returns how the grasp fails at the limit: `slip`, or the fate of the object. `None` if no load fails.
     pub fn ended_by(&self, limit: &LoadBracket) -> Option<&'static str> {
         let run = self.evaluation_at(limit.failed?)?;
         let fate = run.outcome.as_ref().ok()?.fate;

@@ -13,7 +13,7 @@ use crate::scene::{Axis, Move, PalmMotion, Path, Ramp, Vibration};
 const FULL_PERIODS: f64 = 10.0;
 const RAMP_PERIODS: f64 = 2.0;
 
-/// Kind of load. The peak acceleration, m/s², sets its strength.
+/// Kind of load. Its strength is given by the peak acceleration, m/s².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LoadCase {
     /// Rest-to-rest move along a line: first accelerated in this direction (counter-clockwise from +x), then braked.
@@ -73,13 +73,13 @@ pub struct Load {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadSetup {
     pub start_s: f64,
-    /// Palm motion up to the start of the loads.
+    /// Motion of the palm up to the start of the loads.
     pub prior_motion: PalmMotion,
-    /// Move of [`LoadCase::Move`], with times measured from its start.
+    /// Move of the scene for [`LoadCase::Move`]. Its times are measured from its start.
     pub scene_motion: PalmMotion,
-    /// Peak acceleration of this move.
+    /// Peak acceleration of this move, m/s².
     pub scene_peak_m_s2: f64,
-    /// Distance from the centre of the palm to the object's centre.
+    /// Distance from the centre of the palm to the centre of the object, m.
     pub lever_m: f64,
 }
 
@@ -95,8 +95,8 @@ impl LoadCase {
         Some([cos, sin])
     }
 
-    /// Returns the size of the load: the distance of a pulse, m, the amplitude of a vibration, m or rad, or the
-    /// duration of a move relative to the scene's own move.
+    /// Returns the size of the load: the distance of a pulse, m; the amplitude of a vibration, m or rad; or the
+    /// duration of a move relative to that of the scene's move.
     pub fn size(&self, setup: &LoadSetup, peak_m_s2: f64) -> f64 {
         match *self {
             LoadCase::Pulse { length_s, .. } => peak_m_s2 * length_s * length_s / Move::unit_peak_acceleration(),

@@ -36,7 +36,7 @@ pub(super) struct PreparedMechanism {
     grasp: ObjectCriteria,
     /// Indices of the contact points of surroundings that a load would hit.
     removed_points: Vec<usize>,
-    /// Names of their outlines.
+    /// Names of the outlines that are removed.
     pub removed: Vec<String>,
 }
 
@@ -216,8 +216,8 @@ impl PreparedMechanism {
         (self.removed_points, self.removed) = (removed_points, removed);
     }
 
-    /// Returns the largest acceleration that the contacts at the start of the loads balance, in both directions of a load;
-    /// `None` for loads that turn or change their direction, and where statics has no solution.
+    /// Returns the largest acceleration that the contacts at the start of the loads can balance in both directions of a
+    /// load. `None` for loads that rotate or change their direction, or if the statics have no solution.
     pub fn static_limit(&self, case: &LoadCase) -> Option<MechanismLimit> {
         let [cos, sin] = case.direction()?;
         let [forward, backward] =
@@ -225,8 +225,8 @@ impl PreparedMechanism {
         Some(smaller_limit(forward?, backward?))
     }
 
-    /// Simulates the mechanism under a motion of its base and for [`SETTLING_S`] afterwards. Returns the outcome, or the reason
-    /// why the run was not completed.
+    /// Simulates the mechanism under a motion of its base, and for [`SETTLING_S`] after it. Returns the outcome, or the
+    /// reason why the run was not completed.
     pub fn simulate(
         &self,
         model: Model,

@@ -47,13 +47,15 @@ pub struct Hold {
     pub plan: Plan,
     pub setup: LoadSetup,
     pub start_reason: StartReason,
-    /// Name of the base of a mechanism that follows the loads; `None` for the palm of a gripper.
+    /// Name of the base of a mechanism, which follows the loads; `None` for the palm of a gripper.
     pub base: Option<String>,
-    /// Outlines of the surroundings of a mechanism that the loads would hit, and that are removed from their start on.
+    /// Outlines of the surroundings of a mechanism that the loads would hit. They are removed from the start of the
+    /// loads on.
     pub removed: Vec<String>,
-    /// Outlines of the ground that move with the base, because they count as part of the hand although no key says so.
+    /// Names of the outlines of the ground that move with the base, because they count as part of the hand although no
+    /// key says so.
     pub assumed_hand: Vec<String>,
-    /// Outcome of a run of the same duration without a load.
+    /// Outcome of a run with the same duration and without a load.
     pub unloaded: LoadOutcome,
     pub results: Vec<LoadResult>,
 }
@@ -83,13 +85,14 @@ impl Serialize for Hold {
     }
 }
 
-/// Finds the limits of all kinds of load on the plan's number of threads. The monitor counts the runs.
+/// Finds the limits of all kinds of load, on the number of threads of the plan. The monitor counts the runs.
 ///
 /// # Errors
-/// Returns an error if the scene does not hold its object, the loads are not possible, or the monitor stops the study.
+/// Returns an error if the scene does not hold its object, if the loads are not possible, or if the monitor stops the
+/// study.
 ///
 /// # Panics
-/// Panics if the plan's scan has fewer than 2 loads.
+/// Panics if the scan of the plan has fewer than 2 loads.
 pub fn hold(scene: &Scene, plan: Plan, monitor: &Monitor<'_>) -> Result<Hold, HoldError> {
     let cases = load_cases(&plan.loads);
     let prepared = match scene.finger_count() {

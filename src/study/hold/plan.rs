@@ -17,8 +17,8 @@ pub enum Loads {
     Pulses { directions: usize, length_s: f64 },
     /// Vibrations along each of the axes at each of the frequencies.
     Vibrations { axes: Vec<Axis>, frequencies_hz: Vec<f64> },
-    /// The scene's own moves and path with a scaled duration and its vibrations, or the standard cycle if the scene has
-    /// none.
+    /// The moves and the path of the scene with a scaled duration, together with its vibrations. If the scene has no
+    /// moves, the standard cycle is used.
     Move,
 }
 
@@ -26,17 +26,18 @@ pub enum Loads {
 pub struct Plan {
     pub model: Model,
     pub loads: Loads,
-    /// Start time of the loads; `None`: determined from the object's rest or from the scene's own motion.
+    /// Time at which the loads begin, s. With `None`, it is determined from the rest of the object, or from the scene's
+    /// own motion.
     pub start_s: Option<f64>,
-    /// Largest allowed slip of the object in the hand.
+    /// Largest allowed slip of the object in the hand, m.
     pub slip_m: f64,
     pub from_m_s2: f64,
     pub to_m_s2: f64,
-    /// Number of loads of the scan including both, at least 2.
+    /// Number of loads of the scan, including the smallest and the largest; at least 2.
     pub scan: usize,
     /// Relative tolerance of the limits.
     pub tolerance: f64,
-    /// Number of threads; 0: one per core. Results do not depend on it.
+    /// Number of threads; 0 for one per core. Results do not depend on it.
     pub threads: usize,
 }
 
@@ -58,7 +59,10 @@ impl Default for Plan {
 }
 
 impl Plan {
-    /// Checks the parameters; the error names the invalid one and the allowed values.
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// Returns an error that names the invalid parameter and the allowed values.
     pub fn check(&self) -> Result<(), String> {
         if self.from_m_s2 >= self.to_m_s2 {
             return Err(format!(
@@ -94,9 +98,9 @@ fn has_duplicates<T: PartialEq>(values: &[T]) -> bool {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LoadOutcome {
     pub fate: Fate,
-    /// Slip in the hand since the start of the load: `grasp.cycle.carried` of a run.
+    /// Slip in the hand since the start of the load. It is `grasp.cycle.carried` of a run.
     pub slip: Travel,
-    /// Largest rotation of a driven joint against its brake; 0 without brakes.
+    /// Largest rotation of a driven joint against its brake, rad; 0 without brakes.
     pub brake_slip_rad: f64,
     pub end_s: f64,
     pub steps: u64,

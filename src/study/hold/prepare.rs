@@ -39,7 +39,7 @@ pub enum StartReason {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PreparedScene {
-    /// Scene without palm motion, with the drives fixed from the start of the loads.
+    /// Scene without motion of the palm, whose drives are fixed from the start of the loads on.
     pub scene: Scene,
     pub setup: LoadSetup,
     pub start_reason: StartReason,

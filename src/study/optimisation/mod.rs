@@ -18,7 +18,7 @@ use super::sweep::{AxisValue, Field, Range};
 use crate::scene::Layer;
 use crate::trace::Model;
 
-/// A field that the search varies, in its range.
+/// A field that the search varies, with its range.
 #[derive(Clone, Debug)]
 pub struct Variable {
     pub field: Field,
@@ -29,17 +29,18 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// Value at a fraction of the range, from 0 to 1; the start value is that of the scene, as written there.
+    /// Returns the value at a fraction of the range, from 0 to 1. The start value is returned as it is written in the
+    /// scene.
     pub fn value_at(&self, fraction: f64) -> AxisValue {
         if fraction == self.start_fraction { self.start.clone() } else { self.range.value_at(fraction, false) }
     }
 
-    /// SI value at a fraction of the range.
+    /// Returns the value at a fraction of the range, in SI units.
     pub fn si_at(&self, fraction: f64) -> f64 {
         self.range.si_at(fraction)
     }
 
-    /// Whether equal ratios of values have equal distances in the search.
+    /// Whether the search measures distances by ratios of values, on a logarithmic scale.
     pub fn is_log(&self) -> bool {
         self.range.is_log()
     }
@@ -50,22 +51,22 @@ impl Variable {
 pub struct Objective {
     /// Column of the results.
     pub name: String,
-    /// Columns of a run.
+    /// Columns of a run from which the figure is computed.
     pub columns: Vec<String>,
     pub of: Aggregation,
     pub goal: Goal,
     pub over: Over,
 }
 
-/// A requirement under every condition; bounds are in SI.
+/// A requirement that must be met under every condition. Bounds are in SI units.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Constraint {
     pub column: String,
     pub at_least: Option<f64>,
     pub at_most: Option<f64>,
-    /// A text or a flag.
+    /// Required text or flag.
     pub equals: Option<Json>,
-    /// Index of the worst class allowed, in the order of `Class::ALL`.
+    /// Index of the worst class that is allowed, in the order of `Class::ALL`.
     pub worst_class: Option<usize>,
 }
 
@@ -85,18 +86,18 @@ pub struct Optimisation {
     pub name: String,
     pub description: String,
     pub model: Model,
-    /// The base scene with the start values of the study: its texts, as for `scene::parse_layers`.
+    /// The base scene with the start values of the study, given as texts for `scene::parse_layers`.
     pub scene: Vec<Layer>,
     /// The study file, and the files of the base scene.
     pub files: Vec<PathBuf>,
     pub variables: Vec<Variable>,
-    /// Fields and values of each condition; one empty condition if there are none.
+    /// Fields and values of each condition. Without conditions, there is one empty condition.
     pub conditions: Vec<Vec<(String, AxisValue)>>,
     pub objectives: Vec<Objective>,
     pub constraints: Vec<Constraint>,
     pub method: Method,
-    /// Column with the verdict of a run; `None` for scenes without a grasp.
+    /// Name of the column that contains the verdict of a run; `None` for scenes without a grasp.
     pub verdict: Option<&'static str>,
-    /// Keys of the study file without `scene` and `set`.
+    /// Keys of the study file, without `scene` and `set`.
     pub keys: toml::Table,
 }

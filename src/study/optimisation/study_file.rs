@@ -7,12 +7,12 @@ use super::{Method, Optimisation};
 use crate::numeric::elementary::ln;
 use crate::study::sweep::{Document, MAX_RUNS, Results, StudyError, default_name, file_schema, read_study};
 
-/// JSON Schema of study files. `[scene]` and `[set]` accept the keys of any scene.
+/// Returns the JSON Schema of study files. `[scene]` and `[set]` accept the keys of all kinds of scene.
 pub fn schema() -> String {
     file_schema::<OptimisationFile>()
 }
 
-/// Reads and checks a study file and the base scene it names.
+/// Reads and checks a study file and the base scene that it names.
 ///
 /// # Errors
 /// Returns an error if the study or its base scene is invalid; the message contains file, line and column.
@@ -21,8 +21,8 @@ pub fn load(path: impl AsRef<std::path::Path>) -> Result<Optimisation, StudyErro
     parse(&text, &file)
 }
 
-/// Parses the text of a study. `file_name` appears in messages and determines the default name and the directory of the
-/// base scene.
+/// Parses the text of a study. `file_name` appears in messages. It also determines the default name, and the directory
+/// to which the path of the base scene is relative.
 pub fn parse(text: &str, file_name: &str) -> Result<Optimisation, StudyError> {
     let (file, mut document) = Document::read::<OptimisationFile>(text, file_name)?;
     let base = document.read_base(&file.scene)?;

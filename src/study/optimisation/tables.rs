@@ -17,19 +17,19 @@ pub(super) struct OptimisationFile {
     pub name: String,
     /// Description of the optimisation.
     pub description: String,
-    /// Base scene, from which the search starts and with which its results are compared: a path relative to the directory of
-    /// this file, or a table [scene] with the keys of a scene, which may extend another one. It may lack variables that have
-    /// a start value.
+    /// Base scene, from which the search starts and with which its results are compared. It is a path relative to the
+    /// directory of this file, or a table [scene] with the keys of a scene, which may extend another scene. Variables
+    /// that have a start value may be missing in it.
     pub scene: String,
     /// Simulation model.
     pub model: Word<Model>,
     /// Fields to vary, with their bounds.
     pub variables: Vec<VariableTable>,
-    /// Conditions under which every design runs, in all combinations, such as friction or offsets.
+    /// Conditions under which every design is run, in all combinations, such as friction or offsets.
     pub conditions: Vec<AxisTable>,
-    /// Figures to minimise or maximise.
+    /// Figures that are minimised or maximised.
     pub objectives: Vec<ObjectiveTable>,
-    /// Requirements under every condition.
+    /// Requirements that must be met under every condition.
     pub constraints: Vec<ConstraintTable>,
     pub filter: Filter,
     pub method: MethodTable,
@@ -73,7 +73,8 @@ pub(super) struct ObjectiveTable {
     /// Aggregation over several conditions.
     #[schemars(extend("default" = "worst"))]
     pub over: Over,
-    /// Column name in the results; it should end in its unit. Default: the column, or the aggregation followed by the columns.
+    /// Name of the column in the results; it should end in its unit. Default: the column, or the aggregation followed
+    /// by the columns.
     pub name: String,
 }
 
@@ -83,10 +84,11 @@ pub(super) struct ObjectiveTable {
 pub(super) struct ConstraintTable {
     /// Column of a run, such as "class", "form_closed" or "pfp_n".
     pub column: String,
-    /// Smallest value allowed: a number in the column's unit or a quantity. For the column `class`: the worst class allowed.
+    /// Smallest allowed value: a number in the unit of the column, or a quantity. For the column `class`: the worst
+    /// allowed class.
     #[schemars(schema_with = "any_value")]
     pub at_least: Option<IgnoredAny>,
-    /// Largest value allowed.
+    /// Largest allowed value.
     #[schemars(schema_with = "any_value")]
     pub at_most: Option<IgnoredAny>,
     /// Required value of a text or boolean column.
@@ -103,7 +105,8 @@ fn text_or_flag(_: &mut SchemaGenerator) -> Schema {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct MethodTable {
-    /// "nsga2" finds the front of several objectives, "cma-es" the best of one. Default: by the number of objectives.
+    /// "nsga2" finds the front of several objectives, "cma-es" the best design for one objective. Default: chosen by
+    /// the number of objectives.
     #[schemars(with = "Algorithm")]
     pub algorithm: Option<Algorithm>,
     /// Number of designs per generation; about ten times the number of variables is usual. Default: 64 with nsga2, 4 + 3 ln n

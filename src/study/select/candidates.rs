@@ -10,14 +10,14 @@ use crate::study::quantity::ColumnFormat;
 use crate::study::sweep::Status;
 use crate::table::{Table, TableError, Value};
 
-/// Axis of a study: a column and its values in the order of the runs. Serialised with the number of values.
+/// Axis of a study: a column and its values, in the order of the runs. It is serialised with the number of its values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Axis {
-    /// Scene field with unit suffix, such as `design.base_m`.
+    /// Scene field with its unit as suffix, such as `design.base_m`.
     pub column: String,
     #[serde(serialize_with = "length")]
     pub values: Vec<Value>,
-    /// Whether it varies within a design. Such axes define the conditions.
+    /// Whether the axis varies within a design. Such axes define the conditions.
     #[serde(rename = "again")]
     pub varies_within_design: bool,
 }
@@ -26,7 +26,7 @@ fn length<S: Serializer>(values: &[Value], serializer: S) -> Result<S::Ok, S::Er
     serializer.serialize_u64(values.len() as u64)
 }
 
-/// Values of the axes that vary within a design; empty if there are none.
+/// Values of the axes that vary within a design; empty if there are no such axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
     pub values: Vec<(String, Value)>,
@@ -41,14 +41,14 @@ impl Condition {
     }
 }
 
-/// One run. Missing figures are `None`.
+/// One run. Figures that are missing are `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     pub run: i64,
     pub design: i64,
     /// Index of the row in the table, from 0.
     pub row: usize,
-    /// Index into the conditions of the selection.
+    /// Index of the condition of the run in the selection.
     pub condition: usize,
     pub axes: Vec<Value>,
     pub status: Status,
@@ -56,14 +56,14 @@ pub struct Candidate {
     pub form_closed: Option<bool>,
     pub class: Option<Class>,
     pub class_reason: Option<String>,
-    /// Reason why the run is incomplete or figures are missing.
+    /// Reason why the run is incomplete, or why figures are missing; `None` without a reason.
     pub reason: Option<String>,
     pub tts_s: Option<f64>,
     /// Final simulated normal force on the proximal phalanx, N.
     pub f21_n: Option<f64>,
     /// Final simulated normal force on the distal phalanx, N.
     pub f22_n: Option<f64>,
-    /// Palm force from these normal forces, N.
+    /// Palm force computed from these normal forces, N.
     pub pfp_n: Option<f64>,
 }
 

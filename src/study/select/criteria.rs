@@ -10,14 +10,14 @@ use crate::study::quantity::ColumnFormat;
 use crate::study::sweep::Status;
 use crate::table::Value;
 
-/// Criteria for a design. The default is that of thesis §4.3: form-closed, statically stable, dynamically stable or
-/// semi-stable, and a palm force ≥ 0 from the final simulated forces.
+/// Criteria for a design. The default is that of thesis §4.3: the design is form-closed, statically stable, and
+/// dynamically stable or semi-stable, and its palm force from the final simulated forces is ≥ 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SelectionCriteria {
     /// Whether both static forces in the final configuration must be positive.
     pub force_positive: bool,
     pub form_closed: bool,
-    /// Worst permitted dynamic class; `None` for any.
+    /// Worst class that is allowed; `None` if any class is allowed.
     pub worst_class: Option<Class>,
     /// Bounds on numeric columns, in the order of application.
     pub bounds: Vec<Bound>,
@@ -36,7 +36,7 @@ impl Default for SelectionCriteria {
     }
 }
 
-/// Bound on a numeric column, in its unit.
+/// Bound for a numeric column, in the unit of the column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bound {
     pub column: String,
@@ -65,7 +65,7 @@ pub enum Criterion {
 }
 
 impl SelectionCriteria {
-    /// Criteria in the order of application: those known before the simulation first.
+    /// Criteria in the order of application. Those known before the simulation come first.
     pub fn criteria(&self) -> Vec<Criterion> {
         let mut list = vec![Criterion::Completed];
         list.extend(self.force_positive.then_some(Criterion::ForcePositive));
@@ -102,8 +102,8 @@ impl Criterion {
         (key, name.to_string())
     }
 
-    /// Returns the key: `completed`, `graspable`, `force_positive`, `form_closed`, `class`, `settled`, or the column of
-    /// a bound.
+    /// Returns the key: `completed`, `graspable`, `force_positive`, `form_closed`, `class` or `settled`; for a bound,
+    /// the column.
     pub fn key(&self) -> &str {
         self.key_and_name().0
     }

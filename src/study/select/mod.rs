@@ -29,19 +29,19 @@ pub struct Selection {
     pub conditions: Vec<Condition>,
     /// All runs of the table, sorted by number.
     pub runs: Vec<Candidate>,
-    /// Whether each run meets each criterion; `None` if the figure is missing.
+    /// For each run, whether it meets each criterion; `None` if the figure is missing.
     pub verdicts: Vec<Vec<Option<bool>>>,
     /// Criteria in the order of application, with their results.
     pub tallies: Vec<Tally>,
     pub classes: Vec<ClassCounts>,
-    /// Reasons for a missing class of completed runs, grouped without numbers.
+    /// Reasons why completed runs have no class. Reasons that differ only in numbers are grouped.
     pub cannot_grasp: Vec<Reason>,
-    /// Reasons for the classes from best to worst; `status` is the class. Empty if the table has no column
-    /// `class_reason`.
+    /// Reasons for the classes, from the best to the worst class; `status` is the class. Empty if the table has no
+    /// column `class_reason`.
     pub class_reasons: Vec<Reason>,
     /// Runs that meet every criterion, best first.
     pub ranking: Vec<Ranked>,
-    /// Run numbers missing up to the largest one; not empty if the sweep is unfinished.
+    /// Numbers of runs that are missing below the largest number. Not empty if the sweep is unfinished.
     pub missing_runs: Vec<i64>,
 }
 
@@ -53,20 +53,21 @@ impl Selection {
         numbers.len()
     }
 
-    /// First criterion, in the order of application, after which no run remains; `None` if some runs remain.
+    /// Returns the first criterion, in the order of application, after which no run remains; `None` if some runs
+    /// remain.
     pub fn emptied_by(&self) -> Option<&Tally> {
         self.tallies.iter().find(|tally| tally.remaining == 0)
     }
 }
 
-/// Applies the criteria to every run of a table of results and ranks the runs that meet all of them.
+/// Applies the criteria to every run of a table of results, and ranks the runs that meet all of them.
 ///
-/// The columns are those of `phalanx sweep`. Required are `run`, `design`, `l12_m`, `status`,
-/// `force_positive`, `form_closed`, `class`, `tts_s`, `f21_n`, `f22_n`, `pfp_n`, and the bounded columns. A
-/// completed run may lack figures if it has a `reason`; it does not meet the criteria on these figures.
+/// The columns are those of `phalanx sweep`. Required are `run`, `design`, `l12_m`, `status`, `force_positive`,
+/// `form_closed`, `class`, `tts_s`, `f21_n`, `f22_n`, `pfp_n`, and the bounded columns. A completed run may lack
+/// figures if it has a `reason`. It then does not meet the criteria for these figures.
 ///
 /// # Errors
-/// Returns an error if the table is not the result of a sweep, or the criteria are invalid.
+/// Returns an error if the table is not the result of a sweep, or if the criteria are invalid.
 pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection, SelectError> {
     criteria.weights.check()?;
     let (axes, conditions, runs) = candidates::read_results(results)?;
@@ -117,14 +118,16 @@ pub fn select(results: &Table, criteria: &SelectionCriteria) -> Result<Selection
 pub struct Tally {
     #[serde(flatten)]
     pub criterion: Criterion,
-    /// Runs by verdict of this criterion alone.
+    /// Number of runs that meet this criterion, regardless of the others.
     pub holds: usize,
+    /// Number of runs that do not meet this criterion, regardless of the others.
     pub fails: usize,
+    /// Number of runs for which the figure of this criterion is missing.
     pub unknown: usize,
-    /// Runs that meet this criterion and all previous ones.
+    /// Number of runs that meet this criterion and all previous ones.
     #[serde(rename = "left")]
     pub remaining: usize,
-    /// Runs that fail only this criterion.
+    /// Number of runs that fail only this criterion.
     #[serde(rename = "removed_by_it_alone")]
     pub removed_alone: usize,
 }
@@ -146,7 +149,7 @@ impl Tally {
         }
     }
 
-    /// Runs that do not meet this criterion, regardless of the others.
+    /// Number of runs that do not meet this criterion, regardless of the others.
     pub fn removed(&self) -> usize {
         self.fails + self.unknown
     }
@@ -156,15 +159,15 @@ impl Tally {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ClassCounts {
     pub runs: usize,
-    /// Runs by status, in the order of [`Status::ALL`].
+    /// Numbers of runs by status, in the order of [`Status::ALL`].
     #[serde(serialize_with = "by_status")]
     pub statuses: [usize; 4],
-    /// Completed runs without a class.
+    /// Number of completed runs without a class.
     pub cannot_grasp: usize,
     pub statically_stable: usize,
     pub statically_unstable: usize,
     pub form_closed: usize,
-    /// Runs by dynamic class, in the order of [`Class::ALL`].
+    /// Numbers of runs by dynamic class, in the order of [`Class::ALL`].
     #[serde(flatten, serialize_with = "by_class")]
     pub dynamic: [usize; 4],
 }

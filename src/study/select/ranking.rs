@@ -4,15 +4,15 @@ use serde::{Serialize, Serializer};
 
 use super::{Candidate, SelectError};
 
-/// One term of r_WC: a figure of a run, scaled by its range over the selected runs.
+/// One term of r_WC: a figure of a run, scaled to its range over the selected runs.
 pub struct Term {
-    /// Key in documents, in columns and in `--weights`.
+    /// Key in JSON documents, in columns and in `--weights`.
     pub key: &'static str,
     pub symbol: &'static str,
-    /// Displayed unit of the figure, and displayed value per SI value.
+    /// Displayed unit of the figure, and the factor from SI units to this unit.
     pub unit: (&'static str, f64),
     pub figure: fn(&Candidate) -> Option<f64>,
-    /// Whether the largest value is the best: the term is then r, otherwise 1 − r.
+    /// Whether the largest value is the best. The term is then r, otherwise 1 − r.
     pub is_larger_better: bool,
 }
 
@@ -23,7 +23,7 @@ pub const TERMS: [Term; 4] = [
     Term { key: "f22", symbol: "F22", unit: ("N", 1.0), figure: |run| run.f22_n, is_larger_better: true },
 ];
 
-/// Values in the order of [`TERMS`].
+/// One value for each term, in the order of [`TERMS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PerTerm(pub [f64; 4]);
 
@@ -61,9 +61,9 @@ impl Weights {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ranked {
-    /// Rank from 1. Ties share a rank, and the following ranks are skipped.
+    /// Rank, counted from 1. Equal scores have the same rank, and the following ranks are skipped.
     pub rank: usize,
-    /// Index of the run in the ranked set.
+    /// Index of the run in the set that is ranked.
     pub run_index: usize,
     /// Terms of r_WC, each from 0 (worst of the selected runs) to 1 (best).
     pub terms: PerTerm,

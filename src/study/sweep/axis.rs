@@ -22,14 +22,14 @@ use crate::units::{self, Dimension, is_expression};
 /// A scene field that a study varies.
 #[derive(Clone, Debug)]
 pub struct Field {
-    /// Path in a scene: `contact.friction.mu_static`.
+    /// Path in a scene, such as `contact.friction.mu_static`.
     pub path: String,
     pub field_type: FieldType,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisValue {
-    /// TOML text in a scene file.
+    /// Value as TOML text in a scene file.
     pub text: String,
     /// Value in the results, in SI units.
     pub value: Value,
@@ -144,7 +144,7 @@ impl Field {
         Ok(Field { path: path.to_string(), field_type: FieldType::from_schema(node) })
     }
 
-    /// Name of the result column: the path with the unit of the SI value.
+    /// Name of the result column: the path, followed by the unit of the SI value.
     pub fn column(&self) -> String {
         match self.field_type {
             FieldType::Quantity(dimension) => format!("{}_{}", self.path, dimension.suffix()),
@@ -185,7 +185,8 @@ impl Field {
         Ok(AxisValue { text, value })
     }
 
-    /// Parses a value as it is written in a scene file: `"12 mm"` with quotes, `0.8`, `true`. The error is a single line.
+    /// Parses a value as it is written in a scene file: `"12 mm"` with quotes, `0.8`, `true`. The message of an error
+    /// is a single line.
     pub fn parse_toml(&self, toml: &str) -> Result<AxisValue, String> {
         let value = DeValue::parse(toml).map_err(|error| error.to_string())?;
         self.read(&value).map_err(|problems| {
@@ -193,7 +194,7 @@ impl Field {
         })
     }
 
-    /// Value of the field for a number in SI units; `None` if the field does not accept it.
+    /// Returns the value of the field for a number in SI units; `None` if the field does not accept the number.
     pub fn value_of_si(&self, si: f64) -> Option<AxisValue> {
         let (text, value) = match &self.field_type {
             _ if !si.is_finite() => return None,
@@ -254,7 +255,7 @@ fn to_toml(value: &DeValue<'_>) -> String {
 pub(in crate::study) struct Axis {
     pub fields: Vec<Field>,
     pub values: AxisValues,
-    /// Whether the axis repeats the same designs under other conditions and is not part of the design number.
+    /// Whether the axis repeats the same designs under other conditions. It then does not count for the design number.
     pub repeats_designs: bool,
 }
 
@@ -294,7 +295,7 @@ pub(in crate::study) struct Range {
 }
 
 impl Range {
-    /// Range between two values of a field; `None` if the field is not numeric.
+    /// Returns the range between two values of a field; `None` if the field is not numeric.
     pub fn between(field: &Field, from: &AxisValue, to: &AxisValue, spacing: Spacing) -> Option<Self> {
         let (Value::Number(from_si), Value::Number(to_si)) = (&from.value, &to.value) else { return None };
         let ends = [from, to].map(|end| units::split_quantity(end.text.trim_matches(['"', '\''])));
@@ -307,7 +308,8 @@ impl Range {
         Some(Range { from, to, unit: unit.to_string(), field_type: field.field_type.clone(), spacing })
     }
 
-    /// Value at fraction `x` of the range. With `is_grid`, rounding errors in the last decimals are removed.
+    /// Returns the value at the fraction `x` of the range. With `is_grid`, rounding errors in the last decimals are
+    /// removed.
     pub fn value_at(&self, x: f64, is_grid: bool) -> AxisValue {
         let exact = match self.spacing {
             _ if x == 0.0 => self.from,
@@ -325,12 +327,13 @@ impl Range {
         }
     }
 
-    /// SI value at fraction `x` of the range.
+    /// Returns the value at the fraction `x` of the range, in SI units.
     pub fn si_at(&self, x: f64) -> f64 {
         self.value_at(x, false).value.as_number().unwrap_or(f64::NAN)
     }
 
-    /// Fraction of the range at which an SI value lies; outside 0 to 1, or not a number, for a value outside the range.
+    /// Returns the fraction of the range at which an SI value lies. For a value outside the range, it is below 0, above
+    /// 1 or NaN.
     pub fn fraction_of(&self, si: f64) -> f64 {
         let [from, to] = [0.0, 1.0].map(|end| self.si_at(end));
         match self.spacing {
@@ -345,7 +348,7 @@ impl Range {
         self.spacing == Spacing::Log
     }
 
-    /// Grid of `count` values including both ends.
+    /// Returns a grid of `count` values, including both ends.
     pub fn grid(&self, count: u64) -> Vec<Vec<AxisValue>> {
         (0..count).map(|index| vec![self.value_at(index as f64 / (count - 1) as f64, true)]).collect()
     }

@@ -13,7 +13,8 @@ use crate::scene::parameters::Parameters;
 use crate::scene::written::type_name;
 use crate::scene::{PARAMETERS, Problem};
 
-/// Values or a range of one field, or rows of values of several fields. The values of fields are read from the document.
+/// Values or a range of one field, or rows of values of several fields. Only the keys are deserialised here; the values
+/// are read from the document itself.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct AxisTable {
@@ -43,12 +44,12 @@ pub struct AxisTable {
 }
 
 impl AxisTable {
-    /// Whether it is a range without the number of its values.
+    /// Whether the axis is a range without a number of values.
     pub fn is_range(&self) -> bool {
         self.from.is_some() && self.to.is_some() && self.count.is_none()
     }
 
-    /// The key with the names of its fields.
+    /// Returns the key that contains the names of the fields: `field` or `fields`.
     pub fn key(&self) -> &'static str {
         if self.field.is_empty() { "fields" } else { "field" }
     }
@@ -98,8 +99,8 @@ impl Document<'_> {
         Some(Axis { fields, values, repeats_designs: false })
     }
 
-    /// Finds the field whose name is at a path. The base scene need not have it; then its first value, at one of the paths
-    /// `first`, decides its dimension.
+    /// Finds the field whose name is at a path of the study. If the base scene does not contain the field, its first
+    /// value decides its dimension; this value is at one of the paths `first`.
     pub fn read_field(&self, path: &str, name: &str, base: &Base, first: [String; 2]) -> Option<Field> {
         let report = |Problem { message, label, help, .. }: Problem| {
             let is_parameter = name.split_once('.').is_some_and(|(section, _)| section == PARAMETERS);
@@ -161,7 +162,7 @@ impl Document<'_> {
         }
     }
 
-    /// Reads the ends `from` and `to` of a range; `remedy` is for a field that is not numeric.
+    /// Reads the ends `from` and `to` of a range. `remedy` is the advice for a field that is not numeric.
     pub fn read_range(&self, path: &str, field: &Field, spacing: Spacing, remedy: &str) -> Option<Range> {
         let refuse = |key: &str, message: &str, label: &str, help: &str| {
             self.refuse(&format!("{path}.{key}"), message, label, help)

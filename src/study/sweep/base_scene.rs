@@ -22,18 +22,19 @@ pub(in crate::study) struct Base {
     pub table: Table,
     pub kind: SceneKind,
     pub parameters: Parameters,
-    /// Text of its file with those that it extends; empty if the whole scene is part of the study file.
+    /// Text of the file of the scene, and of the files that it extends; empty if the whole scene is part of the study
+    /// file.
     pub text: String,
 }
 
 impl Base {
-    /// Whether its scenes are those of five-bar fingers: with an object that is no disc, a scene is one of a mechanism.
+    /// Whether the scenes contain five-bar fingers. A scene whose object is not a disc is a mechanism instead.
     pub fn is_hand(&self) -> bool {
         let has_outline = self.table.get("object").and_then(|object| object.get("outline")).is_some();
         self.kind.fingers() > 0 && !has_outline
     }
 
-    /// Finds a field; the problem of an unknown path has no position.
+    /// Finds a field. The problem of an unknown path has no position.
     pub fn field(&self, path: &str) -> Result<Field, Problem> {
         Field::find(path, self.kind, &self.table, &self.parameters)
     }
@@ -154,7 +155,7 @@ impl Template {
         Ok(Template { head, gaps: parts.filter_map(gap).collect() })
     }
 
-    /// Returns the scene text with the TOML values of all fields, in the order of the fields.
+    /// Returns the text of a scene with these TOML values, in the order of the fields.
     pub fn fill(&self, values: &[AxisValue]) -> String {
         let text = |index: &usize| values.get(*index).map_or("", |value| value.text.as_str());
         let gaps = self.gaps.iter().flat_map(|(index, after)| [text(index), after]);

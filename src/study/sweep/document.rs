@@ -25,12 +25,12 @@ use crate::scene::{
 };
 use crate::units::is_expression;
 
-/// The key of the base scene.
+/// The key that contains the base scene.
 pub const SCENE: &str = "scene";
 /// The table of fields that the study replaces.
 const SET: &str = "set";
 
-/// Error in a study. Formatted like an error of a scene: `error:`, location, source line and help.
+/// Error in a study. It is formatted like an error in a scene: `error:`, location, source line and help.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StudyError {
     #[error("error: cannot read study `{file}`: {reason}")]
@@ -43,7 +43,7 @@ pub enum StudyError {
     Field { message: String, help: String },
 }
 
-/// Returns the text of a study file and its name for messages.
+/// Returns the text of a study file, and its name for messages.
 pub fn read_study(path: &Path) -> Result<(String, String), StudyError> {
     read(path).map_err(|error| match error {
         SceneError::Read { file, reason } => StudyError::Read { file, reason },
@@ -51,18 +51,19 @@ pub fn read_study(path: &Path) -> Result<(String, String), StudyError> {
     })
 }
 
-/// A path relative to the directory of a study file.
+/// Resolves a path relative to the directory of a study file.
 pub fn beside(study: &Path, path: &str) -> PathBuf {
     study.parent().unwrap_or(Path::new("")).join(path)
 }
 
-/// Default name of a study: that of its file without the extension.
+/// Default name of a study: the file name without its extension.
 pub fn default_name(file_name: &str) -> String {
     let stem = Path::new(file_name).file_stem().map(|stem| stem.to_string_lossy().into_owned());
     stem.filter(|stem| !stem.trim().is_empty()).unwrap_or_else(|| "study".to_string())
 }
 
-/// JSON Schema of study files with this structure. `[scene]` and `[set]` accept the keys of any scene.
+/// Returns the JSON Schema of study files with this structure. `[scene]` and `[set]` accept the keys of all kinds of
+/// scene.
 pub fn schema<T: JsonSchema>() -> String {
     let mut schema = own_schema::<T>();
     let kinds = SceneKind::ALL.map(file_schema);
@@ -97,19 +98,19 @@ pub fn any_list(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": "array", "minItems": 1 })
 }
 
-/// Schema of a value that is checked against its field later.
+/// Schema of a value that is checked against its field at a later time.
 pub fn any_value(_: &mut SchemaGenerator) -> Schema {
     json_schema!({ "type": ["string", "number"] })
 }
 
-/// A study file whose keys have been checked; it collects the problems of their values.
+/// A study file whose keys have been checked. It collects the problems of their values.
 pub struct Document<'a> {
     pub file_name: &'a str,
     /// The keys without [scene] and [set].
     values: DeTable<'a>,
     inline: Option<Spanned<DeTable<'a>>>,
     set: Option<Spanned<DeTable<'a>>>,
-    /// Kind of the base scene; a finger before it has been read.
+    /// Kind of the base scene; a finger until the base scene has been read.
     pub kind: SceneKind,
     /// Texts of the base scene, after those that it extends; the last one is the study if the scene is a part of it.
     layers: Vec<Layer>,
@@ -132,7 +133,8 @@ fn scene_given(values: &DeTable<'_>, file_name: &str) -> Option<Problem> {
 }
 
 impl<'a> Document<'a> {
-    /// Reads the keys of a study file. `file_name` appears in messages, and the base scene is relative to its directory.
+    /// Reads the keys of a study file. `file_name` appears in messages, and the path of the base scene is relative to
+    /// its directory.
     pub fn read<T: DeserializeOwned + JsonSchema>(text: &'a str, file_name: &'a str) -> Result<(T, Self), SceneError> {
         let invalid = |problems| invalid(text, file_name, problems);
         let mut values = DeTable::parse(text).map_err(|error| invalid(vec![syntax_problem(&error)]))?;
@@ -156,7 +158,8 @@ impl<'a> Document<'a> {
         Ok((file, document))
     }
 
-    /// Reads the base scene, the file `scene` or the table [scene], and merges [set]; `None` if there is neither.
+    /// Reads the base scene, from the file `scene` or from the table [scene], and merges [set] into it; `None` if there
+    /// is neither.
     pub fn read_base(&mut self, scene: &str) -> Result<Option<Base>, SceneError> {
         let Some(base) = self.read_scene(scene)? else { return Ok(None) };
         self.kind = base.kind;
@@ -195,8 +198,8 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Texts of the base scene with other values of some fields: its files as they are, and a last one that extends them with
-    /// [scene], [set] and these values.
+    /// Returns the texts of the base scene with other values for some fields. They are its files, unchanged, and a last
+    /// text that extends them with [scene], [set] and the values.
     pub fn scene_layers(&self, fields: Vec<(Vec<Part>, toml::Value)>) -> Vec<Layer> {
         let table = |section: &Option<Spanned<DeTable<'a>>>| {
             let section = section.clone().map(|section| Table::deserialize(Deserializer::from(section)));
@@ -210,7 +213,8 @@ impl<'a> Document<'a> {
         self.layers.iter().filter(|layer| layer.file != self.file_name).cloned().chain([own]).collect()
     }
 
-    /// Position of a field of the base scene, or of the innermost part of its path, in [scene] or [set].
+    /// Position of a field of the base scene in [scene] or [set]. If the field is not there, it is the position of the
+    /// innermost part of its path.
     pub fn scene_span(&self, field: &str) -> Option<Span<usize>> {
         let in_section = |section: &Spanned<DeTable<'a>>| {
             let (mut table, mut found) = (Some(section.get_ref()), (0, section.span()));
@@ -231,17 +235,20 @@ impl<'a> Document<'a> {
         [self.file_name].into_iter().chain(of_scene.map(|layer| &layer.file[..])).map(PathBuf::from).collect()
     }
 
-    /// Its keys without [scene] and [set].
+    /// Keys of the study file without [scene] and [set].
     pub fn keys(&self) -> Table {
         Table::deserialize(Deserializer::from(Spanned::new(0..0, self.values.clone()))).unwrap_or_default()
     }
 
-    /// The error of these problems.
+    /// Returns the error that consists of these problems.
     pub fn invalid(&self, problems: Vec<Problem>) -> SceneError {
         invalid(self.checker.text, self.file_name, problems)
     }
 
-    /// Returns the problems as an error, if there are any.
+    /// Checks that no problem has been found.
+    ///
+    /// # Errors
+    /// Returns the problems found so far.
     pub fn check(&mut self) -> Result<(), SceneError> {
         match self.checker.is_clean() {
             true => Ok(()),
@@ -257,7 +264,7 @@ impl<'a> Document<'a> {
         std::mem::replace(&mut self.checker, Checker::new(text, Vec::new()))
     }
 
-    /// Reports a filter of a scene that is no finger.
+    /// Reports a filter if the scene is not a finger.
     pub fn check_filter(&self) {
         if self.kind != SceneKind::Finger && self.span("filter").is_some() {
             let kind = self.kind.keyword();
@@ -268,7 +275,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The value at a path such as `axes.0.values.2`.
+    /// Returns the value at a path such as `axes.0.values.2`.
     pub fn value(&self, path: &str) -> Option<&Spanned<DeValue<'a>>> {
         let mut names = path.split('.');
         let mut value = self.values.get(names.next()?)?;
@@ -287,7 +294,7 @@ impl<'a> Document<'a> {
         self.value(path).map(Spanned::span)
     }
 
-    /// The items of the list at a path.
+    /// Returns the items of the list at a path.
     pub fn items(&self, path: &str) -> &[Spanned<DeValue<'a>>] {
         self.value(path).and_then(|value| value.get_ref().as_array()).map_or(&[], |items| items)
     }
@@ -359,7 +366,7 @@ fn invalid(text: &str, file_name: &str, problems: Vec<Problem>) -> SceneError {
     SceneError::Invalid { file: file_name.to_string(), text: text.to_string(), problems }
 }
 
-/// The first names of a list, and the number of the others.
+/// Returns the first names of a list, and the number of the remaining ones, as text.
 pub fn list_first(names: &[String]) -> String {
     let (shown, others) = names.split_at(names.len().min(MAX_NAMES));
     let others = if others.is_empty() { String::new() } else { format!(" and {} more", others.len()) };
@@ -369,7 +376,7 @@ pub fn list_first(names: &[String]) -> String {
 /// Number of names that a message lists.
 const MAX_NAMES: usize = 20;
 
-/// The suggestion of a similar name, if there is one.
+/// Returns the suggestion of a similar name; empty if there is none.
 pub fn similar(name: &str, known: &[String]) -> String {
     let known: Vec<&str> = known.iter().map(String::as_str).collect();
     keys::closest_match(name, &known).map_or_else(String::new, |near| format!("did you mean `{near}`? "))

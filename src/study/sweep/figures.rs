@@ -38,18 +38,18 @@ pub(in crate::study) enum Figures {
 #[derive(Clone, Debug)]
 pub(in crate::study) struct Results {
     pub figures: Figures,
-    /// Channels whose least and largest values are columns.
+    /// Channels whose smallest and largest values are columns.
     pub extrema: Vec<Channel>,
     /// Names of the columns, in order.
     pub names: Arc<[String]>,
 }
 
 impl Results {
-    /// Returns the columns of the studies of a scene, of `only` these figures unless it is empty, and of the `extrema` of these
-    /// channels.
+    /// Returns the columns of studies of a scene. `only` selects some figures; if it is empty, all are included. For
+    /// the channels in `extrema`, smallest and largest values are added.
     ///
     /// # Errors
-    /// Returns an unknown figure or channel, with all names.
+    /// Returns an unknown figure or channel, together with all known names.
     pub fn of(scene: &Scene, only: &[String], extrema: &[String]) -> Result<Self, UnknownFigure> {
         let mut figures = match scene.finger_count() {
             0 => Figures::Scene(Box::new(SceneFigures::of(scene))),
@@ -87,13 +87,13 @@ impl Results {
         Ok(Results { figures, extrema, names })
     }
 
-    /// Removes the columns that the fields of the axes have already.
+    /// Removes the columns that already exist for the fields of the axes.
     pub fn without(mut self, fields: &[String]) -> Self {
         self.names = self.names.iter().filter(|name| !fields.contains(name)).cloned().collect();
         self
     }
 
-    /// The result columns of a hand, without extrema.
+    /// Returns the result columns of a hand, without extrema.
     pub fn of_hand(fingers: usize) -> Self {
         let names = hand_columns(fingers).into_iter().map(String::from).collect();
         Results { figures: Figures::Hand(fingers), extrema: Vec::new(), names }
@@ -104,7 +104,7 @@ impl Results {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::study) struct UnknownFigure {
     pub key: &'static str,
-    /// Index of the name in the list `key`.
+    /// Index of the name in the list under `key`.
     pub index: usize,
     pub name: String,
     pub known: Vec<String>,
@@ -157,7 +157,7 @@ pub(in crate::study) struct SceneFigures {
 }
 
 impl SceneFigures {
-    /// Returns the figures of a scene: of its grasp, of all pairs, of actuators, and the final state.
+    /// Returns the figures of a scene: those of its grasp, of all pairs and of actuators, and the final state.
     pub fn of(scene: &Scene) -> Self {
         let mechanism = scene.judged_mechanism();
         let roles = scene.grasp_roles().ok();
@@ -200,12 +200,12 @@ impl SceneFigures {
         self.schema.has_subjects_of(scene)
     }
 
-    /// The sink that computes the figures of a run.
+    /// Creates the sink that computes the figures of a run.
     pub fn tracker(scene: &Scene) -> FigureTracker {
         (ObjectTracker::for_scene(scene), ActuatorTracker::for_scene(scene))
     }
 
-    /// Returns the figures of a run that was completed, each by its name.
+    /// Returns the figures of a completed run, each with its name.
     pub fn values(&self, scene: &Scene, (grasp, actuators): &FigureTracker, outcome: &Outcome) -> Vec<(&str, Value)> {
         let run = Run {
             scene,
@@ -305,12 +305,12 @@ impl Extrema {
         Extrema { found: vec![[f64::INFINITY, f64::NEG_INFINITY]; channels.len()], channels }
     }
 
-    /// Names of the columns of a channel.
+    /// Names of the two columns for a channel.
     pub fn columns(channel: &str) -> [String; 2] {
         ["least", "largest"].map(|which| format!("{which}_{channel}"))
     }
 
-    /// Values by their columns.
+    /// Values of the columns, each with the name of its column.
     pub fn values(&self) -> Vec<(String, Value)> {
         let of_channel = |(channel, found): (&Channel, &[f64; 2])| {
             let value = |value: f64| Value::from(Some(value).filter(|value| value.is_finite()));

@@ -38,7 +38,7 @@ pub(super) struct Statics {
 pub(super) struct FingerRun<'a> {
     pub scene: &'a Scene,
     pub statics: &'a Statics,
-    /// Criteria and outcome of the closing; `None` before it, and without a grasp.
+    /// Criteria and outcome of the closing; `None` before the closing has been simulated, or without a grasp.
     pub closing: Option<(Criteria, &'a Outcome)>,
 }
 
@@ -123,7 +123,7 @@ pub(super) static FINGER_FIGURES: LazyLock<HandFigures<OfFinger>> = LazyLock::ne
 /// A run of a gripper.
 pub(super) struct GripperRun<'a> {
     pub scene: &'a Scene,
-    /// Criteria, largest overlap of links, and outcome; `None` before the run.
+    /// Criteria, largest overlap of links, and outcome; `None` before the run has been simulated.
     pub grasp: Option<(ObjectCriteria, f64, &'a Outcome)>,
 }
 

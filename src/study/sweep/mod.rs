@@ -51,12 +51,12 @@ use crate::scene::{Keyword as _, Preset};
 use crate::trace::Model;
 use crate::trace::overrides::Overrides;
 
-/// Maximum number of runs of a sweep that is not divided, or of one part. Their rows are sorted in memory, one kilobyte
-/// each.
+/// Maximum number of runs of an undivided sweep, or of one part. The rows are sorted in memory, and each takes one
+/// kilobyte.
 pub const MAX_RUNS: u64 = 1_000_000;
 
-/// Maximum number of runs of a study that is made in parts: about three hours on 100,000 cores at 1 ms per run. Tables,
-/// scripts and JSON represent these run numbers exactly.
+/// Maximum number of runs of a study that is divided into parts. On 100,000 cores, at 1 ms per run, it takes about
+/// three hours. Tables, scripts and JSON represent these run numbers exactly.
 pub const MAX_SHARDED_RUNS: u64 = 1_000_000_000_000;
 
 /// Static criteria of the designs to simulate. Other designs are in the results as "filtered".
@@ -79,9 +79,9 @@ pub struct Study {
     pub name: String,
     pub description: String,
     pub model: Model,
-    /// Method and tolerances of all runs, in place of those of the scene.
+    /// Preset that replaces method and tolerances of the scenes in all runs; `None` without one.
     pub preset: Option<Preset>,
-    /// Whether every run is checked, which takes three more simulations each.
+    /// Whether every run is checked, which takes three more simulations for each run.
     pub checked: bool,
     pub filter: Filter,
     axes: Vec<Axis>,
@@ -92,17 +92,17 @@ pub struct Study {
     runs: u64,
     /// The exact text of the study.
     pub source: String,
-    /// The exact text of the base scene's file; empty if the scene is part of the study file.
+    /// The exact text of the file of the base scene; empty if the scene is part of the study file.
     pub base: String,
 }
 
 impl Study {
-    /// Number of five-bar fingers of its scenes; 0 for scenes of any other kind.
+    /// Number of five-bar fingers of the scenes; 0 for other kinds of scene.
     pub fn fingers(&self) -> usize {
         if let Figures::Hand(fingers) = self.results.figures { fingers } else { 0 }
     }
 
-    /// Replaces method and tolerances of all runs by those of a preset, unless it is `None`.
+    /// Replaces method and tolerances of all runs by those of a preset; `None` has no effect.
     ///
     /// # Errors
     /// Returns an error if the model has no presets.
@@ -151,17 +151,17 @@ impl Study {
         self.template.fill(&self.field_values(run))
     }
 
-    /// Whether its points are those of a sample.
+    /// Whether the points are a sample rather than a grid.
     pub fn is_sampled(&self) -> bool {
         self.sequence.is_some()
     }
 
-    /// The fields that vary, in the order of their columns.
+    /// Fields that vary, in the order of their columns.
     pub fn axis_fields(&self) -> impl Iterator<Item = &Field> {
         self.axes.iter().flat_map(|axis| &axis.fields)
     }
 
-    /// Columns of the fields that vary, with the number of values of each.
+    /// Columns of the fields that vary, each with the number of its values.
     pub fn fields(&self) -> impl Iterator<Item = (String, u64)> + '_ {
         let sample_count = self.sequence.as_ref().map_or(0, Sequence::count);
         self.axes.iter().flat_map(move |axis| {
@@ -185,8 +185,8 @@ impl Study {
         indices
     }
 
-    /// FNV-1a hash of everything that determines the results: text, base scene, model, checks and program version. 16
-    /// hexadecimal digits. It protects against mistakes, not against tampering.
+    /// Returns the FNV-1a hash, as 16 hexadecimal digits, of everything that determines the results: text, base scene,
+    /// model, checks and version of the program. It protects against mistakes, not against tampering.
     pub fn fingerprint(&self) -> String {
         let checked = if self.checked { "checked" } else { "" };
         let inputs = [env!("CARGO_PKG_VERSION"), self.model.name(), self.source.as_str(), self.base.as_str(), checked];

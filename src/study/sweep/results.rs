@@ -38,17 +38,17 @@ impl Status {
     }
 }
 
-/// One row of the results. A row has a verdict (the class of a finger, or the fate of a grasp by a gripper) or a
+/// One row of the results. It contains a verdict (the class of a finger, or the fate of a grasp by a gripper) or a
 /// reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     pub run: u64,
     pub status: Status,
-    /// One value per column, see [`columns`].
+    /// One value per column; see [`columns`].
     pub cells: Vec<Value>,
 }
 
-/// Type of a result column: that of its name, or the unit at the end of the name.
+/// Returns the type of a result column. It depends on the name of the column, or on the unit at the end of the name.
 pub fn result_type(name: &str) -> FieldType {
     match name {
         "status" | "reason" | "grasp" | "fate" | "fate_reason" | "class" | "class_reason" | "check" => FieldType::Text,
@@ -65,7 +65,7 @@ pub fn result_type(name: &str) -> FieldType {
     }
 }
 
-/// Type of a result column or of the column of a scene field; `None` for any other column.
+/// Returns the type of a result column, or of the column of a scene field; `None` for other columns.
 pub fn column_type(column: &str) -> Option<FieldType> {
     if [1, 2].into_iter().any(|fingers| hand_columns(fingers).contains(&column)) {
         return Some(result_type(column));
@@ -91,7 +91,7 @@ pub fn table(study: &Study, rows: &[Row]) -> Table {
     sorted_table(study, rows.iter().map(|row| row.cells.clone()))
 }
 
-/// Rows as a table sorted by run; only the first row of each run is used.
+/// Returns the rows as a table sorted by run. If several rows have the same run, only the first one is used.
 pub fn sorted_table(study: &Study, rows: impl IntoIterator<Item = Vec<Value>>) -> Table {
     let mut by_run = BTreeMap::new();
     for row in rows {
@@ -119,7 +119,7 @@ impl Cells {
         Cells { run, cells: numbers.into_iter().chain(axes).chain(results).collect(), names }
     }
 
-    /// Sets a result, unless its column is not selected; a number that is not finite becomes missing.
+    /// Sets a result, unless its column is not selected. A number that is not finite is stored as missing.
     pub fn set(&mut self, name: &str, value: impl Into<Value>) {
         let value = match value.into() {
             Value::Number(number) if !number.is_finite() => Value::Missing,
@@ -152,18 +152,21 @@ pub struct Summary {
     pub runs: u64,
     /// Runs by status, in the order of [`Status::ALL`].
     pub by_status: Named<u64>,
-    /// Completed runs of fingers by dynamic class from best to worst; of others by the fate of the grasp; empty without both.
+    /// Completed runs of fingers by dynamic class, from best to worst. For other scenes, completed runs by the fate of
+    /// the grasp. Empty if there is neither.
     pub by_class: Named<u64>,
-    /// Completed runs without a class, because the finger cannot grasp its object. `reasons` contains the reasons.
+    /// Number of completed runs without a class, because the finger cannot grasp its object; `reasons` contains the
+    /// reasons.
     pub no_class: u64,
-    /// Reasons of runs that were not completed or have no class, grouped by status and text without numbers.
+    /// Reasons of runs that were not completed or have no class. Those with the same status and a text that differs
+    /// only in numbers are grouped.
     pub reasons: Vec<Reason>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Reason {
     pub status: String,
-    /// Text of the first of these runs; the others differ in numbers only.
+    /// Text of the first of these runs. The texts of the others differ only in numbers.
     pub reason: String,
     pub runs: u64,
     pub first_run: u64,

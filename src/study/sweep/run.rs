@@ -23,7 +23,7 @@ use phalanx_parallel::thread_pool;
 /// Statistics of one invocation of a study.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunStats {
-    /// Number of runs performed now, without those finished earlier.
+    /// Number of runs performed in this invocation, without those finished earlier.
     pub runs: u64,
     pub threads: usize,
     pub wall_s: f64,
@@ -31,9 +31,9 @@ pub struct RunStats {
     pub complete: bool,
 }
 
-/// Performs those runs of a range that are not in `done`, and passes each row to `on_row` when it is finished, in any
-/// order. Stops when `keep_running` or `on_row` returns false; an interrupted run has no row. `threads` = 0 means one
-/// thread per core.
+/// Performs the runs of a range that are not in `done`, and passes each row to `on_row` when it is finished, in any
+/// order. Stops when `keep_running` or `on_row` returns false; an interrupted run has no row. With `threads` = 0, there
+/// is one thread per core.
 ///
 /// A free thread takes the next run, so that rows are finished nearly in order. It calls `on_row` itself, so that no
 /// other thread has to be woken.

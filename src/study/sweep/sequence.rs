@@ -42,7 +42,7 @@ pub(super) struct Sequence {
 }
 
 impl Sequence {
-    /// Creates a sequence of `count` points. A Latin hypercube has at most [`u32::MAX`].
+    /// Creates a sequence of `count` points. For a Latin hypercube, at most [`u32::MAX`] points are allowed.
     pub fn new(method: Method, count: u64, seed: u64, dimensions: usize) -> Self {
         let slices_of_axis = |axis: usize| {
             random_permutation(u32::try_from(count).unwrap_or(u32::MAX), seed ^ scramble(axis as u64 + 1))
@@ -58,7 +58,7 @@ impl Sequence {
         self.count
     }
 
-    /// Coordinate of a point on an axis, in [0, 1).
+    /// Returns the coordinate of a point along an axis, in [0, 1).
     pub fn coordinate(&self, point: u64, axis: usize) -> f64 {
         match self.method {
             Method::Halton => {

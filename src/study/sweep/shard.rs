@@ -8,11 +8,11 @@ use super::{MAX_RUNS, Study};
 /// Maximum number of entries of a list in a message.
 const MAX_LISTED: usize = 20;
 
-/// One of `count` parts of a study: the runs from `first` to `last`, inclusive. A part without runs, which exists if
-/// there are more parts than runs, has `last` < `first`.
+/// One of `count` parts of a study: the runs from `first` to `last`, inclusive. If there are more parts than runs, some
+/// parts are empty; they have `last` < `first`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// Number of the part, from 1.
+    /// Number of the part, counted from 1.
     #[serde(rename = "shard")]
     pub number: u64,
     #[serde(rename = "of")]
@@ -29,8 +29,8 @@ impl Shard {
     }
 }
 
-/// Returns part `number` of `count`, of at most [`MAX_RUNS`] runs. The parts differ by at most one run and together cover
-/// the study in order.
+/// Returns part `number` of `count`; it has at most [`MAX_RUNS`] runs. The sizes of the parts differ by at most one
+/// run. Together, the parts cover the study in order.
 pub fn shard(study: &Study, number: u64, count: u64) -> Result<Shard, String> {
     let Some(shard) = shard_range(study.runs(), number, count) else {
         let last = count.max(1);
@@ -46,7 +46,8 @@ pub fn shard(study: &Study, number: u64, count: u64) -> Result<Shard, String> {
     }
 }
 
-/// Checks that the first `max_runs` runs of a study can be made undivided: that there are at most [`MAX_RUNS`].
+/// Checks that the first `max_runs` runs of a study can be performed undivided, that is, that there are at most
+/// [`MAX_RUNS`].
 pub fn check_unsharded(study: &Study, max_runs: u64) -> Result<(), String> {
     let (runs, count) = (study.runs().min(max_runs), min_shard_count(study.runs()));
     if runs <= MAX_RUNS {
@@ -59,7 +60,7 @@ pub fn check_unsharded(study: &Study, max_runs: u64) -> Result<(), String> {
     ))
 }
 
-/// Returns part `number` of `count` of a study with this number of runs; `None` if there is no such part.
+/// Returns part `number` of `count` of a study with `runs` runs; `None` if there is no such part.
 pub fn shard_range(runs: u64, number: u64, count: u64) -> Option<Shard> {
     if number == 0 || number > count {
         return None;

@@ -77,13 +77,13 @@ struct SampleTable {
     seed: Option<u64>,
 }
 
-/// JSON Schema of study files. `[scene]` and `[set]` accept the keys of any scene.
+/// Returns the JSON Schema of study files. `[scene]` and `[set]` accept the keys of all kinds of scene.
 pub fn schema() -> String {
     document::schema::<StudyFile>()
 }
 
-/// Files of a study that has been read: its own, then those that its base scene extends, then the base scene; only its
-/// own file if that is a pipe.
+/// Returns the files of a study that has been read: the study file, then the files that its base scene extends, then
+/// the base scene. If the study file is a pipe, it is the only one.
 pub fn source_files(path: &Path) -> Vec<PathBuf> {
     let text = if path.is_file() { read(path).map_or_else(|_| String::new(), |(text, _)| text) } else { String::new() };
     let document = DeTable::parse(&text).ok();
@@ -97,7 +97,7 @@ pub fn source_files(path: &Path) -> Vec<PathBuf> {
     std::iter::once(path.to_path_buf()).chain(layers.into_iter().map(|layer| PathBuf::from(layer.file))).collect()
 }
 
-/// Reads and checks a study file and the base scene it names.
+/// Reads and checks a study file and the base scene that it names.
 ///
 /// # Errors
 /// Returns an error if the study or its base scene is invalid; the message contains file, line and column.
@@ -106,8 +106,8 @@ pub fn load(path: impl AsRef<Path>) -> Result<Study, StudyError> {
     parse(&text, &file)
 }
 
-/// Parses the text of a study. `file_name` appears in messages and determines the default name and the directory of the
-/// base scene.
+/// Parses the text of a study. `file_name` appears in messages. It also determines the default name, and the directory
+/// to which the path of the base scene is relative.
 pub fn parse(text: &str, file_name: &str) -> Result<Study, StudyError> {
     let (study, mut document) = Document::read::<StudyFile>(text, file_name)?;
     let base = document.read_base(&study.scene)?;
@@ -238,10 +238,10 @@ fn read_sample(document: &Document<'_>, study: &StudyFile, axes: &[Axis]) -> Opt
     Some(Sequence::new(*method, count, seed.unwrap_or(1), ranges))
 }
 
-/// Builds a study of these scene fields without rows; each row that [`Study::with_rows`] adds is a design.
+/// Builds a study of these scene fields without rows. Each row that [`Study::with_rows`] adds is a design.
 ///
-/// `layers` are the texts of the scene and the scenes it extends, `settings` additional fields, as for
-/// `scene::parse_layers`. The scene may lack the fields of the rows.
+/// `layers` are the texts of the scene and of the scenes it extends; `settings` are additional fields. Both are as for
+/// `scene::parse_layers`. The fields of the rows may be missing in the scene.
 pub fn in_memory_study(
     layers: &[Layer],
     settings: &[Layer],
@@ -286,7 +286,7 @@ pub fn in_memory_study(
 }
 
 impl Study {
-    /// Fields of the first axis, in the order of a row.
+    /// Fields of the first axis, in the order of the values in a row.
     pub fn row_fields(&self) -> &[Field] {
         self.axes.first().map_or(&[], |axis| &axis.fields)
     }

@@ -27,7 +27,7 @@ fn product(a: f64, b: f64) -> f64 {
 }
 
 impl RateBound {
-    /// Nothing is known.
+    /// Bound that excludes nothing.
     pub const NONE: Self = Self { rate: f64::INFINITY, acceleration: f64::INFINITY };
 
     /// Bound of a coordinate.
@@ -35,7 +35,8 @@ impl RateBound {
         Self { rate: bounds.rate[index], acceleration: bounds.acceleration[index] }
     }
 
-    /// The bound over a part of a step of this width. The rate per step is known at one end of the part.
+    /// Returns the bound over a part of a step. `rate` is the rate per step at one end of the part; `width` is its
+    /// length.
     #[inline(always)]
     pub fn with_known_rate(self, rate: f64, width: f64) -> Self {
         Self { rate: self.rate.min(rate + self.acceleration * width), ..self }
@@ -49,14 +50,14 @@ impl RateBound {
         Self { rate: product(self.rate, factor.abs()), acceleration: product(self.acceleration, factor.abs()) }
     }
 
-    /// Bound of a gap that changes by this coordinate.
+    /// Bound of a gap whose rate is the rate of this coordinate.
     pub fn gap(self) -> GapBound {
         GapBound { rate: self.rate, curvature: self.acceleration }
     }
 }
 
 impl MotionBound {
-    /// Nothing is known.
+    /// Bound that excludes nothing.
     pub const NONE: Self = Self {
         speed: f64::INFINITY,
         acceleration: f64::INFINITY,
@@ -64,7 +65,7 @@ impl MotionBound {
         spin_acceleration: f64::INFINITY,
     };
 
-    /// A body with bounds of its origin and its angle.
+    /// Returns the bound of a body from those of its origin and its angle.
     pub fn new(origin: RateBound, turn: RateBound) -> Self {
         Self {
             speed: origin.rate,
@@ -74,8 +75,8 @@ impl MotionBound {
         }
     }
 
-    /// The bound over a part of a step. The rates per second of the body's pose are known at one end of the part. Bounds from the
-    /// lengths of links alone grow along a chain of bodies; these do not.
+    /// Returns the bound over a part of a step; the rates per second of the body's pose at one end of the part are
+    /// known. Unlike bounds from the lengths of links alone, these bounds do not grow along a chain of bodies.
     #[inline(always)]
     pub fn with_known_rates(self, [x, y, turn]: [f64; 3], (step_s, width): (f64, f64)) -> Self {
         let speed = RateBound { rate: self.speed, acceleration: self.acceleration };
@@ -89,7 +90,7 @@ impl MotionBound {
         RateBound { rate: self.spin, acceleration: self.spin_acceleration }
     }
 
-    /// Bound of a point of the body at this distance from its origin.
+    /// Bound of a point at the distance `arm` from the origin of the body.
     #[inline(always)]
     pub fn point(&self, arm: f64) -> RateBound {
         RateBound {
@@ -98,15 +99,15 @@ impl MotionBound {
         }
     }
 
-    /// A body that turns about a pivot, with its origin at this distance from it.
+    /// Bound of a body that rotates about a pivot; `arm` is the distance of its origin from the pivot.
     #[inline(always)]
     pub fn about_pivot(pivot: RateBound, turn: RateBound, arm: f64) -> Self {
         let origin = Self::new(pivot, turn).point(arm);
         Self::new(origin, turn)
     }
 
-    /// A body that slides along an axis of this body without turning against it: `slide` bounds the coordinate, and
-    /// `arm` the distance of its origin from the origin of this body.
+    /// Bound of another body that slides along an axis of this body without rotating relative to it. `slide` bounds the
+    /// coordinate, and `arm` bounds the distance between the origins of the two bodies.
     pub fn sliding(&self, slide: RateBound, arm: f64) -> Self {
         let carried = self.point(arm);
         let coriolis = 2.0 * product(self.spin, slide.rate);
@@ -114,8 +115,8 @@ impl MotionBound {
         Self::new(origin, self.turn())
     }
 
-    /// Bound of a point of another body, as seen in the frame of this body: the point has this bound in the world, and is
-    /// at most at this distance from the origin of this body.
+    /// Bound of a point of another body, as seen in the frame of this body. `point` is the bound of the point in the
+    /// world; `distance` bounds its distance from the origin of this body.
     #[inline(always)]
     pub fn seen(&self, point: RateBound, distance: f64) -> RateBound {
         let base = self.point(distance);
@@ -127,20 +128,21 @@ impl MotionBound {
 /// Two bodies that turn about moving pivots and are pinned together, at the distances `arms` from them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PinnedPair {
-    /// Bound of the distance vector of both pivots.
+    /// Bound of the vector between the two pivots.
     pub between: RateBound,
     pub arms: [f64; 2],
 }
 
 impl PinnedPair {
-    /// K in |dγ/dΘ| ≤ K/sin γ, for the angle γ between both arms.
+    /// K in |dγ/dΘ| ≤ K/sin γ, where γ is the angle between the two arms.
     pub fn angle_change(&self) -> f64 {
         self.between.rate * (1.0 / self.arms[0] + 1.0 / self.arms[1])
     }
 
-    /// Bounds of the angles of both bodies, while the sine of the angle between the arms is at least `sine`.
+    /// Bounds of the angles of the two bodies while the sine of the angle between the arms is at least `sine`.
     ///
-    /// With the arms d and the velocities r of the pivots, ω₁ d₁⊥ − ω₂ d₂⊥ = r₂ − r₁, so that ω₁ = (r₂ − r₁)·d₂/(d₁ × d₂).
+    /// With the arms d and the velocities r of the pivots, ω₁ d₁⊥ − ω₂ d₂⊥ = r₂ − r₁, so that ω₁ = (r₂ − r₁)·d₂/(d₁ ×
+    /// d₂).
     pub fn turns(&self, sine: f64) -> [RateBound; 2] {
         let rates = self.arms.map(|arm| self.between.rate / (arm * sine));
         let centripetal: f64 = (0..2).map(|k| self.arms[k] * rates[k] * rates[k]).sum();

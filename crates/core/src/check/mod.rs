@@ -23,9 +23,9 @@ pub use verdict::{
     ANALYTIC_LIMITS, CHAOS_THRESHOLD, ENGINE_LIMITS, ErrorLimits, MOTION_FRACTION, Verdict, reference_length_m,
 };
 
-/// Relative change of the actuation of a scene: motor torques, or velocities and gravity of discs.
+/// Relative change of the actuation of a scene: of the motor torques, or of the velocities and the gravity of discs.
 pub const PERTURBATION: f64 = 1e-7;
-/// Largest number of steps of a run that is checked without a request; the check then takes some tenths of a second.
+/// Largest number of steps of a run that is checked without a request. The check then takes some tenths of a second.
 pub const MAX_CHECKED_STEPS: u64 = 20_000;
 
 /// Step budget of each run of a check, per step of the checked run.
@@ -38,19 +38,20 @@ const EXTRA_CHECK_STEPS: u64 = 50_000;
 pub struct Check {
     pub verdict: Verdict,
     pub errors: Errors,
-    /// Largest change of the path by the perturbation, rad (discs: m).
+    /// Largest change of the path due to the perturbation, rad (discs: m).
     pub sensitivity: f64,
     /// Path error above which the run is uncertain, rad (discs: m).
     pub max_path_error: f64,
     /// Length scale of `max_path_error`, in words.
     pub max_path_error_basis: String,
-    /// Largest displacement along the path, if it determines `max_path_error` because the motion is small.
+    /// Largest displacement along the path, if the motion is so small that it determines `max_path_error`; `None`
+    /// otherwise.
     pub largest_displacement: Option<f64>,
     /// Energy error above which the run is uncertain, as a fraction of the energy exchanged.
     pub max_energy_error: f64,
-    /// Name of the reference that the run was compared with.
+    /// Name of the reference with which the run was compared.
     pub reference: String,
-    /// Reason for the verdict beyond the path error.
+    /// Reason for the verdict, if the path error alone does not explain it.
     pub reason: Option<String>,
 }
 
@@ -72,20 +73,20 @@ impl Check {
         }
     }
 
-    /// Result for a run that was not completed; it has no verdict.
+    /// Returns the result for a run that was not completed. It has no verdict.
     pub fn not_completed(model: Model, time_s: f64, reason: &str) -> Self {
         Self::unknown(model, format!("the run ended at {:.6} ms because: {reason}", time_s * 1e3))
     }
 }
 
-/// Runs a model with the settings of the scene and checks the run, while `keep_running` returns true.
+/// Runs a model with the settings of the scene and checks the run. The check stops once `keep_running` returns false.
 pub fn check(model: Model, scene: &Scene, keep_running: KeepRunning<'_>) -> Check {
     check_with_sinks(model, scene, [&mut (), &mut ()], keep_running)
 }
 
-/// Like [`check`], with sinks for the finer runs: the reference and the perturbed run. Their samples have no energies
-/// or peaks. If the analytic model is the reference and fails, the reference sink receives its samples before those of
-/// the engine.
+/// Like [`check`], with sinks for the two finer runs: the reference and the perturbed run. Their samples have no
+/// energies or peaks. If the analytic model is the reference and fails, the reference sink receives its samples before
+/// those of the engine.
 pub fn check_with_sinks(
     model: Model,
     scene: &Scene,
@@ -96,7 +97,8 @@ pub fn check_with_sinks(
     check_path(model, scene, path, sinks, keep_running)
 }
 
-/// Checks a run of a model with the settings of the scene, given its path, while `keep_running` returns true.
+/// Checks a run of a model with the settings of the scene, given the path of the run. The check stops once
+/// `keep_running` returns false.
 pub fn check_run(model: Model, scene: &Scene, path: Path, keep_running: KeepRunning<'_>) -> Check {
     check_path(model, scene, path, [&mut (), &mut ()], keep_running)
 }

@@ -13,7 +13,7 @@ use crate::trace::{
     RunError, Sample, Schema, Sink, SinkError,
 };
 
-/// Radius of the usual object. Comparisons of both models use it to relate distances to angles.
+/// Radius of the usual object. Comparisons of the two models use it to relate distances to angles.
 pub const REFERENCE_LENGTH_M: f64 = 0.02;
 
 /// Number of intervals between points. Errors can appear and vanish within a hundredth of a run.
@@ -24,18 +24,18 @@ const END_TIME_TOLERANCE: f64 = 1e-4;
 /// Number of compared angles per finger.
 const FINGER_ANGLES: usize = 3;
 
-/// The compared quantities of a run.
+/// Quantities of a run that are compared with another run.
 #[derive(Clone, Debug, Default)]
 pub struct Path {
-    /// Coordinates at the points.
+    /// Coordinates at the points of the path.
     pub points: Vec<Vec<f64>>,
-    /// Energies at the points; empty if not recorded.
+    /// Energies at the points of the path; empty if not recorded.
     pub energies: Vec<Energy>,
     /// Coordinates at the end.
     pub last: Vec<f64>,
-    /// First touch-downs of the contacts.
+    /// Times of the first touch-down of each contact, s; `None` without one.
     pub first_s: Vec<Option<f64>>,
-    /// Normal forces at the end.
+    /// Normal force of each contact at the end, N.
     pub normal_n: Vec<f64>,
     pub end_s: f64,
     pub failure: Option<Reason>,
@@ -49,16 +49,16 @@ pub struct Path {
     /// Largest opening of a joint.
     pub loop_gap_m: f64,
     pub audit: Option<EnergyAudit>,
-    /// A contact that is deeper than the roundings of its outlines, if there is one.
+    /// A contact that is deeper than the rounding radii of its outlines; `None` if there is none.
     pub deep_contact: Option<String>,
-    /// First overlap of the surfaces of a contact that is not in touch, at a point of the path or, at its end, in any step: its
-    /// index, time and depth.
+    /// First overlap of two surfaces whose touch-down was not found: index of the contact, time and depth. If there is
+    /// none at the points of the path, an overlap in any step counts, with the time of the end.
     pub unseen_overlap: Option<(usize, f64, f64)>,
-    /// Largest overlaps of the contacts, in m or rad.
+    /// Largest overlap of each contact, in m or rad.
     pub depths: Vec<f64>,
     /// Names of the contacts.
     pub contact_names: Vec<String>,
-    /// Units of the coordinates, which differences are divided by.
+    /// Units of the coordinates. Differences are divided by them.
     pub units: Vec<f64>,
     pub steps: u64,
     pub events: u64,
@@ -201,7 +201,7 @@ impl Sink for PathRecorder<'_> {
 }
 
 impl Path {
-    /// Largest difference between two points, in the units of the coordinates.
+    /// Largest difference between the coordinates of two points, in their units.
     pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
         let differences = a.iter().zip(b).zip(&self.units).map(|((x, y), unit)| (x - y).abs() / unit);
         let largest = differences.fold(0.0, |m: f64, d| if d.is_nan() { d } else { m.max(d) });
@@ -209,12 +209,12 @@ impl Path {
     }
 }
 
-/// Largest difference along the common part of two paths.
+/// Largest difference along the part that both paths have.
 pub fn difference(a: &Path, b: &Path) -> f64 {
     a.points.iter().zip(&b.points).map(|(p, q)| a.distance(p, q)).fold(0.0, f64::max)
 }
 
-/// Whether both runs reach their end, or end early at about the same time.
+/// Whether both runs reach their end, or both end early at about the same time.
 pub fn have_same_end(a: &Path, b: &Path) -> bool {
     (a.failure.is_some(), a.ejected) == (b.failure.is_some(), b.ejected)
         && (a.end_s - b.end_s).abs() <= END_TIME_TOLERANCE * a.end_s.max(b.end_s)
@@ -276,29 +276,31 @@ fn energy_error(run: &Path, reference: &Path) -> f64 {
     if error_j == 0.0 { 0.0 } else { error_j / scale_j }
 }
 
-/// Estimated errors of the main results of a run; `None` if one or both runs do not have the quantity.
+/// Estimated errors of the main results of a run. An error is `None` if one or both runs do not have the quantity.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Largest error of a coordinate along the path, rad (without joints: m; object: radii); infinite without a comparison.
+    /// Largest error of a coordinate along the path, rad (object: in radii; scenes without joints: m); infinite without
+    /// a comparison.
     pub path: f64,
-    /// Errors of the coordinates at the end: q11, q21, q22 of every finger or the joints of a mechanism, then x and y of
-    /// every body, then the angle of every body.
+    /// Errors of the coordinates at the end. They are q11, q21, q22 of every finger or the joints of a mechanism, then
+    /// x and y of every body, then the angle of every body.
     pub last: Vec<f64>,
-    /// Errors of the contacts' first touch-downs, s.
+    /// Error of the first touch-down of each contact, s.
     pub first_s: Vec<Option<f64>>,
-    /// Errors of their normal forces at the end, N.
+    /// Error of the normal force of each contact at the end, N.
     pub normal_n: Vec<f64>,
     /// Errors of the restitution of every pair of discs; infinite if only one of the runs has it.
     pub restitution: Vec<Option<f64>>,
-    /// Largest error of a restitution, times the ratio (at most 1) of approach speed to the run's largest speed.
+    /// Largest error of a restitution, multiplied by the ratio (at most 1) of the approach speed to the largest speed
+    /// of the run.
     pub rebound: f64,
     /// Largest error of any energy or work, as a fraction of the energy exchanged in the run.
     pub energy: f64,
 }
 
-/// Units of the compared coordinates. Angles of joints have the unit 1, and positions a length: next to fingers the radius
-/// of the object, in a mechanism [`REFERENCE_LENGTH_M`]. Without joints the unit is 1 m, and the angle of a body counts
-/// as the displacement of its outermost point.
+/// Units of the compared coordinates. Joint angles have the unit 1. The unit of positions is the radius of the object
+/// in scenes with fingers, and [`REFERENCE_LENGTH_M`] in a mechanism. Without joints it is 1 m, and the angle of a body
+/// counts as the displacement of its outermost point.
 pub fn units(scene: &Scene) -> Vec<f64> {
     if let Some(mechanism) = &scene.mechanism {
         let joints = mechanism.joints.iter().map(|joint| match joint.kind.is_angle() {
@@ -343,10 +345,10 @@ pub(crate) struct RunOptions<'a> {
     pub keep_running: KeepRunning<'a>,
 }
 
-/// Increases the actuation of a scene by the relative amount `relative_change`. In a gripper the left motor torque
-/// increases by half of it only, so that the fingers differ. With a differential, its input torque increases and the
-/// object moves to the right by that part of its radius. In a mechanism actuators with their limits, springs, gravity and
-/// rates at the start increase.
+/// Increases the actuation of a scene by the relative amount `relative_change`. In a gripper, the increase of the left
+/// motor torque is half as large, so that the fingers differ. With a differential, its input torque increases, and the
+/// object moves to the right by this fraction of its radius. In a mechanism, the actuators and their limits, the
+/// springs, gravity, and the rates at the start increase.
 pub fn perturbed(scene: &Scene, relative_change: f64) -> Scene {
     let mut scene = scene.clone();
     if let Some(mechanism) = &mut scene.mechanism {
@@ -426,7 +428,7 @@ fn configured_scene(scene: &Scene, options: &RunOptions<'_>) -> Scene {
     configured
 }
 
-/// Simulates a scene as [`trace::run`] does, and records the path that a check compares with those of other runs.
+/// Simulates a scene as [`trace::run`] does, and records its path. A check compares this path with those of other runs.
 pub fn run_and_record(model: Model, scene: &Scene, sink: &mut dyn Sink) -> (Result<Outcome, RunError>, Path) {
     let mut recorder = recorder(scene, model, (scene.duration_s, true), sink);
     recorder.is_complete = true;
@@ -435,7 +437,7 @@ pub fn run_and_record(model: Model, scene: &Scene, sink: &mut dyn Sink) -> (Resu
     (result, path)
 }
 
-/// Runs a scene with the settings of a check and returns its path; `sink` receives the samples and events as well.
+/// Runs a scene with the settings of a check and returns its path. The samples and events are also passed to `sink`.
 pub fn run(scene: &Scene, model: Model, options: &RunOptions<'_>, sink: &mut dyn Sink) -> Path {
     let mut recorder = recorder(scene, model, (options.span_s, options.energies), sink);
     let mut cancellable = Cancellable { sink: &mut recorder, keep_running: options.keep_running };

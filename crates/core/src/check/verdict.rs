@@ -13,8 +13,8 @@ use crate::trace::Model;
 pub enum Verdict {
     /// Two independent resolutions agree.
     Accurate,
-    /// They disagree, or the energy does not balance, or a joint opens: the outcome depends on the tolerance. Or a contact is
-    /// so deep that the direction of its force jumps.
+    /// The resolutions disagree, the energy does not balance, or a joint opens: the outcome depends on the tolerance.
+    /// Also if a contact is so deep that the direction of its force jumps.
     Uncertain,
     /// The outcome depends on the last digits of the input.
     Chaotic,
@@ -34,7 +34,7 @@ impl Verdict {
     }
 }
 
-/// A completed run, the reference run, the perturbed reference run, and their differences.
+/// A completed run, its reference run, the perturbed reference run, and the differences between them.
 pub struct Comparison<'a> {
     pub run: &'a Path,
     pub reference_run: &'a Path,
@@ -47,11 +47,11 @@ pub struct Comparison<'a> {
     pub limits: ErrorLimits,
     /// Opening of a joint above which the run is uncertain, m.
     pub max_loop_gap_m: f64,
-    /// Whether model and method of both runs are the same, so that only their steps can differ.
+    /// Whether the two runs use the same model and method, so that only their steps can differ.
     pub same_method: bool,
 }
 
-/// Returns the verdict, and its reason beyond the path error.
+/// Returns the verdict, and the reason if the path error alone does not explain it.
 pub fn verdict(comparison: &Comparison<'_>) -> (Verdict, Option<String>) {
     let Comparison { run, reference_run, perturbed_run, .. } = comparison;
     let defects_found = defects(comparison);
@@ -150,8 +150,8 @@ fn differences(comparison: &Comparison<'_>) -> Vec<String> {
     energy.into_iter().chain(restitution).chain(touch).collect()
 }
 
-/// A run is chaotic if the perturbation changes its path by more than this, in the unit of
-/// [`ErrorLimits::path`], or by a tenth of the largest displacement.
+/// Largest effect of the perturbation on the path of a run that is not chaotic, in the unit of [`ErrorLimits::path`]. A
+/// run is also chaotic if the path changes by a tenth of the largest displacement.
 pub const CHAOS_THRESHOLD: f64 = 1e-3;
 /// A path error is too large if it exceeds this fraction of the largest displacement.
 pub const MOTION_FRACTION: f64 = 1e-2;
@@ -165,13 +165,15 @@ const REST_FRACTION: f64 = 1e-10;
 /// Largest errors of a run with the verdict "sure".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorLimits {
-    /// Estimated path error: in rad for joint angles, in radii for a gripper's object, and without joints in 20
-    /// reaches of the smallest moving body. The limit is at most [`MOTION_FRACTION`] of the largest displacement.
+    /// Estimated path error. Its unit is rad for joint angles, the radius for the object of a gripper, and 20 reaches
+    /// of the smallest moving body in scenes without joints. The limit is at most [`MOTION_FRACTION`] of the largest
+    /// displacement.
     pub path: f64,
     /// Energy error, as a fraction of the energy exchanged in the run. In 560 random scenes of fingers, grippers and
-    /// discs, the largest error of an accurate path was 3e-4; in the engine it was 6e-3, apart from one of 1.3e-2.
+    /// discs, the largest energy error of an accurate path was 3e-4 in the analytic model, and 6e-3 in the engine,
+    /// apart from a single 1.3e-2.
     pub energy: f64,
-    /// Restitution error of discs that collide at the largest speed of a run.
+    /// Error of the coefficient of restitution for discs that collide at the largest speed of a run.
     pub restitution: f64,
 }
 

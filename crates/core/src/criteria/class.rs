@@ -4,12 +4,12 @@ use std::fmt::{self, Display, Formatter};
 
 use serde::{Serialize, Serializer};
 
-/// ε: largest deviation from the final angles at which the finger is in position, 0.2° (thesis §4.1.1.1; the value from
-/// 2-design §2.4, wide enough for the penetration and narrow enough to detect a rebound).
+/// ε: largest deviation from the final angles at which the finger is in position, 0.2° (thesis §4.1.1.1). The value is
+/// that of 2-design §2.4: wide enough for the penetration and narrow enough to detect a rebound.
 pub const EPSILON_RAD: f64 = 0.2 * std::f64::consts::PI / 180.0;
 
-/// Duration of one impact, 1 µs: with the contact parameters of the thesis an impact ends within a microsecond, so a
-/// shorter loss is the impact itself and not a rebound.
+/// Duration of one impact, 1 µs. With the contact parameters of the thesis an impact ends within a microsecond, so a
+/// shorter loss of contact is the impact itself and not a rebound.
 pub const RESOLUTION_S: f64 = 1e-6;
 
 /// Time to stability below which a finger can be "stable" or "semi-stable" (thesis §4.1.1.1: 15 ms).
@@ -26,9 +26,9 @@ pub(crate) const SMALL_REBOUND_PERCENT: f64 = 5.0;
 /// The mean of a uniform time vector from a to T is (a + T)/2.
 ///
 /// `lost_s` is the time after t_geo in which the finger was out of position again, or a phalanx had lifted off the
-/// object. Below [`RESOLUTION_S`] there was no rebound, and the result is exactly 0: the interval from t_geo to tts is
-/// then only the end of the approach, from the edge of the ε band to the contact (some 10 µs for a fast finger), which
-/// the formula alone would count as a rebound.
+/// object. If it is below [`RESOLUTION_S`], there was no rebound, and the result is exactly 0. The interval from t_geo
+/// to tts is then only the end of the approach, from the edge of the ε band to the contact (some 10 µs for a fast
+/// finger). The formula alone would count it as a rebound.
 ///
 /// Arguments in seconds, 0 ≤ t_geo ≤ tts ≤ T, T > 0.
 pub fn rebound_percent(t_geo_s: f64, tts_s: f64, duration_s: f64, lost_s: f64) -> f64 {
@@ -89,7 +89,8 @@ impl Class {
     }
 }
 
-/// Reason for the class of a finger. Pairs are in the order q11, q21, or proximal phalanx, tip (the distal phalanx).
+/// Reason for the class of a finger. Pairs are in the order (q11, q21) or (proximal phalanx, tip); the tip is the
+/// distal phalanx.
 ///
 /// Its text is the sentence of all reports without the name of the class;
 /// [`Criteria::verdict`](super::Criteria::verdict) includes the name.
@@ -101,7 +102,8 @@ pub enum ClassReason {
     OutOfPosition { deviation_rad: [f64; 2] },
     /// The run ends in position, but a phalanx is not in contact.
     NotInContact { phalanges: [FinalContact; 2] },
-    /// The finger is in position with both contacts active from `tts_s` on. `loss`: the last loss of a rebound, if any.
+    /// The finger is in position with both contacts active from `tts_s` on. `loss` is the last loss of a rebound, if
+    /// there was one.
     Settled { tts_s: f64, rebound_percent: f64, loss: Option<Loss> },
 }
 
@@ -116,13 +118,13 @@ pub enum FinalContact {
     },
 }
 
-/// The last time before the final stable interval at which a stability condition was not met.
+/// The last loss of a stability condition before the final stable interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
     pub condition: Condition,
     pub from_s: f64,
     pub until_s: f64,
-    /// Number of losses of this condition in the run.
+    /// Number of losses of this condition during the run.
     pub times: u32,
     /// Whether this is the phalanx that touched the object first.
     pub touched_first: bool,
@@ -130,7 +132,7 @@ pub struct Loss {
     pub total_lost_s: f64,
 }
 
-/// The conditions of stability: both angles in position, both phalanges in contact.
+/// The conditions of stability: each angle is in position, and each phalanx is in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
     Q11,

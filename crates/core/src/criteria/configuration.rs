@@ -31,8 +31,8 @@ pub fn normal_forces(scene: &Scene, sample: &Sample) -> PerContact<f64> {
     PerContact { phalanges: Side::BOTH.map(phalanges), palm: force(HandContact::Palm) }
 }
 
-/// Returns whether the active contacts of a sample form-close the object with both motors blocked, or with the input of
-/// the differential blocked; `None` if form closure cannot be decided.
+/// Returns whether the active contacts of a sample form-close the object while both motors are blocked, or the input of
+/// the differential is blocked. `None` if form closure cannot be decided.
 pub fn is_form_closed(scene: &Scene, sample: &Sample) -> Option<bool> {
     let blocked = if scene.hand.differential.is_some() { Blocked::Input } else { Blocked::Outputs };
     let active = normal_forces(scene, sample).map(|normal_n| normal_n > 0.0);
@@ -46,7 +46,8 @@ pub(super) fn friction_coefficients(scene: &Scene) -> PerContact<f64> {
     PerContact { phalanges: Side::BOTH.map(|side| scene.hand.finger(side).contact.mu_static()), palm }
 }
 
-/// Returns the force closure by the active contacts of phalanges and palm in a sample, independent of their forces.
+/// Returns the force closure of the active contacts of phalanges and palm in a sample. It does not depend on their
+/// forces.
 pub fn sample_force_closure(scene: &Scene, sample: &Sample) -> ForceClosure {
     let contacts = scene.hand.contacts().zip(sample.contacts()).filter(|(_, contact)| contact.normal_n > 0.0);
     let object_m = max_radius(&scene.hand.grasped().shape);
@@ -98,24 +99,25 @@ impl StaticGrasp {
         FinalAngles { q11_rad: self.end.posture.q11_rad, q21_rad: self.end.posture.q21_rad }
     }
 
-    /// Returns the normal forces of proximal and distal phalanx, N; `None` if statics fails.
+    /// Returns the normal forces of the proximal and the distal phalanx, N; `None` if the statics cannot be computed.
     pub fn static_forces_n(&self) -> Option<[f64; 2]> {
         self.forces.as_ref().ok().map(|forces| [forces.f21_n, forces.f22_n])
     }
 
-    /// Returns whether the grasp is force-positive; true if statics fails.
+    /// Returns whether the grasp is force-positive; also true if the statics cannot be computed.
     pub fn is_stable(&self) -> bool {
         self.forces.as_ref().map_or(true, Equilibrium::is_force_positive)
     }
 }
 
-/// Returns the static grasp of the finger of a scene; an error if there is no object or the finger cannot grasp it.
+/// Returns the static grasp of the finger of a scene. Returns an error if there is no object, or if the finger cannot
+/// grasp it.
 pub fn scene_static_grasp(scene: &Scene) -> Result<StaticGrasp, String> {
     let object = scene.object().ok_or_else(|| "there is no object".to_string())?;
     static_grasp(scene, object).map_err(|error| error.to_string())
 }
 
-/// Returns the static grasp of the finger of a scene on an object; an error if the finger cannot grasp it.
+/// Returns the static grasp of the finger of a scene on an object. Returns an error if the finger cannot grasp it.
 pub fn static_grasp(scene: &Scene, object: &Object) -> Result<StaticGrasp, GraspError> {
     let finger = scene.finger();
     let end = final_posture(&finger.linkage.lengths, finger.linkage.assembly, object.placed())?;

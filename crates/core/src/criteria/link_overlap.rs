@@ -8,7 +8,7 @@ use crate::numeric::plane::rotate;
 use crate::scene::{PalmMotion, Scene, Side};
 use crate::trace::{FingerState, RequiredData, Sample, Sink, SinkError};
 
-/// A link by its finger and its name: `l11`, `l12`, `l21`, or `l22` and `t22` of the distal body.
+/// A link, given by its finger and its name: `l11`, `l12` or `l21`, or `l22` or `t22` for the parts of the distal body.
 pub type Link = (Side, &'static str);
 
 /// Body that a link overlaps.
@@ -20,12 +20,12 @@ pub enum Obstacle {
     Link(Link),
 }
 
-/// An overlap during a run.
+/// An overlap of a link with an obstacle during a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkOverlap {
     pub link: Link,
     pub obstacle: Obstacle,
-    /// Time of the first overlap.
+    /// Time of the first overlap, s.
     pub from_s: f64,
     pub depth_m: f64,
     /// Time of the largest depth, s.

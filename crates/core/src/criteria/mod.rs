@@ -46,16 +46,17 @@ pub use rebounds::{Rebound, Rebounds};
 /// The dynamic criteria of one run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Criteria {
-    /// Time to stability; `None` if the run does not end in a stable state.
+    /// Time to stability, s; `None` if the run does not end in a stable state.
     pub tts_s: Option<f64>,
     /// Rebound (4.1), percent; `None` if the finger is not stable.
     pub rebound_percent: Option<f64>,
     pub class: Class,
     /// Reason for the class; serialised as a sentence.
     pub class_reason: ClassReason,
-    /// First time in position; `None` if the finger is never in position.
+    /// First time at which the finger is in position, s; `None` if it never is.
     pub t_geo_s: Option<f64>,
-    /// Time lost to rebounds after t_geo: out of position, or with a phalanx lifted off the object, s.
+    /// Time after t_geo that was lost to rebounds, s: the finger was out of position, or a phalanx had lifted off the
+    /// object.
     pub lost_s: f64,
     /// Whether the static grasp is force-positive. Otherwise the class is unstable, regardless of the run.
     pub statically_stable: bool,
@@ -70,9 +71,9 @@ impl Criteria {
 
 /// A [`Sink`] that computes the [`Criteria`] of a run in constant memory.
 ///
-/// Between two samples the angles follow the cubic Hermite interpolant of values and rates; the times at which they
+/// Between two samples, the angles follow the cubic Hermite interpolant of values and rates. The times at which they
 /// cross ±ε are found to 1e-9 s. Contacts change at the times of their events. Between two samples of a closed contact,
-/// the normal force counts as positive if it is positive at both; the zero at the touch-down is ignored.
+/// the normal force counts as positive if it is positive in both; the zero at the touch-down is ignored.
 #[derive(Clone, Debug)]
 pub struct Tracker {
     segments: SegmentSplitter,
@@ -138,8 +139,8 @@ impl Tracker {
         }
     }
 
-    /// Returns the criteria of the run up to the last sample; `None` for a run without duration. `static_forces_n`:
-    /// normal forces of both phalanges in the static grasp (thesis (2.32)), N; `None` if unknown.
+    /// Returns the criteria of the run up to the last sample; `None` for a run without duration. `static_forces_n` are
+    /// the normal forces of both phalanges in the static grasp (thesis (2.32)), N; `None` if unknown.
     pub fn criteria(&self, static_forces_n: Option<[f64; 2]>) -> Option<Criteria> {
         let TrackerState { t_geo_s, stable_since_s, lost_s, deviation_rad, .. } = self.state;
         let (last, evaluated_rad) = (self.segments.last()?, deviation_rad?);
@@ -266,7 +267,7 @@ impl Sink for Tracker {
     }
 }
 
-/// A [`Sink`] with the trackers that apply to a scene.
+/// A [`Sink`] that consists of all trackers that apply to a scene.
 #[derive(Debug)]
 pub struct RunCriteriaTracker {
     finger: Option<Tracker>,
@@ -281,11 +282,11 @@ pub struct RunCriteriaTracker {
 pub struct RunCriteria {
     /// Criteria of a finger; `None` if it cannot grasp its object or the run was not completed.
     pub criteria: Option<Criteria>,
-    /// Criteria of the object that a hand grasps; `None` without a grasp, or if the run was not completed.
+    /// Criteria of the object that a hand grasps; `None` if the scene has no grasp, or if the run was not completed.
     pub grasp: Option<ObjectCriteria>,
     /// Rebounds of all contacts of discs; empty in scenes with joints or other outlines.
     pub rebounds: Vec<Rebound>,
-    /// Overlaps of links of a gripper with obstacles that they have no contact with.
+    /// Overlaps of the links of a gripper with obstacles for which the scene defines no contact.
     pub overlaps: Vec<LinkOverlap>,
 }
 

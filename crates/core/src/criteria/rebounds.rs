@@ -14,12 +14,13 @@ const MAX_RESTITUTION: f64 = 1.01;
 /// Largest fraction of the change of the gap rate that may have other causes: gravity, drives, other contacts.
 const MAX_OTHER_FRACTION: f64 = 0.5;
 
-/// The first impact of a pair: from its touch-down to its last lift-off before the next touch-down.
+/// The first impact of a pair: from its touch-down to the last lift-off before the next touch-down.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rebound {
-    /// Approach speed (−gap rate) at the touch-down, m/s; `None` before the first touch-down with a positive one.
+    /// Approach speed (−gap rate) at the touch-down, m/s; `None` before the first touch-down with a positive approach
+    /// speed.
     pub approach_m_s: Option<f64>,
-    /// Gap rate after the force has ended, m/s; `None` while the contact is active.
+    /// Gap rate after the force has ended, m/s; `None` while the force lasts.
     pub separation_m_s: Option<f64>,
     /// Largest speed of any body's centre in the run, m/s.
     fastest_m_s: f64,
@@ -32,12 +33,13 @@ pub struct Rebound {
 }
 
 impl Rebound {
-    /// Returns Newton's coefficient of restitution: separation speed over approach speed.
+    /// Returns Newton's coefficient of restitution: the ratio of separation speed to approach speed.
     ///
-    /// `None` if the ratio is meaningless: the pair has not separated; the approach speed is rounding error relative to
-    /// the fastest body of the run; the surfaces still approach when the force ends; or the separation is not due to
-    /// the impact, because it is more than 1 % faster than the approach, or because the contact impulse causes less
-    /// than half of the change of the gap rate.
+    /// It is `None` where the ratio is meaningless:
+    /// * The pair has not separated, or the surfaces still approach when the force ends.
+    /// * The approach speed is a rounding error relative to the fastest body of the run.
+    /// * The impact does not cause the separation: it is more than 1 % faster than the approach, or the contact impulse
+    ///   causes less than half of the change of the gap rate.
     pub fn restitution(&self) -> Option<f64> {
         let (approach, separation) = (self.approach_m_s?, self.separation_m_s?);
         let ratio = separation / approach;
@@ -63,7 +65,8 @@ pub struct Rebounds {
 }
 
 impl Rebounds {
-    /// Creates the sink for bodies of unknown mass, where a separation up to the approach speed is due to the impact.
+    /// Creates the sink for bodies of unknown mass. A separation that is not faster than the approach is attributed to
+    /// the impact.
     pub fn new(pairs: usize) -> Self {
         Rebounds {
             pairs: vec![Rebound::default(); pairs],
@@ -73,7 +76,7 @@ impl Rebounds {
         }
     }
 
-    /// Creates the sink for the contacts of a mechanism without joints; `None` if it has joints, or if a contact force does
+    /// Creates the sink for the contacts of a mechanism. `None` if the mechanism has joints, or if a contact force does
     /// not pass through the centres of mass.
     pub fn for_mechanism(mechanism: &Mechanism) -> Option<Self> {
         let mobility = |id: OutlineId| match (id.body.map(|body| &mechanism.bodies[body]), &mechanism.outline(id).shape)

@@ -3,7 +3,7 @@
 use crate::law::{NormalLaw, normal_force};
 use crate::trace::{Event, EventKind, Sample};
 
-/// A time segment, with some contacts of a sample; those that it does not have are not active.
+/// A segment of time, with the activity of some contacts of a sample. Contacts that it does not contain are not active.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<'a> {
     pub from_s: f64,
@@ -12,9 +12,9 @@ pub struct Segment<'a> {
     pub last: &'a Sample,
     /// The sample at or after the end.
     pub next: &'a Sample,
-    /// Whether each contact has been closed before the end of the segment.
+    /// For each contact, whether it has been closed before the end of the segment.
     pub has_touched: &'a [bool],
-    /// Whether each contact is active: its normal force is positive or above the threshold.
+    /// For each contact, whether it is active: whether its normal force is positive, or above the threshold.
     pub is_active: &'a [bool],
 }
 
@@ -92,8 +92,8 @@ fn threshold_crossing(threshold_n: f64, from_n: f64, to_n: f64) -> Option<f64> {
 }
 
 impl SegmentSplitter {
-    /// Creates a splitter for contacts of these indices, which are active while their normal force exceeds a threshold, N, or
-    /// by default 0.
+    /// Creates a splitter for the contacts with these indices. A contact is active while its normal force exceeds
+    /// `threshold_n`, N; `None` is 0.
     pub fn new(indices: impl IntoIterator<Item = usize>, threshold_n: Option<f64>) -> Self {
         let indices: Vec<usize> = indices.into_iter().collect();
         let count = indices.len();
@@ -167,7 +167,7 @@ impl SegmentSplitter {
         }
     }
 
-    /// Adds a sample and passes the segments up to it to the observer.
+    /// Adds a sample, and passes the segments up to its time to the observer.
     pub fn sample(&mut self, sample: &Sample, observer: &mut impl SegmentObserver) {
         let Some(mut last) = self.last.take() else {
             for (state, index) in self.contacts.iter_mut().zip(&self.indices) {

@@ -17,15 +17,15 @@ pub use states::poses_at_start;
 /// The drawing of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// Half planes and outlines of the ground first, so that bodies are drawn over them.
+    /// The bodies. Half planes and outlines of the ground come first, so that other bodies are drawn over them.
     pub bodies: Vec<DrawnBody>,
-    /// Names of the contacts between surfaces, in the order of samples.
+    /// Names of the contacts between surfaces, in the order of the samples.
     pub contacts: Vec<String>,
-    /// Arrow length per newton.
+    /// Length of a force arrow per newton, m/N.
     pub arrow_m_per_n: f64,
-    /// Largest arrow length; impact forces can be a thousand times the usual ones.
+    /// Largest arrow length, m. It is needed because impact forces can be a thousand times the usual forces.
     pub longest_arrow_m: f64,
-    /// Lower left and upper right corner of a view of all bodies at the start.
+    /// Lower left and upper right corner of a view of all bodies at the start, m.
     pub extent_m: [[f64; 2]; 2],
     mechanism: Mechanism,
 }
@@ -33,14 +33,15 @@ pub struct Drawing {
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DrawnBody {
-    /// Name of a body of the mechanism, of an outline of the ground, or of a half plane with its body.
+    /// Name of a body of the mechanism, or of an outline of the ground; for a half plane, that of the half plane and
+    /// its body.
     pub name: String,
     #[serde(rename = "part")]
     pub role: BodyRole,
     /// Whether the body does not move.
     pub fixed: bool,
     pub shapes: Vec<Shape>,
-    /// Points that pages mark by a ring: pins, and the centre of an object.
+    /// Points that pages mark with a ring, in the frame of the body: pins, and the centre of an object.
     pub marks_m: Vec<[f64; 2]>,
 }
 
@@ -94,7 +95,7 @@ pub struct FramePose {
 }
 
 impl FramePose {
-    /// Transforms a point of the body to the world.
+    /// Transforms a point from the frame of the body to the world.
     pub fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let (s, c) = sin_cos(self.angle_rad);
         [self.position_m[0] + c * x - s * y, self.position_m[1] + s * x + c * y]
@@ -102,23 +103,23 @@ impl FramePose {
 }
 
 impl Drawing {
-    /// Builds the drawing of a scene of any kind.
+    /// Builds the drawing of a scene; all kinds of scenes are supported.
     pub fn from_scene(scene: &Scene) -> Self {
         parts::drawing(scene.drawn_mechanism().into_owned())
     }
 
-    /// Signed length of the arrow of a force.
+    /// Length of the arrow of a force, m, with the sign of the force.
     pub fn arrow_m(&self, force_n: f64) -> f64 {
         (force_n * self.arrow_m_per_n).clamp(-self.longest_arrow_m, self.longest_arrow_m)
     }
 
-    /// Longer side of the view.
+    /// Length of the longer side of the view, m.
     pub fn view_m(&self) -> f64 {
         let [low, high] = self.extent_m;
         (high[0] - low[0]).max(high[1] - low[1])
     }
 
-    /// Poses of the bodies in a sample, in their order.
+    /// Poses of the bodies of the drawing in a sample, in their order.
     pub fn poses(&self, sample: &Sample) -> Vec<FramePose> {
         parts::poses(&self.mechanism, &states::in_sample(&self.mechanism, sample))
     }
@@ -133,7 +134,7 @@ impl Drawing {
         parts::poses(&self.mechanism, &states::at_start(&self.mechanism))
     }
 
-    /// Poses of the bodies with the fingers in these postures and everything else at its start.
+    /// Poses of the bodies with the fingers in these postures. All other bodies have their poses at the start.
     pub fn poses_for_postures(&self, scene: &Scene, postures: &[Posture]) -> Vec<FramePose> {
         let mut sample = Sample::new(0.0, Schema::from_scene(scene).counts());
         let bodies = states::at_start(&self.mechanism).bodies;

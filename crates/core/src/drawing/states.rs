@@ -31,7 +31,7 @@ impl BodyState {
     }
 }
 
-/// Poses of all bodies at the start; the guesses of a mechanism that cannot be assembled.
+/// Poses of all bodies at the start. If the mechanism cannot be assembled, they are the guesses of the scene.
 pub fn poses_at_start(mechanism: &Mechanism) -> Vec<[f64; 3]> {
     let guesses = || mechanism.bodies.iter().map(|body| body.pose).collect();
     assemble(mechanism).map_or_else(|_| guesses(), |start| start.poses)

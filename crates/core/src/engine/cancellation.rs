@@ -18,7 +18,7 @@ impl<'a> Cancellation<'a> {
         Self { keep_running, work: Cell::new(0) }
     }
 
-    /// Adds work, in multiplications; returns false once the computation is cancelled.
+    /// Adds work, in multiplications. Returns false once the computation is cancelled.
     #[inline]
     pub fn add_work(&self, work: usize) -> bool {
         let total = self.work.get() + work;

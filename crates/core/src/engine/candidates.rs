@@ -15,34 +15,36 @@ use crate::scene::Response;
 /// A possible contact, stop, brake, motor or servo at one instant.
 #[derive(Clone, Debug)]
 pub struct ContactCandidate {
-    /// Element index in the plan.
+    /// Index of the element in the plan.
     pub index: usize,
     pub law: NormalLaw,
     pub friction: Option<FrictionLaw>,
-    /// Distance, negative in penetration.
+    /// Distance of the surfaces; negative in penetration.
     pub gap: f64,
-    /// Rounding error of the gap, from the rounding of the positions.
+    /// Rounding error of the gap due to the rounding of the positions.
     pub rounding: f64,
     pub normal: [f64; 2],
-    /// Rotation rate of the normal, rad/s, from its rotation in the last step.
+    /// Rotation rate of the normal, rad/s, computed from its rotation in the last step.
     pub normal_rotation_rate: f64,
     pub point: [f64; 2],
     pub normal_row: Row,
-    /// Slip of the body's surface relative to the other one; zero for a stop.
+    /// Row of the slip of the body's surface relative to the other surface; zero for a stop.
     pub slip_row: Row,
-    /// Law and row of rolling resistance: a moment against the relative rotation.
+    /// Law of rolling resistance: a moment against the relative rotation.
     pub rolling: Option<FrictionLaw>,
+    /// Row of the relative rotation that the rolling resistance opposes.
     pub roll_row: Row,
     /// Torque characteristic of a motor with a no-load speed.
     pub motor: Option<MotorSlope>,
-    /// Law of a servo, in place of the normal law; its gap is minus the error of its coordinate.
+    /// Law of a servo, which replaces the normal law. The gap is then minus the error of the coordinate.
     pub servo: Option<ServoLaw>,
-    /// Prescribed rate and acceleration of the gap of a brake or motor, which model its changing force over a step; of
-    /// the target of a servo.
+    /// Prescribed rate and acceleration of the gap. For a brake or a motor, they model the change of its force over a
+    /// step; for a servo, they are those of the target.
     pub prescribed_gap_motion: [f64; 2],
-    /// Whether the contact laws of the scene apply: not if rapier handles contact, nor if the pair is out of reach.
+    /// Whether the contact laws of the scene apply. They do not if rapier handles the contact, or if the pair is out of
+    /// reach.
     pub uses_contact_law: bool,
-    /// Whether its work is that of a motor.
+    /// Whether the work of the element counts as work of a motor.
     pub is_motor: bool,
     /// Whether friction acts only against negative slip.
     pub one_way: bool,
@@ -63,7 +65,7 @@ pub enum Element {
     Servo(usize),
 }
 
-/// Torque of a motor that falls with its rate, relative to the stall torque: its sign, and its decrease per unit rate.
+/// Torque of a motor with a no-load speed, relative to the stall torque: its sign, and its decrease per unit rate.
 #[derive(Clone, Copy, Debug)]
 pub struct MotorSlope {
     pub sign: f64,
@@ -151,7 +153,7 @@ impl ContactCandidate {
         matches!(self.element, Element::Servo(_))
     }
 
-    /// Whether the gap exceeds rounding.
+    /// Whether the gap is larger than its rounding error.
     pub fn is_separated(&self) -> bool {
         self.gap > GAP_ROUNDING * self.law.depth_scale_m()
     }

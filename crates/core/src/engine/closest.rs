@@ -23,7 +23,7 @@ pub(super) struct ClosestPoints {
 }
 
 impl ClosestPoints {
-    /// Returns the points of the body and of the other surface at which the contact forces act.
+    /// Returns the points on the body and on the other surface at which the contact forces act.
     pub fn at(&self, convention: ContactPointConvention) -> [[f64; 2]; 2] {
         match convention {
             ContactPointConvention::EachSurface => [self.point, self.other_point],

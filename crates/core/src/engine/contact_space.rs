@@ -37,25 +37,26 @@ impl ActiveContact {
     }
 }
 
-/// W and the free motion of every row, frozen at the start of one step.
+/// Inverse inertia W and contact-free motion of every row, frozen at the start of one step.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSpace {
     pub active_contacts: Vec<ActiveContact>,
     pub rows: Vec<Row>,
-    /// Number of rows before those of prescribed normal forces, which no impulse changes.
+    /// Number of rows that impulses act on. Rows with a prescribed normal force follow them and are not part of `w`.
     pub coupled: usize,
-    /// Contact-space inverse inertia including joints, row by row for the coupled rows: rate of row i per unit impulse
-    /// along row j.
+    /// Inverse inertia in contact space, including the joints, for the coupled rows. Row by row, it is the rate of row
+    /// i per unit impulse along row j.
     pub w: Vec<f64>,
-    /// Acceleration of every row without contact.
+    /// Acceleration of every row in the absence of contact forces.
     pub free: Vec<f64>,
     /// Rate of every row at the start of the step.
     pub rate: Vec<f64>,
-    /// Rates that change a gap by its rounding error within the step; smaller rates are rounding.
+    /// For each row, the rate that changes the gap by its rounding error within the step. Smaller rates are rounding
+    /// errors.
     pub rate_resolution: Vec<f64>,
     /// Velocity response M⁻¹ (c + Jᵀ λ) to a unit impulse along each coupled row, body by body.
     response: Vec<Twist>,
-    /// Impulse on each support per unit impulse along each coupled row, directly and through joints, row by row.
+    /// Impulse on each support per unit impulse along each coupled row, acting directly and through joints; row by row.
     pub on_supports: Vec<Twist>,
     poses: Vec<BodyPose>,
 }
@@ -69,8 +70,8 @@ impl ContactSpace {
         self.rows.is_empty()
     }
 
-    /// Selects the candidates that can become active within `dt`, from gap, rate and acceleration with a margin. Returns false
-    /// if `keep_running` does; the space is then incomplete.
+    /// Selects the candidates that can become active within `dt`, according to gap, rate and acceleration with a
+    /// margin. Returns false if `keep_running` returns false; the space is then incomplete.
     #[allow(clippy::too_many_arguments)]
     pub fn assemble(
         &mut self,
@@ -177,18 +178,18 @@ impl ContactSpace {
         }
     }
 
-    /// Returns a contact by the element index of its candidate, and its position in the list of contacts.
+    /// Returns the contact whose candidate has this element index, preceded by its position in the list of contacts.
     pub fn find(&self, index: usize) -> Option<(usize, &ActiveContact)> {
         self.active_contacts.iter().enumerate().find(|(_, contact)| contact.candidate.index == index)
     }
 
-    /// Whether the surfaces of a contact close at the start of the step, or are at rest there and about to close.
+    /// Whether the surfaces of a contact approach at the start of the step, or are at rest there and about to approach.
     pub fn is_closing(&self, contact: &ActiveContact) -> bool {
         let rate = self.rate[contact.normal];
         rate < -ZERO_RATE || (rate <= ZERO_RATE && self.free[contact.normal] < 0.0)
     }
 
-    /// Inverse of the effective mass of a coupled row.
+    /// Inverse of the effective mass for a coupled row.
     pub fn inverse_mass(&self, row: usize) -> f64 {
         self.w[row * (self.coupled + 1)]
     }
@@ -272,7 +273,7 @@ pub(crate) struct CorrectedRow {
     pub target: f64,
     /// Impulse along the row that may be removed.
     pub removable: f64,
-    /// h (∂F/∂δ̇ + h ∂F/∂δ) of a normal row, h F ∂μ/∂v of a tangent row.
+    /// Derivative of the force times h: h (∂F/∂δ̇ + h ∂F/∂δ) for a normal row, h F ∂μ/∂v for a tangent row.
     pub stiffness: f64,
     /// Coupling of a tangent row to the impulse along the preceding normal row: the friction coefficient μ.
     pub friction_coupling: f64,
@@ -360,11 +361,11 @@ const MAX_HALVINGS: u32 = 12;
 /// Work of an evaluation or a Jacobian per entry of W, in multiplications.
 const EVALUATION_WORK: usize = 4;
 
-/// Initial values of an implicit stage.
+/// Initial values of a stage of the implicit method.
 pub struct Stage<'a> {
-    /// Rates ũ at h = 0.
+    /// Rates ũ for h = 0.
     pub rate: &'a [f64],
-    /// Gaps g̃ at h = 0, one per contact.
+    /// Gaps g̃ for h = 0, one per contact.
     pub gap: &'a [f64],
     /// Internal states of friction, one per contact.
     pub friction_state: &'a [f64],
@@ -391,7 +392,7 @@ pub(crate) struct Workspace {
     pub force: Vec<f64>,
     /// Internal states of friction at the solution, one per contact.
     pub friction_state: Vec<f64>,
-    /// Whether friction with stiction slips, for each contact.
+    /// For each contact, whether its friction with stiction slips.
     pub is_slipping: Vec<bool>,
 }
 
@@ -413,8 +414,9 @@ impl Workspace {
         }
     }
 
-    /// Solves a stage and returns the number of iterations. `rate` is the initial guess on entry and the solution on
-    /// return; `self.force` contains the forces there. Fails if the iteration does not converge, or is cancelled.
+    /// Solves a stage and returns the number of iterations. On entry, `rate` is the initial guess; on return, it is the
+    /// solution, and `self.force` contains the forces there. Fails if the iteration does not converge, or if it is
+    /// cancelled.
     pub fn solve(
         &mut self,
         space: &ContactSpace,
@@ -496,7 +498,7 @@ impl Workspace {
         if residual <= MAX_RESIDUAL { Ok(MAX_ITERATIONS) } else { Err(Diverged { residual }) }
     }
 
-    /// Filters an error: e ← (1 − h W ∂F/∂u)⁻¹ e at the last solution.
+    /// Filters an error: e ← (1 − h W ∂F/∂u)⁻¹ e, evaluated at the last solution.
     pub fn filter(&mut self, space: &ContactSpace, h: f64, error: &mut [f64], cancellation: &Cancellation) {
         self.assemble_jacobian(space, h, space.coupled);
         dense::solve(&mut self.jacobian, error, space.coupled, |work| cancellation.add_work(work));

@@ -4,10 +4,10 @@
 use crate::numeric::elementary::{powi, sin_cos};
 use crate::numeric::plane::{add, cross, dot, opening_angle, perp, rotate, scale, sub};
 
-/// Velocity (x, y, angle) of a body, or a force and a torque about its centre of mass.
+/// Velocity (x, y, angle) of a body, or force and torque about its centre of mass.
 pub type Twist = [f64; 3];
 
-/// Pose of a body: centre of mass, orientation as (cos, sin), and as a continuous angle.
+/// Pose of a body: centre of mass, and orientation both as (cos, sin) and as a continuous angle.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyPose {
     pub com: [f64; 2],
@@ -28,11 +28,11 @@ impl BodyPose {
 /// A generalised direction: the impulse on each body per unit impulse along the row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Body and its components of the row.
+    /// Body on which the row acts, and the components of the row for it.
     pub on: (usize, Twist),
-    /// Body that takes the reaction, with its components.
+    /// Body that takes the reaction, and the components of the row for it.
     pub against: Option<(usize, Twist)>,
-    /// Further bodies of a cable or a sum.
+    /// Further bodies of a cable or of a sum of coordinates, with the components of the row for them.
     pub others: Vec<(usize, Twist)>,
 }
 
@@ -70,7 +70,7 @@ impl Row {
         std::iter::once(&self.on).chain(&self.against).chain(&self.others)
     }
 
-    /// Returns the rate along the row.
+    /// Returns the rate along the row at these velocities.
     pub fn rate(&self, velocities: &[Twist]) -> f64 {
         let along = |(body, row): &(usize, Twist)| power(row, &velocities[*body]);
         let pair = along(&self.on) + self.against.as_ref().map_or(0.0, along);
@@ -98,7 +98,7 @@ impl Row {
     }
 }
 
-/// A measure of the poses less an offset.
+/// A function of the poses, minus an offset.
 #[derive(Clone, Debug)]
 pub struct Coordinate {
     pub measure: Measure,
@@ -117,11 +117,11 @@ pub enum Measure {
     Sum { terms: Vec<(Coordinate, f64)> },
 }
 
-/// A circle about a point of a body that a cable wraps; an eyelet has radius 0.
+/// A circle about a point of a body, which a cable wraps; for an eyelet the radius is 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Circle {
     pub center: BodyPoint,
-    /// Positive if the cable passes counter-clockwise, with the centre to its left.
+    /// Radius, m; positive if the cable passes counter-clockwise, with the centre to its left.
     pub signed_radius_m: f64,
 }
 
@@ -134,7 +134,7 @@ struct Segment {
     along: [f64; 2],
 }
 
-/// A point relative to the centre of mass of its body, in the frame of the body; a point of the world for the ground.
+/// A point of a body, relative to its centre of mass and in its frame; for the ground, a point of the world.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyPoint {
     pub body: Option<usize>,
@@ -152,7 +152,7 @@ struct Points {
 const GROUND: BodyPose = BodyPose { com: [0.0; 2], direction: [1.0, 0.0], angle: 0.0 };
 
 impl Coordinate {
-    /// Angle of a body.
+    /// Returns the coordinate that is the angle of a body.
     pub fn angle_of(on: usize) -> Self {
         Self { measure: Measure::Angle { on: (on, 1.0), against: None }, offset: 0.0 }
     }
@@ -264,7 +264,7 @@ impl Coordinate {
         rotate(*axis, first.body.map_or(GROUND, |body| poses[body]).direction)
     }
 
-    /// Returns the second time derivative of the coordinate at these velocities without accelerations.
+    /// Returns the second time derivative of the coordinate for these velocities and zero accelerations.
     pub fn second_rate(&self, poses: &[BodyPose], velocities: &[Twist]) -> f64 {
         match &self.measure {
             Measure::Angle { .. } => 0.0,

@@ -54,15 +54,15 @@ impl ForceRates {
         Self { rates: zero.clone(), forces: zero, loaded: Vec::new(), poses: Vec::new() }
     }
 
-    /// Computes the forces after an interval, from `forces` and their rates.
+    /// Extrapolates `forces` by an interval with their rates; `out` receives the result.
     pub fn extrapolate(&self, forces: &[Twist], interval_s: f64, out: &mut [Twist]) {
         for (after, (force, rate)) in out.iter_mut().zip(forces.iter().zip(&self.rates)) {
             *after = std::array::from_fn(|axis| force[axis] + interval_s * rate[axis]);
         }
     }
 
-    /// Updates the rates at a node, after a call of [`Linkage::accelerations`] with the smooth `forces` there. Contacts have
-    /// the forces at the end of the last step, row by row of its contact space.
+    /// Updates the rates at a node; `forces` are the smooth forces there. [`Linkage::accelerations`] must have been
+    /// called with them. Contacts have the forces at the end of the last step, row by row of its contact space.
     pub fn update_at_node(
         &mut self,
         (world, plan, linkage): (&World, &Plan, &mut Linkage),
@@ -102,7 +102,8 @@ impl ForceRates {
         linkage.add_reaction_rates(velocities, (poses, INTERVAL_S), rates);
     }
 
-    /// Updates the rates to those in the middle of the last step, given the smooth `forces` and the candidates at its end.
+    /// Updates the rates to those in the middle of the last step; `forces` are the smooth forces at its end, and
+    /// `candidates` those at its end.
     pub fn update_in_step(&mut self, linkage: &Linkage, forces: &[Twist], candidates: &[ContactCandidate], dt: f64) {
         for ((rate, now), before) in self.rates.iter_mut().zip(forces).zip(&self.forces) {
             *rate = std::array::from_fn(|axis| (now[axis] - before[axis]) / dt);

@@ -62,7 +62,8 @@ fn spring_torque(spring: &PlannedSpring, extension: f64) -> f64 {
     }
 }
 
-/// Returns the energies of gravity and springs, J, in the palm frame; springs are at zero in the straight posture.
+/// Returns the energies of gravity and of the springs, J, in the palm frame. The energy of the springs is zero in the
+/// straight posture.
 pub fn potential_energies(plan: &Plan, linkage: &Linkage, frame: &PalmFrame) -> (f64, f64) {
     let [gx, gy] = plan.gravity_at_start();
     let gravity_energy = |(inertia, pose): (&Inertia, &BodyPose)| {
@@ -231,7 +232,7 @@ impl PalmFrame {
         [x, y, velocity[2] - transport[2]]
     }
 
-    /// Returns the accelerations of a body relative to the palm frame.
+    /// Returns the acceleration of a body relative to the palm frame.
     pub fn acceleration(&self, centre: [f64; 2], velocity: &Twist, acceleration: &Twist) -> Twist {
         let Some(Pose { acceleration: [ax, ay, angular_acceleration], rate: [_, _, omega], .. }) = self.pose else {
             return *acceleration;

@@ -58,7 +58,7 @@ struct Block {
     first_columns: Vec<usize>,
 }
 
-/// Error for joints or masses whose equations of motion have no solution.
+/// Error for constraints or masses for which the equations of motion have no solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the joint constraints are singular: the mechanism is in or near a singular configuration")]
 pub struct SingularConstraints;
@@ -306,7 +306,7 @@ impl Linkage {
         self.correct(velocities);
     }
 
-    /// Computes accelerations M⁻¹ (f + Jᵀ λ) with J a = −J̇ v; those of driven bodies are prescribed.
+    /// Computes the accelerations M⁻¹ (f + Jᵀ λ) with J a = −J̇ v. The accelerations of `driven` bodies are prescribed.
     pub fn accelerations(&mut self, forces: &[Twist], rates: &[Twist], driven: &[(usize, Twist)], out: &mut [Twist]) {
         self.centripetal(rates);
         self.accelerate(forces, driven, out);

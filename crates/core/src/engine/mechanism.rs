@@ -20,7 +20,7 @@ use crate::shape;
 /// Builds the plan of a scene.
 ///
 /// # Errors
-/// Returns an error for a start that cannot be assembled, and for a mechanism that the engine model does not take.
+/// Returns an error for a start that cannot be assembled, and for a mechanism that the engine model does not support.
 pub fn build_plan(scene: &Scene) -> Result<Plan, String> {
     let mechanism = scene.mechanism().map_err(|error| error.to_string())?;
     let start = assemble(&mechanism).map_err(|error| error.to_string())?;
@@ -29,11 +29,12 @@ pub fn build_plan(scene: &Scene) -> Result<Plan, String> {
 
 /// Builds the plan of a mechanism from its assembled start.
 ///
-/// Bodies and joints have the indices of the mechanism; bodies for the inertias of joints follow. Contact channels are
-/// those of [`Mechanism::point_contacts`], then of [`Mechanism::limits`].
+/// Bodies and joints have the same indices as in the mechanism; they are followed by bodies that represent inertias of
+/// joints. Contact channels are those of [`Mechanism::point_contacts`], then of [`Mechanism::limits`].
 ///
 /// # Errors
-/// Returns an error that names a component that acts on a combination of joints of more than two bodies, or of sliders.
+/// Returns an error that names a component that the engine does not support: one that acts on a combination of joints
+/// with more than two bodies, or with sliders.
 pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan, String> {
     let states = start.poses.iter().zip(&start.rates);
     let bodies = mechanism.bodies.iter().zip(states).map(|(body, (pose, rate))| {

@@ -51,8 +51,8 @@ const MAX_ANCHOR_ITERATIONS: u32 = 4;
 /// Error of the anchor correction, in step tolerances, below which its iteration stops.
 const ANCHOR_TOLERANCE: f64 = 0.1;
 
-/// Forces (x, y) and moments of the joints on their second bodies at a node, in the world frame. They are linear in the
-/// contact forces.
+/// Forces (x, y) and moments of the joints on their second bodies at a node, in the world frame. They depend linearly
+/// on the contact forces.
 #[derive(Clone, Debug, Default)]
 pub struct JointReactions {
     /// Forces without contacts.
@@ -64,14 +64,15 @@ pub struct JointReactions {
 }
 
 impl JointReactions {
-    /// Forces of a joint per unit of the normal and of the tangential force of a contact, by its index in `channels`.
+    /// Forces of a joint per unit of the normal force and per unit of the tangential force of a contact; `contact` is
+    /// its index in `channels`.
     pub fn response(&self, contact: usize, joint: usize) -> [Twist; 2] {
         let (joints, first) = (self.free.len(), 2 * contact * self.free.len());
         [self.responses[first + joint], self.responses[first + joints + joint]]
     }
 }
 
-/// State of the engine at the end of its last step, called a node.
+/// State of the engine at the end of its last step. This instant is called a node.
 #[derive(Clone)]
 pub struct Motion {
     pub plan: Plan,
@@ -81,27 +82,27 @@ pub struct Motion {
     pub velocities: Vec<Twist>,
     /// Bodies that move by forces and whose rotation is completed after rapier's step.
     dynamic_bodies: Vec<RigidBodyHandle>,
-    /// Accelerations without contact at the node.
+    /// Accelerations at the node without contact forces.
     pub accelerations: Vec<Twist>,
-    /// Largest change of a body's acceleration over the last step, in m/s².
+    /// Largest change of the acceleration of a body over the last step, m/s².
     pub acceleration_change: f64,
     pub candidates: Vec<ContactCandidate>,
-    /// Contact space of the last step, from its start.
+    /// Contact space of the last step, as assembled at its start.
     pub space: ContactSpace,
-    /// Solution of the contacts in the last step.
+    /// Solution of the contact forces in the last step.
     pub contact: ContactSolver,
-    /// Impulses of rapier's own contact in the last step, if the scene selects it.
+    /// Impulses of rapier's own contacts in the last step, if the scene selects them.
     pub rapier_contacts: Vec<RapierContact>,
     pub last_dt_s: f64,
-    /// Work of motors, their servos, and drives.
+    /// Work of motors, of servos that act as motors, and of prescribed motions, J.
     pub motor_work_j: f64,
-    /// Work of contacts, cables, brakes and dampers.
+    /// Work of contacts, cables, brakes and dampers, J.
     pub contact_work_j: f64,
     /// Smooth forces at the node.
     forces: Vec<Twist>,
     /// Mean velocities of the last step.
     mean_velocities: Vec<Twist>,
-    /// Accelerations at the start of the last step, as produced by rapier's joints.
+    /// Accelerations at the start of the last step, as rapier's joints produced them.
     pub step_accelerations: Vec<Twist>,
     /// Working array: impulses on the bodies.
     impulse: Vec<Twist>,
@@ -114,12 +115,13 @@ pub struct Motion {
     /// Openings with the anchor correction, and the corrections.
     open: Vec<[f64; 2]>,
     overshoot: Vec<[f64; 2]>,
-    /// Largest opening acceleration of a joint at the node, see `Linkage::max_opening_acceleration`.
+    /// Largest opening acceleration of a joint at the node; see `Linkage::max_opening_acceleration`.
     pub opening_acceleration: f64,
     force_rates: ForceRates,
     /// Power of supports against joints and smooth forces at the node, W.
     support_power: f64,
-    /// Largest opening that a step may leave because its mean velocities differ from the predicted ones, m.
+    /// Largest joint opening that a step may leave, m. It arises because the mean velocities differ from the predicted
+    /// ones.
     pub tolerance_m: f64,
     rate_correction: RateCorrection,
     /// Normals of the candidates before the step.
@@ -131,7 +133,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Creates the motion of a world at t = 0; fails if the joint constraints are singular.
+    /// Creates the motion of a world at t = 0. Fails if the joint constraints are singular.
     pub fn new(plan: Plan, world: World) -> Result<Self, StepError> {
         let linkage = Linkage::new(&world, &plan);
         let (bodies, elements) = (plan.bodies.len(), plan.first_servo() + plan.servos.len());
@@ -182,20 +184,21 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Replaces the input of an actuator over time, from the node on.
+    /// Replaces the input of an actuator as a function of time, from this node on.
     pub fn set_input(&mut self, actuator: usize, input: Profile) {
         self.plan.set_input(actuator, input);
         self.update_node();
     }
 
-    /// Removes contacts between surfaces from now on, by their channels in samples.
+    /// Removes contacts between surfaces, from this node on; `channels` are their contact channels in samples.
     pub fn remove_contacts(&mut self, channels: &[usize]) {
         self.plan.remove_contacts(channels);
         candidates::collect(&self.world, &self.plan, &self.linkage, &mut self.candidates);
         self.update_node();
     }
 
-    /// Takes one step, while `keep_running` returns true. Of all errors only [`StepError::TooLong`] leaves it usable.
+    /// Takes one step. Stops with an error once `keep_running` returns false. The motion is usable after
+    /// [`StepError::TooLong`], but not after any other error.
     pub fn advance(&mut self, dt: f64, keep_running: &dyn Fn() -> bool) -> Result<(), StepError> {
         let power_before =
             self.support_power + forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
@@ -312,7 +315,8 @@ impl Motion {
         self.forces(self.plan.first_brake() + brake).1
     }
 
-    /// Returns normal and tangential force of a stop or contact at the end of the last step, from laws or rapier.
+    /// Returns the normal and the tangential force of a stop or contact at the end of the last step. They come from the
+    /// contact laws or from rapier.
     pub fn forces(&self, index: usize) -> (f64, f64) {
         if let Some((_, contact)) = self.space.find(index) {
             let force = &self.contact.force;
@@ -345,7 +349,7 @@ impl Motion {
         self.rapier_contacts.iter().find(|contact| contact.index == index)
     }
 
-    /// Returns a tendon with its circle that the cable has lifted off, if there is one.
+    /// Returns a tendon and the index of a circle from which its cable has lifted off; `None` if there is none.
     pub fn lifted_cable(&self) -> Option<(usize, usize)> {
         let tendons = self.plan.tendons.iter().enumerate();
         tendons.filter_map(|(index, tendon)| Some((index, tendon.length.lifted(&self.linkage.poses)?))).next()

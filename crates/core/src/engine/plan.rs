@@ -11,17 +11,19 @@ use crate::numeric::plane::{add, rotate, sub};
 use crate::scene::{Brake, PalmMotion, Profile, SpringKind};
 use crate::shape;
 
-/// A moving body with its initial state. Without mass, a drive moves it; without inertia, it does not rotate.
+/// A moving body with its initial state. A body without mass is moved by a drive; a body without inertia does not
+/// rotate.
 #[derive(Clone, Debug)]
 pub struct PlannedBody {
     pub body: Body,
-    /// Origin of the body frame (the preceding joint) and its orientation at the start.
+    /// Origin of the body frame (the preceding joint) at the start.
     pub origin_m: [f64; 2],
     pub angle_rad: f64,
-    /// Velocity of the origin.
+    /// Velocity of the origin at the start.
     pub velocity_m_s: [f64; 2],
     pub rate_rad_s: f64,
-    /// Arm at which step sizes take an angular acceleration into account; 0 if only that of the centre of mass counts.
+    /// Arm with which an angular acceleration enters the choice of step sizes; 0 if only the acceleration of the centre
+    /// of mass counts.
     pub gyration_m: f64,
     /// Surfaces in the frame of the body.
     pub surfaces: Vec<PlannedSurface>,
@@ -80,23 +82,24 @@ pub struct Capsule {
 pub struct PlannedSurface {
     pub shape: Shape,
     pub origin_m: [f64; 2],
-    /// Its x axis as a vector, which is exact where an angle of π is not.
+    /// Direction of the x axis of the surface as a vector. Unlike an angle, it is exact for half a turn.
     pub direction: [f64; 2],
 }
 
-/// A joint between two bodies; `None` is the ground. Anchors are in the body frames.
+/// A joint between two bodies; `None` is the ground. Anchors are in the frames of the bodies.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedJoint {
     pub kind: JointKind,
     pub bodies: [Option<usize>; 2],
     pub anchors_m: [[f64; 2]; 2],
-    /// Relative angle of the bodies at the zero of the joint's angle; of a prismatic joint, at any time.
+    /// Relative angle of the bodies when the angle of the joint is zero; for a prismatic joint, their constant relative
+    /// angle.
     pub offset_rad: f64,
-    /// Whether its bodies have the opposite order in the mechanism, so that its coordinate has the opposite sign.
+    /// Whether the order of the bodies is opposite to that in the mechanism. The coordinate then has the opposite sign.
     pub is_reversed: bool,
 }
 
-/// A motor: a torque or force over time along its shaft.
+/// A motor: a torque or force along its shaft as a function of time.
 #[derive(Clone, Debug)]
 pub struct PlannedMotor {
     pub shaft: Coordinate,
@@ -107,7 +110,8 @@ pub struct PlannedMotor {
     pub no_load_speed_rad_s: Option<f64>,
 }
 
-/// A force along a coordinate that is linear in its value and rate: a servo, or a damper.
+/// A force along a coordinate that is linear in the value and the rate of the coordinate: that of a servo, or of a
+/// damper.
 #[derive(Clone, Debug)]
 pub struct PlannedServo {
     pub coordinate: Coordinate,
@@ -117,14 +121,14 @@ pub struct PlannedServo {
     pub is_motor: bool,
 }
 
-/// An actuator by its index among the motors or the servos.
+/// An actuator, given by its index among the motors or among the servos.
 #[derive(Clone, Copy, Debug)]
 pub enum PlannedActuator {
     Motor(usize),
     Servo(usize),
 }
 
-/// A tendon: its length, the stop that is its spring and damper, and the motor that pulls it.
+/// A tendon: its length, the stop that represents its spring and damper, and the motor that pulls it.
 #[derive(Clone, Debug)]
 pub struct PlannedTendon {
     pub length: Coordinate,
@@ -132,7 +136,7 @@ pub struct PlannedTendon {
     pub motor: Option<usize>,
 }
 
-/// u = kp δ + kd δ̇ with the error δ of the coordinate, |u| ≤ limit; the force is u − |u| q̇/ω₀ at the rate q̇.
+/// u = kp δ + kd δ̇, limited to |u| ≤ limit; δ is the error of the coordinate q. The force is u − |u| q̇/ω₀.
 #[derive(Clone, Copy, Debug)]
 pub struct ServoLaw {
     pub kp: f64,
@@ -169,8 +173,8 @@ impl PlannedServo {
     }
 }
 
-/// A gear: two constraints. Each keeps the sum of ratios times coordinates, measured from the start, at zero. A
-/// constraint without ratios does not exist.
+/// A gear: up to two constraints. Each keeps the sum of its ratios times the coordinates, measured from the start, at
+/// zero. A constraint whose ratios are all zero is omitted.
 #[derive(Clone, Debug)]
 pub struct PlannedGear {
     pub terms: Vec<(Coordinate, [f64; 2])>,
@@ -233,28 +237,29 @@ impl BrakeKind {
     }
 }
 
-/// Inertia of a rotor on a body, driven by the rate of the body relative to the palm, not by the palm's own rotation.
+/// Inertia of a rotor on a body. Only the rate of the body relative to the palm drives it, not the rotation of the palm
+/// itself.
 #[derive(Clone, Copy, Debug)]
 pub struct PlannedRotor {
     pub body: usize,
     pub inertia_kg_m2: f64,
 }
 
-/// A spring: a torque or force against its extension.
+/// A spring: a torque or force that opposes its extension.
 #[derive(Clone, Debug)]
 pub struct PlannedSpring {
     pub extension: Coordinate,
     pub kind: SpringKind,
 }
 
-/// A one-sided stop: keeps its gap, an angle or a length, above zero.
+/// A one-sided stop, which keeps its gap (an angle or a length) above zero.
 #[derive(Clone, Debug)]
 pub struct PlannedStop {
     pub gap: Coordinate,
     pub law: NormalLaw,
 }
 
-/// A surface by its index, of a body or, for `None`, of the fixed ones.
+/// A surface, given by its index among those of a body; `None` instead of a body is the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceId {
     pub body: Option<usize>,
@@ -270,24 +275,24 @@ pub struct PlannedContact {
     pub against: SurfaceId,
     pub point_convention: ContactPointConvention,
     pub law: ContactLaw,
-    /// Rolling resistance, of mechanisms only.
+    /// Law of rolling resistance; only for mechanisms.
     pub rolling: Option<FrictionLaw>,
     /// Whether samples report the force on the other body, with the opposite normal.
     pub is_reported_on_partner: bool,
-    /// Whether the surfaces no longer touch, because what the body touches is removed.
+    /// Whether the contact is removed, because what the body touches has been removed.
     pub is_removed: bool,
 }
 
 /// Choice of the material points of two surfaces at which contact forces act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactPointConvention {
-    /// Each surface at its own closest point.
+    /// Each force acts at the closest point of its own surface.
     EachSurface,
-    /// Both at the closest point of the body's surface.
+    /// Both forces act at the closest point of the body's surface.
     BodySurface,
-    /// Both at the closest point of the other surface.
+    /// Both forces act at the closest point of the other surface.
     PartnerSurface,
-    /// Both in the middle between the closest points.
+    /// Both forces act in the middle between the closest points.
     Middle,
 }
 
@@ -302,7 +307,7 @@ pub struct Plan {
     pub gears: Vec<PlannedGear>,
     pub motors: Vec<PlannedMotor>,
     pub servos: Vec<PlannedServo>,
-    /// Actuators of a mechanism, in its order.
+    /// Actuators of a mechanism, in the order of the mechanism.
     pub actuators: Vec<PlannedActuator>,
     pub brakes: Vec<PlannedBrake>,
     pub rotors: Vec<PlannedRotor>,
@@ -310,21 +315,21 @@ pub struct Plan {
     pub springs: Vec<PlannedSpring>,
     pub stops: Vec<PlannedStop>,
     pub contacts: Vec<PlannedContact>,
-    /// Tendons of a mechanism, in its order.
+    /// Tendons of a mechanism, in the order of the mechanism.
     pub tendons: Vec<PlannedTendon>,
     /// Bodies that samples report.
     pub reported_bodies: Vec<usize>,
-    /// Contact channel in samples of each stop; the springs of tendons follow, which have none.
+    /// For each stop, its contact channel in samples. Springs of tendons follow the stops; they have no channel.
     pub stop_channels: Vec<usize>,
-    /// Contact channel in samples of each contact.
+    /// For each contact, its contact channel in samples.
     pub contact_channels: Vec<usize>,
     pub gravity_m_s2: [f64; 2],
-    /// Whether joints, springs, tendons or bodies that do not rotate act on the ground.
+    /// Whether joints, springs, tendons, or bodies that do not rotate exert forces on the ground.
     pub ground_carries: bool,
 }
 
 impl Plan {
-    /// Returns the torque or force of an actuator at time `t`, at these poses and velocities.
+    /// Returns the torque or force of an actuator at time `t` and at these poses and velocities.
     pub fn effort(&self, actuator: PlannedActuator, t: f64, (poses, velocities): (&[BodyPose], &[Twist])) -> f64 {
         match actuator {
             PlannedActuator::Motor(index) => {
@@ -343,7 +348,7 @@ impl Plan {
         }
     }
 
-    /// Replaces the torque or force of an actuator over time, or the target of a servo.
+    /// Replaces the torque or force of an actuator, or the target of a servo, as a function of time.
     pub fn set_input(&mut self, actuator: usize, input: Profile) {
         match self.actuators[actuator] {
             PlannedActuator::Motor(index) => self.motors[index].actuation = input,
@@ -358,7 +363,7 @@ impl Plan {
         }
     }
 
-    /// Returns the next time after `t` at which a motor torque, a brake or the palm motion has a discontinuity.
+    /// Returns the next time after `t` at which a motor torque, a brake or the motion of the palm has a discontinuity.
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         let motors = self.motors.iter().map(|motor| motor.actuation.next_discontinuity(t));
         let servos = self.servos.iter().map(|servo| servo.target.next_discontinuity(t));
@@ -433,7 +438,7 @@ impl PlannedMotor {
         self.actuation.at(t).0.clamp(-self.limit, self.limit)
     }
 
-    /// Returns the shaft torque at time `t`, N·m: τ − |τ| ω/ω₀ at the shaft rate ω.
+    /// Returns the torque on the shaft at time `t`, N·m: τ − |τ| ω/ω₀, where ω is the shaft rate.
     pub fn torque(&self, t: f64, shaft_rate: f64) -> f64 {
         let stall_torque = self.stall_torque(t);
         self.no_load_speed_rad_s.map_or(stall_torque, |speed| stall_torque - stall_torque.abs() * shaft_rate / speed)

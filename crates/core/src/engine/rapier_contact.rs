@@ -6,13 +6,13 @@ use super::plan::{Plan, PlannedDrive};
 use super::world::World;
 use crate::scene::Response;
 
-/// Impulses of a contact in one step.
+/// Impulses of a contact of rapier in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RapierContact {
     /// Element index among the stops and contacts of the plan.
     pub index: usize,
     pub normal: f64,
-    /// Along the tangent, on the body of the contact; it opposes the slip.
+    /// Impulse on the body of the contact along the tangent; it opposes the slip.
     pub tangential: f64,
     /// Closing rate before the step.
     pub closing_rate: f64,

@@ -59,7 +59,7 @@ pub struct Change {
     pub contact: usize,
     pub kind: ChangeKind,
     pub closing: f64,
-    /// Normal impulse of this step so far.
+    /// Normal impulse from the start of the step to this change.
     pub impulse: f64,
 }
 
@@ -87,14 +87,14 @@ pub struct ContactExtremum {
     pub slip: f64,
     pub normal: f64,
     pub tangential: f64,
-    /// Normal impulse of this step so far.
+    /// Normal impulse from the start of the step to this extremum.
     pub impulse: f64,
 }
 
-/// Solver of contact over one step, with its results.
+/// Solver of the contact forces over one step, with its results.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSolver {
-    /// Early impulse along each row, see the module documentation.
+    /// Early impulse along each row; see the module documentation.
     pub early_impulse: Vec<f64>,
     /// Late impulse along each row.
     pub late_impulse: Vec<f64>,
@@ -104,22 +104,22 @@ pub struct ContactSolver {
     pub gap: Vec<f64>,
     /// Rate along each row at the end of the step.
     pub rate: Vec<f64>,
-    /// Internal states of friction at the end, per contact.
+    /// Internal state of friction of each contact at the end of the step.
     pub friction_state: Vec<f64>,
-    /// State with the largest normal force, per contact.
+    /// For each contact, its state at the largest normal force.
     pub peak: Vec<ContactExtremum>,
-    /// State with the largest penetration, per contact.
+    /// For each contact, its state at the largest penetration.
     pub deepest: Vec<ContactExtremum>,
-    /// Work of contacts, brakes and dampers on the bodies.
+    /// Work of contacts, brakes and dampers on the bodies, J.
     pub work: f64,
-    /// Work of motors and their servos on the bodies.
+    /// Work of motors and their servos on the bodies, J.
     pub motor_work: f64,
     pub changes: Vec<Change>,
     /// ∫F ds and ∬F ds² along each row up to each change, change by change.
     integrals_at_changes: Vec<[f64; 2]>,
     pub substeps: u32,
     pub iterations: u32,
-    /// Number of repeated sub-steps; residuals are below the limit by construction.
+    /// Number of sub-steps that were repeated: with too large an error, beyond a range of a law, or not converged.
     pub repeated: u32,
     /// Tolerances of sub-steps.
     pub tolerance: Tolerance,
@@ -162,7 +162,7 @@ impl Default for Tolerance {
 }
 
 impl Tolerance {
-    /// Returns the tolerances of a run: sub-step errors are proportional to its step tolerance.
+    /// Returns the tolerances of a run. Sub-step errors are proportional to the step tolerance of the run.
     pub fn from_stepping(stepping: Stepping) -> Self {
         let Stepping::Adaptive { tolerance_m, .. } = stepping else { return FIXED };
         let factor = tolerance_m / DEFAULT_TOLERANCE_M;
@@ -193,8 +193,8 @@ pub enum ContactSolveError {
 }
 
 impl ContactSolver {
-    /// Integrates contact over `dt` while `keep_running` returns true: a step with many contacts can take minutes, and
-    /// one solution seconds.
+    /// Integrates the contacts over `dt`. Stops with an error once `keep_running` returns false. It is called often,
+    /// because a step with many contacts can take minutes.
     pub fn solve(
         &mut self,
         space: &ContactSpace,

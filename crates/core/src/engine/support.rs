@@ -27,8 +27,8 @@ pub(super) fn supports(plan: &Plan) -> impl Iterator<Item = Support> + Clone {
 }
 
 impl Support {
-    /// Force and moment on the support of loads on bodies and of the joints, after a call as for [`Linkage::reactions`];
-    /// about the origin on the ground.
+    /// Force and moment on the support that loads on bodies and the joints exert, after a call as for
+    /// [`Linkage::reactions`]. For the ground, the moment is about the origin.
     pub fn reaction(self, linkage: &Linkage, loads: impl Iterator<Item = (usize, Twist)>) -> Twist {
         let mut sum = [0.0; 3];
         let support = match self {

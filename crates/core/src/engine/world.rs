@@ -9,13 +9,13 @@ use crate::numeric::elementary::hypot;
 use crate::scene::Response;
 use crate::shape::max_radius;
 
-/// A rapier world, with the handles of the components of a plan.
+/// A rapier world with the handles of the components of a plan.
 pub struct World {
     pub physics: PhysicsWorld,
     pub bodies: Vec<RigidBodyHandle>,
-    /// Colliders of each contact of the plan: of its body, and of the other surface.
+    /// For each contact of the plan, the colliders of its body and of the other surface.
     pub contacts: Vec<[ColliderHandle; 2]>,
-    /// Joint constraint of each joint of the plan.
+    /// For each joint of the plan, its constraint.
     pub joints: Vec<ImpulseJointHandle>,
     pub response: Response,
 }
@@ -62,7 +62,7 @@ const PREDICTION_RADII: f64 = 0.5;
 /// Distance up to which rapier tracks a pair if all surfaces are sharp or flat, m.
 const SHARP_PREDICTION_M: f64 = 1e-3;
 
-/// Builds the world. With [`Response::Laws`] every contact pair carries the hook.
+/// Builds the world. With [`Response::Laws`], every contact pair has the hook.
 pub fn build_world(plan: &Plan, response: Response, iterations: u32) -> World {
     let mut physics = PhysicsWorld::new();
     // Gravity is applied as a force on each body, so that it can be halved when the step size changes.

@@ -15,11 +15,11 @@ pub struct Parameter<'a> {
     /// SI unit; empty for a plain number.
     pub unit: &'static str,
     pub value: f64,
-    /// Returns the scene at a value of the parameter.
+    /// Returns the scene for a value of the parameter.
     pub scene_at: Box<dyn Fn(f64) -> Result<Scene, String> + 'a>,
 }
 
-/// Derivatives of a run by one parameter, by column of a recording, in SI units.
+/// Derivatives of a run with respect to one parameter, for the columns of a recording, in SI units.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gradient {
     pub unit: &'static str,
@@ -28,17 +28,17 @@ pub struct Gradient {
     pub end: Derivatives,
     /// Derivatives of contact events, in the order of the run.
     pub events: Vec<EventGradient>,
-    /// Derivative of the time to stability; `None` if the run has none.
+    /// Derivative of the time to stability; `None` if the run has no such time.
     pub tts_s: Option<Derivative>,
 }
 
-/// Derivatives by name.
+/// Derivatives of quantities, by name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Derivatives {
     pub values: BTreeMap<String, f64>,
-    /// Estimated errors: the change of the derivative at a ten times larger tolerance.
+    /// Estimated errors: the change of each derivative if the tolerance is ten times larger.
     pub errors: BTreeMap<String, f64>,
-    /// Why there are no derivatives.
+    /// Reason why there are no derivatives; `None` if there are.
     pub reason: Option<String>,
 }
 
@@ -56,9 +56,9 @@ pub struct EventGradient {
     pub time_s: f64,
     pub contact: String,
     pub kind: &'static str,
-    /// Derivative of its time.
+    /// Derivative of the time of the event.
     pub time: Derivative,
-    /// Derivatives of the sample at the event, whose time moves with it.
+    /// Derivatives of the sample at the event; the time of the sample moves with the event.
     pub state: Derivatives,
 }
 

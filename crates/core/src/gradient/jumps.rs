@@ -14,7 +14,7 @@ const LINEAR_RANGE: f64 = 1e-6;
 const MIN_JUMP: f64 = 1e-6;
 
 impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
-    /// Applies the mode of a step at its start, if no event has reported its changes.
+    /// Changes to the mode of a step at its start, unless an event has already reported the change.
     pub fn enter(&mut self, step: &Step<M::Layout>, mode: &M::Mode) {
         let contacts = 0..self.contacts;
         if (&self.state.q, &self.state.v) != (&step.start.q, &step.start.v) {
@@ -41,8 +41,8 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         self.mode.clone_from(mode);
     }
 
-    /// Passes an event of the normal law of a contact: returns the derivatives of its time and its sample, and applies
-    /// the jump of the derivatives of the state.
+    /// Passes an event of the normal law of a contact. Returns the derivatives of its time and its sample, and applies
+    /// the jump to the derivatives of the state.
     pub fn pass_event(
         &mut self,
         (t, state): (f64, &State<M::Layout>),
@@ -78,7 +78,7 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         results
     }
 
-    /// Passes a discontinuity of the right-hand side in time, at the present time, in the mode that follows it.
+    /// Passes a discontinuity of the right-hand side in time, at the present time; `mode` is the mode after it.
     pub fn pass_discontinuity(&mut self, mode: &M::Mode) {
         let Some(before) = self.before_discontinuity.take() else { return };
         let (t, state) = (self.time_s, self.state.clone());
@@ -91,8 +91,8 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         self.find_discontinuity(t);
     }
 
-    /// How the time of a step moves. Near a discontinuity in time it moves with it: otherwise difference quotients would
-    /// cross it.
+    /// Derivative of the time of a step with respect to the parameter. Near a discontinuity in time, the step moves
+    /// with it; otherwise, difference quotients would cross the discontinuity.
     pub fn shift_of_step(&self, index: usize, step: &Step<M::Layout>) -> f64 {
         let (neighbours, shift) = (&self.neighbours[index], self.shifts[index]);
         let ([last, next], [last_s, next_s]) = (neighbours.discontinuities, self.discontinuities_s);
@@ -106,7 +106,7 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         }
     }
 
-    /// Changes how the time moves at which the derivatives of a column are taken.
+    /// Changes the derivative of the time at which a column of derivatives is taken.
     pub fn shift(&mut self, index: usize, (state, rates): (&State<M::Layout>, &Rates<M::Layout>), shift: f64) {
         if shift == self.shifts[index] {
             return;

@@ -36,7 +36,7 @@ use run::run_tangent;
 /// Ratio of the tolerances of the two runs.
 const COARSE: f64 = 10.0;
 
-/// Simulates a scene with the analytic model, and returns its derivatives by each parameter.
+/// Simulates a scene with the analytic model, and returns its derivatives with respect to each parameter.
 ///
 /// # Errors
 /// Returns an error if the run does not complete.

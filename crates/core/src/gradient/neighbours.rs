@@ -12,10 +12,10 @@ use crate::trace::{Counts, Energy, Kernel, KernelUser, RequiredData, Sample, Sta
 /// A parameter of a scene.
 #[derive(Clone, Copy)]
 pub(super) struct TangentParameter<'a> {
-    /// Returns the scene at a value of the parameter.
+    /// Returns the scene for a value of the parameter.
     pub scene_at: &'a dyn Fn(f64) -> Result<Scene, String>,
     pub value: f64,
-    /// Largest change of the value in difference quotients.
+    /// Largest change of the parameter in difference quotients.
     pub step: f64,
 }
 
@@ -42,11 +42,11 @@ pub(super) struct Level<M: System> {
 /// A parameter with its neighbours at decreasing steps, built when they are first used.
 pub(super) struct Neighbours<'a, M: Kernel> {
     pub parameter: TangentParameter<'a>,
-    /// Kernel and mode at the start; neighbours must have the same coordinates and mode.
+    /// Kernel at the start. The neighbours must have the same coordinates and mode.
     pub kernel: M,
     pub start_mode: M::Mode,
     pub levels: [OnceCell<Result<Level<M>, String>>; LEVELS],
-    /// Derivatives of the last and the next time at which the right-hand side is discontinuous.
+    /// Derivatives of the times of the last and of the next discontinuity of the right-hand side.
     pub discontinuities: [f64; 2],
     /// Exchanges of coordinates so far, which neighbours built later repeat.
     exchanges: Vec<Exchange<M>>,
@@ -86,7 +86,7 @@ impl<'a, M: Kernel> Neighbours<'a, M> {
         Self { parameter, kernel, start_mode, levels, discontinuities: [0.0; 2], exchanges: Vec::new() }
     }
 
-    /// Returns the neighbours at a step.
+    /// Returns the neighbours of a level, whose index gives the step of the difference quotients.
     ///
     /// # Errors
     /// Returns the reason why there are none.
@@ -133,8 +133,8 @@ impl<'a, M: Kernel> Neighbours<'a, M> {
         built.as_ref().map_err(Clone::clone)
     }
 
-    /// Continues in other coordinates; returns the tangent in these. Its part by the parameter is a difference quotient along
-    /// the tangent in the coordinates before.
+    /// Continues in other coordinates; returns the tangent in these. Its derivative with respect to the parameter is a
+    /// difference quotient along the tangent in the previous coordinates.
     ///
     /// # Errors
     /// Returns the reason why there is none.
@@ -179,7 +179,7 @@ impl<'a, M: Kernel> Neighbours<'a, M> {
 }
 
 impl<M: Kernel> Level<M> {
-    /// Difference quotients at the full and the half step of a level.
+    /// Difference quotients at the full and at the half step of a level.
     pub fn quotients<const R: usize>(
         &self,
         (t, state): (f64, &State<M::Layout>),

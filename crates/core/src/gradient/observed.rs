@@ -50,7 +50,7 @@ pub(super) struct Observed {
     pub events: Vec<Event>,
     /// Criteria of a finger.
     pub criteria: Option<Criteria>,
-    /// Largest magnitude of each number of the samples.
+    /// For each number of a sample, its largest magnitude.
     pub largest: Vec<f64>,
     pub last: Sample,
 }

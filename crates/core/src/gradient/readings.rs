@@ -17,7 +17,7 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         sample
     }
 
-    /// Derivatives of the numbers of a sample that moves by `dt`.
+    /// Derivatives of the numbers of a sample whose time has the derivative `dt`.
     pub fn read_along(
         &self,
         neighbours: &Neighbours<'a, M>,
@@ -63,14 +63,14 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         self.neighbours.iter().zip(&self.columns).zip(&self.shifts).map(of_column).collect()
     }
 
-    /// Rates of the numbers of the sample, and of the event functions of contacts, just before an event.
+    /// Rates of the numbers of the sample and of the event functions of contacts, just before an event.
     pub fn rates_before(&self, t: f64) -> Result<&(Vec<f64>, Vec<f64>), String> {
         let found = self.rates.as_ref().filter(|_| t == self.time_s);
         found.ok_or_else(|| format!("an event at {t} s is not at the end of a step"))
     }
 
-    /// Finds the rates at a fraction of a step. The force of a stiff damper has no accurate rate along the accelerations of
-    /// a state, which are small differences of large forces.
+    /// Finds the rates at a fraction of a step. The rate of the force of a stiff damper is inaccurate if it is computed
+    /// from the accelerations of a state, which are small differences of large forces.
     pub fn find_rates(
         &mut self,
         (step, mode): (&Step<M::Layout>, &M::Mode),

@@ -95,7 +95,8 @@ pub(super) fn is_zero(change: f64, error: f64, largest: f64) -> bool {
 }
 
 impl Context<'_> {
-    /// Describes a derivative of a coordinate or a rate that contradicts the difference of two runs.
+    /// Describes how a derivative of a coordinate or a rate contradicts the difference of two runs; `None` if no
+    /// derivative does.
     pub fn contradiction(&self, index: usize, parameter: &Parameter<'_>, samples: &[Sample]) -> Option<String> {
         let [fine, coarse] = [self.run, self.coarse].map(|run| run.end[index].as_ref());
         let (Ok(derivatives), [below, above]) = (fine, samples) else { return None };
@@ -128,8 +129,8 @@ impl Context<'_> {
         channel.index().map_or(0.0, |index| self.base.largest[index])
     }
 
-    /// Largest magnitude of all channels of a unit along the run. Moments may all be 0 by geometry; their scale is then that of
-    /// the forces and lengths that they are computed from.
+    /// Largest magnitude, along the run, of all channels with a unit. Moments may all be 0 for geometric reasons; their
+    /// scale is then computed from the forces and lengths.
     pub fn largest_of_unit(&self, unit: &str) -> f64 {
         let of_unit = |unit: &str| {
             let channels = self.schema.channels().into_iter().filter(|channel| channel.unit == unit);

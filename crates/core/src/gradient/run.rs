@@ -30,7 +30,7 @@ pub(super) struct TangentEvent {
     pub event: Event,
     /// Sample just before the event.
     pub sample: Sample,
-    /// Derivatives of its time, and of the numbers of its sample, by each parameter.
+    /// Derivatives of the time of the event and of the numbers of its sample, with respect to each parameter.
     pub derivatives: EventDerivatives,
 }
 

@@ -26,7 +26,7 @@ const MIN_DECREASE: f64 = 0.8;
 type Node<L> = (f64, State<L>, Linearised<L>);
 
 impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
-    /// Advances all derivatives over a part of a step, in halves until their error is small.
+    /// Advances all derivatives over a part of a step, which is halved until the error is small.
     pub fn advance(
         &mut self,
         [from, to]: [f64; 2],

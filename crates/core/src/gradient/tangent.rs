@@ -30,10 +30,10 @@ pub(super) type EventDerivatives = Vec<Result<(f64, Vec<f64>), String>>;
 
 /// A tangent of the family of runs, along which difference quotients are taken.
 pub(super) struct Direction<L: Layout> {
-    /// Derivatives of the state at times that move by `dt`.
+    /// Derivatives of the state at a time whose derivative is `dt`.
     pub tangent: State<L>,
     pub dt: f64,
-    /// Level of the step.
+    /// Level of the step of the difference quotients.
     pub level: usize,
 }
 
@@ -51,28 +51,30 @@ pub(super) struct Tangent<'a, M: Kernel> {
     pub kernel: M,
     pub schema: &'a Schema,
     pub counts: Counts,
-    /// Number of contacts of the model; those without names follow those of a sample.
+    /// Number of contacts of the model. They begin with the contacts of a sample; the others have no names.
     pub contacts: usize,
     pub start_energy: Energy,
     pub history: M::History,
     pub neighbours: Vec<Neighbours<'a, M>>,
-    /// Derivatives of the state at a time that moves by `shifts`.
+    /// For each parameter, the derivatives of the state at a time whose derivative is given by `shifts`.
     pub columns: Vec<Column<M::Layout>>,
     pub shifts: Vec<f64>,
-    /// Largest magnitudes of the derivatives of each coordinate and rate so far.
+    /// For each parameter, the largest magnitudes so far of the derivatives of each coordinate and rate.
     pub scales: Vec<[VectorOf<M::Layout>; 2]>,
     pub mode: M::Mode,
-    /// Time and state at the end of the last step, and its size.
+    /// Time at the end of the last step, s.
     pub time_s: f64,
+    /// State at the end of the last step.
     pub state: State<M::Layout>,
+    /// Size of the last step, s.
     pub step_s: f64,
     /// Rates at the present time, if they may be needed; see [`Tangent::rates_before`].
     pub rates: Option<(Vec<f64>, Vec<f64>)>,
     /// Largest depth of each contact since its touch-down.
     pub deepest: Vec<f64>,
-    /// Times before and after which all neighbours are in the same piece of their functions of time.
+    /// Bounds of the interval of time in which the same piece of the functions of time applies to all neighbours.
     pub bounds_s: [f64; 2],
-    /// Last and next discontinuity of the right-hand side in time.
+    /// Times of the last and of the next discontinuity of the right-hand side.
     pub discontinuities_s: [f64; 2],
     /// Rates just before a discontinuity at the present time.
     pub before_discontinuity: Option<Rates<M::Layout>>,
@@ -141,7 +143,7 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         of_sample.map_or("of a tendon", |contact| &contacts[contact].name)
     }
 
-    /// Ends all derivatives.
+    /// Gives up all derivatives for a reason.
     pub fn refuse(&mut self, reason: &str) {
         for column in self.columns.iter_mut().filter(|column| column.is_ok()) {
             *column = Err(reason.to_string());
@@ -197,8 +199,8 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         self.kernel.contact(state, contact, mode)
     }
 
-    /// Returns the total derivatives of accelerations and quadrature rates for derivatives of the state at a moving time, and
-    /// the tangent along which difference quotients are taken there.
+    /// Returns the total derivatives of accelerations and quadrature rates; the derivatives of the state are those at a
+    /// moving time. Also returns the tangent along which difference quotients are taken there.
     pub fn differentiate(
         &self,
         neighbours: &Neighbours<'a, M>,

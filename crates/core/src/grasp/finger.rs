@@ -29,7 +29,8 @@ pub struct Grasp {
     pub forces: Vec<Forces>,
     pub palm: Palm,
     pub closure: FormClosure,
-    /// Forces per 1 N·m of motor torque alone, without friction; with a palm all positive if form-closed.
+    /// Forces per 1 N·m of motor torque alone, without friction. With a palm, all of them are positive if the grasp is
+    /// form-closed.
     pub unit_torque_forces: Equilibrium,
 }
 
@@ -54,7 +55,7 @@ pub struct DriveAtRest {
     pub spring: Option<SpringAtRest>,
     /// Generalised forces τ_a + τ_s on (q11, q21).
     pub loads_n_m: [f64; 2],
-    /// Smallest motor torque at which the distal phalanx pushes (F22 ≥ 0); `None` if closing opens the phalanx.
+    /// Smallest motor torque at which the distal phalanx pushes (F22 ≥ 0), N·m; `None` if closing opens the phalanx.
     pub motor_min_n_m: Option<f64>,
 }
 
@@ -99,12 +100,13 @@ impl Palm {
     }
 }
 
-/// Values that replace those of the scene.
+/// Values that replace the values of the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GraspOverrides {
-    /// Friction coefficients, each for both contacts; if empty, none and those of the scene.
+    /// Friction coefficients; each one is used for both contacts. If empty, the forces are computed without friction
+    /// and with the coefficients of the scene.
     pub mu_static: Vec<f64>,
-    /// Motor torque; `None` for the torque at the end of the scene.
+    /// Motor torque, N·m; `None` for the torque at the end of the scene.
     pub motor_n_m: Option<f64>,
 }
 

@@ -8,17 +8,20 @@ use crate::statics::{
     mechanism_balance,
 };
 
-/// Closure and balanced accelerations with one friction coefficient; `None`: with the coefficients of the scene.
+/// Force closure and balanced accelerations for one friction coefficient.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionCase {
+    /// Friction coefficient; `None` for the coefficients of the scene.
     pub mu_static: Option<f64>,
     pub force_closure: ForceClosure,
-    /// Balanced accelerations in evenly spaced directions, with the drives blocked, and with them at their effort.
+    /// Balanced accelerations in evenly spaced directions: first with the drives blocked, then with the drives at their
+    /// effort.
     pub polar: [Vec<MechanismBalance>; 2],
 }
 
 impl FrictionCase {
-    /// Angle of every `stride`-th direction from x towards y, with both balances.
+    /// Angle, from x towards y, of every `stride`-th direction, with the balances for blocked drives and for drives at
+    /// their effort.
     pub fn directions(&self, stride: usize) -> impl Iterator<Item = (f64, [&MechanismBalance; 2])> {
         let [blocked, at_effort] = &self.polar;
         let count = blocked.len() as f64;

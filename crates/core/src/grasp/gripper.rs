@@ -22,9 +22,9 @@ use crate::trace::{
 #[derive(Clone, Debug, PartialEq)]
 pub struct GripperGraspRequest {
     pub posture: PostureRequest,
-    /// Friction coefficients, each for all contacts; empty: the coefficients of the scene.
+    /// Friction coefficients; each one is used for all contacts. If empty, the coefficients of the scene are used.
     pub mu_static: Vec<f64>,
-    /// Torque of each motor, or of the input of the differential; `None`: the torque of the scene.
+    /// Torque of each motor, or of the input of the differential, N·m; `None` for the torque of the scene.
     pub motor_n_m: Option<f64>,
     /// Number of acceleration directions, evenly spaced from x towards y.
     pub directions: usize,
@@ -33,7 +33,7 @@ pub struct GripperGraspRequest {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PostureRequest {
     /// Posture of a run of the analytic model at `at_s`; by default at its end, or just before the release. The
-    /// contacts are the active ones, and those with a gap of at most `within_m`, if given.
+    /// contacts are the active ones. If `within_m` is given, surfaces with at most this gap are also in contact.
     Run {
         at_s: Option<f64>,
         within_m: Option<f64>,
@@ -43,12 +43,12 @@ pub enum PostureRequest {
     Explicit(ExplicitPosture),
 }
 
-/// A given posture. Surfaces with a gap of at most `within_m` are in contact with the object.
+/// A given posture. Surfaces whose gap is at most `within_m` are in contact with the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExplicitPosture {
-    /// (q11, q21) of the right and the left finger.
+    /// (q11, q21) of the right finger, and of the left finger.
     pub angles_rad: [[f64; 2]; 2],
-    /// Centre of the object; `None` for the coordinate of the scene.
+    /// Centre of the object, m; `None` for a coordinate keeps that of the scene.
     pub object_m: [Option<f64>; 2],
     pub within_m: f64,
 }
@@ -58,7 +58,7 @@ pub struct ExplicitPosture {
 pub struct GripperGrasp {
     pub scene: String,
     pub source: PostureSource,
-    /// Configuration of fingers and object; for a run also forces.
+    /// Configuration of fingers and object. After a run, the sample also contains forces.
     pub sample: Sample,
     /// Names of all bodies, in the order of motions.
     pub bodies: Vec<String>,
@@ -75,14 +75,14 @@ pub struct GripperGrasp {
     pub friction_cases: Vec<FrictionCase>,
 }
 
-/// A motor that is blocked, or at its torque.
+/// A motor that is blocked, or that has its torque.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotorAtRest {
     /// `right` or `left`, or `input` of the differential.
     pub name: String,
     /// Positive torques close the finger.
     pub torque_n_m: f64,
-    /// Smallest and largest torque of the brake that blocks it; infinite without a brake in the scene.
+    /// Smallest and largest torque of the brake that blocks the motor, N·m; infinite if the scene has no brake.
     pub brake_n_m: [f64; 2],
 }
 
@@ -90,9 +90,9 @@ pub struct MotorAtRest {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLoad {
     pub id: HandContact,
-    /// Normal force, N; for a joint limit a torque, N·m.
+    /// Normal force, N; torque of a joint limit, N·m.
     pub normal_n: f64,
-    /// Friction on phalanx or palm along t = (n_y, −n_x), N; mirrored on the left.
+    /// Friction on phalanx or palm along t = (n_y, −n_x), N; for the left finger, in the mirror image.
     pub tangential_n: f64,
     pub motion: ContactMotion,
 }
@@ -102,7 +102,7 @@ pub struct ContactLoad {
 pub struct HandMotion {
     pub object_m_s: [f64; 2],
     pub spin_rad_s: f64,
-    /// (q̇11, q̇21) of the right and the left finger; for the left finger, of its mirror image.
+    /// (q̇11, q̇21) of the right finger, and of the mirror image of the left finger.
     pub fingers_rad_s: [[f64; 2]; 2],
 }
 
@@ -119,12 +119,13 @@ pub struct ObjectContact {
     pub id: HandContact,
     pub point: ContactPoint,
     pub mu_static: f64,
-    /// Normal and tangential force in the run, N.
+    /// Normal and tangential force in the run, N; `None` without a run.
     pub forces_n: Option<[f64; 2]>,
 }
 
 impl GripperGrasp {
-    /// Returns the forces of the contacts and of the joint limits that are reached, in the order of [`HandContact::ALL`].
+    /// Returns the forces of the contacts and of the joint limits that are reached. The order is that of
+    /// [`HandContact::ALL`].
     pub fn loads(&self, contacts: &[(f64, f64, ContactMotion)], limits: &[(f64, ContactMotion)]) -> Vec<ContactLoad> {
         let of_contact = |(contact, load): (&ObjectContact, &(f64, f64, ContactMotion))| {
             let (id, (normal_n, tangential_n, motion)) = (contact.id, *load);
@@ -142,8 +143,8 @@ impl GripperGrasp {
         loads
     }
 
-    /// Returns a motion of all bodies as one of object and fingers, normalised to an object speed of 1 mm/s (if the object is
-    /// at rest, to 1 rad/s of the fastest joint).
+    /// Converts a motion of all bodies to one of object and fingers. It is normalised to an object speed of 1 mm/s or,
+    /// if the object is at rest, to 1 rad/s of the fastest joint.
     pub fn hand_motion(&self, motion: &[BodyMotion]) -> HandMotion {
         let of = |name: &str| self.bodies.iter().position(|body| body == name).map_or([0.0; 3], |index| motion[index]);
         let rate = |side: Side, link: &str| side.mirror() * of(&format!("{}_{link}", side.name()))[2];
@@ -430,7 +431,8 @@ fn no_contact(scene: &Scene, source: PostureSource) -> GripperGraspError {
     GripperGraspError::NoContact { scene: scene.display_name(), context, hint }
 }
 
-/// Returns (q11, q21) of right and left finger at which all phalanges touch the object at its position in the scene.
+/// Returns (q11, q21) of the right and of the left finger at which all phalanges touch the object, at its position in
+/// the scene.
 ///
 /// # Errors
 /// Returns the first finger that does not reach around the object, and the reason.
@@ -447,7 +449,7 @@ pub fn geometric_posture(scene: &Scene) -> Result<[[f64; 2]; 2], (Side, GraspErr
     Ok(angles_rad)
 }
 
-/// Runs a scene. Returns outcome or failure; `None` if interrupted.
+/// Runs a scene. Returns the outcome or the reason of a failure; `None` if the run was interrupted.
 pub fn run(
     model: Model,
     scene: &Scene,
@@ -457,7 +459,7 @@ pub fn run(
     run_until_removal(model, scene, Removal { at_s: 0.0, contacts: &[] }, sink, keep_running)
 }
 
-/// [`run`] of a mechanism, some of whose contacts end at a time.
+/// Like [`run`], for a mechanism from which some contacts are removed at a given time.
 pub fn run_until_removal(
     model: Model,
     scene: &Scene,

@@ -12,7 +12,7 @@ use crate::statics::{
 };
 use crate::trace::Sample;
 
-/// Whether drives resist being driven back while the palm is accelerated.
+/// Whether the drives resist being driven back while the palm is accelerated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveMode {
     /// Motors exert their torque, and brakes up to their holding torque; one-way brakes only resist opening. A motor
@@ -26,11 +26,12 @@ pub enum DriveMode {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GraspState<'a> {
     pub configuration: GraspConfiguration<'a>,
-    /// Active contacts of phalanges and palm. The table is excluded, because the gripper lifts its object from it.
+    /// Active contacts of phalanges and palm. The table is excluded, because the gripper lifts its object off the
+    /// table.
     pub active: PerContact<bool>,
-    /// Whether the joint limits are active, right and left.
+    /// Whether the joint limits of the right and of the left finger are active.
     pub at_limit: [bool; 2],
-    /// Time at which motor torques and palm angle are evaluated, s.
+    /// Time at which the motor torques and the angle of the palm are evaluated, s.
     pub time_s: f64,
 }
 
@@ -45,10 +46,11 @@ pub fn grasp_state<'a>(scene: &'a Scene, sample: &Sample) -> GraspState<'a> {
     }
 }
 
-/// A gripper at rest. Palm and object do not move relative to the ground, which is the palm.
+/// A gripper at rest: palm and object do not move relative to the ground, which represents the palm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GripperAtRest {
-    /// Brakes are engaged, or missing, by the mode of the drives; joint limits are those that are reached.
+    /// Mechanism of the gripper. The mode of the drives decides whether its brakes are engaged or missing. Its joint
+    /// limits are those that are reached.
     pub mechanism: Mechanism,
     pub poses: Vec<Pose>,
     pub time_s: f64,

@@ -19,16 +19,16 @@ use super::gripper::run;
 /// Request for the static grasp of a mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MechanismGraspRequest {
-    /// Time of the run; `None` for its end.
+    /// Time of the run at which the grasp is analysed, s; `None` for the end of the run.
     pub at_s: Option<f64>,
-    /// Largest gap of a contact; `None` for contacts with a force only.
+    /// Largest gap of an active contact, m; `None` if only contacts with a force are active.
     pub within_m: Option<f64>,
-    /// The held body; `None` for that of the scene, see [`default_object`].
+    /// Name of the held body; `None` for the object of the scene, see [`default_object`].
     pub object: Option<String>,
-    /// The body that is accelerated, or `ground`; `None` for the last one that carries all bodies of the hand that can
-    /// touch the object.
+    /// Name of the body that is accelerated, or `ground`. `None` for the last body that carries all bodies of the hand
+    /// that can touch the object.
     pub base: Option<String>,
-    /// Friction coefficients, each for all contacts; empty: the coefficients of the scene.
+    /// Friction coefficients; each one is used for all contacts. If empty, the coefficients of the scene are used.
     pub mu_static: Vec<f64>,
     /// Number of acceleration directions, evenly spaced from x towards y.
     pub directions: usize,
@@ -38,28 +38,29 @@ pub struct MechanismGraspRequest {
 #[derive(Clone, Debug, PartialEq)]
 pub struct MechanismGrasp {
     pub scene: String,
-    /// State of the run.
+    /// State of the run in which the grasp is analysed.
     pub sample: Sample,
     pub object: String,
     pub mass_kg: f64,
-    /// Centre of mass of the object, and the length by which moments are divided in Q1: its largest distance to the
-    /// outlines.
+    /// Centre of mass of the object, m.
     pub centre_m: [f64; 2],
+    /// Length by which moments are divided in Q1, m: the largest distance from the centre of mass to the outlines.
     pub radius_m: f64,
     /// Names of all bodies, in the order of motions.
     pub bodies: Vec<String>,
     /// Name of the body that is accelerated, or `ground`.
     pub base: String,
-    /// Names of the moving bodies that nothing connects with object and hand, which are not balanced.
+    /// Names of the moving bodies that are not balanced, because nothing connects them with the object or the hand.
     pub left_out: Vec<String>,
-    /// Names of the active contacts with the surroundings, which the base does not carry along.
+    /// Names of the active contacts with the surroundings, which do not move with the base.
     pub surroundings: Vec<String>,
-    /// Actuators of joints, then those of tendons.
+    /// Actuators: those of joints first, then those of tendons.
     pub actuators: Vec<ActuatorAtRest>,
     pub contacts: Vec<HeldContact>,
-    /// Form closure of object and hand with the actuators blocked.
+    /// Form closure of the object and the hand with the actuators blocked.
     pub closure: Result<MechanismClosure, StaticsError>,
-    /// Names of the brakes and of the joints with friction, in the order of the limits; brakes only at effort.
+    /// Names of the brakes and of the joints with friction, in the order of the limits: with blocked actuators and with
+    /// actuators at their effort. Brakes are listed only in the second case.
     pub brakes: [Vec<String>; 2],
     pub friction_cases: Vec<FrictionCase>,
 }
@@ -69,7 +70,7 @@ pub struct MechanismGrasp {
 pub struct ActuatorAtRest {
     pub name: String,
     pub role: ActuatorRole,
-    /// Effort of its command at rest, N·m or N.
+    /// Effort that its command gives at rest, N·m or N.
     pub effort: f64,
     /// Whether the effort is a torque.
     pub is_torque: bool,
@@ -79,11 +80,11 @@ pub struct ActuatorAtRest {
 /// Bodies that an actuator moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActuatorRole {
-    /// Object or hand: it is blocked, or at its effort.
+    /// It moves the object or the hand. It is blocked, or at its effort.
     Hand,
-    /// The base, which follows the acceleration: it is blocked in both cases.
+    /// It moves the base, which follows the acceleration. It is blocked in both cases.
     Base,
-    /// Bodies that are not balanced.
+    /// It moves bodies that are not balanced.
     LeftOut,
 }
 
@@ -92,7 +93,7 @@ pub enum ActuatorRole {
 pub struct HeldContact {
     pub name: String,
     pub at_rest: ContactAtRest,
-    /// Unit normal into the object; `None` for a contact of other bodies.
+    /// Unit normal into the object; `None` for a contact between other bodies.
     pub push: Option<[f64; 2]>,
     pub gap_m: f64,
     /// Normal and tangential force of the run, N.

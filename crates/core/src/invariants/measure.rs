@@ -74,7 +74,7 @@ struct Violation {
 }
 
 impl Invariants {
-    /// Measures a run of `scene` with `model`, with the tolerances of its settings.
+    /// Creates the sink for a run of `scene` with `model`; the tolerances follow from their settings.
     pub fn new(model: Model, scene: &Scene) -> Self {
         let hand = &scene.hand;
         // Discs have no joints that could open.
@@ -107,14 +107,14 @@ impl Invariants {
         self.samples
     }
 
-    /// Replaces the part of the energy that may be missing.
+    /// Replaces the tolerance for missing energy, which is a fraction of the energy throughput.
     pub fn with_energy_tolerance(mut self, energy: f64) -> Self {
         self.tolerances.energy = energy;
         self
     }
 
-    /// Mechanical energy created so far, J: the largest increase beyond the motor's work above any earlier instant. The
-    /// dissipated energy is not used, so an error in that sum cannot hide created energy.
+    /// Mechanical energy created so far, J: the largest increase, after any earlier instant, beyond the work of the
+    /// motor. The sum of the dissipated energy is not used, so that an error of this sum cannot hide created energy.
     pub fn created_j(&self) -> f64 {
         self.created_j
     }
@@ -355,12 +355,12 @@ impl MomentumBalance {
         Self { body, friction_laws, last: None, unbalanced: [0.0; 3], tolerance, linear, angular }
     }
 
-    /// Imbalances of momentum and angular momentum furthest beyond their limits.
+    /// Imbalances of momentum and of angular momentum that are closest to, or furthest beyond, their limits.
     pub fn worst(&self) -> [Imbalance; 2] {
         [self.linear.worst(), self.angular.worst()]
     }
 
-    /// Adds the interval from the last sample to this one.
+    /// Adds the interval between the last sample and this one.
     pub fn record(&mut self, sample: &Sample) {
         if let Some(last) = self.last.take() {
             self.add_weight(&last, sample);

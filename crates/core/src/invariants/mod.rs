@@ -25,7 +25,7 @@ use std::fmt;
 
 pub use measure::Invariants;
 
-/// A property that every run must have. See the [module](super) for their limits.
+/// A property that every run must have. The limits are given in the [module](super).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Invariant {
     Finite,
@@ -78,7 +78,7 @@ impl Invariant {
     }
 }
 
-/// The value of one invariant in a run that is closest to its limit, or furthest beyond it.
+/// The worst value of one invariant during a run: closest to its limit, or furthest beyond it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     pub invariant: Invariant,
@@ -141,25 +141,28 @@ impl Serialize for Finding {
     }
 }
 
-/// Tolerances due to discretisation. Invariants that hold exactly (finite values, no pulling contact) have none.
+/// Tolerances due to discretisation. Invariants that hold exactly (finite values, no pulling contact) have no
+/// tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerances {
     /// Tolerance of energies, as a fraction of the energy throughput.
     pub energy: f64,
-    /// Largest gap at which a contact force is accepted; the opening during a step of `step_s` is added.
+    /// Largest gap at which a contact force is accepted, m. The opening during a step of length `step_s` is added.
     pub gap_m: f64,
     /// Tolerance of the friction force, as a fraction of the normal force.
     pub friction: f64,
     pub loop_gap_m: f64,
-    /// Length of fixed steps; 0 for adaptive steps, which are as short as contacts need. A force acts for a whole step,
-    /// at whose end the surfaces may already be separated.
+    /// Length of fixed steps, s; 0 for adaptive steps, which are as short as contacts need. The force of a fixed step
+    /// acts for the whole step, and the surfaces may already be separated at its end.
     pub step_s: f64,
-    /// Whether contacts follow the scene's laws; rapier's own differ in friction, and no spring bounds the depth.
+    /// Whether contacts follow the laws of the scene. Otherwise they are those of rapier, which have other friction and
+    /// no spring that bounds the depth.
     pub laws: bool,
 }
 
 impl Tolerances {
-    /// Tolerances of a model with its settings; `loop_gap_m` is the tolerance of the scene for the engine's joints.
+    /// Returns the tolerances for a model and its settings; `loop_gap_m` is the scene's tolerance for joints of the
+    /// engine.
     pub fn for_settings(model: Model, integrator: &Integrator, engine: &Engine, loop_gap_m: f64) -> Self {
         match model {
             Model::Analytic => Self::analytic(integrator),
@@ -230,10 +233,11 @@ pub struct EnergyAudit {
     max_created: (f64, f64),
 }
 
-/// An energy error beyond its limit.
+/// An energy error that exceeds its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergyViolation {
-    /// Whether contacts, friction and dampers released more energy than absorbed; otherwise the balance has an error.
+    /// Whether contacts, friction and dampers released more energy than they absorbed. Otherwise, the energy balance
+    /// has an error.
     pub max_created: bool,
     pub time_s: f64,
     pub amount_j: f64,
@@ -257,7 +261,8 @@ impl EnergyAudit {
         }
     }
 
-    /// Scale of energy differences, J: the largest energy exchanged so far, and the rounding error of stored energies.
+    /// Scale of energy differences, J: the largest energy exchanged so far, plus the rounding error of the stored
+    /// energies.
     pub fn scale_j(&self) -> f64 {
         self.max_exchanged_j + ROUNDING * self.max_stored_j
     }

@@ -36,7 +36,7 @@ impl ConsistencyCheck {
         Self { limits, shortest_link_m: scene.shortest_link_m(), start, input_j: 0.0 }
     }
 
-    /// Checks the energies after a step of `dt_s` and the largest joint opening; returns the reason if the motion is
+    /// Checks the energies and the largest joint opening after a step of `dt_s`. Returns the reason if the motion is
     /// not valid.
     pub fn check(&mut self, energy: &Energy, gap_m: f64, dt_s: f64) -> Option<String> {
         let (start, shortest_link_m) = (&self.start, self.shortest_link_m);

@@ -42,7 +42,7 @@ pub(super) struct ReportedEvent {
 }
 
 impl ReportedEvent {
-    /// An event without approach speed and impulse.
+    /// Returns an event whose approach speed and impulse are 0.
     pub fn of_kind(kind: EventKind) -> Self {
         ReportedEvent { kind, approach: 0.0, impulse: 0.0 }
     }
@@ -53,7 +53,7 @@ impl ReportedEvent {
 }
 
 impl ContactTracker {
-    /// Records a touch-down at this speed, after this impulse since the start of the run.
+    /// Records a touch-down; `approach` is the closing speed, and `impulse` the impulse since the start of the run.
     pub fn touch_down(&mut self, time_s: f64, approach: f64, impulse: f64) -> ReportedEvent {
         self.summary.first_s.get_or_insert(time_s);
         self.summary.touchdowns += 1;
@@ -61,7 +61,7 @@ impl ContactTracker {
         ReportedEvent { approach, ..ReportedEvent::of_kind(EventKind::TouchDown) }
     }
 
-    /// Returns the lift-off after this impulse since the start of the run.
+    /// Returns the lift-off; `impulse` is the impulse since the start of the run.
     pub fn lift_off(&self, impulse: f64) -> ReportedEvent {
         ReportedEvent { impulse: impulse - self.touchdown_impulse, ..ReportedEvent::of_kind(EventKind::LiftOff) }
     }

@@ -13,10 +13,13 @@ const IMPACT_EXTENSION: f64 = 0.25;
 
 /// A sink that forwards selected samples of a run, and all events.
 ///
-/// It keeps the first and the last sample, and all samples on the grid. Of the other samples it keeps all within an
-/// impact and the one before it, those before and after an event, each crossing of a threshold, each sample at which a
-/// force or a penetration has a maximum larger than any kept before, and one per grid interval. This selection does not
-/// depend on whether there are samples on the grid.
+/// The first and the last sample are kept, and all samples on the grid. Of the other samples, it keeps:
+/// * those within an impact, and the one before the impact,
+/// * those before and after an event, and at each crossing of a threshold,
+/// * those at which a force or a penetration has a larger maximum than in any sample kept before,
+/// * one per grid interval.
+///
+/// This selection does not depend on whether there are samples on the grid.
 #[derive(Clone, Debug)]
 pub struct Decimated<S> {
     interval_s: f64,
@@ -38,7 +41,7 @@ pub struct Decimated<S> {
 }
 
 impl<S: Sink> Decimated<S> {
-    /// Decimates a run to `numeric_hz` samples per second for `sink`.
+    /// Creates a decimator that forwards `numeric_hz` samples per second to `sink`.
     pub fn new(numeric_hz: f64, sink: S) -> Self {
         Decimated {
             interval_s: 1.0 / numeric_hz,
@@ -161,8 +164,8 @@ impl<S: Sink> Sink for Decimated<S> {
     }
 }
 
-/// A sink that forwards all samples of a decimated run or of its log except those on the grid; the first and the last
-/// sample, and one at the time of an event, are always forwarded.
+/// A sink that forwards the samples of a decimated run, or of its log, that are not on the grid. The first sample, the
+/// last one, and samples at the time of an event are always forwarded.
 #[derive(Clone, Debug)]
 pub struct OffGrid<S> {
     interval_s: f64,
@@ -174,7 +177,7 @@ pub struct OffGrid<S> {
 }
 
 impl<S: Sink> OffGrid<S> {
-    /// Forwards samples off the grid of `numeric_hz` samples per second to `sink`.
+    /// Creates a sink that forwards samples to `sink` if they are not on a grid of `numeric_hz` samples per second.
     pub fn new(numeric_hz: f64, sink: S) -> Self {
         let (interval_s, latest) = (1.0 / numeric_hz, Sample::default());
         OffGrid { interval_s, has_started: false, latest, is_pending: false, sink }

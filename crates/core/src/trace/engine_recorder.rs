@@ -40,7 +40,7 @@ pub(super) struct EngineRecorderState {
     work: Work,
     loop_gap_m: f64,
     consistency: ConsistencyCheck,
-    /// Reason why the last step is not a valid motion, if any.
+    /// Reason why the last step is not a valid motion; `None` if it is valid.
     pub failure: Option<String>,
 }
 
@@ -349,7 +349,8 @@ impl EngineRecorder<'_> {
         self.state.ejected_s.is_none() && self.sink.should_continue()
     }
 
-    /// Adds the forces in joints to the last sample of a mechanism, which reports show, if the sink does not require them.
+    /// Completes the last sample of a mechanism, which reports show: adds the forces in joints if the sink did not
+    /// require them.
     pub fn complete_last(&mut self, motion: &mut Motion) {
         if self.scene.mechanism.is_some() && !self.sink.required_data().joint_forces {
             JointForces::new(true, motion).set(motion, &mut self.state.last);

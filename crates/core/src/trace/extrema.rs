@@ -101,7 +101,7 @@ pub(super) fn parabola_peak(at_start: f64, at_end: f64, value: &mut dyn FnMut(f6
 pub(super) struct StepExtrema<T> {
     /// Positions inside the step, in order of time after `sort`.
     inside: Vec<(f64, T)>,
-    /// Whether there is such an extremum at the end of a step of the analytic model.
+    /// Whether there is also an extremum at the end of the step (analytic model).
     pub at_end: bool,
 }
 

@@ -13,16 +13,17 @@ pub(crate) struct Span {
     pub numeric_hz: f64,
     /// Whether long steps of a long run are sampled less densely.
     pub is_thinned: bool,
-    /// Whether samples inside steps are refined dense output. Restitution is compared more closely than its error of a few
-    /// 1e-5, so discs alone have a separate step for each sample.
+    /// Whether samples inside steps are read from the refined dense output. Otherwise each sample has a separate step;
+    /// this applies to discs alone, whose restitution is compared more closely than the error of the dense output of a
+    /// few 1e-5.
     pub is_refined: bool,
 }
 
 impl Span {
-    /// Without an end, and without points inside steps.
+    /// A span without an end and without samples inside steps.
     pub const UNSAMPLED: Self = Span { end_s: f64::INFINITY, numeric_hz: 0.0, is_thinned: false, is_refined: false };
 
-    /// Returns duration and sampling rate of a scene.
+    /// Returns the duration and the sampling rate of a scene.
     pub fn from_scene(scene: &Scene, has_grid: bool) -> Self {
         // The object of a gripper is at rest in the grasp for most of a run.
         let is_thinned = scene.hand.fingers.len() > 1;
@@ -37,7 +38,7 @@ impl Span {
 pub(crate) struct RecordingOptions {
     pub counts: Counts,
     pub span: Span,
-    /// Whether the run ends where the object leaves the hand.
+    /// Whether the run ends when the object leaves the hand.
     pub ends_at_exit: bool,
     /// Normal force below which the criteria of a grasp count a contact as lost, N.
     pub threshold_n: Option<f64>,
@@ -145,7 +146,8 @@ pub(super) struct RecordingTimes {
 }
 
 impl RecordingTimes {
-    /// Creates the times of the samples of a span, and of points at multiples of an interval (0 for none).
+    /// Creates the times of the samples of a span, and of points at multiples of an interval; an interval of 0 gives no
+    /// points.
     pub fn new(span: Span, point_interval_s: f64) -> Self {
         Self { samples: Grid::new(span), points: Grid::with_interval(point_interval_s) }
     }
@@ -155,7 +157,7 @@ impl RecordingTimes {
         self.samples.begin_step(end_s);
     }
 
-    /// Returns the next time and advances, if it lies before `end_s`.
+    /// Returns the next time if it lies before `end_s`, and advances.
     pub fn next_before(&mut self, end_s: f64) -> Option<RecordingTime> {
         let time_s = self.samples.peek().min(self.points.peek());
         if time_s >= end_s {
@@ -168,7 +170,7 @@ impl RecordingTimes {
         Some(RecordingTime { time_s, is_sample, is_point })
     }
 
-    /// Skips the times at the end of a step, which has a sample anyway; returns whether it is a point.
+    /// Skips the times at the end of a step, because it has a sample anyway. Returns whether the end is a point.
     pub fn pass_end(&mut self, end_s: f64) -> bool {
         self.samples.pass_end(end_s);
         let is_point = (self.points.peek() - end_s).abs() < ROUNDING * self.points.interval_s;
@@ -177,7 +179,7 @@ impl RecordingTimes {
     }
 }
 
-/// Whether a time is a grid point, that is exactly the product of an integer and the interval.
+/// Whether a time is a grid point: exactly the product of an integer and the interval.
 pub fn is_grid_point(t: f64, interval_s: f64) -> bool {
     (t / interval_s).round() * interval_s == t
 }

@@ -9,7 +9,7 @@ use super::stepper::{Interruption, Stepper};
 use super::{Outcome, RunError, Sink};
 use crate::scene::{Keyword, Scene};
 
-/// Which of the two independent models simulates a scene.
+/// One of the two independent models, which simulates a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Model {
     Analytic,
@@ -32,10 +32,11 @@ impl Keyword for Model {
 
 /// Simulates a scene of any kind with the given model.
 ///
-/// The sink receives, in order of time, all events, a sample at the start and at the end of every step, and if it needs
-/// the grid ([`RequiredData::grid`](super::RequiredData::grid)) a sample at every point of the grid
-/// `scene.log.numeric_hz`. In gripper runs of the analytic model with more than 1000 grid points, longer steps get 4
-/// to 7 of their grid points. Samples on the grid are interpolated within steps, so they do not change the run.
+/// The sink receives, in order of time, all events, and a sample at the start and at the end of every step. If it needs
+/// the grid ([`RequiredData::grid`](super::RequiredData::grid)), it also receives a sample at every point of the grid
+/// `scene.log.numeric_hz`. In runs of grippers with the analytic model and more than 1000 grid points, longer steps
+/// contain samples at only 4 to 7 of their grid points. Samples on the grid are interpolated within steps, so they do
+/// not change the run.
 ///
 /// Without the `engine` feature, runs of the engine model are rejected.
 ///
@@ -45,7 +46,7 @@ pub fn run(model: Model, scene: &Scene, sink: &mut dyn Sink) -> Result<Outcome, 
     run_until_removal(model, scene, Removal { at_s: 0.0, contacts: &[] }, sink)
 }
 
-/// Contacts between surfaces that end at a time: what they touch is removed.
+/// Contacts between surfaces that end at a given time, because what they touch is removed.
 #[derive(Clone, Copy, Debug)]
 pub struct Removal<'a> {
     pub at_s: f64,
@@ -53,7 +54,7 @@ pub struct Removal<'a> {
     pub contacts: &'a [usize],
 }
 
-/// Simulates a mechanism, some of whose contacts end at a time; see [`run`].
+/// Simulates a mechanism, some of whose contacts end at a given time; see [`run`].
 ///
 /// # Errors
 /// See [`run`].

@@ -8,11 +8,11 @@ use crate::integrator::{Failure, Reason};
 /// Summary of one contact. For a joint limit, read rad for m and N·m for N.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSummary {
-    /// Time of the first touch-down, when the depth δ crosses 0 upward; `None` without contact. It is `Some(0.0)` for a
+    /// Time of the first touch-down, s: the depth δ crosses 0 upward. `None` without contact. It is `Some(0.0)` for a
     /// run that starts with an overlap, with or without a force, or with a zero gap that closes.
     pub first_s: Option<f64>,
     pub touchdowns: u32,
-    /// Largest normal force, found on the dense output.
+    /// Largest normal force, found with the dense output.
     pub peak_normal_n: f64,
     /// Largest overlap δ, with or without a force; 0 if there was none. [`ContactSummary::depth_m`] excludes overlaps
     /// without contact.
@@ -28,8 +28,8 @@ pub struct ContactSummary {
 const MIN_UNDETECTED_OVERLAP: f64 = 1e-9;
 
 impl ContactSummary {
-    /// Whether the surfaces overlapped although no touch-down was found (tunnelling): the steps were too long for a
-    /// fast body. The overlap is then not a contact depth.
+    /// Whether the surfaces overlapped although no touch-down was found (tunnelling), because the steps were too long
+    /// for a fast body. The overlap is then not the depth of a contact.
     pub fn passed_through(&self) -> bool {
         self.touchdowns == 0 && self.max_penetration_m > MIN_UNDETECTED_OVERLAP
     }
@@ -47,7 +47,7 @@ impl ContactSummary {
         is_deeper
     }
 
-    /// Updates both maxima with force and penetration of a sample.
+    /// Updates both maxima with the normal force and the penetration of a sample.
     pub fn update(&mut self, (normal_n, delta_m): (f64, f64)) {
         self.update_peak_force(normal_n);
         self.update_max_penetration(delta_m);
@@ -61,13 +61,13 @@ impl ContactSummary {
     }
 }
 
-/// Computational cost of a run. Counters that do not apply to a model stay 0.
+/// Computational cost of a run. Counters that do not apply to the model stay 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Work {
     /// Accepted steps.
     #[serde(skip)]
     pub steps: u64,
-    /// Steps repeated because the error was too large, to locate an event, or to approach a fold.
+    /// Steps that were repeated because the error was too large, to locate an event, or to approach a fold.
     #[serde(rename = "rejected_steps")]
     pub rejected: u64,
     pub rhs_evaluations: u64,
@@ -87,9 +87,9 @@ pub struct Outcome {
     /// Summaries in the order of the contacts of a sample.
     pub contacts: Vec<ContactSummary>,
     pub work: Work,
-    /// Largest opening of a joint; 0 without joints, and for the analytic model, whose loop is closed by construction.
+    /// Largest opening of a joint, m; 0 without joints, and for the analytic model, which closes loops by construction.
     pub loop_gap_m: f64,
-    /// Time at which the object was ejected from the gripper, which ends the run; `None` otherwise.
+    /// Time at which the object was ejected from the gripper, which ends the run, s; `None` without an ejection.
     pub ejected_s: Option<f64>,
 }
 
@@ -101,10 +101,10 @@ impl Outcome {
         Outcome { last: Sample::with_one_finger(), contacts, ..Outcome::default() }
     }
 
-    /// Returns a contact of a single finger, without a touch if its scene has no such contact.
+    /// Returns a contact of a single finger. If its scene has no such contact, the result is a contact without a touch.
     ///
     /// # Panics
-    /// Panics if there is another number of fingers.
+    /// Panics if the number of fingers is not one.
     pub fn finger_contact(&self, contact: FingerContact) -> ContactSummary {
         self.last.counts().finger_contact(contact).map_or_else(ContactSummary::default, |index| self.contacts[index])
     }

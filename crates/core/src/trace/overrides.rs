@@ -13,7 +13,7 @@ pub struct Overrides {
     pub rtol: Option<f64>,
     /// Fixed step of the engine model.
     pub step_s: Option<f64>,
-    /// Adaptive steps of the engine model: largest joint opening per step.
+    /// Largest joint opening per step, for adaptive steps of the engine model.
     pub tolerance_m: Option<f64>,
     /// Length of the run.
     pub duration_s: Option<f64>,
@@ -91,7 +91,7 @@ impl Overrides {
 /// Parses a relative tolerance.
 ///
 /// # Errors
-/// Returns an error if the text is not an allowed value; the message says what is allowed.
+/// Returns an error with the allowed values if the text is not one of them.
 pub fn rtol(text: &str) -> Result<f64, String> {
     let allowed = text.parse().ok().filter(|rtol| 0.0 < *rtol && *rtol < 1.0);
     allowed.ok_or_else(|| "expected a number between 0 and 1, such as 1e-6".to_string())

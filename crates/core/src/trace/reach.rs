@@ -6,15 +6,15 @@ use crate::numeric::elementary::hypot;
 use crate::scene::{Hand, Scene, Side};
 use crate::shape;
 
-/// Condition under which an object has left its hand.
+/// Condition that decides whether an object has left its hand.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Exit {
     Reach(Reach),
     Gaps(GapExit),
 }
 
-/// Contacts of an object of a mechanism. It has left the hand when all gaps to the hand exceed its extent, the smallest grows,
-/// and nothing else presses on it.
+/// Contacts of an object of a mechanism. The object has left the hand when all gaps to the hand exceed its extent, the
+/// smallest of them grows, and nothing else presses on the object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GapExit {
     hand: Vec<usize>,
@@ -23,7 +23,7 @@ pub struct GapExit {
 }
 
 impl Exit {
-    /// Returns the condition that ends runs of a scene; `None` if there is none.
+    /// Returns the condition that ends runs of a scene; `None` if nothing ends them early.
     pub fn from_scene(scene: &Scene) -> Option<Self> {
         let Some(roles) = scene.grasp.as_ref().and_then(|_| scene.grasp_roles().ok()) else {
             return Reach::from_hand(&scene.hand).map(Exit::Reach);
@@ -131,8 +131,8 @@ impl Reach {
         })
     }
 
-    /// Returns the distance of the object from the region, m, and its rate, m/s. The distance is negative while a
-    /// finger can reach the object.
+    /// Returns the distance of the object from the region, m, and the rate of this distance, m/s. The distance is
+    /// negative while a finger can reach the object.
     pub fn clearance(&self, object: &BodyState) -> (f64, f64) {
         let ([x, y], [vx, vy]) = (object.centre_m, object.velocity_m_s);
         let distance_from = |([jx, jy], radius_m): ([f64; 2], f64)| {

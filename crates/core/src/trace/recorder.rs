@@ -92,7 +92,7 @@ pub(super) struct Recorder<'a, R: Kernel> {
     pub kernel: &'a R,
     pub sink: &'a mut dyn Sink,
     pub state: &'a mut RecorderState<R>,
-    /// Observer that receives each step and event first.
+    /// Observer that receives each step and each event before the sink.
     pub observer: Option<&'a mut dyn StepObserver<R>>,
     pub error: Option<SinkError>,
 }
@@ -173,12 +173,12 @@ impl<R: Kernel> RecorderState<R> {
         }
     }
 
-    /// Whether the advance is suspended; it continues with this call.
+    /// Returns whether the advance is suspended, and ends the suspension.
     pub fn take_suspended(&mut self) -> bool {
         std::mem::take(&mut self.is_suspended)
     }
 
-    /// Continues in other coordinates, in which this is the state at the end of the last step.
+    /// Continues in other coordinates; `state` and `mode` are those at the end of the last step in these coordinates.
     pub fn exchange(&mut self, state: &State<R::Layout>, mode: &R::Mode) {
         self.replace(state, mode);
         self.exchange_below = EXCHANGE_SINE;
@@ -189,13 +189,13 @@ impl<R: Kernel> RecorderState<R> {
         (self.last_state, self.last_mode, self.mode) = (state.clone(), mode.clone(), mode.clone());
     }
 
-    /// Continues in the same coordinates, because no others are much better; others are searched again at half of this
-    /// conditioning.
+    /// Continues in the same coordinates, because no others are much better. Others are searched again once the
+    /// conditioning has fallen to half of this value.
     pub fn keep(&mut self, conditioning: f64) {
         self.exchange_below = 0.5 * conditioning;
     }
 
-    /// Reads a state inside a step at time `t`, with all its data.
+    /// Reads the complete data of a state inside a step at time `t`.
     pub fn read_within(
         &self,
         kernel: &R,
@@ -208,7 +208,7 @@ impl<R: Kernel> RecorderState<R> {
         self.read_at(kernel, t, (interior.state_at(t), mode), sample);
     }
 
-    /// Reads a state at time `t` with all its data; later readings do not depend on it.
+    /// Reads the complete data of a state at time `t`; later readings do not depend on this one.
     pub fn read_at(&self, kernel: &R, t: f64, state: (&State<R::Layout>, &R::Mode), sample: &mut Sample) {
         sample.prepare(t, self.last.counts());
         kernel.read(state, &self.start_energy, RequiredData::ALL, &mut self.history.clone(), sample);

@@ -6,11 +6,10 @@ use crate::scene::Scene;
 /// Number of samples for which a recording has memory from the start: more than those of a typical closing motion.
 const INITIAL_CAPACITY: usize = 512;
 
-/// A sink that stores samples in columns, and events.
+/// A sink that stores samples as columns, and events.
 ///
-/// [`record`] fills it with the samples that a log contains. Used directly as a sink it stores every step of the model;
-/// `log::read_file` fills it from a log.
-///
+/// [`record`] fills it with the samples that a log contains. If it is used directly as a sink, it stores every step of
+/// the model; `log::read_file` fills it from a log.
 #[derive(Clone, Debug)]
 pub struct Recording {
     channels: Vec<Channel>,
@@ -39,7 +38,7 @@ impl Recording {
         Recording::new(&Schema::from_scene(scene))
     }
 
-    /// Returns the channels of the columns: `time_s` first, the energies last.
+    /// Returns the channels of the columns: `time_s` is first, the energies are last.
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
@@ -55,12 +54,12 @@ impl Recording {
         (self.channels.into_iter().zip(self.values).collect(), self.events)
     }
 
-    /// Returns the times of the samples, in s; two samples can share a time, before and after an event.
+    /// Returns the times of the samples, in s. Two samples can have the same time: one before and one after an event.
     pub fn time(&self) -> &[f64] {
         &self.values[0]
     }
 
-    /// Returns the contacts of the samples; those of events are indices among them.
+    /// Returns the contacts of the samples; [`Event::contact`] is an index among them.
     pub fn contacts(&self) -> &[ContactName] {
         &self.contacts
     }

@@ -16,7 +16,7 @@ pub(super) const OVERLAP_ROUNDING: f64 = 1e-12;
 
 impl ContactSample {
     /// Returns the unit tangent: the normal rotated counter-clockwise by 90°. On the face of a phalanx of a finger that
-    /// closes counter-clockwise it points along the phalanx to its end.
+    /// closes counter-clockwise, it points along the phalanx to its end.
     pub fn tangent(&self) -> [f64; 2] {
         [-self.normal[1], self.normal[0]]
     }
@@ -60,7 +60,7 @@ impl ContactSample {
 }
 
 impl ContactSample {
-    /// A contact that does not exist.
+    /// A contact that does not exist: all its numbers are 0, and its gap is infinite.
     pub const NONE: Self = Self {
         gap_m: f64::INFINITY,
         gap_rate_m_s: 0.0,
@@ -105,8 +105,8 @@ impl BodyState {
     }
 }
 
-/// State of a run at one instant: a time and one number per channel of the run's [`Schema`](super::Schema). The numbers of
-/// subjects are constant during a run.
+/// State of a run at one instant: a time and one number per channel of the run's [`Schema`](super::Schema). The number
+/// of subjects is constant during a run.
 #[derive(Debug, Default, PartialEq)]
 pub struct Sample {
     pub time_s: f64,
@@ -133,7 +133,7 @@ impl Sample {
         Sample { time_s, counts, values: vec![0.0; counts.values()] }
     }
 
-    /// Returns a sample of these states of five-bar fingers; the last contacts are the joint limits of the fingers.
+    /// Returns a sample of five-bar fingers with these states. The last contacts are the joint limits of the fingers.
     pub fn of(time_s: f64, fingers: &[FingerState], bodies: &[BodyState], contacts: &[ContactSample]) -> Self {
         let mut sample = Sample::new(time_s, Self::counts_of(fingers.len(), bodies.len(), contacts.len()));
         fingers.iter().enumerate().for_each(|(k, state)| sample.set_finger(k, state));
@@ -218,7 +218,7 @@ impl Sample {
         }
     }
 
-    /// Returns a joint; those of a five-bar finger are [`FINGER_JOINTS`].
+    /// Returns the state of a joint. The joints of a five-bar finger are [`FINGER_JOINTS`].
     pub fn joint_state(&self, index: usize) -> JointState {
         self.state(self.counts.joint(index))
     }
@@ -246,7 +246,7 @@ impl Sample {
         self.set_state(self.counts.tendon(index), tendon);
     }
 
-    /// Sets angles and rates of a finger. The forces of its joints stay.
+    /// Sets angles and rates of a finger; the forces of its joints are not changed.
     pub fn set_finger(&mut self, index: usize, finger: &FingerState) {
         let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, .. } =
             *finger;
@@ -275,7 +275,7 @@ impl Sample {
         (0..self.counts.fingers).map(|index| self.finger(index))
     }
 
-    /// Returns a body that is not part of a finger; of a mechanism any body.
+    /// Returns a body that is not part of a finger. In a mechanism, every body counts.
     pub fn body(&self, index: usize) -> BodyState {
         self.state(self.counts.body(index))
     }
@@ -284,7 +284,7 @@ impl Sample {
         self.set_state(self.counts.body(index), body);
     }
 
-    /// Returns the object of a gripper: its body, or a fixed object at rest.
+    /// Returns the object of a gripper: its body, or a state at rest for a fixed object.
     ///
     /// # Panics
     /// Panics if the hand has no object.
@@ -305,8 +305,8 @@ impl Sample {
         (0..self.counts.bodies).map(|index| self.body(index))
     }
 
-    /// Returns a contact, in the order of [`Schema::contacts`](super::Schema::contacts). The limit of a revolute joint is in
-    /// rad, rad/s, N·m and N·m·s.
+    /// Returns a contact; the order is that of [`Schema::contacts`](super::Schema::contacts). For the limit of a
+    /// revolute joint, units are rad, rad/s, N·m and N·m·s.
     pub fn contact(&self, index: usize) -> ContactSample {
         self.state(self.counts.contact(index))
     }
@@ -344,13 +344,13 @@ impl Sample {
     /// Returns a contact of a single finger; [`ContactSample::NONE`] if its scene has no such contact.
     ///
     /// # Panics
-    /// Panics if there is another number of fingers.
+    /// Panics if the number of fingers is not one.
     pub fn finger_contact(&self, contact: FingerContact) -> ContactSample {
         self.counts.finger_contact(contact).map_or(ContactSample::NONE, |index| self.contact(index))
     }
 
-    /// Returns the energies; all are zero in a sample without subjects. With driven discs, `motor_work_j` is the work of
-    /// their drives; their kinetic energy is not included.
+    /// Returns the energies; all are zero in a sample without subjects. With driven discs, `motor_work_j` is the work
+    /// of their drives, and the kinetic energy of the driven discs is not included.
     pub fn energy(&self) -> Energy {
         if self.values.is_empty() { Energy::default() } else { self.state(self.counts.energy()) }
     }
@@ -365,17 +365,17 @@ impl Sample {
         (self.counts.contacts - self.counts.limits..self.counts.contacts).contains(&contact)
     }
 
-    /// Computes the quantities that follow from others ([`Interpolation::Derived`]).
+    /// Computes the quantities that follow from other quantities ([`Interpolation::Derived`]).
     pub fn derive(&mut self) {
         (0..self.counts.contacts).for_each(|index| self.set_contact(index, &self.contact(index)));
     }
 
-    /// Contacts between surfaces, that is all except joint limits.
+    /// Contacts between surfaces: all contacts except joint limits.
     pub fn surfaces(&self) -> impl Iterator<Item = ContactSample> + '_ {
         self.contacts().enumerate().filter(|(index, _)| !self.is_stop(*index)).map(|(_, contact)| contact)
     }
 
-    /// Returns a sample of the same joints, actuators and tendons, and of the bodies and contacts with these indices.
+    /// Returns a sample with all joints, actuators and tendons, and with the bodies and contacts of these indices.
     #[must_use]
     pub fn select(&self, bodies: &[usize], contacts: &[usize]) -> Sample {
         let limits = contacts.iter().filter(|index| self.is_stop(**index)).count();
@@ -423,7 +423,7 @@ impl Sample {
 }
 
 impl Channel {
-    /// Returns the number in a sample; NaN for contacts that do not exist, whose gap is infinite.
+    /// Returns the number of this channel in a sample. It is NaN for contacts that do not exist; their gap is infinite.
     pub fn value(&self, sample: &Sample) -> f64 {
         match self.source {
             ValueSource::Time => sample.time_s,
@@ -434,7 +434,7 @@ impl Channel {
     }
 }
 
-/// Returns the sample at time `t` between `a` and `b`, see [`Interpolation`].
+/// Returns the sample at time `t` between `a` and `b`; see [`Interpolation`].
 pub fn interpolate(a: &Sample, b: &Sample, t: f64) -> Sample {
     let mut sample = Sample::default();
     sample.interpolate_from(a, b, t);
@@ -507,7 +507,7 @@ impl EventKind {
     pub const ALL: [Self; 5] =
         [EventKind::TouchDown, EventKind::LiftOff, EventKind::Reload, EventKind::Slips, EventKind::Sticks];
 
-    /// Key in logs.
+    /// Key of the event in logs.
     pub fn key(self) -> &'static str {
         match self {
             EventKind::TouchDown => "touch_down",
@@ -542,8 +542,8 @@ pub struct Event {
     /// Index among the contacts of a sample.
     pub contact: usize,
     pub kind: EventKind,
-    /// Closing speed (−gap rate) at a touch-down, m/s (limit: rad/s); 0 otherwise.
+    /// Closing speed (−gap rate), m/s (limit: rad/s), at a touch-down; 0 for other events.
     pub approach_speed: f64,
-    /// At a lift-off, normal impulse since the last touch-down of this contact, N·s (limit: N·m·s); 0 otherwise.
+    /// Normal impulse since the last touch-down of this contact, N·s (limit: N·m·s), at a lift-off; 0 for other events.
     pub impulse: f64,
 }

@@ -13,7 +13,7 @@ use crate::scene::{FINGER_JOINTS, HandContact, Object, Scene, Side};
 use std::collections::HashSet;
 use std::ops::Range;
 
-/// Rule for values between two samples. `rate` is the index of the rate among the quantities of the subject.
+/// Rule for values between two samples. `rate` is the index of the rate among the quantities of the same subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     Linear,
@@ -21,14 +21,14 @@ pub enum Interpolation {
     Cubic {
         rate: usize,
     },
-    /// The quantity follows from the others of its subject ([`State::from_values`]), and logs do not contain it.
+    /// The quantity follows from other quantities of its subject ([`State::from_values`]); logs do not contain it.
     Derived,
 }
 
 /// A quantity of a kind of subject.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quantity {
-    /// Key with its unit, such as `gap_rate_m_s`: field of log messages and end of column names.
+    /// Key with its unit, such as `gap_rate_m_s`: name of the field in log messages, and end of the name of the column.
     pub key: &'static str,
     /// SI unit, such as `m/s`; empty for a pure number.
     pub unit: &'static str,
@@ -92,7 +92,7 @@ impl SubjectKind {
         }
     }
 
-    /// Whether gap and force of the contact are an angle and a torque.
+    /// Whether gap and force of this kind of contact are an angle and a torque.
     pub fn is_angular(self) -> bool {
         self == SubjectKind::Limit
     }
@@ -108,15 +108,15 @@ pub trait State<const K: usize>: Sized {
     fn from_values(values: [f64; K]) -> Self;
 }
 
-/// State of a joint: its coordinate, and the force that it exerts on its second body at its point, in the frame of a moving
-/// palm or of the world. The second body of a joint of a right finger is the link named after it, of a left finger the one
-/// before it. For a prismatic joint read m for rad.
+/// State of a joint: its coordinate and rate, and the force that it exerts on its second body at its point. The force
+/// is in the frame of a moving palm, or of the world. For a joint of a right finger, the second body is the link named
+/// after the joint; for a left finger, it is the preceding link. For a prismatic joint, read m for rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointState {
     pub angle_rad: f64,
     pub rate_rad_s: f64,
     pub force_n: [f64; 2],
-    /// Moment of the guide of a prismatic joint; 0 for a revolute joint.
+    /// Moment in the guide of a prismatic joint; 0 for a revolute joint.
     pub moment_n_m: f64,
 }
 
@@ -150,7 +150,7 @@ const SLIDER_QUANTITIES: [Quantity; 5] = [
 /// Number of quantities of a joint before its force.
 const JOINT_MOTION: usize = 2;
 
-/// State of the actuator of a joint. For a prismatic joint read N for N·m.
+/// State of the actuator of a joint. For a prismatic joint, read N for N·m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ActuatorState {
     pub torque_n_m: f64,
@@ -170,7 +170,7 @@ impl State<1> for ActuatorState {
 
 const LINEAR_ACTUATOR_QUANTITIES: [Quantity; 1] = [linear("force_n", "N")];
 
-/// State of a tendon: its length with the terms of joints, the rate of the length, and the tension.
+/// State of a tendon: its length including the terms of joints, the rate of this length, and the tension.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TendonState {
     pub length_m: f64,
@@ -190,8 +190,7 @@ impl State<3> for TendonState {
     }
 }
 
-/// State of a rigid body, such as a disc, at one instant. The angle is counter-clockwise and not reduced by whole
-/// turns.
+/// State of a rigid body, such as a disc, at one instant. The angle is counter-clockwise; whole turns are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyState {
     pub centre_m: [f64; 2],
@@ -220,11 +219,11 @@ impl State<6> for BodyState {
     }
 }
 
-/// One contact: a phalanx against the object, a disc against another, or the joint limit. For a contact that does not
-/// exist, every field is zero and `gap_m` is infinite.
+/// State of one contact: a phalanx against the object, a disc against another, or a joint limit. For a contact that
+/// does not exist, every field is zero and `gap_m` is infinite.
 ///
-/// The gap of the joint limit is an angle, δ = −φ22 − q22, and its force is a torque on q22: read rad for m and N·m for
-/// N. It has no slip, friction, contact point or normal.
+/// The gap of the joint limit is an angle, δ = −φ22 − q22, and its force is a torque on q22: read rad for m, and N·m
+/// for N. It has no slip, friction, contact point or normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSample {
     /// Distance between the surfaces, negative in penetration (−δ).
@@ -298,12 +297,12 @@ pub struct Energy {
     pub spring_j: f64,
     /// Energy stored in the Hertz springs of contacts and joint limit, and in cables.
     pub elastic_j: f64,
-    /// Energy dissipated in dampers, in the clamp and in friction.
+    /// Energy dissipated in dampers, in friction, and by the clamp of the normal force.
     pub dissipated_j: f64,
     /// Work of the motor.
     pub motor_work_j: f64,
-    /// kinetic + gravity + spring + elastic + dissipated − motor work − (the same at the start): zero if energy is
-    /// conserved.
+    /// kinetic + gravity + spring + elastic + dissipated − motor work, minus the same sum at the start. It is zero if
+    /// energy is conserved.
     pub balance_j: f64,
 }
 
@@ -329,8 +328,8 @@ impl State<7> for Energy {
     }
 }
 
-/// State of a finger: a view of its joints. Its serialised form contains the angles, and the rates of the independent
-/// coordinates.
+/// State of a finger, as a view of its joints. Its serialised form contains the angles, and only the rates of the
+/// independent coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FingerState {
     pub q11_rad: f64,
@@ -347,13 +346,13 @@ pub struct FingerState {
     pub qd22_rad_s: f64,
 }
 
-/// A subject: what channels are about.
+/// A subject, such as a joint, a body or a contact, to which channels belong.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Subject {
     pub kind: SubjectKind,
     /// Name, such as `q11`, `right_distal` or `hammer-anvil`; `energy` for the energies.
     pub name: String,
-    /// Index of its first number in a sample.
+    /// Index of the first number of the subject in a sample.
     pub first: usize,
     /// Beginning of the names of its columns: its name, unless an earlier subject has a column of such a name.
     column: String,
@@ -372,12 +371,12 @@ impl Subject {
         self.kind.quantities().take(count).map(|(k, quantity)| (self.first + k, quantity))
     }
 
-    /// Returns the quantities from which the others follow, each with its index in a sample.
+    /// Returns the quantities that are not derived from others, each with its index in a sample.
     pub fn independent(&self) -> impl Iterator<Item = (usize, &'static Quantity)> + '_ {
         self.quantities().filter(|(_, quantity)| quantity.interpolation != Interpolation::Derived)
     }
 
-    /// Returns the quantities with their channels.
+    /// Returns the quantities of the subject, each with its channel.
     pub fn channels(&self) -> impl Iterator<Item = (&'static Quantity, Channel)> + '_ {
         let Self { kind, column, first, .. } = self;
         self.quantities().map(move |(index, quantity)| {
@@ -419,20 +418,21 @@ pub(super) enum ValueSource {
     Contact(usize, usize),
 }
 
-/// Names of the subjects of a scene's samples, in their order, and the channels they imply.
+/// Names of the subjects in the samples of a scene, in their order. They determine the channels.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Schema {
-    /// Names of the fingers; the name of a single finger is empty. Their joints and motors are among `joints` and
-    /// `actuators`.
+    /// Names of the fingers; the name of a single finger is empty. Joints and motors of the fingers are contained in
+    /// `joints` and `actuators`.
     pub fingers: Vec<String>,
     pub joints: Vec<JointName>,
     pub actuators: Vec<JointName>,
     pub tendons: Vec<String>,
     pub bodies: Vec<String>,
     pub contacts: Vec<ContactName>,
-    /// Number of contacts at the end that are joint limits.
+    /// Number of joint limits; they are the last contacts.
     pub limits: usize,
-    /// Whether the forces of joints are among the channels. Samples always have their numbers, which are 0 otherwise.
+    /// Whether the forces of joints are among the channels. Samples always contain these numbers; without channels they
+    /// are 0.
     pub has_joint_forces: bool,
 }
 
@@ -448,7 +448,7 @@ pub struct JointName {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ContactName {
     pub name: String,
-    /// Whether the gap is an angle, as for the limit of a revolute joint: read rad for m and N·m for N.
+    /// Whether the gap is an angle, as for the limit of a revolute joint. Then read rad for m, and N·m for N.
     pub is_angular: bool,
 }
 
@@ -497,13 +497,13 @@ impl Schema {
         }
     }
 
-    /// Whether the subjects are those of a mechanism, rather than of five-bar fingers.
+    /// Whether the subjects are those of a mechanism; otherwise they are those of five-bar fingers.
     pub fn is_mechanism(&self) -> bool {
         self.fingers.is_empty()
     }
 
-    /// Returns the schema of this number of fingers with motors, a free object, a palm, a table and joint limits. One finger
-    /// has a fixed object and neither palm nor table.
+    /// Returns the schema of `count` fingers with motors, a free object, a palm, a table and joint limits. A single
+    /// finger has a fixed object and neither palm nor table.
     pub fn for_fingers(count: usize) -> Self {
         let fingers = finger_names(count);
         let of_finger = |finger: &str, part: &str| JointName {
@@ -530,8 +530,8 @@ impl Schema {
         }
     }
 
-    /// Adds a subject after the others of its kind, unless one of its name exists. `is_limit`: a contact of a joint with its
-    /// limit. Every schema has the energies.
+    /// Adds a subject after the others of its kind, unless there is one with its name. `is_limit` states whether it is
+    /// the contact of a joint with its limit. Every schema already contains the energies.
     pub fn add_subject(&mut self, kind: SubjectKind, is_limit: bool, name: &str) {
         let has_name = |names: &[JointName]| names.iter().any(|known| known.name == name);
         let named = |is_linear| JointName { name: name.to_string(), is_linear };
@@ -555,17 +555,17 @@ impl Schema {
         }
     }
 
-    /// Whether samples of a scene have these subjects.
+    /// Whether samples of a scene have exactly the subjects of this schema.
     pub fn has_subjects_of(&self, scene: &Scene) -> bool {
         Schema { has_joint_forces: self.has_joint_forces, ..Schema::from_scene(scene) } == *self
     }
 
-    /// Indices of the contacts between surfaces, that is all except joint limits.
+    /// Indices of the contacts between surfaces: all contacts except joint limits.
     pub fn surfaces(&self) -> Range<usize> {
         0..self.contacts.len() - self.limits
     }
 
-    /// Returns the numbers of subjects of each kind.
+    /// Returns the number of subjects of each kind.
     pub fn counts(&self) -> Counts {
         Counts {
             fingers: self.fingers.len(),
@@ -578,7 +578,7 @@ impl Schema {
         }
     }
 
-    /// Returns the subjects in the order of the numbers of a sample: joints, actuators, tendons, bodies, contacts, energies.
+    /// Returns the subjects in their order in a sample: joints, actuators, tendons, bodies, contacts, energies.
     pub fn subjects(&self) -> Vec<Subject> {
         let counts = self.counts();
         let has_joint_forces = self.has_joint_forces;
@@ -665,13 +665,13 @@ fn column_name(kind: SubjectKind, subject: &str, key: &str) -> String {
     }
 }
 
-/// Whether these are names of channels of a run: time first and the energies last.
+/// Whether these are the names of the channels of a run. Such names begin with the time and end with the energies.
 pub fn are_sample_columns(columns: &[&str]) -> bool {
     let energies = Energy::QUANTITIES.map(|quantity| quantity.key);
     columns.len() > energies.len() && columns[0] == TIME && columns.ends_with(&energies)
 }
 
-/// Numbers of subjects in a sample; they determine where the numbers of a subject are.
+/// Number of subjects of each kind in a sample. They determine the places of the numbers of a subject.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub fingers: usize,
@@ -682,7 +682,7 @@ pub struct Counts {
     pub tendons: usize,
     pub bodies: usize,
     pub contacts: usize,
-    /// Contacts at the end that are joint limits.
+    /// Number of joint limits; they are the last contacts.
     pub limits: usize,
 }
 
@@ -690,7 +690,7 @@ impl Counts {
     /// Returns the index of a contact of a single finger; `None` if its scene has no such contact.
     ///
     /// # Panics
-    /// Panics if there is another number of fingers.
+    /// Panics if the number of fingers is not one.
     pub fn finger_contact(self, contact: FingerContact) -> Option<usize> {
         assert_eq!(self.fingers, 1, "a sample without a single finger has no contact of a finger");
         let surfaces = self.contacts - self.limits;

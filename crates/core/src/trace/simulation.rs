@@ -18,11 +18,11 @@ const MOVING_TARGET_S: f64 = 1e4;
 
 /// A scene in one of the models, advanced by its user.
 ///
-/// Between two calls the model takes its natural steps and locates its events; the last step may end after the time of
-/// the simulation, and values are then those inside that step. Results of the analytic model do not depend on how the
-/// time is divided. The engine model ends a step at each time; closings in 1,000 pieces differ from those in one by up to
-/// 4e-6 rad, which is of the order of its error. An input that changes ends a step at that time. The end of the scene does not end a
-/// simulation.
+/// Between two calls, the model takes its natural steps and locates its events. The last step may end after the present
+/// time of the simulation; values are then read inside this step. Results of the analytic model do not depend on how
+/// the time is divided. The engine model ends a step at each present time: a closing in 1,000 pieces differs from one
+/// in a single piece by up to 4e-6 rad, which is of the order of its error. A change of an input ends a step. The end
+/// of the scene does not end a simulation.
 ///
 /// A clone continues independently, bit for bit.
 pub struct Simulation {
@@ -39,7 +39,7 @@ pub struct Simulation {
     sample: OnceCell<Sample>,
 }
 
-/// A call that has changed a simulation. The same actions on a new simulation give the same bits.
+/// A call that has changed a simulation. On a new simulation, the same actions give bit-identical results.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// Advance to a time, s.
@@ -184,7 +184,7 @@ impl Simulation {
         })
     }
 
-    /// Checks that a state, which is a clone of a simulation, is of the same scene, model and settings.
+    /// Checks that `state`, a clone of a simulation, has the same scene, model and settings.
     ///
     /// # Errors
     /// Returns an error that names both scenes and models.
@@ -200,28 +200,28 @@ impl Simulation {
         )))
     }
 
-    /// Continues from a state, with the same bits.
+    /// Continues from a state, bit for bit.
     ///
     /// # Errors
-    /// See [`Simulation::check_state`]; the simulation is then unchanged.
+    /// See [`Simulation::check_state`]. After an error, the simulation is unchanged.
     pub fn restore(&mut self, state: &Simulation) -> Result<(), SimulationError> {
         self.check_state(state)?;
         self.clone_from(state);
         Ok(())
     }
 
-    /// Actions since the start, without those that have changed nothing; none if an observer has ended a step, which
-    /// cannot be repeated.
+    /// Actions since the start that have changed something. `None` if an observer has ended a step, because this cannot
+    /// be repeated.
     pub fn actions(&self) -> Option<&[Action]> {
         let is_stopped = self.failure.as_ref().is_some_and(|failure| failure.reason == Reason::Stopped);
         (!is_stopped).then_some(&self.actions)
     }
 
-    /// Repeats the actions of another simulation of the same scene and model; on a new simulation, this gives the same bits.
-    /// A failure is repeated as well, and is no error.
+    /// Repeats the actions of another simulation of the same scene and model. On a new simulation, the results are
+    /// bit-identical. A failure is repeated as well, and is not an error.
     ///
     /// # Errors
-    /// Returns an error for an action that this simulation does not have.
+    /// Returns an error for an action for which this simulation has no actuator.
     pub fn repeat(&mut self, actions: &[Action], keep_running: KeepRunning<'_>) -> Result<(), SimulationError> {
         for action in actions {
             let result = match *action {
@@ -262,12 +262,12 @@ impl Simulation {
         &self.channels
     }
 
-    /// Names of the actuators with a torque (for a prismatic joint a force) as input.
+    /// Names of the actuators whose input is a torque, or a force for a prismatic joint.
     pub fn torque_inputs(&self) -> impl Iterator<Item = &str> {
         self.names(false)
     }
 
-    /// Names of the actuators with a target as input.
+    /// Names of the actuators whose input is a target.
     pub fn target_inputs(&self) -> impl Iterator<Item = &str> {
         self.names(true)
     }
@@ -281,7 +281,7 @@ impl Simulation {
         self.failure.as_ref()
     }
 
-    /// Events so far, in order of time: those in steps that end before the present time, or at it.
+    /// Events so far, in order of time. They are those of steps that end at or before the present time.
     pub fn events(&self) -> &[Event] {
         &self.events
     }
@@ -317,7 +317,7 @@ impl Simulation {
         }
     }
 
-    /// Returns numbers of the sample in the order of these columns.
+    /// Returns numbers of the sample, in the order of `columns`.
     ///
     /// # Errors
     /// See [`Simulation::get`].
@@ -342,19 +342,19 @@ impl Simulation {
     /// Advances to a time, s.
     ///
     /// # Errors
-    /// Returns an error if the time is before the present one, or if the model cannot reach it; the simulation is then
-    /// at the time of the failure and stays there.
+    /// Returns an error if the time is before the present time, or if the model cannot reach it. In the latter case,
+    /// the simulation stays at the time of the failure.
     pub fn advance_to(&mut self, time_s: f64) -> Result<(), SimulationError> {
         self.advance_while(time_s, &|| true)
     }
 
-    /// Whether an advance to a time, s, takes no step of the model, and no time.
+    /// Whether an advance to a time, s, needs no new step of the model and therefore takes almost no computing time.
     pub fn is_within_step(&self, time_s: f64) -> bool {
         self.failure.is_none() && self.stepper.is_within_step(time_s)
     }
 
-    /// Advances to a time, s, as long as `keep_running` returns true, which is called once per step. After it returned
-    /// false the simulation cannot continue.
+    /// Advances to a time, s. `keep_running` is called once per step; once it returns false, the simulation stops and
+    /// cannot continue.
     ///
     /// # Errors
     /// See [`Simulation::advance_to`].
@@ -393,8 +393,9 @@ impl Simulation {
         self.set_input(actuator, false, Profile::Constant { value: torque }, [torque, 0.0])
     }
 
-    /// Sets the target of a servo, rad or m, from now on; it moves at a rate, rad/s or m/s, for at most
-    /// 10,000 s. The set point of a servo with a `target_rate` follows it from its present value, at most at that rate.
+    /// Sets the target of a servo, rad or m, from now on. The target moves at `rate`, rad/s or m/s, for at most 10,000
+    /// s. For a servo with a `target_rate`, the set point starts from its present value and follows the target at no
+    /// more than that rate.
     ///
     /// # Errors
     /// See [`Simulation::set_torque`].

@@ -6,42 +6,42 @@ use super::{Event, Sample};
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {target}: {source}")]
 pub struct SinkError {
-    /// Name of the output for messages.
+    /// Name of the output, for messages.
     pub target: String,
     #[source]
     pub source: std::io::Error,
 }
 
-/// Data that a sink uses. The analytic model skips unused data: in a sweep of 384 simulations this saves a tenth of the
-/// time. The last sample of its outcomes is always complete. The engine skips only the forces in joints, which are then
-/// 0 in its outcomes too.
+/// Data that a sink uses. The analytic model skips unused data, which saves a tenth of the time of a sweep of 384
+/// simulations; the last sample of an outcome is always complete. The engine skips only the forces in joints, which are
+/// then 0 in its outcomes too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RequiredData {
-    /// Whether samples need energies, which are 0 otherwise.
+    /// Whether samples need energies; otherwise they are 0.
     pub energies: bool,
-    /// Whether samples need the forces in joints, which are 0 otherwise.
+    /// Whether samples need the forces in joints; otherwise they are 0.
     pub joint_forces: bool,
-    /// Whether samples need passive joint angles and motor torques, which are 0 otherwise.
+    /// Whether samples need passive joint angles and motor torques; otherwise they are 0.
     pub passive: bool,
-    /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps;
-    /// otherwise only the ends of steps are used.
+    /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps.
+    /// Otherwise only the ends of steps are used.
     pub peaks: bool,
     /// Whether samples are needed on the grid, in addition to the ends of all steps.
     pub grid: bool,
-    /// Interval at whose multiples, except 0, [`Sink::point`] receives samples, s; 0 for none.
+    /// Interval of the points, s; 0 for none. At its multiples, except 0, [`Sink::point`] receives samples.
     pub point_interval_s: f64,
 }
 
 impl RequiredData {
     pub const NONE: Self =
         Self { energies: false, joint_forces: false, passive: false, peaks: false, grid: false, point_interval_s: 0.0 };
-    /// All except points.
+    /// All data except points.
     pub const ALL: Self =
         Self { energies: true, joint_forces: true, passive: true, peaks: true, grid: true, point_interval_s: 0.0 };
-    /// All but the forces in joints.
+    /// All data except points and the forces in joints.
     pub const EVALUATION: Self = Self { joint_forces: false, ..Self::ALL };
 
-    /// Returns the data that one of two sinks uses. Only one of them may need points.
+    /// Returns the data that at least one of two sinks uses. Only one of them may need points.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self {
@@ -71,24 +71,26 @@ pub trait Sink {
         Ok(())
     }
 
-    /// Receives a sample at which a normal force crosses the threshold of the criteria; by default like any sample.
+    /// Receives a sample at which a normal force crosses the threshold of the criteria. By default, it is treated like
+    /// any other sample.
     fn crossing(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.sample(sample)
     }
 
-    /// Receives a sample at a multiple of [`RequiredData::point_interval_s`]. Points change no other figure of a run.
+    /// Receives a sample at a multiple of [`RequiredData::point_interval_s`]. Points do not change any other figure of
+    /// a run.
     fn point(&mut self, _sample: &Sample) -> Result<(), SinkError> {
         Ok(())
     }
 
-    /// Returns the data that the sink uses, by default everything; called once before a run. A sink that passes samples
-    /// on must also pass on this request.
+    /// Returns the data that the sink uses, by default all data; called once before a run. A sink that forwards samples
+    /// to another sink must also forward this request.
     fn required_data(&self) -> RequiredData {
         RequiredData::ALL
     }
 
-    /// Whether the run may continue; called at least once per step of either model, because samples can be far apart.
-    /// After `false` the run ends with [`Reason::Stopped`](crate::integrator::Reason::Stopped).
+    /// Whether the run may continue. It is called at least once per step of either model, because samples can be far
+    /// apart. After `false` the run ends with [`Reason::Stopped`](crate::integrator::Reason::Stopped).
     fn should_continue(&self) -> bool {
         true
     }
@@ -164,7 +166,7 @@ impl<T: Sink> Sink for Option<T> {
     }
 }
 
-/// Returns whether the run may continue; called once per step.
+/// Function that returns whether the run may continue; called once per step.
 pub type KeepRunning<'a> = &'a dyn Fn() -> bool;
 
 /// A sink whose run ends as soon as `keep_running` returns false.

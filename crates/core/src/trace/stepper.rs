@@ -58,7 +58,7 @@ pub(crate) struct AnalyticStepper<M: Kernel> {
 }
 
 impl<M: Kernel + Hybrid> AnalyticStepper<M> {
-    /// Creates the stepper of a kernel at its start.
+    /// Creates the stepper of a kernel, from its start.
     pub fn new(start: Start<M>, duration_s: f64, recording: RecordingOptions) -> Self {
         let Start { kernel, state, settings, exit } = start;
         let method: SwitchedMethod<M::Layout> = match settings.method {
@@ -76,7 +76,7 @@ impl<M: Kernel + Hybrid> AnalyticStepper<M> {
         }
     }
 
-    /// Advances to time `t`, where a step ends if it is `exact`. The observer sees every step and event.
+    /// Advances to time `t`. A step ends there if `exact` is true. The observer sees every step and every event.
     pub fn step_to(
         &mut self,
         t: f64,

@@ -29,7 +29,7 @@ const TANGENTIAL: Color = Color { r: 0.5, g: 0.2, b: 0.8, a: 1.0 };
 /// Colour of contact points.
 const CONTACT_POINT: Color = Color { r: 0.1, g: 0.1, b: 0.1, a: 1.0 };
 
-/// Force arrows as last drawn.
+/// Force arrows as they were drawn last.
 pub struct Arrows {
     drawing: Drawing,
     /// Lengths of the normal and tangential arrow of each contact.
@@ -66,8 +66,8 @@ impl Arrows {
         [contact.normal_n, contact.tangential_n].map(|force| self.drawing.arrow_m(force))
     }
 
-    /// Draws the forces on the phalanges (on the first disc of a pair) from the contact point along the normal and the
-    /// tangent. A contact without force gets an empty entity, which removes its earlier arrows.
+    /// Draws the forces on the phalanges (for a pair of discs, on the first disc), from the contact point along the
+    /// normal and along the tangent. A contact without force gets an empty entity, which removes its earlier arrows.
     pub fn draw(&mut self, contacts: impl Iterator<Item = ContactSample>, stamp: Timestamp) -> &SceneUpdate {
         let longest_m = self.drawing.longest_arrow_m;
         for (index, contact) in contacts.enumerate() {

@@ -17,7 +17,7 @@ const LAYER_SPACING: f64 = 2e-3;
 /// Thickness of outlines, relative to the size of the view.
 const OUTLINE_THICKNESS: f64 = 2e-3;
 
-/// Returns all bodies without a timestamp.
+/// Returns the scene update that contains all bodies, without a timestamp.
 pub fn scene(drawing: &Drawing) -> SceneUpdate {
     let view_m = drawing.view_m();
     let entities = drawing.bodies.iter().map(|body| entity(body, drawing, view_m)).collect();

@@ -81,7 +81,7 @@ impl Part {
 }
 
 impl Assembler {
-    /// Creates an assembler after the first pass; takes over its summary.
+    /// Creates an assembler after the first pass, and takes over the summary of this pass.
     pub fn new(scan: &mut Scan) -> Self {
         let mut summary = std::mem::take(&mut scan.summary);
         let found: BTreeMap<_, _> = scan.index.channels.iter().collect();
@@ -161,7 +161,7 @@ impl Assembler {
         summary
     }
 
-    /// Receives a message. The first one of another log time ends the group before.
+    /// Receives a message. The first message with another log time ends the previous group.
     pub fn message(&mut self, header: &MessageHeader, data: &[u8], sink: &mut impl LogSink) -> Result<(), Stop> {
         if header.log_time != self.group.time_ns {
             self.end_group(sink)?;

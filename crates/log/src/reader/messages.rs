@@ -10,7 +10,7 @@ use mcap::sans_io::indexed_reader::{IndexedReadEvent, IndexedReader, IndexedRead
 use super::scan::{MAX_RECORD_BYTES, Scan};
 use super::summary::ReadError;
 
-/// Maximum bytes of chunks in memory, and of the messages of one log time.
+/// Maximum number of bytes of the chunks in memory, and also of the messages of one log time.
 pub const MAX_OPEN_BYTES: usize = 1 << 29;
 
 /// Reader of messages.
@@ -19,11 +19,13 @@ pub struct Messages<R> {
     reader: IndexedReader,
     bare_ranges: HashSet<u64>,
     buffer: Vec<u8>,
-    /// Offset of the data of the chunk that was loaded last.
+    /// Offset of the data of the most recently loaded chunk.
     pub chunk_offset: u64,
 }
 
 impl<R: Read + Seek> Messages<R> {
+    /// Creates a reader of the messages that a scan has found.
+    ///
     /// # Errors
     /// Returns [`ReadError::OutOfOrder`] if too many chunks overlap in time.
     pub fn new(source: R, scan: &Scan) -> Result<Self, ReadError> {

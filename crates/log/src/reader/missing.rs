@@ -69,7 +69,8 @@ impl MissingTracker {
         *self.duplicates.entry(channel).or_default() += 1;
     }
 
-    /// Returns the missing data, after the log was read to its end. `sequences` are those of the known channels.
+    /// Returns the missing data after the log has been read to its end. `sequences` are the sequence numbers of the
+    /// known channels.
     pub fn missing(
         mut self,
         summary: &LogSummary,

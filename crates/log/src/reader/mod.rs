@@ -97,6 +97,8 @@ pub(super) struct SecondPass<R> {
 }
 
 impl<R: Read + Seek> SecondPass<R> {
+    /// Creates a reader of the log that a scan has found.
+    ///
     /// # Errors
     /// Returns [`ReadError::OutOfOrder`] if too many chunks overlap in time.
     pub fn new(source: R, mut scan: Scan) -> Result<Self, ReadError> {
@@ -104,8 +106,8 @@ impl<R: Read + Seek> SecondPass<R> {
         Ok(SecondPass { messages: Messages::new(source, &scan)?, assembler, scan })
     }
 
-    /// Reads a message. Passes on the samples and events of a log time after its last message. Returns false at the end
-    /// of the log or at an invalid message.
+    /// Reads a message. The samples and events of a log time are passed on after the last message of this time. Returns
+    /// false at the end of the log or at an invalid message.
     pub fn read_message(&mut self, sink: &mut impl LogSink) -> Result<bool, ReadError> {
         let result = self.messages.next(|header, data| self.assembler.message(header, data, &mut *sink))?;
         let is_end = result.is_none();

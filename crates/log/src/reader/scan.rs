@@ -11,7 +11,7 @@ use mcap::{McapError, parse_record};
 use super::summary::{Defect, LogSummary, Loss, LossKind, ReadError};
 use crate::metadata::{ATTACHMENT_MEDIA_TYPE, METADATA_NAME, SUBJECTS_RECORD};
 
-/// Maximum size of a record or chunk, compressed or not: sixty times what phalanx writes.
+/// Maximum size of a record or chunk, compressed or not. It is sixty times the size that phalanx writes.
 pub const MAX_RECORD_BYTES: usize = 16 << 20;
 /// Maximum total size of schemas and channels.
 const MAX_DEFINITION_BYTES: usize = MAX_RECORD_BYTES;
@@ -39,7 +39,7 @@ pub(crate) struct Scan {
     pub scene_offset: u64,
     /// Schemas, channels and chunks. A range of messages outside chunks is listed as an uncompressed chunk.
     pub index: mcap::Summary,
-    /// Data offsets, as computed from the index, of the ranges of messages outside chunks.
+    /// Data offsets of the ranges of messages outside chunks, as computed from the index.
     pub bare_ranges: HashSet<u64>,
     /// End of the last range of messages outside chunks.
     bare_end: u64,
@@ -50,8 +50,8 @@ pub(crate) struct Scan {
 }
 
 impl Scan {
-    /// Scans a file of `bytes` bytes up to its end or first unusable byte. `head_only`: skips chunks and stops once
-    /// metadata and scene are known.
+    /// Scans a file of `bytes` bytes to its end or to the first unusable byte. With `head_only`, chunks are skipped,
+    /// and the scan stops once metadata and scene are known.
     pub fn new(source: &mut impl Read, bytes: u64, head_only: bool) -> Result<Self, ReadError> {
         let mut scan = Scan {
             summary: LogSummary { bytes, ..LogSummary::default() },

@@ -13,7 +13,7 @@ use crate::channels::ChannelContent;
 use phalanx_core::scene::Side;
 use phalanx_core::trace::{Event, Recording, Sample, Schema, Sink, SinkError};
 
-/// Receiver of the contents of a log of any kind of scene, in order of time.
+/// Receiver of the contents of a log in order of time, for all kinds of scenes.
 pub trait LogSink {
     /// Receives the schema of the samples; called once, before the first sample or event.
     fn schema(&mut self, _: &Schema) -> Result<(), SinkError> {
@@ -62,9 +62,9 @@ pub struct LogSummary {
     pub samples: u64,
     pub events: u64,
     pub messages: u64,
-    /// Channels unknown to phalanx.
+    /// Number of channels that are unknown to phalanx.
     pub unknown_channels: u64,
-    /// Messages on unknown channels.
+    /// Number of messages on unknown channels.
     pub unknown_messages: u64,
     #[serde(skip)]
     pub chunks: u64,
@@ -73,12 +73,12 @@ pub struct LogSummary {
     /// Time of the last sample.
     #[serde(rename = "end_s")]
     pub last_s: Option<f64>,
-    /// How the run ended, if the log contains it.
+    /// How the run ended; `None` if the log does not contain its end.
     #[serde(skip)]
     pub run_end: Option<RunEnd>,
     /// Missing and invalid parts; empty if the log is complete.
     pub losses: Vec<Loss>,
-    /// Data that a log of such a run should contain.
+    /// Data that a log of this kind of run should contain but does not.
     pub missing: Vec<MissingData>,
 }
 
@@ -92,12 +92,12 @@ impl LogSummary {
         self.losses.iter().all(|loss| matches!(loss.kind, LossKind::Scene | LossKind::Metadata))
     }
 
-    /// Whether the log contains all data for the class of the run and the fate of the grasped object.
+    /// Whether the log contains all data that determine the class of the run and the fate of the grasped object.
     pub fn supports_verdict(&self) -> bool {
         self.samples > 0 && self.is_complete() && !self.missing.iter().any(|missing| missing.is_required_for_verdict)
     }
 
-    /// Whether all parts of a sample and all events are in the log, as a page requires.
+    /// Whether the log contains all parts of its samples and all events, so that a page can draw it.
     pub fn is_drawable(&self) -> bool {
         self.missing.iter().all(|missing| missing.content == ChannelContent::Lines)
     }
@@ -261,7 +261,7 @@ pub struct MissingData {
     pub defect: String,
     #[serde(skip)]
     pub content: ChannelContent,
-    /// Whether the class of the run and the fate of the grasped object depend on it.
+    /// Whether the class of the run or the fate of the grasped object depends on the topic.
     #[serde(rename = "withholds_criteria")]
     pub is_required_for_verdict: bool,
 }

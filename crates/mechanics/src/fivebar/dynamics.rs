@@ -37,9 +37,11 @@ impl Tree {
 /// M_ti in relative coordinates, its Coriolis coefficient and gravity vector (2.19)–(2.22).
 #[derive(Clone, Copy, Debug)]
 pub struct TreeTerms<T> {
-    /// M_ti = [[m11, m12], [m12, m22]].
+    /// M_ti = [[m11, m12], [m12, m22]]: the first entry.
     pub m11: T,
+    /// Second entry of M_ti.
     pub m12: T,
+    /// Last entry of M_ti.
     pub m22: f64,
     /// h = m_i2 l_i1 (a_i2 sin q_i2 + b_i2 cos q_i2): B_ti = [−2h, 0], C_ti = [[0, −h], [h, 0]] (errata 2).
     pub h: T,
@@ -74,7 +76,8 @@ pub struct Terms<T> {
     pub rates: PassiveRates<T>,
     /// M₁₁, M₁₂ = M₂₁ and M₂₂.
     pub mass: [T; 3],
-    /// c = quadratic · (θ̇1², θ̇2², θ̇3², θ̇4²) + gravity: with squares of absolute rates there are no cross terms.
+    /// c = quadratic · (θ̇1², θ̇2², θ̇3², θ̇4²) + gravity. There are no cross terms, because the squares are those of
+    /// absolute rates.
     pub quadratic: [[T; 4]; 2],
     pub gravity: [T; 2],
 }
@@ -199,7 +202,7 @@ pub fn kinetic_energy(mass: &[f64; 3], v: [f64; 2]) -> f64 {
     0.5 * (mass[0] * v[0] * v[0] + mass[2] * v[1] * v[1]) + mass[1] * v[0] * v[1]
 }
 
-/// Potential −Σ m g·s, in J, zero at the origin.
+/// Potential energy of gravity, −Σ m g·s, in J; zero at the origin.
 pub fn gravity_energy(dynamics: &Dynamics, pose: &Directions<f64>) -> f64 {
     let moment = |tree: &Tree, first, second| {
         let (u, w) = (rotate(first, tree.moment_first), rotate(second, tree.moment_second));

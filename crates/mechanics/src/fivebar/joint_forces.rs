@@ -18,15 +18,16 @@ pub struct LinkLoads {
     pub gravity_m_s2: [f64; 2],
     /// Sum of the contact forces on l21, N.
     pub proximal_n: [f64; 2],
-    /// Sum of the contact forces on l22, N, and of their moments about its joint with l21, N·m.
+    /// Sum of the contact forces on l22, N.
     pub distal_n: [f64; 2],
+    /// Sum of the moments of these forces about the joint of l22 with l21, N·m.
     pub distal_moment_n_m: f64,
-    /// Torques of springs and joint limit on l12 and l22, N·m.
+    /// Torques of the springs and the joint limit on l12 and on l22, N·m.
     pub torques_n_m: [f64; 2],
 }
 
-/// Returns the forces of five pins, N: of q11 on l11, q21 on l21, q12 on l12, q22 on l22, and of q13, which closes the
-/// loop, on l22. Not finite where l12 and l22 are in line.
+/// Returns the forces in the five pins, N: those of q11 on l11, q21 on l21, q12 on l12, q22 on l22, and q13 on l22. The
+/// pin q13 closes the loop. The forces are not finite where l12 and l22 are in line.
 ///
 /// The moments of l12 about its joint with l11, and of l22 about its joint with l21, determine the force in q13.
 pub fn joint_forces(finger: &Finger, pose: &Directions<f64>, motion: &LinkMotion, loads: &LinkLoads) -> [[f64; 2]; 5] {

@@ -27,11 +27,12 @@ pub enum Singularity {
     Coincident,
 }
 
-/// Smallest |sin| of the angle between l12 and l22 in a regular configuration: 0.06° from the fold, where passive rates
-/// are a thousand times the driven ones. The finger cannot return from there in its assembly mode.
+/// Smallest |sin| of the angle between l12 and l22 in a regular configuration: 0.06° from the fold. Passive rates are a
+/// thousand times the driven rates there, and the finger cannot return in its assembly mode.
 pub const SINGULAR_SINE: f64 = 1e-3;
 
-/// Unit vectors along the four links, and the angles of the ground links: whole turns do not follow from directions.
+/// Unit vectors along the four links. The angles of the two ground links are stored as well, because directions do not
+/// count whole turns.
 #[derive(Clone, Copy, Debug)]
 pub struct Directions<T> {
     pub e1: Vector<T>,
@@ -43,7 +44,8 @@ pub struct Directions<T> {
 }
 
 impl<T: Copy> Directions<T> {
-    /// Converts every number, such as one that depends on two angles to one that depends on more coordinates.
+    /// Converts every number. For example, derivatives with respect to two angles become derivatives with respect to
+    /// more coordinates.
     #[inline(always)]
     pub fn map<U: Copy + Default>(&self, f: impl Fn(T) -> U + Copy) -> Directions<U> {
         let Directions { e1, e2, e3, e4, q_rad } = *self;
@@ -89,9 +91,10 @@ pub fn nearest_singularity(lengths: &Lengths, q: [f64; 2]) -> Singularity {
     }
 }
 
-/// Returns the straight configuration with l21 at 90°: l22 at 90° − φ22, and l12, l11 from the loop closure.
+/// Returns the straight configuration in which l21 is at 90°: l22 is at 90° − φ22, and the directions of l12 and l11
+/// follow from the loop closure.
 ///
-/// For l12 by (B.7) this is the reference configuration, with l11 on the palm.
+/// If l12 satisfies (B.7), this is the reference configuration, in which l11 lies on the palm.
 pub fn straight_directions(lengths: &Lengths) -> Directions<f64> {
     let (sin, cos) = sin_cos(lengths.phi22_rad);
     let (e2, e4) = ([0.0, 1.0], [sin, cos]);
@@ -171,11 +174,13 @@ pub fn passive_bias<T: Real>(lengths: &Lengths, pose: &Directions<T>, rates: &Pa
     }
 }
 
-/// Whole turns of the passive links, counted from a pose: their angles are continuous functions of q11 and q21.
+/// Whole turns of the passive links, counted from a start pose, so that their angles are continuous functions of q11
+/// and q21.
 ///
-/// A13 stays on one side of the line A12→A22, so that l12 and l22 are less than a quarter of a turn from the normal on this
-/// side. The line itself is less than a quarter of a turn from the longer ground link: from l21, or from l11 turned by half
-/// a turn. Both angles are therefore less than half a turn from one that follows from the angle of this ground link.
+/// A13 stays on one side of the line A12→A22, so that l12 and l22 are less than a quarter of a turn from the normal on
+/// this side. The line itself is less than a quarter of a turn from the longer ground link (from l21, or from the
+/// reverse of l11). Each angle is therefore less than half a turn from an angle that follows from the longer ground
+/// link.
 #[derive(Clone, Copy, Debug)]
 pub struct PassiveTurns {
     /// The longer ground link, as an index of q_a.
@@ -187,8 +192,8 @@ pub struct PassiveTurns {
 }
 
 impl PassiveTurns {
-    /// Counts turns so that q12 is at most half a turn in the pose `start`, and q22 is measured from the straight line
-    /// between a quarter of a turn before its stop and three quarters after it.
+    /// Counts turns from the pose `start`. In it, |q12| is at most half a turn, and q22 + φ22 lies between −90° (before
+    /// the stop) and 270° (beyond it).
     pub fn new(lengths: &Lengths, gamma: f64, start: &Directions<f64>) -> Self {
         let longer = usize::from(lengths.l21_m >= lengths.l11_m);
         let normal_rad = gamma * FRAC_PI_2 + if longer == 0 { PI } else { 0.0 };
@@ -201,13 +206,13 @@ impl PassiveTurns {
         Self { turns_rad, ..turns }
     }
 
-    /// An angle that is less than half a turn from q12.
+    /// Returns an angle that is less than half a turn from q12, rad.
     #[inline(always)]
     pub fn near_q12(&self, q_rad: [f64; 2]) -> f64 {
         q_rad[self.longer] - q_rad[0] + (self.normal_rad + self.turns_rad[0])
     }
 
-    /// An angle that is less than half a turn from q22.
+    /// Returns an angle that is less than half a turn from q22, rad.
     #[inline(always)]
     pub fn near_q22(&self, q_rad: [f64; 2]) -> f64 {
         q_rad[self.longer] - q_rad[1] + (self.normal_rad + self.turns_rad[1])
@@ -271,7 +276,8 @@ pub fn gradient<T: Real>(placement: Placement, rates: &PassiveRates<T>) -> [T; 2
 }
 
 impl SpringModel {
-    /// Returns the spring in assembly mode γ, at zero in the straight configuration, for a run from the pose `start`.
+    /// Returns the spring in assembly mode γ for a run from the pose `start`. Its angle is zero in the straight
+    /// configuration.
     pub fn new(spring: &Spring, lengths: &Lengths, gamma: f64, start: &Directions<f64>) -> Self {
         let pose = straight_directions(lengths);
         let [from, to] = directions_of(spring.placement, &pose);
@@ -305,7 +311,7 @@ impl SpringModel {
         }
     }
 
-    /// Δq_s ≥ 0 in closing: deviation of q_s from the straight configuration, in rad; continuous along a run.
+    /// Δq_s, in rad: deviation of q_s from the straight configuration; ≥ 0 in closing, and continuous along a run.
     #[inline(always)]
     pub fn extension<T: Real>(&self, pose: &Directions<T>) -> T {
         let [from, to] = directions_of(self.placement, pose);

@@ -11,7 +11,7 @@ use crate::numeric::elementary::{cos, hypot, sin, sin_cos, tan};
 use crate::shape::PlacedShape;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Height of the finger over the diameter of the disc: h = 0.9375 · 2 r_c (thesis Table 3.2).
+/// Ratio of the height of the finger to the diameter of the disc: h = 0.9375 · 2 r_c (thesis Table 3.2).
 pub const HEIGHT_RATIO: f64 = 0.9375;
 
 /// Smallest contact angle φ_c22,min of the distal phalanx on the disc, 5°; it determines l21,min.
@@ -51,7 +51,8 @@ pub struct Design {
 }
 
 impl Design {
-    /// Designs of the thesis: l11 = 15 mm, w = 2.5 mm, r_c = 20 mm (Table 3.2), and four numbers that vary (§4.2).
+    /// Returns a design of the thesis: l11 = 15 mm, w = 2.5 mm, r_c = 20 mm (Table 3.2). The arguments are the four
+    /// parameters that vary (§4.2).
     pub const fn thesis(base_m: f64, l21: ProximalLength, phi22_rad: f64, arm_ratio: f64) -> Self {
         Self {
             base_m,

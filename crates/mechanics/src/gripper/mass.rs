@@ -10,10 +10,10 @@ use super::{Bodies, Body, Lengths, NumberError, positive};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{cross, dot, sub};
 
-/// Mass properties of the four bodies: m = ρ d A, I = ρ d J about the centroid (1-model §1.3).
+/// Returns the mass properties of the four bodies: m = ρ d A, I = ρ d J about the centroid (1-model §1.3).
 ///
-/// Density in kg/m³, depth in metres. Each body is in its own frame: origin at the preceding joint (O, O, A12, A22), x
-/// along the link, along the arm A22 → A13 for the distal body.
+/// The density ρ is in kg/m³, the depth d in metres. Each body has its own frame. Its origin is at the preceding joint
+/// (O, O, A12, A22). Its x axis is along the link; for the distal body, along the arm A22 → A13.
 pub fn bodies(lengths: &Lengths, density_kg_m3: f64, depth_m: f64) -> Result<Bodies, MassError> {
     positive(&[
         ("l11_m", lengths.l11_m),
@@ -48,7 +48,7 @@ impl BodyOverride {
         self.mass_kg.is_some() && self.com_m.is_some() && self.inertia_kg_m2.is_some()
     }
 
-    /// Applies the override. A mass without an inertia preserves the radius of gyration of the outline.
+    /// Applies the override. If a mass is given without an inertia, the radius of gyration of the outline is kept.
     pub fn apply(&self, outline: Body) -> Body {
         let mass_kg = self.mass_kg.unwrap_or(outline.mass_kg);
         let scale = self.mass_kg.map_or(1.0, |m| m / outline.mass_kg);
@@ -60,7 +60,7 @@ impl BodyOverride {
     }
 }
 
-/// [`bodies`] with overrides for l11, l12, l21 and l22.
+/// Like [`bodies`], with overrides for l11, l12, l21 and l22.
 pub fn bodies_with_overrides(
     lengths: &Lengths,
     density_kg_m3: f64,
@@ -121,7 +121,7 @@ pub struct Outlines {
     pub l11_m: [[f64; 2]; 4],
     pub l12_m: [[f64; 2]; 4],
     pub l21_m: [[f64; 2]; 4],
-    /// The distal body: corners beyond A22, A13 and the tip end, in counter-clockwise order.
+    /// The distal body: corners beyond A22, A13 and the end of the tip, in counter-clockwise order.
     pub l22_m: [[f64; 2]; 3],
 }
 

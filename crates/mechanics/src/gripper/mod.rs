@@ -59,7 +59,7 @@ pub struct Lengths {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     pub mass_kg: f64,
-    /// Centre of mass (a, b): along the link and to its left.
+    /// Centre of mass (a, b): a along the link, b to its left.
     pub com_m: [f64; 2],
     /// Moment of inertia about the centre of mass.
     pub inertia_kg_m2: f64,

@@ -18,8 +18,8 @@ const MIN_SINE: f64 = 1e-7;
 
 /// All joint angles of one posture.
 ///
-/// `q11`, `q21` are absolute; `q12` is relative to l11 and within ±π; `q22` is relative to l21 and within −φ22 ± π, so
-/// that q22 + φ22, the angle beyond the straight line, is continuous across the joint limit.
+/// `q11` and `q21` are absolute; `q12` is relative to l11 and within ±π; `q22` is relative to l21 and within −φ22 ± π.
+/// The angle q22 + φ22 beyond the straight line is therefore continuous across the joint limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Posture {
     pub q11_rad: f64,
@@ -73,7 +73,7 @@ pub enum PostureError {
 
 /// Returns the assembly sign γ = ±1 of thesis (2.1).
 ///
-/// `Reference` is the sign in the straight configuration at q21 = 90°, q22 = −φ22; `Other` its negative.
+/// `Reference` is the sign in the straight configuration at q21 = 90°, q22 = −φ22. `Other` is the opposite sign.
 pub fn gamma(lengths: &Lengths, assembly: Assembly) -> Result<f64, PostureError> {
     let a22 = [0.0, lengths.l21_m];
     let (a12, a13) = reference(lengths)?;
@@ -125,8 +125,8 @@ pub fn joint_a13(lengths: &Lengths, gamma: f64, q11_rad: f64, q21_rad: f64) -> R
 
 /// Returns the posture at given angles of the proximal and the distal body, in the given assembly mode.
 ///
-/// Up to two values of q11 close the loop. Among those in the given mode, the one reached from the straight
-/// configuration without passing through a stretched l11–l12 is preferred.
+/// Up to two values of q11 close the loop. If both belong to the given mode, the value is preferred that is reached
+/// from the straight configuration without passing through a stretched l11–l12.
 pub fn posture_at(lengths: &Lengths, assembly: Assembly, q21_rad: f64, q22_rad: f64) -> Result<Posture, PostureError> {
     finite("q21_rad", q21_rad)?;
     finite("q22_rad", q22_rad)?;
@@ -146,7 +146,7 @@ pub fn posture_at(lengths: &Lengths, assembly: Assembly, q21_rad: f64, q22_rad: 
     Err(PostureError::WrongAssembly { q21_rad, q22_rad })
 }
 
-/// Joint positions of a posture; A13 is computed along l21 and l22.
+/// Returns the joint positions of a posture. A13 is computed along l21 and l22.
 pub fn joint_positions(lengths: &Lengths, posture: &Posture) -> Joints {
     let a22_m = polar(lengths.l21_m, posture.q21_rad);
     let arm = posture.q21_rad + posture.q22_rad;
@@ -228,7 +228,7 @@ fn angle(v: [f64; 2]) -> f64 {
 /// Relative tolerance for a contact at the very end of a phalanx (as for l21 = l21,max).
 const SLACK: f64 = 1e-9;
 
-/// Both phalanges tangent to the object.
+/// Final posture: both phalanges are tangent to the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinalPosture {
     pub posture: Posture,
@@ -267,8 +267,9 @@ pub enum GraspError {
     Loop(#[from] PostureError),
 }
 
-/// Contact of the proximal phalanx, rotated counter-clockwise towards the object from its right (thesis (B.3)): contact
-/// angle q_c21, and distance l_c21 from O along the phalanx. The disc of a design has (x_c, y_c) = (−base, r_c).
+/// Contact of the proximal phalanx, which rotates counter-clockwise towards the object from its right (thesis (B.3)):
+/// contact angle q_c21, and distance l_c21 from O along the phalanx. The disc of a design has (x_c, y_c) = (−base,
+/// r_c).
 pub fn contact_proximal(half_width_m: f64, object: PlacedShape) -> Result<Tangent, GraspError> {
     let [x, y] = object.centre_m;
     for (name, size_m) in shape::dimensions(&object.shape) {
@@ -285,7 +286,8 @@ pub fn contact_angle_proximal(half_width_m: f64, object: PlacedShape) -> Result<
     Ok(contact_proximal(half_width_m, object)?.angle_rad)
 }
 
-/// Start of the closing motion: straight, `opening_rad` (q_0 of thesis Table 3.2) before the proximal contact.
+/// Returns the start of the closing motion: a straight finger, `opening_rad` (q_0 of thesis Table 3.2) before the
+/// proximal contact.
 pub fn start_posture(lengths: &Lengths, object: PlacedShape, opening_rad: f64) -> Result<Posture, GraspError> {
     finite("opening_rad", opening_rad)?;
     Ok(straight_posture(lengths, contact_angle_proximal(lengths.half_width_m, object)? - opening_rad)?)

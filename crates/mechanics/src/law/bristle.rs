@@ -10,7 +10,7 @@ use super::{FrictionLaw, FrictionPoint, FrictionRange, FrictionStep, RANGE_OVERL
 use crate::numeric::Real;
 use crate::numeric::elementary::exp;
 
-/// A bristle with damping c and, when unloaded, relaxation time c/k. For a brake, angles replace lengths.
+/// A bristle with damping c; its relaxation time is c/k when it is unloaded. For a brake, angles replace lengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bristle {
     /// c, in N·s/m (brake: N·m·s/rad).
@@ -25,7 +25,7 @@ impl Bristle {
         1.0 / self.relaxation_s
     }
 
-    /// Stored energy ½ k s², J.
+    /// Stored energy ½ k s², J, in the internal state σ = k s/c.
     pub fn energy(&self, state: f64) -> f64 {
         0.5 * self.damping_n_s_per_m * self.relaxation_s * state * state
     }

@@ -17,7 +17,7 @@ impl From<Option<Bristle>> for FrictionKind {
 }
 
 impl FrictionKind {
-    /// Number of internal states: 0 or 1. Models integrate a state with the rates.
+    /// Number of internal states: 0 or 1. Models integrate them together with the velocities.
     #[inline(always)]
     pub fn states(&self) -> usize {
         match self {
@@ -26,7 +26,7 @@ impl FrictionKind {
         }
     }
 
-    /// Rate of the internal state of a contact without a force.
+    /// Returns the rate of the internal state of a contact without a force.
     #[inline(always)]
     pub fn relaxation<T: Real>(&self, state: T) -> T {
         match self {
@@ -35,7 +35,7 @@ impl FrictionKind {
         }
     }
 
-    /// Internal state after a time without a force, s.
+    /// Returns the internal state after `time_s` without a force.
     pub fn relaxed(&self, state: f64, time_s: f64) -> f64 {
         match self {
             FrictionKind::Regularised => state,
@@ -59,14 +59,14 @@ impl FrictionLaw {
         self.kind.states() > 0
     }
 
-    /// Width of the narrowest range of the law, in m/s.
+    /// Width of the narrowest slip range of the law, in m/s.
     #[inline(always)]
     pub fn min_slip_scale_m_s(&self) -> f64 {
         self.v_static_m_s.min(self.v_dynamic_m_s - self.v_static_m_s)
     }
 
-    /// Friction on the sliding surface, along the tangent, N; `state` is `None` for a law without a state. In a monitored
-    /// range the force is that of its branch, also beyond its end.
+    /// Friction force on the sliding surface, along the tangent, N. `state` is `None` for a law without a state. In a
+    /// monitored range, the branch of this range gives the force, also beyond the end of the range.
     #[inline(always)]
     pub fn force<T: Real>(&self, slip: T, state: Option<T>, normal: T, range: FrictionRange) -> T {
         match (&self.kind, state) {
@@ -79,7 +79,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Contribution of a contact with a friction force to the rate of the internal state, beside its
+    /// Rate of the internal state due to a friction force, N. It is added to the
     /// [relaxation](FrictionKind::relaxation).
     #[inline(always)]
     pub fn state_rate<T: Real>(&self, friction: T) -> T {
@@ -89,7 +89,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Range of the law at a point.
+    /// Returns the range of the law that contains a point.
     #[inline(always)]
     pub fn range(&self, at: FrictionPoint) -> FrictionRange {
         match &self.kind {
@@ -98,7 +98,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Distance of a point from the end of a range, as a slip in m/s; negative beyond the end and its overlap.
+    /// Distance of a point from the end of a range including its overlap, as a slip in m/s; negative beyond this end.
     #[inline(always)]
     pub fn range_margin(&self, range: FrictionRange, at: FrictionPoint) -> f64 {
         match &self.kind {
@@ -107,7 +107,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Distance of a point from the nominal end of a range, as a slip in m/s; negative beyond it.
+    /// Distance of a point from the nominal end of a range, as a slip in m/s; negative beyond this end.
     pub fn nominal_margin(&self, range: FrictionRange, at: FrictionPoint) -> f64 {
         match &self.kind {
             FrictionKind::Regularised => regularised::margin(self, range, at.slip),
@@ -115,7 +115,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Distance by which a range extends beyond its nominal end, in finest slip scales.
+    /// Distance by which a range extends beyond its nominal end, as a multiple of [`FrictionLaw::min_slip_scale_m_s`].
     #[inline(always)]
     pub fn range_overlap(&self, range: FrictionRange) -> f64 {
         match (&self.kind, range) {
@@ -132,7 +132,7 @@ impl FrictionLaw {
         self.range_overlap(range) * self.min_slip_scale_m_s()
     }
 
-    /// Range beyond the nearest end of a range.
+    /// Returns the range beyond the end that is nearest to a point.
     pub fn neighbour_range(&self, range: FrictionRange, at: FrictionPoint) -> FrictionRange {
         match &self.kind {
             FrictionKind::Regularised => regularised::neighbour(self, range, at.slip),
@@ -140,14 +140,15 @@ impl FrictionLaw {
         }
     }
 
-    /// Whether a step may leave a range and return to it: within it, the law is smooth beyond its ends.
+    /// Whether a step may leave this range and return to it. This holds for the regularised sticking range, whose
+    /// branch continues smoothly beyond its ends.
     #[inline(always)]
     pub fn may_return_to(&self, range: FrictionRange) -> bool {
         range == FrictionRange::Sticking && !self.has_state()
     }
 
-    /// Error weight of the slip in a range under a normal force, N; with a state, of the sum of slip and state. `None` if
-    /// the force hardly depends on it.
+    /// Error weight of the slip in a range, under a normal force in N. For a law with a state, it is the weight of the
+    /// sum of slip and state. `None` if the friction force hardly depends on the slip.
     #[inline(always)]
     pub fn slip_weight(&self, range: FrictionRange, normal: f64) -> Option<SlipWeight> {
         match (&self.kind, range) {
@@ -162,7 +163,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Bounds of the ratio of friction to normal force while the slip changes between two values, m/s.
+    /// Bounds of the ratio of friction force to normal force for slips between two values, m/s.
     pub fn ratio_bounds(&self, slips: [f64; 2]) -> [f64; 2] {
         match &self.kind {
             FrictionKind::Regularised => regularised::ratio_bounds(self, slips),
@@ -170,8 +171,8 @@ impl FrictionLaw {
         }
     }
 
-    /// Friction at the end of an implicit Euler step of length `h`, s; `at` has the slip and the normal force at its end, and
-    /// the state at its start. `one_way` resists negative slip only.
+    /// Friction at the end of an implicit Euler step of length `h`, s. `at` contains the slip and the normal force at
+    /// the end of the step, and the state at its start. With `one_way`, only negative slip is resisted.
     #[inline(always)]
     pub fn implicit_step(&self, at: FrictionPoint, h: f64, one_way: bool) -> FrictionStep {
         match &self.kind {
@@ -180,7 +181,7 @@ impl FrictionLaw {
         }
     }
 
-    /// Force of an internal state without slip, N.
+    /// Force of an internal state at zero slip, N.
     pub fn state_force(&self, state: f64) -> f64 {
         match &self.kind {
             FrictionKind::Regularised => 0.0,
@@ -188,7 +189,8 @@ impl FrictionLaw {
         }
     }
 
-    /// Slip rate at which sticking friction has this force, N, without a state; infinite for a law that does not stick.
+    /// Slip rate at which sticking friction has this force, N, if the internal state is 0; infinite for a law that
+    /// cannot stick.
     pub fn sticking_slip(&self, force: f64) -> f64 {
         match &self.kind {
             FrictionKind::Regularised => f64::INFINITY,

@@ -51,11 +51,11 @@ pub enum Damping {
     },
 }
 
-/// Depth over which a contact is resolved whose law has no depth of its own, m (limit: rad).
+/// Depth over which a contact is resolved, m (limit: rad), if its law has no depth of its own.
 const DEPTH_SCALE_M: f64 = 1e-5;
 
 impl NormalLaw {
-    /// Returns a law with a constant normal force, evaluated at a depth of 1; used for brakes.
+    /// Returns a law with a constant normal force, which is evaluated at a depth of 1; used for brakes.
     pub const fn constant_force(force: f64) -> Self {
         Self::step(force, 1.0, 0.0, 1.0)
     }
@@ -74,7 +74,8 @@ impl NormalLaw {
         }
     }
 
-    /// Returns the law with this STEP damper, engaged over the same depth; another damper stays as it is.
+    /// Returns the law with the maximum c_max of its STEP damper changed; the depth of engagement is kept. A law with
+    /// another damper is unchanged.
     pub const fn with_damping_max(mut self, c_max: f64) -> Self {
         if let Damping::Step { max_n_s_per_m, .. } = &mut self.damping {
             *max_n_s_per_m = c_max;
@@ -92,7 +93,8 @@ impl NormalLaw {
     }
 }
 
-/// Parameters of a friction law: the coefficient over the slip rate, which all laws share, and the law itself.
+/// Parameters of a friction law: the coefficient as a function of the slip rate, which all laws share, and the kind of
+/// law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionLaw {
     pub mu_static: f64,
@@ -140,11 +142,12 @@ pub enum FrictionRange {
 pub struct SlipWeight {
     /// Slip rate over which the law changes, m/s.
     pub slip_scale: f64,
-    /// Normal force under which an error of the slip counts, N; 0 for an error that always counts.
+    /// Normal force for which an error of the slip counts, N; 0 for an error that always counts.
     pub normal_force: f64,
 }
 
-/// Result of an implicit step: opposing force, its derivatives by slip and normal force, and the state at the end.
+/// Result of an implicit step: opposing force, its derivatives with respect to slip and normal force, and the state at
+/// the end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionStep {
     pub force: f64,
@@ -153,10 +156,11 @@ pub struct FrictionStep {
     pub state: f64,
 }
 
-/// A range ends this part of the finest slip scale beyond its nominal end, so that neighbouring ranges do not alternate.
+/// Overlap of neighbouring ranges as a fraction of the finest slip scale: a range extends by this much beyond its
+/// nominal end, so that the ranges do not alternate.
 pub const RANGE_OVERLAP: f64 = 0.01;
 
-/// Law of one contact: normal law and friction law; without a friction law the contact is frictionless.
+/// Law of one contact: a normal law and a friction law. Without a friction law the contact is frictionless.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactLaw {
     pub normal: NormalLaw,
@@ -184,7 +188,7 @@ pub fn damping(law: &NormalLaw, delta: f64) -> (f64, f64) {
     }
 }
 
-/// Whether the force depends on the rate, so that a contact may release before the surfaces separate.
+/// Whether the force depends on the rate. If it does, the force of a contact may vanish before the surfaces separate.
 #[inline(always)]
 pub fn is_damped(law: &NormalLaw) -> bool {
     match law.damping {
@@ -222,7 +226,8 @@ pub fn normal_force(law: &NormalLaw, delta: f64, rate: f64) -> NormalForce {
     if unclamped.force > 0.0 { unclamped } else { NormalForce::default() }
 }
 
-/// Returns a normal force as a function of the gap (−δ) and its rate (−δ̇), from the law's value and derivatives there.
+/// Returns a normal force as a function of the gap (−δ) and its rate (−δ̇), from the value and the derivatives of the
+/// law.
 ///
 /// `law` maps (δ, δ̇) to the force on the active branch: [`normal_force`] or
 /// [`unclamped_normal_force`].
@@ -240,7 +245,7 @@ pub fn elastic_energy(law: &NormalLaw, delta: f64) -> f64 {
     law.stiffness_n_per_m_e * pow(delta, law.exponent + 1.0) / (law.exponent + 1.0)
 }
 
-/// Approximate penetration of an impact at `speed` without external force.
+/// Approximate maximum penetration of an impact at `speed` without external force, m (limit: rad).
 pub fn stopping_depth(law: &NormalLaw, speed: f64, inverse_mass: f64) -> f64 {
     // Depth at which the spring alone takes up an energy, per mass.
     let spring_depth = |energy: f64| {

@@ -10,8 +10,8 @@ use crate::numeric::elementary::ln_1p;
 /// Halvings of the interval of x, which leave the last digits of a number.
 const HALVINGS: u32 = 200;
 
-/// Returns the damper with which a free mass rebounds at this fraction of the speed, from 0 (exclusive) to 1, at this
-/// impact speed, m/s (limit: rad/s).
+/// Returns the damper with which a free mass rebounds at the fraction `restitution` (0 exclusive to 1) of the impact
+/// `speed`, m/s (limit: rad/s).
 pub fn damping_from_restitution(restitution: f64, speed: f64) -> Damping {
     let e = restitution;
     // Positive below the root, and negative up to x = 1/e.

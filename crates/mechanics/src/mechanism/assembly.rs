@@ -11,12 +11,12 @@ use super::{Body, Joint, JointKind, Mechanism, Pose};
 use crate::numeric::MORE_DECIMALS;
 use crate::numeric::plane::dot;
 
-/// Assembled state of all bodies, in the order of the mechanism.
+/// State of all bodies of an assembled mechanism, in their order.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Start {
     pub poses: Vec<Pose>,
     pub rates: Vec<Pose>,
-    /// Joints whose given start also follows from other starts.
+    /// Joints whose given start also follows from the starts of other joints.
     pub implied: Vec<usize>,
 }
 
@@ -30,7 +30,7 @@ impl Start {
     }
 }
 
-/// Origin of a condition on the poses.
+/// Part of the mechanism from which a condition on the poses comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Condition {
     Joint(usize),
@@ -39,7 +39,7 @@ pub enum Condition {
     Start(usize),
 }
 
-/// A number with the unit in which messages show it.
+/// A number with the unit that messages use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     Length(f64),
@@ -62,7 +62,7 @@ impl Measure {
         if kind.is_angle() { Measure::AngularRate(value) } else { Measure::Speed(value) }
     }
 
-    /// Returns the texts of two numbers, with the digits in which they differ.
+    /// Returns the texts of two numbers, with enough digits to tell them apart.
     pub fn distinct([a, b]: [Self; 2]) -> [String; 2] {
         let texts = |decimals| [a, b].map(|measure: Self| measure.with_decimals(decimals));
         (DECIMALS..=DECIMALS + MORE_DECIMALS).map(texts).find(|[a, b]| a != b).unwrap_or_else(|| texts(DECIMALS))
@@ -106,7 +106,7 @@ pub enum AssemblyError {
         condition: Condition,
         name: String,
         from: Vec<String>,
-        /// Couplings of the loop, which may lead to the posture.
+        /// Couplings of the loop that may have led to this posture.
         couplings: Vec<String>,
     },
     #[error(
@@ -167,8 +167,9 @@ const YIELDING: f64 = 1e-4;
 /// rounding errors of a user who computed it.
 const AGREES: f64 = 1e-9;
 
-/// Assembles a mechanism from its guessed poses. Degrees of freedom without a start coordinate stay closest to the guess;
-/// bodies without joints keep their pose and rate. Starts that follow from others are allowed if they agree with them.
+/// Assembles a mechanism from its guessed poses. Degrees of freedom without a start coordinate stay closest to the
+/// guess. Bodies without joints keep their pose and rate. A start that follows from other starts is allowed if it
+/// agrees with them.
 pub fn assemble(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
     let scale_m = Solver::new(mechanism).scale_m;
     let agree = |given: Measure, found: Measure| match (given, found) {

@@ -8,8 +8,8 @@ const DEPENDENT: f64 = 1e-2;
 /// Part of the largest weight in the dependence above which a joint belongs to it.
 const WEIGHT: f64 = 0.05;
 
-/// Returns the joints whose constraints determine each other in assembled poses: there the mechanism has more directions of
-/// motion than degrees of freedom. `None` if all constraints are independent.
+/// Returns the joints whose constraints depend on each other in assembled poses. In such poses the mechanism has more
+/// directions of motion than degrees of freedom. `None` if all constraints are independent.
 pub fn folded_joints(mechanism: &Mechanism, poses: &[Pose]) -> Option<Vec<usize>> {
     let gradients = all_gradients(mechanism, poses);
     let (count, columns) = (gradients.len(), 3 * poses.len());
@@ -55,9 +55,9 @@ pub fn folded_joints(mechanism: &Mechanism, poses: &[Pose]) -> Option<Vec<usize>
 }
 
 impl Mechanism {
-    /// Describes a posture in which the joints of a dyad, the inner one in the middle, or those of a larger Assur group, which
-    /// has six or more, are singular, and no other coordinates of the analytic model are regular: a fold of the mechanism in
-    /// nearly all cases.
+    /// Describes a singular posture, in nearly all cases a fold of the mechanism, in which the analytic model has no
+    /// regular choice of coordinates. `joints` are the singular joints: those of a dyad, with the inner one in the
+    /// middle, or the six or more joints of a larger Assur group.
     pub fn describe_singularity(&self, poses: &[Pose], joints: &[usize]) -> String {
         let name = |joint: &usize| &self.joints[*joint].name[..];
         let list = |joints: &[usize]| match joints {

@@ -3,7 +3,7 @@
 use super::{Body, Mechanism, OutlineId, PrescribedMotion, SpringKind};
 use crate::palm_motion::PalmMotion;
 
-/// Name of the ground, and of the body that stands for it.
+/// Name of the ground, and of a body that stands for the ground.
 pub const GROUND: &str = "ground";
 
 impl Mechanism {
@@ -12,8 +12,9 @@ impl Mechanism {
         self.palm().map(|(palm, _)| palm).filter(|palm| self.bodies[*palm].name == GROUND)
     }
 
-    /// Moves the frame: joints, springs, cables and contacts of the ground become those of a new body, and so do its outlines,
-    /// except those that stay in the world. Returns the new places of all outlines of the ground.
+    /// Moves the frame of the mechanism. The joints, springs, cables, contacts and outlines of the ground become those
+    /// of a new body; outlines that stay in the world are the exception. Returns the new places of all outlines of the
+    /// ground.
     pub fn move_frame(&mut self, motion: PalmMotion, stays: impl Fn(usize) -> bool) -> Vec<OutlineId> {
         let frame = self.bodies.len();
         self.rename_bodies(|body| body.or(Some(frame)));
@@ -38,7 +39,7 @@ impl Mechanism {
         places
     }
 
-    /// Replaces the bodies of all joints, springs, cables and contacts.
+    /// Replaces the bodies to which joints, springs, cables and contacts refer.
     pub fn rename_bodies(&mut self, renamed: impl Fn(Option<usize>) -> Option<usize>) {
         let joints = self.joints.iter_mut().flat_map(|joint| &mut joint.bodies);
         let springs = self.springs.iter_mut().filter_map(|spring| match &mut spring.kind {

@@ -7,8 +7,8 @@ use crate::law::{FrictionLaw, NormalLaw};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, dot, perp, rotate, sub};
 
-/// A joint between bodies A and B at a point of each, in their frames. Its coordinate is q, its generalised force Q: a
-/// torque on B, or a force on B along the axis, with the reaction on A.
+/// A joint between bodies A and B at one point of each, in their frames. Its coordinate is q. Its generalised force Q
+/// is a torque on B, or a force on B along the axis; the reaction acts on A.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
     pub name: String,
@@ -22,15 +22,15 @@ pub struct Joint {
     pub start_rate: f64,
     /// Q = −damping q̇, in N·m·s/rad or N·s/m.
     pub damping: f64,
-    /// Inertia of rotor and gear: ½ armature q̇² of kinetic energy, kg·m² or kg.
+    /// Inertia of rotor and gear, kg·m² or kg: kinetic energy ½ armature q̇².
     pub armature: f64,
-    /// Coulomb friction against the rate, N·m or N with rates in rad/s or m/s: the law under a normal force of 1.
+    /// Coulomb friction against the rate: the law under a normal force of 1 gives N·m or N at rates in rad/s or m/s.
     pub friction: Option<FrictionLaw>,
     pub lower: Option<f64>,
     pub upper: Option<f64>,
     /// Law of both limits; `None` for a joint without limits.
     pub limit: Option<NormalLaw>,
-    /// Name of its only limit in samples; by default `JOINT_lower` or `JOINT_upper`.
+    /// Name of the limit in samples, for a joint with only one limit; by default `JOINT_lower` or `JOINT_upper`.
     pub limit_name: Option<String>,
 }
 
@@ -45,13 +45,15 @@ pub enum JointKind {
 }
 
 impl JointKind {
-    /// Whether the coordinate is an angle; otherwise it is a length, and the bodies do not turn against each other.
+    /// Whether the coordinate is an angle. Otherwise it is a length, and the bodies do not rotate relative to each
+    /// other.
     #[inline]
     pub fn is_angle(&self) -> bool {
         matches!(self, JointKind::Revolute)
     }
 
-    /// Angle of the axis along which the joint slides, in the frame of its first body, rad; `None` if it does not slide.
+    /// Angle of the axis along which the joint slides, in the frame of its first body, rad; `None` for a joint that
+    /// does not slide.
     #[inline]
     pub fn axis_rad(&self) -> Option<f64> {
         match self {
@@ -70,7 +72,8 @@ impl JointKind {
 }
 
 impl Joint {
-    /// A joint without damping, armature, friction and limits, whose coordinate at the start follows from other joints.
+    /// Returns a joint without damping, armature, friction or limits. Its coordinate at the start follows from other
+    /// joints.
     pub fn new(name: impl Into<String>, kind: JointKind, bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2]) -> Self {
         Self {
             name: name.into(),
@@ -167,12 +170,12 @@ pub fn coordinate_in(joint: &Joint, poses: &[Pose]) -> f64 {
     coordinate(joint, poses).0
 }
 
-/// Returns the gradient of the coordinate of a joint by the poses of its two bodies.
+/// Returns the gradient of the coordinate of a joint with respect to the poses of its two bodies.
 pub fn coordinate_gradient(joint: &Joint, poses: &[Pose]) -> [Pose; 2] {
     coordinate(joint, poses).1.by_pose()
 }
 
-/// Returns the gradients of the two constraints of a joint by the poses of its two bodies.
+/// Returns the gradients of the two constraints of a joint with respect to the poses of its two bodies.
 pub fn constraint_gradients(joint: &Joint, poses: &[Pose]) -> [[Pose; 2]; 2] {
     joint_conditions(joint, poses).map(|(_, terms)| terms.by_pose())
 }

@@ -8,7 +8,7 @@ use super::{
     Rotor, Spring, SpringKind, Tendon,
 };
 
-/// Indices of the images of bodies and joints; bodies and joints without an image have their own index.
+/// Indices of the mirror images of bodies and joints. The index of a body or joint without an image is its own.
 #[derive(Clone, Copy, Debug)]
 pub struct Mirror<'a> {
     pub body: &'a [usize],
@@ -101,7 +101,7 @@ impl Mirror<'_> {
         }
     }
 
-    /// Returns the image of a contact pair; outlines of bodies without an image stay.
+    /// Returns the image of a contact pair. Outlines of bodies without an image are kept.
     pub fn contact(&self, pair: &ContactPair) -> ContactPair {
         let image = |id: OutlineId| OutlineId { body: self.of_body(id.body), ..id };
         ContactPair { points: image(pair.points), face: image(pair.face), ..pair.clone() }

@@ -46,21 +46,22 @@ pub use outline::{
 /// Pose (x, y, θ) of a frame, in m and rad, or its rate.
 pub type Pose = [f64; 3];
 
-/// Returns a point of the frame of a body (`None` is the ground) in the world, in these poses.
+/// Returns a point, given in the frame of a body (`None` is the ground), in world coordinates at these poses.
 pub fn point_in(body: Option<usize>, point_m: [f64; 2], poses: &[Pose]) -> [f64; 2] {
     let [x, y, angle] = body.map_or([0.0; 3], |body| poses[body]);
     let (sin, cos) = sin_cos(angle);
     add([x, y], rotate(point_m, [cos, sin]))
 }
 
-/// Returns a pose in a frame as one in the world, in which the frame has this pose.
+/// Transforms a pose from a frame to the world; the first argument is the pose of the frame in the world.
 pub fn pose_in_world([x, y, turn]: Pose, [u, v, angle]: Pose) -> Pose {
     let (sin, cos) = sin_cos(turn);
     let [u, v] = rotate([u, v], [cos, sin]);
     [x + u, y + v, turn + angle]
 }
 
-/// A mechanism. Indices of bodies and joints refer to its lists; a body `None` is the ground.
+/// A mechanism. Bodies and joints are referred to by their indices in its lists; `None` instead of a body is the
+/// ground.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mechanism {
     pub gravity_m_s2: [f64; 2],
@@ -89,12 +90,12 @@ pub struct Body {
     pub pose: Pose,
     /// Rate of the pose at the start; ignored for a body whose rates follow from its joints.
     pub rate: Pose,
-    /// Motion that no force affects; mass and inertia have no effect. `None` for a body that moves by forces.
+    /// Motion that no force affects; mass and inertia have no effect. `None` for a body that forces move.
     pub motion: Option<PrescribedMotion>,
     pub outlines: Vec<Outline>,
-    /// Polygons that drawings show instead of bars between its pins, in the frame of the body.
+    /// Polygons that drawings show for the body, in its frame, instead of bars between its pins.
     pub drawn_m: Vec<Vec<[f64; 2]>>,
-    /// Whether samples contain its pose; that of the links of a hand follows from their joints.
+    /// Whether samples contain the pose of the body. They omit the links of a hand, whose poses follow from the joints.
     pub is_reported: bool,
 }
 
@@ -103,26 +104,28 @@ pub struct Body {
 pub enum PrescribedMotion {
     /// From the pose and rate of the body: x(t) = x + velocity t + ½ acceleration t², angle = angle + spin t.
     ConstantAcceleration { acceleration_m_s2: [f64; 2] },
-    /// Motion of a palm, from rest at its initial pose, which is that of the body. Samples of the other bodies are relative to the palm.
+    /// Motion of a palm, starting at rest from its initial pose, which is the pose of the body. Samples of the other
+    /// bodies are relative to the palm.
     Palm(PalmMotion),
 }
 
-/// A coordinate q = Σ cᵢ qᵢ − offset over joints i with factors cᵢ: that of one joint, or the mean of two joints at the
-/// input of a differential.
+/// A coordinate q = Σ cᵢ qᵢ − offset over joints i with factors cᵢ: for example the coordinate of one joint, or the
+/// mean of two joints at the input of a differential.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointCombination {
     pub terms: Vec<(usize, f64)>,
     pub offset: f64,
 }
 
-/// A combination of joint coordinates that stays zero: gears, synchronised jaws.
+/// A combination of joint coordinates that stays zero, such as gears or synchronised jaws.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coupling {
     pub name: String,
     pub on: JointCombination,
 }
 
-/// Kinetic energy ½ inertia q̇² of a combination of joint coordinates; [`Joint::armature`] is that of one joint.
+/// Kinetic energy ½ inertia q̇² of a combination of joint coordinates. [`Joint::armature`] is the same for a single
+/// joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rotor {
     pub name: String,
@@ -140,32 +143,35 @@ pub struct Spring {
     pub stiffness: f64,
     /// c, in N·m·s/rad or N·s/m.
     pub damping: f64,
-    /// Coordinate (with the joint's units) or length, m, without elastic force.
+    /// Coordinate (in the unit of the joint) or length, m, at which the elastic force is zero.
     pub rest: f64,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum SpringKind {
-    /// Q = −k (q − rest) − c q̇ + preload, with the energy ½ k (q − rest)² − preload q.
+    /// Q = −k (q − rest) − c q̇ + preload. The energy is ½ k (q − rest)² − preload q.
     Torsional { on: JointCombination, preload: f64 },
-    /// Tension k (ℓ − rest) + c ℓ̇ between a point of each body.
+    /// Tension k (ℓ − rest) + c ℓ̇ between two points, one on each body.
     Linear { bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2] },
 }
 
-/// A massless cable without friction, with one tension T ≥ 0 along its whole length L. L is the sum of the straight
-/// segments and the arcs of its path, and of terms of joints. T is the force of a spring and a damper that cannot push,
-/// and the tension of an actuator.
+/// A massless cable without friction. The tension T ≥ 0 is the same along its whole length L. L is the sum of the
+/// straight segments and arcs of its path, and of joint terms. T is the force of a spring and a damper that cannot
+/// push, plus the tension of an actuator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tendon {
     pub name: String,
     /// Eyelets and pulleys in the order of the cable; the first and the last element are eyelets. Empty for a belt between
     /// spools.
     pub path: Vec<PathElement>,
-    /// Terms c q of the length, by joint: a spool of radius r is ±r.
+    /// Pairs (joint, c): the length contains the term c q, where q is the coordinate of the joint. For a spool of
+    /// radius r, c is ±r.
     pub joints: Vec<(usize, f64)>,
-    /// k in T = max(0, k (L − rest) + c dL/dt) for L > rest; without stiffness and damping, the actuator alone pulls.
+    /// Stiffness k, N/m: T = max(0, k (L − rest) + c dL/dt) for L > rest. With k = c = 0, only the actuator pulls.
     pub stiffness_n_per_m: f64,
+    /// Damping c, N·s/m.
     pub damping_n_s_per_m: f64,
+    /// Free length, m.
     pub rest_m: f64,
     pub actuator: Option<TendonActuator>,
 }
@@ -178,7 +184,7 @@ pub struct PathElement {
     pub point_m: [f64; 2],
     /// Radius of the pulley; 0 for an eyelet.
     pub radius_m: f64,
-    /// +1: the cable passes the pulley counter-clockwise, with the centre to its left; −1: clockwise.
+    /// +1: the cable passes the pulley counter-clockwise, with the centre on its left; −1: clockwise.
     pub side: f64,
 }
 
@@ -190,16 +196,16 @@ pub struct TendonActuator {
     pub tension: Profile,
 }
 
-/// A motor: a command u, then a limit, then the fall of the torque with the speed; and a brake.
+/// A motor, with an optional brake. The command u is limited first; then the torque falls with the speed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actuator {
     pub name: String,
     pub on: JointCombination,
     pub command: Command,
-    /// |u| is at most this, N·m or N: the largest torque or force at rest.
+    /// Limit of |u|, N·m or N: the largest torque or force at rest.
     pub limit: Option<f64>,
-    /// Rate ω₀ at which the torque has fallen to zero: Q = u − |u| q̇/ω₀, which is not clipped. A joint that turns against
-    /// its torque receives more than at rest.
+    /// Rate ω₀ at which the torque has fallen to zero: Q = u − |u| q̇/ω₀. The torque is not clipped: if the joint turns
+    /// against it, it is larger than at rest.
     pub no_load_speed: Option<f64>,
     pub brake: Option<Brake>,
 }
@@ -208,12 +214,13 @@ pub struct Actuator {
 pub enum Command {
     /// Torque or force over time.
     Effort(Profile),
-    /// kp (target − q) + kd (d target/dt − q̇). With a rate it is computed at that rate, and constant in between.
+    /// Controller: kp (target − q) + kd (d target/dt − q̇). With a rate, it is evaluated at this rate, and is constant
+    /// in between.
     Servo {
         kp: f64,
         kd: f64,
         target: Profile,
-        /// Largest rate of the target; the target of a scene keeps it.
+        /// Largest rate of the target. The target in a scene already respects it.
         target_rate: Option<f64>,
         rate_hz: Option<f64>,
     },
@@ -234,7 +241,7 @@ impl Command {
     }
 }
 
-/// A limit of a joint: the penetration is δ = side (q − value), and the force on the joint −side F.
+/// A limit of a joint. The penetration is δ = side (q − value); the force on the joint is −side F.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
     pub joint: usize,
@@ -245,7 +252,7 @@ pub struct Limit {
 }
 
 impl PrescribedMotion {
-    /// Returns the pose at time `t` of a frame with this pose and rate at the start.
+    /// Returns the pose at time `t`; `pose` and `rate` are those of the frame at the start.
     #[inline]
     pub fn at(&self, (pose, rate): (Pose, Pose), t: f64) -> palm_motion::Pose {
         match self {
@@ -262,7 +269,8 @@ impl PrescribedMotion {
         }
     }
 
-    /// Upper bounds of the rates and accelerations of x, y and θ between two times, for a frame with this rate at the start.
+    /// Upper bounds of the rates and of the accelerations of x, y and θ between two times; `rate` is that of the frame
+    /// at the start.
     pub fn largest_rates(&self, rate: Pose, times: [f64; 2]) -> [[f64; 3]; 2] {
         match self {
             PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [ax, ay] } => {
@@ -275,7 +283,7 @@ impl PrescribedMotion {
         }
     }
 
-    /// Returns the next time after `t` at which some derivative jumps; infinite if there is none.
+    /// Returns the next time after `t` at which any derivative jumps; infinite if there is none.
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         match self {
             PrescribedMotion::ConstantAcceleration { .. } => f64::INFINITY,
@@ -285,12 +293,12 @@ impl PrescribedMotion {
 }
 
 impl JointCombination {
-    /// The coordinate of a joint.
+    /// Returns the combination that is the coordinate of one joint.
     pub fn of_joint(joint: usize) -> Self {
         Self { terms: vec![(joint, 1.0)], offset: 0.0 }
     }
 
-    /// The joint, if the combination is its coordinate.
+    /// Returns the joint if the combination is the coordinate of one joint.
     #[inline]
     pub fn joint(&self) -> Option<usize> {
         match self.terms[..] {
@@ -299,13 +307,13 @@ impl JointCombination {
         }
     }
 
-    /// The coordinate Σ cᵢ qᵢ − offset at these coordinates qᵢ of the joints.
+    /// Returns Σ cᵢ qᵢ − offset; `coordinate` gives the coordinates qᵢ of the joints.
     #[inline(always)]
     pub fn value<T: Real>(&self, coordinate: impl Fn(usize) -> T) -> T {
         self.add_terms(T::constant(-self.offset), coordinate)
     }
 
-    /// The sum Σ cᵢ xᵢ without the offset, such as the rate of the coordinate for the rates xᵢ of the joints.
+    /// Returns Σ cᵢ xᵢ without the offset: with the rates of the joints as xᵢ, the rate of the combination.
     #[inline(always)]
     pub fn sum<T: Real>(&self, of_joint: impl Fn(usize) -> T) -> T {
         self.add_terms(T::zero(), of_joint)
@@ -316,14 +324,14 @@ impl JointCombination {
         self.terms.iter().fold(start, |sum, (joint, factor)| sum + of_joint(*joint) * *factor)
     }
 
-    /// Factor of a joint; 0 for a joint that is not among the terms.
+    /// Factor of a joint; 0 if the joint is not among the terms.
     pub fn factor(&self, joint: usize) -> f64 {
         self.terms.iter().filter(|(other, _)| *other == joint).map(|(_, factor)| factor).sum()
     }
 }
 
 impl Body {
-    /// A body at rest at the origin, with its centre of mass there, without outlines.
+    /// Returns a body without outlines, at rest at the origin, with its centre of mass there.
     pub fn new(name: impl Into<String>, mass_kg: f64, inertia_kg_m2: f64) -> Self {
         Self {
             name: name.into(),
@@ -344,12 +352,12 @@ impl Body {
         self.inertia_kg_m2.is_finite()
     }
 
-    /// Largest distance of a point of its outlines from the origin of its frame; `None` without outlines.
+    /// Largest distance from the origin of the frame to a point of the outlines, m; `None` without outlines.
     pub fn reach_m(&self) -> Option<f64> {
         self.outlines.iter().map(|outline| outline.shape.reach_m()).max_by(f64::total_cmp)
     }
 
-    /// Whether forces affect x, y and θ of the body.
+    /// Whether forces move the body in x, y and θ.
     pub fn moves_by_forces(&self) -> [bool; 3] {
         [true, true, self.rotates()].map(|moves| moves && self.motion.is_none())
     }
@@ -378,7 +386,7 @@ impl Tendon {
 }
 
 impl Mechanism {
-    /// The moving palm, relative to which bodies are reported, and its motion.
+    /// The moving palm and its motion. Bodies are reported relative to the palm.
     pub fn palm(&self) -> Option<(usize, &PalmMotion)> {
         self.bodies.iter().enumerate().find_map(|(index, body)| match &body.motion {
             Some(PrescribedMotion::Palm(motion)) => Some((index, motion)),
@@ -396,18 +404,18 @@ impl Mechanism {
         body.is_none_or(|body| self.bodies[body].motion.is_some())
     }
 
-    /// Whether a joint connects a body; `None` is the ground.
+    /// Whether any joint is attached to a body; `None` is the ground.
     pub fn has_joint(&self, body: Option<usize>) -> bool {
         self.joints.iter().any(|joint| joint.bodies.contains(&body))
     }
 
-    /// Whether the body of the points precedes that of the face, with the ground last.
+    /// Whether the body of the points comes before that of the face in the order of bodies; the ground is last.
     pub fn points_are_first(&self, pair: &ContactPair) -> bool {
         let order = |id: OutlineId| id.body.unwrap_or(usize::MAX);
         order(pair.points) < order(pair.face)
     }
 
-    /// All limits in the order of the models: by joint, the lower one first.
+    /// Limits of all joints in the order that both models use: by joint, the lower limit first.
     pub fn limits(&self) -> Vec<Limit> {
         let limits_of = |(joint, of): (usize, &Joint)| {
             let ends = [(-1.0, of.lower), (1.0, of.upper)];
@@ -430,12 +438,12 @@ impl Mechanism {
         (0..self.bodies.len()).filter(|body| self.bodies[*body].is_reported)
     }
 
-    /// Index of a body among those that samples report; `None` if they do not.
+    /// Position of a body among those that samples report; `None` if they do not report it.
     pub fn reported_index(&self, body: usize) -> Option<usize> {
         self.reported_bodies().position(|reported| reported == body)
     }
 
-    /// Shortest distance between two points of joints of one body, m; infinite if every body has one only.
+    /// Shortest distance between two joints of the same body, m; infinite if no body has two joints.
     pub fn shortest_link_m(&self) -> f64 {
         let ends = self.joints.iter().flat_map(|joint| [0, 1].map(|k: usize| (joint.bodies[k], joint.points_m[k])));
         let ends: Vec<_> = ends.filter_map(|(body, point_m)| Some((body?, point_m))).collect();

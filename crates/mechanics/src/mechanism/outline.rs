@@ -50,20 +50,20 @@ pub struct OutlineId {
     pub outline: usize,
 }
 
-/// Two outlines that may touch: the points of one touch the face of the other.
+/// Two outlines that may touch. The points of one outline touch the face of the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPair {
-    /// Name of its contacts; `None` for the names of the outlines.
+    /// Name of the contacts; `None` if they are named after the outlines.
     pub name: Option<String>,
     pub points: OutlineId,
     pub face: OutlineId,
     pub law: ContactLaw,
-    /// Rolling resistance: a moment against the relative rotation of the bodies. The law of friction with lengths, m, for
-    /// coefficients, and rates in rad/s.
+    /// Rolling resistance: a moment against the relative rotation of the bodies. It is a friction law whose
+    /// coefficients are lengths, m, and whose rates are in rad/s.
     pub rolling: Option<FrictionLaw>,
     pub force_point: ForcePoint,
-    /// Whether samples report the force on the body of the face, with the normal to it; otherwise on the body of the
-    /// points.
+    /// Whether samples report the force on the body of the face, with the normal towards it. Otherwise they report the
+    /// force on the body of the points.
     pub is_reported_on_face: bool,
 }
 
@@ -94,7 +94,7 @@ pub enum OutlinePoint {
 /// A point of an outline against a face: one contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointContact {
-    /// `ball.rim/ground.floor`; with several points `box.skin[2]/ground.floor`.
+    /// Name such as `ball.rim/ground.floor`, or `box.skin[2]/ground.floor` if the outline has several points.
     pub name: String,
     /// Index of its pair in [`Mechanism::contacts`].
     pub pair: usize,
@@ -105,7 +105,7 @@ pub struct PointContact {
 /// Two outlines that touch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutlinePair {
-    /// Name of the contact in the scene, or else both outlines: `left.pad/object.skin`.
+    /// Name of the contact in the scene; by default the names of both outlines, such as `left.pad/object.skin`.
     pub name: String,
     pub outlines: [OutlineId; 2],
     /// Indices among [`Mechanism::point_contacts`].
@@ -113,7 +113,7 @@ pub struct OutlinePair {
 }
 
 impl OutlineShape {
-    /// Vertices of the core, counter-clockwise; none for a half plane and an ellipse.
+    /// Vertices of the core, counter-clockwise; empty for a half plane or an ellipse.
     pub fn vertices_m(&self) -> Vec<[f64; 2]> {
         match self {
             OutlineShape::Disc { center_m, .. } => vec![*center_m],
@@ -133,7 +133,7 @@ impl OutlineShape {
         }
     }
 
-    /// Largest coordinate of the outline along a unit vector of its frame; infinite for a half plane.
+    /// Largest projection of the outline on a unit vector of its frame, m; infinite for a half plane.
     pub fn support_m(&self, direction: [f64; 2]) -> f64 {
         match self {
             OutlineShape::HalfPlane { .. } => f64::INFINITY,
@@ -149,7 +149,7 @@ impl OutlineShape {
         }
     }
 
-    /// Largest distance of a point of the outline from the origin of its frame; infinite for a half plane.
+    /// Largest distance from the origin of the frame to a point of the outline, m; infinite for a half plane.
     pub fn reach_m(&self) -> f64 {
         match self {
             OutlineShape::HalfPlane { .. } => f64::INFINITY,
@@ -161,7 +161,7 @@ impl OutlineShape {
         }
     }
 
-    /// Returns the outline in a frame in which its own frame has this pose.
+    /// Returns the outline in a new frame; `origin_m` and `angle_rad` are the pose of the old frame in the new one.
     pub fn moved(&self, origin_m: [f64; 2], angle_rad: f64) -> Self {
         let (sin, cos) = sin_cos(angle_rad);
         let point = |point: [f64; 2]| add(origin_m, rotate(point, [cos, sin]));
@@ -182,7 +182,7 @@ impl OutlineShape {
         }
     }
 
-    /// What touches faces; nothing of a half plane.
+    /// Returns the points that can touch a face; empty for a half plane.
     pub fn points(&self) -> Vec<OutlinePoint> {
         if let OutlineShape::Ellipse { center_m, semi_axes_m, angle_rad } = *self {
             let (sin, cos) = sin_cos(angle_rad);
@@ -194,7 +194,7 @@ impl OutlineShape {
 }
 
 impl Mechanism {
-    /// Returns points and face of two outlines: both directions if both have corners and sides.
+    /// Returns [points, face] for two outlines. If both outlines have corners and sides, both assignments are returned.
     pub fn directions(&self, [a, b]: [OutlineId; 2]) -> Vec<[OutlineId; 2]> {
         let rank = |id: OutlineId| match self.outline(id).shape {
             OutlineShape::HalfPlane { .. } => 0,
@@ -209,7 +209,8 @@ impl Mechanism {
         }
     }
 
-    /// Returns the pairs of outlines that touch, in the order of the contacts. Outlines of the body `second` come second.
+    /// Returns the pairs of outlines that can touch, in the order of the contacts. In each pair, an outline of the body
+    /// `second` comes second.
     pub fn outline_pairs(&self, second: Option<usize>) -> Vec<OutlinePair> {
         let mut pairs: Vec<OutlinePair> = Vec::new();
         for (index, point) in self.point_contacts().iter().enumerate() {
@@ -231,14 +232,14 @@ impl Mechanism {
         pairs
     }
 
-    /// Whether two pairs of points and a face are the same contact: two outlines touch once in both directions, unless
-    /// both have corners and sides.
+    /// Whether two pairs (points, face) are the same contact. The order matters only if both outlines have corners and
+    /// sides.
     pub fn is_same_contact(&self, pair: [OutlineId; 2], [points, face]: [OutlineId; 2]) -> bool {
         pair == [points, face] || pair == [face, points] && self.directions(pair).len() == 1
     }
 }
 
-/// A plane area: its size, its centroid, and its polar moment about the centroid.
+/// A plane area: size, centroid, and polar moment about the centroid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlaneArea {
     pub area_m2: f64,
@@ -247,7 +248,7 @@ pub struct PlaneArea {
 }
 
 impl PlaneArea {
-    /// Returns the sum of areas that do not overlap.
+    /// Returns the sum of areas that do not overlap each other.
     pub fn sum(parts: &[Self]) -> Self {
         let area_m2 = parts.iter().map(|part| part.area_m2).sum();
         let moment = |axis: usize| parts.iter().map(|part| part.area_m2 * part.centroid_m[axis]).sum::<f64>();
@@ -314,10 +315,11 @@ impl OutlineShape {
     }
 }
 
-/// Returns the core of a convex polygon whose corners are rounded with a radius: its sides, moved inwards.
+/// Returns the core of a convex polygon whose corners are rounded with a radius: the polygon with its sides moved
+/// inwards by this radius.
 ///
 /// # Errors
-/// Returns the rounding, m, at which a side of the core vanishes, unless the rounding is smaller.
+/// Returns the largest rounding, m, if the given one is not smaller: a side of the core vanishes there.
 pub fn rounded_core(outer_m: &[[f64; 2]], rounding_m: f64) -> Result<Vec<[f64; 2]>, f64> {
     let count = outer_m.len();
     let side = |k: usize| {
@@ -353,7 +355,7 @@ impl Mechanism {
         format!("{}.{}", self.body_name(id.body), self.outline(id).name)
     }
 
-    /// All contacts in the order of the models: every point of every pair.
+    /// All contacts in the order that both models use: every point of every pair.
     pub fn point_contacts(&self) -> Vec<PointContact> {
         let mut all = Vec::new();
         for (pair, contact) in self.contacts.iter().enumerate() {

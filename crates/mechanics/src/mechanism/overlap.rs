@@ -14,7 +14,7 @@ const ROUNDING_M: f64 = 1e-12;
 const REFINEMENTS: usize = 60;
 
 impl Mechanism {
-    /// Pairs of contacts whose outlines overlap by more than `limit_m` in these poses of the bodies, with the depth of the
+    /// Pairs of contacts whose outlines overlap by more than `limit_m` at these poses, each with the depth of the
     /// overlap, m. A pair that is listed in both directions appears once.
     pub fn deep_overlaps(&self, poses: &[Pose], limit_m: f64) -> Vec<(usize, f64)> {
         let outlines = |pair: &ContactPair| [pair.points, pair.face];
@@ -29,8 +29,8 @@ impl Mechanism {
         (0..self.contacts.len()).filter(|index| !is_reversed(*index)).filter_map(overlap).collect()
     }
 
-    /// Limits that coordinates exceed in these poses of the bodies by more than an angle (a length, of a prismatic joint),
-    /// with coordinate and excess.
+    /// Limits that joint coordinates exceed at these poses, each with the coordinate and the excess. Smaller excesses
+    /// than `slack_rad` (revolute) or `slack_m` (prismatic) are ignored.
     pub fn exceeded_limits(&self, poses: &[Pose], slack_rad: f64, slack_m: f64) -> Vec<(Limit, f64, f64)> {
         let excess = |limit: Limit| {
             let joint = &self.joints[limit.joint];

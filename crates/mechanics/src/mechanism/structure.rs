@@ -15,10 +15,10 @@ use std::collections::HashSet;
 use super::assur::{ClosedSet, closed_set};
 use super::{Mechanism, PrescribedMotion, Spring};
 
-/// A group of connected bodies, with the order of their placement.
+/// A group of connected bodies and the order in which they are placed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
-    /// Bodies in the order of their placement.
+    /// Bodies in the order in which they are placed.
     pub bodies: Vec<usize>,
     pub placements: Vec<Placement>,
     /// Independent coordinates.
@@ -26,7 +26,7 @@ pub struct Group {
 }
 
 impl Group {
-    /// Number of joints that close loops: one in each dyad. It does not depend on the choice of the coordinates.
+    /// Number of joints that close loops: one for each dyad. It does not depend on the choice of the coordinates.
     pub fn count_of_dyads(&self) -> usize {
         let count = |placement: &Placement| match placement {
             Placement::Dyad { .. } => 1,
@@ -48,14 +48,15 @@ pub enum Coordinate {
     Joint(usize),
     /// A component (x, y or θ) of the pose of a body without joints to the ground.
     Body(usize, usize),
-    /// Time, on which the poses of bodies with prescribed motion depend: the first coordinate of their group.
+    /// Time, on which the poses of bodies with prescribed motion depend. It is the first coordinate of their group.
     Time,
 }
 
 /// Bodies that are placed from bodies with a known pose.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Placement {
-    /// A body whose pose is coordinates, from `first` on: three `axes`, or two for a body that does not rotate.
+    /// A body whose pose is given by coordinates from index `first` on: three `axes`, or two for a body that does not
+    /// rotate.
     Free { body: usize, first: usize, axes: usize },
     /// A body with prescribed motion.
     Prescribed { body: usize },
@@ -63,9 +64,9 @@ pub enum Placement {
     Joint { at: Attachment, coordinate: Source },
     /// Two bodies that close a loop at the joint `inner`.
     Dyad { outer: [Attachment; 2], inner: usize },
-    /// Bodies whose joints determine their poses, without a dyad among them: each one is attached to a body before it by the
-    /// joints of `tree`, and the joints `closing` close the loops. The coordinate of a joint of the tree may be an independent
-    /// one of the group, by its index in `known`.
+    /// Bodies whose joints determine their poses, without a dyad among them. The joints of `tree` attach each body to a
+    /// preceding body; the joints `closing` close the loops. If the coordinate of a joint of the tree is an independent
+    /// coordinate of the group, `known` contains its index.
     Assur { tree: Vec<Attachment>, known: Vec<Option<usize>>, closing: Vec<usize> },
 }
 
@@ -73,7 +74,7 @@ pub enum Placement {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Closures {
     Dyads,
-    /// Also Assur groups beyond dyads.
+    /// Dyads and larger Assur groups.
     All,
 }
 
@@ -83,12 +84,12 @@ pub struct Attachment {
     pub joint: usize,
     pub body: usize,
     pub base: Option<usize>,
-    /// Whether the placed body is the second one of the joint.
+    /// Whether the placed body is the second body of the joint.
     pub is_second: bool,
 }
 
 impl Attachment {
-    /// Angle of the placed body against its base per angle of the joint.
+    /// Sign of the rotation of the placed body relative to `base` for a positive joint rotation: ±1.
     #[inline]
     pub fn sign(&self) -> f64 {
         if self.is_second { 1.0 } else { -1.0 }
@@ -127,8 +128,8 @@ pub enum StructureError {
 /// Returns the groups of a mechanism, in the order of their first bodies.
 ///
 /// # Errors
-/// Returns an error for a loop that is no row of dyads or larger Assur groups, a coupling of determined joints, or a mechanism
-/// that cannot move.
+/// Returns an error for a loop that is neither a row of dyads nor of larger Assur groups, for a coupling of joints that
+/// are already determined, or for a mechanism that cannot move.
 pub fn find_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> {
     let group_of = connected_bodies(mechanism);
     let mut groups = Vec::new();
@@ -151,8 +152,9 @@ pub fn find_groups(mechanism: &Mechanism) -> Result<Vec<Group>, StructureError> 
 /// extends one for each coordinate, and a mechanism has at most 300 joints.
 const MAX_EXTENSIONS: usize = 2000;
 
-/// Returns a group with other coordinates, all of whose placements are accepted; `None` if there is none. Its coordinates
-/// are those of the group as far as possible, then as of [`find_groups`]. Number and layout of the coordinates are the same.
+/// Returns the group with other coordinates for which all placements are accepted; `None` if there are none.
+/// Coordinates of `group` are kept as far as possible; the others are chosen as by [`find_groups`]. Number and layout
+/// of the coordinates do not change.
 pub fn regroup(
     mechanism: &Mechanism,
     group: &Group,

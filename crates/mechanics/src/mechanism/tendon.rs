@@ -6,19 +6,19 @@ use crate::numeric::Real;
 use crate::numeric::plane::{Vector, dot, opening_angle, perp, scale, scale_by, sub};
 use std::f64::consts::FRAC_PI_2;
 
-/// Largest wrap of a pulley: beyond it the strands may cross, and the wrap is not known from the directions alone.
+/// Largest wrap angle of a pulley. Beyond it the strands may cross, and the directions alone do not determine the wrap.
 pub const MAX_WRAP_RAD: f64 = 3.0 * FRAC_PI_2;
 
 /// A straight segment of a cable between two path elements.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<T> {
     pub length: T,
-    /// Unit vector of the direction of travel.
+    /// Unit vector along the segment, from the first to the second element.
     pub direction: Vector<T>,
 }
 
 impl PathElement {
-    /// Radius with the sign of the side.
+    /// Radius, m; negative for a pulley that the cable passes clockwise.
     pub fn signed_radius_m(&self) -> f64 {
         self.side * self.radius_m
     }
@@ -28,8 +28,8 @@ impl PathElement {
     }
 }
 
-/// Returns the segment between two path elements; `between` is the vector from the centre of the first to that of the
-/// second. Not a number if no straight line touches both on their sides.
+/// Returns the segment between two path elements; `between` is the vector from the centre of the first element to that
+/// of the second. Its numbers are NaN if no straight line touches both elements on their sides.
 #[inline(always)]
 pub fn segment<T: Real>([first, second]: [&PathElement; 2], between: Vector<T>) -> Segment<T> {
     let offset = second.signed_radius_m() - first.signed_radius_m();
@@ -39,12 +39,12 @@ pub fn segment<T: Real>([first, second]: [&PathElement; 2], between: Vector<T>) 
     Segment { length, direction }
 }
 
-/// Returns the angle by which a cable wraps a pulley, from −π/2 to [`MAX_WRAP_RAD`]; negative where it lifts off.
+/// Returns the angle over which a cable wraps a pulley, from −π/2 to [`MAX_WRAP_RAD`]; negative if the cable lifts off.
 pub fn wrap(pulley: &PathElement, [before, after]: [Vector<f64>; 2]) -> f64 {
     if pulley.side > 0.0 { opening_angle(before, after) } else { opening_angle(after, before) }
 }
 
-/// Returns the length of a cable with the centres of its path elements at these positions: segments and wrapped arcs.
+/// Returns the length of a cable, segments and wrapped arcs; `center` gives the centre of each path element.
 pub fn path_length(path: &[PathElement], center: impl Fn(&PathElement) -> Vector<f64>) -> f64 {
     let (mut length, mut before) = (0.0, None);
     for pair in path.windows(2) {
@@ -59,7 +59,7 @@ pub fn path_length(path: &[PathElement], center: impl Fn(&PathElement) -> Vector
     length
 }
 
-/// Returns the wraps of the pulleys of a cable, with the indices of their path elements.
+/// Returns the wrap angle of each pulley of a cable, with the index of its path element.
 pub fn wraps(path: &[PathElement], center: impl Fn(&PathElement) -> Vector<f64>) -> impl Iterator<Item = (usize, f64)> {
     let direction =
         move |pair: &[PathElement]| segment([&pair[0], &pair[1]], sub(center(&pair[1]), center(&pair[0]))).direction;
@@ -67,19 +67,19 @@ pub fn wraps(path: &[PathElement], center: impl Fn(&PathElement) -> Vector<f64>)
     turns.map(move |(index, turn)| (index + 1, wrap(&turn[1], [direction(&turn[..2]), direction(&turn[1..])])))
 }
 
-/// Returns the position of a path element in these poses.
+/// Returns the position of the centre of a path element at these poses.
 pub fn center_in(element: &PathElement, poses: &[Pose]) -> Vector<f64> {
     point_in(element.body, element.point_m, poses)
 }
 
-/// Returns the length of a tendon in these poses, with the terms of its joints.
+/// Returns the length of a tendon at these poses, including its joint terms.
 pub fn length_in(mechanism: &Mechanism, tendon: &Tendon, poses: &[Pose]) -> f64 {
     let joints = tendon.joints.iter().map(|(joint, factor)| factor * coordinate_in(&mechanism.joints[*joint], poses));
     path_length(&tendon.path, |element| center_in(element, poses)) + joints.sum::<f64>()
 }
 
 impl Mechanism {
-    /// Explains that a cable is not on a pulley of its path, and what helps.
+    /// Explains that a cable has lifted off a pulley, and how to avoid this.
     pub fn describe_lifted(&self, tendon: &Tendon, element: usize) -> String {
         let pulley = &tendon.path[element];
         format!(

@@ -1,8 +1,8 @@
 //! Small dense linear systems over slices, row by row: elimination for one right-hand side, factors for several.
 
-/// Solves A x = b by elimination with row pivoting; `a` is destroyed, `b` becomes x. `add_work` receives the work of
-/// each column of a large matrix, in multiplications, and returns false to cancel. Returns false if A is singular, or if
-/// the computation is cancelled.
+/// Solves A x = b by elimination with row pivoting; `a` is destroyed, and `b` becomes x. `add_work` is called for each
+/// column of a large matrix with the number of multiplications; it returns false to cancel. Returns false if A is
+/// singular, or if the computation is cancelled.
 #[inline]
 pub fn solve(a: &mut [f64], b: &mut [f64], size: usize, add_work: impl Fn(usize) -> bool) -> bool {
     let (a, b) = (&mut a[..size * size], &mut b[..size]);
@@ -20,7 +20,7 @@ pub fn solve(a: &mut [f64], b: &mut [f64], size: usize, add_work: impl Fn(usize)
     }
 }
 
-/// Like [`solve`], but for slices of the exact lengths; inlined for compile-time sizes.
+/// Like [`solve`], but the slices must have the exact lengths; inlined for sizes known at compile time.
 #[inline(always)]
 pub fn eliminate(a: &mut [f64], b: &mut [f64], size: usize, add_work: impl Fn(usize) -> bool) -> bool {
     assert!(a.len() == size * size && b.len() == size);
@@ -154,8 +154,8 @@ fn substitute_sparse(factor: &[f64], first: &[usize], b: &mut [f64], size: usize
     }
 }
 
-/// Factors a matrix in place, P A = L U, with row pivoting; returns the order of the rows. A singular matrix yields numbers
-/// that are not finite. It divides by the pivots, where [`eliminate`] multiplies by their reciprocals.
+/// Factors a matrix in place, P A = L U, with row pivoting; returns the order of the rows. For a singular matrix, the
+/// factors are not finite. Unlike [`eliminate`], it divides by the pivots instead of multiplying by their reciprocals.
 pub fn factor_lu(matrix: &mut [f64], size: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..size).collect();
     for k in 0..size {

@@ -14,10 +14,10 @@ pub use libm::{
 /// Largest doubled exponent for which xⁿ is computed by products and a square root: covers Hertz and linear laws.
 const MAX_HALF_POWERS: i32 = 8;
 
-/// xⁿ for x ≥ 0, with a relative error of at most (1.1 + 3.5 |n log₂ x|) 2⁻⁵³: five roundings of the logarithm and one
-/// of the power. For the 2.2nd power of a depth of 1e-7 m the error is 2e-14; the depth is a difference of lengths with
-/// a relative error of 1e-10. A correctly rounded power would take three times as long. Integer and half-integer n up
-/// to 4 use products and cost less.
+/// xⁿ for x ≥ 0. The relative error is at most (1.1 + 3.5 |n log₂ x|) 2⁻⁵³: five roundings of the logarithm and one of
+/// the power. For a depth of 1e-7 m to the power 2.2 it is 2e-14; the depth itself, a difference of lengths, has a
+/// relative error of 1e-10. A correctly rounded power would take three times as long. Integer and half-integer n up to
+/// 4 use products and cost less.
 #[inline]
 pub fn pow(x: f64, n: f64) -> f64 {
     let half_powers = (2.0 * n) as i32;
@@ -28,7 +28,7 @@ pub fn pow(x: f64, n: f64) -> f64 {
     libm::exp2(n * LOG2_E * libm::log(x))
 }
 
-/// xⁿ by products: the standard library does not guarantee the same result on every platform.
+/// xⁿ by repeated multiplication. The standard library does not guarantee the same result on every platform.
 #[inline]
 pub fn powi(x: f64, n: i32) -> f64 {
     let (mut product, mut square, mut remaining) = (1.0, x, n.unsigned_abs());

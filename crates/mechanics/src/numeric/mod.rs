@@ -220,8 +220,8 @@ impl<const N: usize> SubAssign for Dual<N> {
 
 /// Returns the array `[f(0), f(1), …]`.
 ///
-/// `array::from_fn` and array `map` instantiate half a dozen functions for each closure and each array size; they were
-/// a third of the code that the core had to compile. Hence the plain loops of this and the next functions.
+/// `array::from_fn` and array `map` instantiate half a dozen functions for each closure and each array size: a third of
+/// the code that the core had to compile. This function and the next two therefore use plain loops.
 #[inline(always)]
 pub fn array_from<T: Copy + Default, const N: usize>(mut f: impl FnMut(usize) -> T) -> [T; N] {
     let mut array = [T::default(); N];
@@ -231,7 +231,7 @@ pub fn array_from<T: Copy + Default, const N: usize>(mut f: impl FnMut(usize) ->
     array
 }
 
-/// `[f(array[0]), f(array[1]), …]`.
+/// Returns `[f(array[0]), f(array[1]), …]`.
 #[inline(always)]
 pub fn map_array<T: Copy, U: Copy + Default, const N: usize>(array: [T; N], f: impl Fn(T) -> U) -> [U; N] {
     let mut result = [U::default(); N];
@@ -241,7 +241,7 @@ pub fn map_array<T: Copy, U: Copy + Default, const N: usize>(array: [T; N], f: i
     result
 }
 
-/// [`map_array`] for an `f` that returns the same type, which need not implement [`Default`].
+/// Like [`map_array`], for an `f` that returns the type of its argument; this type need not implement [`Default`].
 #[inline(always)]
 pub fn map_same_type<T: Copy, const N: usize>(mut array: [T; N], f: impl Fn(T) -> T) -> [T; N] {
     for entry in &mut array {
@@ -253,7 +253,7 @@ pub fn map_same_type<T: Copy, const N: usize>(mut array: [T; N], f: impl Fn(T) -
 /// Decimals that a message adds at most to tell two numbers apart: those of a double below 1.
 pub(crate) const MORE_DECIMALS: usize = 17;
 
-/// Returns the number of decimals with which numbers that differ do so in a text, at least `least`.
+/// Returns the number of decimals, at least `least`, that a text needs to tell different numbers apart.
 pub fn decimals(numbers: &[f64], least: usize) -> usize {
     let is_told = |decimals: &usize| {
         let texts: Vec<String> = numbers.iter().map(|number| format!("{number:.decimals$}")).collect();

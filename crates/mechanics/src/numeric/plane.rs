@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::Real;
 use super::elementary::atan2;
 
-/// (x, y).
+/// A vector (x, y).
 pub type Vector<T> = [T; 2];
 
 #[inline(always)]
@@ -64,7 +64,8 @@ pub fn angle_between<T: Real>(a: Vector<T>, b: Vector<T>) -> T {
     sin.chain2(cos, angle, c, -s)
 }
 
-/// Angle from one unit vector to another in (−π/2, 3π/2]: a tip cannot reach the branch cut at −90° beyond its stop.
+/// Angle from one unit vector to another, in (−π/2, 3π/2]. A tip that bends beyond its stop cannot reach the branch cut
+/// at −90°.
 #[inline(always)]
 pub fn opening_angle<T: Real>(from: Vector<T>, to: Vector<T>) -> T {
     let angle = angle_between(from, to);

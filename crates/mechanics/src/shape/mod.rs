@@ -14,7 +14,8 @@ pub enum Shape {
     Disc { radius_m: f64 },
 }
 
-/// Dimensions of a shape: name and value in m of one or two lengths; not allocated, because studies call it often.
+/// Dimensions of a shape: one or two pairs of name and value in m. They are not allocated, because studies call this
+/// function often.
 pub fn dimensions(shape: &Shape) -> impl Iterator<Item = (&'static str, f64)> + use<> {
     let sizes = match shape {
         Shape::Disc { radius_m } => [Some(("radius", *radius_m)), None],
@@ -66,7 +67,8 @@ pub fn support<T: Real>(placed: &PlacedShape<T>, _direction: Vector<T>) -> Suppo
     }
 }
 
-/// Outward normal at the surface point nearest to an exterior point, and its distance from the centre along it.
+/// Outward normal at the surface point nearest to an exterior point, and the distance of the exterior point from the
+/// centre along this normal.
 #[inline(always)]
 pub fn normal_towards<T: Real>(placed: &PlacedShape<T>, point: Vector<T>) -> (Vector<T>, T) {
     let offset = sub(point, placed.centre_m);
@@ -79,13 +81,13 @@ pub fn normal_towards<T: Real>(placed: &PlacedShape<T>, point: Vector<T>) -> (Ve
     }
 }
 
-/// Returns the line through the origin that passes a shape on its left at this distance.
+/// Returns the line through the origin that has the distance `distance_m` from a shape and the shape on its left.
 ///
 /// For a disc with D² = x_c² + y_c² and R = r_c + w: q_c21 = atan2(y_c, x_c) − asin(R/D), l_c21 = √(D² − R²) (thesis
 /// (B.3)).
 ///
 /// # Errors
-/// Returns the smallest allowed distance of the centre from the origin, m, if the centre is nearer.
+/// If the centre is too near to the origin, returns the smallest allowed distance, m.
 pub fn tangent(placed: &PlacedShape, distance_m: f64) -> Result<Tangent, f64> {
     let [x, y] = placed.centre_m;
     match placed.shape {
@@ -99,8 +101,8 @@ pub fn tangent(placed: &PlacedShape, distance_m: f64) -> Result<Tangent, f64> {
     }
 }
 
-/// Returns the second line at that distance, through the point of the first line `beyond_m` behind its contact. Its
-/// angle is relative to the first line.
+/// Returns the second line at that distance from the shape, through the point of the first line that lies `beyond_m`
+/// beyond its contact. Its angle is relative to the first line.
 ///
 /// For a disc both tangents have the same length t = l21 − l_c21 (errata 14), and the angle is 2β with tan β = t/R.
 pub fn second_tangent(placed: &PlacedShape, distance_m: f64, _first: &Tangent, beyond_m: f64) -> Tangent {
@@ -133,7 +135,8 @@ pub struct Support<T> {
     pub slope: T,
 }
 
-/// A line tangent to a shape at a distance: the centre line of a phalanx, half a width from the surface.
+/// A line tangent to a shape at a distance, such as the centre line of a phalanx, which is half a width from the
+/// surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tangent {
     pub angle_rad: f64,
@@ -142,7 +145,7 @@ pub struct Tangent {
 }
 
 impl Shape {
-    /// Returns the shape at a position, aligned with the frame.
+    /// Returns the shape at a position, with its axes along those of the frame.
     pub const fn at(self, centre_m: [f64; 2]) -> PlacedShape {
         PlacedShape { shape: self, centre_m, angle_rad: 0.0 }
     }
@@ -170,7 +173,8 @@ impl PlacedShape {
         (0..CORNERS).map(direction).map(|(sin, cos)| self.furthest_point_m([cos, sin])).collect()
     }
 
-    /// Returns the shape in the frame of a finger, half a palm width from the centre; mirrored for a left one (−1).
+    /// Returns the shape in the frame of a finger, whose origin is half a palm width from the centre. `mirror` is −1
+    /// for a left finger, whose frame is mirrored.
     #[must_use]
     #[inline(always)]
     pub fn in_finger_frame(self, mirror: f64, half_palm_m: f64) -> Self {
@@ -186,7 +190,7 @@ impl PlacedShape {
 }
 
 impl<T: Real> Support<T> {
-    /// Zero support values, for contacts without a surface, such as a joint limit.
+    /// Returns zero support values, for contacts without a surface, such as a joint limit.
     pub fn none() -> Self {
         Self { distance: T::zero(), slope: T::zero() }
     }

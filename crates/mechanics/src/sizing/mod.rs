@@ -26,7 +26,8 @@ pub const INTERVALS: usize = 400;
 pub enum Rule {
     /// RMS of the net torque r1 + r2 over the rigid phase.
     Rigid,
-    /// RMS over all of T, with the constant spring at q22, and l21 at rest after its contact: r1 + (∂q22/∂q11) k_s.
+    /// RMS of r1 + (∂q22/∂q11) k_s over all of T: with the constant spring at q22, and with l21 at rest after its
+    /// contact.
     Whole,
 }
 
@@ -49,12 +50,13 @@ pub struct Sizing {
     pub spring_n_m: f64,
 }
 
-/// Sizes motor and spring (at q22) of a finger in the reference assembly mode; fails as [`closing`] does.
+/// Sizes the motor and the spring (at q22) of a finger in the reference assembly mode. Fails under the same conditions
+/// as [`closing`].
 pub fn size(finger: &Finger, task: &Task, rule: Rule) -> Result<Sizing, SizingError> {
     size_with(finger, task, rule, Placement::Phalanges, INTERVALS)
 }
 
-/// [`size`] with any placement of the spring and any number of intervals (even, at least 2).
+/// Like [`size`], with any placement of the spring and any number of intervals (even, at least 2).
 pub fn size_with(
     finger: &Finger,
     task: &Task,
@@ -149,7 +151,7 @@ pub struct Profile {
     pub convergence: f64,
     /// k_s for each placement of the spring, in the order of [`Placement::ALL`].
     pub placements_n_m: [f64; 4],
-    /// Torque of the torsional spring over its extension: k_s/q_p.
+    /// Stiffness c_s of the torsional spring: k_s/q_p.
     pub torsional_n_m_per_rad: f64,
     pub points: Vec<ProfilePoint>,
 }
@@ -173,10 +175,11 @@ pub struct ProfilePoint {
     pub torsional_n_m: f64,
 }
 
-/// Evaluates the test trajectory at `samples` equal time steps; the contact is an additional point, once on each side.
+/// Evaluates the test trajectory at `samples` equal time steps. The contact is an additional time with two samples, one
+/// for each side.
 ///
 /// `preload_rad` is q_p, the deflection of the torsional spring when the finger is straight: c_s = k_s/q_p (2.30).
-/// Fails as [`size`] does, and if the preload is not above 0.
+/// Fails under the same conditions as [`size`], and if the preload is not above 0.
 pub fn profile(finger: &Finger, task: &Task, preload_rad: f64, samples: usize) -> Result<Profile, SizingError> {
     positive(&[("preload_rad", preload_rad)])?;
     let closing = closing(finger, task)?;

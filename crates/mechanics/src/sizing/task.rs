@@ -36,15 +36,15 @@ pub struct Closing {
     pub start: Posture,
     /// Final posture: both phalanges on the object.
     pub end: FinalPosture,
-    /// Contact angle q_c21, at which l21 remains.
+    /// Contact angle q_c21; l21 stays there after the contact.
     pub q21_contact_rad: f64,
     pub trajectory: Trajectory,
-    /// x = t/T of the proximal contact: the end of the rigid phase.
+    /// x = t/T at the proximal contact, where the rigid phase ends.
     pub contact_x: f64,
 }
 
 impl Closing {
-    /// End of the rigid phase.
+    /// Time at which the rigid phase ends, s.
     pub fn contact_s(&self) -> f64 {
         self.contact_x * self.trajectory.length_s
     }
@@ -53,7 +53,7 @@ impl Closing {
 /// Finds the test trajectory of a finger.
 ///
 /// # Errors
-/// Returns an error if the finger cannot grasp the object, or bends no tip after the proximal contact.
+/// Returns an error if the finger cannot grasp the object, or if its tip does not bend after the proximal contact.
 pub fn closing(finger: &Finger, task: &Task) -> Result<Closing, SizingError> {
     positive(&[("closing_s", task.closing_s)])?;
     if !(task.opening_rad.is_finite() && task.opening_rad > 0.0) {
@@ -158,7 +158,8 @@ pub(crate) fn inverse_position(fraction: f64) -> f64 {
     x
 }
 
-/// Trajectory of the motor link (thesis §3.3.2.1, Fig. 3.1): from `from_rad` over `stroke_rad` in `length_s`.
+/// Trajectory of the motor link (thesis §3.3.2.1, Fig. 3.1): it starts at `from_rad` and covers `stroke_rad` in
+/// `length_s`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trajectory {
     pub from_rad: f64,

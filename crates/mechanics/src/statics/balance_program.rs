@@ -20,7 +20,7 @@ use super::{Result, StaticsError};
 /// Generalised forces of one load: one column of the equations.
 pub type Load = Vec<f64>;
 
-/// A force or torque of unknown size: its load per unit, scaled to size 1, and its bounds.
+/// A force or torque of unknown magnitude: its bounds, and the load per unit, scaled to size 1.
 #[derive(Clone, Debug)]
 pub struct Column {
     pub load: Load,
@@ -29,7 +29,8 @@ pub struct Column {
     pub size: f64,
 }
 
-/// Columns, scaled to loads of about 1: driving load D, unilateral forces G along edges of friction cones, torques B.
+/// Linear programme with columns scaled to loads of about 1: the driving load D, the unilateral forces G along the
+/// edges of the friction cones, and the torques B.
 #[derive(Clone, Debug)]
 pub struct Program {
     pub columns: Vec<Column>,

@@ -65,8 +65,8 @@ pub struct StaticKinematics {
     pub tip_slope: [f64; 2],
 }
 
-/// Link directions and passive rates of the final posture. It is singular if l12 and l22 are in line
-/// ([`StaticsError::InLine`]), or l11 and l12 ([`StaticsError::DeadPoint`]).
+/// Link directions and passive rates of the final posture. Returns an error if the posture is singular: if l12 and l22
+/// are in line ([`StaticsError::InLine`]), or l11 and l12 ([`StaticsError::DeadPoint`]).
 pub fn static_kinematics(finger: &Finger, end: &FinalPosture) -> Result<StaticKinematics> {
     static_kinematics_at(finger, &end.posture)
 }
@@ -104,7 +104,7 @@ pub struct Equilibrium {
     pub pfp_n: f64,
 }
 
-/// Phalanges that would have to pull: they separate instead, and the object is ejected (thesis §1.2.3).
+/// Phalanges whose normal force would have to pull. They separate instead, and the object is ejected (thesis §1.2.3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ejection {
     None,
@@ -135,10 +135,10 @@ impl Equilibrium {
     }
 }
 
-/// τ_a + τ_s on (q11, q21) at the final posture, in N·m (2.30), (2.31): motor torque and spring.
+/// Returns τ_a + τ_s on (q11, q21) at the final posture, in N·m (2.30), (2.31): the loads of motor torque and spring.
 ///
 /// The spring may be of any kind and placement. The deflection of a torsional spring is relative to the straight
-/// configuration; in the other assembly mode, which has no straight configuration, it is less than a turn.
+/// configuration. The other assembly mode has no straight configuration; there, the deflection is less than a turn.
 pub fn drive_loads(finger: &Finger, end: &FinalPosture, motor_n_m: f64, spring: Option<&Spring>) -> Result<[f64; 2]> {
     number("the motor torque", motor_n_m, true, "must be finite")?;
     let StaticKinematics { pose, rates, .. } = static_kinematics(finger, end)?;
@@ -207,18 +207,18 @@ pub fn palm_force(end: &FinalPosture, f21_n: f64, f22_n: f64, mu: f64) -> f64 {
     palm_force_with_mu(end, [f21_n, f22_n], [mu; 2])
 }
 
-/// [`palm_force`] of [F21, F22] with separate friction coefficients of the contacts.
+/// Like [`palm_force`], with separate friction coefficients for the two contacts.
 pub fn palm_force_with_mu(end: &FinalPosture, [f21_n, f22_n]: [f64; 2], [mu_21, mu_22]: [f64; 2]) -> f64 {
     let (sin_c, cos_c) = sin_cos(end.phi_c_rad);
     let (sin_21, cos_21) = sin_cos(end.posture.q21_rad);
     f22_n * (sin_c + mu_22 * cos_c) - f21_n * (cos_21 - mu_21 * sin_21)
 }
 
-/// J, T and f of one grasp in Birglen's formulation (thesis §1.2.1, §1.2.3). θ = (θ1, θ2) are the angle of the proximal
-/// phalanx and the angle of the tip relative to it; the actuator angle is θ_a = q11.
+/// J, T and f of one grasp in Birglen's formulation (thesis §1.2.1, §1.2.3). In θ = (θ1, θ2), θ1 is the angle of the
+/// proximal phalanx, and θ2 is the angle of the tip relative to it. The actuator angle is θ_a = q11.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Birglen {
-    /// J of (1.8), in m: normal velocities of the contacts J θ̇.
+    /// J of (1.8), in m: the normal velocities of the contacts are J θ̇.
     pub jacobian_m: [[f64; 2]; 2],
     /// T of (1.10): θ̇ = T (θ̇_a, θ̇2). Its first row is (1, R_t).
     pub transmission: [[f64; 2]; 2],
@@ -230,7 +230,7 @@ pub struct Birglen {
     pub forces_n: [f64; 2],
 }
 
-/// Forces of (1.11) for the loads τ_a + τ_s on (q11, q21) of [`drive_loads`](super::drive_loads).
+/// Forces of (1.11); `loads` are τ_a + τ_s on (q11, q21) from [`drive_loads`](super::drive_loads).
 ///
 /// Birglen's phalanges are lines. The lever of a normal force does not depend on the width, but friction on the surface
 /// of a phalanx of half width w has the lever w about its joint. Hence the result agrees with

@@ -8,7 +8,8 @@
 //! Q1 is the minimum of the support function h(u) of the set over unit vectors u. The minimum is attained at the normal
 //! of a face, and the normals of all faces are among the cross products of the edges. Hence all of these are evaluated.
 
-/// A contact with the object: point, direction of the normal force on the object (unit vector), friction coefficient.
+/// A contact with the object: point, direction of the normal force on the object (a unit vector), and friction
+/// coefficient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionContact {
     pub point_m: [f64; 2],
@@ -25,8 +26,8 @@ pub struct ForceClosure {
     pub q1_l1: f64,
     /// Q1 for normal forces of at most 1 each.
     pub q1_linf: f64,
-    /// The certificate, a unit wrench (force, moment over radius): the direction of the smallest balanced wrench.
-    /// Without force closure the contacts balance no wrench in this direction.
+    /// Certificate: a unit wrench (force, moment over radius) in the direction of the smallest wrench that can be
+    /// balanced. Without force closure, the contacts balance no wrench in this direction.
     pub weakest: [f64; 3],
 }
 

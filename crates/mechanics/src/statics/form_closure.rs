@@ -18,9 +18,9 @@ use super::{
 use crate::gripper::{FinalPosture, Finger};
 use nalgebra::{DMatrix, DVector};
 
-/// Ratio of the smallest to the largest multiplier (of normalised rows and unknowns) above which a grasp counts as
-/// closed. At smaller ratios rounding dominates, and there is a motion that violates no constraint by more than this
-/// value; such a grasp counts as not closed.
+/// Boundary of form closure: a grasp counts as closed if the ratio of the smallest to the largest multiplier (of
+/// normalised rows and unknowns) is larger. At smaller ratios rounding errors dominate: a motion exists that violates
+/// no constraint by more than this value.
 pub const BOUNDARY: f64 = 1e-9;
 
 /// The programme of the motion separates some row at rate 1 if any can separate; rates below this mean that none can.
@@ -44,7 +44,8 @@ pub struct FormClosure {
     /// Rank of U; full if it is the number of unknowns.
     pub rank: usize,
     pub necessary: NecessaryCount,
-    /// Ratio of the smallest to the largest unique multiplier: distance from the boundary, negative outside.
+    /// Ratio of the smallest to the largest multiplier, a measure of the distance from the boundary of form closure;
+    /// negative outside. `None` if there are no unique multipliers.
     pub margin: Option<f64>,
     pub decision: Decision,
 }
@@ -58,7 +59,7 @@ pub enum Decision {
     Programme,
 }
 
-/// Certificate of the result. Values are in SI units, one for each row or unknown.
+/// Certificate of the result: one value in SI units for each row or unknown.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Certificate {
     /// Closed: λ > 0 with Uᵀ λ = 0, in N for contacts and palm and in N·m for motors, normalised to 1 N·m of the first
@@ -103,7 +104,7 @@ pub fn decide_form_closure(u: &Unilateral) -> Result<FormClosure> {
     report_motion(u, &scaled, n, &motion, Decision::Signs, Some(margin))
 }
 
-/// Decides form closure of a posture, provided that blocked drives are not back-driven, with a certificate.
+/// Decides form closure of a posture, with a certificate. Blocked drives are assumed not to be back-driven.
 pub fn gripper_closure(
     configuration: &GraspConfiguration<'_>,
     active_contacts: &PerContact<bool>,
@@ -112,7 +113,7 @@ pub fn gripper_closure(
     decide_form_closure(&gripper_unilateral(configuration, active_contacts, blocked)?)
 }
 
-/// [`decide_form_closure`], always by linear programmes.
+/// Like [`decide_form_closure`], but always uses linear programmes.
 pub fn decide_by_linear_program(u: &Unilateral) -> Result<FormClosure> {
     if u.unknowns.is_empty() {
         return Ok(report_nothing_moves(u));
@@ -273,7 +274,7 @@ pub(crate) fn scale_constraints(u: &Unilateral) -> Scaled {
     Scaled { matrix, norms }
 }
 
-/// Orthonormal basis of the span of the columns, as columns.
+/// Returns an orthonormal basis of the column space; its vectors are the columns of the result.
 pub fn basis(matrix: &DMatrix<f64>) -> DMatrix<f64> {
     if matrix.is_empty() {
         return DMatrix::zeros(matrix.nrows(), 0);
@@ -300,13 +301,13 @@ pub(crate) fn orthogonal(basis: &DMatrix<f64>) -> DVector<f64> {
     orthogonal_component(basis, &DVector::from_fn(n, |i, _| if i == axis { 1.0 } else { 0.0 })).normalize()
 }
 
-/// ω with A ω = s for a matrix of full column rank and an s in its column space.
+/// Returns ω with A ω = s. A has full column rank, and s is in its column space.
 pub fn solve(matrix: &DMatrix<f64>, s: &DVector<f64>) -> Option<DVector<f64>> {
     let qr = matrix.clone().qr();
     qr.r().solve_upper_triangular(&qr.q().tr_mul(s))
 }
 
-/// Multipliers λ ≥ 1 with Aᵀ λ = 0 and the smallest sum, if they exist.
+/// Returns the multipliers λ ≥ 1 with Aᵀ λ = 0 that have the smallest sum; `None` if there are no such multipliers.
 ///
 /// If they exist, A ω ≥ 0 implies A ω = 0, since λ·A ω = 0 has no negative terms.
 pub fn multipliers(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>> {
@@ -320,7 +321,7 @@ pub fn multipliers(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>> {
     Ok(optimum(&programme)?.map(DVector::from_vec))
 }
 
-/// Returns the motion ω of the largest sum of separations A ω with 0 ≤ A ω ≤ 1.
+/// Returns the motion ω with the largest sum of separation rates A ω, subject to 0 ≤ A ω ≤ 1.
 pub fn motion(matrix: &DMatrix<f64>) -> Result<Option<DVector<f64>>> {
     let (m, n) = matrix.shape();
     // A ω − s = 0.

@@ -40,13 +40,13 @@ pub struct PhalanxContact {
 }
 
 impl PhalanxContact {
-    /// Contact of the proximal phalanx, which rotates about the origin. `foot` is the point of its centre line nearest
-    /// to the object: all points on the normal have the same lever, so that the half width is irrelevant.
+    /// Returns the contact of the proximal phalanx, which rotates about the origin. `foot` is the point of its centre
+    /// line nearest to the object. The half width is irrelevant, because all points on the normal have the same lever.
     pub fn proximal(foot: Vector<f64>, normal: Vector<f64>) -> Self {
         PhalanxContact { normal, levers_m: [cross(foot, normal), 0.0] }
     }
 
-    /// Contact of the distal phalanx, which rotates with the proximal phalanx and about A22.
+    /// Returns the contact of the distal phalanx, which rotates with the proximal phalanx and about A22.
     pub fn distal(foot: Vector<f64>, normal: Vector<f64>, a22: Vector<f64>) -> Self {
         PhalanxContact { normal, levers_m: [cross(foot, normal), cross(sub(foot, a22), normal)] }
     }
@@ -68,7 +68,7 @@ pub struct FingerGrip<'a> {
 }
 
 impl<'a> FingerGrip<'a> {
-    /// Both phalanges are in contact, and the motor cannot be back-driven.
+    /// Returns a grip in which both phalanges touch the object and the motor cannot be back-driven.
     pub fn with_both_contacts(finger: &'a Finger, end: &FinalPosture, side: Side) -> Self {
         let FinalPosture { posture, l_c21_m, l_c22_m, .. } = *end;
         let direction = |angle: f64| [cos(angle), sin(angle)];
@@ -101,12 +101,13 @@ impl<'a> Hand<'a> {
     }
 }
 
-/// A gripper in one posture with its object, in the frame of the palm: origin at its centre, x along it, y out of it.
+/// A gripper in one posture with its object. In the frame of the palm, the origin is at the centre of the palm, x
+/// points along it, and y out of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GraspConfiguration<'a> {
     /// Right and left finger.
     pub fingers: [&'a Finger; 2],
-    /// (q11, q21) of each finger; for the left finger, of its mirror image.
+    /// (q11, q21) of each finger. For the left finger, they are the angles of its mirror image.
     pub angles_rad: [[f64; 2]; 2],
     /// Distance between the ground joints.
     pub palm_width_m: f64,
@@ -116,11 +117,11 @@ pub struct GraspConfiguration<'a> {
 /// The point of a surface of the hand nearest to the object, in the frame of the palm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
-    /// Point on the surface of phalanx or palm.
+    /// Point on the surface of the phalanx or palm.
     pub point_m: [f64; 2],
     /// Unit normal into the object.
     pub normal: [f64; 2],
-    /// Gap, negative in penetration.
+    /// Gap, m; negative in penetration.
     pub gap_m: f64,
 }
 
@@ -150,7 +151,7 @@ impl<T: Copy> PerContact<T> {
 }
 
 impl<'a> GraspConfiguration<'a> {
-    /// Points of phalanges and palm nearest to the object, in contact or not.
+    /// Returns the points of the phalanges and the palm that are nearest to the object, whether or not they touch it.
     pub fn contact_points(&self) -> Result<PerContact<ContactPoint>> {
         let contact_points = |side: Side| -> Result<[ContactPoint; 2]> {
             let FingerGeometry { finger, phalanges, .. } = self.finger_geometry(side)?;
@@ -165,8 +166,8 @@ impl<'a> GraspConfiguration<'a> {
         Ok(PerContact { phalanges: [contact_points(Side::Right)?, contact_points(Side::Left)?], palm })
     }
 
-    /// Returns the hand with these active contacts. Normals are those of the closest points, regardless of the gap:
-    /// contacts of a simulation penetrate by some micrometres.
+    /// Returns the hand with these active contacts. The normals are those of the closest points, regardless of the gap:
+    /// in a simulation, contacts penetrate by some micrometres.
     pub fn hand(&self, active_contacts: &PerContact<bool>) -> Result<Hand<'a>> {
         let grip = |side: Side| -> Result<FingerGrip<'a>> {
             let FingerGeometry { finger, posture, a22, phalanges: [proximal, distal], .. } =
@@ -315,7 +316,7 @@ impl Unilateral {
         Self { rows: Vec::new(), unknowns, matrix: Vec::new(), scale }
     }
 
-    /// Appends a row, given its entry for each unknown.
+    /// Appends a row; `entry` gives its entry for each unknown.
     pub fn push(&mut self, row: Row, entry: impl Fn(Unknown) -> f64) {
         self.rows.push(row);
         self.matrix.extend(self.unknowns.iter().map(|&unknown| entry(unknown)));
@@ -387,19 +388,20 @@ pub fn unilateral(hand: &Hand<'_>) -> Result<Unilateral> {
     Ok(u)
 }
 
-/// Parts of the drive that cannot be back-driven. Blocking them in both directions only adds constraints: a grasp that
-/// is closed with these constraints remains closed.
+/// Parts of the drive that cannot be back-driven: one-sided constraints. A grasp that is closed under them stays closed
+/// if the parts are blocked in both directions, because this only adds constraints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Blocked {
-    /// Each driven link separately: both motors, or both outputs of a differential. n_u = 2 in (1.19).
+    /// Each driven link is blocked separately: both motors, or both outputs of a differential. n_u = 2 in (1.19).
     Outputs,
-    /// Only the input of a differential, whose rotation is the mean of its outputs: one finger may yield while the
-    /// other follows. n_u = 1.
+    /// Only the input of a differential is blocked. Its rotation is the mean of the outputs, so that one finger may
+    /// yield while the other follows. n_u = 1.
     Input,
 }
 
-/// U of (1.18) of a gripper in this posture with these contacts of phalanges and palm. A table is not included, because
-/// the gripper moves its object away from it; a joint limit is not included either, as for one finger.
+/// U of (1.18) for a gripper in this posture, with these contacts of phalanges and palm. A table is not included,
+/// because the gripper moves its object away from it. Joint limits are not included either, as in the analysis of one
+/// finger.
 ///
 /// The object is a disc, all of whose normals pass through its centre: its rotation does not appear in any row and is
 /// not an unknown (d = 2). With rotation as an unknown, a disc would never be form-closed.

@@ -12,7 +12,8 @@
 use super::FrictionContact;
 use super::force_closure::{Wrench, edges};
 
-/// Distance from the hull below which contacts grip an object: a misalignment of opposite contacts by 1e-6 rad.
+/// Contacts grip an object if the distance of the origin from the hull is below this value: a misalignment of opposite
+/// contacts by 1e-6 rad.
 pub const GRIP_TOLERANCE: f64 = 1e-6;
 
 /// A vertex lies beyond the nearest point if it reduces the square of the distance by more than this part of the largest
@@ -36,24 +37,26 @@ impl WrenchHull {
         self.vertices.clear();
     }
 
-    /// Adds the edges of a contact.
+    /// Adds the two edges of the friction cone of a contact.
     pub fn add(&mut self, edges: [Wrench; 2]) {
         self.vertices.extend(edges);
     }
 
-    /// Returns the edges of a contact with an object, with moments about its centre of mass over its radius.
+    /// Returns the edges of the friction cone of a contact with an object. Moments are about its centre of mass,
+    /// divided by its radius.
     pub fn edges_of(contact: &FrictionContact, centre_m: [f64; 2], radius_m: f64) -> [Wrench; 2] {
         edges(contact, centre_m, radius_m)
     }
 
-    /// Whether all vertices lie beyond the tolerance of a grip in a direction.
+    /// Whether all vertices lie beyond [`GRIP_TOLERANCE`] in a direction, which then separates the hull from the
+    /// origin.
     pub fn is_separated(&self, direction: &Wrench) -> bool {
         let length = direction.norm();
         self.vertices.iter().all(|vertex| direction.dot(vertex) > GRIP_TOLERANCE * length)
     }
 
-    /// Returns the point nearest to the origin of the affine hull of some vertices, if they are independent and the point lies
-    /// between them, and thus in the hull.
+    /// Returns the point nearest to the origin in the affine hull of the `support` vertices. `None` if these vertices
+    /// are dependent, or if the point does not lie between them and thus not in the convex hull.
     pub fn nearest_of(&self, support: &[usize]) -> Option<Wrench> {
         let vertex = |index: &usize| Some((*self.vertices.get(*index)?, 0.0));
         let simplex = support.iter().map(vertex).collect::<Option<Vec<_>>>()?;
@@ -61,8 +64,8 @@ impl WrenchHull {
         Some(simplex.iter().zip(weights).map(|((vertex, _), weight)| vertex * weight).sum())
     }
 
-    /// Returns a distance by which the origin lies inside the hull of some vertices that contains it: that from the nearest face
-    /// of a tetrahedron, and 0 for fewer vertices.
+    /// Returns a lower bound of the depth of the origin in the hull, from vertices whose hull contains it: for four
+    /// vertices, the distance from the nearest face of their tetrahedron; for fewer, 0.
     pub fn depth_in(&self, support: &[usize]) -> f64 {
         let &[a, b, c, d] = support else { return 0.0 };
         let distance = |face: [usize; 3]| {
@@ -76,8 +79,8 @@ impl WrenchHull {
         if is_known { distances.into_iter().fold(f64::INFINITY, f64::min) } else { 0.0 }
     }
 
-    /// Returns the point of the hull that is nearest to the origin, and the vertices between which it lies; `None` without
-    /// contacts.
+    /// Returns the point of the hull that is nearest to the origin, and the indices of the vertices between which it
+    /// lies; `None` without contacts.
     pub fn nearest(&self) -> Option<(Wrench, Vec<usize>)> {
         let square = |vertex: &Wrench| vertex.dot(vertex);
         let first = self.vertices.iter().min_by(|a, b| square(a).total_cmp(&square(b)))?;
@@ -99,8 +102,8 @@ impl WrenchHull {
     }
 }
 
-/// Returns the distance of the origin from the convex hull of the wrenches of contacts, at a normal force of 1; infinite
-/// without contacts. Contacts grip an object if it is below [`GRIP_TOLERANCE`].
+/// Returns the distance of the origin from the convex hull of the wrenches of contacts with a normal force of 1;
+/// infinite without contacts. Contacts grip an object if the distance is below [`GRIP_TOLERANCE`].
 pub fn hull_distance(contacts: &[FrictionContact], centre_m: [f64; 2], radius_m: f64) -> f64 {
     let mut hull = WrenchHull::default();
     contacts.iter().for_each(|contact| hull.add(edges(contact, centre_m, radius_m)));

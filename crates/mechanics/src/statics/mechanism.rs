@@ -34,16 +34,16 @@ const RATE_ROUNDING: f64 = 1e-7;
 /// A contact that can push.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactAtRest {
-    /// Bodies of points and face; `None` is the ground.
+    /// Bodies of the points and of the face; `None` is the ground.
     pub bodies: [Option<usize>; 2],
     pub point_m: [f64; 2],
-    /// Unit normal, from the face to the points: the direction of the force on the body of the points.
+    /// Unit normal from the face to the points: the direction of the contact force on the body of the points.
     pub normal: [f64; 2],
     pub mu: f64,
 }
 
 impl ContactAtRest {
-    /// Unit normal into a body; `None` for a contact of other bodies.
+    /// Unit normal into a body; `None` if the contact does not involve this body.
     pub fn push_on(&self, body: usize) -> Option<[f64; 2]> {
         match self.bodies.map(|of| of == Some(body)) {
             [true, _] => Some(self.normal),
@@ -53,12 +53,12 @@ impl ContactAtRest {
     }
 }
 
-/// State of the actuators of the hand; those that move its base are blocked.
+/// State of the actuators of the hand. Actuators that move the base of the hand are always blocked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DriveState {
-    /// Every actuator holds with any torque or force, on a cable with any tension.
+    /// Every actuator gives any torque or force; on a cable, any tension.
     Blocked,
-    /// Every actuator has the effort of its command at rest, and its brake the limit that it has at the time.
+    /// Every actuator gives the effort of its command at rest. Its brake adds an effort up to the limit at this time.
     AtEffort,
 }
 
@@ -68,25 +68,25 @@ pub struct MechanismAtRest<'a> {
     pub mechanism: &'a Mechanism,
     pub poses: &'a [Pose],
     pub time_s: f64,
-    /// Contacts that can push, without those with the surroundings.
+    /// Contacts that can push; contacts with the surroundings are excluded.
     pub contacts: &'a [ContactAtRest],
     pub drives: DriveState,
     pub roles: &'a Roles,
 }
 
-/// Loads of a motion that has come to rest, which stay as they are while the base is accelerated.
+/// Loads of a motion that has come to rest. They remain constant while the base is accelerated.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadsAtRest {
     /// Efforts of the actuators of joints, N·m or N.
     pub efforts: Vec<f64>,
-    /// Ranges of the efforts that the actuators and their brakes can add to them.
+    /// Ranges of the additional efforts of the actuators and their brakes.
     pub slack: Vec<[f64; 2]>,
-    /// Tensions of all cables, N. A cable whose actuator is blocked has any tension instead.
+    /// Tensions of all cables, N. The tension of a cable whose actuator is blocked is arbitrary instead.
     pub tensions_n: Vec<f64>,
 }
 
-/// Largest part of the loads that no forces within their cones balance, relative to the largest load: 1 %, far above the rest
-/// of a motion that decays, and far below a load that causes a motion.
+/// Largest unbalanced part of the loads, relative to the largest load. 1 % is far above the residual of a decaying
+/// motion, and far below a load that causes a motion.
 pub const MAX_REMAINDER: f64 = 0.01;
 
 /// Accelerations that a motion at rest can balance.
@@ -94,7 +94,7 @@ pub const MAX_REMAINDER: f64 = 0.01;
 pub enum BalanceAtRest {
     /// Limits in all directions.
     Limits(Vec<MechanismBalance>),
-    /// The unbalanced part of the loads, relative to the largest one.
+    /// The loads are not balanced. `remainder` is the unbalanced part, relative to the largest load.
     NotAtRest { remainder: f64 },
 }
 
@@ -105,10 +105,10 @@ pub type BodyMotion = Pose;
 #[derive(Clone, Debug, PartialEq)]
 pub struct MechanismClosure {
     pub closure: FormClosure,
-    /// A motion of all bodies that separates contacts or slides along them, with the largest velocity 1 mm/s or
-    /// 1 mm/s divided by the typical length; `None` with form closure.
+    /// A motion of all bodies that separates contacts or slides along them; `None` with form closure. Its largest
+    /// velocity is 1 mm/s, or 1 mm/s divided by the typical length for rotations.
     pub motion: Option<Vec<BodyMotion>>,
-    /// Number of coordinates with the actuators blocked.
+    /// Number of coordinates when the actuators are blocked.
     pub coordinates: usize,
 }
 
@@ -121,36 +121,37 @@ pub struct MechanismBalance {
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum MechanismLimit {
-    /// Not even a base at rest: no forces within the cones balance weight, springs and actuators.
+    /// Not even a base at rest can be balanced: no forces within the cones balance weight, springs and actuators.
     Infeasible {
-        /// A motion in which all admissible forces together have positive power.
+        /// A motion in which every set of admissible forces has positive power.
         motion: Vec<BodyMotion>,
-        /// Actuators that move in it, as in `Limited`.
+        /// Actuators that move in this motion, as in `Limited`.
         yielding: Vec<usize>,
     },
-    /// Any acceleration: the balancing forces can grow with it.
+    /// Any acceleration can be balanced, because the balancing forces can grow with it.
     Unlimited,
     Limited {
         acceleration_m_s2: f64,
-        /// Normal and tangential force of each contact, not necessarily unique, and its motion.
+        /// For each contact, normal force, tangential force and motion. The forces are not necessarily unique.
         contacts: Vec<(f64, f64, ContactMotion)>,
-        /// Effort of each joint limit that is reached, N·m or N, and its motion.
+        /// For each joint limit that is reached, its effort, N·m or N, and its motion.
         limits: Vec<(f64, ContactMotion)>,
-        /// Brakes and joints with friction, in their order, and whether they slip.
+        /// Brakes and joints with friction, in their order, each with whether it slips.
         brakes: Vec<BrakeLoad>,
         /// Tensions of the blocked cables, in the order of the tendons with an actuator; none at effort.
         tensions_n: Vec<f64>,
         /// The motion that a larger acceleration causes.
         motion: Vec<BodyMotion>,
-        /// Actuators that move in it, in the order of [`efforts`]: their efforts decide. A blocked cable becomes slack.
+        /// Actuators that move in this motion, in the order of [`efforts`]. Their efforts determine the limit; a
+        /// blocked cable becomes slack.
         yielding: Vec<usize>,
-        /// Relative difference of the limits from forces and from motion.
+        /// Relative difference of the limits computed from forces and from the motion.
         gap: f64,
     },
 }
 
 impl MechanismLimit {
-    /// Returns the limit, m/s²; `None` if there is no limit and if the balance is infeasible.
+    /// Returns the limit, m/s²; `None` if there is no limit, or if the balance is infeasible.
     pub fn acceleration_m_s2(&self) -> Option<f64> {
         match self {
             MechanismLimit::Limited { acceleration_m_s2, .. } => Some(*acceleration_m_s2),
@@ -184,14 +185,14 @@ pub fn mechanism_balance_towards(at_rest: &MechanismAtRest<'_>, direction: [f64;
     frame.balance(&frame.equations()?, direction, &mut false)
 }
 
-/// [`mechanism_balance_towards`] in `count` equally spaced directions from x towards y.
+/// Like [`mechanism_balance_towards`], in `count` equally spaced directions from x towards y.
 pub fn mechanism_balance(at_rest: &MechanismAtRest<'_>, count: usize) -> Result<Vec<MechanismBalance>> {
     let frame = Frame::new(at_rest, at_rest.drives);
     frame.balance_all(&frame.equations()?, count)
 }
 
-/// Returns the largest acceleration of the base, in `count` equally spaced directions from x towards y, that the loads of a
-/// motion at rest can balance. What they cannot balance without an acceleration is subtracted.
+/// Returns the largest acceleration of the base that the loads of a motion at rest can balance, in `count` equally
+/// spaced directions from x towards y. Loads that are unbalanced without an acceleration are subtracted.
 pub fn balance_at_rest(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest, count: usize) -> Result<BalanceAtRest> {
     let frame = Frame::new(at_rest, at_rest.drives);
     Ok(match balanced_equations(&frame, loads)? {
@@ -200,7 +201,7 @@ pub fn balance_at_rest(at_rest: &MechanismAtRest<'_>, loads: &LoadsAtRest, count
     })
 }
 
-/// [`balance_at_rest`] in one direction; `None` if the loads are not balanced.
+/// Like [`balance_at_rest`], in one direction; `None` if the loads are not balanced.
 pub fn balance_at_rest_towards(
     at_rest: &MechanismAtRest<'_>,
     loads: &LoadsAtRest,

@@ -12,13 +12,13 @@ use crate::numeric::elementary::hypot;
 use crate::numeric::plane::sub;
 use crate::palm_motion::PalmMotion;
 
-/// Keys of a scene about its grasp; everything else has a default.
+/// Grasp settings of a scene. Missing settings have defaults.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GraspKeys {
     pub object: Option<usize>,
-    /// `Some(None)` is the ground.
+    /// Base of the hand; `Some(None)` is the ground.
     pub base: Option<Option<usize>>,
-    /// Outlines that are no part of the hand.
+    /// Outlines that are not part of the hand.
     pub surroundings: Vec<OutlineId>,
     /// Time at which the hand releases the object.
     pub release_s: Option<f64>,
@@ -28,9 +28,9 @@ pub struct GraspKeys {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraspRoles {
     pub object: usize,
-    /// The body in whose frame the object travels; `None` is the ground.
+    /// The body relative to which the travel of the object is measured; `None` is the ground.
     pub base: Option<usize>,
-    /// Largest distance of the outlines of the object from its centre of mass, m.
+    /// Largest distance from the centre of mass of the object to its outlines, m.
     pub radius_m: f64,
     /// Pairs of the object with the hand and the surroundings.
     pub pairs: Vec<GraspPair>,
@@ -43,11 +43,11 @@ pub struct GraspRoles {
 /// An outline of the object and one of another body, with all their contact points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraspPair {
-    /// `left.pad/object.skin`.
+    /// Name such as `left.pad/object.skin`.
     pub name: String,
     /// Outline of the other body.
     pub other: OutlineId,
-    /// Whether the other outline is one of the hand, or else of the surroundings.
+    /// Whether the other outline belongs to the hand; otherwise it belongs to the surroundings.
     pub is_hand: bool,
     /// Indices of the contact points, in the order of [`Mechanism::point_contacts`].
     pub points: Vec<usize>,
@@ -138,7 +138,7 @@ pub fn default_object(mechanism: &Mechanism) -> std::result::Result<usize, NoGra
     }
 }
 
-/// Largest distance of the outlines of a body from its centre of mass, m; infinite with a half plane.
+/// Largest distance from the centre of mass of a body to its outlines, m; infinite with a half plane.
 pub fn radius_m(body: &Body) -> f64 {
     let reach = |shape: &OutlineShape| match shape {
         OutlineShape::HalfPlane { .. } => f64::INFINITY,
@@ -162,14 +162,15 @@ pub fn radius_m(body: &Body) -> f64 {
 pub struct Roles {
     /// The body that is accelerated; `None` is the ground.
     pub base: Option<usize>,
-    /// Whether each body moves with the base: the base, what carries it, and bodies with a prescribed motion.
+    /// For each body, whether it moves with the base: the base itself, bodies that carry it, and bodies with a
+    /// prescribed motion.
     pub moves_with_base: Vec<bool>,
-    /// Whether each body has to be balanced.
+    /// For each body, whether forces have to balance it.
     pub is_balanced: Vec<bool>,
 }
 
-/// Returns the roles in the grasp of `object` by a hand without the outlines listed as surroundings, with the pairs of bodies of
-/// the contacts that can push.
+/// Returns the roles of all bodies in the grasp of `object`. `surroundings` are outlines that do not belong to the
+/// hand; `contacts` are the pairs of bodies of the contacts that can push.
 pub fn roles(
     mechanism: &Mechanism,
     (object, base): (usize, Option<usize>),
@@ -206,10 +207,11 @@ pub fn roles(
 
 /// Returns the base of the hand that holds an object; `None` is the ground.
 ///
-/// The base is the last body through which every path of joints from the ground leads to the bodies that can touch the
-/// object, and from which at least two joints lead on to such bodies: the palm of a hand on a lift. A body with a
-/// prescribed motion that carries all of them is a base as well. Without such a body, the base is the frame of the mechanism:
-/// the ground, or the body that stands for it. Outlines listed as surroundings do not count as touching.
+/// A body qualifies as the base if every path of joints from the ground to the bodies that can touch the object leads
+/// through it, and if at least two of its joints lead on to such bodies. An example is the palm of a hand on a lift. A
+/// body with a prescribed motion that carries all of them qualifies as well. The base is the last of these bodies, seen
+/// from the ground. Without such a body, the base is the frame of the mechanism: the ground, or the body that stands
+/// for it. Outlines listed as surroundings do not count as touching.
 pub fn default_base(mechanism: &Mechanism, object: usize, surroundings: &[OutlineId]) -> Option<usize> {
     let graph = Graph { mechanism, object, surroundings };
     let touching = graph.touching();
@@ -219,7 +221,8 @@ pub fn default_base(mechanism: &Mechanism, object: usize, surroundings: &[Outlin
     base.or(mechanism.frame())
 }
 
-/// Whether every path of joints from the ground to the bodies that can touch the object leads through a body.
+/// Whether `base` carries the hand: every path of joints from the ground to the bodies that can touch the object leads
+/// through it.
 pub fn carries(mechanism: &Mechanism, (object, base): (usize, usize), surroundings: &[OutlineId]) -> bool {
     let graph = Graph { mechanism, object, surroundings };
     let without = graph.ground_side(base);
@@ -227,13 +230,14 @@ pub fn carries(mechanism: &Mechanism, (object, base): (usize, usize), surroundin
     can_carry && graph.touching().into_iter().all(|body| body == base || !without[body])
 }
 
-/// Whether joints connect each body with the ground, or with a prescribed motion, without passing the base of a hand: what
-/// carries the base.
+/// For each body, whether it carries the base of a hand: whether joints connect it with the ground, or with a
+/// prescribed motion, without passing the base.
 pub fn carriers(mechanism: &Mechanism, (object, base): (usize, usize)) -> Vec<bool> {
     Graph { mechanism, object, surroundings: &[] }.ground_side(base)
 }
 
-/// Moves the ground with all that is fixed to it, except outlines listed as surroundings; the keys follow.
+/// Moves the ground with everything fixed to it, except outlines listed as surroundings. `keys` are updated
+/// accordingly.
 pub fn move_ground(mechanism: &mut Mechanism, keys: &mut Option<GraspKeys>, motion: PalmMotion) {
     let listed = keys.as_ref().map_or(&[][..], |keys| &keys.surroundings);
     let places = mechanism.move_frame(motion, |outline| listed.contains(&OutlineId { body: None, outline }));
@@ -247,14 +251,15 @@ pub fn move_ground(mechanism: &mut Mechanism, keys: &mut Option<GraspKeys>, moti
 }
 
 impl Roles {
-    /// Whether a contact is one with the surroundings, which the base does not carry along: with the ground or a body of
-    /// prescribed motion that is not the base.
+    /// Whether one of the bodies of a contact belongs to the surroundings: it is the ground or a body with a prescribed
+    /// motion, and it is not the base.
     pub fn is_surroundings(&self, mechanism: &Mechanism, bodies: [Option<usize>; 2]) -> bool {
         let is_other = |body: Option<usize>| mechanism.is_base(body) && body != self.base;
         self.base.is_some() && bodies.into_iter().any(is_other)
     }
 
-    /// Whether a combination of joints moves the base: none of its joints moves relative to the base.
+    /// Whether a combination of joints moves the base. This is the case if none of its joints moves relative to the
+    /// base.
     pub fn moves_base(&self, mechanism: &Mechanism, on: &JointCombination) -> bool {
         let bodies = on.terms.iter().flat_map(|(joint, _)| mechanism.joints[*joint].bodies);
         bodies.flatten().all(|body| self.moves_with_base[body])

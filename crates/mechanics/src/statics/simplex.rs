@@ -79,8 +79,8 @@ struct Tableau {
 }
 
 impl LinearProgram {
-    /// Like [`LinearProgram::solve`]; where several multipliers are optimal, the smallest ones instead of those of a vertex, so
-    /// that ties of a symmetric hand have a symmetric result.
+    /// Like [`LinearProgram::solve`], but if the optimal multipliers are not unique, returns those of least norm
+    /// instead of those of a vertex. A symmetric hand then has a symmetric result.
     pub fn solve_with_smallest_multipliers(&self, rule: Rule) -> Option<Outcome> {
         let found = self.solve(rule)?;
         let Outcome::Optimal { x, y } = &found else { return Some(found) };

@@ -25,8 +25,8 @@ const L11: usize = 0;
 const L12: usize = 1;
 const L21: usize = 2;
 const L22: usize = 3;
-/// Joints of a finger in the order of its mechanism. q11 and q21 are the ground joints, q12 and q22 the passive joints,
-/// each relative to the preceding link; `loop` connects the ends of l12 and l22.
+/// Joints of a finger, in the order of its mechanism. q11 and q21 are the ground joints. q12 and q22 are the passive
+/// joints, relative to the preceding link. `loop` connects the ends of l12 and l22.
 pub const FINGER_JOINTS: [&str; 5] = ["q11", "q12", "q21", "q22", "loop"];
 const Q11: usize = 0;
 const Q12: usize = 1;
@@ -56,7 +56,7 @@ impl Hand {
         open_loop.map_or(Ok(mechanism), Err)
     }
 
-    /// Returns the mechanism of the hand. A finger whose loop does not close at its start is straight in it.
+    /// Returns the mechanism of the hand. A finger whose loop does not close at its start is drawn straight.
     pub fn drawn_mechanism(&self) -> Mechanism {
         self.build().0
     }
@@ -121,7 +121,8 @@ impl Hand {
         (mechanism, open_loop)
     }
 
-    /// Whether the mechanism has a motor on the driven link of a finger: a differential replaces both.
+    /// Whether the mechanism has a motor on the driven link of a finger. A differential replaces the motors of both
+    /// fingers.
     pub fn has_motor(&self, finger: &HandFinger) -> bool {
         self.differential.is_none() || finger.motor != Motor::NONE
     }

@@ -14,7 +14,7 @@ pub(crate) const NO_EFFECT: &str = "no effect";
 /// Reads values and collects problems.
 pub struct Checker<'a> {
     pub text: &'a str,
-    /// Values of the parameters, which expressions use.
+    /// Values of the parameters, for use in expressions.
     pub parameters: Parameters,
     problems: RefCell<Vec<Problem>>,
     /// Whether there are unknown keys. Missing keys are not reported then: they may be mistyped only.
@@ -28,7 +28,7 @@ impl<'a> Checker<'a> {
         Checker { text, parameters: Parameters::default(), problems: RefCell::new(problems), has_type_errors }
     }
 
-    /// Evaluates the parameters of a scene, and reports their problems.
+    /// Evaluates the parameters of a scene, and reports the problems found.
     pub fn with_parameters(self, scene: &DeTable<'_>) -> Self {
         let (parameters, problems) = Parameters::read(scene);
         self.extend(problems);
@@ -71,7 +71,7 @@ impl<'a> Checker<'a> {
         self.problems.borrow_mut().extend(problems);
     }
 
-    /// Reports a missing key of the section at a position; without position if the section is missing.
+    /// Reports a missing key at the position of its section; without a position if the section is missing.
     pub fn report_missing_at(&self, key: &str, section: Option<Range<usize>>, help: &str) {
         if self.has_type_errors {
             return;
@@ -93,7 +93,7 @@ impl<'a> Checker<'a> {
         self.push(Problem::new(span, format!("`{key}` has no effect {reason}"), NO_EFFECT, help));
     }
 
-    /// Text at a position of the file, without quotes.
+    /// Text at a position of the file, without the quotes around it.
     pub fn quoted(&self, span: Option<Range<usize>>) -> &'a str {
         span.and_then(|s| self.text.get(s)).unwrap_or("this").trim_matches(['"', '\''])
     }

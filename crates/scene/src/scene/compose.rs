@@ -29,16 +29,16 @@ pub struct Layer {
 
 /// Keys that are not inherited.
 const NOT_INHERITED: [&str; 2] = ["name", "description"];
-/// The key with the path of the extended scene.
+/// The key whose value is the path of the extended scene.
 pub const EXTENDS: &str = "extends";
 
-/// Returns the path of the scene that a text extends, as written, and its position; `None` also for a text that is not
-/// TOML.
+/// Returns the path of the scene that a text extends, as written, and its position. `None` if it extends no scene, or
+/// if the text is not TOML.
 pub fn extended(text: &str) -> Option<(String, Range<usize>)> {
     extended_in(text, None)
 }
 
-/// Like [`extended`], of a scene that is the whole text or the table `section` of it.
+/// Like [`extended`], for a scene that is the table `section` of the text; `None` for the whole text.
 pub fn extended_in(text: &str, section: Option<&str>) -> Option<(String, Range<usize>)> {
     // Most scenes extend none, and need not be parsed twice.
     let document = DeTable::parse(text.contains(EXTENDS).then_some(text)?).ok()?;
@@ -71,7 +71,7 @@ pub fn parse_layers<T>(
     }
 }
 
-/// Like [`parse_layers`], of a scene that is the table `section` of the last file, such as a study.
+/// Like [`parse_layers`], for a scene that is the table `section` of the last file, such as a study.
 ///
 /// # Errors
 /// See [`parse_layers`].
@@ -236,8 +236,8 @@ impl<'t> Merged<'t> {
 
 const EXAMPLE: &str = "write FIELD=VALUE, such as contact.friction.mu_static=0.6";
 
-/// Parses `FIELD=VALUE` into a line of a scene; `origin` is its name in messages. A value that is not TOML, such as `12
-/// mm` or `torsional`, is taken as a string without quotes.
+/// Parses `FIELD=VALUE` into a line of a scene; `origin` names it in messages. A value that is not TOML, such as `12
+/// mm` or `torsional`, is read as a string without quotes.
 ///
 /// # Errors
 /// Returns a message if the field is invalid or the value is missing.
@@ -246,7 +246,7 @@ pub fn parse_setting(origin: &str, text: &str) -> Result<Layer, String> {
     setting_from_parts(origin, field, value)
 }
 
-/// Like [`parse_setting`], but field and value are separate arguments.
+/// Like [`parse_setting`], with field and value as separate arguments.
 ///
 /// # Errors
 /// See [`parse_setting`].
@@ -280,7 +280,7 @@ fn entry<'a, 't>(
     if rest.is_empty() { Some((key, value)) } else { entry(value.get_ref().as_table()?, rest) }
 }
 
-/// The texts of all values as written, by section.
+/// The texts of all values as written in `source`, by section.
 pub fn texts(table: &DeTable<'_>, source: &str) -> Table {
     let text = |value: &Spanned<DeValue<'_>>| match value.get_ref() {
         DeValue::Table(inner) => Value::Table(texts(inner, source)),
@@ -338,7 +338,7 @@ pub(crate) fn write_texts(text: &mut String, order: &Section, values: &Table, pa
     }
 }
 
-/// Returns the text or the section at a path.
+/// Finds the text or the section at a path.
 pub fn find<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
     match path.split_once('.') {
         None => table.get(path),
@@ -346,7 +346,7 @@ pub fn find<'a>(table: &'a Table, path: &str) -> Option<&'a Value> {
     }
 }
 
-/// Removes a value, and its section if it is the last one; returns whether there was one.
+/// Removes a value; also removes its section if the section is then empty. Returns whether there was such a value.
 pub fn remove(table: &mut Table, path: &str) -> bool {
     match path.split_once('.') {
         None => table.remove(path).is_some(),

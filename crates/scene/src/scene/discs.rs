@@ -12,7 +12,7 @@ pub(super) const PLANE: &str = "plane";
 pub struct Discs {
     /// Discs in the order of their names.
     pub discs: Vec<Disc>,
-    /// Height of the surface of the solid half plane below, at rest; `None` without one.
+    /// Height of the surface of a solid half plane below the discs, at rest; `None` without a half plane.
     pub half_plane_m: Option<f64>,
     pub law: ContactLaw,
     pub gravity_m_s2: [f64; 2],

@@ -59,7 +59,7 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// Returns the problems of a single text; empty if it cannot be read, or for several texts.
+    /// Returns the problems of a single text; empty if the text cannot be read, or if the error concerns several texts.
     pub fn problems(&self) -> &[Problem] {
         match self {
             SceneError::Invalid { problems, .. } => problems,
@@ -83,7 +83,7 @@ fn render_all(file: &str, text: &str, problems: &[Problem]) -> String {
     }
 }
 
-/// Shortens long words and lines of a message: a file may contain keys and values of a million characters.
+/// Shortens long words and lines of a message, because a file may contain keys and values of a million characters.
 pub fn shortened(text: &str) -> String {
     let shorten = |part: &str, max_length: usize| match part.char_indices().nth(max_length) {
         None => part.to_string(),
@@ -98,8 +98,8 @@ pub fn shortened(text: &str) -> String {
     text.split('\n').map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Writes the line breaks and tabs of a text as escapes: a name within a line of a report or a message must not begin a
-/// line of its own. What terminals and pages interpret in other ways, they escape themselves.
+/// Escapes the line breaks and tabs of a text, so that a name in a report or message cannot begin a new line. Terminals
+/// and pages escape other characters that they would interpret.
 pub fn one_line(text: &str) -> String {
     text.replace('\n', "\\n").replace('\t', "\\t")
 }
@@ -145,7 +145,7 @@ fn render(file: &str, text: &str, problem: &Problem) -> String {
     out
 }
 
-/// Returns line and column of a byte offset, both from 1, the column in characters.
+/// Returns the line and the column of a byte offset. Both are counted from 1, the column in characters.
 pub fn line_column(text: &str, offset: usize) -> (usize, usize) {
     let before = &text[..floor_boundary(text, offset)];
     let line = before.matches('\n').count() + 1;
@@ -174,13 +174,14 @@ fn printable(c: char) -> char {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LocatedProblem {
     pub file: String,
-    /// Line number, from 1; `None` if something is missing.
+    /// Line number, from 1; `None` for something that is missing.
     pub line: Option<usize>,
-    /// Column in characters, from 1.
+    /// Column in characters, from 1; `None` for something that is missing.
     pub column: Option<usize>,
-    /// The field concerned, such as `contact.friction.mu_static`; `None` outside fields, or if the text is not TOML.
+    /// Field that has the problem, such as `contact.friction.mu_static`; `None` outside fields, or if the text is not
+    /// TOML.
     pub field: Option<String>,
-    /// The problem.
+    /// Description of the problem.
     pub message: String,
     /// What is allowed, or how to fix the problem.
     pub help: String,

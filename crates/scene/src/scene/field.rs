@@ -3,19 +3,19 @@
 
 use toml::Value;
 
-/// Section of the parameters of a scene.
+/// Name of the section that contains the parameters of a scene.
 pub const PARAMETERS: &str = "parameters";
 
-/// A section or a key with the entries of lists below it.
+/// A section or a key of a path, with the indices of entries of lists below it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Part {
     pub name: String,
-    /// Indices from 0.
+    /// Indices, counted from 0.
     pub entries: Vec<usize>,
 }
 
 impl Part {
-    /// The name followed by its entries: `points[0][1]`. It is also a quoted key of a file, which sets one entry.
+    /// Name followed by its indices, such as `points[0][1]`. A file may use this as a quoted key to set one entry.
     pub fn key(&self) -> String {
         let entries = self.entries.iter().map(|entry| format!("[{entry}]"));
         std::iter::once(self.name.clone()).chain(entries).collect()
@@ -50,7 +50,8 @@ pub fn parse_field(field: &str) -> Result<Vec<Part>, String> {
     }
 }
 
-/// Splits a key such as `points[0][1]` into the key of the list and the indices of the entry; `None` for another key.
+/// Splits a key such as `points[0][1]` into the key of the list and the indices of the entry; `None` for a key without
+/// indices.
 pub fn split_entries(key: &str) -> Option<(&str, Vec<usize>)> {
     // Most keys have no entries.
     let (name, list) = key.ends_with(']').then(|| key.split_at(key.find('[').unwrap_or(0)))?;

@@ -13,22 +13,22 @@ use std::borrow::Cow;
 
 /// Fingers, the object that they grasp, planes and contact laws, in SI units.
 ///
-/// For a hand built by a program, [`Hand::unsupported`] checks whether the models support it.
+/// If a program has built the hand, [`Hand::unsupported`] checks whether the models support it.
 ///
-/// Coordinates are those of the palm frame: origin in the middle of the palm, x along it and y out of it. It is the
-/// world frame if the palm is at rest or missing.
+/// Coordinates are those of the palm frame: its origin is in the middle of the palm, x points along the palm and y out
+/// of it. If the palm is at rest or missing, it is the world frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hand {
-    /// One, or right and left. The left finger is described by its mirror image about x = 0.
+    /// One finger, or the right and the left finger. The left finger is described by its mirror image about x = 0.
     pub fingers: Vec<HandFinger>,
-    /// Distance between the ground joints of two fingers; 0 for one finger, with its ground joint at the origin.
+    /// Distance between the ground joints of two fingers; 0 for one finger, whose ground joint is at the origin.
     pub palm_width_m: f64,
     /// Differential that drives both fingers.
     pub differential: Option<Differential>,
     pub object: Option<Object>,
-    /// The solid half plane below, which only the object touches.
+    /// The solid half plane below the object. Only the object touches it.
     pub palm: Option<HalfPlane>,
-    /// The solid half plane above, at rest in the world frame, which is the initial palm frame.
+    /// The solid half plane above the object. It is at rest in the world frame, which is the initial palm frame.
     pub table: Option<HalfPlane>,
     /// Motion of the palm; `None` if the palm is at rest.
     pub palm_motion: Option<PalmMotion>,
@@ -36,7 +36,7 @@ pub struct Hand {
 }
 
 impl Hand {
-    /// A hand without fingers and object, in scenes of mechanisms.
+    /// The hand without fingers and object, as in scenes of mechanisms.
     pub const EMPTY: Self = Self {
         fingers: Vec::new(),
         palm_width_m: 0.0,
@@ -57,12 +57,12 @@ impl Hand {
         &self.fingers[side as usize]
     }
 
-    /// All fingers with their sides.
+    /// All fingers, each with its side.
     pub fn fingers_by_side(&self) -> impl Iterator<Item = (Side, &HandFinger)> {
         Side::BOTH.into_iter().zip(&self.fingers)
     }
 
-    /// Returns the object, if it moves.
+    /// Returns the object if it can move; `None` if it is fixed, or without an object.
     pub fn moving_object(&self) -> Option<&Object> {
         self.object.as_ref().filter(|object| object.motion != ObjectMotion::Fixed)
     }
@@ -105,8 +105,8 @@ impl Hand {
         self.object.as_mut().expect("a gripper has an object")
     }
 
-    /// Contacts in the order of samples and of [`Hand::mechanism`]: those of surfaces that can move against each other, then
-    /// the joint limits.
+    /// Contacts in the order of samples and of [`Hand::mechanism`]: first those of surfaces that can move relative to
+    /// each other, then the joint limits.
     pub fn contacts(&self) -> impl Iterator<Item = HandContact> {
         let of_kind = |is_stop| {
             let all = HandContact::ALL.into_iter();
@@ -133,7 +133,7 @@ impl Hand {
         self.law(contact).map(|law| (law.normal, law.friction))
     }
 
-    /// Contact law; `None` for a joint limit, which is not a contact of two surfaces.
+    /// Contact law; `None` for a joint limit, which is not a contact between two surfaces.
     #[inline]
     pub fn law(&self, contact: HandContact) -> Option<ContactLaw> {
         match contact {
@@ -164,7 +164,7 @@ impl Hand {
         self.fingers.iter().map(force).fold(0.0, f64::max)
     }
 
-    /// Whether any contact or brake has stiction, that is, friction with an internal state.
+    /// Whether any contact or brake has stiction: friction with an internal state.
     pub fn has_stiction(&self) -> bool {
         let mut laws = self.contacts().filter_map(|contact| self.contact_laws(contact)?.1);
         let input = self.differential.iter().map(|differential| &differential.motor);
@@ -179,7 +179,7 @@ impl Hand {
         laws.map(|friction| friction.min_slip_scale_m_s()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns why neither model supports the hand and how to change it; `None` for a supported one.
+    /// Returns the reason why neither model supports the hand, and how to change this; `None` if it is supported.
     pub fn unsupported(&self) -> Option<&'static str> {
         let (fingers, moves) = (self.fingers.len(), self.palm_motion.is_some());
         let is_fixed = self.object.is_some() && self.moving_object().is_none();
@@ -199,7 +199,7 @@ impl Hand {
     }
 }
 
-/// A finger in its own frame: ground joint at the origin, object to its left.
+/// A finger in its own frame: the ground joint is at the origin, the object on the left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HandFinger {
     /// The five-bar linkage: lengths, masses and assembly mode.
@@ -224,13 +224,13 @@ pub struct Motor {
     pub brake: Option<Brake>,
 }
 
-/// A seesaw with one input and two outputs: each finger gets half of the torque; the input rotates by the mean of both
-/// outputs.
+/// A seesaw with one input and two outputs. Each finger gets half of the torque. The angle of the input is the mean of
+/// the two outputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Differential {
-    /// Motor at the input; its inertia is J_in.
+    /// Motor at the input. Its inertia is J_in.
     pub motor: Motor,
-    /// J_s; the seesaw rotates by half the difference of both outputs.
+    /// J_s: inertia of the seesaw. Its angle is half the difference of the two outputs.
     pub seesaw_inertia_kg_m2: f64,
 }
 
@@ -253,7 +253,7 @@ impl FingerContactLaws {
     }
 }
 
-/// Initial joint angles and rates of the two generalised coordinates.
+/// Initial angles of the joints, and initial rates of the two generalised coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Initial {
     pub q11_rad: f64,
@@ -263,7 +263,7 @@ pub struct Initial {
 }
 
 impl HandFinger {
-    /// Law of a contact; `None` for the joint limit, which is not a contact of two surfaces.
+    /// Law of a contact; `None` for the joint limit, which is not a contact between two surfaces.
     #[inline]
     pub fn law(&self, site: FingerContact) -> Option<ContactLaw> {
         match site {
@@ -275,7 +275,7 @@ impl HandFinger {
 }
 
 impl Motor {
-    /// No motor: for fingers driven by a differential.
+    /// No motor, as for fingers driven by a differential.
     pub const NONE: Self = Motor {
         actuation: Profile::Constant { value: 0.0 },
         inertia_kg_m2: 0.0,
@@ -316,7 +316,7 @@ pub enum ObjectMotion {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfPlane {
     pub level_m: f64,
-    /// Law of its contact with the object; `None` if no moving object can reach it.
+    /// Contact law for the object; `None` if no moving object can reach the half plane.
     pub contact: Option<ContactLaw>,
 }
 
@@ -335,7 +335,7 @@ impl Object {
     }
 }
 
-/// A possible contact of a hand: three at each finger, and the contacts of the object with palm and table.
+/// A possible contact of a hand: three for each finger, and the contacts of the object with palm and table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HandContact {
     Finger(Side, FingerContact),
@@ -374,8 +374,8 @@ impl HandContact {
         }
     }
 
-    /// Name in reports, keys and topics for a hand with this number of fingers: `distal` and `object-palm` with one,
-    /// `right_distal` and `palm` with two.
+    /// Name in reports, keys and topics for a hand with `fingers` fingers. Examples are `distal` and `object-palm` for
+    /// one finger, `right_distal` and `palm` for two.
     pub fn name_for(self, fingers: usize) -> String {
         match self {
             HandContact::Finger(_, finger_contact) if fingers == 1 => finger_contact.name().to_string(),

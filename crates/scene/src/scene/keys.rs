@@ -12,16 +12,17 @@ use super::field::{no_such_entry, split_entries};
 use super::precedence::merge;
 use crate::limits::MAX_PROBLEMS;
 
-/// Schemas of the keys that a scene and scenes of other kinds may have.
+/// Schema of the keys that a scene may have, and those of scenes of other kinds.
 pub struct KeySchemas<'a> {
     pub kind: &'a str,
     pub schema: &'a Value,
-    /// The other kinds with their schemas. Built only for a key that this kind does not have: each schema takes as long
-    /// as a scene.
+    /// Returns the other kinds with their schemas. It is called only for a key that the present kind does not have,
+    /// because building each schema takes as long as reading a scene.
     pub other_kinds: &'a dyn Fn() -> Vec<(&'a str, &'a Value)>,
 }
 
-/// Removes and reports every unknown key, every table in place of a value, and every value in place of a table.
+/// Removes and reports all unknown keys, all tables where a value is expected, and all values where a table is
+/// expected.
 pub fn remove_unknown(document: &mut DeTable<'_>, schemas: &KeySchemas) -> Vec<Problem> {
     let mut problems = Vec::new();
     walk(document, schemas.schema, schemas, &[], &mut problems);
@@ -94,7 +95,7 @@ fn other_kind_problem(path: &str, span: Range<usize>, kind: &str, other_kind: &s
     Problem::new(Some(span), message, "for another kind of scene", help)
 }
 
-/// Problem for an unknown key, with a suggestion.
+/// Returns the problem of an unknown key, with a suggestion.
 pub fn unknown_key(name: &str, path: &str, span: Range<usize>, schema: &Value, root: &Value) -> Problem {
     let message = format!("unknown key `{}` {}", name.escape_debug(), location(path));
     // Most unsupported features are those of fingers.
@@ -128,7 +129,7 @@ fn find_tables(name: &str, schema: &Value, path: &str, found: &mut Vec<String>) 
     }
 }
 
-/// Returns the schema of a key of a table, or of an entry of a list: `points[0][1]`.
+/// Returns the schema of a key in the table of `schema`, or of an entry of a list such as `points[0][1]`.
 pub fn child_schema<'a>(schema: &'a Value, name: &str) -> Option<&'a Value> {
     let property = |name: &str| properties(schema)?.get(name);
     let entry_schema = || {

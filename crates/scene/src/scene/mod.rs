@@ -77,29 +77,30 @@ use std::borrow::Cow;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     pub name: String,
-    /// Kind of its file.
+    /// Kind of the scene, as in its file.
     pub kind: SceneKind,
     /// Description by the user; empty if there is none.
     pub description: String,
     /// The exact text of the file, for the attachment of the log.
     pub source: String,
-    /// Fingers and their object; empty in other scenes.
+    /// Fingers and their object; empty in scenes without five-bar fingers.
     pub hand: Hand,
-    /// The mechanism of a scene without fingers.
+    /// The mechanism; `None` in scenes with five-bar fingers.
     pub mechanism: Option<Mechanism>,
     pub duration_s: f64,
     pub integrator: Integrator,
     pub engine: Engine,
     pub bounds: Bounds,
-    /// Thresholds of the criteria of a grasp; unused in scenes without one.
+    /// Thresholds of the criteria of a grasp; unused in scenes without a grasp.
     pub thresholds: Thresholds,
-    /// Keys of the section `[grasp]` of a mechanism, or those of the hand that it was built from; `None` without both.
+    /// Settings of the section `[grasp]` of a mechanism, or of the hand from which the mechanism was built; `None`
+    /// without either.
     pub grasp: Option<GraspKeys>,
     pub log: LogSettings,
 }
 
 impl Scene {
-    /// Name for texts: without line breaks.
+    /// Name for texts, without line breaks.
     pub fn display_name(&self) -> String {
         one_line(&self.name)
     }
@@ -114,8 +115,8 @@ impl Scene {
         self.mechanism.as_ref().map_or(self.finger_count() > 0, |mechanism| !mechanism.joints.is_empty())
     }
 
-    /// Returns the mechanism in which a grasp is judged, with the contacts of [`Scene::drawn_mechanism`]. A fixed object of a
-    /// hand is a body in it, the last one; it is an outline of the ground in the mechanism that is simulated.
+    /// Returns the mechanism in which a grasp is judged, with the contacts of [`Scene::drawn_mechanism`]. In it, a
+    /// fixed object of a hand is the last body; in the simulated mechanism, it is an outline of the ground.
     pub fn judged_mechanism(&self) -> Cow<'_, Mechanism> {
         match &self.mechanism {
             Some(mechanism) => Cow::Borrowed(mechanism),
@@ -123,7 +124,8 @@ impl Scene {
         }
     }
 
-    /// Returns what the scene says about the grasp: its section `[grasp]`, or the palm, the table and the release of a hand.
+    /// Returns what the scene says about the grasp: its section `[grasp]`, or the palm, the table and the release of a
+    /// hand. `None` without such a section.
     pub fn grasp_keys(&self) -> Option<GraspKeys> {
         match self.finger_count() {
             0 => self.grasp.clone(),
@@ -131,7 +133,8 @@ impl Scene {
         }
     }
 
-    /// Returns the roles in the grasp of [`Scene::judged_mechanism`]. A single finger has no grasp: its class judges it.
+    /// Returns the roles in the grasp of [`Scene::judged_mechanism`]. A single finger has no grasp, because its class
+    /// is judged instead.
     ///
     /// # Errors
     /// Returns the reason why there is no grasp.
@@ -153,11 +156,12 @@ impl Scene {
         }
     }
 
-    /// Returns the scene of `kind = "mechanism"` with the same bodies, joints and laws: the way from a finger, a gripper or discs
-    /// to a linkage of one's own. [`show`] writes it as a file.
+    /// Returns the scene of `kind = "mechanism"` with the same bodies, joints and laws. In this way a finger, a gripper
+    /// or discs can be turned into a linkage of one's own; [`show`] writes the scene as a file.
     ///
     /// # Errors
-    /// Returns an error if the initial angles of a finger do not close its loop, and for discs that do not rotate or are driven.
+    /// Returns an error if the initial angles of a finger do not close its loop, or for discs that are driven or do not
+    /// rotate.
     pub fn as_mechanism(&self) -> Result<Scene, NoMechanismFile> {
         let (mechanism, grasp) = match &self.mechanism {
             Some(mechanism) => {
@@ -191,8 +195,8 @@ impl Scene {
         mechanism.bodies.iter().find_map(of_body).or_else(of_law)
     }
 
-    /// Returns the mechanism that samples, logs and drawings describe. A finger whose loop does not close at its start is
-    /// straight in it; such a scene fails before its first step.
+    /// Returns the mechanism that samples, logs and drawings describe. In it, a finger whose loop does not close at its
+    /// start is straight; such a scene fails before its first step.
     pub fn drawn_mechanism(&self) -> Cow<'_, Mechanism> {
         self.mechanism.as_ref().map_or_else(|| Cow::Owned(self.hand.drawn_mechanism()), Cow::Borrowed)
     }
@@ -232,9 +236,9 @@ impl Scene {
         moved
     }
 
-    /// Applies a preset of the integrator for this scene and keeps the step budget. The reference preset
-    /// resolves slip rates to 1e-5 of the narrowest slip range of a friction law: with a sticking range of 1 µm/s and a
-    /// tolerance of 1e-9 m/s, two methods differed by 1.2e-7 m.
+    /// Applies a preset of the integrator to this scene and keeps the step budget. The reference preset resolves slip
+    /// rates to 1e-5 of the narrowest slip range of a friction law. The reason is that two methods differed by 1.2e-7 m
+    /// with a sticking range of 1 µm/s and a tolerance of 1e-9 m/s.
     pub fn apply_preset(&mut self, preset: Preset) {
         let max_steps = self.integrator.max_steps;
         self.integrator = match preset {
@@ -267,7 +271,7 @@ impl Scene {
     }
 }
 
-/// Reason why no file describes a scene as a mechanism.
+/// Reason why a scene cannot be written as a file of a mechanism.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoMechanismFile {
     #[error(transparent)]
@@ -276,7 +280,7 @@ pub enum NoMechanismFile {
     Discs { reason: String },
 }
 
-/// A scene of one kind where another kind is required.
+/// Error for a scene of one kind where another kind is required.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "\"{scene}\" is a scene of kind \"{}\", but a scene of kind \"{}\" is required: give another scene",
@@ -288,15 +292,15 @@ pub struct WrongKind {
     pub required: SceneKind,
 }
 
-/// Times of a grasp cycle of a gripper, s: the fingers are blocked, the palm moves, the fingers open. `None` for phases
-/// that the scene does not have.
+/// Times of the phases of a grasp cycle of a gripper, s: the fingers are blocked, the palm moves, and the fingers open.
+/// `None` for a phase that the scene does not have.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cycle {
-    /// Time at which the brake of each finger is fully engaged.
+    /// Time at which the brake of each finger is fully engaged, s.
     pub blocked_s: [Option<f64>; 2],
-    /// Time at which the palm begins to move.
+    /// Time at which the palm begins to move, s.
     pub motion_start_s: Option<f64>,
-    /// Time from which no motor closes and no brake is engaged.
+    /// Time from which on no motor closes the fingers and no brake is engaged, s.
     pub release_s: Option<f64>,
 }
 

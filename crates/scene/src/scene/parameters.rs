@@ -15,7 +15,7 @@ use crate::units::{self, ExpressionError, FUNCTIONS, Measured, is_expression};
 
 const REMEDY: &str = "write a number, a quantity such as \"40 mm\", or an expression such as \"= 2 * crank\"";
 
-/// Values of the parameters of a scene; `None` for those that are invalid, which have been reported.
+/// Values of the parameters of a scene. The value is `None` for an invalid parameter, whose problem has been reported.
 #[derive(Clone, Debug, Default)]
 pub struct Parameters(BTreeMap<String, Option<Measured>>);
 
@@ -23,7 +23,7 @@ pub struct Parameters(BTreeMap<String, Option<Measured>>);
 type Section<'a> = DeTable<'a>;
 
 impl Parameters {
-    /// Evaluates the parameters of a scene, and returns their problems.
+    /// Evaluates the parameters of a scene; also returns their problems.
     pub fn read(scene: &DeTable<'_>) -> (Self, Vec<Problem>) {
         let (mut parameters, mut problems) = (Parameters::default(), Vec::new());
         let section = scene.get(PARAMETERS).and_then(|section| section.get_ref().as_table());
@@ -112,10 +112,11 @@ impl Parameters {
         }
     }
 
-    /// Evaluates an expression with its key for messages.
+    /// Evaluates an expression; `key` is its key, for messages.
     ///
     /// # Errors
-    /// Returns its problem; none if a parameter is invalid, which has been reported.
+    /// Returns the problems of the expression. The list is empty if a parameter is invalid, because this has been
+    /// reported.
     pub fn evaluate(&self, key: &str, value: &Spanned<DeValue<'_>>, text: &str) -> Result<Measured, Vec<Problem>> {
         self.evaluate_in(key, value, text, None).map_err(|failure| match failure {
             Failure::Problems(problems) => problems,
@@ -128,7 +129,7 @@ impl Parameters {
         units::evaluate(text, &|name, span| self.lookup(name, span, None)).ok()
     }
 
-    /// Value of a parameter; `None` for an unknown or an invalid one.
+    /// Value of a parameter; `None` if the parameter is unknown or invalid.
     pub fn get(&self, name: &str) -> Option<Measured> {
         *self.0.get(name)?
     }
@@ -181,7 +182,7 @@ impl Parameters {
     }
 }
 
-/// Remark on an unknown parameter, and the remedy.
+/// Returns a remark on an unknown parameter, and the remedy.
 pub fn unknown(name: &str, names: &[&str]) -> (String, String) {
     let label = closest_match(name, names).map_or("not a parameter".into(), |near| format!("did you mean `{near}`?"));
     let help = match names {

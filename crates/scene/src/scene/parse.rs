@@ -54,8 +54,8 @@ pub fn parse_any(text: &str, file_name: &str) -> Result<Scene, SceneError> {
     }
 }
 
-/// Parses the text of a scene without checking its values: its kind, its known keys, and the problems of the others. Single
-/// entries of lists, such as `"points[0][1]"`, are in their lists.
+/// Parses the text of a scene without checking its values. Returns its kind, its known keys, and the problems of its
+/// other keys. Single entries of lists, such as `"points[0][1]"`, are moved into their lists.
 ///
 /// # Errors
 /// Returns the error of a text that is not TOML.
@@ -68,7 +68,7 @@ pub fn document(text: &str) -> Result<(SceneKind, Spanned<DeTable<'_>>, Vec<Prob
     Ok((kind, document, problems))
 }
 
-/// Returns the values of a scene as written, with single entries of lists in their lists.
+/// Returns the values of a scene as written. Single entries of lists are moved into their lists.
 ///
 /// # Errors
 /// Returns the error of a text that is not TOML.
@@ -122,7 +122,7 @@ fn not_a_finger(text: &str, kind: SceneKind) -> Problem {
     )
 }
 
-/// Problem for an error of the TOML parser.
+/// Converts an error of the TOML parser to a problem.
 pub fn syntax_problem(error: &toml::de::Error) -> Problem {
     let help = "a line is a [section] or key = value; strings and quantities are in quotes: radius = \"20 mm\"";
     Problem::new(error.span(), format!("not valid TOML: {}", error.message().trim()), "", help)

@@ -25,7 +25,8 @@ const ALTERNATIVES: [[&str; 2]; 11] = [
     ["tension", "times"],
 ];
 
-/// Keys replaced by the alternatives of an overriding table; `has` returns whether that table has a key.
+/// Keys that an overriding table replaces, because it contains an alternative to them; `has` returns whether it
+/// contains a key.
 pub fn replaced_keys(has: impl Fn(&str) -> bool) -> impl Iterator<Item = &'static str> {
     let pairs = ALTERNATIVES.into_iter().flat_map(|[first, second]| [(first, second), (second, first)]);
     pairs.filter(move |(first, second)| has(first) && !has(second)).map(|(_, second)| second)

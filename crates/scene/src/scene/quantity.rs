@@ -20,7 +20,7 @@ pub(crate) trait Measure {
     const DIMENSIONS: &'static [Dimension];
 }
 
-/// The range of a [`Quantity`] as keywords of JSON Schema with their limits, in SI units.
+/// The range of a [`Quantity`], given as keywords of JSON Schema with limits in SI units.
 pub trait Range {
     const LIMITS: &'static [(&'static str, f64)];
 }
@@ -75,7 +75,7 @@ markers! { Range:
     From0 { const LIMITS: &'static [(&'static str, f64)] = &[("minimum", 0.0)]; }
 }
 
-/// A number in SI units with its dimension and range.
+/// A number in SI units; the type contains its dimension and range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 #[serde(transparent)]
 pub struct Quantity<D, R = Finite>(f64, PhantomData<(D, R)>);
@@ -181,7 +181,7 @@ macro_rules! keywords {
 
 pub(crate) use {keyword_enum, keywords};
 
-/// A value of another crate written as a keyword; by default the first one.
+/// A value of another crate that is written as a keyword. The default is its first keyword.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Word<K>(pub K);
 

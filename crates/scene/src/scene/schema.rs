@@ -17,7 +17,7 @@ use super::section::{Key, NO_SECTION, Section};
 use super::sections::{Engine, Integrator, LogSettings, MechanismFile, SceneFile};
 use super::value::ValueType;
 
-/// JSON Schema (draft 7, understood by the TOML language servers) of a scene file of any kind, as text.
+/// Returns the JSON Schema (draft 7, which TOML language servers understand) of scene files of all kinds, as text.
 pub fn schema() -> String {
     let is = |kind: SceneKind| json!({ "properties": { "kind": { "const": kind.keyword() } }, "required": ["kind"] });
     let of = |kind: SceneKind| json!({ "$ref": format!("#/definitions/{}", kind.keyword()) });
@@ -43,7 +43,8 @@ pub fn schema() -> String {
     format!("{combined:#}\n")
 }
 
-/// Returns the schema of files with scenes of one kind: with expressions in place of numbers, and keys of single entries of lists.
+/// Returns the schema of files with scenes of one kind. It allows expressions in place of numbers, and keys of single
+/// entries of lists.
 pub fn file_schema(kind: SceneKind) -> Value {
     let mut schema = schema_for(kind).clone();
     schema.as_object_mut().map(|map| map.remove("$schema"));
@@ -73,8 +74,8 @@ fn accept_expressions(schema: &mut Value) {
     map.values_mut().for_each(accept_expressions);
 }
 
-/// Returns the schema of one kind of scene. Built once, because a sweep reads thousands of scenes, and on first use,
-/// because most programs read one kind.
+/// Returns the schema of one kind of scene. It is built only once, because a sweep reads thousands of scenes, and on
+/// first use, because most programs read only one kind.
 pub fn schema_for(kind: SceneKind) -> &'static Value {
     static SCHEMAS: [OnceLock<Value>; SceneKind::ALL.len()] = [const { OnceLock::new() }; SceneKind::ALL.len()];
     SCHEMAS[kind as usize].get_or_init(|| {
@@ -191,7 +192,7 @@ pub fn unwrap_lines(value: &mut Value) {
     }
 }
 
-/// A section whose settings logs and reports record. It is the same in all kinds of scene.
+/// A section whose settings are recorded in logs and reports. It is the same in all kinds of scene.
 pub trait SettingsSection: Serialize + DeserializeOwned {
     /// Path of the section in a scene.
     const PATH: &'static str;
@@ -214,7 +215,8 @@ impl SettingsSection for LogSettings {
     const PATH: &'static str = "log";
 }
 
-/// Returns every key of a section with its unit in its name, and its value in SI units; `None` for a key without effect.
+/// Returns every key of a section, with the unit in its name, and its value in SI units; `None` for a key that has no
+/// effect.
 pub fn columns<T: SettingsSection>(settings: &T) -> Vec<(String, Option<toml::Value>)> {
     let (section, values) = (T::section(), Table::try_from(settings).unwrap_or_default());
     let value = |key: &Key| values.get(key.field).filter(|_| section.effect(key, &values).is_ok()).cloned();
@@ -257,8 +259,8 @@ pub fn restore<T: SettingsSection, E>(
     T::deserialize(toml::Value::Table(values)).map_err(invalid)
 }
 
-/// Returns a Markdown table for every section, with a row for each of its keys. Sections of discs and grippers are listed
-/// if they differ from those of a finger.
+/// Returns a Markdown table for every section, with one row per key. A section of discs, grippers or mechanisms is
+/// listed only if it differs from that of a finger.
 pub fn markdown() -> String {
     let mut sections: Vec<(String, String)> = Vec::new();
     for (kind, top, of) in [

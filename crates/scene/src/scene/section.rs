@@ -9,7 +9,7 @@ use super::keys::{has_tables, is_table, named_tables_schema};
 use super::value::ValueType;
 use crate::units::{format, number};
 
-/// A section of the schema, with its keys and subsections in their order.
+/// A section of the schema. Its keys and subsections are in the order of the schema.
 #[derive(Debug)]
 pub struct Section {
     pub schema: &'static Value,
@@ -30,13 +30,13 @@ struct Contents {
 #[derive(Debug)]
 pub struct Key {
     pub name: &'static str,
-    /// Name of the field of the settings.
+    /// Name of the field in the settings.
     pub field: &'static str,
     pub schema: &'static Value,
     pub value_type: ValueType,
-    /// In SI units.
+    /// Default value in SI units; `None` without a default.
     pub default: Option<toml::Value>,
-    /// The key that decides whether this one has an effect, and the values with which it has one.
+    /// The key that decides whether this key has an effect, and the values of that key for which it does.
     pub condition: Option<(&'static str, Vec<&'static str>)>,
     /// Keywords of JSON Schema with the limits of the value in SI units.
     limits: Vec<(&'static str, f64)>,
@@ -87,7 +87,7 @@ impl Section {
         &self.contents().lists
     }
 
-    /// The section of each name, in a section whose keys are chosen by the user.
+    /// The section that each name has, if the keys of this section are names chosen by the user.
     pub fn named(&self) -> Option<&Self> {
         self.contents().named.as_deref()
     }
@@ -98,8 +98,8 @@ impl Section {
         subsection.or(self.named())
     }
 
-    /// Whether a key has an effect in this section with these values; if not, with the choice that prevents it: key,
-    /// value, and the values with which it would have an effect.
+    /// Returns `Ok` if a key has an effect in this section with these values. Otherwise, returns the choice that
+    /// prevents it: the key, its value, and the values for which there would be an effect.
     pub fn effect<'a>(&self, key: &'a Key, values: &Table) -> Result<(), (&'static str, String, &'a [&'static str])> {
         let Some((choice, allowed)) = &key.condition else { return Ok(()) };
         let has_effect = self.key(choice).is_none_or(|key| self.effect(key, values).is_ok());

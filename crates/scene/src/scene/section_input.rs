@@ -31,6 +31,8 @@ pub(crate) struct SceneInput<'t> {
 }
 
 impl<'t> SceneInput<'t> {
+    /// Creates the input from a document without unknown keys.
+    ///
     /// # Errors
     /// Returns an error if a number has too many digits.
     pub fn parse(
@@ -46,7 +48,7 @@ impl<'t> SceneInput<'t> {
         Ok(Self { kind, schema, values, fingers })
     }
 
-    /// Sides of the fingers; a single finger is the right one.
+    /// Sides on which there are fingers; a single finger is on the right.
     pub fn sides(&self) -> &'static [Side] {
         &Side::BOTH[..self.kind.fingers()]
     }
@@ -78,20 +80,20 @@ fn finger<'t>(values: &DeTable<'t>, schema: &Section, side: Side) -> DeTable<'t>
     merged
 }
 
-/// A section within another one in the settings of the latter. It is read by itself.
+/// A section within another section, as a field of the settings of the outer section. It is read separately.
 pub type Subsection = Option<IgnoredAny>;
 
 /// An optional section of a scene, as written.
 #[derive(Clone)]
 pub struct SectionInput<'a> {
     pub kind: SceneKind,
-    /// Collects the problems.
+    /// Collector of the problems.
     pub checker: &'a Checker<'a>,
     path: String,
     schema: &'static Section,
-    /// Position of its name; `None` for the top level, for an omitted section, and in lists.
+    /// Position of the name of the section; `None` for the top level, for an omitted section, and in lists.
     pub name_span: Option<Range<usize>>,
-    /// Position of its header; `None` for the top level and for an omitted section.
+    /// Position of the header of the section; `None` for the top level and for an omitted section.
     pub span: Option<Range<usize>>,
     values: Option<&'a DeTable<'a>>,
 }
@@ -136,7 +138,7 @@ impl<'a> SectionInput<'a> {
         self.span(key).is_some()
     }
 
-    /// Whether the value of a key is valid, or omitted.
+    /// Whether the value of a key is valid, or the key is omitted.
     pub fn is_valid(&self, key: &str) -> bool {
         let Some((value, key)) = self.get(key).zip(self.schema.key(key)) else { return true };
         key.value_type.read(key.name, value, &self.checker.parameters).is_ok_and(|value| key.allows(&value))
@@ -228,7 +230,7 @@ impl<'a> SectionInput<'a> {
         [&self.path, key].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(".")
     }
 
-    /// Reads the section over its defaults and reports all its problems.
+    /// Reads the section and reports all its problems. Omitted keys have their defaults.
     pub fn read<T: DeserializeOwned>(&self) -> T {
         self.read_over(&Table::new())
     }

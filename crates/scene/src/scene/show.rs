@@ -29,7 +29,7 @@ const HEAD: &str = "# Scene as written, with every default filled in.\n";
 /// Sections that change a scene even if they are empty.
 const OPTIONAL: [&str; 6] = ["design", "lengths", "half_plane", "table", "differential", "grasp"];
 
-/// Returns the scene as simulated, with all values.
+/// Returns the scene as simulated, with all values, in the form of a scene file.
 pub fn show(scene: &Scene) -> String {
     let mut text = "# Scene with every default filled in; masses and lengths as simulated.\n".to_string();
     let schema = top_level(scene.kind);
@@ -238,8 +238,8 @@ fn quantity(si: f64, dimension: Dimension, digits: Option<usize>) -> String {
     }
 }
 
-/// Returns the source of the scene with every default added, and with derived values as comments. A scene that has been
-/// changed since its source was read is shown in full as it is now.
+/// Returns the source of the scene with all defaults added, and with derived values as comments. If the scene has been
+/// changed since its source was read, it is written as it is now, with all values.
 pub fn show_written(scene: &Scene) -> String {
     let Ok(document) = DeTable::parse(&scene.source) else { return show(scene) };
     let (schema, resolved) = (top_level(scene.kind), resolved(scene));

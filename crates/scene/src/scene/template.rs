@@ -9,7 +9,7 @@ use crate::gripper::{Assembly, BodyOverride, Design, ProximalLength, disc};
 use crate::shape;
 use crate::sizing::{CLOSING_S, Rule, Task};
 
-/// A gripper with the design variables base, l21, φ22 and r_l left open, and the task it is sized for.
+/// A gripper whose design variables base, l21, φ22 and r_l are left open, and the task for which it is sized.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
     pub name: String,
@@ -25,7 +25,7 @@ pub struct Template {
     pub gravity_m_s2: [f64; 2],
     /// Duration T of the test trajectory for the sizing of motor and spring.
     pub closing_s: f64,
-    /// Sizing rule of the scene, if it has one.
+    /// Sizing rule of the scene; `None` if it has none.
     pub rule: Option<Rule>,
     /// μ_s of the proximal and the distal contact.
     pub mu_static: [f64; 2],

@@ -33,7 +33,7 @@ pub enum ValueType {
 type Read<T> = Result<T, Vec<Problem>>;
 
 impl ValueType {
-    /// Type described by a schema.
+    /// Returns the type that a schema describes.
     pub fn from_schema(schema: &Json) -> Self {
         match dimensions(schema)[..] {
             [] => {}
@@ -57,7 +57,8 @@ impl ValueType {
         }
     }
 
-    /// The same type with the dimension for a joint that slides or turns, if the dimension depends on it.
+    /// Returns the same type with the dimension that it has for a sliding (linear) or rotating joint, if the dimension
+    /// depends on this.
     pub fn of_joint(&self, is_linear: bool) -> Self {
         match self {
             ValueType::OneOf(dimensions) => {
@@ -69,7 +70,7 @@ impl ValueType {
         }
     }
 
-    /// Suffix of names for the SI unit.
+    /// Suffix that names have for the SI unit; `None` for a type without a unit.
     pub fn suffix(&self) -> Option<&'static str> {
         match self {
             ValueType::Quantity(dimension) => Some(dimension.suffix()),
@@ -78,7 +79,8 @@ impl ValueType {
         }
     }
 
-    /// Reads the value of `key`, with quantities in SI units; `key` is for messages, and expressions use the parameters.
+    /// Reads the value of `key`; quantities are returned in SI units. `key` is used in messages, `parameters` in
+    /// expressions.
     ///
     /// # Errors
     /// Returns the problems of a value of another type.
@@ -155,7 +157,7 @@ impl ValueType {
         }
     }
 
-    /// Whether a number or a quantity is required, so that an expression may stand here.
+    /// Whether a number or a quantity is required, so that an expression is allowed.
     pub fn is_numeric(&self) -> bool {
         self.measures().is_some()
     }
@@ -239,7 +241,7 @@ impl ValueType {
         self.read("", &DeValue::parse(&json.to_string()).ok()?, &Parameters::default()).ok()
     }
 
-    /// Reads a value in SI units as recorded in a log.
+    /// Reads a value in SI units, as recorded in a log; `None` if it is invalid.
     pub fn restore(&self, text: &str) -> Option<Value> {
         match self {
             ValueType::Quantity(dimension) => {
@@ -275,7 +277,7 @@ fn dimensions(schema: &Json) -> Vec<Dimension> {
     units.filter_map(|unit| Dimension::ALL.into_iter().find(|dimension| dimension.units()[0].name == unit)).collect()
 }
 
-/// Returns the dimension of a quantity among these; `None` if it has none of them.
+/// Returns the dimension that a quantity has among the dimensions `among`; `None` if it has none of them.
 pub fn dimension_of(text: &str, among: &[Dimension], parameters: &Parameters) -> Option<Dimension> {
     let of_expression = is_expression(text).then(|| parameters.value(text)).flatten();
     among.iter().copied().find(|dimension| match &of_expression {

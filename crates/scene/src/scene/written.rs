@@ -5,7 +5,7 @@ use toml::{Spanned, Value};
 
 use super::error::Problem;
 
-/// Name of the type of a value with article, for messages.
+/// Name of the type of a value, with its article, for messages.
 pub fn type_name(value: &DeValue<'_>) -> &'static str {
     match value {
         DeValue::String(_) => "a string",
@@ -16,7 +16,8 @@ pub fn type_name(value: &DeValue<'_>) -> &'static str {
     }
 }
 
-/// Returns the value of a number; a whole number that is too large becomes a float.
+/// Returns the value of a number. A whole number that is too large becomes a float. `None` if the value is not a
+/// number.
 pub fn number(value: &DeValue<'_>) -> Option<Value> {
     let DeValue::Integer(integer) = value else {
         return Some(Value::Float(value.as_float()?.as_str().parse().ok()?));
@@ -29,7 +30,7 @@ pub fn number(value: &DeValue<'_>) -> Option<Value> {
     }
 }
 
-/// A problem of a value.
+/// Returns a problem of a value.
 pub fn problem_at(value: &Spanned<DeValue<'_>>, message: String, label: impl Into<String>, help: String) -> Problem {
     Problem { span: Some(value.span()), message, label: label.into(), help }
 }

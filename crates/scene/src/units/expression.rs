@@ -13,7 +13,7 @@ use super::measured::{Exponents, Measured};
 use super::{Dimension, canonical, number_length, to_si};
 use crate::numeric::elementary as libm;
 
-/// Names of the functions.
+/// Names of the functions that expressions may contain.
 pub const FUNCTIONS: [&str; 14] =
     ["sqrt", "abs", "min", "max", "hypot", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "exp", "log"];
 /// Maximum length of an expression in bytes, and maximum depth: deeper ones would exhaust the stack.
@@ -31,10 +31,10 @@ pub enum ExpressionError {
     Problem { span: Range<usize>, message: String, label: String, help: String },
 }
 
-/// Returns the value of the name at a position in the text.
+/// A function that returns the value of a name; the second argument is its position in the text.
 pub type Lookup<'a> = dyn Fn(&str, Range<usize>) -> Result<Measured, ExpressionError> + 'a;
 
-/// Whether a text is an expression: it begins with `=`.
+/// Whether a text is an expression, that is, begins with `=`.
 pub fn is_expression(text: &str) -> bool {
     // Most texts begin with a digit.
     match text.as_bytes().first() {

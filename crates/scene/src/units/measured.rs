@@ -4,10 +4,10 @@ use std::fmt;
 
 use super::{Dimension, format, number};
 
-/// Exponents of metre, kilogram, second and radian, doubled because of square roots.
+/// Exponents of metre, kilogram, second and radian. They are doubled, because of square roots.
 ///
-/// An angle is a dimension of its own. Arc lengths and the speeds of points that rotate have a radian as a factor, which lengths
-/// and speeds do not have: therefore a radian times a length counts as a length.
+/// An angle is a dimension of its own. Arc lengths and the speeds of rotating points contain a radian as a factor;
+/// lengths and speeds do not. Therefore a radian times a length counts as a length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Exponents(pub(super) [i32; 4]);
 
@@ -82,17 +82,17 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// A value of this dimension; `None` is a plain number.
+    /// Creates a value of this dimension; `None` is a plain number.
     pub fn new(si: f64, dimension: Option<Dimension>) -> Self {
         Measured { si, exponents: Exponents::of(dimension) }
     }
 
-    /// Whether it can be a value of this dimension; `None` is a plain number.
+    /// Whether this can be a value of a dimension; `None` is a plain number.
     pub fn is(&self, dimension: Option<Dimension>) -> bool {
         self.exponents.agrees(Exponents::of(dimension))
     }
 
-    /// The dimension with exactly these exponents; `None` for a plain number, and for a dimension without name.
+    /// The dimension with exactly these exponents; `None` for a plain number, or for a dimension without a name.
     pub fn dimension(&self) -> Option<Dimension> {
         self.exponents.dimension()
     }
@@ -101,7 +101,7 @@ impl Measured {
         self.exponents == Exponents::NUMBER
     }
 
-    /// Name of its dimension with article, for messages.
+    /// Name of the dimension, with its article, for messages.
     pub fn name(&self) -> String {
         self.exponents.name()
     }

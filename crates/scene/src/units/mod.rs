@@ -43,8 +43,9 @@ pub fn parse_positive(text: &str, expected: Dimension, otherwise: &str) -> Resul
 
 /// Parses a quantity of dimension `expected` and returns it in SI units.
 ///
-/// The number is a decimal with optional exponent. Units are listed in [`Dimension::units`], case-sensitive; a product
-/// may be written with `*`, `·` or a space, a square as `^2` or `²`, micro as `u` or `µ`, degrees as `deg` or `°`.
+/// The number is a decimal with an optional exponent. Units are listed in [`Dimension::units`] and are case-sensitive.
+/// A product may be written with `*`, `·` or a space, a square as `^2` or `²`, micro as `u` or `µ`, degrees as `deg` or
+/// `°`.
 pub fn parse(text: &str, expected: Dimension) -> Result<f64, QuantityError> {
     let text = text.trim();
     let (number, rest) = text.split_at(number_length(text));
@@ -105,13 +106,13 @@ fn to_si(number: &str, factor: f64) -> Option<f64> {
     number.parse::<f64>().ok().map(|value| value * factor)
 }
 
-/// Returns the first dimension that has the unit of a quantity; `None` if the unit is unknown.
+/// Returns the first dimension that has the unit of a quantity; `None` if no dimension has it.
 pub fn dimension_of(text: &str) -> Option<Dimension> {
     let name = canonical(split_quantity(text).1);
     Dimension::ALL.into_iter().find(|dimension| dimension.units().iter().any(|unit| unit.name == name))
 }
 
-/// Splits a text into its leading number and the rest, its unit.
+/// Splits a text into its leading number and the rest, which is the unit.
 pub fn split_quantity(text: &str) -> (&str, &str) {
     let text = text.trim();
     let (number, unit) = text.split_at(number_length(text));
@@ -164,10 +165,10 @@ fn canonical(unit: &str) -> String {
 /// Neighbours of the quotient, in units in the last place, tried before a unit is rejected.
 const NEIGHBOURS: i64 = 4;
 
-/// Formats a finite value such that [`parse`] returns the same bits.
+/// Formats a finite value in such a way that [`parse`] returns the same bits.
 ///
-/// Among the shown units it prefers one that gives a number from 1 to 1000, then the shortest text, then the unit later
-/// in the list.
+/// Among the shown units, it prefers those that give a number from 1 to 1000. Of these, it takes the one with the
+/// shortest text; of several, the last one in the list.
 pub fn format(value_si: f64, dimension: Dimension) -> String {
     let candidates = dimension.units().iter().filter(|u| u.shown);
     candidates

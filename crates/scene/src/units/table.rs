@@ -9,13 +9,13 @@ use std::f64::consts::{PI, TAU};
 #[derive(Clone, Copy, Debug)]
 pub struct Unit {
     pub name: &'static str,
-    /// The unit in SI units.
+    /// Value of the unit in SI units.
     pub factor: f64,
     /// Whether [`super::format`] may choose it.
     pub shown: bool,
 }
 
-/// Longest time accepted, of a run or in any setting: one hour, whereas a closing motion takes 10 ms.
+/// Longest accepted time in any setting, including the duration of a run: one hour. A closing motion takes 10 ms.
 pub const MAX_TIME_S: f64 = 3600.0;
 
 /// The acceleration unit g, m/s², and the default gravity.
@@ -121,13 +121,14 @@ impl Dimension {
         self.properties().example
     }
 
-    /// Largest magnitude accepted, in SI units: far beyond any gripper, and small enough to compute with and to show.
+    /// Largest accepted magnitude, in SI units. It is far beyond any gripper, and small enough for computation and
+    /// display.
     pub fn max_si(self) -> f64 {
         self.properties().max_si
     }
 
-    /// Magnitude below which results are rounding errors, in SI units: positions and angles have a relative error of
-    /// about 1e-16, and contact forces multiply it by a stiffness. 0 for dimensions of inputs only.
+    /// Magnitude below which results are rounding errors, in SI units; 0 for dimensions that only inputs have.
+    /// Positions and angles have a relative error of about 1e-16, and contact forces multiply it by a stiffness.
     pub fn resolution_si(self) -> f64 {
         self.properties().resolution_si
     }
@@ -137,7 +138,7 @@ impl Dimension {
         self.properties().suffix
     }
 
-    /// Whether the quantity belongs to translation, where there is one of rotation as well.
+    /// Whether the quantity belongs to translation; only meaningful if there is a corresponding quantity of rotation.
     pub fn is_linear(self) -> bool {
         use Dimension as D;
         matches!(
@@ -146,7 +147,7 @@ impl Dimension {
         )
     }
 
-    /// Accepted units; the first is the SI unit.
+    /// Accepted units; the first one is the SI unit.
     pub fn units(self) -> &'static [Unit] {
         self.properties().units
     }

@@ -17,7 +17,7 @@ const UNUSED: [&str; 3] = ["engine", "validate", "log"];
 /// Largest number of entries of a list that are fields of their own, each with a slider. A longer list is one text.
 const MAX_ENTRIES: usize = 8;
 
-/// Describes all fields, with and without a value.
+/// Describes all fields, whether or not they have a value.
 pub fn fields(scene: &Scene) -> Value {
     let text = show_written(scene);
     let resolved: toml::Table = text.parse().unwrap_or_default();

@@ -71,7 +71,8 @@ const PREFIXED: [&str; 6] = ["N", "m", "J", "N·m", "N·s", "N·m·s"];
 /// Significant digits of a figure.
 const DIGITS: usize = 4;
 
-/// All figures with labels and texts, the most important first. `has_fingers`: whether the scene has five-bar fingers.
+/// Returns all figures with labels and texts, the most important ones first. `has_fingers` states whether the scene has
+/// five-bar fingers.
 pub fn figures(report: &RunReport, has_fingers: bool) -> Vec<Value> {
     let mut all = leaves(report);
     let leading_keys = if has_fingers { LEADING_KEYS } else { LEADING_KEYS_OF_MECHANISM };
@@ -92,7 +93,7 @@ pub fn figures(report: &RunReport, has_fingers: bool) -> Vec<Value> {
     all.iter().map(entry).collect()
 }
 
-/// Returns the class of a finger with its reason, or the reason why it has none; for a grasp, its answer.
+/// Returns the class of a finger with its reason, or the reason why it has no class. For a grasp, returns its answer.
 pub fn verdict(report: &RunReport) -> Option<String> {
     let class = report.criteria.flatten().map(|criteria| criteria.verdict());
     let fate = || report.object().map(ObjectReport::answer);
@@ -101,7 +102,7 @@ pub fn verdict(report: &RunReport) -> Option<String> {
     class.or_else(no_class).or_else(fate).or_else(no_fate)
 }
 
-/// Returns the results in the report's JSON document, with their keys: numbers, words or null.
+/// Returns the results in the report's JSON document, each with its key: numbers, words or null.
 pub fn leaves(report: &RunReport) -> Vec<(String, Value)> {
     let document = serde_json::to_value(report).expect("a report is plain data with string keys");
     let mut found = Vec::new();

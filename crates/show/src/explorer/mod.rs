@@ -40,7 +40,7 @@ const DIRECTIONS: usize = 72;
 /// Stride of the directions in its table, which are 15° apart.
 const IN_TABLE: usize = 3;
 
-/// A JSON text, and the numbers that it refers to.
+/// A JSON text, and the numbers to which it refers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Response {
     pub text: String,

@@ -13,8 +13,8 @@ pub mod report;
 pub use numbers::format_duration;
 pub use report::{Report, ToReport};
 
-/// Whether a terminal or a viewer interprets a character instead of showing it: control characters, line ends other
-/// than `\n`, and controls of bidirectional text.
+/// Whether a terminal or a viewer interprets a character instead of showing it. Such characters are control characters,
+/// line ends other than `\n`, and controls of bidirectional text.
 pub fn is_unsafe_char(c: char) -> bool {
     let bidi = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     bidi || matches!(c, '\u{2028}' | '\u{2029}') || c.is_control() && !matches!(c, '\n' | '\t')

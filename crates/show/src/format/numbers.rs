@@ -8,7 +8,8 @@ pub fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
     cells.map(String::from).to_vec()
 }
 
-/// Formats a number with `digits` significant digits: without exponent from 1e-3 to 1e6, with exponent beyond.
+/// Formats a number with `digits` significant digits. From 1e-3 to 1e6 it has no exponent, beyond this range it has
+/// one.
 pub fn format_number(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_string();
@@ -32,7 +33,7 @@ pub fn or_dash<T>(value: Option<T>, format: impl FnOnce(T) -> String) -> String 
     value.map_or("–".to_string(), format)
 }
 
-/// Returns a result in SI units, or 0 if it is below the resolution of its dimension, where its digits would be
+/// Returns a result in SI units, or 0 if it is below the resolution of its dimension, because its digits would then be
 /// rounding errors. JSON documents contain the unrounded value.
 pub fn zero_below_resolution(value_si: f64, dimension: Dimension) -> f64 {
     if value_si.abs() < dimension.resolution_si() { 0.0 } else { value_si }

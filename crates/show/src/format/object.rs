@@ -2,7 +2,7 @@
 
 use serde::{Serialize, Serializer};
 
-/// Ordered list of values with names; serialised as an object.
+/// Ordered list of named values, serialised as an object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Named<T>(pub Vec<(String, T)>);
 

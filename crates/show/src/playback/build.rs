@@ -17,7 +17,7 @@ use crate::trace::{ContactSample, Event, EventKind, Sample, Schema};
 /// Index of a column of numbers in [`Playback::columns`].
 pub type Column = usize;
 
-/// A run as the page shows it. Values over time are columns of numbers.
+/// A run in the form in which the page shows it. Values over time are stored as columns of numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Playback {
     /// Label that distinguishes the runs of a page: the model or the variant.
@@ -25,44 +25,45 @@ pub struct Playback {
     /// Summary of the run, shown below the animation.
     #[serde(skip)]
     pub summary: Report,
-    /// The grasp of an object; `None` without one, or if the run was not completed.
+    /// The grasp of an object; `None` without a grasp, or if the run was not completed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grasp: Option<PlayedGrasp>,
     /// Number of samples in the playback.
     pub samples: usize,
     /// Number of samples of the run before decimation.
     pub recorded: usize,
-    /// Times of the samples, ascending; two samples may have the same time.
+    /// Times of the samples, ascending. Two samples may have the same time.
     pub time_s: Column,
     pub bodies: Vec<PlayedBody>,
     pub contacts: Vec<ContactSeries>,
     pub panels: Vec<Panel>,
     #[serde(rename = "events")]
     pub event_markers: Vec<EventMarker>,
-    /// Length of a force arrow per newton, where arrows are to scale.
+    /// Length of a force arrow per newton, m/N, as long as arrows are to scale.
     pub arrow_m_per_n: f64,
-    /// Maximum length of a force arrow.
+    /// Maximum length of a force arrow, m.
     pub longest_arrow_m: f64,
-    /// Lower left and upper right corner of the view.
+    /// Lower left and upper right corner of the view, m.
     pub extent_m: [[f64; 2]; 2],
-    /// Whether the view is turned by 180° at first, because gravity points up. Scenes of fingers, whose objects lie on the
-    /// palm, are not turned.
+    /// Whether the view is initially turned by 180°, because gravity points up. Views of fingers are not turned,
+    /// because their objects lie on the palm.
     pub is_turned: bool,
-    /// The distinct columns: one value per sample, or a single one if all are equal.
+    /// The distinct columns. A column contains one value per sample, or a single value if all are equal.
     #[serde(skip)]
     pub columns: Vec<Vec<f64>>,
 }
 
-/// A grasp as a page shows it.
+/// A grasp in the form in which a page shows it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlayedGrasp {
     /// The answer in one sentence.
     pub answer: String,
-    /// States in order of time; each lasts up to the next one, the last one up to the end of the run.
+    /// States in order of time. Each state lasts up to the next one; the last state lasts to the end of the run.
     pub states: Vec<PlayedState>,
 }
 
-/// A state of the object: `gripped`, `carried`, `resting`, `free`, or `released` after the release, where it is not judged.
+/// A state of the object: `gripped`, `carried`, `resting` or `free`. After the release the state is not judged and is
+/// called `released`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PlayedState {
     pub from_s: f64,
@@ -70,15 +71,15 @@ pub struct PlayedState {
 }
 
 impl Playback {
-    /// Adds the grasp of the run.
+    /// Returns the playback with the grasp of the run.
     #[must_use]
     pub fn with_grasp(self, grasp: Option<PlayedGrasp>) -> Self {
         Playback { grasp, ..self }
     }
 }
 
-/// A body, and the columns of the pose of its frame (`x_m`, `y_m`, `angle_rad`) and of its time derivatives, for
-/// interpolation between samples.
+/// A body. It has columns for the pose of its frame (`x_m`, `y_m`, `angle_rad`) and for the time derivatives of the
+/// pose, which are used to interpolate between samples.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlayedBody {
     #[serde(flatten)]
@@ -87,7 +88,8 @@ pub struct PlayedBody {
     pub columns: Named<Column>,
 }
 
-/// The columns of a contact, by the keys of its quantities. The points of a pair of outlines are one contact.
+/// The columns of a contact, by the keys of its quantities. The points of a pair of outlines are combined into one
+/// contact.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ContactSeries {
     pub name: String,
@@ -101,7 +103,7 @@ pub struct Panel {
     pub title: &'static str,
     /// SI unit of its values, such as `rad`, `N`, `m`, `J`.
     pub unit: &'static str,
-    /// Initial scale; the reader may switch.
+    /// Initial scale, which the reader can change.
     #[serde(rename = "logarithmic")]
     pub scale: Scale,
     pub series: Vec<Series>,
@@ -112,8 +114,8 @@ pub struct Panel {
 pub struct Series {
     pub name: String,
     pub values: Column,
-    /// Time derivatives of the values, if samples have them. They are needed to interpolate between samples, which may
-    /// be 0.1 ms and half a millimetre apart.
+    /// Column of the time derivatives of the values, if samples contain them. They are used to interpolate between
+    /// samples, which may be 0.1 ms and half a millimetre apart.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rates: Option<Column>,
 }
@@ -125,13 +127,14 @@ pub struct EventMarker {
     /// Name of the contact or of the joint limit.
     #[serde(rename = "place")]
     pub location: String,
-    /// Name of the contact in samples, if it is another: a point of a pair of outlines.
+    /// Name of the contact in samples, if it differs from `location`, as for a point of a pair of outlines.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub point: Option<String>,
-    /// Kind of event.
+    /// Kind of the event.
     pub kind: &'static str,
-    /// Approach speed or impulse, if the kind of event has one, and its SI unit.
+    /// Approach speed or impulse; `None` if this kind of event has neither.
     pub figure: Option<f64>,
+    /// SI unit of the figure.
     pub unit: &'static str,
 }
 
@@ -169,9 +172,10 @@ impl ColumnTable {
     }
 }
 
-/// Builds the playback of a run; `summary` is shown below it. More than [`MAX_SAMPLES`] samples are decimated.
+/// Builds the playback of a run. `summary` is shown below the playback. A run with more than [`MAX_SAMPLES`] samples is
+/// decimated.
 ///
-/// Pairs without contact are omitted if others have contact.
+/// Pairs without contact are omitted if other pairs have contact.
 pub fn build_playback(
     label: &str,
     scene: &Scene,

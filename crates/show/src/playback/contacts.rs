@@ -21,12 +21,12 @@ pub(super) struct ShownContact {
 }
 
 impl ShownContact {
-    /// Whether a contact of samples is a part of this one.
+    /// Whether a contact of samples belongs to this contact.
     pub fn contains(&self, contact: usize) -> bool {
         self.points.iter().any(|(index, _)| *index == contact)
     }
 
-    /// Sums of the forces at their centre, and the smallest gap.
+    /// State of the contact: the sums of the forces, which act at their common centre, and the smallest gap.
     pub fn state(&self, sample: &Sample) -> ContactSample {
         let point = |&(index, sign): &(usize, f64)| {
             let contact = sample.contact(index);
@@ -52,7 +52,7 @@ impl ShownContact {
         }
     }
 
-    /// Value of a quantity of [`ContactSample`] by its key.
+    /// Returns the quantity of [`ContactSample`] with this key.
     pub fn value(&self, sample: &Sample, key: &str) -> f64 {
         let index = ContactSample::QUANTITIES.iter().position(|quantity| quantity.key == key);
         self.state(sample).values()[index.expect("a key of contacts")]

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-/// Maximum number of samples of a run in a page. Two runs of a finger then take 1.6 MB.
+/// Maximum number of samples of a run in a page. With this number, two runs of a finger take 1.6 MB.
 pub const MAX_SAMPLES: usize = 2000;
 
 /// Number of samples retained before and after an event.

@@ -11,9 +11,9 @@ const MAX_RETAINED: usize = 60_000;
 /// Number of samples retained after an event, regardless of the stride.
 const SAMPLES_AFTER_EVENT: u32 = 4;
 
-/// Records samples and events of a run. Beyond 60,000 samples, only every second, fourth, … sample is retained, in
-/// addition to special samples: those at events and at peaks of any contact force. If special samples alone are too
-/// many, they are decimated in the same way.
+/// Records samples and events of a run. Beyond 60,000 samples, it keeps only every second, fourth, … sample, and in
+/// addition all special samples: those at events and at peaks of any contact force. If there are too many special
+/// samples, they are decimated in the same way.
 #[derive(Clone, Debug)]
 pub struct PlaybackRecorder {
     retained: Vec<RetainedSample>,

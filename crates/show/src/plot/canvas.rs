@@ -13,8 +13,8 @@ const LINE_HEIGHT: f64 = 24.0;
 /// Minimum size of text. Text that is too wide is reduced to this size, then truncated.
 const MIN_TEXT_SIZE: f64 = 11.0;
 
-/// Schema of a picture: standalone with title and a legend on the right, or for a narrow column of a page, without the
-/// title.
+/// Format of a picture: standalone, with a title and a legend on the right; or for a narrow column of a page, without
+/// the title.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
     Standalone,
@@ -29,7 +29,7 @@ impl PictureFormat {
         }
     }
 
-    /// Draws a picture; `height` does not include the title.
+    /// Draws a picture. `height` does not include the height of the title.
     pub fn picture(self, title: &str, height: f64, draw: impl FnOnce(&mut Svg)) -> String {
         match self {
             PictureFormat::Standalone => picture(title, TITLE_HEIGHT + height, draw),
@@ -63,7 +63,7 @@ pub const THIN_LINE: Marker = Marker::Line { width: 1.0 };
 /// An entry of a legend.
 pub type LegendEntry = (Marker, Colour, String);
 
-/// Draws a picture with a title; `draw` draws relative to the lower edge of the title.
+/// Draws a picture with a title. The origin for `draw` is at the lower edge of the title.
 pub fn picture(title: &str, height: f64, draw: impl FnOnce(&mut Svg)) -> String {
     document([WIDTH, height], title, |svg| {
         fitted_text(svg, title, [16.0, 24.0], 19.0, WIDTH - 32.0);
@@ -105,7 +105,7 @@ pub fn markers(svg: &mut Svg, pixels: &[Pixel], marker: Marker, colour: Colour) 
     svg.path(&path, paint);
 }
 
-/// Draws a legend, given its upper left corner and width; all entries have the same text size.
+/// Draws a legend with this upper left corner and width. All entries have the same text size.
 pub fn legend(svg: &mut Svg, [left, top]: Pixel, width: f64, entries: &[LegendEntry]) {
     let available_width = width - 48.0;
     let sizes = entries.iter().map(|(.., text)| fitting_size(text, TEXT_SIZE, available_width));
@@ -138,7 +138,7 @@ fn legend_symbol(svg: &mut Svg, [x, y]: Pixel, &(marker, colour, _): &LegendEntr
     markers(svg, &pixels, marker, colour);
 }
 
-/// Draws colours with their labels side by side, wrapped to as many lines as needed. Returns the end of the last entry.
+/// Draws colours and their labels side by side, in as many lines as needed. Returns the end of the last entry.
 pub fn colour_key<'a>(
     svg: &mut Svg,
     [left, top]: Pixel,
@@ -178,7 +178,7 @@ pub fn centred_style(size: f64, colour: Colour) -> TextStyle {
     TextStyle { size, colour, anchor: "middle", is_vertical: false, has_halo: false }
 }
 
-/// Draws text that starts at a pixel and fits `width`.
+/// Draws text that starts at a pixel, in a size that fits `width`.
 pub fn fitted_text(svg: &mut Svg, text: &str, position: Pixel, size: f64, width: f64) {
     let size = fitting_size(text, size, width);
     text_right_of(svg, &truncated(text, size, width), position, size, INK);
@@ -189,7 +189,7 @@ pub(crate) fn fitting_size(text: &str, size: f64, width: f64) -> f64 {
     (size * width / text_width(text, size).max(1.0)).floor().clamp(MIN_TEXT_SIZE, size)
 }
 
-/// Approximate width of a text in pixels, in the widest of the common fonts (DejaVu Sans).
+/// Approximate width of a text in pixels, for the widest of the common fonts (DejaVu Sans).
 pub fn text_width(text: &str, size: f64) -> f64 {
     size * text.chars().map(glyph_width).sum::<f64>()
 }
@@ -205,7 +205,7 @@ fn glyph_width(character: char) -> f64 {
     }
 }
 
-/// Truncates a text to `width`, with an ellipsis.
+/// Truncates a text to `width` pixels, with an ellipsis.
 pub fn truncated(text: &str, size: f64, width: f64) -> String {
     if text_width(text, size) <= width {
         return text.to_string();

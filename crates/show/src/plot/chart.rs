@@ -8,7 +8,7 @@ use super::canvas::{
 use super::svg::{Paint, Path, Pixel, Svg, TEXT_SIZE, TextStyle};
 use super::theme::{Colour, FAINT, INK, LINE, SOFT};
 
-/// Coordinates of a point in a frame.
+/// Coordinates (x, y) of a point in a frame.
 pub type PlotPoint = (f64, f64);
 
 /// Height of the tick labels and the axis label below a frame.
@@ -21,7 +21,7 @@ const RIGHT_MARGIN: f64 = 12.0;
 /// Height of a legend above stacked panels.
 const TOP_LEGEND_HEIGHT: f64 = 34.0;
 
-/// An axis: its label with its unit, its range and its ticks, all in plotted coordinates.
+/// An axis: a label with the unit, a range, and ticks. Range and ticks are in plotted coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
     pub label: String,
@@ -58,8 +58,8 @@ impl Axis {
         Axis { label: label.to_string(), from, to, ticks, minor_ticks: Vec::new(), is_logarithmic: false }
     }
 
-    /// Creates a logarithmic axis over all positive values, in whole decades. If there are more than `decades`, the
-    /// lowest are cut off.
+    /// Creates a logarithmic axis over all positive values, in whole decades. If there are more than `decades` decades,
+    /// the lowest ones are cut off.
     pub fn logarithmic(label: &str, values: impl IntoIterator<Item = f64>, decades: f64) -> Axis {
         let exponents = values.into_iter().filter(|&v| v > 0.0).map(f64::log10);
         let (low, high) = range(exponents).unwrap_or((-1.0, 0.0));
@@ -77,14 +77,14 @@ impl Axis {
         }
     }
 
-    /// Returns this axis with a margin at both ends, for markers at the ends.
+    /// Returns this axis with a margin at both ends, so that markers at the ends are visible.
     pub fn with_margin(mut self) -> Axis {
         let margin = 0.02 * (self.to - self.from);
         (self.from, self.to) = (self.from - margin, self.to + margin);
         self
     }
 
-    /// Coordinate of a value on this axis. On a logarithmic axis values beyond its range are clamped to it.
+    /// Coordinate of a value on this axis. On a logarithmic axis, values outside the range are clamped to it.
     pub fn coordinate(&self, value: f64) -> f64 {
         match self.is_logarithmic {
             true if value > 0.0 => value.log10().clamp(self.from, self.to),
@@ -120,7 +120,7 @@ fn superscript(exponent: i64) -> String {
 /// Number of columns in which a decimated line retains its ends and extremes.
 const COLUMNS: usize = 1200;
 
-/// A curve, or markers of one kind, in the units of the axes.
+/// A curve, or a set of equal markers, in the units of the axes.
 pub struct Series {
     pub marker: Marker,
     pub colour: Colour,
@@ -130,33 +130,34 @@ pub struct Series {
 }
 
 impl Series {
-    /// Points without an entry in the legend.
+    /// Creates a series of points without an entry in the legend.
     pub fn new(marker: Marker, colour: Colour, points: impl IntoIterator<Item = PlotPoint>) -> Series {
         Series { marker, colour, points: points.into_iter().collect(), name: None }
     }
 
-    /// An entry of the legend without points.
+    /// Creates an entry of the legend without points.
     pub fn key(marker: Marker, colour: Colour, name: impl Into<String>) -> Series {
         Series::new(marker, colour, []).named(name)
     }
 
-    /// Points (time in s, value), as a curve over the time in ms with the resolution of a picture.
+    /// Creates a curve from points (time in s, value). The curve is drawn over the time in ms, with the resolution of a
+    /// picture.
     pub fn over_time(marker: Marker, colour: Colour, points: impl Iterator<Item = PlotPoint>) -> Series {
         let finite = points.filter(|(_, value)| value.is_finite());
         Series::new(marker, colour, decimate(finite.map(|(time_s, value)| (time_s * 1e3, value)).collect()))
     }
 
-    /// A thin line over the whole height of the frame.
+    /// Creates a thin line over the whole height of the frame.
     pub fn vertical(colour: Colour, x: f64) -> Series {
         Series::new(THIN_LINE, colour, [(x, f64::NEG_INFINITY), (x, f64::INFINITY)])
     }
 
-    /// A line over the whole width of the frame.
+    /// Creates a line over the whole width of the frame.
     pub fn horizontal(marker: Marker, colour: Colour, y: f64) -> Series {
         Series::new(marker, colour, [(f64::NEG_INFINITY, y), (f64::INFINITY, y)])
     }
 
-    /// Adds an entry in the legend.
+    /// Returns the series with an entry in the legend.
     pub fn named(self, name: impl Into<String>) -> Series {
         Series { name: Some(name.into()), ..self }
     }
@@ -218,7 +219,7 @@ fn draw(svg: &mut Svg, top: f64, [width, height]: [f64; 2], x: &Axis, y: &Axis, 
     legend(svg, [width, top], LEGEND_WIDTH, &entries);
 }
 
-/// Draws a picture of one frame with the legend of its series.
+/// Draws a picture of a single frame, with the legend of its series.
 pub fn series_chart(title: &str, height: f64, x: &Axis, y: &Axis, series: &[Series]) -> String {
     picture(title, height, |svg| draw(svg, 0.0, [WIDTH - LEGEND_WIDTH, height - TITLE_HEIGHT], x, y, true, series))
 }
@@ -231,9 +232,9 @@ pub struct Panel {
     pub series: Vec<Series>,
 }
 
-/// Draws a picture of stacked panels over a common horizontal axis, whose labels are below the last panel. The heights are
-/// those of the headings and of each panel without axis labels. The legend of all panels is at the top; named series
-/// have a legend to the right of their panel.
+/// Draws a picture of stacked panels with a common horizontal axis, whose labels are below the last panel. `heights`
+/// are the height of a heading, and that of a panel without axis labels. `common` is the legend of all panels, at the
+/// top; named series have a legend to the right of their panel.
 pub fn panel_chart(title: &str, x: &Axis, heights: [f64; 2], common: &[LegendEntry], panels: &[Panel]) -> String {
     let [heading, panel_height] = heights;
     let above = if common.is_empty() { 0.0 } else { TOP_LEGEND_HEIGHT };

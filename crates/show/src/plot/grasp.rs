@@ -36,7 +36,7 @@ const MOTION_RAD: f64 = 0.15;
 /// Length of the arrow of the largest force, as a fraction of the object's radius.
 const MAX_FORCE_LENGTH: f64 = 0.65;
 
-/// Draws the grasp with the forces for the last of the friction coefficients.
+/// Draws the grasp with the forces for the last friction coefficient.
 pub fn grasp(scene: &Scene, found: &Grasp, picture_format: PictureFormat) -> String {
     let drawing = Drawing::from_scene(scene);
     let rest = link_outlines(scene, &drawing, &found.end.posture);
@@ -202,7 +202,7 @@ const MAX_OVER_MEDIAN: f64 = 3.0;
 /// Direction of the labels of the circles, between the labelled directions.
 const LABEL_DIRECTION_RAD: f64 = 0.125 * TAU;
 
-/// Draws the accelerations for the last of the friction coefficients.
+/// Draws the balanced accelerations for the last friction coefficient.
 pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureFormat) -> String {
     let last = found.friction_cases.last();
     let plot = PolarPicture {
@@ -215,8 +215,7 @@ pub fn balance(scene: &Scene, found: &GripperGrasp, picture_format: PictureForma
     plot.draw(scene, &found.sample, picture_format)
 }
 
-/// Draws the accelerations of its base that the grasp of a mechanism withstands with the last of the friction
-/// coefficients, and the mechanism.
+/// Draws a mechanism, and the accelerations of its base that its grasp withstands with the last friction coefficient.
 pub fn mechanism_balance(scene: &Scene, found: &MechanismGrasp, picture_format: PictureFormat) -> String {
     let last = found.friction_cases.last();
     let plot = PolarPicture {

@@ -12,7 +12,7 @@ pub type Point = [f64; 2];
 /// Margin around a view, in pixels.
 pub const MARGIN: f64 = 24.0;
 
-/// Transformation from world to pixels, with the same scale for both axes.
+/// Transformation from world coordinates to pixels, with the same scale for both axes.
 #[derive(Clone, Copy)]
 pub struct View {
     pub low: Point,
@@ -21,7 +21,7 @@ pub struct View {
 }
 
 impl View {
-    /// Creates a view of all points with a width in pixels.
+    /// Creates a view of all points that has a width in pixels.
     pub fn with_width(points: &[Point], width: f64) -> Self {
         let fold = |i: usize, pick: fn(f64, f64) -> f64, from: f64| points.iter().map(|p| p[i]).fold(from, pick);
         let low = [0, 1].map(|i| fold(i, f64::min, f64::INFINITY));
@@ -29,7 +29,7 @@ impl View {
         View { low, high, scale: (width - 2.0 * MARGIN) / (high[0] - low[0]) }
     }
 
-    /// Creates a view of all points that fits a width and a height in pixels.
+    /// Creates a view of all points that fits within a width and a height in pixels.
     pub fn within_size(points: &[Point], [width, height]: [f64; 2]) -> Self {
         let view = View::with_width(points, width);
         let scale = (height - 2.0 * MARGIN) / (view.high[1] - view.low[1]);
@@ -45,7 +45,7 @@ impl View {
     }
 }
 
-/// Returns the outline of a shape of a body; empty for a half plane.
+/// Returns the outline of a shape of a body in the world; empty for a half plane.
 pub fn outline(shape: &Shape, pose: &FramePose) -> Vec<Point> {
     match shape {
         Shape::Polygon { corners_m } => corners_m.iter().map(|corner| pose.apply(*corner)).collect(),
@@ -62,7 +62,7 @@ pub fn outline(shape: &Shape, pose: &FramePose) -> Vec<Point> {
     }
 }
 
-/// Outlines of links and objects with their colours; planes have none.
+/// Outlines of links and objects, with their colours. Planes have no outline.
 pub fn outlines(bodies: &[DrawnBody], poses: &[FramePose]) -> Vec<(Vec<Point>, Colour)> {
     let colours = |(body, pose): (&DrawnBody, &FramePose)| {
         let fill = match body.role {

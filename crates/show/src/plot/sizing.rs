@@ -5,8 +5,9 @@ use super::chart::{Axis, Panel, Series, panel_chart};
 use super::theme::{BLUE, Colour, GREEN, ORANGE, PURPLE, SOFT};
 use crate::sizing::{Profile, ProfilePoint};
 
-/// Draws angle, rate and acceleration of the motor link with the angles of the phalanges (Fig. 3.1), the spring torque
-/// required in the rigid phase by placement (Fig. 3.2), and the motor torque for either type of spring (Fig. 3.3).
+/// Draws three pictures of a sizing. Fig. 3.1: angle, rate and acceleration of the motor link, and the angles of the
+/// phalanges. Fig. 3.2: the spring torque required in the rigid phase, for each placement. Fig. 3.3: the motor torque
+/// for either type of spring.
 pub fn sizing(scene: &str, profile: &Profile) -> [String; 3] {
     let curve = |colour: Colour, value: &dyn Fn(&ProfilePoint) -> Option<f64>| {
         let points = profile.points.iter().filter_map(|point| Some((point.time_s * 1e3, value(point)?)));

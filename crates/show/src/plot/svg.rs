@@ -5,16 +5,16 @@ use std::fmt::{self, Display, Formatter, Write};
 use super::theme::{Colour, INK, PAPER, style};
 use crate::format::escape_markup;
 
-/// Coordinates in pixels, y downwards.
+/// Coordinates in pixels; y points downwards.
 pub type Pixel = [f64; 2];
 
-/// Comment at the beginning of every picture, by which the program recognises its own files.
+/// Comment at the beginning of every picture. The program recognises its own files by it.
 pub const PICTURE_MARK: &str = "<!-- phalanx -->";
 
 /// Default text size.
 pub const TEXT_SIZE: f64 = 15.0;
 
-/// Elements drawn so far.
+/// An SVG document that is being drawn: its elements so far.
 #[derive(Default)]
 pub struct Svg {
     text: String,
@@ -24,7 +24,7 @@ pub struct Svg {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Paint {
     pub fill: Option<Colour>,
-    /// Colour and width.
+    /// Colour and width of the stroke; `None` for no stroke.
     pub stroke: Option<(Colour, f64)>,
     /// Opacity of the fill, or of the stroke of a shape without fill.
     pub opacity: Option<f64>,
@@ -81,7 +81,7 @@ impl Display for Paint {
 pub struct TextStyle {
     pub size: f64,
     pub colour: Colour,
-    /// Point of the text that is placed at its coordinates: `start`, `middle` or `end`.
+    /// Part of the text that is placed at its coordinates: `start`, `middle` or `end`.
     pub anchor: &'static str,
     /// Whether the text runs upwards.
     pub is_vertical: bool,
@@ -110,7 +110,7 @@ impl Svg {
         let _ = writeln!(self.text, "{element}");
     }
 
-    /// Draws with a translated origin.
+    /// Draws with the origin moved to a pixel.
     pub fn translated(&mut self, [x, y]: Pixel, draw: impl FnOnce(&mut Svg)) {
         self.line(format_args!("<g transform=\"translate({} {})\">", pixels(x), pixels(y)));
         draw(self);
@@ -169,7 +169,7 @@ impl Svg {
     }
 }
 
-/// A path. Coordinates are integers in tenths of a pixel, so that relative steps accumulate no rounding error.
+/// A path. Coordinates are integers in tenths of a pixel, so that relative steps do not accumulate rounding errors.
 #[derive(Default)]
 pub struct Path {
     data: String,

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::fmt::{Display, Formatter, Result, Write};
 
-/// A colour for a light background; themed colours have a CSS variable and a value for a dark background.
+/// A colour for a light background. A themed colour also has a CSS variable and a value for a dark background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Colour {
     rgb: [u8; 3],
@@ -22,7 +22,7 @@ impl Colour {
         Colour { rgb, variable, on_dark }
     }
 
-    /// Name of the CSS variable; that of the text if the colour has none.
+    /// Name of the CSS variable; for a colour without a variable, that of the text colour.
     pub fn variable(self) -> &'static str {
         if self.variable.is_empty() { INK.variable } else { self.variable }
     }
@@ -51,7 +51,8 @@ pub const GREEN: Colour = Colour::themed([0, 135, 95], "s2", "#3ccb9c");
 pub const PURPLE: Colour = Colour::themed([156, 69, 132], "s3", "#dd95c7");
 pub const AMBER: Colour = Colour::themed([143, 100, 0], "s4", "#e3b84a");
 const GREY: Colour = Colour::themed([95, 103, 115], "s5", "#aab2be");
-/// Colours of successive curves: distinguishable with colour blindness (Okabe and Ito), and dark enough for text.
+/// Colours of successive curves. They can be distinguished with colour blindness (Okabe and Ito), and are dark enough
+/// for text.
 pub const SERIES: [Colour; 6] = [BLUE, ORANGE, GREEN, PURPLE, AMBER, GREY];
 /// Driven link l11, coupler l12, proximal phalanx l21 and distal phalanx l22.
 pub(crate) const DRIVER: Colour = Colour::themed([185, 194, 207], "driver", "#4c5766");
@@ -64,19 +65,19 @@ pub const PALM: Colour = Colour::themed([228, 231, 236], "palm", "#262c35");
 pub const ANGLE: Colour = Colour::themed([0, 90, 156], "accent", "#63b7f0");
 /// Arrows and symbols of forces.
 pub const FORCE: Colour = Colour::themed([179, 38, 30], "force", "#ff8078");
-/// Cell of an accurate run; dark text is legible on it.
+/// Colour of the cell of an accurate run. Dark text is legible on it.
 pub const FINE: Colour = Colour::themed([206, 228, 245], "fine", "#1f4560");
-/// Cell of an inaccurate run or of the third verdict; dark text is legible on it.
+/// Colour of the cell of an inaccurate run, or of the third-best verdict. Dark text is legible on it.
 pub const DOUBTFUL: Colour = Colour::themed([230, 159, 0], "doubtful", "#7a5400");
-/// Cell of a failed run; light text is legible on it.
+/// Colour of the cell of a failed run. Light text is legible on it.
 pub const BROKEN: Colour = Colour::themed([94, 24, 74], "broken", "#d39cc0");
-/// Cell of the second-best verdict.
+/// Colour of the cell of the second-best verdict.
 pub const PALE_BLUE: Colour = Colour::themed([178, 211, 233], "pale", "#1f5678");
-/// Cell of the worst verdict.
+/// Colour of the cell of the worst verdict.
 pub const NEUTRAL: Colour = Colour::themed([216, 216, 216], "neutral", "#4a525e");
-/// Classes and other verdicts, from best to worst.
+/// Colours of classes and other verdicts, from best to worst.
 pub const VERDICTS: [Colour; 4] = [BLUE, PALE_BLUE, DOUBTFUL, NEUTRAL];
-/// Region of unstable grasps. It must differ from the background, which marks regions without a finger.
+/// Colour of the region of unstable grasps. It must differ from the background, which marks regions without a finger.
 pub const UNSTABLE: Colour = Colour::themed([43, 47, 54], "unstable", "#5d6570");
 
 /// Colours with a variable.
@@ -113,8 +114,8 @@ pub(crate) fn style(elements: &str) -> String {
     )
 }
 
-/// Stops of a scale from the smallest to the largest value: viridis (van der Walt and Smith) without its dark end, which
-/// would resemble the unstable region.
+/// Stops of a colour scale, from the smallest to the largest value. They are those of viridis (van der Walt and Smith)
+/// without its dark end, which would resemble the unstable region.
 pub const SEQUENTIAL: [Colour; 6] = [
     Colour::fixed([71, 72, 142]),
     Colour::fixed([49, 107, 142]),
@@ -123,10 +124,10 @@ pub const SEQUENTIAL: [Colour; 6] = [
     Colour::fixed([144, 214, 66]),
     Colour::fixed([253, 231, 37]),
 ];
-/// Stops for negative values, ascending.
+/// Stops for negative values, in ascending order.
 pub const NEGATIVE: [Colour; 3] =
     [Colour::fixed([184, 74, 0]), Colour::fixed([240, 150, 66]), Colour::fixed([255, 224, 190])];
-/// Stops for positive values, ascending. They differ from [`NEGATIVE`] at zero, which makes the sign visible.
+/// Stops for positive values, in ascending order. They differ from [`NEGATIVE`] at zero, which makes the sign visible.
 pub const POSITIVE: [Colour; 3] =
     [Colour::fixed([196, 226, 245]), Colour::fixed([74, 160, 212]), Colour::fixed([0, 92, 158])];
 /// Colours of false and true.
@@ -151,8 +152,8 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// Scale from the smallest to the largest value. If the sign matters, the scale is symmetric about zero; its limit
-    /// is the largest value, since values below the negative limit need not be distinguished.
+    /// Returns the scale from the smallest to the largest value. If the sign matters, the scale is symmetric about
+    /// zero, and its limit is the largest value, because values below the negative limit need not be distinguished.
     pub fn from_values(values: impl Iterator<Item = f64>, is_signed: bool) -> Scale {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         match () {

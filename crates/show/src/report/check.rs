@@ -6,7 +6,7 @@ use super::named::Object;
 use crate::check::{Check, MAX_CHECKED_STEPS, PERTURBATION, Verdict};
 use crate::format::numbers::format_number;
 
-/// The check of a run. Errors are estimates: differences from the run used for comparison.
+/// The check of a run. Errors are estimates: the differences from the reference run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunCheckReport {
     pub check: Check,
@@ -66,8 +66,8 @@ impl Serialize for RunCheckReport {
 /// Advice for an uncertain run.
 const ADVICE: &str = "increase the accuracy with --preset reference, or a smaller --rtol or --tolerance\n";
 
-/// Returns the line on the check in the summary of a run. For a run without check it is a note if the run has too many
-/// steps to be checked by default, otherwise `None`.
+/// Returns the line about the check in the summary of a run. Without a check, it is a note if the run has too many
+/// steps to be checked by default; otherwise `None`.
 pub fn summary_line(report: Option<&RunCheckReport>, steps: Option<u64>) -> Option<String> {
     let unchecked =
         || format!("not checked because the run took more than {MAX_CHECKED_STEPS} steps; --check checks it anyway\n");

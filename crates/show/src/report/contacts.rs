@@ -25,8 +25,8 @@ pub enum ContactReport {
     Limit(LimitReport),
 }
 
-/// A contact between two surfaces. For a pair of discs, forces act on the disc named first, along the normal from the
-/// other disc to it and the tangent to the left of that.
+/// A contact between two surfaces. For a pair of discs, the forces act on the disc named first: along the normal, which
+/// points from the other disc to it, and along the tangent to the left of the normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct SurfaceReport {
     pub first_s: Option<f64>,
@@ -34,7 +34,7 @@ pub struct SurfaceReport {
     pub final_normal_n: f64,
     pub final_tangential_n: f64,
     pub peak_normal_n: f64,
-    /// Largest penetration; null if the surfaces passed through each other undetected.
+    /// Largest penetration, m; null if the surfaces passed through each other undetected.
     pub max_penetration_m: Option<f64>,
     /// Whether the surfaces passed through each other because the steps were too long for a fast body; omitted if
     /// false.
@@ -49,8 +49,9 @@ pub struct SurfaceReport {
     pub rebound: Option<ReboundReport>,
 }
 
-/// The first impact of two surfaces: approach speed at touch-down, separation speed at lift-off, and their ratio. Null
-/// without an impact; the ratio is also null if it does not characterise the impact ([`Rebound::restitution`]).
+/// The first impact of two surfaces: approach speed at touch-down, separation speed at lift-off, and their ratio. All
+/// are null without an impact. The ratio is also null if it does not characterise the impact
+/// ([`Rebound::restitution`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ReboundReport {
     pub approach_m_s: Option<f64>,
@@ -58,7 +59,7 @@ pub struct ReboundReport {
     pub restitution: Option<f64>,
 }
 
-/// The joint limit: the same figures for an angle and a torque.
+/// A joint limit: the same figures as for surfaces, for an angle and a torque.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LimitReport {
     pub first_s: Option<f64>,
@@ -70,7 +71,7 @@ pub struct LimitReport {
 }
 
 impl Contacts {
-    /// Builds the report of the contacts of this schema; with rebounds, if there are any.
+    /// Builds the report of the contacts of this schema, including rebounds if there are any.
     pub fn new(schema: &Schema, outcome: &Outcome, rebounds: &[Rebound]) -> Self {
         let report = |index: usize| {
             let (summary, last) = (&outcome.contacts[index], outcome.last.contact(index));
@@ -108,7 +109,7 @@ impl Contacts {
         Contacts { all, has_own_names: schema.is_mechanism() }
     }
 
-    /// Contacts between surfaces with their display names.
+    /// Contacts between surfaces, each with its display name.
     pub fn surfaces(&self) -> impl Iterator<Item = (String, &SurfaceReport)> {
         self.all.iter().filter_map(|(name, contact)| match contact {
             ContactReport::Surface(surface) => Some((self.display_name(name), surface)),
@@ -129,7 +130,7 @@ impl Contacts {
         Contacts { all: shown, has_own_names: self.has_own_names }
     }
 
-    /// Limits of joints with their display names.
+    /// Limits of joints, each with its display name.
     pub fn limits(&self) -> impl Iterator<Item = (String, &LimitReport)> {
         self.all.iter().filter_map(|(name, contact)| match contact {
             ContactReport::Limit(limit) => Some((self.display_name(name), limit)),

@@ -18,8 +18,8 @@ use crate::scene::{Engine, Integrator, Keyword, Response, Scene, Stepping, one_l
 use crate::statics::NoGrasp;
 use crate::trace::{Energy, Model, Outcome, Schema, Work};
 
-/// One run. All results are null if the simulation failed without a partial outcome. Keys that do not apply to the kind
-/// of scene are omitted.
+/// Report of one run. If the simulation failed without a partial outcome, all results are null. Keys that do not apply
+/// to the kind of scene are omitted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RunReport {
     /// Name of the scene.
@@ -31,17 +31,18 @@ pub struct RunReport {
     pub has_joints: bool,
     /// `analytic` or `engine`.
     pub model: &'static str,
-    /// Requested duration; `end_s` is the time reached.
+    /// Requested duration, s; the time reached is `end_s`.
     pub duration_s: f64,
     /// Accepted steps.
     pub steps: Option<u64>,
-    /// Wall time of the simulation, the only figure that differs between two runs of the same scene.
+    /// Wall time of the simulation, s. It is the only figure that differs between two runs of the same scene.
     pub wall_s: f64,
     /// Final states of fingers and bodies.
     #[serde(flatten)]
     pub states: States,
     pub contacts: Option<Contacts>,
-    /// Criteria of a finger; null without an object, if the finger cannot grasp it, or if the run was not completed.
+    /// Criteria of a finger; null if there is no object, if the finger cannot grasp it, or if the run was not
+    /// completed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub criteria: Option<Option<Criteria>>,
     /// Reason why a finger with an object has no criteria; null if it has criteria.
@@ -54,9 +55,10 @@ pub struct RunReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_grasp: Option<String>,
     pub completed: bool,
-    /// Time reached.
+    /// Time reached, s.
     pub end_s: Option<f64>,
-    /// Largest acceleration of the centre of a gripper's palm over `duration_s`; null if the palm does not move.
+    /// Largest acceleration of the centre of a gripper's palm during `duration_s`, m/s²; null if the palm does not
+    /// move.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub palm_peak_acceleration_m_s2: Option<Option<f64>>,
     /// Reason and time of the failure; null if the run was completed.
@@ -68,32 +70,32 @@ pub struct RunReport {
     /// Settings of the analytic model; null for a run of the engine.
     #[serde(serialize_with = "serialize_settings")]
     pub integrator: Option<Integrator>,
-    /// Settings of the engine model; null for a run of the analytic one.
+    /// Settings of the engine model; null for a run of the analytic model.
     #[serde(serialize_with = "serialize_settings")]
     pub engine: Option<Engine>,
-    /// Largest gap of a joint of the engine, with fingers only; null for the analytic model, whose loop is closed by
+    /// Largest gap of a joint of the engine, m; only with fingers. Null for the analytic model, whose loop is closed by
     /// construction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub loop_gap_m: Option<Option<f64>>,
-    /// Path of the log as given; null if none was requested.
+    /// Path of the log, as given by the user; null if no log was requested.
     pub log: Option<String>,
-    /// Path of the page; null if none was requested.
+    /// Path of the page; null if no page was requested.
     pub page: Option<String>,
-    /// Path of the table of samples as given; null if none was requested.
+    /// Path of the table of samples, as given by the user; null if no table was requested.
     pub csv: Option<String>,
     /// Accuracy check; null if the run was not checked.
     pub check: Option<RunCheckReport>,
-    /// What the text contains; the JSON document contains everything.
+    /// Content of the text. The JSON document always contains everything.
     #[serde(skip)]
     pub detail: Detail,
 }
 
-/// What the summary of a grasp contains besides its answer and its pairs.
+/// Content of the summary of a grasp, in addition to its answer and its pairs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Detail {
-    /// Contacts by their points.
+    /// Whether it contains the contacts point by point.
     pub points: bool,
-    /// The states of all bodies and joints.
+    /// Whether it contains the states of all bodies and joints.
     pub all: bool,
 }
 
@@ -104,7 +106,7 @@ pub struct Failure {
     pub reason: String,
 }
 
-/// Serialises the settings of one model as used in the run, by name. Settings that do not apply because of others are
+/// Serialises the settings of one model as used in the run, by name. Settings that other settings make irrelevant are
 /// null.
 pub fn serialize_settings<T: SettingsSection, S: Serializer>(settings: &Option<T>, out: S) -> Result<S::Ok, S::Error> {
     match settings {
@@ -113,12 +115,12 @@ pub fn serialize_settings<T: SettingsSection, S: Serializer>(settings: &Option<T
     }
 }
 
-/// The available results of a run.
+/// The results of a run that are available.
 #[derive(Clone, Copy, Debug)]
 pub struct RunData<'a> {
     pub wall_s: f64,
     pub outcome: Option<&'a Outcome>,
-    /// Criteria of a finger, if its run was completed.
+    /// Criteria of a finger; `None` if its run was not completed.
     pub criteria: Option<Criteria>,
     /// Criteria of the object that a hand grasps.
     pub grasp: Option<&'a ObjectCriteria>,
@@ -186,12 +188,12 @@ impl RunReport {
         }
     }
 
-    /// The grasp of an object.
+    /// The report on the grasp of an object.
     pub fn object(&self) -> Option<&ObjectReport> {
         self.grasp.as_ref()?.as_deref()
     }
 
-    /// The grasp as a page shows it.
+    /// The grasp in the form in which a page shows it.
     pub fn played_grasp(&self) -> Option<PlayedGrasp> {
         self.object().map(ObjectReport::played)
     }

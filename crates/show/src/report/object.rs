@@ -19,7 +19,7 @@ use crate::units::Dimension;
 /// The slowest creep that the answer names, m/s: 1 µm in a second.
 const MIN_CREEP_M_S: f64 = 1e-6;
 
-/// The grasp of an object.
+/// Report on the grasp of an object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectReport {
     pub criteria: ObjectCriteria,
@@ -30,7 +30,7 @@ pub struct ObjectReport {
 }
 
 impl ObjectReport {
-    /// Builds the report; without the scene there is no margin.
+    /// Builds the report; without the scene, it contains no margin.
     pub fn new(found: &ObjectCriteria, scene: Option<&Scene>) -> Self {
         ObjectReport {
             criteria: found.clone(),
@@ -55,7 +55,7 @@ impl ObjectReport {
         self.criteria.pairs.iter().any(|pair| pair.points.contains(&index))
     }
 
-    /// The answer in one sentence: fate and time, forces, friction, slip and margin, or the reason.
+    /// The answer in one sentence: fate and time, then forces, friction, slip and margin, or the reason.
     pub fn answer(&self) -> String {
         let found = &self.criteria;
         let ms = |time_s: f64| format!("{} ms", format_number(time_s * 1e3, 4));
@@ -134,7 +134,7 @@ impl ObjectReport {
         lines.join("\n") + "\n"
     }
 
-    /// The grasp as a page shows it.
+    /// The grasp in the form in which a page shows it.
     pub fn played(&self) -> PlayedGrasp {
         let found = &self.criteria;
         let states = found.states.iter().map(|(from_s, state)| PlayedState { from_s: *from_s, name: state.name() });
@@ -142,7 +142,7 @@ impl ObjectReport {
         PlayedGrasp { answer: self.answer(), states: states.chain(released).collect() }
     }
 
-    /// Note on a run that ends because the object leaves the hand.
+    /// Note for a run that ends because the object leaves the hand.
     pub fn leaving(&self) -> Option<String> {
         let (left_s, what) = match self.criteria.fate {
             Fate::Ejected { at_s } => (at_s, "reach of both fingers"),
@@ -158,7 +158,7 @@ impl ObjectReport {
         (cycle.motion_start_s.is_some() || cycle.release_s.is_some() || has_brakes).then_some(cycle)
     }
 
-    /// Sentences on the position of the object in the hand and on the cycle.
+    /// Sentences about the position of the object in the hand, and about the cycle.
     pub fn motion(&self) -> String {
         let found = &self.criteria;
         let angle = |angle_rad: f64| resolved(angle_rad, Dimension::Angle, DEGREES, 4);
@@ -195,7 +195,7 @@ impl ObjectReport {
         lines.into_iter().map(|line| line + "\n").collect()
     }
 
-    /// Table of the pairs that touched, and one line of those that did not.
+    /// Table of the pairs that touched each other, and a line that names those that did not.
     pub fn pairs(&self, contacts: Option<&Contacts>) -> Report {
         let of_points = |pair: &PairCriteria, of: &dyn Fn(&ContactReport) -> Option<f64>| -> Vec<f64> {
             let points = pair.points.iter().filter_map(|index| contacts?.all.0.get(*index));

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 
 use crate::trace::{Channel, Sample};
 
-/// Formats a number; a number that is not finite (the gap to a missing object) is an empty cell.
+/// Formats a number. If it is not finite (the gap to a missing object), the cell is empty.
 pub fn cell(value: f64) -> String {
     if value.is_finite() { format!("{value:?}") } else { String::new() }
 }

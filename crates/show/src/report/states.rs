@@ -13,7 +13,8 @@ use crate::trace::{BodyState, FingerState, Outcome, Schema};
 /// A body at the end of the run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyReport {
-    /// `free`, `driven`, `fixed`, or `jointed` for a body with joints; `unknown` without a scene that has it.
+    /// `free`, `driven`, `fixed`, or `jointed` for a body with joints; `unknown` without a scene that contains the
+    /// body.
     pub motion: &'static str,
     pub state: BodyState,
 }
@@ -30,7 +31,7 @@ impl Serialize for BodyReport {
     }
 }
 
-/// A joint, an actuator or a tendon at the end of the run, serialised as its quantities.
+/// A joint, an actuator or a tendon at the end of the run. It is serialised as its quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointReport(pub Vec<(&'static Quantity, f64)>);
 
@@ -40,7 +41,7 @@ impl Serialize for JointReport {
     }
 }
 
-/// Fingers and bodies by their names.
+/// Final states of fingers, bodies and other parts, by their names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct States {
     /// Joints of a mechanism.
@@ -49,14 +50,14 @@ pub struct States {
     pub actuators: Named<JointReport>,
     /// Tendons of a mechanism.
     pub tendons: Named<JointReport>,
-    /// A single finger has an empty name.
+    /// States of the fingers. The name of a single finger is empty.
     pub fingers: Named<FingerState>,
     pub bodies: Named<BodyReport>,
     finger_count: usize,
     has_outcome: bool,
 }
 
-/// Value of one key of [`States`].
+/// Value for one key of [`States`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum State<'a> {
@@ -68,7 +69,7 @@ pub enum State<'a> {
 }
 
 impl States {
-    /// Builds the report of the final states; all are null without an outcome.
+    /// Builds the report of the final states. Without an outcome, all of them are null.
     pub fn new(schema: &Schema, outcome: Option<&Outcome>, scene: Option<&Scene>) -> Self {
         let fingers = outcome.into_iter().flat_map(|outcome| schema.fingers.iter().zip(outcome.last.fingers()));
         let bodies = outcome.into_iter().flat_map(|outcome| schema.bodies.iter().zip(outcome.last.bodies()));
@@ -122,7 +123,7 @@ impl States {
         self.bodies.iter().filter(is_shown).map(|(name, body)| (name.as_str(), body)).collect()
     }
 
-    /// Returns the keys of the document and their values.
+    /// Returns the keys of the document with their values.
     pub fn entries(&self) -> Vec<(&'static str, Option<State<'_>>)> {
         let present = |state| self.has_outcome.then_some(state);
         match self.finger_count {

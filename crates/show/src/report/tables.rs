@@ -22,7 +22,7 @@ pub fn milliseconds(time_s: Option<f64>) -> String {
     or_dash(time_s, |time_s| format!("{:.6}", time_s * 1e3))
 }
 
-/// Final states of fingers and bodies: a table for each key of the document.
+/// Tables of the final states of fingers and bodies, one for each key of the document.
 pub fn states(states: &States, end_s: f64) -> Vec<Report> {
     let heading = format!("at {}", format_duration(end_s));
     let state_table = |(key, state): (&str, Option<State<'_>>)| match state? {
@@ -154,8 +154,8 @@ pub fn contacts(contacts: &Contacts) -> Report {
     text
 }
 
-/// Builds the table of the energies. `has_motor` distinguishes fingers, which have a motor and a spring, from driven
-/// discs.
+/// Builds the table of the energies. `has_motor` is true for fingers, which have a motor and a spring, and false for
+/// driven discs.
 pub fn energies(energy: &Energy, has_motor: bool) -> Report {
     let energies = [
         ("kinetic", energy.kinetic_j),

@@ -27,7 +27,7 @@ pub(super) const VARIATIONS: [&str; 3] = ["another method, finer", "the same, to
 
 const _: () = assert!(PERTURBATION == 1e-7, "the value in the name of the variation");
 
-/// Checked runs by verdict.
+/// Numbers of checked runs, by verdict.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Checks {
     /// Number of completed runs; all of them are checked.
@@ -59,14 +59,14 @@ impl Checks {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Chaos {
     pub variations: [&'static str; VARIATIONS.len()],
-    /// Number of dynamically stable runs (stable and semi-stable) by condition.
+    /// For each condition, the number of dynamically stable (stable or semi-stable) runs.
     pub conditions: Vec<StableRuns>,
-    /// Runs whose class is not the same in all variations.
+    /// Runs that do not have the same class in all variations.
     #[serde(rename = "runs")]
     pub class_changes: Vec<ClassChange>,
-    /// Runs whose time to stability changes by more than `drift_s`, or exists only in some variations.
+    /// Runs whose time to stability changes by more than `drift_s`, or exists in only some of the variations.
     pub drifting_runs: Vec<i64>,
-    /// `MAX_TTS_DIFFERENCE_S`.
+    /// Value of `MAX_TTS_DIFFERENCE_S`, s.
     pub drift_s: f64,
 }
 
@@ -75,13 +75,13 @@ pub struct Chaos {
 pub struct StableRuns {
     pub study: usize,
     pub by_variation: [usize; VARIATIONS.len()],
-    /// Runs that are stable in the study and in every variation.
+    /// Number of runs that are stable in the study and in every variation.
     pub in_all: usize,
-    /// Runs that are stable in the study or in any variation.
+    /// Number of runs that are stable in the study or in any variation.
     pub in_any: usize,
 }
 
-/// A run whose class changes.
+/// A run whose class differs between variations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClassChange {
     pub run: i64,
@@ -94,7 +94,7 @@ pub struct ClassChange {
 }
 
 /// Checks every completed run of the study, and repeats every statically stable run in each variation. Other runs are
-/// unstable in every variation. Returns the index and the check of each checked run.
+/// unstable in every variation. Returns index and check of each checked run.
 pub fn chaos(
     simulations: &Simulations,
     threads: usize,

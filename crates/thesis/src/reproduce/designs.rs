@@ -40,15 +40,15 @@ pub(crate) const CELLS_PER_AXIS: usize = 10;
 /// Results of the sizing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SizingFound {
-    /// Design 95 by the rigid-phase rule.
+    /// Sizing of design 95 with the rule for the rigid phase.
     pub rigid: Sizing,
-    /// Design 95 by the rule over the whole closing.
+    /// Sizing of design 95 with the rule for the whole closing.
     pub whole: Sizing,
     /// The finger of Figs. 3.2 and 3.3.
     pub example: Profile,
-    /// Number of designs whose two weakest springs are the last two of the four placements.
+    /// Number of designs for which the last two of the four placements need the two weakest springs.
     pub last_placements_weakest: usize,
-    /// Number of designs in which a constant spring never requires more torque than a torsional one.
+    /// Number of designs in which the constant spring never needs more torque than the torsional spring.
     pub constant_spring_weaker: usize,
 }
 
@@ -59,7 +59,7 @@ impl SizingFound {
     }
 }
 
-/// Sizes design 95, the example, and every design.
+/// Sizes design 95, the example, and all designs.
 pub fn sizing<'a>(designs: impl Iterator<Item = &'a Scene>, chosen: &Scene) -> Result<SizingFound, ComputeError> {
     let example = scene::parse(EXAMPLE, "example.toml").map_err(step_error("the example"))?;
     let chosen = sizing_profile(chosen, FEW_SAMPLES)?;
@@ -92,7 +92,7 @@ fn task(scene: &Scene) -> Result<Task, ComputeError> {
     Ok(Task::thesis(object.placed()))
 }
 
-/// Number of statically stable designs with another sizing, without and with friction.
+/// Numbers of statically stable designs with another sizing, without friction and with friction.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct OtherSizing {
     pub torques: &'static str,
@@ -157,17 +157,19 @@ pub(crate) fn other_sizings(simulations: &Simulations, found: &SizingFound) -> R
     Ok(sizings)
 }
 
-/// Percentages for one base over the centres of `CELLS_PER_AXIS`³ cells, without friction and with μ_s = 0.8.
+/// Percentages for one base, over the centres of `CELLS_PER_AXIS`³ cells. Pairs are without friction and with μ_s =
+/// 0.8.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     pub base_m: f64,
-    /// Stable, with the sizing of the volumes.
+    /// Percentages of stable designs with the sizing of the volumes.
     pub stable_percent: [f64; 2],
-    /// Stable without friction and form-closed.
+    /// Percentage of designs that are stable without friction and form-closed.
     pub closed_percent: f64,
-    /// Stable, with the spring torque scaled by the printed ratio of design 95.
+    /// Percentages of stable designs if the spring torque is scaled by the printed ratio for design 95.
     pub stronger_spring_percent: [f64; 2],
-    /// Stable, with spring and motor torque scaled by the printed ratios of design 95.
+    /// Percentages of stable designs if the spring torque and the motor torque are scaled by the printed ratios for
+    /// design 95.
     pub both_torques_percent: [f64; 2],
 }
 
@@ -222,7 +224,7 @@ pub struct Closing {
     pub mass_kg: f64,
     pub criteria: Criteria,
     pub outcome: Outcome,
-    /// PFP from the final forces.
+    /// PFP computed from the final forces, N.
     pub pfp_n: f64,
     /// Times and states of the finger.
     pub points: Vec<(f64, FingerState)>,

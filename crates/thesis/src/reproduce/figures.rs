@@ -13,23 +13,23 @@ use crate::text::{UNITS, rounded_mm};
 use crate::trace::FingerContact;
 use crate::volume::{count_volume, intersections};
 
-/// One figure of the thesis: a row of `thesis.csv`, with numbers in the unit of the thesis. The key contains the SI unit
-/// of the value, at its end or before the first `.base`, `.mu` or `.all`.
+/// One figure of the thesis: a row of `thesis.csv`. Its numbers are in the unit of the thesis. The key contains the SI
+/// unit of the value, either at its end or before the first `.base`, `.mu` or `.all`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Figure {
     #[serde(rename(serialize = "figure"))]
     pub key: String,
     pub section: String,
-    /// Table, figure, section or equation of the thesis.
+    /// Table, figure, section or equation of the thesis that contains the figure.
     pub source: String,
     #[serde(rename = "what")]
     pub quantity: String,
     #[serde(skip_serializing)]
     pub unit: String,
-    /// Printed text, which also defines the number of digits; may be empty.
+    /// Printed text; it also defines the number of digits. May be empty.
     #[serde(rename = "thesis", skip_serializing)]
     pub printed: String,
-    /// Value that a correct implementation gives, as text; may be empty.
+    /// Text of the value that a correct implementation gives; may be empty.
     #[serde(skip_serializing)]
     pub expected: String,
     /// Allowed deviation from the expected value.
@@ -43,7 +43,7 @@ pub struct Figure {
 /// Reason for a difference between the printed and the expected value.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 pub struct Reason {
-    /// Numbers of errata.
+    /// Numbers of the errata that explain the difference.
     pub errata: Vec<u32>,
     pub text: String,
 }
@@ -64,7 +64,7 @@ pub fn reasons() -> &'static BTreeMap<String, Reason> {
 }
 
 impl Figure {
-    /// Returns the factor from SI to the unit of the thesis.
+    /// Returns the factor that converts SI units to the unit of the thesis.
     pub fn scale(&self) -> f64 {
         UNITS.iter().find(|(unit, ..)| *unit == self.unit).expect("a unit of the list").1
     }
@@ -97,7 +97,7 @@ pub struct Comparison {
     #[serde(flatten)]
     pub figure: &'static Figure,
     pub thesis: Option<f64>,
-    /// Computed value; NaN (null) where there is none.
+    /// Computed value; NaN (null in JSON) if there is none.
     #[serde(rename = "ours")]
     pub computed: f64,
     pub expected: Option<f64>,
@@ -107,8 +107,8 @@ pub struct Comparison {
     pub reason: &'static str,
 }
 
-/// Compares computed values with all figures, in the order of `thesis.csv`. `quick` volumes are not judged, because the
-/// expected values refer to the full resolution.
+/// Compares computed values with all figures, in the order of `thesis.csv`. With `quick`, volumes are not judged,
+/// because the expected values refer to the full resolution.
 pub fn compare(values: &BTreeMap<String, f64>, quick: bool) -> Vec<Comparison> {
     let compare = |figure: &'static Figure| {
         let computed = values.get(&figure.key).copied().unwrap_or(f64::NAN);
@@ -133,7 +133,7 @@ impl Comparison {
         if self.figure.printed.is_empty() { "–".to_string() } else { self.with_unit(&self.figure.printed) }
     }
 
-    /// Returns the computed value with the digits of the thesis or of the expected value.
+    /// Returns the computed value with as many digits as in the thesis or in the expected value.
     pub fn ours_text(&self) -> String {
         if self.computed.is_finite() { self.with_unit(&self.rounded(self.computed)) } else { "none".to_string() }
     }

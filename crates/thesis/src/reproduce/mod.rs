@@ -32,25 +32,25 @@ use phalanx_parallel::{ComputeError, Monitor};
 /// Number of the design that the thesis chooses.
 const CHOSEN_DESIGN: i64 = 95;
 
-/// Number of steps of a reproduction, for progress reports. The first one is the simulations.
+/// Number of steps of a reproduction, for progress reports. The simulations are the first step.
 pub const STEPS: usize = 6;
 
 /// All results of the reproduction. Its JSON document contains the comparisons and the near-chaotic runs.
 #[derive(Clone, Debug, Serialize)]
 pub struct Reproduction {
-    /// Whether the volumes are coarser.
+    /// Whether the volumes have a coarser resolution.
     pub quick: bool,
     /// Number of computed values that are compared with an expected value.
     pub judged: usize,
-    /// Number of these values outside their tolerance.
+    /// Number of these values that are outside their tolerance.
     pub outside: usize,
     #[serde(rename = "figures")]
     pub comparisons: Vec<Comparison>,
-    /// Statically stable designs with other torques.
+    /// Numbers of statically stable designs with other torques.
     pub other_sizings: Vec<OtherSizing>,
     pub checks: Checks,
     pub near_chaotic: Chaos,
-    /// Index and check of each completed simulation.
+    /// Index of each completed simulation, and its check.
     #[serde(skip)]
     pub checked_runs: Vec<(usize, Check)>,
     #[serde(skip)]
@@ -60,17 +60,17 @@ pub struct Reproduction {
     /// Necessary condition (1.19) for form closure of design 95.
     #[serde(skip)]
     pub necessary_count: NecessaryCount,
-    /// Number of form-closed designs if l21 takes quarters of its range, as printed (errata 15).
+    /// Number of form-closed designs if l21 takes values at quarters of its range, as printed (errata 15).
     #[serde(skip)]
     pub form_closed_quarters: usize,
     #[serde(skip)]
     pub volumes: Vec<Volume>,
     #[serde(skip)]
     pub grids: Vec<Grid>,
-    /// Design 95 with the printed torques.
+    /// Closing of design 95 with the printed torques.
     #[serde(skip)]
     pub chosen: Closing,
-    /// CAD model of design 95.
+    /// Closing of the CAD model of design 95.
     #[serde(skip)]
     pub cad: Closing,
     /// Errata of the thesis as a Markdown table.
@@ -78,35 +78,35 @@ pub struct Reproduction {
     pub errata: &'static str,
 }
 
-/// Results of the study of the thesis, which the caller computes by a sweep and a selection.
+/// Results of the study of the thesis. The caller computes them with a sweep and a selection.
 #[derive(Clone, Debug)]
 pub struct Simulations {
-    /// All runs: first every design without friction, then every design with friction, in the same order.
+    /// All runs: first all designs without friction, then all designs with friction in the same order.
     pub runs: Vec<Run>,
     /// Names of the two conditions.
     pub conditions: Vec<String>,
     /// Smallest and largest mass of the designs.
     pub mass_kg: [f64; 2],
-    /// Smallest and largest trajectory of the designs.
+    /// Smallest and largest trajectory of the designs, rad.
     pub trajectory_rad: [f64; 2],
-    /// Selection criteria in the order of application: their names, and the numbers of runs that meet them, that do not,
-    /// that remain after them, and that only they remove.
+    /// Selection criteria in the order of application. Each has a name and four numbers of runs: those that meet it,
+    /// those that do not, those that remain after it, and those that only it removes.
     pub criteria: Vec<(String, [usize; 4])>,
     /// Labels of the axes that define a design.
     pub axes: Vec<String>,
     /// Selected runs, best first.
     pub ranking: Vec<RankedRun>,
-    /// Pictures of the selection as SVG: criteria, dynamic classes, static stability, final forces, designs.
+    /// Five pictures of the selection as SVG: criteria, dynamic classes, static stability, final forces, designs.
     pub pictures: [String; 5],
 }
 
 impl Simulations {
-    /// Counts the runs of a condition with a property.
+    /// Counts the runs of a condition that have a property.
     pub fn count(&self, condition: usize, property: impl Fn(&Run) -> bool) -> usize {
         self.runs.iter().filter(|run| run.condition == condition && property(run)).count()
     }
 
-    /// Returns the run of the design that the thesis chooses, without friction.
+    /// Returns the run without friction of the design that the thesis chooses.
     pub fn chosen(&self) -> Option<&Run> {
         self.runs.iter().find(|run| run.design == CHOSEN_DESIGN)
     }
@@ -117,12 +117,12 @@ impl Simulations {
     }
 }
 
-/// One simulation. Missing figures are `None`.
+/// One simulation. Figures that are missing are `None`.
 #[derive(Clone, Debug)]
 pub struct Run {
     pub run: i64,
     pub design: i64,
-    /// Index into the conditions.
+    /// Index of the condition of the run.
     pub condition: usize,
     pub scene: Scene,
     /// Whether the run was simulated to the end.
@@ -133,10 +133,11 @@ pub struct Run {
     pub form_closed: Option<bool>,
     pub class: Option<Class>,
     pub tts_s: Option<f64>,
-    /// Final simulated normal forces, N.
+    /// Final normal force of the proximal phalanx in the simulation, N.
     pub f21_n: Option<f64>,
+    /// Final normal force of the distal phalanx in the simulation, N.
     pub f22_n: Option<f64>,
-    /// Palm force from these normal forces, N.
+    /// Palm force computed from these normal forces, N.
     pub pfp_n: Option<f64>,
 }
 
@@ -154,12 +155,12 @@ impl Run {
 /// A selected run.
 #[derive(Clone, Debug)]
 pub struct RankedRun {
-    /// Index into the runs.
+    /// Index of the run.
     pub run: usize,
     pub rank: usize,
-    /// Weighted score (4.2).
+    /// Weighted score r_WC (4.2).
     pub r_wc: f64,
-    /// Formatted values of the axes.
+    /// Values of the axes as text.
     pub axes: Vec<String>,
 }
 
@@ -172,9 +173,9 @@ fn step_error<E: Display>(step: &'static str) -> impl Fn(E) -> ComputeError {
     move |reason| ComputeError::Failed(format!("{step} could not be computed: {reason}"))
 }
 
-/// Computes all results from the simulations, design 95 with the printed torques, its CAD model, and the errata as a
-/// Markdown table, on the given number of threads (0: one per core). `quick` volumes are coarser. The monitor has counted
-/// the simulations as the first of [`STEPS`] steps.
+/// Computes all results on `threads` threads (0: one per core). The inputs are the simulations, design 95 with the
+/// printed torques, its CAD model, and the errata as a Markdown table. With `quick`, volumes are coarser. The monitor
+/// has already counted the simulations as the first of [`STEPS`] steps.
 ///
 /// # Errors
 /// Returns an error if a step fails, which is a bug because all inputs are shipped, or if the monitor stops the

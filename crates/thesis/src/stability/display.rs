@@ -20,12 +20,12 @@ const LEGEND_HEIGHT: f64 = 40.0;
 const TEXT_SIZE: f64 = 14.0;
 
 impl Stability {
-    /// Returns all runs of the engine as CSV, one per line. Unknown values are empty.
+    /// Returns all runs of the engine as CSV, one run per line. Unknown values are empty.
     pub fn csv(&self) -> String {
         csv(&self.cells)
     }
 
-    /// Draws a panel for each damping factor, with tiles over step size and stiffness that contain the angle error.
+    /// Draws a panel for each damping factor. Its tiles, over step size and stiffness, contain the angle error.
     pub fn picture(&self) -> String {
         let panels = self.grid.damping_factors.len();
         let columns = MAX_COLUMNS.min(panels);

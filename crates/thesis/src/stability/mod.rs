@@ -34,7 +34,7 @@ use phalanx_parallel::{ComputeError, Monitor, map, require};
 
 /// Spurious energy relative to the reference's throughput above which a run counts as failed.
 pub(crate) const ENERGY_TOLERANCE: f64 = 0.1;
-/// Default for the largest angle difference of an accurate run, rad.
+/// Default of the largest angle difference at which a run counts as accurate, rad.
 pub const ACCURACY_RAD: f64 = 1e-3;
 /// Invariants whose violation is a failure, in addition to the energy. The others measure accuracy.
 const STABILITY_INVARIANTS: [Invariant; 4] =
@@ -45,7 +45,7 @@ const MAX_REFERENCE_HZ: f64 = 1e6;
 /// Relative increase of the motor torque that measures the sensitivity of a closing motion.
 const SENSITIVITY_PERTURBATION: f64 = 1e-9;
 
-/// Grid of the map: steps from long to short, factors from small to large.
+/// Grid of the map: steps in descending order, factors in ascending order.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Grid {
     pub steps_s: Vec<f64>,
@@ -54,7 +54,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Returns the standard grid; `quick` omits the two shortest steps.
+    /// Returns the standard grid. With `quick`, the two shortest steps are omitted.
     pub fn standard(quick: bool) -> Self {
         let mut steps_s = vec![1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6];
         steps_s.truncate(if quick { 5 } else { 7 });
@@ -100,13 +100,13 @@ pub struct Cell {
     pub stiffness_factor: f64,
     pub damping_factor: f64,
     pub verdict: Verdict,
-    /// Largest difference of any joint angle up to the end of the run; `None` if it is not finite or unknown.
+    /// Largest difference of any joint angle up to the end of the run, rad; `None` if it is not finite or unknown.
     pub angle_error_rad: Option<f64>,
     /// Spurious mechanical energy, J.
     pub energy_created_j: f64,
-    /// Spurious mechanical energy relative to the energy exchanged in the reference run.
+    /// Spurious mechanical energy, as a fraction of the energy exchanged in the reference run.
     pub energy_created: f64,
-    /// Largest magnitude of the energy balance relative to the energy exchanged in the reference run.
+    /// Largest magnitude of the energy balance, as a fraction of the energy exchanged in the reference run.
     pub energy_balance: f64,
     pub loop_gap_m: f64,
     pub steps: u64,
@@ -123,9 +123,10 @@ pub struct ReferenceRun {
     pub damping_factor: f64,
     pub steps: u64,
     pub touchdowns: [u32; 2],
-    /// Energy throughput: largest mechanical energy in the system at any time.
+    /// Energy throughput, J: the largest mechanical energy in the system at any time.
     pub throughput_j: f64,
-    /// Largest change of any joint angle for a relative increase of the motor torque by 1e-9; `None` if unknown.
+    /// Largest change of any joint angle if the motor torque increases by the relative amount 1e-9, rad; `None` if
+    /// unknown.
     pub sensitivity_rad: Option<f64>,
     pub wall_s: f64,
     /// Reason why the run was not completed.
@@ -139,9 +140,9 @@ pub struct Stability {
     pub accuracy_rad: f64,
     pub duration_s: f64,
     pub until_s: f64,
-    /// Contact stiffness k of the scene, proximal and distal, N/m^e.
+    /// Contact stiffness k of the scene for the proximal and the distal contact, N/m^e.
     pub stiffness_si: [f64; 2],
-    /// Largest contact damping c_max of the scene, proximal and distal.
+    /// Largest contact damping c_max of the scene for the proximal and the distal contact, N·s/m.
     pub damping_max_n_s_per_m: [f64; 2],
     pub grid: Grid,
     pub references: Vec<ReferenceRun>,
@@ -165,11 +166,11 @@ impl Stability {
     }
 }
 
-/// Computes the map on all cores. Parts of the computation are the runs.
+/// Computes the map on all cores. The monitor counts runs as parts of the computation.
 ///
 /// # Errors
-/// Returns an error if the scene or the grid is not suitable, or the monitor stops the computation. Failed runs are part
-/// of the map.
+/// Returns an error if the scene or the grid is not suitable, or if the monitor stops the computation. Failed runs are
+/// part of the map.
 pub fn stability(scene: &Scene, grid: &Grid, accuracy_rad: f64, monitor: &Monitor) -> Result<Stability, ComputeError> {
     check(scene, grid)?;
     let start = Instant::now();

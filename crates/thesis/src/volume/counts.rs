@@ -17,7 +17,7 @@ use crate::text::short;
 /// Maximum number of reported reasons for missing fingers per volume.
 const MAX_REASONS: usize = 3;
 
-/// Numbers of points by grasp state. They are serialised as percentages of all points.
+/// Numbers of points in each state of the grasp. They are serialised as percentages of all points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     pub points: usize,
@@ -27,14 +27,14 @@ pub struct Counts {
     pub stable: usize,
     /// Number of stable points with PFP ≥ 0.
     pub palm_positive: usize,
-    /// Number of stable, form-closed points.
+    /// Number of points that are stable and form-closed.
     pub form_closed: usize,
-    /// Number of form-closed points, stable or not.
+    /// Number of form-closed points, whether stable or not.
     pub form_closed_total: usize,
 }
 
 impl Counts {
-    /// Counts the points that are in a state in all volumes, which have the same axes.
+    /// Counts the points that are in a state in all of `volumes`. The volumes must have the same axes.
     pub fn new(volumes: &[&Volume]) -> Self {
         let points = volumes.first().map_or(0, |volume| volume.points.len());
         let mut counts = Counts { points, ..Counts::default() };
@@ -92,14 +92,14 @@ pub struct LargestPalmForce {
     pub arm_ratio: f64,
 }
 
-/// A reason for missing fingers, with the message of the first such point.
+/// A reason for missing fingers, with the message of the first point to which it applies.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct MissingFingers {
     pub points: usize,
     pub reason: String,
 }
 
-/// Counts of the points that are in a state at every base.
+/// Counts of the points that are in a state for every base.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Intersection {
     pub mu_static: f64,
@@ -150,13 +150,14 @@ fn missing_fingers(volume: &Volume) -> Vec<MissingFingers> {
     reasons
 }
 
-/// Returns the volumes of all bases for each friction coefficient. The base varies slowest in `volumes`.
+/// Groups volumes by friction coefficient; each group contains the volumes of all bases. In `volumes`, the base varies
+/// slowest.
 pub fn by_friction(volumes: &[Volume]) -> Vec<Vec<&Volume>> {
     let frictions = volumes.iter().take_while(|volume| volume.base_m == volumes[0].base_m).count();
     (0..frictions).map(|friction| volumes.iter().skip(friction).step_by(frictions).collect()).collect()
 }
 
-/// Returns the intersection over the bases for each friction coefficient, in their order.
+/// Returns the intersection over the bases for each friction coefficient, in the order of the coefficients.
 pub fn intersections(volumes: &[Volume]) -> Vec<Intersection> {
     let intersection =
         |bases: &Vec<&Volume>| Intersection { mu_static: bases[0].mu_static, counts: Counts::new(bases) };
@@ -180,8 +181,8 @@ impl Cell {
     }
 }
 
-/// Returns the cells of a volume, or of the intersection of volumes that differ only in their base: stable where all
-/// are, with the worst value.
+/// Returns the cells of a volume, or of the intersection of volumes that differ only in their base. A cell of an
+/// intersection is stable if it is stable in all volumes, and has the worst value.
 pub fn cells(volumes: &[&Volume], quantity: Quantity) -> Vec<Cell> {
     let worst = if quantity.is_largest_worst() { f64::max } else { f64::min };
     let cell = |index: usize| {
@@ -199,17 +200,18 @@ pub fn cells(volumes: &[&Volume], quantity: Quantity) -> Vec<Cell> {
 pub struct VolumeReport {
     /// Name of the scene that the designs vary.
     pub scene: String,
-    /// How motor and spring were sized.
+    /// How motor and spring were sized, in words.
     pub sizing: &'static str,
     /// Axes of every volume.
     pub axes: Axes,
     /// Volumes in the requested order, grouped by base.
     pub volumes: Vec<VolumeCounts>,
-    /// Points that satisfy a criterion at every base, for each friction.
+    /// For each friction coefficient, the points that satisfy a criterion for every base.
     pub intersections: Vec<Intersection>,
     /// Number of sized designs.
     pub designs: usize,
-    /// Time and threads. Omitted from files, so that the same request gives the same bytes.
+    /// Computing time and number of threads. They are omitted from files, so that the same request gives the same
+    /// bytes.
     #[serde(flatten)]
     pub timing: Option<Timing>,
     /// Directory of the written files.

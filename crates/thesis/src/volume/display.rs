@@ -22,11 +22,11 @@ const TEXT_SIZE: f64 = 14.0;
 /// Size of tick labels and percentages.
 const SMALL_TEXT_SIZE: f64 = 13.0;
 
-/// Draws volumes as slices (thesis Figs. 3.4 and A.1–A.11): a panel for each φ22 with l21 to the right and r_l upwards. The
-/// unstable region is dark; the stable region is coloured by a quantity.
+/// Draws volumes as slices (thesis Figs. 3.4 and A.1–A.11). There is a panel for each φ22, in which l21 increases to
+/// the right and r_l upwards. The unstable region is dark; the stable region is coloured by a quantity.
 ///
-/// There is a row for each friction coefficient: one volume, or several that differ in their base:
-/// their intersection.
+/// `frictions` has one row for each friction coefficient. A row contains one volume, or volumes that differ in their
+/// base; the latter are drawn as their intersection.
 pub fn slices(frictions: &[Vec<&Volume>], quantity: Quantity) -> String {
     let Some(first) = frictions.first().and_then(|volumes| volumes.first()) else {
         return picture("", TITLE_HEIGHT, |_| {});

@@ -29,8 +29,7 @@ use crate::scene::Template;
 use crate::sizing::Rule;
 use phalanx_parallel::{ComputeError, Monitor, map, require};
 
-/// Maximum total number of points. Points are kept in memory, with about 150 bytes each, and four times that as a
-/// table.
+/// Maximum total number of points. Each takes about 150 bytes in memory, and four times as much in a table.
 pub const MAX_POINTS: usize = 2_000_000;
 
 /// Number of designs that a thread evaluates at a time: a few milliseconds of work.
@@ -39,7 +38,7 @@ const CHUNK_SIZE: usize = 64;
 /// Bases of the volumes of the thesis.
 pub const BASES_M: [f64; 4] = [0.012, 0.0155, 0.019, 0.0225];
 
-/// Evenly spaced values, both ends included.
+/// Evenly spaced values, including both ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Axis {
     pub from: f64,
@@ -52,7 +51,7 @@ impl Axis {
         Self { from, to, points }
     }
 
-    /// Returns the value at an index; a single point is the midpoint.
+    /// Returns the value at an index. If there is only one value, it is the midpoint.
     pub fn value(&self, index: usize) -> f64 {
         let fraction = if self.points < 2 { 0.5 } else { index as f64 / (self.points - 1) as f64 };
         // This form gives both ends exactly, even if their magnitudes differ.
@@ -80,7 +79,7 @@ pub struct Axes {
 }
 
 impl Axes {
-    /// Returns the axes of the thesis (§3.4) with the given numbers of points; the limits of φ22 and r_l are from its
+    /// Returns the axes of the thesis (§3.4) with these numbers of points. The limits of φ22 and r_l are those of its
     /// designs (§4.2).
     pub fn thesis([l21, phi22, arm]: [usize; 3]) -> Self {
         Self {
@@ -114,7 +113,7 @@ impl Axes {
         (l21 * self.phi22_rad.points + phi22) * self.arm_ratio.points + arm
     }
 
-    /// Returns the l21 fraction, φ22 and r_l of the point at an index of the list.
+    /// Returns the l21 fraction, φ22 and r_l of the point at an index.
     pub fn at(&self, index: usize) -> [f64; 3] {
         let (rest, arm) = (index / self.arm_ratio.points, index % self.arm_ratio.points);
         let (l21, phi22) = (rest / self.phi22_rad.points, rest % self.phi22_rad.points);
@@ -134,7 +133,7 @@ pub struct VolumeRequest {
 }
 
 impl VolumeRequest {
-    /// Returns the volumes of the thesis: four bases, three friction coefficients, 20³ points each.
+    /// Returns the request for the volumes of the thesis: four bases, three friction coefficients, 20³ points each.
     pub fn thesis() -> Self {
         Self {
             template: Template::thesis(),
@@ -189,11 +188,11 @@ pub struct Volume {
     pub points: Vec<Point>,
 }
 
-/// Computes the volumes of every base and friction coefficient on the given number of threads (0: one per core); the
-/// base varies slowest. The result does not depend on the number of threads.
+/// Computes the volumes for every base and friction coefficient on `threads` threads (0: one per core); the base varies
+/// slowest. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// Returns an error if the request is invalid, or the monitor stops the computation.
+/// Returns an error if the request is invalid, or if the monitor stops the computation.
 pub fn volumes(request: &VolumeRequest, threads: usize, monitor: &Monitor) -> Result<Vec<Volume>, ComputeError> {
     request.check()?;
     let VolumeRequest { template, bases_m, mu_static, axes, rule } = request;

@@ -23,11 +23,11 @@ pub enum NoFinger {
     Statics(#[from] StaticsError),
 }
 
-/// Data of a sized finger that do not depend on friction.
+/// Data of a sized finger that are the same for all friction coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SizedFinger {
     pub lengths: Lengths,
-    /// Mass of all four bodies.
+    /// Mass of all four bodies, kg.
     pub mass_kg: f64,
     pub sizing: Sizing,
     /// Whether the grasp is form-closed, equations (1.15)–(1.19).
@@ -66,7 +66,7 @@ pub fn design_at(template: &Template, base_m: f64, [l21_fraction, phi22_rad, arm
     Design { base_m, l21: ProximalLength::Fraction(l21_fraction), phi22_rad, arm_ratio, ..template.design }
 }
 
-/// A finger closed on the object; common to all friction coefficients.
+/// A finger closed on the object; the same for all friction coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosedFinger {
     pub finger: Finger,
@@ -76,10 +76,11 @@ pub struct ClosedFinger {
     loads_n_m: [f64; 2],
 }
 
-/// Builds, sizes and closes the finger of a design. Only the form-closure certificate allocates memory.
+/// Builds and sizes the finger of a design, and closes it on the object. Only the form-closure certificate allocates
+/// memory.
 ///
 /// # Errors
-/// Returns an error if the design has no finger, or the finger cannot be sized.
+/// Returns an error if the design has no finger, or if the finger cannot be sized.
 pub fn close_finger(template: &Template, design: &Design, rule: Rule) -> Result<ClosedFinger, NoFinger> {
     let lengths = lengths(design)?;
     let bodies = bodies_with_overrides(&lengths, template.density_kg_m3, template.depth_m, &template.overrides)?;
@@ -108,7 +109,8 @@ pub fn solve_grasp(closed: &ClosedFinger, mu_static: f64) -> Point {
     Ok(GraspState { sized: closed.sized, forces })
 }
 
-/// A column of the table of points: its name with the unit, and its value in SI units or its property.
+/// A column of the table of points: its name with the unit, and a function that returns its value in SI units, or a
+/// property.
 pub type Column<T> = (&'static str, fn(&GraspState) -> T);
 
 /// Quantities of a point.
@@ -133,7 +135,7 @@ pub const FLAGS: [Column<bool>; 3] = [
     ("form_closed", |state| state.sized.form_closed),
 ];
 
-/// A quantity of a finger in equilibrium on the object, shown as a colour.
+/// A quantity of a finger in equilibrium on the object that is shown as a colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Palm force positiveness (3.2).
@@ -162,7 +164,8 @@ impl Quantity {
         Quantity::FormClosed,
     ];
 
-    /// Returns the key on the command line and in file names, the column in tables, and the label in plots.
+    /// Returns three names: the key on the command line and in file names, the column in tables, and the label in
+    /// plots.
     pub fn names(self) -> [&'static str; 3] {
         match self {
             Quantity::Pfp => ["pfp", "static_pfp_n", "palm force PFP"],

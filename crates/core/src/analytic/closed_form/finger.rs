@@ -35,7 +35,7 @@ pub(super) struct FingerModel {
 }
 
 impl FingerModel {
-    /// Builds the model under the gravity in the finger's own frame.
+    /// Builds the model; the gravity is given in the finger's own frame.
     pub fn new(finger: &HandFinger, gravity_m_s2: [f64; 2]) -> Self {
         let HandFinger { linkage, spring, limit, contact, initial, .. } = finger;
         let lengths = linkage.lengths;
@@ -224,11 +224,11 @@ pub(super) struct FingerBounds {
     distal: MotionBound,
     /// Bound of the gap of the joint limit.
     limit: RateBound,
-    /// Part of the step in which the loop stays regular.
+    /// Part of the step over which the loop stays regular.
     pub clearance_reach: f64,
 }
 
-/// Passive joint angles and rates; q13 is the absolute orientation of l22.
+/// Angles and rates of the passive joints; q13 is the absolute orientation of l22.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassiveJoints {
     pub q12: f64,
@@ -238,7 +238,7 @@ pub struct PassiveJoints {
     pub qd22: f64,
 }
 
-/// Contact of l21, a body that rotates about O at q̇21.
+/// Contact geometry of l21, which rotates about O at q̇21.
 #[inline(always)]
 pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, object: &PlacedShape<T>) -> Geometry<T> {
     let capsule = Capsule { base: [T::zero(); 2], axis: pose.e2, length: l21, radius: w };
@@ -255,7 +255,7 @@ pub fn proximal<T: Real>(pose: &Directions<T>, l21: f64, w: f64, object: &Placed
     }
 }
 
-/// Dimensions of the distal phalanx; φ22 is given as (cos, sin).
+/// Dimensions of the distal phalanx. The angle φ22 is given as (cos, sin).
 #[derive(Clone, Copy, Debug)]
 pub struct DistalShape {
     pub l21: f64,

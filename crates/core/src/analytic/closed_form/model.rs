@@ -18,13 +18,14 @@ use crate::scene;
 use crate::scene::{Initial, Profile, Side};
 use crate::shape::{PlacedShape, Support};
 
-/// Number of quadratures: normal impulses of the three contacts, work of all contact forces, work of the motor.
+/// Number of quadratures: normal impulses of the three contacts, work of all contact forces, and work of the motor.
 pub const QUADRATURES: usize = 5;
 
-/// Number of event functions of the three contacts. Normal laws come first, then friction laws, then dampers.
+/// Number of event functions of the three contacts: those of the normal laws first, then of the friction laws, then of
+/// the dampers.
 pub const EVENT_FUNCTIONS: usize = 9;
 
-/// Branches of all contacts, in the order of [`FingerContact::ALL`].
+/// Branches of the laws of all contacts, in the order of [`FingerContact::ALL`].
 pub type FingerMode = Mode<[ContactMode; 3]>;
 
 /// Sizes of the model with N coordinates.
@@ -36,8 +37,8 @@ pub(super) const FINGER_COORDINATES: usize = 2;
 /// Number of internal states of friction with stiction, on the proximal and the distal phalanx.
 const STATES: usize = 2;
 
-/// The analytic model of a scene, with all constant terms precomputed. It has N coordinates, and its Jacobian is taken
-/// with respect to W = N + 2 variables: q11, q21, and all rates.
+/// The analytic model of a scene, with all constant terms precomputed. It has N coordinates. Its Jacobian is taken with
+/// respect to W = N + 2 variables: q11, q21, and all rates.
 #[derive(Clone, Debug)]
 pub struct FingerMotion<const N: usize, const W: usize> {
     pub(super) finger: FingerModel,
@@ -50,7 +51,7 @@ pub struct FingerMotion<const N: usize, const W: usize> {
 /// The model of a scene whose friction has no internal states.
 pub type Model = FingerMotion<FINGER_COORDINATES, { 2 * FINGER_COORDINATES }>;
 
-/// The model of a scene with stiction: friction has internal states, on the proximal and the distal phalanx.
+/// The model of a scene with stiction: the friction of the proximal and the distal phalanx has internal states.
 pub type StictionModel = FingerMotion<{ FINGER_COORDINATES + STATES }, { 2 * FINGER_COORDINATES + STATES }>;
 
 impl<const N: usize, const W: usize> FingerMotion<N, W> {
@@ -61,7 +62,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
     ///
     /// # Panics
     ///
-    /// Panics if N does not fit the presence of stiction in the scene.
+    /// Panics if N does not match the friction laws of the scene, with or without stiction.
     pub fn new(hand: &scene::Hand) -> Self {
         assert!(
             Self::HAS_STATES == hand.has_stiction() && W == FINGER_COORDINATES + N,
@@ -80,7 +81,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         }
     }
 
-    /// Index in [`FingerContact::ALL`] of a contact of a sample.
+    /// Index in [`FingerContact::ALL`] of the contact `contact` of a sample.
     pub fn contact_of_sample(&self, contact: usize) -> usize {
         self.sample_contacts[contact]
     }
@@ -196,7 +197,7 @@ impl<const N: usize, const W: usize> FingerMotion<N, W> {
         (all, quadratures)
     }
 
-    /// Evaluates one contact in one state; `None` where the scene has no such contact.
+    /// Evaluates one contact in one state; `None` if the scene does not have this contact.
     pub fn contact_reading(
         &self,
         q: [f64; N],

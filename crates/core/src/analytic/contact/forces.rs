@@ -11,7 +11,7 @@ pub(crate) struct ContactKinematics<T, const K: usize> {
     pub gap: T,
     pub normal_row: [T; K],
     pub tangent_row: [T; K],
-    /// Normal from the second surface to the first: from object to phalanx, or from plane to object.
+    /// Normal from the second surface to the first: from the object to the phalanx, or from the plane to the object.
     pub normal: Vector<T>,
     pub point: Vector<T>,
 }
@@ -29,7 +29,7 @@ pub(crate) fn normal_force_on_branch(law: &NormalLaw, state: ContactState, delta
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactForces<T, const K: usize> {
     pub normal: T,
-    /// Power of normal force and friction on both surfaces.
+    /// Power of the normal force and the friction force on both surfaces.
     pub power: T,
     /// Generalised loads on the K coordinates.
     pub load: [T; K],

@@ -29,7 +29,7 @@ impl ContactState {
     }
 }
 
-/// Range of a contact's depth relative to the transition depth of its damper.
+/// Range of the depth of a contact relative to the transition depth of its damper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DamperRange {
     /// δ < δ_max: c grows with the depth.
@@ -42,9 +42,10 @@ pub enum DamperRange {
 
 /// Branch of the normal law of one contact, and the ranges of its friction law and damper.
 ///
-/// The ranges change no force, except that friction with stiction keeps the branch of its law up to the event that ends the range. They
-/// prevent a step from skipping a part of a law, such as the whole sticking range between sliding in one direction and
-/// sliding in the other, which neither the stages of the step nor its error estimate would detect.
+/// The ranges change no force. The exception is friction with stiction: it keeps the branch of its law up to the event
+/// that ends the range. The ranges prevent a step from skipping part of a law, such as the whole sticking range between
+/// sliding in one direction and sliding in the other. Neither the stages of the step nor its error estimate would
+/// detect this.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactMode {
     pub state: ContactState,
@@ -55,11 +56,11 @@ pub struct ContactMode {
 impl ContactMode {
     pub const FREE: Self =
         Self { state: ContactState::Free, friction_range: FrictionRange::Any, damper_range: DamperRange::Any };
-    /// The laws without events, for integrators without event location.
+    /// Mode for integrators without event location: the laws without events.
     pub const CLAMPED: Self = Self { state: ContactState::Clamped, ..Self::FREE };
 }
 
-/// Modes of all contacts, in an array or a vector.
+/// Modes of all contacts; S is an array or a vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mode<S> {
     pub contacts: S,
@@ -116,7 +117,8 @@ impl<const N: usize> Row for [f64; N] {
     }
 }
 
-/// State of one contact with its laws: penetration, its rate, slip, and the rows that give the rates of gap and slip.
+/// State of one contact with its laws: penetration, penetration rate, slip, and the rows that give the rate of the gap
+/// and the slip.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactVariables<'a, R> {
     pub law: &'a NormalLaw,
@@ -124,7 +126,7 @@ pub struct ContactVariables<'a, R> {
     pub delta: f64,
     pub rate: f64,
     pub slip: f64,
-    /// Internal state of the friction law; 0 for a law without one.
+    /// Internal state of the friction law; 0 for a law without a state.
     pub friction_state: f64,
     pub normal_row: R,
     pub tangent_row: R,
@@ -169,19 +171,20 @@ impl<R: Row> ContactVariables<'_, R> {
 /// Rounding error of a depth, m or rad; the depth is a difference of coordinates.
 const DEPTH_NOISE: f64 = 2e-15;
 
-/// Tolerances of event location; forces in N (limit: N·m).
+/// Tolerances of event location.
 #[derive(Clone, Copy, Debug)]
 pub struct EventTolerances {
-    /// Tolerance of a depth, as a fraction of δ_max.
+    /// Tolerance of the depth, as a fraction of δ_max.
     pub depth_fraction: f64,
     pub force: f64,
 }
 
 impl EventTolerances {
-    /// Touch-downs of fingers on an object are located to a part of δ_max, lift-off and reload to a force that has no
-    /// visible effect on the motion.
+    /// Tolerances for fingers on an object: touch-downs are located to a fraction of δ_max; lift-offs and reloads, to a
+    /// force without a visible effect on the motion.
     pub const GRASP: Self = Self { depth_fraction: 1e-5, force: 1e-6 };
-    /// Contacts of free bodies are located as precisely as positions allow: measurements have their contact times.
+    /// Tolerances for free bodies: contacts are located as precisely as positions allow, because their times are
+    /// compared with measurements.
     pub const COLLISION: Self = Self { depth_fraction: 1e-8, force: 1e-9 };
 
     /// Tolerance of a force, not below the effect of rounding errors of the depth.
@@ -432,7 +435,8 @@ impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> Mode<S> {
         EventFunction { value, rate: margin_rate, root_search, is_separated: false }
     }
 
-    /// Tolerance of an event function: those of normal laws, then of friction laws, then of dampers.
+    /// Tolerance of an event function. The functions are those of the normal laws, then of the friction laws, then of
+    /// the dampers.
     pub fn event_tolerance(
         &self,
         event: usize,
@@ -495,7 +499,7 @@ impl<S: AsRef<[ContactMode]> + AsMut<[ContactMode]>> Mode<S> {
         is_changed
     }
 
-    /// Removes the events of the law that an event function belongs to.
+    /// Removes the events of the law to which an event function belongs.
     pub fn clamp_law(&mut self, event: usize) {
         let count = self.count();
         let mode = &mut self.contacts.as_mut()[event % count];
@@ -517,7 +521,7 @@ pub(crate) struct ContactLaws<'a> {
 }
 
 impl<'a> ContactLaws<'a> {
-    /// Returns the laws of the contact with this index if it has a force in this mode.
+    /// Returns the laws of a contact if it has a force in this mode; `None` otherwise.
     #[inline(always)]
     pub fn in_mode<S: AsRef<[ContactMode]>>(
         mode: &Mode<S>,

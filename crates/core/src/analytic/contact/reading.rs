@@ -3,10 +3,11 @@
 use crate::numeric::plane::{Vector, perp};
 use crate::shape::Support;
 
-/// Geometry of one contact (thesis (B.1)–(B.2), errata 5): gap, and rows that give gap rate and slip from q̇_a.
+/// Geometry of one contact (thesis (B.1)–(B.2), errata 5): the gap, and the rows that give the gap rate and the slip
+/// from q̇_a.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<T> {
-    /// Distance between the surfaces; −δ in penetration.
+    /// Distance between the surfaces, −δ; negative in penetration.
     pub gap: T,
     /// Rate of the gap = normal_row · q̇_a.
     pub normal_row: [T; 2],
@@ -37,7 +38,7 @@ pub struct ContactReading {
     pub delta: f64,
     pub delta_rate: f64,
     pub slip: f64,
-    /// Normal force (limit: torque), clamped.
+    /// Normal force (limit: torque), clamped to ≥ 0.
     pub normal: f64,
     /// Friction force.
     pub tangential: f64,

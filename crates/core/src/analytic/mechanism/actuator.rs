@@ -134,11 +134,11 @@ pub(super) fn range_after(actuator: &Actuator, old: u8, t: f64, coordinate: f64,
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BrakeEffort {
     pub effort: Effort,
-    /// Index of the bristle state.
+    /// Index of the state of the brake's bristle.
     pub bristle: Option<usize>,
-    /// Derivative by the bristle state.
+    /// Derivative of the effort with respect to this state.
     pub by_bristle: f64,
-    /// Rate of the bristle state per effort.
+    /// Rate of this state per unit effort.
     pub gain: f64,
 }
 

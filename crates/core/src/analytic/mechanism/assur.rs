@@ -38,7 +38,8 @@ const STEP_AT_END: f64 = 0.4;
 pub(super) struct Assur<'a> {
     pub mechanism: &'a Mechanism,
     pub tree: &'a [Attachment],
-    /// Indices of those coordinates of the tree that are coordinates of the group.
+    /// For each joint of the tree, its index among the coordinates of the group; `None` if its coordinate is not
+    /// independent.
     pub known: &'a [Option<usize>],
     pub closing: &'a [usize],
 }
@@ -57,7 +58,7 @@ struct Equations<T> {
 }
 
 impl<'a> Assur<'a> {
-    /// Index of a body in the tree; `None` of a base.
+    /// Index of a body in the tree; `None` for a base.
     pub fn member(&self, body: Option<usize>) -> Option<usize> {
         body.and_then(|body| self.tree.iter().position(|at| at.body == body))
     }
@@ -71,7 +72,7 @@ impl<'a> Assur<'a> {
         &self.mechanism.joints[self.tree[k].joint]
     }
 
-    /// Joints by which bodies of the group are connected, those of the tree first.
+    /// Joints that connect the bodies of the group; those of the tree come first.
     pub fn joints(self) -> impl Iterator<Item = usize> + 'a {
         self.tree.iter().map(|at| at.joint).chain(self.closing.iter().copied())
     }
@@ -94,7 +95,8 @@ impl<'a> Assur<'a> {
         if longest > 0.0 { longest } else { 1.0 }
     }
 
-    /// Length by which the turn of each body about its joint is compared with the misfit of the loops; 1 for a slide.
+    /// Length by which the rotation of each body about its joint is multiplied to compare it with the misfit of the
+    /// loops; 1 for a sliding body.
     pub fn scales(&self) -> Vec<f64> {
         let length = self.length();
         let scale = |k: usize| match (self.joint(k).kind.is_angle(), self.arm(k)) {
@@ -180,8 +182,8 @@ impl<'a> Assur<'a> {
         (largest, equations.sign)
     }
 
-    /// Evaluates the poses of all bodies and the coordinates of all joints, on the branch with this sign of the determinant.
-    /// Not a number if Newton's method does not find them near the coordinates of the last accepted state.
+    /// Evaluates the poses of all bodies and the coordinates of all joints, on the branch on which the determinant has
+    /// this sign. They are NaN if Newton's method does not find them near the coordinates of the last accepted state.
     pub fn place(&self, sign: f64, q: &[f64], motions: &mut Motions<f64>) {
         let unknowns = self.unknowns();
         let near = self.tree.iter().zip(self.known).map(|(at, known)| known.map_or(motions.near[at.joint], |k| q[k]));
@@ -208,13 +210,13 @@ impl<'a> Assur<'a> {
         }
     }
 
-    /// Sign of the determinant of the constraints in these poses, which a branch keeps.
+    /// Sign of the determinant of the constraints in these poses. It is constant on a branch.
     pub fn sign(&self, motions: &Motions<f64>) -> f64 {
         self.equations(|body| *motions.body(body)).sign
     }
 
-    /// Evaluates the motions of all bodies and joints, whose poses and coordinates are known, at these rates of the coordinates
-    /// of the group.
+    /// Evaluates the motions of all bodies and joints at the rates `v` of the coordinates of the group. Their poses and
+    /// coordinates are known.
     pub fn close<T: Real>(&self, v: &[f64], motions: &mut Motions<T>, part: Part) {
         let (size, unknowns) = (self.tree.len(), self.unknowns());
         let equations = self.equations(|body| *motions.body(body));
@@ -335,12 +337,12 @@ impl<'a> Assur<'a> {
         largest.sqrt().recip()
     }
 
-    /// Sine of the angle that corresponds to the transmission angle of a dyad; not a number without a pose.
+    /// Sine of the angle that corresponds to the transmission angle of a dyad; NaN without a pose.
     pub fn sine(&self, motions: &Motions<f64>) -> f64 {
         self.sine_with(|body| *motions.body(body))
     }
 
-    /// The sine and its rate.
+    /// Returns [`Assur::sine`] and its rate.
     pub fn sine_and_rate(&self, motions: &Motions<f64>) -> [f64; 2] {
         let in_time = |body: Option<usize>| {
             let motion = motions.body(body);
@@ -357,20 +359,21 @@ impl<'a> Assur<'a> {
         [sine.value, sine.grad[0]]
     }
 
-    /// The sine in the place of that of a transmission angle, whose rate is that of the sine.
+    /// Returns the sine in the form of a transmission: as the sine of an angle whose rate is that of the sine.
     pub fn transmission(&self, motions: &Motions<f64>) -> Transmission {
         let [sine, rate] = self.sine_and_rate(motions);
         Transmission { sine, cosine: 1.0, angle_rate: rate }
     }
 
-    /// Longest step from this state.
+    /// Returns the longest allowed step from this state.
     pub fn max_step(&self, motions: &Motions<f64>) -> f64 {
         let [sine, sine_rate] = self.sine_and_rate(motions);
         let rates = (0..self.tree.len()).map(|k| motions.joints[self.tree[k].joint].rate.abs() / self.unit(k));
         STEP * sine / rates.fold((-sine_rate).max(0.0), f64::max)
     }
 
-    /// Whether a step of this length that ends in this state stays on the branch of its start, whose coordinates are near.
+    /// Whether a step of length `dt` that ends in this state stays on the branch of its start; `motions` contains the
+    /// coordinates at the start as `near`.
     pub fn is_valid(&self, dt: f64, motions: &Motions<f64>) -> bool {
         let [sine, sine_rate] = self.sine_and_rate(motions);
         let change = |(k, at): (usize, &Attachment)| {

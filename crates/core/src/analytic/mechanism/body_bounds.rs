@@ -10,7 +10,7 @@ pub(super) struct MechanismBounds {
     /// Bodies of the mechanism, then the ground.
     pub bodies: Vec<MotionBound>,
     pub joints: Vec<RateBound>,
-    /// Part of the step in which all dyads and cables stay regular.
+    /// Part of the step over which all dyads and cables stay regular.
     pub clearance_reach: f64,
 }
 
@@ -44,7 +44,7 @@ impl Coordinates<'_> {
         RateBound { rate: self.rate[index], acceleration: self.acceleration[index] }
     }
 
-    /// Bound of a body whose pose is coordinates from `first` on.
+    /// Bound of a free body, whose pose is given by `axes` coordinates from `first` on.
     pub fn free_body(&self, first: usize, axes: usize) -> MotionBound {
         let [x, y] = [first, first + 1].map(|index| self.bound(index));
         let turn = if axes == 3 { self.bound(first + 2) } else { RateBound::default() };
@@ -56,7 +56,7 @@ impl Coordinates<'_> {
         }
     }
 
-    /// Largest value of a length that has this value at one end of the part.
+    /// Largest value of a length over the part; `value` and `rate` are those at one end of it.
     pub fn largest(&self, value: f64, rate: f64) -> f64 {
         value.abs() + rate * self.width
     }

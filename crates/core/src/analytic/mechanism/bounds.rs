@@ -15,7 +15,7 @@ use crate::mechanism::{Joint, Mechanism};
 use crate::numeric::plane::{Vector, sub};
 
 impl PlacedGroup {
-    /// Bounds of the bodies and joints of the group, whose motions at one end of the part are `motions`.
+    /// Bounds the bodies and joints of the group; `motions` are those at one end of the part.
     pub fn bound(
         &self,
         mechanism: &Mechanism,

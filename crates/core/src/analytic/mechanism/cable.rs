@@ -6,9 +6,9 @@ use crate::mechanism::Tendon;
 /// A tendon of a mechanism in the model.
 #[derive(Clone, Debug)]
 pub(super) struct Cable {
-    /// The tension of its actuator is not negative.
+    /// The tendon; the tension of its actuator is never negative.
     pub tendon: Tendon,
-    /// Its index among the contacts, if it has a spring or a damper.
+    /// Index of the cable among the contacts, if it has a spring or a damper.
     pub contact: Option<usize>,
 }
 
@@ -42,7 +42,7 @@ impl Cable {
         self.tendon.actuator.as_ref().map_or((0.0, 0.0), |actuator| actuator.tension.at(t))
     }
 
-    /// Tension on a branch of the law. On the active branch, the law continues beyond the end of the branch, so that the
+    /// Tension on a branch of the law. The law of the active branch continues beyond the end of the branch, so that the
     /// force of the damper does not jump within a step.
     pub fn tension(&self, t: f64, state: Option<ContactState>, value: f64, rate: f64) -> Tension {
         let (pull, pull_rate) = self.pull(t);

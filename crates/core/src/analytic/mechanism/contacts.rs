@@ -22,9 +22,9 @@ pub(super) struct Contact {
     pub surfaces: Surfaces,
     pub normal: NormalLaw,
     pub friction: Option<FrictionLaw>,
-    /// Rolling resistance of a contact between surfaces.
+    /// Law of rolling resistance, for a contact between surfaces.
     pub rolling: Option<FrictionLaw>,
-    /// Index of the internal state of friction among the rates, if the law has one.
+    /// Index of the internal state of friction among the rates; `None` if the law has no state.
     pub state: Option<usize>,
     /// See [`ContactPair::is_reported_on_face`](crate::mechanism::ContactPair::is_reported_on_face).
     pub is_reported_on_face: bool,
@@ -45,12 +45,12 @@ pub(super) struct FrictionStates {
 }
 
 impl FrictionStates {
-    /// No states yet; the first one will have this index among the rates.
+    /// Creates an empty list; `first` is the index of its first state among the rates.
     pub fn after(first: usize) -> Self {
         Self { first, states: Vec::new() }
     }
 
-    /// Index after the last state.
+    /// Returns the index of the next state to be added.
     pub fn next(&self) -> usize {
         self.first + self.states.len()
     }

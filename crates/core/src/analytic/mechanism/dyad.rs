@@ -19,22 +19,24 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, TAU};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AssemblyMode {
     pub sign: f64,
-    /// The middles of these ranges relative to that angle; of the line, relative to its angle at the start.
+    /// Middles of the ranges of the two bodies, relative to the reference angle. If the reference is the line, they are
+    /// relative to its angle at the start.
     pub middles_rad: [f64; 2],
     pub line: Option<PivotLine>,
-    /// Whether its angles are evaluated with its positions, because forces or other bodies depend on them.
+    /// Whether the angles of the dyad are evaluated together with its positions, because forces or other bodies depend
+    /// on them.
     pub has_angles: bool,
-    /// Whether the motions of its outer joints and of its inner one are evaluated with those of its bodies, because forces
-    /// or other joints depend on them.
+    /// Whether the motions of the two outer joints and of the inner joint are evaluated together with those of the
+    /// bodies, because forces or other joints depend on them.
     pub moves_joints: [bool; 3],
 }
 
 /// The line from the pivot of the first outer joint of a dyad to that of the second.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PivotLine {
-    /// Index of its count of turns.
+    /// Index of the count of turns of the line.
     pub count: usize,
-    /// Its direction at the start.
+    /// Direction of the line at the start.
     pub start: [f64; 2],
 }
 
@@ -72,21 +74,21 @@ impl PivotLine {
         [dot(reference, offset) / length, cross(reference, offset) / length]
     }
 
-    /// The count after an accepted step, if the line has left the range of its count.
+    /// Returns the new count after an accepted step; `None` if the line is still in the range of its count.
     pub fn recounted(&self, counts: &[i32], offset: [f64; 2]) -> Option<i32> {
         let [cos, sin] = self.relative(counts, offset);
         (cos < RECOUNT_COSINE)
             .then(|| counts[self.count] + (atan2(sin, cos) / TAU * COUNTS_PER_TURN as f64).round() as i32)
     }
 
-    /// Whether the count of the start of a step is valid at its end, where the pivots are at this offset and move at this
-    /// relative rate.
+    /// Whether the count at the start of a step of length `dt` is still valid at its end; `offset` and `rate` are the
+    /// relative position and rate of the pivots there.
     pub fn is_valid(&self, dt: f64, counts: &[i32], (offset, rate): ([f64; 2], [f64; 2])) -> bool {
         let motion = dt * dot(rate, rate).sqrt();
         motion <= LINE_STEP_AT_END * dot(offset, offset).sqrt() && self.relative(counts, offset)[0] >= VALID_COSINE
     }
 
-    /// Longest step from this offset and relative rate of the pivots.
+    /// Returns the longest allowed step; `offset` and `rate` are the relative position and rate of the pivots.
     pub fn max_step(offset: [f64; 2], rate: [f64; 2]) -> f64 {
         LINE_STEP * (dot(offset, offset) / dot(rate, rate)).sqrt()
     }

@@ -37,21 +37,22 @@ pub(super) struct Sums<'a> {
 /// The coordinates of a group by which numbers have derivatives.
 #[derive(Clone, Copy)]
 pub(super) struct Chunk {
-    /// Index of the first coordinate of the group among all.
+    /// Index of the first coordinate of the group among all coordinates.
     pub group: usize,
-    /// The first of these coordinates, among those of the group, and their number.
+    /// Index of the first coordinate of the chunk, among those of the group.
     pub start: usize,
+    /// Number of coordinates of the chunk.
     pub count: usize,
 }
 
 impl Chunk {
-    /// Parts of the coordinates of a group, with their indices.
+    /// Divides the coordinates of a group into chunks, which are returned with their indices.
     pub fn of_group(first: usize, size: usize) -> impl Iterator<Item = (usize, Self)> {
         let chunk = move |start: usize| Self { group: first, start, count: LANES.min(size - start) };
         (0..size).step_by(LANES).map(chunk).enumerate()
     }
 
-    /// A number for each lane, from the coordinate of the group.
+    /// Returns a number for each lane; `number` receives the lane and the index of its coordinate in the group.
     #[inline(always)]
     pub fn each(&self, number: impl Fn(usize, usize) -> f64) -> [f64; LANES] {
         array_from(|lane| if lane < self.count { number(lane, self.start + lane) } else { 0.0 })
@@ -59,14 +60,14 @@ impl Chunk {
 }
 
 impl<'a> Sums<'a> {
-    /// Sums in place of the derivatives of the accelerations.
+    /// Returns sums that are stored in place of the derivatives of the accelerations.
     pub fn of(linearised: &'a mut Linearised<Dynamic>) -> (&'a mut Rates<Dynamic>, Self) {
         let Linearised { rates, a_q, a_v, a_t, g_q, g_v, g_t } = linearised;
         (rates, Self { load_q: a_q, load_v: a_v, load_t: a_t, g_q, g_v, g_t })
     }
 
-    /// Adds the derivatives of the load of a force along a row of a group, which depends on the coordinates `support`; `by_v`
-    /// are those of the force by the rates.
+    /// Adds the derivatives of the load of a force along a row of a group. The row depends on the coordinates
+    /// `support`; `by_v` are the derivatives of the force with respect to the rates.
     #[inline(always)]
     pub fn add_block(
         &mut self,
@@ -89,7 +90,8 @@ impl<'a> Sums<'a> {
         }
     }
 
-    /// [`Sums::add_block`] for a force and a moment on a body, with its motion per unit of the rate of each coordinate.
+    /// Like [`Sums::add_block`], for a force and a moment on a body; `columns` are the motion of the body per unit of
+    /// the rate of each coordinate.
     #[inline(always)]
     pub fn add_body_block(
         &mut self,
@@ -113,7 +115,8 @@ impl<'a> Sums<'a> {
         }
     }
 
-    /// Adds the derivatives of the power of a force on a group; `by_v` are those of the power by the rates.
+    /// Adds the derivatives of the power of a force on a group; `by_v` are the derivatives of the power with respect to
+    /// the rates.
     #[inline(always)]
     pub fn add_power(&mut self, work: usize, Chunk { group, start, count }: Chunk, power: Lanes, by_v: [f64; LANES]) {
         let add = |row: &mut [f64], numbers: [f64; LANES]| {

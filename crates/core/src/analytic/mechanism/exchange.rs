@@ -15,7 +15,7 @@ use crate::numeric::elementary::atan2;
 type Exchanged = (MechanismModel, (Vec<f64>, Vec<f64>), MechanismMode);
 
 impl MechanismModel {
-    /// Smallest |sine| of the transmission angles of all dyads and Assur groups.
+    /// Smallest |sine| of the transmission angles of all dyads and Assur groups; it is small near a singularity.
     pub fn conditioning(&self, state: StateRef<'_, Dynamic>, mode: &MechanismMode) -> f64 {
         self.count_turns_as(mode);
         self.with_motions(state, |motions| {
@@ -49,8 +49,9 @@ impl MechanismModel {
             && self.groups.iter().zip(&other.groups).all(|(own, other)| own.group == other.group)
     }
 
-    /// The model in coordinates that are much better conditioned in a state, with coordinates, rates and mode of that state.
-    /// Internal states of friction and the laws of contacts and actuators stay as they are; turns are counted from here on.
+    /// Returns the model in coordinates that are much better conditioned in a state, with the coordinates, rates and
+    /// mode of that state; `None` if there are none. Internal states of friction and the laws of contacts and actuators
+    /// do not change. Turns are counted from this state on.
     pub fn exchanged(&self, (q, v): StateRef<'_, Dynamic>, mode: &MechanismMode) -> Option<Exchanged> {
         self.count_turns_as(mode);
         let mechanism = self.as_described();
@@ -63,7 +64,8 @@ impl MechanismModel {
         self.with_groups(groups, (q, v), mode)
     }
 
-    /// The model in the coordinates of another one of the same structure; `None` if it has these coordinates.
+    /// Returns the model in the coordinates of another model with the same structure; `None` if it already has these
+    /// coordinates.
     pub fn in_coordinates_of(
         &self,
         other: &Self,

@@ -17,13 +17,13 @@ pub(super) struct Factor {
 }
 
 impl Factor {
-    /// Memory for a matrix.
+    /// Creates the memory for a matrix.
     pub fn new(size: usize, is_prescribed: bool) -> Self {
         let inertia = if is_prescribed { vec![0.0; size] } else { Vec::new() };
         Self { lower: vec![0.0; size * size], size, load: vec![0.0; size], is_prescribed, inertia }
     }
 
-    /// The mass matrix, by rows, which is to be written before it is factored, and the loads.
+    /// The mass matrix, row by row, and the loads. They must be written before [`Factor::factor`].
     pub fn inertia(&mut self) -> (&mut [f64], &mut [f64]) {
         (&mut self.lower, &mut self.load)
     }
@@ -33,7 +33,7 @@ impl Factor {
         &self.load
     }
 
-    /// Factors the mass matrix. Not a number for one that is not positive definite.
+    /// Factors the mass matrix. The factors are NaN if it is not positive definite.
     pub fn factor(&mut self) {
         let (lower, size) = (&mut self.lower, self.size);
         if self.is_prescribed {
@@ -61,15 +61,16 @@ impl Factor {
         }
     }
 
-    /// [`Factor::solve`] with a prescribed first coordinate: returns the load that its motion requires beyond the given one.
+    /// Like [`Factor::solve`], with a prescribed first coordinate. Returns the load that its motion requires, in
+    /// addition to the given load.
     pub fn solve_prescribed(&self, x: &mut [f64]) -> f64 {
         let load = std::mem::take(&mut x[0]);
         self.solve(x);
         x.iter().zip(&self.inertia).fold(-load, |sum, (acceleration, inertia)| sum + acceleration * inertia)
     }
 
-    /// Solves for the first `count` columns of the rows of the group, which begin with row `first` of a matrix, in place.
-    /// With a prescribed first coordinate, adds to `powers` the loads that its motion requires.
+    /// Solves in place for the first `count` columns of a matrix; the rows of the group begin with row `first`. With a
+    /// prescribed first coordinate, adds to `powers` the loads that its motion requires.
     pub fn solve_columns(&self, (matrix, first): (&mut DynamicMatrix<f64>, usize), count: usize, powers: &mut [f64]) {
         let (lower, size) = (&self.lower, self.size);
         if self.is_prescribed {

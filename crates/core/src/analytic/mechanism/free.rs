@@ -10,20 +10,22 @@ use crate::numeric::plane::sub;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FreeBody {
     pub body: usize,
-    /// Index of the first coordinate, and the number of coordinates: two for a body that does not rotate.
+    /// Index of the first coordinate.
     pub first: usize,
+    /// Number of coordinates: two for a body that does not rotate, otherwise three.
     pub axes: usize,
-    /// Whether its angle has no effect: its outlines are discs about its centre of mass, and nothing else is attached.
+    /// Whether the angle of the body has no effect: its outlines are discs about its centre of mass, and nothing else
+    /// is attached.
     pub is_round: bool,
-    /// Angle at the start, rad; a body that does not rotate keeps it.
+    /// Angle at the start, rad; constant for a body that does not rotate.
     pub angle_rad: f64,
-    /// Reciprocals of mass and inertia.
+    /// Reciprocals of the mass (x, y) and of the inertia.
     pub mobility: [f64; 3],
     pub weight: [f64; 2],
 }
 
 impl FreeBody {
-    /// Moves the body to the pose and rate at its coordinates, which are the first ones.
+    /// Moves the body to the pose and rate that its coordinates give; they come first in `q` and `v`.
     pub fn place(&self, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>) {
         let body = &mut motions.bodies[self.body];
         (body.origin, body.rate) = ([q[0], q[1]], [v[0], v[1], 0.0]);

@@ -43,7 +43,7 @@ impl Row {
         Self { support, constant }
     }
 
-    /// Adds an effort on the combination to the loads on the coordinates.
+    /// Adds the generalised loads of an effort on the combination.
     #[inline(always)]
     pub fn add_load(&self, motions: &Motions<f64>, on: &JointCombination, effort: f64, load: &mut [f64]) {
         match &self.constant {
@@ -66,7 +66,7 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// Torque or force without that of the inertia.
+    /// Torque or force, without that of the inertia.
     pub fn effort(&self, coordinate: f64, rate: f64) -> f64 {
         self.preload - self.stiffness * (coordinate - self.rest) - self.damping * rate
     }
@@ -89,7 +89,7 @@ pub(super) struct PlacedGroup {
     pub inertias: Vec<(usize, Inertia)>,
     /// Stiffness, damping and inertia on the joints of the group.
     pub elements: Vec<Element>,
-    /// Indices of the elements whose effort or inertia is not constant in the coordinates; those of the others are in
+    /// Indices of the elements whose effort or inertia varies with the coordinates. The other elements are included in
     /// `constant`.
     pub varying: Vec<usize>,
     pub constant: Constant,
@@ -99,14 +99,16 @@ pub(super) struct PlacedGroup {
     pub actuators: Vec<(usize, Row)>,
     /// Index of the first coordinate of the group.
     pub first: usize,
-    /// Whether the equations are written in the frame of a moving palm, so that the prescribed motion is that of the world.
+    /// Whether the equations are written in the frame of a moving palm. The prescribed motion is then that of the
+    /// world.
     pub is_in_palm_frame: bool,
     /// Index of the first count of turns of the group, which has one for each dyad.
     first_count: usize,
 }
 
 impl PlacedGroup {
-    /// Builds a group from its assembled poses at the start; `first_count` is its first count of turns.
+    /// Builds a group from its assembled poses at the start. `first` is the index of its first coordinate;
+    /// `first_count`, that of its first count of turns.
     pub fn new(mechanism: &Mechanism, group: Group, (first, first_count): (usize, usize), poses: &[Pose]) -> Self {
         let motions = motions_at(mechanism, poses);
         let mut count = first_count;
@@ -218,7 +220,7 @@ impl PlacedGroup {
         self.first_count..self.first_count + self.group.count_of_dyads()
     }
 
-    /// Whether the group contains bodies with prescribed motion: its first coordinate is time.
+    /// Whether the group contains bodies with prescribed motion. Its first coordinate is then time.
     pub fn has_prescribed(&self) -> bool {
         self.group.coordinates.first() == Some(&Coordinate::Time)
     }
@@ -232,7 +234,7 @@ impl PlacedGroup {
         }
     }
 
-    /// Upper bounds of the rates and accelerations of a body with prescribed motion between two times.
+    /// Upper bounds of the rates and of the accelerations of a body with prescribed motion between two times.
     pub fn largest_rates(&self, body: &Body, times: [f64; 2]) -> [[f64; 3]; 2] {
         match &body.motion {
             Some(PrescribedMotion::Palm(motion)) if self.is_in_palm_frame => motion.largest_world_rates(times),
@@ -246,19 +248,19 @@ impl PlacedGroup {
         self.group.coordinates.len()
     }
 
-    /// Number of evaluations with [`LANES`] derivatives for those by all coordinates.
+    /// Number of evaluations with [`LANES`] derivatives each that the derivatives with respect to all coordinates need.
     pub fn chunks(&self) -> usize {
         self.size().div_ceil(LANES)
     }
 
-    /// Coordinates and rates of the group among all.
+    /// Coordinates and rates of the group, taken from those of all groups.
     #[inline(always)]
     pub fn state<'a>(&self, (q, v): (&'a [f64], &'a [f64])) -> (&'a [f64], &'a [f64]) {
         let of_group = self.first..self.first + self.size();
         (&q[of_group.clone()], &v[of_group])
     }
 
-    /// Makes room in motions for the derivatives of the bodies and joints of the group, at the end of what is there.
+    /// Appends room for the derivatives of the bodies and joints of the group to `motions`.
     pub fn add_supports(&self, mechanism: &Mechanism, motions: &mut Motions<f64>) {
         let (of_bodies, of_joints) = dependent_coordinates(mechanism, &self.group);
         let size = self.size();
@@ -279,7 +281,7 @@ impl PlacedGroup {
     }
 
     /// Evaluates a part of the motions of all bodies and joints of the group at the coordinates `q` and rates `v` of
-    /// the group. `Part::Derivatives` requires that the poses and rates of the same state are evaluated already.
+    /// the group. `Part::Derivatives` requires that the poses and rates of the same state have been evaluated.
     pub fn evaluate(&self, mechanism: &Mechanism, (q, v): (&[f64], &[f64]), motions: &mut Motions<f64>, part: Part) {
         if part.has_rates() {
             self.place(mechanism, q, motions);
@@ -287,8 +289,8 @@ impl PlacedGroup {
         self.propagate(mechanism, (q.first().copied().unwrap_or_default(), v), motions, (part, None));
     }
 
-    /// Evaluates the motions with derivatives by the coordinates of the group from `chunk` times [`LANES`] on, from the motions
-    /// in plain numbers.
+    /// Evaluates the motions with derivatives with respect to [`LANES`] coordinates of the group, from number `chunk` ·
+    /// [`LANES`] on. `plain` are the motions without derivatives.
     pub fn differentiate(
         &self,
         mechanism: &Mechanism,
@@ -386,8 +388,8 @@ impl PlacedGroup {
         }
     }
 
-    /// Evaluates the angles of the bodies of dyads, and the coordinates and rates of their joints, if they were not evaluated
-    /// with the positions and rates of the bodies.
+    /// Evaluates the angles of the bodies of dyads, and the coordinates and rates of their joints, unless they were
+    /// evaluated together with the positions and rates of the bodies.
     pub fn evaluate_angles(&self, mechanism: &Mechanism, motions: &mut Motions<f64>) {
         for (placement, mode) in self.group.placements.iter().zip(&self.modes) {
             let (Placement::Dyad { outer, inner }, Some(mode)) = (placement, mode) else { continue };
@@ -411,7 +413,8 @@ impl PlacedGroup {
         }
     }
 
-    /// Coordinate of a joint of the dyad of a placement, which was not evaluated with its positions.
+    /// Coordinate of a joint of a dyad that was not evaluated together with the positions; `dyad` is the index of its
+    /// placement.
     pub fn joint_coordinate(&self, mechanism: &Mechanism, motions: &Motions<f64>, dyad: usize, joint: usize) -> f64 {
         let (Placement::Dyad { outer, inner }, Some(mode)) = (&self.group.placements[dyad], &self.modes[dyad]) else {
             return motions.joints[joint].coordinate;
@@ -428,8 +431,8 @@ impl PlacedGroup {
         nearest_equivalent_angle(turn - joint.offset_rad, second - first - joint.offset_rad)
     }
 
-    /// Revolute joints of dyads whose coordinates are not evaluated with their positions, with the indices of their
-    /// placements.
+    /// Revolute joints of dyads whose coordinates are not evaluated together with the positions; each is preceded by
+    /// the index of its placement.
     pub fn joints_on_demand<'a>(&'a self, mechanism: &'a Mechanism) -> impl Iterator<Item = (usize, usize)> + 'a {
         let dyads = self.group.placements.iter().zip(&self.modes).enumerate();
         let joints = dyads.filter_map(|(index, of)| match of {
@@ -495,7 +498,7 @@ impl PlacedGroup {
         }
     }
 
-    /// Transmission of every dyad and of every Assur group; one without transmission is singular.
+    /// Transmission of every dyad and of every Assur group; `None` for a singular one.
     pub fn transmissions<'a>(
         &'a self,
         mechanism: &'a Mechanism,
@@ -518,7 +521,7 @@ impl PlacedGroup {
         })
     }
 
-    /// The lines between pivots whose turns are counted, with the offset of the pivots and its rate.
+    /// The lines between pivots whose turns are counted, each with the offset of the pivots and its rate.
     pub fn pivot_lines<'a>(
         &'a self,
         mechanism: &'a Mechanism,

@@ -8,7 +8,8 @@ use crate::numeric::plane::Vector;
 use crate::numeric::{Dual, Real};
 
 impl Sums<'_> {
-    /// Adds the derivatives of the inertial load on a free body, whose first coordinates are x, y and θ, and of its power.
+    /// Adds the derivatives of the inertial load on a free body and of its power. The coordinates of the body are x, y
+    /// and θ, the first one at index `first`.
     pub fn add_free_inertia(
         &mut self,
         (first, inertia, work): (usize, Inertia, usize),
@@ -38,8 +39,9 @@ impl Sums<'_> {
         self.g_t[work] += power(load_rate, motion.rate);
     }
 
-    /// Adds the derivatives of the power of the inertial load on a body of a group by these coordinates, and those of the
-    /// load by time. Returns the load and its derivatives by the rates of these coordinates.
+    /// Adds the derivatives of the inertial load on a body of a group: those of its power with respect to the
+    /// coordinates of the chunk, and those of the load with respect to time. Returns the load and its derivatives with
+    /// respect to the rates of these coordinates.
     pub fn add_group_inertia(
         &mut self,
         (chunk, inertia, work): (Chunk, Inertia, usize),

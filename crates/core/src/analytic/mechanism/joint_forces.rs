@@ -16,7 +16,7 @@ use crate::integrator::{Dynamic, Rates, System};
 use crate::mechanism::{ForcePoint, JointCombination, Limit, Mechanism};
 use crate::numeric::plane::{add, cross, perp, scale, sub};
 
-/// Force and moment of a joint on its second body: the force acts at the joint.
+/// Force and moment of a joint on its second body. The force acts at the joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JointForce {
     pub force_n: [f64; 2],
@@ -24,13 +24,13 @@ pub struct JointForce {
     pub moment_n_m: f64,
 }
 
-/// Forces of all joints in a state, and the equations from which they follow; the memory is reused.
+/// Forces of all joints in a state, and the memory for the equations from which they follow.
 ///
-/// The equations of a body are its force and its moment about the centre of mass. The unknowns are two for each joint, then
-/// one for each coupling.
+/// The equations of each body are those of its forces and of its moment about the centre of mass. There are two
+/// unknowns for each joint, then one for each coupling.
 #[derive(Clone, Debug, Default)]
 pub struct JointForces {
-    /// Forces of the last state.
+    /// Forces in the last evaluated state.
     pub forces: Vec<JointForce>,
     centers: Vec<[f64; 2]>,
     /// Coefficients of the unknowns and the right-hand side of each equation.
@@ -136,7 +136,7 @@ fn refill<T>(list: &mut Vec<T>, content: impl Iterator<Item = T>) {
 }
 
 impl MechanismModel {
-    /// Computes the forces of all joints in a state, in the frame of a moving palm.
+    /// Computes the forces of all joints in a state, in the frame of a moving palm; `system` receives the result.
     pub fn joint_forces(&self, t: f64, (q, v): StateRef<'_, Dynamic>, mode: &MechanismMode, system: &mut JointForces) {
         let mut rates = system.rates.take().unwrap_or_else(|| Rates::zero(self.sizes()));
         self.rates(t, q, v, mode, &mut rates);

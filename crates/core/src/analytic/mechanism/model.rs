@@ -27,8 +27,8 @@ use std::ops::Index;
 /// Touch-downs are located to a part of δ_max, lift-off and reload to a force without visible effect on the motion.
 const EVENT_TOLERANCES: EventTolerances = EventTolerances { depth_fraction: 1e-7, force: 1e-8 };
 
-/// Branches of the contact laws, the features of the faces, and the ranges of the actuators; and the times for which it is
-/// valid.
+/// Branches of the contact laws, features of the faces, ranges of the actuators, and the interval of time in which the
+/// mode is valid.
 #[derive(Debug, PartialEq)]
 pub struct MechanismMode {
     pub contacts: Mode<Vec<ContactMode>>,
@@ -108,19 +108,20 @@ struct Workspace {
 /// Memory of evaluations within a state.
 #[derive(Clone, Debug)]
 pub(super) struct Scratch {
-    /// Derivative of the length of a cable, or of a gap, by the coordinates.
+    /// Derivative of the length of a cable, or of a gap, with respect to the coordinates.
     pub row: Vec<f64>,
     /// Accelerations per unit of a normal force.
     pub response: Vec<f64>,
-    /// Second derivatives of the length of a cable, in the place of those of loads; without cables it has no entries.
+    /// Second derivatives of the length of a cable, stored in place of the derivatives of loads. Without cables it has
+    /// no entries.
     pub second: Linearised<Dynamic>,
 }
 
 /// The analytic model of a mechanism.
 ///
-/// Coordinates are the independent coordinates of all groups. First-order states follow: the internal states of friction and
-/// brakes, and time if an event of an actuator depends on it and it is no coordinate of a group. They are among the rates;
-/// nothing depends on the coordinates at these indices.
+/// Its coordinates are the independent coordinates of all groups. They are followed by the first-order states: the
+/// internal states of friction and brakes, and time if an event of an actuator depends on it and no group has it as a
+/// coordinate. First-order states are stored among the rates; nothing depends on the coordinates at their indices.
 #[derive(Clone, Debug)]
 pub struct MechanismModel {
     pub(super) mechanism: Mechanism,
@@ -304,7 +305,7 @@ impl MechanismModel {
     /// Builds the model from the assembled poses and rates of all bodies.
     ///
     /// # Errors
-    /// Returns an error for a mechanism without independent coordinates in closed form.
+    /// Returns an error for a mechanism that cannot be written in independent coordinates.
     pub fn new(mechanism: &Mechanism, (poses, rates): (&[Pose], &[Pose])) -> Result<Self, StructureError> {
         let world = palm_of_frame(mechanism).zip(mechanism.palm().map(|(_, motion)| motion.clone()));
         let world_gravity_m_s2 = mechanism.gravity_m_s2;
@@ -429,11 +430,11 @@ impl MechanismModel {
         &self.near_at_start
     }
 
-    /// Replaces the effort of an actuator over time, or the target of a servo, from time `t` on. The ranges of the mode
-    /// follow, and time becomes a coordinate if an event depends on it from now on.
+    /// From time `t` on, replaces the effort of an actuator or the target of a servo as a function of time. The ranges
+    /// in the mode are updated, and time becomes a first-order state if an event now depends on it.
     ///
     /// # Panics
-    /// Panics if time has no place among the coordinates.
+    /// Panics if there is no place for time among the states.
     pub fn set_input(
         &mut self,
         index: usize,
@@ -499,7 +500,7 @@ impl MechanismModel {
         self.used_coordinates
     }
 
-    /// Whether the friction of a contact has an internal state, so that it can stick.
+    /// Whether a contact can stick, because its friction has an internal state.
     pub fn has_stiction(&self, contact: usize) -> bool {
         self.contacts[contact].state.is_some()
     }
@@ -519,8 +520,8 @@ impl MechanismModel {
         }
     }
 
-    /// Counts turns as in a mode, in all evaluations until the next call. Functions with a mode call it themselves; readings
-    /// of a state need it before them.
+    /// Uses the counts of turns of a mode in all evaluations until the next call. Functions that receive a mode call
+    /// this themselves; it must be called before other readings of a state.
     #[inline(always)]
     pub fn count_turns_as(&self, mode: &MechanismMode) {
         self.count_turns_in(&mode.counts, &mode.near);

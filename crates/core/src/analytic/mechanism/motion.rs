@@ -49,20 +49,20 @@ pub(super) struct PointMotion<T> {
 }
 
 impl BodyMotion<f64> {
-    /// Takes the pose of a placed body, and keeps everything else.
+    /// Takes over the pose of a placed body and keeps everything else.
     #[inline(always)]
     pub fn place_at(&mut self, placed: &Self) {
         (self.origin, self.direction, self.angle) = (placed.origin, placed.direction, placed.angle);
     }
 
-    /// A body in a pose, with the rate of the pose.
+    /// Returns the motion of a body with this pose and this rate of the pose.
     pub fn at([x, y, angle]: Pose, rate: Pose) -> Self {
         let (sin, cos) = sin_cos(angle);
         Self { origin: [x, y], direction: [cos, sin], angle, rate, ..Self::ground() }
     }
 
-    /// The same pose with its derivatives by the coordinates from `first` on, at rest; `columns` is the motion of the body per
-    /// unit of the rate of each coordinate.
+    /// Returns the same pose at rest, with its derivatives with respect to the coordinates from `first` on; `columns`
+    /// is the motion of the body per unit of the rate of each coordinate.
     pub fn lifted(&self, columns: &[[f64; 3]], first: usize) -> BodyMotion<Lanes> {
         let columns = columns.get(first..).unwrap_or_default();
         let lift = |value: f64, part: &dyn Fn(&[f64; 3]) -> f64| {
@@ -79,7 +79,7 @@ impl BodyMotion<f64> {
         }
     }
 
-    /// The same motion as constants.
+    /// Returns the same motion with all derivatives 0.
     pub fn constant(&self) -> BodyMotion<Lanes> {
         let constant = |numbers: [f64; 3]| numbers.map(Dual::constant);
         BodyMotion {
@@ -111,7 +111,7 @@ impl BodyMotion<f64> {
 }
 
 impl<T: Real> BodyMotion<T> {
-    /// The ground.
+    /// Returns the motion of the ground.
     pub fn ground() -> Self {
         let zero = T::zero();
         Self { origin: [zero; 2], direction: [T::constant(1.0), zero], angle: zero, rate: [zero; 3], bias: [zero; 3] }
@@ -129,7 +129,7 @@ impl<T: Real> BodyMotion<T> {
         add(self.origin, self.rotated(point))
     }
 
-    /// Rate of the point at an arm from the origin.
+    /// Rate of the point whose position relative to the origin of the body is `arm`.
     #[inline(always)]
     pub fn rate_at(&self, arm: Vector<T>) -> Vector<T> {
         let across = perp(arm);
@@ -142,7 +142,7 @@ impl<T: Real> BodyMotion<T> {
         pair(|axis| self.bias[axis] + across[axis] * self.bias[2] - arm[axis] * squared)
     }
 
-    /// Motion of a point of the body frame.
+    /// Motion of a point that is given in the frame of the body.
     #[inline(always)]
     pub fn point(&self, point: [f64; 2]) -> PointMotion<T> {
         let arm = self.rotated(point);
@@ -194,19 +194,19 @@ impl<T: Real> JointMotion<T> {
 /// Where the derivatives of a body or joint by the coordinates of its group are stored, and which of them are not 0.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Support {
-    /// Index of the derivative by the first coordinate of the group.
+    /// Index of the derivative with respect to the first coordinate of the group.
     pub first: usize,
-    /// Coordinates of the group on which it depends, in ascending order.
+    /// Coordinates of the group on which the body or joint depends, in ascending order.
     pub coordinates: Vec<usize>,
 }
 
 impl Support {
-    /// Whether it contains one of these coordinates.
+    /// Whether the body or joint depends on a coordinate in `range`.
     pub fn meets(&self, range: &Range<usize>) -> bool {
         self.coordinates.iter().any(|coordinate| range.contains(coordinate))
     }
 
-    /// The coordinates of both.
+    /// Returns the union of sets of coordinates, in ascending order.
     pub fn union<'a>(all: impl IntoIterator<Item = &'a [usize]>) -> Vec<usize> {
         let mut union: Vec<usize> = all.into_iter().flatten().copied().collect();
         union.sort_unstable();
@@ -221,23 +221,25 @@ pub(super) struct Motions<T> {
     /// Bodies of the mechanism, then the ground.
     pub bodies: Vec<BodyMotion<T>>,
     pub joints: Vec<JointMotion<T>>,
-    /// Counts of the turns of the lines between pivots of dyads.
+    /// Counts of the turns of the lines between the pivots of dyads.
     pub counts: Vec<i32>,
-    /// Coordinates of all joints near which Newton's method places bodies; empty if it places none.
+    /// Coordinates of all joints at the last accepted state, from which Newton's method starts when it places Assur
+    /// groups beyond dyads; empty if there are no such groups.
     pub near: Vec<f64>,
-    /// Poses of bodies with prescribed motion, by the body, with their derivatives by time.
+    /// For each body, its pose and the time derivatives if it has a prescribed motion.
     pub prescribed: Vec<scene::Pose>,
-    /// Derivatives of bodies, the ground last, and of joints.
+    /// Where the derivatives of each body are stored; the ground comes last.
     pub body_supports: Vec<Support>,
+    /// Where the derivatives of each joint are stored.
     pub joint_supports: Vec<Support>,
-    /// Motion of each body per unit of each coordinate rate of its group.
+    /// Motion of each body per unit of the rate of each coordinate of its group.
     pub columns: Vec<[T; 3]>,
-    /// Derivative of each joint by each coordinate of its group.
+    /// Derivative of each joint coordinate with respect to each coordinate of its group.
     pub rows: Vec<T>,
 }
 
 impl<T: Real> Motions<T> {
-    /// Motions at rest, without derivatives by coordinates.
+    /// Creates motions at rest, without derivatives with respect to coordinates.
     pub fn new(mechanism: &Mechanism) -> Self {
         let (bodies, joints) = (mechanism.bodies.len(), mechanism.joints.len());
         Self {
@@ -253,7 +255,7 @@ impl<T: Real> Motions<T> {
         }
     }
 
-    /// Makes room for derivatives, at the places that the supports of a model's motions give.
+    /// Makes room for the derivatives, in the same places as in `like`.
     pub fn reserve(&mut self, like: &Motions<f64>) {
         self.body_supports.clone_from(&like.body_supports);
         self.joint_supports.clone_from(&like.joint_supports);
@@ -274,26 +276,26 @@ impl<T: Real> Motions<T> {
         }
     }
 
-    /// Derivative of a combination of joint coordinates by a coordinate of their group.
+    /// Derivative of a combination of joint coordinates with respect to the coordinate `k` of their group.
     #[inline(always)]
     pub fn row_entry(&self, on: &JointCombination, k: usize) -> T {
         let entry = |joint: usize| self.rows[self.joint_supports[joint].first + k];
         on.joint().map_or_else(|| on.sum(entry), entry)
     }
 
-    /// Derivative of the coordinate of a joint by a coordinate of its group.
+    /// Derivative of a joint coordinate with respect to the coordinate `k` of its group.
     #[inline(always)]
     pub fn joint_entry(&self, joint: usize, k: usize) -> T {
         self.rows[self.joint_supports[joint].first + k]
     }
 
-    /// Motion of a body per unit of the rate of a coordinate of its group.
+    /// Motion of a body per unit of the rate of the coordinate `k` of its group.
     #[inline(always)]
     pub fn column(&self, body: usize, k: usize) -> [T; 3] {
         self.columns[self.body_supports[body].first + k]
     }
 
-    /// Adds a force at the origin of a body and a moment to the loads on the coordinates of its group.
+    /// Adds the generalised loads of a force at the origin of a body and of a moment.
     #[inline(always)]
     pub fn add_body_load(&self, body: usize, of_body: [T; 3], load: &mut [T]) {
         let Support { first, coordinates } = &self.body_supports[body];

@@ -37,7 +37,7 @@ impl Frame<f64> {
 }
 
 impl Frame<Dual<POSES>> {
-    /// The frame of body `index` of a pair, with the relative pose as variables; the angle of the ground is constant.
+    /// Frame of body `index` of a pair, with the relative pose as the variables. The angle of the ground is constant.
     #[inline(always)]
     pub fn variable(frame: &Frame<f64>, index: usize, is_ground: bool) -> Self {
         let ([x, y], [cos, sin]) = (frame.origin, frame.direction);
@@ -102,7 +102,7 @@ pub(super) struct PointOnFace {
     pub point: OutlinePoint,
     pub face: Face,
     pub force_point: ForcePoint,
-    /// The feature that was nearest last, which is tried first; no result depends on it.
+    /// The feature that was nearest in the last evaluation, which is tried first. It does not affect results.
     pub nearest_before: Cell<Option<Feature>>,
 }
 
@@ -123,7 +123,7 @@ impl PointOnFace {
         }
     }
 
-    /// Nearest points on one feature: a corner, or the line through a side.
+    /// Nearest points on one feature: on a corner, or on the line through a side.
     #[inline(always)]
     pub fn on_feature<T: Real>(&self, frames: &[Frame<T>; 2], feature: Feature) -> Nearest<T> {
         let [of_point, of_face] = frames;
@@ -175,8 +175,8 @@ impl PointOnFace {
         sides.chain((0..corners_m.len()).map(|k| Feature::Corner(k as u8)))
     }
 
-    /// The nearest feature of the core, with its nearest points. If the core contains the point, that is the side with
-    /// the smallest depth.
+    /// Returns the nearest feature of the core, with its nearest points. If the core contains the point, it is the side
+    /// with the smallest depth.
     pub fn nearest(&self, frames: &[Frame<f64>; 2]) -> (Feature, Nearest<f64>) {
         if let Some(only) = self.face.only_feature {
             return (only, self.on_feature(frames, only));
@@ -202,7 +202,7 @@ impl PointOnFace {
         (shallowest.1, self.on_feature(frames, shallowest.1))
     }
 
-    /// Nearest points on a feature, or on the nearest one.
+    /// Nearest points on a given feature, or on the nearest one if there is none.
     #[inline(always)]
     pub fn nearest_on(&self, frames: &[Frame<f64>; 2], feature: Option<Feature>) -> Nearest<f64> {
         match feature {
@@ -211,7 +211,7 @@ impl PointOnFace {
         }
     }
 
-    /// Distance from the end of the region of a feature, m; negative beyond it.
+    /// Distance of the point from the end of the region of a feature, m; negative beyond it.
     pub fn margin(&self, frames: &[Frame<f64>; 2], feature: Feature) -> f64 {
         if self.face.only_feature.is_some() {
             return f64::INFINITY;
@@ -243,7 +243,7 @@ impl PointOnFace {
         }
     }
 
-    /// The feature beyond the end of the region of another one.
+    /// Returns the feature beyond the end of the region of the feature `old`.
     pub fn feature_beyond(&self, frames: &[Frame<f64>; 2], old: Feature) -> Feature {
         let (found, _) = self.nearest(frames);
         if found != old {

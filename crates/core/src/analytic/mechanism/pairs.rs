@@ -36,7 +36,7 @@ pub(super) fn contact<T: Real>(
 /// Tension of a linear spring, with the derivatives of length and rate by the poses.
 pub(super) struct SpringState<T> {
     pub length: T,
-    /// Derivative of the length by the relative pose of both bodies.
+    /// Derivative of the length with respect to the relative pose of the two bodies.
     pub row: [T; POSES],
 }
 

@@ -66,7 +66,7 @@ impl Inertia {
         Self { mass: body.mass_kg, moment: body.inertia_kg_m2 }
     }
 
-    /// Force and moment of a field on a body in this motion.
+    /// Force and moment of an acceleration field on a body with this position and rate.
     pub fn load<T: Real>(&self, field: &AccelerationField, position: Vector<T>, rate: Vector<T>) -> [T; 3] {
         let [x, y] = acceleration_at(field, position, rate);
         [x * self.mass, y * self.mass, T::constant(-self.moment * field.euler)]

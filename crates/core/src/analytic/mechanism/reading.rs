@@ -15,12 +15,12 @@ use crate::shape::Support;
 use super::pairs;
 
 impl MechanismModel {
-    /// Pose of a body and its rate, relative to a moving palm.
+    /// Pose and rate of a body, relative to a moving palm.
     pub fn body(&self, state: StateRef<'_, Dynamic>, body: usize) -> (Pose, Pose) {
         self.with_angles(state, |motions| self.body_relative_to_palm(motions, body))
     }
 
-    /// Reads the poses of the bodies that samples report and their rates, as [`MechanismModel::body`], in the order of samples.
+    /// Reads pose and rate, as given by [`MechanismModel::body`], of each body that samples report, in their order.
     pub fn read_bodies(&self, state: StateRef<'_, Dynamic>, mut read: impl FnMut(usize, (Pose, Pose))) {
         self.with_angles(state, |motions| {
             let reported = self.mechanism.reported_bodies().enumerate();
@@ -52,7 +52,8 @@ impl MechanismModel {
         });
     }
 
-    /// Reads the torques or forces of all actuators with their brakes: those of joints, then those of tendons.
+    /// Reads the efforts of all actuators including their brakes: torques or forces of joints first, then tensions of
+    /// tendons.
     pub fn read_actuators(
         &self,
         t: f64,
@@ -82,8 +83,8 @@ impl MechanismModel {
         effort(actuator, range, t, motion.coordinate, motion.rate).value + brake
     }
 
-    /// Geometry and forces of a contact as samples report them, relative to a moving palm; those of a limit are an angle and
-    /// a torque, or a distance and a force.
+    /// Geometry and forces of a contact, as in samples: relative to a moving palm. For a limit they are an angle and a
+    /// torque, or a distance and a force.
     pub fn contact_reading(&self, state: StateRef<'_, Dynamic>, index: usize, branch: ContactState) -> ContactReading {
         let read = |motions: &Motions<f64>| self.reading_relative_to_palm(motions, state.1, index, branch);
         match self.palm {
@@ -92,7 +93,7 @@ impl MechanismModel {
         }
     }
 
-    /// Reads the first `count` contacts in a mode, as [`MechanismModel::contact_reading`].
+    /// Reads the first `count` contacts in a mode, each as [`MechanismModel::contact_reading`].
     pub fn read_contacts(
         &self,
         state: StateRef<'_, Dynamic>,
@@ -176,7 +177,7 @@ impl MechanismModel {
         })
     }
 
-    /// Work of a moving palm in its own frame beyond its work in the world, from the start, where it is at rest.
+    /// Work of a moving palm in its own frame minus its work in the world since the start, where it is at rest.
     pub fn frame_work(&self, state: StateRef<'_, Dynamic>) -> f64 {
         if self.palm.is_none() {
             return 0.0;

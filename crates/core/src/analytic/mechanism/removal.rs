@@ -10,7 +10,7 @@ use crate::mechanism::OutlineShape;
 const REMOVED_M: f64 = 1e4;
 
 impl MechanismModel {
-    /// Removes contacts between surfaces from a state on: their faces are far away.
+    /// Removes contacts between surfaces, from this state on, by moving their faces far away.
     pub fn remove_contacts(&mut self, contacts: &[usize], v: &mut [f64], mode: &mut MechanismMode) {
         let far = OutlineShape::HalfPlane { point_m: [0.0, -REMOVED_M], normal: [0.0, 1.0] };
         for &index in contacts {

@@ -188,7 +188,7 @@ impl MechanismModel {
         })
     }
 
-    /// Length of a tendon, its rate and its tension.
+    /// Returns the length of a tendon, its rate, and its tension.
     pub fn tendon(&self, t: f64, (q, v): StateRef<'_, Dynamic>, mode: &MechanismMode, index: usize) -> [f64; 3] {
         let cable = &self.cables[index];
         self.with_motions((q, v), |motions| {

@@ -24,22 +24,24 @@ const GAUSS: [(f64, f64); 4] = [
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
 
-/// Figures of an actuator over a run, in N·m and rad/s, or N and m/s.
+/// Figures of an actuator over a run. Units are N·m and rad/s, or N and m/s.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ActuatorCriteria {
     #[serde(skip)]
     pub name: String,
     #[serde(skip)]
     pub is_linear: bool,
-    /// Largest magnitudes of the effort, with that of the brake, of the rate, and of their product, W.
+    /// Largest magnitude of the effort, including that of the brake.
     pub largest_effort: f64,
+    /// Largest magnitude of the rate.
     pub largest_rate: f64,
+    /// Largest magnitude of the product of effort and rate, W.
     pub largest_power_w: f64,
-    /// Work on the mechanism without that of the brake, J.
+    /// Work on the mechanism, without that of the brake, J.
     pub energy_j: f64,
     /// Whether the command reached the limit.
     pub saturated: bool,
-    /// Command at the end, before the limit; of a servo with a rate, the one computed last.
+    /// Command at the end, before it is limited; for a servo with a rate, the last computed command.
     #[serde(skip)]
     pub command: f64,
     /// Whether the command at the end is at or beyond the limit.
@@ -206,7 +208,7 @@ impl ActuatorTracker {
         ActuatorTracker { actuators: ActuatorCriteria::of(&mechanism), mechanism, last: None }
     }
 
-    /// Figures up to the last sample, in the order of a sample.
+    /// Figures up to the last sample, in the order of the actuators in a sample.
     pub fn actuators(&self) -> &[ActuatorCriteria] {
         &self.actuators
     }

@@ -12,29 +12,31 @@ use serde::Serialize;
 const TRAVELS_PER_RUN: f64 = 256.0;
 const MAX_TRAVELS_PER_SEGMENT: f64 = 7.0;
 
-/// Largest travel of the object from a pose in the frame of the base, evaluated at samples and contact changes.
+/// Largest travel of the object from a pose in the frame of the base. It is evaluated at samples and at changes of
+/// contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Travel {
-    /// Largest displacement of its centre of mass, m.
+    /// Largest displacement of the centre of mass, m.
     pub displacement_m: f64,
     /// Largest rotation in either direction, rad.
     pub rotation_rad: f64,
 }
 
-/// Criteria of a cycle: motion of the palm and release.
+/// Criteria of a cycle, which consists of the motion of the palm and the release.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CycleCriteria {
-    /// Time at which the palm begins to move.
+    /// Time at which the palm begins to move, s; `None` if it does not move.
     pub motion_start_s: Option<f64>,
-    /// Time at which the hand releases the object: the motors of a five-bar hand stop closing its fingers.
+    /// Time at which the hand releases the object, s; `None` without a release. In a five-bar hand, it is the time at
+    /// which the motors stop closing the fingers.
     pub release_s: Option<f64>,
     /// Travel of the object in the hand from `motion_start_s` to `release_s`, or to the end of the run.
     pub motion_travel: Option<Travel>,
-    /// Time after the release since which no body of the hand but the base is active; `None` if one is at the end, or
-    /// without a release.
+    /// Time after the release since which no body of the hand except the base is in active contact with the object, s.
+    /// `None` without a release, or if such a body is active at the end.
     pub opened_s: Option<f64>,
-    /// Largest rotation of each revolute joint with an actuator, in the order of the actuators, from the engagement of its
-    /// brake to the release, rad; `None` without a brake that engages.
+    /// Largest rotation of each revolute joint with an actuator between the engagement of its brake and the release,
+    /// rad. The order is that of the actuators; `None` without a brake that engages.
     pub brake_slip_rad: Vec<Option<f64>>,
 }
 
@@ -105,12 +107,12 @@ impl CycleHistory {
         }
     }
 
-    /// Sets the time from which the travel during the motion of the palm counts.
+    /// Sets the time from which on the travel during the motion of the palm is measured.
     pub fn set_motion_start(&mut self, start_s: f64) {
         self.motion_start_s = Some(start_s);
     }
 
-    /// Times at which the evaluation changes.
+    /// Times that divide the evaluation into parts.
     pub fn cuts_s(&self) -> impl Iterator<Item = f64> {
         [self.motion_start_s, self.release_s].into_iter().flatten()
     }
@@ -119,7 +121,7 @@ impl CycleHistory {
         self.since_start = Some(TravelSince::new(pose));
     }
 
-    /// Adds a segment, with the pose of the object over time.
+    /// Adds a segment of the run; `pose` returns the pose of the object as a function of time.
     pub fn add(&mut self, segment: &Segment<'_>, pose: impl Fn(f64) -> RelativePose, is_open: bool) {
         let Segment { from_s, to_s, next, .. } = *segment;
         if self.release_s.is_some_and(|release_s| from_s >= release_s) {

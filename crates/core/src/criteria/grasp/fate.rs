@@ -6,21 +6,22 @@ use super::pairs::PairCriteria;
 /// Fate of the object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fate {
-    /// The object is gripped at the end, or at the release, and has been for at least the required time of the scene.
+    /// The object is gripped at the end, or at the release, and has been gripped for at least the time that the scene
+    /// requires.
     Held,
     /// The hand carries the object without a grip.
     Carried,
     /// The hand lifted the object and released it at `until_s`, and it rests outside the hand.
     Placed { until_s: f64 },
-    /// The object was gripped for the required time, the last time until `since_s`. An object that is lost, gripped again and
-    /// held at the end is not dropped. The travel does not matter.
+    /// The object was gripped for the required time, for the last time until `since_s`. An object that is lost, gripped
+    /// again and held at the end is not dropped. The travel does not matter.
     Dropped { since_s: f64 },
-    /// At `at_s` the object left the region that the fingers of a five-bar hand can reach ([`Reach`](crate::trace::Reach)),
-    /// after a contact. The run ends there.
+    /// The object left the region that the fingers of a five-bar hand can reach ([`Reach`](crate::trace::Reach)) at
+    /// `at_s`, after a contact. The run ends there.
     Ejected { at_s: f64 },
-    /// At `at_s` an object that was never gripped for the required time left the hand after a contact.
+    /// An object that was never gripped for the required time left the hand at `at_s`, after a contact.
     Escaped { at_s: f64 },
-    /// None of these.
+    /// None of the other fates.
     NotGrasped,
 }
 
@@ -41,7 +42,8 @@ impl Fate {
         }]
     }
 
-    /// Returns the time since which the object is not held, or at which it left the hand; `None` for other fates.
+    /// Returns the time since which the object has not been held, or at which it left the hand, s; `None` for other
+    /// fates.
     pub fn lost_at_s(self) -> Option<f64> {
         match self {
             Fate::Dropped { since_s } => Some(since_s),
@@ -57,13 +59,15 @@ pub(super) struct Evidence<'a> {
     pub hold: &'a HoldHistory,
     pub held_time_s: f64,
     pub pairs: &'a [PairCriteria],
-    /// Whether the object is slow in the frame of the base, and in the world.
+    /// Whether the object is slow in the frame of the base.
     pub is_slow_in_base: bool,
+    /// Whether the object is slow in the world.
     pub is_slow_in_world: bool,
-    /// Speed of its centre in these frames, m/s.
+    /// Speeds of the centre of the object in the frame of the base and in the world, m/s.
     pub speeds_m_s: [f64; 2],
-    /// Time at which it left the hand, and the reach of the fingers of a five-bar hand.
+    /// Time at which the object left the hand, s.
     pub escaped_s: Option<f64>,
+    /// Time at which the object left the reach of the fingers of a five-bar hand, s.
     pub ejected_s: Option<f64>,
 }
 

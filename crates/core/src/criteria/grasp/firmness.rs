@@ -27,50 +27,53 @@ const SAME_LIMIT: f64 = 1e-6;
 /// How firmly an object is held.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Firmness {
-    /// With the actuators as they are at the end: a servo below its limit gives any effort within it, every other actuator its
-    /// effort at the end, a brake up to its limit more.
+    /// Margin with the actuators as they are at the end. A servo below its limit gives any effort within it. Every
+    /// other actuator gives its effort at the end; a brake adds an effort up to its limit.
     pub driven: Margin,
-    /// With actuators that give any effort.
+    /// Margin with actuators that give any effort.
     pub blocked: Margin,
-    /// Whether the contacts hold the object and the hand with the actuators blocked, without friction; `None` if this cannot
-    /// be decided. The rotation of a disc in a five-bar hand does not count.
+    /// Whether the contacts hold the object and the hand without friction while the actuators are blocked; `None` if
+    /// this cannot be decided. The rotation of a disc in a five-bar hand is ignored.
     pub form_closed: Option<bool>,
-    /// Force closure by the contacts, with moments over the radius of the object. Its `q1_l1` is Q1.
+    /// Force closure of the contacts. Moments are divided by the radius of the object; Q1 is the field `q1_l1`.
     pub force_closure: ForceClosure,
 }
 
-/// The largest acceleration of the base, in the worst direction, that the contacts active at the end can balance.
+/// The largest acceleration of the base, in its worst direction, that the contacts which are active at the end can
+/// balance.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Margin {
     /// Any acceleration in any direction.
     Any,
     Limited {
-        /// At least 0: a grasp that balances its loads only within rounding balances no acceleration.
+        /// Limit, at least 0. A grasp that balances its loads only within rounding errors balances no acceleration.
         acceleration_m_s2: f64,
         /// All directions with this limit, from x towards y.
         directions_rad: Vec<f64>,
-        /// What a larger acceleration in the first of them makes.
+        /// How the grasp fails under a larger acceleration in the first of these directions.
         failure: Failure,
     },
-    /// The loads at the end are not balanced: the part that is not, relative to the largest load.
+    /// The loads at the end are not balanced. `remainder` is the unbalanced part, relative to the largest load.
     NotAtRest { remainder: f64 },
     /// The programme has no certified result.
     Undecided { reason: String },
 }
 
-/// How a grasp fails: in the motion that an acceleration above the limit causes.
+/// How a grasp fails: the motion caused by an acceleration above the limit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Failure {
-    /// Names of the pairs with a point that slips, of others with a point that comes apart while another one stays, and of those
-    /// that come apart.
+    /// Names of the pairs with a point that slips.
     pub slipping: Vec<String>,
+    /// Names of the other pairs that tilt: one point opens while another stays in contact.
     pub tilting: Vec<String>,
+    /// Names of the pairs that separate at all points.
     pub separating: Vec<String>,
     /// Names of the actuators that move against their effort.
     pub yielding: Vec<String>,
 }
 
-/// Returns how firmly the object is held at the end; `None` unless it is held or carried, and of a scene without a grasp.
+/// Returns how firmly the object is held at the end. `None` unless the object is held or carried, and for a scene
+/// without a grasp.
 pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
     let grasp = scene.grasp_roles().ok().filter(|_| matches!(found.fate, Fate::Held | Fate::Carried))?;
     let mechanism = scene.judged_mechanism();
@@ -100,8 +103,8 @@ pub fn firmness(scene: &Scene, found: &ObjectCriteria) -> Option<Firmness> {
     })
 }
 
-/// Returns the largest acceleration of the base in a direction of the world that the contacts active at the end can balance,
-/// with the actuators as they are there; `None` without a grasp, and where statics has no solution.
+/// Returns the largest acceleration of the base, in a direction of the world, that the contacts which are active at the
+/// end can balance with the actuators as they are then. `None` without a grasp, or if the statics have no solution.
 pub fn balanced_acceleration(scene: &Scene, found: &ObjectCriteria, direction: [f64; 2]) -> Option<MechanismLimit> {
     let (mechanism, grasp) = (scene.judged_mechanism(), scene.grasp_roles().ok()?);
     let posture = Posture::in_sample(scene, (&mechanism, &grasp), &found.end);

@@ -33,8 +33,9 @@ struct Instant {
 }
 
 impl GripSearch {
-    /// Whether these active points grip the object at a time, and the time since which they do or do not: a change between
-    /// two instants with the same active points is searched on edges that change linearly.
+    /// Returns whether the active points grip the object at a time. If this has changed since the last instant although
+    /// the active points are the same, also returns the time of the change. It is searched under the assumption that
+    /// the edges change linearly.
     pub fn evaluate(&mut self, time_s: f64, active: impl Iterator<Item = (usize, Edges)>) -> (bool, Option<f64>) {
         let mut contacts = std::mem::take(&mut self.memory);
         contacts.clear();

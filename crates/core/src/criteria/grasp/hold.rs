@@ -8,13 +8,13 @@ use super::pose::RelativePose;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum HoldState {
-    /// Contacts of the hand press on it from all sides: the origin is in the convex hull of their wrenches.
+    /// Contacts of the hand press on the object from all sides: the origin is in the convex hull of their wrenches.
     Gripped,
-    /// The hand touches it, and nothing else.
+    /// The hand touches the object, and nothing else does.
     Carried,
-    /// Something else touches it.
+    /// Something other than the hand touches the object.
     Resting,
-    /// Nothing touches it.
+    /// Nothing touches the object.
     Free,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct Part {
     pub is_hand_near: bool,
     pub are_surroundings_near: bool,
     pub are_surroundings_active: bool,
-    /// Pose of the object in the frame of the base at the start.
+    /// Pose of the object in the frame of the base at the start of the part.
     pub pose: RelativePose,
 }
 
@@ -47,7 +47,7 @@ pub(super) struct Part {
 pub(super) struct Grip {
     pub since_s: f64,
     pub pose: RelativePose,
-    /// Whether nothing else pressed on the object for long enough.
+    /// Whether, for long enough, nothing but the hand pressed on the object.
     pub is_lifted: bool,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct PastGrip {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lifted {
     pub until_s: f64,
-    /// Whether the surroundings were near soon after.
+    /// Whether the surroundings were near soon after this time.
     pub is_set_down: bool,
 }
 
@@ -78,10 +78,10 @@ pub(super) struct HoldHistory {
     interruption: Vec<(f64, HoldState)>,
     unsupported_since_s: Option<f64>,
     pub first_gripped_s: Option<f64>,
-    /// The last grip that was long enough and has ended.
+    /// The last grip that has ended and was long enough.
     pub past: Option<PastGrip>,
     pub lifted: Option<Lifted>,
-    /// Changes of the state, the first one at the start.
+    /// Changes of the state with their times; the first entry is the state at the start.
     pub states: Vec<(f64, HoldState)>,
     pub until_s: f64,
 }
@@ -158,7 +158,8 @@ impl HoldHistory {
         }
     }
 
-    /// State at the end, and the time since which it lasts. An interruption that is unfinished at the end is none.
+    /// State at the end, and the time since which it has lasted. An interruption that is not finished at the end is
+    /// ignored.
     pub fn end_state(&self) -> Option<(f64, HoldState)> {
         self.states.last().copied()
     }

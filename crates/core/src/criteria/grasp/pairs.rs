@@ -39,7 +39,7 @@ impl PairPoint {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PairHistory {
     pub first_s: Option<f64>,
-    /// Start of the current active interval, and the pose of the object then.
+    /// Start of the current active interval, and the pose of the object at this time.
     pub active_since: Option<(f64, RelativePose)>,
     was_active: bool,
     inactive_since_s: Option<f64>,
@@ -48,7 +48,7 @@ pub(super) struct PairHistory {
 }
 
 impl PairHistory {
-    /// Adds the interval of the run from `from_s` to `to_s`; `pose` is the pose of the object at `from_s`.
+    /// Adds the part of the run from `from_s` to `to_s`; `pose` is the pose of the object at `from_s`.
     pub fn add(
         &mut self,
         (has_touched, is_active): (bool, bool),
@@ -82,33 +82,34 @@ impl PairHistory {
 pub struct PairCriteria {
     #[serde(skip)]
     pub name: String,
-    /// Whether the other body is one of the hand, or else of the surroundings.
+    /// Whether the other body belongs to the hand; otherwise it belongs to the surroundings.
     #[serde(rename = "role", serialize_with = "role")]
     pub is_hand: bool,
-    /// First touch of any of its points; `None` if there was none.
+    /// Time of the first touch of any point of the pair, s; `None` without one.
     #[serde(rename = "first_touch_s")]
     pub first_s: Option<f64>,
-    /// Start of the interval up to the end in which it is active; `None` if it is not active then.
+    /// Start of the active interval that lasts to the end, s; `None` if the pair is not active at the end.
     #[serde(rename = "presses_since_s")]
     pub active_since_s: Option<f64>,
-    /// Number of losses after it was first active, and their total duration, s.
+    /// Number of losses after the pair was first active.
     pub times_lost: u32,
+    /// Total duration of these losses, s.
     pub lost_s: f64,
-    /// Smallest gap of its points at the end; `None` without a point near the object.
+    /// Smallest gap of the points of the pair at the end, m; `None` if no point is near the object.
     pub gap_m: Option<f64>,
-    /// Sum of the normal forces.
+    /// Sum of the normal forces, N.
     pub normal_n: f64,
-    /// Component of the force on the object across the sum of the normal forces, positive to the left of the direction into
-    /// the object.
+    /// Component of the force on the object perpendicular to the sum of the normal forces, N; positive to the left of
+    /// this sum, which points into the object.
     pub friction_n: f64,
-    /// Σ |F_t| / Σ μ_s F_n over its points; `None` without friction or force.
+    /// Σ |F_t| / Σ μ_s F_n over the points of the pair; `None` without friction or without a force.
     pub friction_used: Option<f64>,
-    /// Centre of pressure in the frame of the object; `None` without a force.
+    /// Centre of pressure in the frame of the object, m; `None` without a force.
     pub pressure_centre_m: Option<[f64; 2]>,
-    /// Indices of its points among the contacts of a sample.
+    /// Indices of the points of the pair among the contacts of a sample.
     #[serde(skip)]
     pub points: Vec<usize>,
-    /// Whether it slides faster than slow over the last `held_time`.
+    /// Whether the pair slides faster than the speed that counts as slow, over the last `held_time`.
     #[serde(rename = "slips")]
     pub is_sliding: bool,
 }

@@ -35,7 +35,7 @@ impl Frame {
         }
     }
 
-    /// The frame of the object of a scene.
+    /// Returns the frame of the object of a scene.
     pub fn of_object(scene: &Scene, mechanism: &Mechanism, object: usize) -> Self {
         fixed_object(&scene.hand).map_or_else(|| Frame::of(mechanism, Some(object)), Frame::Fixed)
     }

@@ -20,15 +20,17 @@ pub(super) struct Instant {
     pub object: BodyState,
     pub base: BodyState,
     pub ground: BodyState,
-    /// Distance that each point of the hand has slid since the start, m; a vibration does not add to it.
+    /// Distance that each point of the hand has slid since the start, m. Sliding to and fro in a vibration is not added
+    /// up.
     pub slid_m: Vec<f64>,
 }
 
 /// Rates over the last part of the run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RecentRates {
-    /// Velocity of the centre of mass in the frame of the base and of the world, m/s, and spin, rad/s.
+    /// Velocity of the centre of mass, m/s, and spin, rad/s, in the frame of the base.
     pub in_base: RelativePose,
+    /// Velocity of the centre of mass, m/s, and spin, rad/s, in the world.
     pub in_world: RelativePose,
     /// Mean sliding speed of each point of the hand, m/s.
     pub sliding_m_s: Vec<f64>,
@@ -39,7 +41,7 @@ impl Recent {
         self.instants.back()
     }
 
-    /// Adds an instant, and forgets those that are not needed any more.
+    /// Adds an instant, and removes those that are no longer needed.
     pub fn add(&mut self, instant: Instant, held_time_s: f64) {
         let count = self.instants.len();
         // The last instant but one may stay out if those around it are close together.
@@ -53,7 +55,8 @@ impl Recent {
         }
     }
 
-    /// Rates over the last `held_time`, or from the start of the run if this is later; `None` for a run without duration.
+    /// Rates over the last `held_time_s`, or since the start of a run that is shorter; `None` for a run without
+    /// duration.
     pub fn rates(&self, com_m: [f64; 2], held_time_s: f64) -> Option<RecentRates> {
         let end = self.instants.back()?;
         let start_s = (end.time_s - held_time_s).max(self.instants.front()?.time_s);

@@ -25,7 +25,7 @@ use crate::trace::{
 /// A gap below this part of the extent of the object is near; motion by it within `held_time` is slow.
 const SMALL: f64 = 1e-3;
 
-/// A [`Sink`] that computes the [`ObjectCriteria`] of a run, in memory that grows only with the number of changes.
+/// A [`Sink`] that computes the [`ObjectCriteria`] of a run. Its memory grows only with the number of changes.
 #[derive(Clone, Debug)]
 pub struct ObjectTracker {
     segments: SegmentSplitter,
@@ -142,7 +142,7 @@ impl Setup {
 }
 
 impl ObjectTracker {
-    /// Creates a tracker for runs of a scene; `None` without a grasp.
+    /// Creates a tracker for runs of a scene; `None` if the scene has no grasp.
     pub fn for_scene(scene: &Scene) -> Option<Self> {
         let roles = scene.grasp_roles().ok()?;
         let mechanism = &*scene.judged_mechanism();
@@ -195,7 +195,8 @@ impl ObjectTracker {
         })
     }
 
-    /// Sets the time from which the travel during the motion of the palm counts; motion before it is preparation.
+    /// Sets the time from which on the travel during the motion of the palm is measured. Earlier motion counts as
+    /// preparation.
     #[must_use]
     pub fn with_motion_start(mut self, start_s: f64) -> Self {
         self.state.cycle.set_motion_start(start_s);

@@ -57,13 +57,13 @@ pub struct ObjectSettings {
     /// Initial angular rate, counter-clockwise.
     #[schemars(extend("x-kinds" = GRIPPER, "x-with" = "motion = free", "default" = "0 rad/s"))]
     pub spin: Option<Quantity<AngularRate>>,
-    /// Outline of an object that is no disc, about its centre. Such a scene is simulated as the mechanism that it is, and
-    /// has no criteria of grasps; `radius` is then that of the disc for which initial configuration and drive are computed.
+    /// Outline of an object that is not a disc, about its centre. The scene is then simulated as a mechanism, without
+    /// criteria of grasps; `radius` is that of the disc for which the initial configuration and the drive are computed.
     #[schemars(with = "OutlineSettings", extend("x-kinds" = FINGERS))]
     pub outline: Subsection,
 }
 
-/// Settings of a given object.
+/// Settings that describe a given object.
 pub fn object_settings(object: Option<&Object>) -> Value {
     let Some(object) = object else { return json!({ "present": false }) };
     let (Shape::Disc { radius_m }, [offset, height]) = (object.shape, object.centre_m);
@@ -124,7 +124,7 @@ pub struct DiscSettings {
     pub spin: Option<Quantity<AngularRate>>,
 }
 
-/// Settings of discs, of the half plane below them, and of their contact law.
+/// Settings that describe discs, the half plane below them, and their contact law.
 pub fn discs_settings(mechanism: &Mechanism) -> Value {
     let mut file = json!({ "discs": {} });
     for body in &mechanism.bodies {
@@ -208,8 +208,8 @@ fn shape_of(settings: &ObjectSettings) -> Shape {
     Shape::Disc { radius_m: settings.radius.map_or(0.020, |radius| *radius) }
 }
 
-/// Resolves the object, with the defaults that depend on its shape, and whether it is present. For one finger, its
-/// position along the palm is NaN if the base determines it.
+/// Resolves the object, with the defaults that depend on its shape; also returns whether it is present. For one finger,
+/// its position along the palm is NaN if the base determines it.
 pub fn object(input: &SectionInput<'_>) -> (Object, bool) {
     let settings: ObjectSettings = input.subsection("object").read();
     let shape = shape_of(&settings);
@@ -234,8 +234,9 @@ pub fn object(input: &SectionInput<'_>) -> (Object, bool) {
     (object, settings.present.unwrap_or(true))
 }
 
-/// Resolves the outline of an object that is no disc, with mass, inertia and centre of mass of a moving one (of a
-/// homogeneous object, where they are not given); the outer `None` if it is invalid.
+/// Resolves the outline of an object that is not a disc. If the object can move, also returns its mass, inertia and
+/// centre of mass; those that are not given are those of a homogeneous object. The outer `None` means that the outline
+/// is invalid.
 pub fn object_outline(input: &SectionInput<'_>) -> Option<Option<(OutlineShape, InertiaAbout)>> {
     let object = input.subsection("object");
     let section = object.subsection("outline");
@@ -253,7 +254,7 @@ pub fn object_outline(input: &SectionInput<'_>) -> Option<Option<(OutlineShape, 
     Some(Some((shape, (mass_kg, inertia_kg_m2, area.centroid_m))))
 }
 
-/// Mass, moment of inertia about the centre of mass, and the centre of mass.
+/// Mass, kg; moment of inertia about the centre of mass, kg·m²; centre of mass, m.
 pub type InertiaAbout = (f64, f64, [f64; 2]);
 
 /// Resolves the object of a single finger: `Some(None)` without object, `None` if it is invalid.
@@ -302,7 +303,7 @@ fn heights_m(input: &SectionInput<'_>, object: &Object) -> [f64; 2] {
     }
 }
 
-/// Heights of palm and table, if present.
+/// Heights of the palm and of the table; `None` for one that is missing.
 pub fn levels(input: &SectionInput<'_>, settings: &SceneSettings, object: &Object) -> [Option<f64>; 2] {
     let table = input.subsection("table");
     let palm = settings.palm.unwrap_or(true).then_some(0.0);
@@ -327,7 +328,8 @@ fn check_planes(input: &SectionInput<'_>, object: &Object, [palm, table]: [Optio
     }
 }
 
-/// Resolves the palm width of a gripper: as given, or twice the base of both fingers. 0 in other kinds of scene.
+/// Resolves the palm width of a gripper: the given value, or twice the base of the fingers. It is 0 in other kinds of
+/// scene.
 pub fn palm_width(
     input: &SectionInput<'_>,
     settings: &SceneSettings,
@@ -361,12 +363,12 @@ pub fn palm_width(
     right.base_m.filter(|_| right.base_m == left.base_m).map(|base_m| 2.0 * base_m)
 }
 
-/// The object that a finger closes on, in the frame of the finger.
+/// The object that a finger grasps, in the frame of the finger.
 #[derive(Clone, Debug)]
 pub struct Target {
     /// The object; `None` without an object.
     pub object: Option<PlacedShape>,
-    /// The object at both ends of the positioning error of a gripper.
+    /// The object at the two ends of the positioning error of a gripper.
     pub ends: Vec<PlacedShape>,
 }
 

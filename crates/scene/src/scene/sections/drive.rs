@@ -20,7 +20,7 @@ use crate::shape::PlacedShape;
 use crate::sizing::{INTERVALS, Sizing, SizingError, Task, size_with};
 
 keyword_enum! {
-    /// Type of a torque over time in a file.
+    /// Type of a torque as a function of time, in a file.
     pub enum ProfileType {
         Constant = "constant",
         Ramp = "ramp",
@@ -100,7 +100,7 @@ pub struct MotorSettings {
     pub brake_relaxation: Option<Positive<Time>>,
 }
 
-/// Settings of a given motor, with another inertia.
+/// Settings that describe a given motor, but with the inertia `inertia_kg_m2`.
 pub fn motor_settings(motor: &Motor, inertia_kg_m2: f64) -> Value {
     let brake = motor.brake;
     let bristle = brake.and_then(|brake| brake.bristle);
@@ -184,7 +184,7 @@ pub struct SpringSettings {
     pub placement: Word<Placement>,
 }
 
-/// Settings of a given spring.
+/// Settings that describe a given spring.
 pub fn spring_settings(spring: Option<Spring>) -> Value {
     let Some(Spring { kind, placement }) = spring else { return json!({ "type": SpringType::None }) };
     let mut settings = match kind {
@@ -213,10 +213,10 @@ pub struct DifferentialSettings {
     pub seesaw_inertia: NotNegative<Inertia>,
 }
 
-/// Result of the sizing of motor and spring: `Some(None)` if the scene does not request it, `None` if it failed.
+/// Result of sizing motor and spring: `Some(None)` if the scene does not request sizing, `None` if it failed.
 pub type SizingResult = Option<Option<Sizing>>;
 
-/// Combines the sizings of two tasks: the spring has the larger torque, the motor the one that `motors` selects.
+/// Combines the sizings for two tasks. The spring has the larger torque; `motors` selects the torque of the motor.
 pub fn combine(first: Sizing, second: Sizing, motors: fn(f64, f64) -> f64) -> Sizing {
     Sizing { motor_n_m: motors(first.motor_n_m, second.motor_n_m), spring_n_m: first.spring_n_m.max(second.spring_n_m) }
 }
@@ -296,7 +296,7 @@ fn table_points(input: &SectionInput<'_>, settings: &MotorSettings) -> Option<Ve
     Some(times.iter().zip(torques).map(|(time, torque)| (**time, **torque)).collect())
 }
 
-/// Resolves the spring: `Some(None)` without a spring, `None` if it is invalid.
+/// Resolves the spring. `Some(None)` without a spring; `None` if it is invalid.
 pub fn spring(input: &SectionInput<'_>, sized: SizingResult) -> Option<Option<Spring>> {
     let settings: SpringSettings = input.read();
     input.is_valid("type").then_some(())?;
@@ -331,9 +331,9 @@ pub fn spring(input: &SectionInput<'_>, sized: SizingResult) -> Option<Option<Sp
     Some(Some(Spring { kind, placement: settings.placement.0 }))
 }
 
-/// Sizes motor and spring for both ends of the positioning error (thesis §4.2.1.3), if the scene requests it. One end may
-/// be out of reach of the finger, which then touches the object only after the other finger has moved it.
-/// `finger_and_target` is the finger with its target, `None` if they are invalid.
+/// Sizes motor and spring for both ends of the positioning error (thesis §4.2.1.3), if the scene requests it. The
+/// object at one end may be out of reach of the finger, which then touches it only after the other finger has moved it.
+/// `finger_and_target` is `None` if the finger or its target is invalid.
 pub fn size(
     input: &SectionInput<'_>,
     lengths: &FingerLengths,

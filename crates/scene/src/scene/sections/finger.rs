@@ -22,9 +22,9 @@ pub struct FingerKeys {
     /// Assembly mode of the five-bar: "reference": that of the straight configuration; "other": its mirror image.
     #[schemars(extend("default" = "reference", "x-kinds" = FINGERS))]
     pub assembly: Word<Assembly>,
-    /// Computes the torques of motor and spring (or the stiffness of a torsional spring with a preload), which must not
-    /// be given then: the spring keeps the finger straight on a test trajectory up to the object; the motor has the RMS
-    /// torque of this "rigid" phase, or of the "whole" trajectory.
+    /// Computes the torques of motor and spring (or the stiffness of a torsional spring with a preload), which must
+    /// then be omitted. On a test trajectory up to the object, the spring keeps the finger straight. The motor has the
+    /// RMS torque of this "rigid" phase, or of the "whole" trajectory.
     #[schemars(extend("x-kinds" = FINGERS))]
     pub sizing: Option<Word<Rule>>,
     /// Duration of the test trajectory of `sizing`.
@@ -119,16 +119,16 @@ pub struct BodySettings {
     pub inertia: Option<Positive<Inertia>>,
 }
 
-/// The lengths of a finger without bodies, and its settings at the top level.
+/// The settings of a finger at the top level, and its lengths; the bodies are not included.
 pub struct FingerLengths {
     pub half_width_m: f64,
     pub assembly: Assembly,
-    /// Sizing of motor and spring; `None` if their torques are given.
+    /// Rule for sizing motor and spring; `None` if their torques are given.
     pub rule: Option<Rule>,
     /// Duration of the test trajectory; unused without sizing.
     pub closing_s: f64,
     pub lengths: Option<Lengths>,
-    /// Base of [design] or [lengths].
+    /// Base, m, as given in [design] or [lengths].
     pub base_m: Option<f64>,
 }
 
@@ -234,7 +234,7 @@ pub(crate) fn mass_settings(input: &SectionInput<'_>) -> (MaterialSettings, [Bod
     (input.subsection("material").read(), overrides)
 }
 
-/// Resolves the bodies from outlines, material and overrides.
+/// Resolves the linkage: computes its bodies from outlines, material and overrides.
 pub fn linkage(input: &SectionInput<'_>, lengths: &FingerLengths) -> Option<Finger> {
     let (material, overrides) = mass_settings(input);
     let (assembly, lengths) = (lengths.assembly, lengths.lengths?);
@@ -255,7 +255,8 @@ pub(crate) fn example_base_m(half_width_m: f64, reach_m: f64) -> f64 {
     format!("{base_m:.2e}").parse().unwrap_or(base_m)
 }
 
-/// Returns a result of the geometry, or reports its error; the help is the part of its message after the last colon.
+/// Returns a result of the geometry, or reports its error. The part of the message after the last colon becomes the
+/// help.
 pub fn geometry<T, E: Display>(input: &SectionInput<'_>, key: &str, label: &str, result: Result<T, E>) -> Option<T> {
     let report = |error: E| {
         let error = error.to_string();

@@ -12,8 +12,8 @@ use crate::scene::quantity::{
 };
 use crate::scene::section_input::SectionInput;
 
-/// Laws of both contacts with the object; [contact.proximal] and [contact.distal] override single keys for one
-/// contact.
+/// Laws of the contacts of both phalanges with the object. [contact.proximal] and [contact.distal] override single keys
+/// for one contact.
 #[derive(JsonSchema)]
 #[schemars(extend("x-bodies" = { "description": "Law of every contact." }, "x-gripper" = {
     "description": "Laws of all contacts with the object; [contact.proximal] and [contact.distal] override single keys for \
@@ -54,7 +54,7 @@ fn normal_settings(law: NormalLaw) -> Value {
     })
 }
 
-/// Settings of a given law.
+/// Settings that describe a given law.
 pub fn contact_settings(law: &ContactLaw) -> Value {
     let mut settings = normal_settings(law.normal);
     settings["friction"] = friction_settings(law.friction);
@@ -168,7 +168,7 @@ pub struct LimitSettings {
     pub transition: Positive<Angle>,
 }
 
-/// Settings of a given limit.
+/// Settings that describe a given limit.
 pub fn limit_settings(law: Option<NormalLaw>) -> Value {
     let mut settings = law.map_or(json!({}), normal_settings);
     settings["enabled"] = law.is_some().into();
@@ -178,7 +178,7 @@ pub fn limit_settings(law: Option<NormalLaw>) -> Value {
 /// Damping of a bristle if the normal law has no damper.
 const BRISTLE_DAMPING_N_S_PER_M: f64 = 1e6;
 
-/// The section [contact] with its normal law, which the sections of single contacts override.
+/// The section [contact], read with its normal law. Sections of single contacts override it.
 pub struct CommonLaw<'a> {
     input: SectionInput<'a>,
     normal: LawSettings,
@@ -186,7 +186,7 @@ pub struct CommonLaw<'a> {
 }
 
 impl<'a> CommonLaw<'a> {
-    /// Reads [contact]; the radius of the object is for materials.
+    /// Reads [contact]. The object radius is used for Hertz contact of given materials.
     pub fn read(input: SectionInput<'a>, object_radius_m: f64) -> Self {
         let normal = normal(&input, input.read(), object_radius_m);
         CommonLaw { input, normal, object_radius_m }
@@ -322,7 +322,7 @@ pub(crate) fn friction(laws: &[&SectionInput<'_>], damping: f64) -> Option<Optio
     Some((mu_static > 0.0).then_some(law))
 }
 
-/// Reads the law of the joint limit, of the torque in N·m over the angle in rad; `None` if it is disabled.
+/// Reads the law of the joint limit: torque in N·m, angle in rad; `None` if it is disabled.
 pub fn limit(input: &SectionInput<'_>) -> Option<NormalLaw> {
     check_exponent(input);
     let law: LimitSettings = input.read();

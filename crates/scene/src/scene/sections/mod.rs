@@ -66,7 +66,7 @@ use super::quantity::{Acceleration, Length, Positive, Quantity, Time};
 use super::section_input::SectionInput;
 use crate::limits::MAX_TABLE_POINTS;
 
-/// Adds settings to others of the same section.
+/// Adds settings to other settings of the same section.
 pub fn extend(settings: &mut Value, more: Value) {
     if let (Value::Object(settings), Value::Object(mut more)) = (settings, more) {
         settings.append(&mut more);
@@ -134,14 +134,14 @@ pub struct SceneFile {
     pub table: TableSettings,
     #[schemars(extend("x-kinds" = GRIPPER))]
     pub differential: DifferentialSettings,
-    /// Settings of the right finger that differ from the common ones. The left finger is described by its mirror image.
+    /// Settings of the right finger that differ from those of both fingers.
     #[schemars(extend("x-kinds" = GRIPPER, "x-overrides" = true))]
     pub right: FingerSettings,
-    /// Settings of the left finger that differ from the common ones. The left finger is described by its mirror image.
+    /// Settings of the left finger that differ from those of both fingers. It is described by its mirror image.
     #[schemars(extend("x-kinds" = GRIPPER, "x-overrides" = true))]
     pub left: FingerSettings,
-    /// One section per name, chosen freely. A move of the palm from rest to rest along a polynomial of order 7, with zero
-    /// rate, acceleration and jerk at both ends. Overlapping moves add up.
+    /// One section per name, chosen freely. A move of the palm from rest to rest along a polynomial of order 7, with
+    /// zero rate, acceleration and jerk at both ends. Overlapping moves add up.
     #[schemars(extend("x-kinds" = GRIPPER, "propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub moves: BTreeMap<String, MoveSettings>,
     /// One section per name, chosen freely. A vibration of the palm, amplitude × sin(2π f (t − start) + phase), with a
@@ -172,8 +172,8 @@ pub struct MechanismFile {
     #[serde(flatten)]
     pub mechanism: MechanismSettings,
     pub grasp: GraspSettings,
-    /// One section per name, chosen freely. A move of a body from rest to rest along a polynomial of order 7, with zero rate,
-    /// acceleration and jerk at both ends. Overlapping moves add up.
+    /// One section per name, chosen freely. A move of a body from rest to rest along a polynomial of order 7, with zero
+    /// rate, acceleration and jerk at both ends. Overlapping moves add up.
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub moves: BTreeMap<String, MoveSettings>,
     /// One section per name, chosen freely. A vibration of a body, amplitude × sin(2π f (t − start) + phase), with a ramp over
@@ -205,7 +205,7 @@ impl JsonSchema for ParameterValue {
     }
 }
 
-/// Keys and sections of a finger; in a gripper they apply to both fingers, or to one within `[right]` and `[left]`.
+/// Keys and sections of a finger. In a gripper they apply to both fingers; within `[right]` and `[left]`, to one.
 #[derive(JsonSchema)]
 pub struct FingerSettings {
     #[serde(flatten)]
@@ -232,9 +232,9 @@ pub struct FingerSettings {
 /// Settings at the top level.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct SceneSettings {
-    /// Scene file that this one extends, relative to its own directory: omitted keys are inherited, except
-    /// name and description. A section with `type` or `profile` replaces the inherited section; [lengths] replaces
-    /// [design].
+    /// Path of a scene file that this one extends, relative to the directory of this file. Omitted keys are inherited,
+    /// except name and description. A section with `type` or `profile` replaces the inherited section; [lengths]
+    /// replaces [design].
     #[schemars(extend("minLength" = 1, "x-bodies" = {
         "description": "Scene file that this one extends, relative to its own directory: omitted keys are inherited, except name \
             and description."
@@ -258,7 +258,7 @@ pub struct SceneSettings {
     /// Simulated time.
     #[schemars(extend("default" = "20 ms"))]
     pub duration: Positive<Time>,
-    /// Gravity: x along the palm, y out of it; by default the gripper hangs upside down.
+    /// Gravity: x is along the palm, y out of it. By default the gripper hangs upside down.
     #[schemars(extend("default" = ["0 m/s^2", "9.81 m/s^2"], "x-bodies" = {
         "description": "Gravity on free discs. Default: none.", "default": ["0 m/s^2", "0 m/s^2"]
     }, "x-mechanism" = {
@@ -270,11 +270,11 @@ pub struct SceneSettings {
         "description": "Whether there is a palm, the half plane y ≤ 0, which only the object can touch."
     }))]
     pub palm: Option<bool>,
-    /// Distance between the ground joints of both fingers. Default: twice the base of [design] or [lengths].
+    /// Distance between the ground joints of the two fingers. Default: twice the base of [design] or [lengths].
     #[schemars(extend("x-kinds" = GRIPPER))]
     pub palm_width: Option<Positive<Length>>,
-    /// Largest positioning error for the initial configuration and `sizing`: both fingers start before the earliest
-    /// contact over both ends of the error, and have the larger torques of motor and spring of both ends (of one end,
+    /// Largest positioning error, for the initial configuration and `sizing`. Both fingers start before the earliest
+    /// contact at either end of the error, and have the larger torques of motor and spring of the two ends (of one end
     /// if the other one is out of reach). Default: the offset of the object.
     #[schemars(extend("x-kinds" = GRIPPER))]
     pub positioning_error: Option<Quantity<Length>>,

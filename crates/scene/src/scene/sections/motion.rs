@@ -22,14 +22,14 @@ fn nonzero(x: f64, y: f64, angle: f64) -> impl Iterator<Item = (Axis, f64)> {
     [(Axis::X, x), (Axis::Y, y), (Axis::Angle, angle)].into_iter().filter(|(_, value)| *value != 0.0)
 }
 
-/// A move of the palm from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at
-/// both ends. Overlapping moves add up.
+/// A move of the palm from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at both
+/// ends. Overlapping moves add up.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(extend("x-mechanism" = { "description": "A move of a body from rest to rest along a polynomial of order 7, with zero rate, acceleration and jerk at both ends. Overlapping moves add up." }))]
 pub struct MoveSettings {
-    /// The body that moves: one without joints to the ground, or `ground` with all that is fixed to it except the surroundings
-    /// of the grasp. The same in all sections of a motion. Default: that of another section, or else the base of the grasp, or
-    /// `ground` without a grasp.
+    /// The body that moves: a body without joints to the ground, or `ground` with everything fixed to it except the
+    /// surroundings of the grasp. All sections of a motion have the same body. Default: that of another section, or
+    /// else the base of the grasp, or `ground` without a grasp.
     #[schemars(extend("minLength" = 1, "x-kinds" = MECHANISM))]
     pub body: Option<String>,
     /// Distance along the palm.
@@ -48,8 +48,8 @@ pub struct MoveSettings {
     pub start: Option<NotNegative<Time>>,
     /// Duration. Alternative to `acceleration`.
     pub time: Option<Positive<Time>>,
-    /// Peak acceleration a over the distance s = √(x² + y²), which determines the duration T = √(16.8/√5 s/a), with
-    /// 16.8/√5 = 7.513. Alternative to `time`.
+    /// Peak acceleration a, in place of `time`. With the distance s = √(x² + y²), the duration is T = √(16.8/√5 s/a),
+    /// with 16.8/√5 = 7.513.
     pub acceleration: Option<Positive<Acceleration>>,
 }
 
@@ -57,9 +57,9 @@ pub struct MoveSettings {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(extend("x-mechanism" = { "description": "A vibration of a body, amplitude × sin(2π f (t − start) + phase), with a ramp over the first periods." }))]
 pub struct VibrationSettings {
-    /// The body that moves: one without joints to the ground, or `ground` with all that is fixed to it except the surroundings
-    /// of the grasp. The same in all sections of a motion. Default: that of another section, or else the base of the grasp, or
-    /// `ground` without a grasp.
+    /// The body that moves: a body without joints to the ground, or `ground` with everything fixed to it except the
+    /// surroundings of the grasp. All sections of a motion have the same body. Default: that of another section, or
+    /// else the base of the grasp, or `ground` without a grasp.
     #[schemars(extend("minLength" = 1, "x-kinds" = MECHANISM))]
     pub body: Option<String>,
     /// Amplitude along x, in the direction of the palm.
@@ -92,14 +92,14 @@ pub struct VibrationSettings {
 
 keywords! { Ramp { "quintic" => Ramp::Quintic, "cubic" => Ramp::Cubic } }
 
-/// A path of the palm: a cubic spline through poses, at rest before the first and after the last; added to moves
-/// and vibrations.
+/// A path of the palm: a cubic spline through poses, at rest before the first and after the last pose. It is added to
+/// moves and vibrations.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[schemars(extend("x-mechanism" = { "description": "A path of a body: a cubic spline through poses relative to that at the start, at rest before the first and after the last; added to moves and vibrations." }))]
 pub struct PathSettings {
-    /// The body that moves: one without joints to the ground, or `ground` with all that is fixed to it except the surroundings
-    /// of the grasp. The same in all sections of a motion. Default: that of another section, or else the base of the grasp, or
-    /// `ground` without a grasp.
+    /// The body that moves: a body without joints to the ground, or `ground` with everything fixed to it except the
+    /// surroundings of the grasp. All sections of a motion have the same body. Default: that of another section, or
+    /// else the base of the grasp, or `ground` without a grasp.
     #[schemars(extend("minLength" = 1, "x-kinds" = MECHANISM))]
     pub body: Option<String>,
     /// Times of the poses, increasing.
@@ -115,8 +115,8 @@ pub struct PathSettings {
     pub angle: Option<Vec<Quantity<Angle>>>,
 }
 
-/// Settings of a given motion of a body (`None`: the palm of a gripper): moves, vibrations and path; those without a name are
-/// numbered.
+/// Settings that describe the motion of a body; `None` is the palm of a gripper. They are the moves, the vibrations and
+/// the path; motions without a name are numbered.
 pub fn palm_motion_settings(motion: &PalmMotion, body: Option<&str>) -> Value {
     let mut settings = json!({ "moves": {}, "vibrations": {} });
     let mut add = |section: &str, names: &[String], index: usize, (axis, value): (Axis, f64), more: Value| {
@@ -148,7 +148,8 @@ pub fn palm_motion_settings(motion: &PalmMotion, body: Option<&str>) -> Value {
     settings
 }
 
-/// Resolves the motion of the palm; `None` if it is at rest. Reports a moving palm with a fixed object.
+/// Resolves the motion of the palm; `None` if it is at rest. Reports a problem if the palm moves and its object is
+/// fixed.
 pub fn palm_motion(input: &SectionInput<'_>, is_fixed: bool) -> Option<PalmMotion> {
     let mut motion = PalmMotion::default();
     for (name, keys) in input.subsection("moves").subsections() {

@@ -27,10 +27,10 @@ pub struct Integrator {
     /// Relative tolerance of rates.
     #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
     pub rtol: f64,
-    /// Absolute tolerance of angles; for positions of discs the same number in m.
+    /// Absolute tolerance of angles; the same number in m is that of the positions of discs.
     #[schemars(with = "Positive<Angle>")]
     pub atol_angle_rad: f64,
-    /// Absolute tolerance of rates; for velocities of discs the same number in m/s.
+    /// Absolute tolerance of rates; the same number in m/s is that of the velocities of discs.
     #[schemars(with = "Positive<AngularRate>")]
     pub atol_rate_rad_s: f64,
     /// Maximum number of steps of a run.
@@ -39,7 +39,7 @@ pub struct Integrator {
 }
 
 keyword_enum! {
-    /// Tolerances of the integrator.
+    /// Presets for the tolerances of the integrator.
     pub enum Preset { Draft = "draft", Engineering = "engineering", Reference = "reference" }
 }
 
@@ -87,8 +87,8 @@ impl Integrator {
         }
     }
 
-    /// Sets `rtol` and scales the absolute tolerances by the same factor, but not below 1e-14 rad and 1e-9 rad/s, the
-    /// limit of double precision.
+    /// Sets `rtol` and multiplies the absolute tolerances by the same factor, but not below 1e-14 rad and 1e-9 rad/s,
+    /// the limit of double precision.
     pub fn with_rtol(&self, rtol: f64) -> Self {
         let factor = rtol / self.rtol;
         let scaled = |atol: f64, finest: f64| (factor * atol).max(finest.min(atol));
@@ -109,14 +109,14 @@ pub struct Engine {
     pub response: Response,
     #[serde(flatten)]
     pub stepping: Stepping,
-    /// Sweeps of rapier's projected Gauss–Seidel solver over the joints, per step.
+    /// Number of sweeps over the joints per step, in rapier's projected Gauss–Seidel solver.
     #[serde(default)]
     pub iterations: u32,
-    /// Step budget; a run that needs more steps ends with an error, and its log is kept.
+    /// Largest number of steps. A run that needs more steps ends with an error; its log is kept.
     pub max_steps: u64,
 }
 
-/// Contact forces of the engine model.
+/// Origin of the contact forces of the engine model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "law", rename_all = "kebab-case")]
 pub enum Response {
@@ -169,8 +169,8 @@ impl Engine {
     }
 
     /// Default number of joint sweeps. With the contact laws of the scene, the engine passes the joint reactions to
-    /// rapier, and the sweeps only confirm them; with rapier's contact, the sweeps must propagate the impulses through
-    /// the linkage.
+    /// rapier, and the sweeps only confirm them. With rapier's contact, the sweeps have to propagate the impulses
+    /// through the linkage.
     pub const fn default_iterations(response: Response) -> u32 {
         match response {
             Response::Laws => 2,
@@ -220,12 +220,12 @@ pub struct EngineSettings {
 /// Tolerances of `phalanx validate` for differences between the engine model and the analytic model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Bounds {
-    /// Difference of any joint angle, in other scenes of the angle of any body, over the run up to `until`.
+    /// Difference of any joint angle (without joints: of the angle of any body) during the run up to `until`.
     #[schemars(with = "Positive<Angle>", extend("default" = "2e-5 rad", "x-gripper" = {
         "default": "1e-4 rad", "description": "Difference of any joint angle of either finger, over the run up to `until`."
     }))]
     pub angle_rad: f64,
-    /// Distance between the positions of a body in both models, over the run up to `until`.
+    /// Distance between the positions of a body in both models, during the run up to `until`.
     #[schemars(with = "Positive<Length>", extend("x-kinds" = NO_OR_TWO_FINGERS, "default" = "1 um", "x-gripper" = {
         "description": "Distance between the object's centres in both models, over the run up to `until`."
     }))]
@@ -260,7 +260,7 @@ pub struct Bounds {
     /// Difference of the coefficient of restitution of two discs without joints.
     #[schemars(with = "Positive<Plain>", extend("x-kinds" = NO_FINGERS, "default" = 1e-2))]
     pub restitution: f64,
-    /// End of the comparison of trajectories, at most the duration: later rebounds may be chaotic. Default: the
+    /// End of the comparison of trajectories, at most the duration; later rebounds may be chaotic. Default: the
     /// duration.
     #[schemars(with = "Positive<Time>")]
     pub until_s: f64,
@@ -289,7 +289,7 @@ impl Bounds {
     }
 }
 
-/// Thresholds for a lost contact and a held object. A single finger follows the thesis instead, where every loss of
+/// Thresholds for a lost contact and a held object. A single finger follows the thesis instead, in which every loss of
 /// contact counts.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Thresholds {
@@ -310,7 +310,7 @@ pub struct Thresholds {
 }
 
 impl Thresholds {
-    /// No thresholds, for scenes without a gripper: every loss of contact counts, and an object is held at once.
+    /// No thresholds, for scenes without a gripper: every loss of contact counts, and an object counts as held at once.
     pub const NONE: Self = Self { loss_time_s: 0.0, loss_force_n: 0.0, held_time_s: 0.0 };
 
     /// Defaults for a run of this duration.
@@ -344,7 +344,7 @@ pub struct LogSettings {
     .rate_hz * .duration_s, if *.pictures { "pictures" } else { "samples" }, .rate_hz, .duration_s, .max
 )]
 pub struct LogExcess {
-    /// Whether there are too many pictures, or else too many samples.
+    /// Whether there are too many pictures; otherwise there are too many samples.
     pub pictures: bool,
     pub rate_hz: f64,
     pub duration_s: f64,
@@ -352,7 +352,7 @@ pub struct LogExcess {
 }
 
 impl LogExcess {
-    /// Returns the largest rate for this run, rounded down to one digit.
+    /// Returns the largest allowed rate for this run, rounded down to one digit.
     pub fn suggested_rate(&self) -> String {
         let rate_hz = self.max / self.duration_s;
         let digit = powi(10.0, log10(rate_hz).floor() as i32);
@@ -370,7 +370,7 @@ impl LogSettings {
     }
 }
 
-/// Resolves the settings of the integrator: preset and relative tolerance determine the defaults of the others.
+/// Resolves the settings of the integrator. Preset and relative tolerance determine the defaults of the other settings.
 pub fn integrator(input: &SectionInput<'_>, has_grasp: bool) -> Integrator {
     let mut base = Integrator::engineering_for(input.kind, has_grasp);
     let Integrator { preset, rtol, .. } = input.read_over(&base);
@@ -391,7 +391,7 @@ const DURATION_S: f64 = 0.020;
 const SHORT_LINK_M: f64 = 2.5e-3;
 
 /// Resolves the settings of the engine model. The default friction of rapier's contact is the static friction of the
-/// scene's contact law, for discs `law`.
+/// contact law of the scene; for discs, this law is `law`.
 pub fn engine(input: &SectionInput<'_>, hand: Option<&Hand>, law: Option<ContactLaw>) -> Engine {
     let mut engine: Engine = input.read();
     if !input.has("iterations") {

@@ -15,11 +15,11 @@ use crate::scene::quantity::{Angle, AngularRate, Quantity};
 use crate::scene::section_input::SectionInput;
 use crate::shape::PlacedShape;
 
-/// Initial configuration. Default: straight, 25° before the contact of the proximal phalanx with the object, at
-/// rest.
+/// Initial configuration. Default: straight and at rest, 25° before the contact of the proximal phalanx with the
+/// object.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct InitialSettings {
-    /// Angle before the contact of the proximal phalanx with the object, from which the finger starts straight.
+    /// Start angle of a straight finger, measured back from the contact of the proximal phalanx with the object.
     #[schemars(extend("default" = "25 deg"))]
     pub offset: Option<Quantity<Angle>>,
     /// Angle of the driven link from the palm; requires q21. Default: that of the straight configuration.
@@ -35,8 +35,8 @@ pub struct InitialSettings {
 /// Largest allowed initial angle beyond the joint limit: a torque of about 0.01 N·m with the default law.
 const LIMIT_SLACK_RAD: f64 = 1e-6;
 
-/// Resolves and checks the initial angles and rates. `finger_and_target` is the finger with its target, `None` if they
-/// are invalid. A start before the contact is before it at both ends of the positioning error.
+/// Resolves and checks the initial angles and rates. `finger_and_target` is `None` if the finger or its target is
+/// invalid. A start before the contact is before it at both ends of the positioning error.
 pub fn initial(
     input: &SectionInput<'_>,
     finger_lengths: &FingerLengths,

@@ -12,7 +12,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// Result of a command: serialises to a JSON document and formats as a report for people.
+/// Result of a command. It can be serialised to a JSON document and formatted as a human-readable report.
 pub trait ToReport: Serialize {
     /// Returns the report, which can be rendered as text, Markdown or HTML.
     fn report(&self) -> Report;
@@ -33,7 +33,7 @@ pub fn to_json_document<T: Serialize + ?Sized>(value: &T) -> String {
 /// A human-readable report.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Title of the report; empty if its context has one.
+    /// Title of the report; empty if the report is shown in a context with a title.
     pub title: String,
     pub blocks: Vec<Block>,
 }
@@ -52,10 +52,10 @@ pub enum Block {
     Figure(Figure),
 }
 
-/// A picture of [`plot`](crate::plot).
+/// A picture drawn by [`plot`](crate::plot).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figure {
-    /// Name of its file in the directory `figures` of a Markdown text.
+    /// Name of the file of the picture, which a Markdown text expects in the directory `figures`.
     pub file: String,
     pub caption: String,
     /// A complete SVG document.
@@ -63,17 +63,17 @@ pub struct Figure {
 }
 
 impl Report {
-    /// Creates a report that begins with this heading.
+    /// Creates a report that consists of this heading.
     pub fn section(heading: &str) -> Report {
         Report::from(Block::Heading(heading.to_string()))
     }
 
-    /// Creates a report of one paragraph. Line ends in `content` apply to unwrapped text only.
+    /// Creates a report of one paragraph. Line ends in `content` have an effect only in unwrapped text.
     pub fn paragraph(content: &str) -> Report {
         Report::from(Block::Paragraph(content.to_string()))
     }
 
-    /// Concatenates reports that are not empty, separated by empty lines.
+    /// Concatenates reports with empty lines between them; empty reports are skipped.
     pub fn join(reports: impl IntoIterator<Item = Report>) -> Report {
         let join = |all: Report, next: Report| if all.is_empty() { next } else { all.with("\n").with(next) };
         reports.into_iter().filter(|report| !report.is_empty()).fold(Report::default(), join)
@@ -137,17 +137,18 @@ impl Report {
         })
     }
 
-    /// Text wrapped to `width` columns. Words and numbers are never split, so that single lines may be longer.
+    /// Text wrapped to `width` columns. Words and numbers are never split, so single lines may be longer.
     pub fn to_wrapped_text(&self, width: usize) -> String {
         text::report(self, Some(width))
     }
 
-    /// HTML elements of a page. Each table is in a scrollable box; `title` is its accessible name if it has no caption.
+    /// HTML elements of a page. Each table is in a scrollable box; if the table has no caption, `title` is its
+    /// accessible name.
     pub fn html(&self, title: &str) -> String {
         markup::html(self, title)
     }
 
-    /// Markdown; figures are images in the directory `figures`, with their captions.
+    /// Markdown text. Figures are images in the directory `figures`, with their captions.
     pub fn markdown(&self) -> String {
         markup::markdown(self)
     }
@@ -190,11 +191,11 @@ impl<T: Into<Report>> From<Option<T>> for Report {
     }
 }
 
-/// A table. The first column contains text, the others numbers unless one of their cells is [`CellStyle::Prose`]. A row
-/// of one cell is a heading of the rows below it.
+/// A table. The first column contains text. The other columns contain numbers, unless a cell of the column is
+/// [`CellStyle::Prose`]. A row with a single cell is a heading for the rows below it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// May be empty if the context describes the table; tables with a caption are numbered.
+    /// Caption; may be empty if the context describes the table. Only tables with a caption are numbered.
     pub caption: String,
     /// Number of leading rows that form the header.
     header_rows: usize,
@@ -224,7 +225,7 @@ impl Table {
         Table { key_columns, ..self }
     }
 
-    /// Sets the number of columns after the keys that must not be separated.
+    /// Sets the size of the groups of columns, after the key columns, that must not be separated.
     pub fn columns_per_group(self, columns_per_group: usize) -> Table {
         Table { columns_per_group, ..self }
     }
@@ -263,7 +264,7 @@ impl Table {
     }
 }
 
-/// Header of a column, and its cell of an item.
+/// A column: its header, and a function that returns the cell for an item.
 pub type Column<'a, T> = (&'a str, &'a dyn Fn(&T) -> String);
 
 /// Builds a table with one row for each item.
@@ -283,12 +284,12 @@ pub fn list(rows: &[Vec<String>]) -> Report {
     Table::new(rows).header_rows(0).into()
 }
 
-/// A cell. A cell with a figure of the report contains its key, so that the page can be checked against the JSON
-/// document.
+/// A cell. If it shows a figure of the report, it contains the key of the figure, so that the page can be checked
+/// against the JSON document.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cell {
     pub text: String,
-    /// Key of the figure, and its value in SI units.
+    /// Key of the figure and its value in SI units; `None` for other cells.
     pub figure: Option<(String, f64)>,
     pub style: CellStyle,
 }

@@ -55,7 +55,7 @@ pub struct ActuatorSettings {
     pub joints: Option<Vec<String>>,
     /// A factor for each of `joints`.
     pub factors: Option<Vec<Quantity<Plain>>>,
-    /// Value of the sum of `joints` that counts as 0. Default: 0.
+    /// Value of the combination of `joints` that counts as 0. Default: 0.
     pub offset: Option<Quantity<Coordinate>>,
     /// The pulled tendon, in place of `joint`.
     #[schemars(extend("minLength" = 1))]
@@ -85,20 +85,21 @@ pub struct ActuatorSettings {
     pub target: Option<Quantity<Coordinate>>,
     /// Coordinates at `times` that the controller follows.
     pub targets: Option<Vec<Quantity<Coordinate>>>,
-    /// Largest rate of the set point, which begins at the coordinate at the start and follows `target` or `targets`.
+    /// Largest rate of the set point. It begins at the start value of the coordinate and follows `target` or `targets`.
     /// Default: none; the set point is the target.
     pub target_rate: Option<Positive<CoordinateRate>>,
-    /// Gain on the error of the coordinate. Default: 0, for a target whose rate alone is followed.
+    /// Gain on the error of the coordinate. Default: 0, to follow only the rate of the target.
     pub kp: Option<NotNegative<JointStiffness>>,
     /// Gain on the error of the rate. Default: 0.
     pub kd: Option<NotNegative<JointDamping>>,
     /// Rate at which the controller is computed; its torque (force) is constant in between. Default: it is continuous.
     pub rate: Option<Positive<Frequency>>,
-    /// Largest torque (force) at rest: bound of the command, before it changes with the speed. Without `no_load_speed` no
-    /// torque exceeds it. Default: none.
+    /// Largest torque (force) at rest: bound of the command, before the command changes with the speed. Without
+    /// `no_load_speed`, no torque exceeds it. Default: none.
     pub limit: Option<Positive<Effort>>,
-    /// Rate ω₀ at which the torque (force) has fallen to 0: at a rate v in its direction it is the command times 1 − v/ω₀.
-    /// It exceeds `limit` while the joint moves against it (v below 0), and brakes beyond ω₀. Default: it is the command.
+    /// Rate ω₀ at which the torque (force) has fallen to 0: at the rate v in its direction, it is the command times 1 −
+    /// v/ω₀. It exceeds `limit` if the joint moves against it (v below 0), and brakes beyond ω₀. Default: none; the
+    /// torque does not depend on the rate.
     pub no_load_speed: Option<Positive<CoordinateRate>>,
     #[schemars(with = "BrakeSettings")]
     pub brake: Subsection,

@@ -38,15 +38,15 @@ pub struct NamedLawSettings {
     /// Exponent e, at least 1.
     #[schemars(extend("default" = 1.5, "minimum" = 1.0))]
     pub exponent: Quantity<Plain>,
-    /// Factor a of "hunt_crossley", in s/m (limit: s/rad); damping c of the others, with "step" fully engaged beyond the
-    /// transition. Default: none.
+    /// Factor a of "hunt_crossley", in s/m (limit: s/rad). For the other types, damping c; with "step", its value
+    /// beyond the transition. Default: none.
     #[schemars(extend("x-with" = "type = hunt_crossley|spring_damper|step"))]
     pub damping: Option<NotNegative<LawDamping>>,
-    /// Speed of rebound over speed of impact of a free mass at `speed`, above 0 and at most 1.
+    /// Coefficient of restitution of a free mass that impacts at `speed`: above 0, at most 1.
     #[schemars(extend("x-with" = "type = restitution", "exclusiveMinimum" = 0.0, "maximum" = 1.0,
         "x-required" = "add the coefficient of restitution: restitution = 0.6"))]
     pub restitution: Option<Quantity<Plain>>,
-    /// Impact speed at which the rebound has this coefficient; slower impacts rebound better.
+    /// Impact speed at which the rebound has this coefficient. Slower impacts have a larger one.
     #[schemars(extend("x-with" = "type = restitution", "x-required" = "add the impact speed: speed = \"0.5 m/s\", or a rate \
         for a limit"))]
     pub speed: Option<Positive<CoordinateRate>>,
@@ -61,9 +61,9 @@ pub struct NamedLawSettings {
 /// Outlines that may touch.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct ContactEntry {
-    /// Two outlines, each as `body.outline`, as `body` (all its outlines), or as a pattern: "finger_*.pad" are the pads of
-    /// all bodies whose names begin with finger_. All corners of either touch the other; a disc or an ellipse touches with
-    /// its points only. Required, or `points`.
+    /// Two outlines that may touch, each as `body.outline`, as `body` (all its outlines), or as a pattern:
+    /// "finger_*.pad" are the pads of all bodies whose names begin with finger_. All corners of each outline touch the
+    /// other one; a disc or an ellipse touches only with its points. Required, or `points`.
     #[schemars(extend("x-alternative" = "points",
         "x-required" = "add two outlines or bodies: between = [\"palm\", \"object\"]"))]
     pub between: Option<[String; 2]>,
@@ -75,7 +75,7 @@ pub struct ContactEntry {
     #[schemars(extend("minLength" = 1, "x-alternative" = "faces|between",
         "x-required" = "add the outline that they touch: face = \"link.pad\", or a list: faces = [\"link.pad\"]"))]
     pub face: Option<String>,
-    /// Several outlines that they touch, in place of `face`.
+    /// Several outlines that the points touch, in place of `face`.
     pub faces: Option<Vec<String>>,
     /// Name of the law. Required.
     #[schemars(extend("minLength" = 1, "x-required" = "add the name of a law: law = \"pad\", with a section [laws.pad]"))]
@@ -85,8 +85,8 @@ pub struct ContactEntry {
     /// Relative rate from which the moment is full; below it, bodies creep.
     #[schemars(extend("default" = "0.1 rad/s"))]
     pub rolling_rate: Positive<AngularRate>,
-    /// Where the force acts: on the surface of the face, on that of the points, in the middle of the overlap, or for
-    /// each body on its own surface.
+    /// Where the force acts: on the surface of the face, on the surface of the points, in the middle of the overlap, or
+    /// on each body's own surface.
     #[schemars(extend("default" = "face"))]
     pub at: Word<ForcePoint>,
 }

@@ -11,27 +11,29 @@ use crate::scene::quantity::{Positive, Time};
 use crate::scene::section_input::SectionInput;
 use crate::statics::{GraspKeys, carries, default_object};
 
-/// The grasp that is judged. With this section, a run ends when the object leaves the hand. Without it, a run is judged by the
-/// defaults, and not ended.
+/// The grasp that is judged. With this section, a run ends when the object leaves the hand. Without it, a run is judged
+/// with the defaults and does not end early.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct GraspSettings {
-    /// The body that is grasped. Default: the body called `object`, or else the only body with contacts that has no joints.
+    /// The body that is grasped. Default: the body called `object`, or else the only body that has contacts and no
+    /// joints.
     #[schemars(extend("minLength" = 1))]
     pub object: Option<String>,
-    /// The body in whose frame travel and slip are measured, and which a load accelerates: the palm. Default: the last body
-    /// that carries all bodies of the hand that can touch the object and from which two joints lead on to them, or else
-    /// `ground`.
+    /// The palm: the body relative to which travel and slip are measured, and which a load accelerates. Default: the
+    /// last body that carries all bodies of the hand that can touch the object and from which two joints lead on to
+    /// them, or else `ground`.
     #[schemars(extend("minLength" = 1))]
     pub base: Option<String>,
-    /// Bodies or outlines that are no part of the hand, as in `between` of a contact: surroundings = ["ground.table"].
-    /// Bodies without joints, and with a base other than the ground its outlines, are none in any case.
+    /// Bodies or outlines that do not belong to the hand, written as in `between` of a contact: surroundings =
+    /// ["ground.table"]. Bodies without joints never belong to it. Outlines of the ground belong to it only if the base
+    /// is the ground.
     #[schemars(extend("default" = []))]
     pub surroundings: Vec<String>,
-    /// Time at which the hand releases the object: the fate of the grasp is that at this time. Default: the end.
+    /// Time at which the hand releases the object. The fate of the grasp is that at this time. Default: the end.
     pub release: Option<Positive<Time>>,
 }
 
-/// Resolves `[grasp]`; `None` if any part is invalid.
+/// Resolves `[grasp]`. The outer `None` means that a part is invalid.
 pub fn grasp(section: &SectionInput<'_>, mechanism: &Mechanism) -> Option<Option<GraspKeys>> {
     if !section.is_present() {
         return Some(None);
@@ -98,7 +100,7 @@ fn all_or<T>(found: Option<Option<T>>) -> Option<Option<T>> {
     }
 }
 
-/// Settings of a grasp.
+/// Settings that describe a grasp.
 pub fn grasp_settings(keys: &GraspKeys, mechanism: &Mechanism) -> Value {
     json!({
         "object": keys.object.map(|body| mechanism.body_name(Some(body))),

@@ -20,8 +20,8 @@ keyword_enum! {
     pub enum JointType { Revolute = "revolute", Prismatic = "prismatic" }
 }
 
-/// A joint of two bodies. Its coordinate is the angle of the second body against the first (revolute), or its position
-/// along the axis (prismatic).
+/// A joint of two bodies. Its coordinate is the angle of the second body relative to the first (revolute), or its
+/// position along the axis (prismatic).
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct JointSettings {
     /// "revolute": a pin; "prismatic": a slider without rotation.
@@ -34,18 +34,18 @@ pub struct JointSettings {
     #[schemars(extend("x-alternative" = "at",
         "x-required" = "add the point in the frame of each body: points = [[\"0 mm\", \"0 mm\"], [\"30 mm\", \"0 mm\"]]"))]
     pub points: Option<[[Quantity<Length>; 2]; 2]>,
-    /// Point of the joint in the world, in place of `points`: the `guess` of both bodies must then be exact.
+    /// Point of the joint in the world, in place of `points`. The `guess` of both bodies must then be exact.
     pub at: Option<[Quantity<Length>; 2]>,
     /// Direction in which the second body slides, in the frame of the first.
     #[schemars(extend("x-with" = "type = prismatic", "default" = "0 deg"))]
     pub axis: Option<Quantity<Angle>>,
-    /// Angle of the second body against the first at which a revolute joint has the coordinate 0, and at which a
-    /// prismatic joint holds it.
+    /// Revolute: angle of the second body relative to the first at which the coordinate is 0. Prismatic: the constant
+    /// angle of the second body relative to the first.
     #[schemars(extend("default" = "0 deg"))]
     pub offset: Quantity<Angle>,
     /// Coordinate at the start. Default: it follows from other joints.
     pub start: Option<Quantity<Coordinate>>,
-    /// Rate at the start, of a joint with `start`. Default: 0.
+    /// Rate at the start, for a joint with `start`. Default: 0.
     pub start_rate: Option<Quantity<CoordinateRate>>,
     /// Damping. Default: none.
     pub damping: Option<NotNegative<JointDamping>>,
@@ -55,11 +55,11 @@ pub struct JointSettings {
     pub friction: Option<Positive<Effort>>,
     /// Largest torque (force) of friction, before the joint moves. Default: `friction`.
     pub static_friction: Option<Positive<Effort>>,
-    /// Rates at which friction reaches `static_friction`, and from which it is `friction`. Default: 0.01 and 0.02 rad/s, of
-    /// a prismatic joint 1 and 2 mm/s.
+    /// Rate at which friction reaches `static_friction`, and rate from which on it is `friction`. Default: 0.01 and
+    /// 0.02 rad/s (prismatic: 1 and 2 mm/s).
     pub friction_rates: Option<[Positive<CoordinateRate>; 2]>,
-    /// Stiffness of a bristle, by which friction holds without creep. Default: none; below the first of `friction_rates`,
-    /// the joint creeps.
+    /// Stiffness of a bristle, with which friction holds without creep. Default: none; below the first of
+    /// `friction_rates`, the joint creeps.
     pub friction_stiffness: Option<Positive<JointStiffness>>,
     /// Lower limit of the coordinate. Default: none.
     pub lower: Option<Quantity<Coordinate>>,
@@ -84,7 +84,7 @@ pub struct LinkageSpringSettings {
     #[schemars(extend("minLength" = 1, "x-with" = "type = torsional", "x-alternative" = "joints",
         "x-required" = "add the joint: joint = \"driver\""))]
     pub joint: Option<String>,
-    /// Joints of a torsional spring on a sum of coordinates, in place of `joint`.
+    /// Joints of a torsional spring that acts on a sum of their coordinates, in place of `joint`.
     #[schemars(extend("x-with" = "type = torsional"))]
     pub joints: Option<Vec<String>>,
     /// A factor for each of `joints`.
@@ -105,9 +105,9 @@ pub struct LinkageSpringSettings {
     pub stiffness: Option<NotNegative<JointStiffness>>,
     /// Damping. Default: none.
     pub damping: Option<NotNegative<JointDamping>>,
-    /// Coordinate or length without elastic force. Default: 0.
+    /// Coordinate or length at which the elastic force is 0. Default: 0.
     pub rest: Option<Quantity<Coordinate>>,
-    /// Constant torque (force) of a torsional spring in addition, its preload. Default: 0.
+    /// Preload of a torsional spring: a constant additional torque (force). Default: 0.
     #[schemars(extend("x-with" = "type = torsional"))]
     pub torque: Option<Quantity<Effort>>,
 }
@@ -125,8 +125,8 @@ pub struct CouplingSettings {
     pub value: Option<Quantity<Coordinate>>,
 }
 
-/// Inertia of a rotor that turns by the sum of joint coordinates times factors. The inertia on a single joint is its
-/// `armature`.
+/// Inertia of a rotor whose rotation is the sum of joint coordinates times factors. For the inertia on a single joint,
+/// use its `armature`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct RotorSettings {
     /// The joints. Required.

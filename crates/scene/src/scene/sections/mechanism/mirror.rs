@@ -7,9 +7,9 @@ use super::names::{GROUND, check_name, report_name};
 use crate::scene::keys::{closest_match, is_name};
 use crate::scene::section_input::SectionInput;
 
-/// Everything that is called `from`, or whose name begins with it and an underscore, also exists as mirror image about the
-/// y axis, with `to` in its name: bodies, joints, springs, tendons, couplings, rotors, actuators, and the contacts of these
-/// bodies. Joints have the same coordinates as their images.
+/// Adds a mirror image, about the y axis, of everything that is called `from`, or whose name begins with `from` and an
+/// underscore: bodies, joints, springs, tendons, couplings, rotors, actuators, and the contacts of these bodies. The
+/// names of the images contain `to` instead. Joints have the same coordinates as their images.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct MirrorSettings {
     /// Prefix of the names of the original: from = "right".
@@ -76,7 +76,7 @@ struct Entry<'a> {
 }
 
 impl<'a> Entries<'a> {
-    /// Reads the sections of a list with this key.
+    /// Reads the sections in the list `key`, and adds their mirror images.
     pub fn new(root: &SectionInput<'a>, key: &str, mirror: Option<&Mirror>) -> Self {
         let sections = root.subsection(key).subsections();
         sections.iter().for_each(|(name, section)| check_name(section, key, name));
@@ -106,7 +106,7 @@ impl<'a> Entries<'a> {
         self.0.iter().map(|entry| entry.name.as_str()).collect()
     }
 
-    /// Returns the section of an entry; that of the original for an image.
+    /// Returns the section of an entry; for an image, that of the original.
     pub fn section(&self, index: usize) -> &SectionInput<'a> {
         &self.0[index].section
     }
@@ -115,13 +115,14 @@ impl<'a> Entries<'a> {
         self.0[index].original.is_some()
     }
 
-    /// Entries that are written, with their indices.
+    /// Entries that are written in the file, with their indices.
     pub fn written(&self) -> impl Iterator<Item = (usize, &str, &SectionInput<'a>)> {
         let written = self.0.iter().enumerate().filter(|(_, entry)| entry.original.is_none());
         written.map(|(index, entry)| (index, entry.name.as_str(), &entry.section))
     }
 
-    /// Index of the image of each entry, or of the original of an image; its own for an entry without an image.
+    /// For each entry, the index of its image; for an image, that of the original; for an entry without an image, its
+    /// own.
     pub fn partners(&self) -> Vec<usize> {
         let mut partners: Vec<usize> = (0..self.0.len()).collect();
         for (image, original) in self.0.iter().enumerate().filter_map(|(image, entry)| Some((image, entry.original?))) {
@@ -130,14 +131,14 @@ impl<'a> Entries<'a> {
         partners
     }
 
-    /// Resolves the sections; images stay `None`.
+    /// Resolves the sections of the written entries. The values of images stay `None`.
     pub fn resolve<T>(&self, resolve: impl Fn(usize, &str, &SectionInput<'a>) -> Option<T>) -> Vec<Option<T>> {
         let mut values: Vec<Option<T>> = self.0.iter().map(|_| None).collect();
         self.written().for_each(|(index, name, section)| values[index] = resolve(index, name, section));
         values
     }
 
-    /// Makes the images of the resolved sections.
+    /// Adds the images of the resolved values.
     pub fn add_images<T>(&self, values: &mut [Option<T>], image: impl Fn(&T, String) -> T) {
         for (index, Entry { name, original, .. }) in self.0.iter().enumerate() {
             if let Some(original) = original {

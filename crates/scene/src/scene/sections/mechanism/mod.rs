@@ -64,7 +64,7 @@ pub struct MechanismSettings {
     pub bodies: BTreeMap<String, LinkSettings>,
     pub ground: GroundSettings,
     pub mirror: MirrorSettings,
-    /// Joints, one section per name. Joints may form loops; nothing marks the joint that closes one.
+    /// Joints, one section per name. Joints may form loops; the joint that closes a loop is not marked.
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub joints: BTreeMap<String, JointSettings>,
     /// Springs with a damper, one section per name.
@@ -76,7 +76,8 @@ pub struct MechanismSettings {
     /// Linear relations of joint coordinates, one section per name: gears, synchronised jaws.
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub couplings: BTreeMap<String, CouplingSettings>,
-    /// Actuators of joints and tendons, one section per name. Each has a torque (force) over time, or follows a target.
+    /// Actuators of joints and tendons, one section per name. An actuator has a torque (force) over time, or follows a
+    /// target.
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub actuators: BTreeMap<String, ActuatorSettings>,
     /// Rotors, one section per name: inertia of a combination of joint coordinates, as at the input of a differential.
@@ -120,8 +121,8 @@ pub struct LinkSettings {
     pub outlines: Subsection,
 }
 
-/// Rough pose of a body with joints: it selects how the loops are assembled. A body that moves by [moves], [vibrations] or
-/// [path] starts exactly there.
+/// Rough pose of a body with joints, which selects how the loops are assembled. A body that moves by [moves],
+/// [vibrations] or [path] starts exactly at this pose.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct GuessSettings {
     /// Position of the origin of the body's frame.
@@ -149,7 +150,7 @@ pub struct StartSettings {
     pub spin: Quantity<AngularRate>,
 }
 
-/// The fixed body, whose frame is that of the world.
+/// The fixed body. Its frame is the world.
 #[derive(JsonSchema)]
 pub struct GroundSettings {
     /// Outlines in the frame of the world, one section per name: [ground.outlines.floor].
@@ -157,7 +158,7 @@ pub struct GroundSettings {
     pub outlines: BTreeMap<String, OutlineSettings>,
 }
 
-/// Resolves a mechanism with the keys of its grasp and assembles it; `None` if any part is invalid.
+/// Resolves and assembles a mechanism, with its grasp settings; `None` if any part is invalid.
 pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<(Mechanism, Option<GraspKeys>)> {
     let mirror_section = root.subsection("mirror");
     let mirror = mirror(&mirror_section);

@@ -65,7 +65,7 @@ pub(super) fn find_at(
 pub(super) struct Known<'a> {
     pub bodies: Vec<&'a str>,
     pub joints: Vec<&'a str>,
-    /// `None` for a joint whose type is invalid.
+    /// Kinds of the joints; `None` for a joint whose type is invalid.
     pub kinds: Vec<Option<JointKind>>,
     pub laws: Vec<(&'a str, Option<NamedLaw>)>,
 }
@@ -81,7 +81,7 @@ impl Known<'_> {
 /// A law with the units of its damper.
 pub(super) struct NamedLaw {
     pub law: ContactLaw,
-    /// Whether damping and transition are those of contacts; `None` if they are not given.
+    /// Whether damping and transition have the units of contacts, rather than of angles; `None` if they are not given.
     pub linear: Option<bool>,
 }
 

@@ -23,12 +23,12 @@ keyword_enum! {
     }
 }
 
-/// An outline: a disc, a capsule (a segment with a radius), a convex polygon with rounded corners, an ellipse, or a half
-/// plane.
+/// An outline: a disc, a capsule (a segment with a radius), a convex polygon with rounded corners, an ellipse, or a
+/// half plane.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct OutlineSettings {
-    /// "disc", "capsule", "box", "polygon" (convex), "ellipse" (touches with its points only) or "half_plane" (is touched
-    /// only). Required.
+    /// "disc", "capsule", "box", "polygon" (convex), "ellipse" (can only touch with its points) or "half_plane" (can
+    /// only be touched). Required.
     #[schemars(extend("x-required" = "add the type of the outline: type = \"disc\", \"capsule\", \"box\", \"polygon\", \
         \"ellipse\" or \"half_plane\""))]
     pub r#type: Option<OutlineKind>,
@@ -49,8 +49,8 @@ pub struct OutlineSettings {
     #[schemars(extend("x-with" = "type = polygon",
         "x-required" = "add the corners: vertices = [[\"0 mm\", \"0 mm\"], [\"30 mm\", \"0 mm\"], [\"0 mm\", \"20 mm\"]]"))]
     pub vertices: Option<Vec<[Quantity<Length>; 2]>>,
-    /// Radius of the rounded corners of a box or a polygon, within its outer shape. Two outlines without any radius cannot
-    /// touch.
+    /// Radius of the rounded corners of a box or a polygon, inside the given shape. Two outlines without any radius
+    /// cannot touch.
     #[schemars(extend("x-with" = "type = box|polygon", "default" = "0 mm"))]
     pub rounding: Option<NotNegative<Length>>,
     /// First end of the capsule's segment.
@@ -59,14 +59,14 @@ pub struct OutlineSettings {
     /// Second end of the capsule's segment.
     #[schemars(extend("x-with" = "type = capsule", "x-required" = "add the second end: to = [\"0 mm\", \"30 mm\"]"))]
     pub to: Option<[Quantity<Length>; 2]>,
-    /// Radius of the disc, or half the width of the capsule: required. Of a polygon, in place of `rounding`: the distance
-    /// of the outline from `vertices`, which lie within it.
+    /// Disc: its radius (required). Capsule: half its width (required). Polygon: distance by which the outline lies
+    /// outside `vertices`; replaces `rounding`.
     #[schemars(extend("x-with" = "type = disc|capsule|polygon"))]
     pub radius: Option<Positive<Length>>,
     /// A point of the half plane's edge.
     #[schemars(extend("x-with" = "type = half_plane", "default" = ["0 mm", "0 mm"]))]
     pub point: Option<[Quantity<Length>; 2]>,
-    /// Direction out of the half plane, of any length.
+    /// Direction out of the half plane, a vector of any length.
     #[schemars(extend("x-with" = "type = half_plane", "x-required" = "add the direction out of the solid: normal = [0, 1]"))]
     pub normal: Option<[Quantity<Plain>; 2]>,
 }

@@ -19,7 +19,7 @@ use crate::scene::sections::{extend, law};
 use crate::scene::{Interpolation, Profile};
 use crate::units::{Dimension, format};
 
-/// Settings of a mechanism by section.
+/// Settings that describe a mechanism, by section.
 pub fn mechanism_settings(mechanism: &Mechanism) -> Value {
     let laws = Laws::of(mechanism);
     let body = |(index, body): (usize, &Body)| {

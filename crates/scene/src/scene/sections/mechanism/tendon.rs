@@ -14,17 +14,17 @@ use crate::scene::quantity::{
 };
 use crate::scene::section_input::{SectionInput, Subsection};
 
-/// A massless cable without friction, with one tension along its whole length: the force of its spring and damper, which
-/// cannot push, and the tension of an actuator.
+/// A massless cable without friction. Its tension is the same along its whole length: the force of its spring and
+/// damper, which cannot push, plus the tension of an actuator.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct TendonSettings {
-    /// Stiffness of the cable. Default: none; the cable is then pulled by an actuator only.
+    /// Stiffness of the cable. Default: none; only an actuator pulls the cable then.
     pub stiffness: Option<Positive<LinearStiffness>>,
     /// Damping of the cable. Default: none.
     pub damping: Option<NotNegative<LinearDamping>>,
-    /// Tension at the start at rest, which determines the free length. Default: 0.
+    /// Tension at the start, at rest. It determines the free length. Default: 0.
     pub pretension: Option<NotNegative<Force>>,
-    /// Free length of the cable with its terms of spools, in place of `pretension`.
+    /// Free length of the cable, including the terms of its spools, in place of `pretension`.
     pub rest: Option<Quantity<Length>>,
     /// Eyelets and pulleys in the order of the cable; the first and the last are eyelets. Required without `spools`.
     #[schemars(with = "Vec<PathEntry>")]
@@ -48,7 +48,7 @@ impl Turn {
     }
 }
 
-/// A place of a cable's path: an eyelet or a pulley.
+/// An element of the path of a cable: an eyelet or a pulley.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct PathEntry {
     /// Body of an eyelet. Required, or `pulley`.
