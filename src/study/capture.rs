@@ -47,7 +47,8 @@ pub struct Capture {
 pub struct Edge {
     /// Outermost offset at which the object is captured, m.
     pub captured_m: f64,
-    /// Nearest larger offset at which the object is not captured, m; `None` if it is captured at the largest error.
+    /// Nearest offset farther from the middle than `captured_m` at which the object is not captured, m; `None` if the
+    /// object is captured up to the largest positioning error.
     pub lost_m: Option<f64>,
 }
 

@@ -82,7 +82,8 @@ pub struct Offsets {
 pub struct OffsetEdge {
     /// Outermost offset at which the object is captured.
     pub captured: f64,
-    /// Nearest larger offset at which the object is not captured; `None` if it is captured at the largest offset.
+    /// Nearest offset farther from zero than `captured` at which the object is not captured; `None` if the object is
+    /// captured up to the largest offset.
     pub lost: Option<f64>,
 }
 

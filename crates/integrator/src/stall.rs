@@ -125,8 +125,8 @@ impl Chatter {
         Self { recent: vec![(f64::NEG_INFINITY, 0); count], is_clamped: false }
     }
 
-    /// Records an event. Returns whether the next step should use the clamped law of the contact of this event
-    /// function.
+    /// Records an event. Returns whether the next step should use the clamped law of the contact to which this event
+    /// function belongs.
     pub fn record(&mut self, index: usize, t: f64) -> bool {
         let (last, count) = &mut self.recent[index];
         *count = if t - *last <= MAX_SPACING_S { *count + 1 } else { 0 };

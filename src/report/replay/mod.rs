@@ -84,7 +84,8 @@ pub struct ReplayReport {
     pub energy: Option<Energy>,
     /// Reasons to doubt the results; empty for a valid run.
     pub warnings: Vec<String>,
-    /// Whether the log is inconsistent: it marks a run as completed that is shorter than its duration in the settings.
+    /// Whether the log is inconsistent: it marks a run as completed although the run is shorter than the duration in its
+    /// settings.
     #[serde(skip)]
     pub is_inconsistent: bool,
     /// Comparison with a new simulation; null unless it was requested.

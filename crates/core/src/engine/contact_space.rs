@@ -37,7 +37,7 @@ impl ActiveContact {
     }
 }
 
-/// Inverse inertia W and contact-free motion of every row, frozen at the start of one step.
+/// Inverse inertia W, free acceleration and rate of every row, frozen at the start of one step.
 #[derive(Clone, Debug, Default)]
 pub struct ContactSpace {
     pub active_contacts: Vec<ActiveContact>,

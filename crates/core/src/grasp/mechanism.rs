@@ -59,8 +59,8 @@ pub struct MechanismGrasp {
     pub contacts: Vec<HeldContact>,
     /// Form closure of the object and the hand with the actuators blocked.
     pub closure: Result<MechanismClosure, StaticsError>,
-    /// Names of the brakes and of the joints with friction, in the order of the limits: with blocked actuators and with
-    /// actuators at their effort. Brakes are listed only in the second case.
+    /// Names of the loads in `MechanismLimit::Limited::brakes`. With blocked actuators (first), they are the joints with
+    /// friction; with actuators at their effort (second), the actuators with a brake, then the joints with friction.
     pub brakes: [Vec<String>; 2],
     pub friction_cases: Vec<FrictionCase>,
 }

@@ -38,7 +38,8 @@ pub fn extended(text: &str) -> Option<(String, Range<usize>)> {
     extended_in(text, None)
 }
 
-/// Like [`extended`], for a scene that is the table `section` of the text; `None` for the whole text.
+/// Like [`extended`], for the scene in the table `section` of the text. If `section` is `None`, the whole text is the
+/// scene.
 pub fn extended_in(text: &str, section: Option<&str>) -> Option<(String, Range<usize>)> {
     // Most scenes extend none, and need not be parsed twice.
     let document = DeTable::parse(text.contains(EXTENDS).then_some(text)?).ok()?;

@@ -160,8 +160,8 @@ impl Scene {
     /// or discs can be turned into a linkage of one's own; [`show`] writes the scene as a file.
     ///
     /// # Errors
-    /// Returns an error if the initial angles of a finger do not close its loop, or for discs that are driven or do not
-    /// rotate.
+    /// Returns an error if the initial angles of a finger do not close its loop, or for discs that are driven, do not
+    /// rotate, or have a contact without stiffness.
     pub fn as_mechanism(&self) -> Result<Scene, NoMechanismFile> {
         let (mechanism, grasp) = match &self.mechanism {
             Some(mechanism) => {

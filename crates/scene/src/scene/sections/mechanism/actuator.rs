@@ -47,7 +47,7 @@ pub struct BrakeSettings {
 /// falls with the speed. A brake can hold the joint.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct ActuatorSettings {
-    /// The driven joint. Required, or `joints` or `tendon`.
+    /// The driven joint. Required unless `joints` or `tendon` is given.
     #[schemars(extend("minLength" = 1, "x-alternative" = "joints|tendon", "x-required" = "add the driven joint: joint = \"driver\""))]
     pub joint: Option<String>,
     /// Joints of an actuator that turns by the sum of their coordinates times `factors`, in place of `joint`: the input of a

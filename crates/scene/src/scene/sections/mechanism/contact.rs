@@ -63,7 +63,7 @@ pub struct NamedLawSettings {
 pub struct ContactEntry {
     /// Two outlines that may touch, each as `body.outline`, as `body` (all its outlines), or as a pattern:
     /// "finger_*.pad" are the pads of all bodies whose names begin with finger_. All corners of each outline touch the
-    /// other one; a disc or an ellipse touches only with its points. Required, or `points`.
+    /// other one; a disc or an ellipse touches only with its points. Required unless `points` is given.
     #[schemars(extend("x-alternative" = "points",
         "x-required" = "add two outlines or bodies: between = [\"palm\", \"object\"]"))]
     pub between: Option<[String; 2]>,
@@ -71,7 +71,7 @@ pub struct ContactEntry {
     /// capsule two, a polygon its corners. Two outlines that both have corners need an entry in each direction.
     #[schemars(extend("minLength" = 1))]
     pub points: Option<String>,
-    /// Outline that the points touch. Required with `points`, or `faces`.
+    /// Outline that the points touch. Required with `points` unless `faces` is given.
     #[schemars(extend("minLength" = 1, "x-alternative" = "faces|between",
         "x-required" = "add the outline that they touch: face = \"link.pad\", or a list: faces = [\"link.pad\"]"))]
     pub face: Option<String>,

@@ -30,7 +30,7 @@ pub struct JointSettings {
     /// The two bodies: ["ground", "driver"]. Required.
     #[schemars(extend("x-required" = "add the two bodies: bodies = [\"ground\", \"driver\"]"))]
     pub bodies: Option<[String; 2]>,
-    /// Point of the joint in each body, in its own frame. Required, or `at`.
+    /// Point of the joint in each body, in its own frame. Required unless `at` is given.
     #[schemars(extend("x-alternative" = "at",
         "x-required" = "add the point in the frame of each body: points = [[\"0 mm\", \"0 mm\"], [\"30 mm\", \"0 mm\"]]"))]
     pub points: Option<[[Quantity<Length>; 2]; 2]>,
@@ -80,7 +80,7 @@ pub struct LinkageSpringSettings {
     /// "torsional": acts on the coordinate of a joint; "linear": between points of two bodies.
     #[schemars(extend("default" = "torsional"))]
     pub r#type: SpringType,
-    /// Joint of a torsional spring. Required, or `joints`.
+    /// Joint of a torsional spring. Required unless `joints` is given.
     #[schemars(extend("minLength" = 1, "x-with" = "type = torsional", "x-alternative" = "joints",
         "x-required" = "add the joint: joint = \"driver\""))]
     pub joint: Option<String>,

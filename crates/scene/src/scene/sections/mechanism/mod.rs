@@ -93,11 +93,11 @@ pub struct MechanismSettings {
 /// A rigid body with its own frame.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct LinkSettings {
-    /// Mass. Required, or `density`.
+    /// Mass. Required unless `density` is given.
     #[schemars(extend("x-alternative" = "density",
         "x-required" = "add the mass: mass = \"9 g\"; or density and depth of the outlines"))]
     pub mass: Option<Positive<Mass>>,
-    /// Moment of inertia about the centre of mass. Required, or `density`.
+    /// Moment of inertia about the centre of mass. Required unless `density` is given.
     #[schemars(extend("x-alternative" = "density",
         "x-required" = "add the moment of inertia about the centre of mass: inertia = \"200 g*mm^2\"; or, in place of mass and inertia, \
             density and depth of the outlines"))]

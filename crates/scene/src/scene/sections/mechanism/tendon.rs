@@ -51,7 +51,7 @@ impl Turn {
 /// An element of the path of a cable: an eyelet or a pulley.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct PathEntry {
-    /// Body of an eyelet. Required, or `pulley`.
+    /// Body of an eyelet. Required unless `pulley` is given.
     #[schemars(extend("minLength" = 1, "x-alternative" = "pulley",
         "x-required" = "add the body: eyelet = \"distal\", or pulley = \"ground\" with radius and turn"))]
     pub eyelet: Option<String>,
