@@ -96,6 +96,7 @@ const INTEGRATOR: CrateLayers = CrateLayers {
         "event_location",
         "radau5",
         "rodas5p",
+        "dop853",
         "error_weight",
         "step_attempts",
         "switched",

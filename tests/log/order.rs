@@ -135,7 +135,10 @@ fn verifies_messages_in_any_order() {
         assert_eq!(verification["first_difference"]["quantity"], "balance_j");
         // So is an event at another log time, because the class depends on the order of events and samples.
         let mut messages = shuffle(&contents.messages, 9);
-        let event = messages.iter_mut().find(|message| message.topic == "/event").expect("an event");
+        let times: Vec<u64> = messages.iter().filter(|m| m.topic == "/event").map(|m| m.log_time_ns).collect();
+        let passes_none = |time: u64| !times.iter().any(|other| (time + 1..=time + 200).contains(other));
+        let mut events = messages.iter_mut().filter(|message| message.topic == "/event");
+        let event = events.find(|event| passes_none(event.log_time_ns)).expect("an event before no other");
         event.log_time_ns += 100;
         let path = write_bytes(&directory, "displaced.mcap", &contents.log(&messages, options()));
         let verification = &report_of(&path, &["--verify"], 1)["verification"];

@@ -82,8 +82,9 @@ fn a_mechanism_of_fingers_moves_in_the_same_way() {
         let (scale, difference) =
             (expected.0.motor_work_j.abs(), (found.0.motor_work_j - expected.0.motor_work_j).abs());
         assert!(scale > 1e-3 && difference < 1e-5 * scale, "{name}: {difference} of {scale}");
+        // A mechanism takes fewer steps in phases that are not stiff.
         let steps = found.1 as f64 / expected.1 as f64;
-        assert!((0.8..1.25).contains(&steps), "{name}: {steps}");
+        assert!((0.4..1.25).contains(&steps), "{name}: {steps}");
     }
 }
 

@@ -114,6 +114,11 @@ pub trait Method<L: Layout>: Clone {
     /// Writes the coordinates of the terms d of [`Method::dense`]; returns their number.
     fn dense_positions(&self, d: &mut [VectorOf<L>; DENSE_TERMS]) -> usize;
 
+    /// Whether steps are so long that their ends do not describe them.
+    fn takes_long_steps(&self) -> bool {
+        false
+    }
+
     /// Writes the right-hand side at the start of a step of about the size `h`, and its derivatives if the method needs them;
     /// returns whether they are written.
     #[inline(always)]

@@ -37,10 +37,9 @@ const ITERATIONS: [u32; 2] = [3, 4];
 /// so that they check these steps, too.
 #[derive(Clone)]
 pub struct SwitchedMethod<L: Layout> {
-    layout: L,
     radau: Radau5<L>,
     rodas: Rodas5p<L>,
-    /// Exists from the first explicit step on.
+    /// Exists if explicit phases are possible.
     explicit: Option<Box<Dop853<L>>>,
     current: Current,
     starts_with_radau: bool,
@@ -54,6 +53,8 @@ pub struct SwitchedMethod<L: Layout> {
     /// Steps until the equations are examined, and after the next explicit phase that ends.
     wait: u32,
     next_wait: u32,
+    /// Memory for the estimate of the largest rate of change.
+    vectors: [VectorOf<L>; 3],
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +67,8 @@ enum Current {
 impl<L: Layout> SwitchedMethod<L> {
     /// Creates the method with Rodas5P from the start.
     pub fn rodas(layout: L) -> Self {
-        Self { current: Current::Rodas, starts_with_radau: false, ..Self::new(layout) }
+        let explicit = (!L::IS_FIXED).then(|| Box::new(Dop853::new(layout)));
+        Self { explicit, current: Current::Rodas, starts_with_radau: false, ..Self::new(layout) }
     }
 
     /// Ends an explicit phase whose equations have become stiff, or whose steps are not longer than those before.
@@ -91,10 +93,8 @@ impl<L: Layout> SwitchedMethod<L> {
             return;
         }
         let sizes = [system.second_order_count(), system.coordinate_count()];
-        let stiffness = h * largest_rate(linearised, sizes, self.layout);
+        let stiffness = h * largest_rate(linearised, sizes, &mut self.vectors);
         if stiffness < MAX_ENTRY_STIFFNESS {
-            let layout = self.layout;
-            self.explicit.get_or_insert_with(|| Box::new(Dop853::new(layout)));
             (self.current, self.entry_size) = (Current::Explicit, h);
             (self.explicit_steps, self.stiff_steps) = (0, 0);
         } else {
@@ -105,8 +105,10 @@ impl<L: Layout> SwitchedMethod<L> {
 
 /// An estimate of the largest |λ| of q̈ = ∂a/∂q q + ∂a/∂v q̇, from the growth of a vector to which the matrix is applied
 /// (power iteration).
-fn largest_rate<L: Layout>(linearised: &Linearised<L>, [m, n]: [usize; 2], layout: L) -> f64 {
-    let (mut q, mut v, mut next) = (layout.vector(0.0), layout.vector(0.0), layout.vector(0.0));
+fn largest_rate<L: Layout>(linearised: &Linearised<L>, [m, n]: [usize; 2], [q, v, next]: &mut [VectorOf<L>; 3]) -> f64 {
+    q.as_mut().fill(0.0);
+    v.as_mut().fill(0.0);
+    next.as_mut().fill(0.0);
     for i in 0..n {
         // Different parts, so that no eigenvector is missed.
         v[i] = 1.0 + 0.37 * (i as f64 + 1.0).sin();
@@ -117,8 +119,8 @@ fn largest_rate<L: Layout>(linearised: &Linearised<L>, [m, n]: [usize; 2], layou
             next[i] = dot(&linearised.a_q[i][..m], &q.as_ref()[..m]) + dot(&linearised.a_v[i][..n], &v.as_ref()[..n]);
         }
         let squared = |v: &VectorOf<L>| v.as_ref().iter().map(|v| v * v).sum::<f64>();
-        let (before, after) = (squared(&v).sqrt(), squared(&next).sqrt());
-        if after == 0.0 && squared(&q) == 0.0 {
+        let (before, after) = (squared(v).sqrt(), squared(next).sqrt());
+        if after == 0.0 && squared(q) == 0.0 {
             return 0.0;
         }
         let scale = 1.0 / before.max(after).max(f64::MIN_POSITIVE);
@@ -137,7 +139,6 @@ impl<L: Layout> Method<L> for SwitchedMethod<L> {
     /// Creates the method with Radau IIA at the start.
     fn new(layout: L) -> Self {
         Self {
-            layout,
             radau: Radau5::new(layout),
             rodas: Rodas5p::new(layout),
             explicit: None,
@@ -150,6 +151,7 @@ impl<L: Layout> Method<L> for SwitchedMethod<L> {
             stiff_steps: 0,
             wait: 0,
             next_wait: FIRST_WAIT,
+            vectors: std::array::from_fn(|_| layout.vector(0.0)),
         }
     }
 
@@ -162,6 +164,10 @@ impl<L: Layout> Method<L> for SwitchedMethod<L> {
         }
     }
 
+    fn takes_long_steps(&self) -> bool {
+        self.current == Current::Explicit
+    }
+
     fn restart(&mut self) {
         self.radau.restart();
         self.steady_steps = 0;
@@ -169,10 +175,8 @@ impl<L: Layout> Method<L> for SwitchedMethod<L> {
 
     fn follow(&mut self, other: &Self) {
         self.current = other.current;
-        match self.current {
-            Current::Radau => self.radau.follow(&other.radau),
-            Current::Explicit if self.explicit.is_none() => self.explicit = Some(Box::new(Dop853::new(self.layout))),
-            _ => {}
+        if self.current == Current::Radau {
+            self.radau.follow(&other.radau);
         }
     }
 
@@ -194,7 +198,7 @@ impl<L: Layout> Method<L> for SwitchedMethod<L> {
         h: f64,
         linearised: &mut Linearised<L>,
     ) -> bool {
-        let may_be_explicit = !L::IS_FIXED && !self.starts_with_radau;
+        let may_be_explicit = !L::IS_FIXED && self.explicit.is_some();
         if may_be_explicit && self.current == Current::Explicit {
             self.end_useless_phase(h);
         }

@@ -22,7 +22,7 @@ pub struct Integrator {
     /// "draft" for searches and learning (rtol 2e-4), "reference" for comparisons (rtol 1e-11).
     #[schemars(extend("default" = "engineering"))]
     pub preset: Preset,
-    /// Integration method: Rodas5P or Radau IIA of order 5.
+    /// Integration method of order 5: Rodas5P, with steps of DOP853 where a mechanism is not stiff, or Radau IIA.
     pub method: Method,
     /// Relative tolerance of rates.
     #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
