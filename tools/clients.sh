@@ -3,7 +3,8 @@
 # The clients are installed into target/clients and tests/clients/node_modules, and reinstalled when the pinned versions in
 # tests/clients change. Requires Python 3.11 with venv, Node 18 with npm, and Chromium or Chrome.
 # Usage: tools/clients.sh [setup]        (setup: install only)
-# $PHALANX: another binary, $CHROMIUM: another browser, $PHALANX_EXPLORER: an existing module of the explorer.
+# $PHALANX: another binary, $PHALANX_CAMPAIGN: another generator of random scenes, $CHROMIUM: another browser,
+# $PHALANX_EXPLORER: an existing module of the explorer.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -56,6 +57,7 @@ if [ "${1:-}" = setup ]; then
 fi
 
 build_test_program
+build_campaign
 
 # The explorer requires a compiler for WebAssembly; all other tests run without it.
 scripts=(tests/clients/*.test.mjs)

@@ -39,3 +39,12 @@ build_test_program() {
     fi
     export PHALANX
 }
+
+# Sets $PHALANX_CAMPAIGN to the generator of random scenes, built in the same way.
+build_campaign() {
+    if [ -z "${PHALANX_CAMPAIGN:-}" ]; then
+        cargo build --workspace --locked --all-features --profile test --quiet --example campaign
+        PHALANX_CAMPAIGN=$(realpath "${CARGO_TARGET_DIR:-target}")/debug/examples/campaign
+    fi
+    export PHALANX_CAMPAIGN
+}

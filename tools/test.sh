@@ -97,9 +97,10 @@ slurm() {
 python_and_clients() {
     say "the Python package, and real clients in parallel"
     # The requirements of the clients are installed first, because only one process at a time may install packages. The
-    # program is built first, so that no check waits for another's build.
+    # programs are built first, so that no check waits for another's build.
     tools/clients.sh setup
     build_test_program
+    build_campaign
     local clients_log clients_pid python_status=0 clients_status=0
     clients_log=$(mktemp)
     tools/clients.sh >"$clients_log" 2>&1 &

@@ -20,9 +20,9 @@ use phalanx::scene::{Axis, Move, PalmMotion, Ramp, Scene, Vibration};
 use super::jacobian::{Entry, Equations, Variable};
 use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
 use crate::support::random::Random;
-use crate::support::random_loops::{on_moving_base, random_assur, with_start};
-use crate::support::random_mechanisms::random_mechanism;
 use crate::support::runs::experiment_95;
+use crate::support::scenes::loops::{on_moving_base, random_assur, with_start};
+use crate::support::scenes::trees::random_mechanism;
 
 /// Largest differences from a reference solution along all its samples, and the touch-downs.
 #[derive(Debug, Default)]

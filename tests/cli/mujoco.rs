@@ -14,7 +14,8 @@ use serde_json::json;
 
 use crate::support::cli::directory;
 use crate::support::random::Random;
-use crate::support::random_mechanisms::{random_falling_bodies, random_mechanism, random_variant};
+use crate::support::scenes::scene_text;
+use crate::support::scenes::trees::{random_mechanism, random_variant};
 
 /// Elements of a model in each of MuJoCo's namespaces.
 const NAMESPACES: [(&str, &[&str]); 8] = [
@@ -141,7 +142,7 @@ fn random_models(count: u64) -> Vec<(String, MujocoModel)> {
         }
     }
     for seed in 0..count {
-        let scene = scene::parse_any(&random_falling_bodies(seed), "falling.toml").expect("a scene");
+        let scene = scene::parse_any(&scene_text("falling", seed), "falling.toml").expect("a scene");
         all.push((
             format!("falling{seed}"),
             export("falling", &scene.mechanism().expect("a mechanism"), scene.duration_s),

@@ -1,5 +1,6 @@
 """MuJoCo reads the models of all shipped scenes, and of random grippers and mechanisms."""
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -9,20 +10,20 @@ from pathlib import Path
 import logs
 
 TOOLS = logs.PROJECT / "tools"
-sys.path.insert(0, str(TOOLS))
-import random_grippers  # noqa: E402
-
-SEEDS = range(60)
+CAMPAIGN = os.environ.get("PHALANX_CAMPAIGN", str(logs.PROJECT / "target/debug/examples/campaign"))
+FAMILIES = ["objects", "jaws", "tendons", "linkages", "sliders", "thrown"]
+SCENES_PER_FAMILY = 10
 
 
 class Models(unittest.TestCase):
     def test_are_read(self):
         with tempfile.TemporaryDirectory() as directory:
             scenes = [scene for scene in sorted(logs.SCENES.rglob("*.toml")) if scene.parent.name != "studies"]
-            for seed in SEEDS:
-                scene = Path(directory) / f"random{seed}.toml"
-                scene.write_text(random_grippers.scene_text(random_grippers.random_scene(seed)[1]))
-                scenes.append(scene)
+            chosen = ["--family", ",".join(FAMILIES), "--scenes", str(SCENES_PER_FAMILY)]
+            subprocess.run([CAMPAIGN, *chosen, "--print", "--save", directory], check=True)
+            random_scenes = sorted(Path(directory).glob("*.toml"))
+            self.assertEqual(len(random_scenes), len(FAMILIES) * SCENES_PER_FAMILY)
+            scenes += random_scenes
             for index, scene in enumerate(scenes):
                 try:
                     logs.phalanx("scene", "export", scene, "--mjcf", Path(directory) / f"{index}-{scene.stem}.xml")

@@ -17,7 +17,7 @@ use phalanx::statics::{ContactAtRest, DriveState, MechanismAtRest, MechanismLimi
 use super::mechanism_grasp::four_fingers;
 use crate::support::interior_point::{Largest, Programme};
 use crate::support::random::Random;
-use crate::support::random_mechanisms::{local, random_variant};
+use crate::support::scenes::trees::{local, random_variant};
 
 /// Time at which brakes are partly engaged.
 const TIME_S: f64 = 0.009;

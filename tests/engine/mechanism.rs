@@ -2,10 +2,9 @@
 
 use crate::support::laws::THESIS_FRICTION;
 use crate::support::mechanism_cases::{MechanismCase, all_cases, mechanism_case};
-use crate::support::random_mechanisms::{
-    random_falling_bodies, random_mechanism, random_moving_mechanism, random_variant,
-};
 use crate::support::runs::{CollectSink, experiment_95, seeds};
+use crate::support::scenes::scene_text;
+use crate::support::scenes::trees::{random_mechanism, random_moving_mechanism, random_variant};
 use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{
     Bristle, Damping, FrictionKind, FrictionLaw, NormalLaw, damping_from_restitution, friction_coefficient,
@@ -595,7 +594,7 @@ fn random_variants_agree_in_both_models() {
 fn falling_bodies_of_any_outline_agree_in_both_models() {
     let (mut differences, mut touches) = (Vec::new(), 0);
     for seed in 0..60 {
-        let scene = parse_any(&random_falling_bodies(seed), "random.toml").unwrap_or_else(|error| panic!("{error}"));
+        let scene = parse_any(&scene_text("falling", seed), "random.toml").unwrap_or_else(|error| panic!("{error}"));
         let [analytic, engine] = [Model::Analytic, Model::Engine].map(|model| {
             let run = run(model, &scene);
             touches += run.events.iter().filter(|event| event.kind == EventKind::TouchDown).count();

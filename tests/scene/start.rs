@@ -8,7 +8,7 @@ use phalanx::trace::{self, Model};
 
 use crate::parse;
 use crate::support::random::Random;
-use crate::support::random_mechanisms::random_mechanism;
+use crate::support::scenes::trees::random_mechanism;
 
 #[track_caller]
 fn refused(text: &str, parts: &[&str]) -> String {

@@ -8,15 +8,16 @@ pub mod faults;
 pub mod interior_point;
 pub mod laws;
 pub mod mechanism_cases;
-pub mod random;
-pub mod random_loops;
-pub mod random_mechanisms;
 pub mod reference_cases;
 pub mod replay;
 pub mod runs;
+#[path = "../../tools/campaign/scenes/mod.rs"]
+pub mod scenes;
 pub mod statics;
 pub mod studies;
 pub mod sweep_results;
 pub mod synthetic;
 #[cfg(unix)]
 pub mod terminal;
+
+pub use scenes::random;

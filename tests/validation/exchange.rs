@@ -2,8 +2,8 @@
 //! over, so that the motion does not depend on the joint with the start.
 
 use crate::support::laws::mechanism_scene;
-use crate::support::random_loops::{on_moving_base, random_assur, random_linkage, with_start};
 use crate::support::runs::{CollectSink, run_engine, run_to_end, seeds};
+use crate::support::scenes::loops::{on_moving_base, random_assur, random_linkage, with_start};
 use phalanx::law::{Bristle, ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::structure::{Group, find_groups};
 use phalanx::mechanism::{ContactPair, ForcePoint, JointKind, Mechanism, Outline, OutlineId, OutlineShape, assemble};

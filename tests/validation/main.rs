@@ -4,7 +4,6 @@
 
 #[path = "../support/mod.rs"]
 mod support;
-use support::random;
 
 mod budget;
 mod campaign;
@@ -15,7 +14,6 @@ mod fates;
 mod grasp_anchors;
 mod grasp_random;
 mod grasp_real;
-mod grippers;
 mod hard_grippers;
 mod hard_scenes;
 mod random_scenes;

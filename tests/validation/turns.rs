@@ -1,8 +1,8 @@
 //! Whole turns of joints: angles are continuous in both models, whatever closes the loop and whatever acts on the joint.
 
 use crate::support::laws::mechanism_scene;
-use crate::support::random_loops::{RandomLoop, quick_line, random_assur_loop, random_loop};
 use crate::support::runs::{CollectSink, load, run_engine, run_to_end, seeds};
+use crate::support::scenes::loops::{RandomLoop, quick_line, random_assur_loop, random_loop};
 use phalanx::mechanism::{JointCombination, JointKind, Mechanism, Spring, SpringKind};
 use phalanx::scene::{ENGINE_MAX_STEP_S, Integrator, Preset, Scene, Stepping, parse_any};
 use phalanx::trace::{self, EventKind, Model, Sample, Simulation};

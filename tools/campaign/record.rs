@@ -3,8 +3,9 @@
 use std::time::{Duration, Instant};
 
 use phalanx::check::{perturbed, units};
+use phalanx::integrator::Reason;
 use phalanx::scene::{Integrator, Method, Preset, Scene, Stepping};
-use phalanx::trace::{Event, Model, RunError, Sample, Sink, SinkError, run};
+use phalanx::trace::{ContactSummary, Event, Model, RunError, Sample, Sink, SinkError, run};
 
 /// Number of grid intervals at which runs are compared.
 const POINTS: f64 = 100.0;
@@ -35,7 +36,8 @@ pub struct Run {
     pub path: Vec<Vec<f64>>,
     /// End time, and the reason for a premature end.
     pub end_s: f64,
-    pub failure: Option<String>,
+    pub failure: Option<Reason>,
+    pub contacts: Vec<ContactSummary>,
     pub wall_time: Duration,
     pub steps: u64,
     pub events: u64,
@@ -55,10 +57,13 @@ struct PathRecorder {
 }
 
 impl PathRecorder {
-    fn new(duration_s: f64, units: Vec<f64>) -> Self {
+    fn new(scene: &Scene) -> Self {
         let deadline = Instant::now() + MAX_WALL_TIME;
+        // Those of the joints of a mechanism come first. Its path consists of the poses of its bodies.
+        let joints = scene.mechanism.as_ref().map_or(0, |mechanism| mechanism.joints.len());
+        let units = units(scene).split_off(joints);
         Self {
-            interval_s: duration_s / POINTS,
+            interval_s: scene.duration_s / POINTS,
             times: Vec::new(),
             path: Vec::new(),
             event_log: Vec::new(),
@@ -79,9 +84,10 @@ impl PathRecorder {
 impl Sink for PathRecorder {
     fn sample(&mut self, s: &Sample) -> Result<(), SinkError> {
         let angles = s.fingers().flat_map(|finger| [finger.q11_rad, finger.q21_rad, finger.q22_rad]);
-        let centres = s.bodies().flat_map(|disc| disc.centre_m);
+        let centres = s.bodies().flat_map(|body| body.centre_m);
+        let coordinates = angles.chain(centres).chain(s.bodies().map(|body| body.angle_rad));
         let units = self.units.clone();
-        self.record_point(s.time_s, || angles.chain(centres).zip(units).map(|(value, unit)| value / unit).collect());
+        self.record_point(s.time_s, || coordinates.zip(units).map(|(value, unit)| value / unit).collect());
         Ok(())
     }
 
@@ -104,54 +110,47 @@ pub fn record(scene: &Scene, setting: Setting, perturbation: f64) -> Run {
     run
 }
 
-fn setting_model(setting: Setting) -> Model {
-    match setting {
-        Setting::Engine | Setting::EngineTolerance(_) => Model::Engine,
-        _ => Model::Analytic,
-    }
-}
-
-fn setting_integrator(setting: Setting, scene_value: &Integrator) -> Integrator {
-    let engineering = Integrator::preset(Preset::Engineering);
+/// Returns the model of a setting; gives the scene its integrator and steps. Other settings keep those of the scene.
+fn apply(setting: Setting, scene: &mut Scene) -> Model {
     let reference = Integrator::preset(Preset::Reference);
     match setting {
-        Setting::Reference => reference,
-        Setting::SecondMethod => Integrator {
-            method: Method::Rodas5p,
-            rtol: 1e-9,
-            atol_angle_rad: 1e-13,
-            atol_rate_rad_s: 1e-8,
-            ..reference
-        },
-        Setting::Rtol(rtol) => engineering.with_rtol(rtol),
-        // All other settings use the integrator of the scene.
-        _ => *scene_value,
-    }
-}
-
-fn setting_stepping(setting: Setting, scene_value: Stepping) -> Stepping {
-    match (setting, scene_value) {
-        (Setting::EngineTolerance(factor), Stepping::Adaptive { tolerance_m, max_step_s }) => {
-            Stepping::Adaptive { tolerance_m: factor * tolerance_m, max_step_s }
+        Setting::Reference => scene.integrator = reference,
+        Setting::SecondMethod => {
+            scene.integrator = Integrator {
+                method: Method::Rodas5p,
+                rtol: 1e-9,
+                atol_angle_rad: 1e-13,
+                atol_rate_rad_s: 1e-8,
+                ..reference
+            };
         }
-        (_, scene_value) => scene_value,
+        Setting::Rtol(rtol) => scene.integrator = Integrator::preset(Preset::Engineering).with_rtol(rtol),
+        Setting::EngineTolerance(factor) => {
+            if let Stepping::Adaptive { tolerance_m, .. } = &mut scene.engine.stepping {
+                *tolerance_m *= factor;
+            }
+            return Model::Engine;
+        }
+        Setting::Engine => return Model::Engine,
+        Setting::Default => {}
     }
+    Model::Analytic
 }
 
 fn simulate(scene: &mut Scene, setting: Setting) -> Run {
-    scene.integrator = setting_integrator(setting, &scene.integrator);
-    scene.engine.stepping = setting_stepping(setting, scene.engine.stepping);
+    let model = apply(setting, scene);
     scene.log.numeric_hz = POINTS / scene.duration_s;
-    let mut recorder = PathRecorder::new(scene.duration_s, units(scene));
-    let result = run(setting_model(setting), &*scene, &mut recorder);
+    let mut recorder = PathRecorder::new(scene);
+    let result = run(model, &*scene, &mut recorder);
     let (outcome, failure) = match result {
         Ok(outcome) => (outcome, None),
-        Err(RunError::Simulation { failure, partial_outcome }) => (*partial_outcome, Some(failure.reason.to_string())),
+        Err(RunError::Simulation { failure, partial_outcome }) => (*partial_outcome, Some(failure.reason)),
         Err(RunError::Sink(error)) => panic!("{error}"),
     };
     Run {
         end_s: outcome.ejected_s.unwrap_or(outcome.last.time_s),
         failure,
+        contacts: outcome.contacts,
         steps: outcome.work.steps,
         events: outcome.work.events,
         times: recorder.times,
@@ -175,4 +174,11 @@ pub fn difference(a: &Run, b: &Run) -> f64 {
 /// Returns whether two runs end at the same time in the same way.
 pub fn have_same_end(a: &Run, b: &Run) -> bool {
     a.failure.is_some() == b.failure.is_some() && (a.end_s - b.end_s).abs() <= 1e-5 * a.end_s.max(b.end_s)
+}
+
+/// Returns the largest relative difference of peak forces, of those above a twentieth of the largest one.
+pub fn peak_difference(run: &Run, reference: &Run) -> f64 {
+    let largest = reference.contacts.iter().map(|contact| contact.peak_normal_n).fold(0.0, f64::max);
+    let pairs = run.contacts.iter().zip(&reference.contacts).map(|(a, b)| (a.peak_normal_n, b.peak_normal_n));
+    pairs.filter(|(_, peak)| *peak > 0.05 * largest).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max)
 }

@@ -1,4 +1,4 @@
-//! Reproducible random numbers, and quantities and contact laws of scene texts.
+//! Reproducible random numbers, and quantities of scene texts.
 
 use std::fmt::{Display, Write};
 
@@ -51,24 +51,7 @@ pub fn pair(values: [f64; 2], unit: &str) -> String {
     format!("[{}, {}]", quantity(values[0], unit), quantity(values[1], unit))
 }
 
-/// Writes a normal law in SI units.
-pub fn write_normal_law(text: &mut String, section: &str, [stiffness, exponent, damping, transition]: [f64; 4]) {
-    let _ = writeln!(text, "[{section}]\nstiffness_si = {stiffness:e}\nexponent = {exponent:e}");
-    let _ = writeln!(text, "damping = {}", quantity(damping, "N*s/m"));
-    let _ = writeln!(text, "transition = {}", quantity(transition, "m"));
-}
-
-/// Writes a friction law with random values within the given bounds; v_dynamic is at most 5 v_static.
-pub fn write_friction_law(
-    rng: &mut Random,
-    text: &mut String,
-    section: &str,
-    v_static: [f64; 2],
-    mu: [f64; 2],
-    min_ratio: f64,
-) {
-    let v_static = rng.log_within(v_static[0], v_static[1]);
-    let _ = writeln!(text, "[{section}.friction]\nmu_static = {:e}", rng.within(mu[0], mu[1]));
-    let v_dynamic = v_static * rng.within(min_ratio, 5.0);
-    let _ = writeln!(text, "v_static = {}\nv_dynamic = {}", quantity(v_static, "m/s"), quantity(v_dynamic, "m/s"));
+/// Appends a line of a section of a scene file.
+pub fn key(text: &mut String, name: &str, value: impl Display) {
+    let _ = writeln!(text, "{name} = {value}");
 }

@@ -1,5 +1,4 @@
-//! Random mechanisms of bodies with joints, dyads, springs, limits, actuators and contacts, and random free bodies with
-//! outlines.
+//! Random mechanisms of bodies with joints, dyads, springs, limits, actuators and contacts, as values.
 
 use phalanx::drive::{Brake, Interpolation, Profile};
 use phalanx::law::{Bristle, ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
@@ -9,10 +8,9 @@ use phalanx::mechanism::{
     OutlineId, OutlineShape, PathElement, PrescribedMotion, Rotor, Spring, SpringKind, Tendon, TendonActuator,
 };
 use phalanx::scene::{Axis, Move, PalmMotion, Ramp, Vibration};
-use std::f64::consts::{PI, TAU};
-use std::fmt::Write;
+use std::f64::consts::PI;
 
-use super::random::{Random, pair, quantity};
+use super::random::Random;
 
 /// Level of the ground, m.
 const GROUND_M: f64 = -0.15;
@@ -485,78 +483,4 @@ fn add_contacts(mechanism: &mut Mechanism, random: &mut Random) {
             is_reported_on_face: false,
         });
     }
-}
-
-/// Returns the text of a scene in which two or three free bodies with random outlines fall on a floor and on each other
-/// within 30 ms. All roundings exceed the penetrations.
-pub fn random_falling_bodies(seed: u64) -> String {
-    let mut random = Random::for_seed(seed);
-    let mut text = "kind = \"mechanism\"\nduration = \"30 ms\"\ngravity = [\"0 m/s^2\", \"-9.81 m/s^2\"]\n".to_string();
-    let count = 2 + (random.unit() * 2.0) as usize;
-    for body in 0..count {
-        let kinds = ["disc", "capsule", "box", "polygon", "ellipse"];
-        // Two ellipses cannot touch.
-        let kind = random.choose(&kinds[..if body == 0 { 5 } else { 4 }]);
-        let radius = quantity(random.within(2e-3, 5e-3), "m");
-        let center = [(); 2].map(|()| random.within(-4e-3, 4e-3));
-        let angle = quantity(random.within(-PI, PI), "rad");
-        let outline = match kind {
-            "disc" => {
-                format!("center = {}\nradius = {}", pair(center, "m"), quantity(random.within(8e-3, 1.5e-2), "m"))
-            }
-            "capsule" => {
-                let end = [center[0] + random.within(8e-3, 1.5e-2), center[1] + random.within(-1e-2, 1e-2)];
-                format!("from = {}\nto = {}\nradius = {radius}", pair(center, "m"), pair(end, "m"))
-            }
-            "box" => {
-                let size = [(); 2].map(|()| random.within(1.2e-2, 3e-2));
-                format!(
-                    "center = {}\nsize = {}\nangle = {angle}\nrounding = {radius}",
-                    pair(center, "m"),
-                    pair(size, "m")
-                )
-            }
-            "polygon" => {
-                // Points of a circle are a convex polygon.
-                let corners = 3 + (random.unit() * 3.0) as usize;
-                let step = TAU / corners as f64;
-                let size = random.within(8e-3, 1.5e-2);
-                let vertices: Vec<String> = (0..corners)
-                    .map(|k| (k as f64 + random.within(-0.2, 0.2)) * step)
-                    .map(|angle| pair([size * angle.cos(), size * angle.sin()], "m"))
-                    .collect();
-                format!("vertices = [{}]\nradius = {radius}", vertices.join(", "))
-            }
-            _ => {
-                let axes = [random.within(8e-3, 1.8e-2), random.within(8e-3, 1.8e-2)];
-                format!("center = {}\nsemi_axes = {}\nangle = {angle}", pair(center, "m"), pair(axes, "m"))
-            }
-        };
-        // Bodies side by side move towards the middle and down.
-        let x = 0.055 * (body as f64 - 0.5 * (count - 1) as f64);
-        let at = pair([x, random.within(0.034, 0.045)], "m");
-        let velocity = pair([-20.0 * x + random.within(-0.2, 0.2), random.within(-1.5, -0.6)], "m/s");
-        let [mass, inertia] = [random.log_within(0.02, 0.1), random.log_within(2e-6, 1e-5)];
-        let _ = writeln!(
-            text,
-            "[bodies.body{body}]\nmass = {}\ninertia = {}\ncom = {}\n[bodies.body{body}.start]\nat = {at}\nangle = {}\n\
-             velocity = {velocity}\nspin = {}\n[bodies.body{body}.outlines.skin]\ntype = \"{kind}\"\n{outline}",
-            quantity(mass, "kg"),
-            quantity(inertia, "kg*m^2"),
-            pair([(); 2].map(|()| random.within(-2e-3, 2e-3)), "m"),
-            quantity(random.within(-PI, PI), "rad"),
-            quantity(random.within(-20.0, 20.0), "rad/s"),
-        );
-    }
-    let damping = quantity(random.log_within(0.1, 1.0), "s/m");
-    let _ = writeln!(
-        text,
-        "[ground.outlines.floor]\ntype = \"half_plane\"\nnormal = [0, 1]\n[laws.hard]\nstiffness = 3e7\ndamping = {damping}"
-    );
-    if random.chance(0.7) {
-        let _ = writeln!(text, "friction = {{ mu_static = 0.5, v_static = \"0.02 m/s\", v_dynamic = \"0.04 m/s\" }}");
-    }
-    let at = random.choose(&["face", "points", "middle"]);
-    let _ = writeln!(text, "[[contacts]]\nbetween = [\"*\", \"*\"]\nlaw = \"hard\"\nat = \"{at}\"");
-    text
 }
