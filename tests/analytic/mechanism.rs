@@ -231,7 +231,7 @@ fn check_jacobians(name: &str, (mechanism, start): (&Mechanism, &Start), duratio
         let time_step = if next < t + 2e-5 { 0.0 } else { 1e-5 };
         // The friction law changes over 1e-2 m/s.
         let rate_step = if depth < 1e-2 { 2e-5 } else { 1e-3 * (1.0 + largest(&state.v)) };
-        let steps = [time_step, 0.02 * depth, rate_step];
+        let steps = [time_step, 2e-3 * depth, rate_step];
         let equations = Equations { hand: &model, mode, t, q: state.q.clone(), v: state.v.clone() };
         let allowed = |entry: &Entry| {
             2e-5 * (entry.row_size + 1e-6 * entry.value.abs() / entry.h) + 1e-7 * entry.largest[1] * entry.h + 1e-7

@@ -331,3 +331,17 @@ factors = [1, 1]
     refused(text, &["left_", "coupling `gears`", "factors"]);
     parse(&text.replace("factors = [1, 1]", "factors = [1, -1]"));
 }
+
+/// The only distances of the mechanism are rounding errors of a computed centre of mass: they are no length scale, against which
+/// the guess would be wrong.
+#[test]
+fn rounding_errors_are_no_length_of_a_mechanism() {
+    let scene = parse(
+        "kind = \"mechanism\"\nduration = \"1 ms\"\n[bodies.jaw]\nmass = \"280 g\"\ninertia = \"2e4 g*mm^2\"\n\
+         com = [\"1e-14 mm\", \"0 mm\"]\nguess = { at = [\"1.0397847671410872e1 mm\", \"0 mm\"] }\n[joints.rail]\n\
+         type = \"prismatic\"\nbodies = [\"ground\", \"jaw\"]\npoints = [[\"0 mm\", \"0 mm\"], [\"0 mm\", \"0 mm\"]]\n\
+         start = \"1.0397847671410873e-2 m\"\n",
+    );
+    let start = assemble(scene.mechanism.as_ref().expect("a mechanism")).expect("a start");
+    assert!((start.poses[0][0] - 1.0397847671410873e-2).abs() < 1e-15, "{:?}", start.poses);
+}

@@ -155,6 +155,8 @@ fn check_factors(couplings: &[String]) -> &'static str {
     if couplings.is_empty() { "" } else { "check the signs of the coupling's factors and its value; otherwise " }
 }
 
+/// Smallest length of a mechanism, m.
+const MIN_LENGTH_M: f64 = 1e-9;
 /// Rounding error of scaled residuals.
 const ROUNDING: f64 = 1e-14;
 /// Largest scaled residual of an assembled mechanism.
@@ -264,7 +266,9 @@ impl<'a> Solver<'a> {
     fn new(mechanism: &'a Mechanism) -> Self {
         let points = mechanism.joints.iter().flat_map(|joint| joint.points_m);
         let reach = points.chain(mechanism.bodies.iter().map(|body| body.com_m)).map(|p| dot(p, p)).fold(0.0, f64::max);
-        Self { mechanism, scale_m: if reach > 0.0 { reach.sqrt() } else { 1.0 }, moves_prescribed: false }
+        // The centre of mass of a symmetrical outline is off by rounding errors, which are no length.
+        let scale_m = if reach.sqrt() > MIN_LENGTH_M { reach.sqrt() } else { 1.0 };
+        Self { mechanism, scale_m, moves_prescribed: false }
     }
 
     /// All equations in order: joints, couplings, start coordinates.

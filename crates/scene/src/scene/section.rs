@@ -124,8 +124,10 @@ impl Key {
     fn new(name: &'static str, schema: &'static Value) -> Self {
         let value_type = ValueType::from_schema(schema);
         let condition = schema.get("x-with").and_then(Value::as_str).and_then(|with| with.split_once(" = "));
+        // The limits of a list are those of its items.
+        let limited = if matches!(value_type, ValueType::List(..)) { &schema["items"] } else { schema };
         let limit = |(keyword, of_quantity)| {
-            let limit = schema.get(keyword).or_else(|| schema.get(of_quantity))?;
+            let limit = limited.get(keyword).or_else(|| limited.get(of_quantity))?;
             Some((keyword, limit.as_f64()?))
         };
         let limits = LIMITS.into_iter().filter_map(limit);
@@ -140,8 +142,11 @@ impl Key {
         }
     }
 
-    /// Whether a value is within the limits of the key.
+    /// Whether a value, or each item of a list, is within the limits of the key.
     pub fn allows(&self, value: &toml::Value) -> bool {
+        if let Some(items) = value.as_array() {
+            return items.iter().all(|item| self.allows(item));
+        }
         let Some(number) = value.as_float() else { return true };
         self.limits.iter().all(|(keyword, limit)| match *keyword {
             "minimum" => number >= *limit,
@@ -153,8 +158,9 @@ impl Key {
 
     /// Describes the allowed numbers: "above 0", "from 0 to 1".
     pub(crate) fn limits(&self) -> String {
-        let text = |limit: f64| match self.value_type {
-            ValueType::Quantity(dimension) if limit != 0.0 => format(limit, dimension),
+        let of_number = if let ValueType::List(item, _) = &self.value_type { item } else { &self.value_type };
+        let text = |limit: f64| match of_number {
+            ValueType::Quantity(dimension) if limit != 0.0 => format(limit, *dimension),
             _ => number(limit),
         };
         match self.limits[..] {
@@ -187,7 +193,8 @@ impl Key {
             ValueType::Number | ValueType::Percent if self.limits.is_empty() => self.limits(),
             ValueType::Number | ValueType::Percent => format!("a number {}", self.limits()),
             ValueType::List(item, _) => match **item {
-                ValueType::Quantity(dimension) => dimension.name().to_string(),
+                ValueType::Quantity(dimension) if self.limits.is_empty() => dimension.name().to_string(),
+                ValueType::Quantity(dimension) => format!("{} {}", dimension.name(), self.limits()),
                 _ => "a list".to_string(),
             },
         }
