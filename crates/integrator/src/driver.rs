@@ -78,7 +78,7 @@ const UNLOADING_CUT: f64 = 0.4;
 const MAX_RESOLVED_ERROR: f64 = 10.0;
 /// Error of a cubic through the ends of a step, relative to the absolute tolerance of coordinates, above which observers see
 /// parts of it.
-const MAX_CUBIC_ERROR: f64 = 50.0;
+const MAX_CUBIC_ERROR: f64 = 10.0;
 /// Largest number of parts of a step.
 const MAX_PARTS: f64 = 16.0;
 /// Number of states inside a step that are kept for further readings.
