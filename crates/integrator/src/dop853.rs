@@ -45,8 +45,8 @@ pub struct Dop853<L: Layout> {
 impl<L: Layout> Dop853<L> {
     /// Whether the last attempt was stiff.
     pub fn is_stiff(&self) -> bool {
-        // Written so that a value that is not a number counts as stiff.
-        !(self.stiffness < MAX_STIFFNESS)
+        // A value that is not a number counts as stiff.
+        self.stiffness.is_nan() || self.stiffness >= MAX_STIFFNESS
     }
 
     /// Writes the state of stage `i`, whose derivatives at earlier stages are known.

@@ -338,7 +338,7 @@ mod tests {
             d.q = [value];
         }
         let mut bounds = CoordinateBounds::at_rest(Fixed::<1, 0>);
-        let mut rate_at = |theta: f64| {
+        let rate_at = |theta: f64| {
             let mut state = State::zero(Fixed);
             dense.derivative(theta, &mut state);
             dense.h * state.q[0]
