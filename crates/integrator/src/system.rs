@@ -285,7 +285,8 @@ impl GapBound {
 }
 
 impl GapBounds {
-    /// Creates bounds of `count` functions that exclude nothing, without a singularity.
+    /// Creates the bounds of `count` event functions. They exclude no part of the step from the search, and the clearance
+    /// counts as positive over the whole step.
     pub fn new(count: usize) -> Self {
         Self { gaps: vec![GapBound::NONE; count], clearance_reach: f64::INFINITY }
     }

@@ -205,7 +205,7 @@ fn progress_is_reported_and_study_can_be_interrupted() {
     assert!(matches!(stopped, ComputeError::Stopped { done, total: 1280 } if done < 1280), "{stopped}");
 }
 
-/// Agrees with 2-design §2.6; `tests/design/reproduce.rs` compares all figures of the volumes.
+/// `tests/design/reproduce.rs` compares all figures of the volumes.
 #[test]
 fn form_closed_points_are_counted_regardless_of_stability() {
     let request = VolumeRequest { bases_m: vec![0.0155], mu_static: vec![0.0, 0.8], ..VolumeRequest::thesis() };

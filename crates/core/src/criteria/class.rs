@@ -5,7 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use serde::{Serialize, Serializer};
 
 /// ε: largest deviation from the final angles at which the finger is in position, 0.2° (thesis §4.1.1.1). The value is
-/// that of 2-design §2.4: wide enough for the penetration and narrow enough to detect a rebound.
+/// wide enough for the penetration and narrow enough to detect a rebound.
 pub const EPSILON_RAD: f64 = 0.2 * std::f64::consts::PI / 180.0;
 
 /// Duration of one impact, 1 µs. With the contact parameters of the thesis an impact ends within a microsecond, so a
@@ -92,8 +92,8 @@ impl Class {
 /// Reason for the class of a finger. Pairs are in the order (q11, q21) or (proximal phalanx, tip); the tip is the
 /// distal phalanx.
 ///
-/// Its text is the sentence of all reports without the name of the class;
-/// [`Criteria::verdict`](super::Criteria::verdict) includes the name.
+/// Its `Display` gives the sentence that reports print after the name of the class;
+/// [`Criteria::verdict`](super::Criteria::verdict) puts the name in front.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClassReason {
     /// A phalanx would have to pull in the static grasp: at least one static normal force, N, is negative or NaN.

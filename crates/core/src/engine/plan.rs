@@ -319,7 +319,8 @@ pub struct Plan {
     pub tendons: Vec<PlannedTendon>,
     /// Bodies that samples report.
     pub reported_bodies: Vec<usize>,
-    /// For each stop, its contact channel in samples. Springs of tendons follow the stops; they have no channel.
+    /// Contact channel in samples of each stop of a joint. After these, `stops` contains the springs of tendons, which have
+    /// no channel.
     pub stop_channels: Vec<usize>,
     /// For each contact, its contact channel in samples.
     pub contact_channels: Vec<usize>,

@@ -10,7 +10,7 @@ use super::{Bodies, Body, Lengths, NumberError, positive};
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{cross, dot, sub};
 
-/// Returns the mass properties of the four bodies: m = ρ d A, I = ρ d J about the centroid (1-model §1.3).
+/// Returns the mass properties of the four bodies: m = ρ d A, I = ρ d J about the centroid.
 ///
 /// The density ρ is in kg/m³, the depth d in metres. Each body has its own frame. Its origin is at the preceding joint
 /// (O, O, A12, A22). Its x axis is along the link; for the distal body, along the arm A22 → A13.

@@ -1,4 +1,4 @@
-//! Sizing of spring and motor for a test trajectory (thesis §3.3.2, spec of 2-design §2.2).
+//! Sizing of spring and motor for a test trajectory (thesis §3.3.2).
 //!
 //! The motor link moves from the start to the final posture in T = 10 ms along a polynomial of the 7th order. Until the
 //! proximal contact the spring must keep the finger straight, so that it swings as one rigid body; then l21 rests and

@@ -1,4 +1,4 @@
-//! Figures of the thesis, with the values expected from a correct implementation (2-design §2.6), the reasons for
+//! Figures of the thesis, with the values expected from a correct implementation, the reasons for
 //! differences, the computed values, and their comparison.
 
 use std::collections::BTreeMap;

@@ -87,7 +87,7 @@ fn start_place<'a>(input: &SectionInput<'a>) -> (SectionInput<'a>, &'static str)
     }
 }
 
-/// q21 = q_c21 − q_0 (2-design §2.1), for the object or, without object, for the one of the design.
+/// q21 = q_c21 − q_0, for the object or, without object, for the one of the design.
 fn angle_before_contact(
     input: &SectionInput<'_>,
     finger_lengths: &FingerLengths,

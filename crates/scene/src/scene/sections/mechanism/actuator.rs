@@ -36,7 +36,7 @@ pub struct BrakeSettings {
     pub one_way: bool,
     /// Rate at which the brake reaches its limit. Default: 0.01 rad/s, of a prismatic joint 1 mm/s.
     pub rate: Option<Positive<CoordinateRate>>,
-    /// Stiffness of a bristle, by which the brake holds without creep. Default: none; below `rate`, the joint creeps.
+    /// Stiffness of a bristle, with which the brake holds without creep. Default: none; a load below `limit` then lets the joint creep.
     pub stiffness: Option<Positive<JointStiffness>>,
     /// Relaxation time of the bristle.
     #[schemars(extend("default" = "1 ms"))]
