@@ -13,6 +13,7 @@ mod optimize;
 mod output;
 mod page;
 mod parsers;
+#[cfg(feature = "png")]
 mod png;
 mod progress;
 mod replay;

@@ -13,7 +13,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 
-use super::png::render as render_png;
 use super::{Failure, Status};
 pub(crate) use crate::files::FileKind;
 use crate::files::{
@@ -275,8 +274,9 @@ pub(super) fn save(path: &Path, text: &str) -> Result<(), Failure> {
 pub(super) fn save_picture(path: &Path, title: &str, svg: &str) -> Result<(), Failure> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("html") => save(path, &picture_page(title, svg)),
+        #[cfg(feature = "png")]
         Some("png") => {
-            let pixels = render_png(svg).map_err(|error| write_failure(path, error))?;
+            let pixels = super::png::render(svg).map_err(|error| write_failure(path, error))?;
             replace_file(path, |out| out.write_all(&pixels)).map_err(|error| write_failure(path, error))
         }
         _ => save(path, svg),

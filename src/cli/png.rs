@@ -1,18 +1,15 @@
-//! Pictures as PNG, drawn from their SVG. The feature `png` adds the rasteriser, which takes a minute of the build.
+//! Pictures as PNG, drawn from their SVG. Only with the feature `png`: the rasteriser takes a minute of the build.
 
 /// Pixels per unit of a picture: plots stay sharp in print and on dense screens.
-#[cfg(feature = "png")]
 const SCALE: f32 = 2.0;
 
 /// Fonts without serifs of the usual systems, in the order of preference.
-#[cfg(feature = "png")]
 const FONTS: [&str; 6] = ["DejaVu Sans", "Arial", "Helvetica", "Liberation Sans", "Noto Sans", "Segoe UI"];
 
 /// Draws a picture with twice its size in pixels.
 ///
 /// # Errors
 /// A message if no font is installed.
-#[cfg(feature = "png")]
 pub(super) fn render(svg: &str) -> Result<Vec<u8>, String> {
     use resvg::tiny_skia::{Color, Pixmap, Transform};
     use resvg::usvg::{Options, Tree};
@@ -37,12 +34,7 @@ pub(super) fn render(svg: &str) -> Result<Vec<u8>, String> {
     pixels.encode_png().map_err(|error| error.to_string())
 }
 
-#[cfg(not(feature = "png"))]
-pub(super) fn render(_svg: &str) -> Result<Vec<u8>, String> {
-    unreachable!("the parser of --plot refuses .png without the feature")
-}
-
-#[cfg(all(test, feature = "png"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use resvg::tiny_skia::Pixmap;

@@ -103,7 +103,7 @@ fn run_numbers(rows: &[Vec<Value>]) -> impl Iterator<Item = u64> {
     rows.iter().filter_map(|row| u64::try_from(row.first()?.as_integer()?).ok())
 }
 
-/// Opens the results of a study, of which the first `max_runs` runs are requested.
+/// Opens the results of the first `max_runs` runs of a study.
 ///
 /// # Errors
 /// Returns an error if the output path is unusable, contains results of another study, or is being written by another

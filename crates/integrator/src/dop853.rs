@@ -26,10 +26,7 @@ const MAX_STIFFNESS: f64 = 4.0;
 /// DOP853 with the stages of its last attempt, for dense output; it has no other history.
 #[derive(Clone)]
 pub struct Dop853<L: Layout> {
-    t0: f64,
     h: f64,
-    start: State<L>,
-    end: State<L>,
     /// Derivatives of coordinates, rates and quadratures at the stages.
     k: [State<L>; STAGES],
     rates: Rates<L>,
@@ -86,10 +83,7 @@ impl<L: Layout> Method<L> for Dop853<L> {
     fn new(layout: L) -> Self {
         let zero = || State::zero(layout);
         Self {
-            t0: 0.0,
             h: 0.0,
-            start: zero(),
-            end: zero(),
             k: std::array::from_fn(|_| zero()),
             rates: Rates::zero(layout),
             stage: zero(),
@@ -111,7 +105,7 @@ impl<L: Layout> Method<L> for Dop853<L> {
 
     fn attempt<Y: System<Layout = L>>(&mut self, origin: &StepStart<Y>, h: f64, attempt: &mut Attempt<L>) {
         let StepStart { system, linearised, tolerances, t, state: from, .. } = *origin;
-        (self.t0, self.h) = (t, h);
+        self.h = h;
         // Coordinates of first-order states stay at 0.
         let (of_q, count) = (system.second_order_count(), system.coordinate_count());
         self.k[0].q.as_mut()[..of_q].copy_from_slice(&from.v.as_ref()[..of_q]);
@@ -121,8 +115,8 @@ impl<L: Layout> Method<L> for Dop853<L> {
             self.write_stage(i, from, of_q);
             self.evaluate_stage(i, origin, of_q);
         }
-        // The end of the last attempt is memory for the state of its last stage but one.
-        self.end.copy_from(&self.stage);
+        // The derivative of dense output is memory for the state of the last stage but one.
+        self.slope.copy_from(&self.stage);
         self.write_stage(END, from, of_q);
         let Attempt { end, error_q, error_v, .. } = &mut *attempt;
         let mut norms = [0.0; 2];
@@ -149,14 +143,12 @@ impl<L: Layout> Method<L> for Dop853<L> {
             return;
         }
         self.evaluate_stage(END, origin, of_q);
-        self.stiffness = self.measure_stiffness(&self.end);
+        self.stiffness = self.measure_stiffness(&self.slope);
         for i in END + 1..STAGES {
             self.write_stage(i, from, of_q);
             self.evaluate_stage(i, origin, of_q);
         }
-        self.start.copy_from(from);
-        self.end.copy_from(&attempt.end);
-        self.write_dense();
+        self.write_dense(t, [from, &attempt.end]);
         let defect = self.defect(origin, attempt, of_q, count);
         attempt.error = attempt.error.max(defect / MAX_DEFECT);
         attempt.rhs = STAGES as u64;
@@ -186,9 +178,9 @@ impl<L: Layout> Method<L> for Dop853<L> {
 
 impl<L: Layout> Dop853<L> {
     /// Writes the dense output of the last attempt. Hairer's form of it has alternate factors Θ and 1 − Θ.
-    fn write_dense(&mut self) {
-        let Self { t0, h, start, end, k, dense, .. } = self;
-        (dense.t0, dense.h, dense.terms) = (*t0, *h, DENSE_TERMS);
+    fn write_dense(&mut self, t0: f64, [start, end]: [&State<L>; 2]) {
+        let Self { h, k, dense, .. } = self;
+        (dense.t0, dense.h, dense.terms) = (t0, *h, DENSE_TERMS);
         dense.start.copy_from(start);
         dense.end.copy_from(end);
         let write = |[start, end]: [&[f64]; 2], k: [&[f64]; STAGES], mut d: [&mut [f64]; DENSE_TERMS]| {

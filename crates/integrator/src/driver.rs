@@ -748,7 +748,6 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
 
     /// Evaluates the end of a separate step, or of the dense output if that step fails, in the interpolated state.
     fn resolve_inside(&mut self, theta: f64) {
-        let theta = theta.min(1.0);
         self.resolver.attempt(&self.origin, theta * self.size, &mut self.memory.resolved);
         // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
         // size equals the reciprocal of a growth rate.

@@ -29,9 +29,9 @@ pub struct Crossing {
 pub enum Found {
     Nothing,
     Crossing(Crossing),
-    /// A singularity, because of which the step is shortened.
+    /// A singularity. The step is shortened.
     Obstacle,
-    /// A crossing that the bounds of the gaps cannot exclude, because of which the step is shortened.
+    /// A crossing that the bounds of the gaps cannot exclude. The step is shortened.
     Unresolved,
 }
 

@@ -52,7 +52,7 @@ pub struct Dense<L: Layout> {
     pub h: f64,
     pub start: State<L>,
     pub end: State<L>,
-    /// The terms dᵢ, of which the first `terms` are in use.
+    /// The terms dᵢ. The first `terms` of them are in use.
     pub d: [State<L>; DENSE_TERMS],
     pub terms: usize,
 }
