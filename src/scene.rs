@@ -14,7 +14,7 @@ use crate::limits::MAX_SCENE_BYTES;
 /// # Errors
 /// Returns all problems of the file, or an error if the scene is of another kind.
 pub fn load(path: impl AsRef<FilePath>) -> Result<Scene, SceneError> {
-    parse_layers(&load_layers(path.as_ref())?, &[], parse)
+    parse_layers_as(&load_layers(path.as_ref())?, &[], parse)
 }
 
 /// Reads, checks and resolves a scene file of any kind.
@@ -27,7 +27,7 @@ pub fn load_any(path: impl AsRef<FilePath>) -> Result<Scene, SceneError> {
 /// # Errors
 /// Returns all problems of the file and of the settings.
 pub fn load_any_with(path: impl AsRef<FilePath>, settings: &[Layer]) -> Result<Scene, SceneError> {
-    parse_layers(&load_layers(path.as_ref())?, settings, parse_any)
+    parse_layers(&load_layers(path.as_ref())?, settings)
 }
 
 /// Maximum number of scenes in a chain of extensions.

@@ -82,7 +82,7 @@ impl ShippedScene {
         if scene::extended(self.text).is_none() {
             return Ok(self.text.to_string());
         }
-        let merged = scene::parse_layers(&self.layers(), &[], scene::parse_any)?.source;
+        let merged = scene::parse_layers(&self.layers(), &[])?.source;
         let comment: String =
             self.text.lines().take_while(|line| line.starts_with('#')).map(|line| format!("{line}\n")).collect();
         Ok(if merged.starts_with('#') { merged } else { format!("{comment}\n{merged}") })

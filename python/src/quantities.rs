@@ -4,7 +4,7 @@ use phalanx::scene::keys::{child_schema, has_tables, is_table};
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::schema::schema_for;
 use phalanx::scene::value::ValueType;
-use phalanx::scene::{self, Keyword, Layer, PARAMETERS, parse_any, parse_field, parse_layers, show_written};
+use phalanx::scene::{self, Keyword, Layer, PARAMETERS, parse_field, parse_layers, show_written};
 use phalanx::study::parameter::parameters;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyString};
@@ -30,7 +30,7 @@ fn kind_and_base(scene: &Table, name: &str) -> (SceneKind, Table) {
         let text = Table::from_iter([(scene::EXTENDS.to_string(), extends.clone())]).to_string();
         let layers = scene::load_extended(Layer { file: name.to_string(), text });
         // An invalid base is reported when the scene is read.
-        if let Ok(extended) = layers.and_then(|layers| parse_layers(&layers, &[], parse_any)) {
+        if let Ok(extended) = layers.and_then(|layers| parse_layers(&layers, &[])) {
             kind = extended.kind;
             base = scene::parse::values(&show_written(&extended)).unwrap_or_default();
         }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use phalanx::mjcf::mujoco_model;
-use phalanx::scene::{self, Keyword, Layer, SceneError, parse_any, parse_layers};
+use phalanx::scene::{self, Keyword, Layer, SceneError, parse_layers};
 use phalanx::trace::Model;
 use phalanx::trace::overrides::Overrides;
 use pyo3::exceptions::PyKeyError;
@@ -32,7 +32,7 @@ pub struct Scene {
 impl Scene {
     pub fn from_layers(py: Python<'_>, layers: Result<Vec<Layer>, SceneError>, settings: Vec<Layer>) -> PyResult<Self> {
         let scene = layers.and_then(|layers| {
-            let scene = parse_layers(&layers, &settings, parse_any)?;
+            let scene = parse_layers(&layers, &settings)?;
             Ok(Scene { layers, settings, scene })
         });
         scene.map_err(|error| errors::scene(py, &error))

@@ -23,7 +23,7 @@ impl SetArgs {
     /// Parses the text of a shipped scene and applies these fields.
     pub(super) fn parse_any(&self, text: &str, file: &str) -> Result<Scene, SceneError> {
         let shipped = Layer { file: file.to_string(), text: text.to_string() };
-        scene::parse_layers(&[shipped], &self.set, scene::parse_any)
+        scene::parse_layers(&[shipped], &self.set)
     }
 }
 

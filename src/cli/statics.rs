@@ -60,7 +60,7 @@ pub(crate) struct SizeArgs {
 }
 
 pub(super) fn run_size(args: &SizeArgs) -> Result<Status, Failure> {
-    let scene = scene::parse_layers(&scene::load_layers(&args.scene)?, &args.set.set, scene::parse)?;
+    let scene = scene::parse_layers_as(&scene::load_layers(&args.scene)?, &args.set.set, scene::parse)?;
     let files = ["size.txt", "size.json", "size.csv", "trajectory.svg", "springs.svg", "spring-types.svg"];
     let directory = reserve(&[("the scene", &source_files(&args.scene))], &[], (args.output.out.as_deref(), &files))?;
     let defaults = SizingOptions::default();

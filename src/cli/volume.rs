@@ -148,7 +148,7 @@ fn check_designs_exist(report: &VolumeReport) -> Result<(), Failure> {
 fn build_request(args: &VolumeArgs) -> Result<VolumeRequest, Failure> {
     let defaults = VolumeRequest::thesis();
     let template = match &args.scene {
-        Some(path) => scene::parse_layers(&scene::load_layers(path)?, &args.set.set, scene::parse_template)?,
+        Some(path) => scene::parse_layers_as(&scene::load_layers(path)?, &args.set.set, scene::parse_template)?,
         None if args.set.set.is_empty() => defaults.template,
         None => {
             return Err(Failure::bad_input(

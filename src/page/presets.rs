@@ -68,7 +68,7 @@ pub fn presets() -> Vec<Preset> {
 }
 
 fn preset(shipped: &ShippedScene) -> Result<Preset, SceneError> {
-    let scene = scene::parse_layers(&shipped.layers(), &[], scene::parse_any)?;
+    let scene = scene::parse_layers(&shipped.layers(), &[])?;
     let title = if scene.description.is_empty() { shipped.title() } else { scene.description.clone() };
     Ok(Preset {
         file: shipped.file.to_string(),

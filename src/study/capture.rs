@@ -11,7 +11,7 @@ use serde::{Serialize, Serializer};
 
 use crate::criteria::{Fate, ObjectTracker, Slip, is_form_closed};
 use crate::grasp::{geometric_posture, run};
-use crate::scene::{Layer, Scene, SceneError, Side, parse_any, parse_layers};
+use crate::scene::{Layer, Scene, SceneError, Side, parse_layers};
 use crate::statics::{Blocked, GraspConfiguration, PerContact, gripper_closure};
 use crate::study::bisect;
 use crate::study::sweep::problem_messages;
@@ -129,7 +129,7 @@ impl SceneSource {
             text: format!("{key} = \"{}\"", units::format(value_m, Dimension::Length)),
         };
         let added = [setting("positioning_error", plan.error_m), setting("object.offset", offset_m)];
-        let scene = parse_layers(&self.layers, &[&self.settings[..], &added].concat(), parse_any)?;
+        let scene = parse_layers(&self.layers, &[&self.settings[..], &added].concat())?;
         match scene.finger_count() {
             2 => Ok(scene),
             _ => {

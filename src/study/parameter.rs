@@ -11,8 +11,7 @@ use crate::scene::parse::document;
 use crate::scene::schema::schema_for;
 use crate::scene::value::{ValueType, dimension_of};
 use crate::scene::{
-    Layer, PARAMETERS, Part, Scene, no_such_entry, parse_any, parse_field, parse_layers, setting_from_parts,
-    show_written,
+    Layer, PARAMETERS, Part, Scene, no_such_entry, parse_field, parse_layers, setting_from_parts, show_written,
 };
 use crate::units::Measured;
 
@@ -29,7 +28,7 @@ pub fn parameters<'a>(
     fields: &[String],
     finish: &'a dyn Fn(&mut Scene),
 ) -> Result<Vec<Parameter<'a>>, String> {
-    let text = show_written(&parse_layers(layers, settings, parse_any).map_err(|error| error.to_string())?);
+    let text = show_written(&parse_layers(layers, settings).map_err(|error| error.to_string())?);
     let (kind, document, _) = document(&text).map_err(|error| error.to_string())?;
     let scene_parameters = Parameters::read(document.get_ref()).0;
     let parameter = |field: &String| {
@@ -44,7 +43,7 @@ pub fn parameters<'a>(
             let text = if unit.is_empty() { format!("{value:?}") } else { format!("{value:?} {unit}") };
             let mut settings = settings.to_vec();
             settings.push(setting_from_parts(ORIGIN, &field, &text)?);
-            let mut scene = parse_layers(layers, &settings, parse_any).map_err(|error| error.to_string())?;
+            let mut scene = parse_layers(layers, &settings).map_err(|error| error.to_string())?;
             finish(&mut scene);
             Ok(scene)
         };

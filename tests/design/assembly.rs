@@ -170,3 +170,37 @@ fn free_degrees_stay_near_the_guess() {
     let start = assemble(&pinned).expect("a pinned bar");
     assert_eq!(start.poses, [[0.0, 0.0, 0.7], [1.0, 2.0, 3.0]]);
 }
+
+/// The start that is kept from the last assembly is used for the same mechanism only: one that differs in a number is
+/// assembled as on a thread that has assembled nothing.
+#[test]
+fn a_changed_mechanism_is_assembled_anew() {
+    let changes: [fn(&mut Mechanism); 9] = [
+        |it| it.bodies.iter_mut().for_each(|body| body.com_m[1] += 1e-4),
+        |it| it.bodies.iter_mut().for_each(|body| body.pose[0] += 1e-4),
+        |it| it.bodies.iter_mut().for_each(|body| body.rate[2] += 1e-2),
+        |it| it.bodies[0].inertia_kg_m2 = f64::INFINITY,
+        |it| it.joints.iter_mut().for_each(|joint| joint.points_m[0][1] += 1e-4),
+        |it| it.joints.iter_mut().for_each(|joint| joint.start = joint.start.map(|start| start + 1e-3)),
+        |it| it.joints.iter_mut().for_each(|joint| joint.start_rate += 1e-2),
+        |it| it.joints.iter_mut().for_each(|joint| joint.offset_rad += 1e-3),
+        |it| it.couplings.iter_mut().for_each(|coupling| coupling.on.offset += 1e-3),
+    ];
+    let mut differing = [0; 9];
+    for case in all_cases() {
+        let first = assemble(&case.mechanism);
+        for (change, differing) in changes.iter().zip(&mut differing) {
+            let mut changed = case.mechanism.clone();
+            change(&mut changed);
+            let fresh = std::thread::scope(|scope| scope.spawn(|| assemble(&changed)).join().expect("no panic"));
+            let _ = assemble(&case.mechanism);
+            let found = assemble(&changed);
+            assert_eq!(found, fresh, "{}", case.name);
+            *differing += usize::from(found != first);
+        }
+        let mut heavier = case.mechanism.clone();
+        heavier.bodies[0].mass_kg *= 2.0;
+        assert_eq!(assemble(&heavier), first, "{}", case.name);
+    }
+    assert!(differing.iter().all(|count| *count > 0), "{differing:?}");
+}

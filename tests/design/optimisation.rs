@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use phalanx::scene::{locate_problems, parse_any, parse_layers, show_written};
+use phalanx::scene::{locate_problems, parse_layers, show_written};
 use phalanx::study::optimisation::{
     Aggregation, Algorithm, Constraint, Goal, Method, Optimisation, Over, load, parse, schema,
 };
@@ -32,7 +32,7 @@ fn the_shipped_studies_are_valid_and_the_schema_has_their_keys() {
         assert_eq!((&study.name[..], study.variables.len(), study.conditions.len()), (name, variables, conditions));
         assert!(study.keys.keys().all(|key| schema["properties"].get(key).is_some()), "{name}");
         assert!(study.verdict.is_some(), "{name}");
-        parse_layers(&study.scene, &[], parse_any).unwrap_or_else(|error| panic!("{error}"));
+        parse_layers(&study.scene, &[]).unwrap_or_else(|error| panic!("{error}"));
     }
     let properties = &schema["properties"];
     assert_eq!(properties["objectives"]["items"]["properties"]["over"]["enum"], serde_json::json!(["worst", "mean"]));
@@ -93,7 +93,7 @@ fn the_scene_extends_a_file_and_has_start_values() {
         "{HEAD}{OBJECTIVE}[set]\ndesign.arm_ratio = 0.4\n[[variables]]\nfield = \"design.l21\"\nfrom = \"18 mm\"\nto = \"26 \
          mm\"\nstart = \"22 mm\"\n"
     ));
-    let scene = parse_layers(&found.scene, &[], parse_any).unwrap_or_else(|error| panic!("{error}"));
+    let scene = parse_layers(&found.scene, &[]).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(scene.finger().linkage.lengths.l21_m, 0.022);
     assert_eq!(found.variables[0].start_fraction, 0.5);
     assert!(show_written(&scene).contains("arm_ratio = 0.4"));

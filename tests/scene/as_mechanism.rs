@@ -13,7 +13,7 @@ fn load(name: &str, settings: &[&str]) -> Scene {
     let layers = scene::load_layers(path.as_ref()).unwrap_or_else(|error| panic!("{text}: {error}"));
     let setting = |text: &&str| scene::parse_setting("--set", text).unwrap_or_else(|error| panic!("{error}"));
     let settings: Vec<_> = settings.iter().map(setting).collect();
-    scene::parse_layers(&layers, &settings, scene::parse_any).unwrap_or_else(|error| panic!("{error}"))
+    scene::parse_layers(&layers, &settings).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The scene as a mechanism, written and read.

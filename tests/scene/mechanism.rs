@@ -544,13 +544,13 @@ fn objects_of_fingers_have_any_outline() {
 fn single_values_replace_those_of_a_mechanism() {
     let file = scene::Layer { file: "own.toml".into(), text: EVERYTHING.into() };
     let setting = scene::parse_setting("--set", "joints.right.start=35 mm").expect("a setting");
-    let changed = scene::parse_layers(std::slice::from_ref(&file), &[setting], scene::parse_any).expect("a scene");
+    let changed = scene::parse_layers(std::slice::from_ref(&file), &[setting]).expect("a scene");
     let mut expected = parse(EVERYTHING).mechanism.expect("a mechanism");
     expected.joints[1].start = Some(0.035);
     assert_eq!(changed.mechanism, Some(expected));
     // The message about a list of tables is at its header.
     let wrong = scene::parse_setting("--set", "laws.pad.damping=1 s/rad").expect("a setting");
-    let error = scene::parse_layers(&[file], &[wrong], scene::parse_any).expect_err("a law of limits").to_string();
+    let error = scene::parse_layers(&[file], &[wrong]).expect_err("a law of limits").to_string();
     assert!(error.contains("`contacts[0].law` has units of s/rad, but a contact needs a law with s/m"), "{error}");
     assert!(error.contains("[[contacts]]"), "{error}");
 }

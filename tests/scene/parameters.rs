@@ -25,7 +25,7 @@ fn error(text: &str) -> String {
 fn layers(text: &str, settings: &[&str]) -> Result<Scene, scene::SceneError> {
     let file = Layer { file: "own.toml".into(), text: text.into() };
     let settings: Vec<Layer> = settings.iter().map(|text| parse_setting("--set", text).expect(text)).collect();
-    parse_layers(&[file], &settings, parse_any)
+    parse_layers(&[file], &settings)
 }
 
 /// The text with settings, as a scene named like the others.
@@ -171,7 +171,7 @@ fn parameters_are_inherited_and_set() {
         let files: Vec<Layer> =
             files.iter().map(|text| Layer { file: "test.toml".into(), text: text.to_string() }).collect();
         let settings: Vec<Layer> = settings.iter().map(|text| parse_setting("--set", text).expect(text)).collect();
-        parse_layers(&files, &settings, parse_any)
+        parse_layers(&files, &settings)
     };
     let crank_m = |files: &[&str], settings: &[&str]| {
         let scene = scene(files, settings).unwrap_or_else(|error| panic!("{error}"));

@@ -7,8 +7,8 @@ use super::interior::Interior;
 use super::layout::{Layout, VectorOf};
 use super::state::{DENSE_TERMS, DensePositions};
 use super::{
-    CoordinateBounds, Dense, EventFunction, EventSet, GapBound, GapBounds, Hybrid, Method, RootSearch, State,
-    WeightedQuantity,
+    CoordinateBounds, Dense, EventFunction, EventSet, GapBound, GapBounds, Hybrid, Linearised, Method, RootSearch,
+    State, WeightedQuantity,
 };
 use crate::numeric::array_from;
 use crate::numeric::elementary::powi;
@@ -55,6 +55,9 @@ struct SampleMemory {
     is_gap: Vec<bool>,
     at_half: Vec<f64>,
     at_thirds: [Vec<f64>; 2],
+    /// Functions that may be negative inside the step, and their values there.
+    may_dip: Vec<bool>,
+    at_samples: [Vec<f64>; SAMPLES_PER_STEP - 2],
 }
 
 impl<L: Layout> SearchMemory<L> {
@@ -65,6 +68,8 @@ impl<L: Layout> SearchMemory<L> {
             may_cross: vec![false; count],
             is_gap: vec![false; count],
             at_thirds: [values.clone(), values.clone()],
+            may_dip: vec![false; count],
+            at_samples: std::array::from_fn(|_| values.clone()),
             at_half: values,
         };
         let (motion, zero) = (CoordinateBounds::at_rest(layout), || layout.vector(0.0));
@@ -77,6 +82,14 @@ impl<L: Layout> SearchMemory<L> {
             state: RefCell::new([zero(), zero()]),
             samples,
         }
+    }
+}
+
+impl<L: Layout> SearchMemory<L> {
+    /// Evaluates the dense output of the last attempt of a method, with its quadratures.
+    pub(crate) fn dense_with_quadratures<K: Method<L>>(&mut self, method: &K, linearised: &Linearised<L>) -> &Dense<L> {
+        method.dense(Some(linearised), &mut self.dense);
+        &self.dense
     }
 }
 
@@ -149,7 +162,7 @@ fn first_sampled_crossing<Y: Hybrid, K: Method<Y::Layout>>(
     mut first: Option<Crossing>,
     memory: &mut SampleMemory,
 ) -> Option<Crossing> {
-    let SampleMemory { may_cross, is_gap, at_half, at_thirds } = memory;
+    let SampleMemory { may_cross, is_gap, at_half, at_thirds, may_dip: dips, at_samples } = memory;
     let [start, end] = events.map(|events| &events.functions[..]);
     for (index, may_cross) in may_cross.iter_mut().enumerate() {
         let is_sampled = start[index].root_search != RootSearch::Bounded;
@@ -175,23 +188,38 @@ fn first_sampled_crossing<Y: Hybrid, K: Method<Y::Layout>>(
         }
         [at_thirds[0][index], at_thirds[1][index]]
     };
+    let separates = |index: usize| end[index].is_separated && !start[index].is_separated;
+    for (index, dips) in dips.iter_mut().enumerate() {
+        *dips = may_cross[index]
+            && match search_of(index) {
+                RootSearch::EndOnly | RootSearch::Bounded | RootSearch::Gap => false,
+                // The force of a separating contact has a kink, which thirds do not reveal.
+                RootSearch::Interior if separates(index) => true,
+                RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce => {
+                    end[index].value < 0.0 || may_dip_inside(start[index].value, end[index].value, at_thirds(index))
+                }
+            };
+    }
+    // All functions are sampled at the same states.
+    let mut has_sample = [false; SAMPLES_PER_STEP - 2];
+    let mut at_sample = |index: usize, sample: usize| {
+        if !std::mem::replace(&mut has_sample[sample - 1], true) {
+            interior.values(sample_theta(sample), dips, &mut at_samples[sample - 1]);
+        }
+        at_samples[sample - 1][index]
+    };
     for index in (0..may_cross.len()).filter(|index| may_cross[*index]) {
         let value = |theta: f64| interior.function(index, theta).value;
         let is_negative_at_end = end[index].value < 0.0;
         let bracket = match search_of(index) {
             RootSearch::EndOnly | RootSearch::Bounded => is_negative_at_end.then_some((0.0, 1.0)),
-            RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce => {
-                let separates = end[index].is_separated && !start[index].is_separated;
-                // The force of a separating contact has a kink, which thirds do not reveal.
-                let is_sampled = is_negative_at_end || separates && search_of(index) == RootSearch::Interior;
-                if is_sampled || may_dip_inside(start[index].value, end[index].value, at_thirds(index)) {
-                    let separation =
-                        separates.then(|| find_separation(&|theta| interior.function(index, theta).is_separated));
-                    first_dip(start[index].value, end[index].value, separation, &value)
-                } else {
-                    None
-                }
+            RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce if dips[index] => {
+                let separation =
+                    separates(index).then(|| find_separation(&|theta| interior.function(index, theta).is_separated));
+                let ends = [start[index].value, end[index].value];
+                first_dip(ends, separation, &mut |sample| at_sample(index, sample), &value)
             }
+            RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce => None,
             RootSearch::Gap if at_half(index) < 0.0 => Some((0.0, 0.5)),
             RootSearch::Gap if is_negative_at_end => Some((0.5, 1.0)),
             RootSearch::Gap if start[index].rate < 0.0 && end[index].rate > 0.0 => {
@@ -290,16 +318,26 @@ const MAX_SEPARATION_SAMPLES: i32 = 12;
 /// Ratio of the remaining times to the separation at successive samples.
 const SEPARATION_RATIO: f64 = 0.25;
 
+/// Fraction of the step at a sample; the first and the last sample are its ends.
+fn sample_theta(sample: usize) -> f64 {
+    sample as f64 / (SAMPLES_PER_STEP - 1) as f64
+}
+
 /// Returns a bracket of the first zero crossing of a value that may be negative only between its ends. `separation` is
-/// the fraction at which the surfaces separate.
-fn first_dip(start: f64, end: f64, separation: Option<f64>, value: &dyn Fn(f64) -> f64) -> Option<(f64, f64)> {
-    let theta = |i: usize| i as f64 / (SAMPLES_PER_STEP - 1) as f64;
+/// the fraction at which the surfaces separate; `sample` gives the value at a sample inside the step.
+fn first_dip(
+    [start, end]: [f64; 2],
+    separation: Option<f64>,
+    sample: &mut dyn FnMut(usize) -> f64,
+    value: &dyn Fn(f64) -> f64,
+) -> Option<(f64, f64)> {
+    let theta = sample_theta;
     let mut samples = [end; SAMPLES_PER_STEP];
     samples[0] = start;
     // Samples after the first negative one are not read.
     let first_negative = (1..SAMPLES_PER_STEP).find(|i| {
         if *i < SAMPLES_PER_STEP - 1 {
-            samples[*i] = value(theta(*i));
+            samples[*i] = sample(*i);
         }
         samples[*i] < 0.0
     });
@@ -545,15 +583,20 @@ mod tests {
     fn finds_dips_between_samples() {
         for position in [0.03, 0.31, 0.5, 0.77, 0.97] {
             let narrow_dip = |x: f64| (x - position) * (x - position) - 1e-5;
-            let (low, high) = first_dip(narrow_dip(0.0), narrow_dip(1.0), None, &narrow_dip).expect("a dip");
+            let (low, high) = dip_of(&narrow_dip, None).expect("a dip");
             assert!(
                 narrow_dip(low) >= 0.0 && narrow_dip(high) < 0.0 && high > position - 4e-3 && low < position,
                 "{position}: {low} {high}"
             );
             let above = |x: f64| narrow_dip(x) + 2e-5;
-            assert!(first_dip(above(0.0), above(1.0), None, &above).is_none(), "{position}");
+            assert!(dip_of(&above, None).is_none(), "{position}");
         }
-        assert_eq!(first_dip(1.0, -1.0, None, &|x| 1.0 - 2.0 * x), Some((0.5, 0.625)));
+        assert_eq!(dip_of(&|x| 1.0 - 2.0 * x, None), Some((0.5, 0.625)));
+    }
+
+    /// The first dip of a function over a step.
+    fn dip_of(value: &dyn Fn(f64) -> f64, separation: Option<f64>) -> Option<(f64, f64)> {
+        first_dip([value(0.0), value(1.0)], separation, &mut |sample| value(sample_theta(sample)), value)
     }
 
     #[test]
@@ -587,7 +630,7 @@ mod tests {
         let value = |x: f64| 1e-9 - force(x);
         let separation = find_separation(&|x| x > separates_at);
         assert!((separation - separates_at).abs() < 1e-12);
-        let (low, high) = first_dip(value(0.0), value(1.0), Some(separation), &value).expect("a return");
+        let (low, high) = dip_of(&value, Some(separation)).expect("a return");
         assert!(value(low) >= 0.0 && value(high) < 0.0 && high > separates_at - 1e-5);
     }
 

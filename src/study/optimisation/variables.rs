@@ -5,8 +5,7 @@ use toml::de::DeTable;
 use super::Variable;
 use super::tables::{OptimisationFile, VariableTable};
 use crate::scene::{
-    Layer, LocatedProblem, Problem, Scene, SceneError, locate_problems, parse_any, parse_field, parse_layers,
-    show_written,
+    Layer, LocatedProblem, Problem, Scene, SceneError, locate_problems, parse_field, parse_layers, show_written,
 };
 use crate::study::parameter::value_in;
 use crate::study::sweep::{AxisValue, AxisValues, Base, Document, Field, Range};
@@ -64,7 +63,7 @@ pub(super) fn start_scene(
 ) -> Result<(Vec<Layer>, Scene), SceneError> {
     let start = |range: &FieldRange| parse_field(&range.field.path).ok().zip(range.start.as_ref()?.toml());
     let layers = document.scene_layers(ranges.iter().filter_map(start).collect());
-    let error = match parse_layers(&layers, &[], parse_any) {
+    let error = match parse_layers(&layers, &[]) {
         Ok(scene) => return Ok((layers, scene)),
         Err(error) => error,
     };

@@ -14,7 +14,7 @@ use crate::scene::parse::syntax_problem;
 use crate::scene::precedence::replaced_keys;
 use crate::scene::schema::{other_schemas, schema_for};
 use crate::scene::{
-    Keyword, Layer, PARAMETERS, Part, Problem, SceneError, keys, parse_field, parse_layers, parse_layers_of_section,
+    Keyword, Layer, PARAMETERS, Part, Problem, SceneError, keys, parse_field, parse_layers_as, parse_layers_of_section,
     split_entries,
 };
 
@@ -40,9 +40,9 @@ impl Base {
     }
 }
 
-/// Builds a base scene from the arguments of `scene::parse_layers`.
+/// Builds a base scene from the arguments of `scene::parse_layers_as`.
 pub(super) fn base_from_layers(layers: &[Layer], settings: &[Layer]) -> Result<Base, SceneError> {
-    parse_layers(layers, settings, base_from_text)
+    parse_layers_as(layers, settings, base_from_text)
 }
 
 /// Builds a base scene that is the table `section` of a study, the last layer, and extends the others.

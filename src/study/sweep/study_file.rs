@@ -263,7 +263,7 @@ pub fn in_memory_study(
     let results = if base.is_hand() {
         Results::of_hand(base.kind.fingers())
     } else {
-        let scene = parse_layers(layers, settings, parse_any)?;
+        let scene = parse_layers(layers, settings)?;
         Results::of(&scene, &[], &[]).map_err(|unknown| invalid(unknown.name, String::new()))?
     };
     let template = Template::new(base.table, fields.iter());

@@ -5,9 +5,10 @@
 //! orthogonalising the rows in order, which also names the rows that they follow from.
 
 use std::borrow::Cow;
+use std::cell::RefCell;
 
 use super::joint::{Terms, coordinate, joint_conditions};
-use super::{Body, Joint, JointKind, Mechanism, Pose};
+use super::{Body, Joint, JointCombination, JointKind, Mechanism, Pose};
 use crate::numeric::MORE_DECIMALS;
 use crate::numeric::plane::dot;
 
@@ -169,10 +170,56 @@ const YIELDING: f64 = 1e-4;
 /// rounding errors of a user who computed it.
 const AGREES: f64 = 1e-9;
 
+thread_local! {
+    /// The last mechanism that was assembled on this thread, as [`assembly_inputs`], and its start.
+    static LAST_ASSEMBLY: RefCell<Option<(Vec<u64>, Start)>> = const { RefCell::new(None) };
+}
+
 /// Assembles a mechanism from its guessed poses. Degrees of freedom without a start coordinate stay closest to the
 /// guess. Bodies without joints keep their pose and rate. A start that follows from other starts is allowed if it
 /// agrees with them.
+///
+/// The last start of each thread is kept. A scene is assembled when it is read and again for its model, and most variants of a
+/// scene differ in a law or a drive only.
 pub fn assemble(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
+    let inputs = assembly_inputs(mechanism);
+    let known = |last: &Option<(Vec<u64>, Start)>| {
+        last.as_ref().filter(|(of, _)| *of == inputs).map(|(_, start)| start.clone())
+    };
+    if let Some(start) = LAST_ASSEMBLY.with_borrow(known) {
+        return Ok(start);
+    }
+    let start = assemble_anew(mechanism)?;
+    LAST_ASSEMBLY.set(Some((inputs, start.clone())));
+    Ok(start)
+}
+
+/// Everything on which the start of a mechanism depends, as bits: frames of the bodies and which of them rotate or are
+/// driven, joints without their laws, and couplings.
+fn assembly_inputs(mechanism: &Mechanism) -> Vec<u64> {
+    let Mechanism { bodies, joints, couplings, .. } = mechanism;
+    let mut inputs: Vec<u64> = [bodies.len(), joints.len(), couplings.len()].map(|count| count as u64).into();
+    let optional = |value: Option<f64>| [u64::from(value.is_some()), value.unwrap_or(0.0).to_bits()];
+    for body in bodies {
+        inputs.extend(body.com_m.iter().chain(&body.pose).chain(&body.rate).map(|value| value.to_bits()));
+        inputs.extend([body.rotates(), body.motion.is_some()].map(u64::from));
+    }
+    for joint in joints {
+        inputs.extend(optional(joint.kind.axis_rad()));
+        inputs.extend(joint.bodies.map(|body| body.map_or(u64::MAX, |body| body as u64)));
+        inputs.extend(joint.points_m.as_flattened().iter().map(|value| value.to_bits()));
+        inputs.extend(optional(joint.start));
+        inputs.extend([joint.offset_rad, joint.start_rate].map(f64::to_bits));
+    }
+    for coupling in couplings {
+        let JointCombination { terms, offset } = &coupling.on;
+        inputs.extend([terms.len() as u64, offset.to_bits()]);
+        inputs.extend(terms.iter().flat_map(|(joint, factor)| [*joint as u64, factor.to_bits()]));
+    }
+    inputs
+}
+
+fn assemble_anew(mechanism: &Mechanism) -> Result<Start, AssemblyError> {
     let scale_m = Solver::new(mechanism).scale_m;
     let agree = |given: Measure, found: Measure| match (given, found) {
         (Measure::Length(given), Measure::Length(found)) => (given - found).abs() <= AGREES * scale_m,

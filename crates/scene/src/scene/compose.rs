@@ -10,7 +10,6 @@ use std::ops::Range;
 use toml::de::{DeString, DeTable, DeValue};
 use toml::{Spanned, Table, Value};
 
-use super::SceneError;
 use super::check::NO_EFFECT;
 use super::error::{Problem, entry_at, locate_problems, shortened};
 use super::field::{PARAMETERS, key_text, parse_field, split_entries};
@@ -19,6 +18,7 @@ use super::parameters::unknown;
 use super::parse::{parse_any, syntax_problem};
 use super::precedence::merge;
 use super::section::{NO_SECTION, Section};
+use super::{Scene, SceneError};
 
 /// One of the texts of a scene, with its name for messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -54,25 +54,28 @@ fn scene_in<'t>(mut document: DeTable<'t>, section: Option<&str>) -> Option<DeTa
     if let DeValue::Table(scene) = document.remove(section)?.into_inner() { Some(scene) } else { None }
 }
 
-/// Merges the texts of a scene and calls `parse` with the merged text and the name of the scene's own file. `files`
-/// begins with the extended scenes and ends with the scene's own file; `settings` are lines of `key = value` that
-/// override the files.
+/// Merges the texts of a scene of any kind, and parses, checks and resolves it. `files` begins with the extended scenes and
+/// ends with the scene's own file; `settings` are lines of `key = value` that override the files.
 ///
 /// # Errors
 /// Returns all problems, each with its position in the original text.
-pub fn parse_layers<T>(
+pub fn parse_layers(files: &[Layer], settings: &[Layer]) -> Result<Scene, SceneError> {
+    parse_with(files, settings, None, |_, _, scene| scene)
+}
+
+/// Like [`parse_layers`], but parses the merged text with `parse`, which also receives the name of the scene's own file.
+///
+/// # Errors
+/// See [`parse_layers`].
+pub fn parse_layers_as<T>(
     files: &[Layer],
     settings: &[Layer],
     parse: impl Fn(&str, &str) -> Result<T, SceneError>,
 ) -> Result<T, SceneError> {
-    match files {
-        [] => parse("", ""),
-        [scene_file] if settings.is_empty() => parse(&scene_file.text, &scene_file.file),
-        [.., scene_file] => parse_merged(files, settings, None, scene_file, parse),
-    }
+    parse_with(files, settings, None, |text, file, _| parse(text, file))
 }
 
-/// Like [`parse_layers`], for a scene that is the table `section` of the last file, such as a study.
+/// Like [`parse_layers_as`], for a scene that is the table `section` of the last file, such as a study.
 ///
 /// # Errors
 /// See [`parse_layers`].
@@ -81,25 +84,32 @@ pub fn parse_layers_of_section<T>(
     section: &str,
     parse: impl Fn(&str, &str) -> Result<T, SceneError>,
 ) -> Result<T, SceneError> {
-    let Some(scene_file) = files.last() else { return parse("", "") };
-    parse_merged(files, &[], Some(section), scene_file, parse)
+    parse_with(files, &[], Some(section), |text, file, _| parse(text, file))
 }
 
-fn parse_merged<T>(
+/// Merges texts. `parse` receives the merged text, the name of the scene's own file, and the scene in this text.
+fn parse_with<T>(
     files: &[Layer],
     settings: &[Layer],
     section: Option<&str>,
-    scene_file: &Layer,
-    parse: impl Fn(&str, &str) -> Result<T, SceneError>,
+    parse: impl Fn(&str, &str, Result<Scene, SceneError>) -> Result<T, SceneError>,
 ) -> Result<T, SceneError> {
+    let empty = Layer { file: String::new(), text: String::new() };
+    let scene_file = files.last().unwrap_or(&empty);
+    let is_one_text = files.len() == 1 && settings.is_empty() && section.is_none();
+    if files.is_empty() || is_one_text {
+        let Layer { file, text } = scene_file;
+        return parse(text, file, parse_any(text, file));
+    }
     let layers: Vec<&Layer> = files.iter().chain(settings).collect();
     let mut merged = Merged::new(&layers, files.len(), section)?;
+    let mut text = merged.text();
+    let mut scene = parse_any(&text, &scene_file.file);
     // Inherited keys that have no effect with the last text are removed: `motor.brake = "none"` also removes the keys
     // of the brake.
     let base_layers = &files[..files.len() - usize::from(settings.is_empty())];
-    while let Err(error) = parse_any(&merged.text(), &scene_file.file) {
-        let base_problems =
-            parse_layers(base_layers, &[], parse_any).map_or_else(|error| locate_problems(&error), |_| Vec::new());
+    while let Err(error) = &scene {
+        let base_problems = parse_layers(base_layers, &[]).map_or_else(|error| locate_problems(&error), |_| Vec::new());
         let is_new =
             |problem: &&Problem| base_problems.iter().all(|other| other.message != shortened(&problem.message));
         let without_effect = error.problems().iter().filter(|problem| problem.label == NO_EFFECT).filter(is_new);
@@ -109,8 +119,10 @@ fn parse_merged<T>(
         if inherited.iter().filter(|path| remove(&mut merged.texts, path)).count() == 0 {
             break;
         }
+        text = merged.text();
+        scene = parse_any(&text, &scene_file.file);
     }
-    parse(&merged.text(), &scene_file.file).map_err(|error| merged.assign_to_layers(error, &layers))
+    parse(&text, &scene_file.file, scene).map_err(|error| merged.assign_to_layers(error, &layers))
 }
 
 /// The merged texts of all values, and the layers as written.
@@ -373,7 +385,7 @@ mod tests {
     fn merged(files: &[&str], settings: &[&str]) -> toml::Table {
         let files: Vec<Layer> = files.iter().map(|text| layer("file.toml", text)).collect();
         let settings: Vec<Layer> = settings.iter().map(|text| layer("--set", text)).collect();
-        let text = parse_layers(&files, &settings, |text, _| Ok(text.to_string())).expect("TOML");
+        let text = parse_layers_as(&files, &settings, |text, _| Ok(text.to_string())).expect("TOML");
         text.parse().unwrap_or_else(|error| panic!("{error}\n{text}"))
     }
 
@@ -422,7 +434,7 @@ mod tests {
     fn problems_are_assigned_to_their_original_texts() {
         let files = [layer("base.toml", "a = 1\n[t]\nb = 22\n"), layer("own.toml", "[t]\nc = 333\n")];
         let settings = [layer("--set", "t.d = 4444")];
-        let error = parse_layers::<()>(&files, &settings, |text, file| {
+        let error = parse_layers_as::<()>(&files, &settings, |text, file| {
             let problem = |what: &str| {
                 let start = text.find(what).expect("the text occurs");
                 Problem {

@@ -321,13 +321,13 @@ mod tests {
     fn problems_of_settings_are_located_in_the_setting() {
         let files = [Layer { file: "own.toml".into(), text: FINGER.into() }];
         let settings = [Layer { file: "set".into(), text: "contact.friction.mu_static = -1".into() }];
-        let error = parse_layers(&files, &settings, parse_any).expect_err("negative");
+        let error = parse_layers(&files, &settings).expect_err("negative");
         let found = locate_problems(&error).remove(0);
         assert_eq!((found.file.as_str(), found.line, found.column), ("set", Some(1), Some(30)));
         assert_eq!(found.field.as_deref(), Some("contact.friction.mu_static"));
         // A table in place of a value of the file.
         let settings = [Layer { file: "set".into(), text: "duration = {}".into() }];
-        let found = locate_problems(&parse_layers(&files, &settings, parse_any).expect_err("a table")).remove(0);
+        let found = locate_problems(&parse_layers(&files, &settings).expect_err("a table")).remove(0);
         assert_eq!((found.file.as_str(), found.line, found.column), ("set", Some(1), Some(1)));
     }
 }

@@ -48,7 +48,8 @@ pub use crate::palm_motion::{Axis, Move, PalmMotion, Path, Pose, Ramp, Vibration
 use crate::statics::{GraspKeys, GraspRoles, NoGrasp, grasp_roles};
 pub use builder::{FINGER_JOINTS, OpenLoop};
 pub use compose::{
-    EXTENDS, Layer, extended, extended_in, parse_layers, parse_layers_of_section, parse_setting, setting_from_parts,
+    EXTENDS, Layer, extended, extended_in, parse_layers, parse_layers_as, parse_layers_of_section, parse_setting,
+    setting_from_parts,
 };
 pub use discs::{Disc, DiscMotion, Discs};
 pub use error::{LocatedProblem, Problem, SceneError, locate_problems, one_line};

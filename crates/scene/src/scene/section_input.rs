@@ -225,6 +225,17 @@ impl<'a> SectionInput<'a> {
         result
     }
 
+    /// Returns a single value, or its default; `None` without either, and if it is invalid, which [`SectionInput::read`]
+    /// reports.
+    pub(crate) fn value<T: DeserializeOwned>(&self, key: &str) -> Option<T> {
+        let key = self.schema.key(key)?;
+        let value = match self.has(key.name) {
+            true => self.read_value(key, key.default.as_ref()).ok().filter(|value| key.allows(value)),
+            false => None,
+        };
+        T::deserialize(value.or_else(|| key.default.clone())?).ok()
+    }
+
     /// Full path of a key.
     pub fn path(&self, key: &str) -> String {
         [&self.path, key].into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join(".")

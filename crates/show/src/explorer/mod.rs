@@ -29,7 +29,7 @@ use crate::report::check::{RunCheckReport, summary_line};
 use crate::report::document::{Failure, RunData, RunReport};
 use crate::report::samples::{csv_head, csv_sample};
 use crate::report::statics::{GripperStaticsReport, MechanismStaticsReport, StaticsReport};
-use crate::scene::{Layer, Scene, SceneError, parse_any, parse_layers, setting_from_parts};
+use crate::scene::{Layer, Scene, SceneError, parse_layers, setting_from_parts};
 use crate::trace::{
     Channel, Decimated, Event, Model, OffGrid, RequiredData, RunError, Sample, Schema, Sink, SinkError, run_analytic,
 };
@@ -118,7 +118,7 @@ impl Request {
             setting_from_parts(field, field, value).map_err(|message| json!([problem(&message, Some(field))]))
         };
         let settings = self.set.iter().chain(extra).map(layer).collect::<Result<Vec<_>, Value>>()?;
-        parse_layers(&[base], &settings, parse_any).map_err(|error| json!(problems(&error)))
+        parse_layers(&[base], &settings).map_err(|error| json!(problems(&error)))
     }
 
     /// Returns the text of the scene file with the settings applied.

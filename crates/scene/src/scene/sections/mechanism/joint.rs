@@ -142,16 +142,16 @@ pub struct RotorSettings {
 
 /// Finds the two bodies of a joint.
 pub(super) fn joint_bodies(section: &SectionInput<'_>, names: &[&str]) -> Option<[Option<usize>; 2]> {
-    let JointSettings { bodies, .. } = section.quietly(SectionInput::read);
-    two_bodies(section, bodies?, names, "a joint")
+    two_bodies(section, section.value("bodies")?, names, "a joint")
 }
 
 pub(super) fn joint_kind(section: &SectionInput<'_>) -> Option<JointKind> {
     section.is_valid("type").then_some(())?;
-    let JointSettings { r#type, axis, .. } = section.quietly(SectionInput::read);
-    Some(match r#type {
+    Some(match section.value("type")? {
         JointType::Revolute => JointKind::Revolute,
-        JointType::Prismatic => JointKind::Prismatic { axis_rad: axis.map_or(0.0, |axis| *axis) },
+        JointType::Prismatic => {
+            JointKind::Prismatic { axis_rad: section.value("axis").map_or(0.0, |axis: Quantity<Angle>| *axis) }
+        }
     })
 }
 
