@@ -11,8 +11,8 @@ use phalanx::law::{
     stopping_depth,
 };
 use phalanx::mechanism::{
-    Actuator, Body, Command, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlineShape, Spring,
-    SpringKind,
+    Actuator, Body, Command, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlineShape,
+    Powertrain, Spring, SpringKind,
 };
 use phalanx::scene::{ENGINE_MAX_STEP_S, Integrator, Preset, Response, Scene, Stepping, parse_any};
 use phalanx::trace::{self, BodyState, EventKind, Model, Sample};
@@ -318,6 +318,7 @@ fn friction_of_joints_acts_as_in_closed_form() {
             limit: None,
             no_load_speed: None,
             brake: None,
+            powertrain: Powertrain::default(),
         }];
         mechanism
     };
@@ -434,6 +435,7 @@ fn stiff_velocity_servo_follows_its_target() {
             limit: None,
             no_load_speed: None,
             brake: None,
+            powertrain: Powertrain::default(),
         }],
         ..Mechanism::default()
     };

@@ -36,6 +36,12 @@ pub fn build_plan(scene: &Scene) -> Result<Plan, String> {
 /// Returns an error that names a component that the engine does not support: one that acts on a combination of joints
 /// with more than two bodies, or with sliders.
 pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan, String> {
+    if let Some(actuator) = mechanism.actuators.iter().find(|actuator| !actuator.powertrain.is_direct()) {
+        return Err(format!(
+            "the engine model does not support the gear, motor or feedback of the actuator {}",
+            actuator.name
+        ));
+    }
     let states = start.poses.iter().zip(&start.rates);
     let bodies = mechanism.bodies.iter().zip(states).map(|(body, (pose, rate))| {
         // In the plan, a drive moves a body without mass, and a body without inertia does not rotate.
@@ -91,7 +97,7 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         add_contact(&mut plan, mechanism, contact, channel);
     }
     for limit in mechanism.limits() {
-        let beyond = coordinates[limit.joint].clone().less(limit.value);
+        let beyond = combined(&mechanism.limited(&limit), &coordinates).less(limit.value);
         plan.stops.push(PlannedStop { gap: if limit.side > 0.0 { beyond.negated() } else { beyond }, law: limit.law });
         plan.stop_channels.push(points.len() + plan.stop_channels.len());
     }
@@ -204,7 +210,7 @@ fn add_couplings(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordina
             None => add_wheel(&[(index, 1.0)], joint.armature),
         }
     }
-    mechanism.rotors.iter().for_each(|rotor| add_wheel(&rotor.on.terms, rotor.inertia));
+    mechanism.reflected_inertias().for_each(|(on, inertia)| add_wheel(&on.terms, inertia));
     for (body, inertia_kg_m2) in rotors {
         plan.bodies[body].body.inertia_kg_m2 += inertia_kg_m2;
         plan.rotors.push(PlannedRotor { body, inertia_kg_m2 });
