@@ -6,11 +6,12 @@ use super::plan::{
     PlannedDrive, PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop,
     PlannedSurface, PlannedTendon, ServoLaw, Shape, SurfaceId,
 };
+use super::powertrain::PlannedPowertrain;
 use crate::drive::Profile;
 use crate::gripper::{self, Body};
 use crate::mechanism::{
-    Actuator, Command, ForcePoint, Joint, JointCombination, Mechanism, OutlinePoint, OutlineShape, PathElement,
-    PointContact, Spring, SpringKind, Start, Tendon, assemble,
+    Actuator, Command, DistanceFeedback, ForcePoint, Joint, JointCombination, Mechanism, OutlinePoint, OutlineShape,
+    PathElement, PointContact, PointId, Spring, SpringKind, Start, Tendon, assemble,
 };
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, perp, scale, sub};
@@ -36,12 +37,6 @@ pub fn build_plan(scene: &Scene) -> Result<Plan, String> {
 /// Returns an error that names a component that the engine does not support: one that acts on a combination of joints
 /// with more than two bodies, or with sliders.
 pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan, String> {
-    if let Some(actuator) = mechanism.actuators.iter().find(|actuator| !actuator.powertrain.is_direct()) {
-        return Err(format!(
-            "the engine model does not support the gear, motor or feedback of the actuator {}",
-            actuator.name
-        ));
-    }
     let states = start.poses.iter().zip(&start.rates);
     let bodies = mechanism.bodies.iter().zip(states).map(|(body, (pose, rate))| {
         // In the plan, a drive moves a body without mass, and a body without inertia does not rotate.
@@ -90,7 +85,7 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
     add_couplings(&mut plan, mechanism, &coordinates);
     add_springs_and_dampers(&mut plan, mechanism, &coordinates);
     for actuator in &mechanism.actuators {
-        add_actuator(&mut plan, actuator, combined(&actuator.on, &coordinates));
+        add_actuator(&mut plan, mechanism, actuator, combined(&actuator.on, &coordinates));
     }
     let points = mechanism.point_contacts();
     for (channel, contact) in points.iter().enumerate() {
@@ -267,7 +262,7 @@ fn add_damper(plan: &mut Plan, coordinate: Coordinate, damping: f64) {
     }
 }
 
-fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
+fn add_actuator(plan: &mut Plan, mechanism: &Mechanism, actuator: &Actuator, coordinate: Coordinate) {
     let limit = actuator.limit.unwrap_or(f64::INFINITY);
     let actuator_index = plan.actuators.len();
     let brake = |brake| PlannedBrake {
@@ -276,6 +271,18 @@ fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
         actuator: Some(actuator_index),
     };
     plan.brakes.extend(actuator.brake.map(brake));
+    if !actuator.powertrain.is_direct() {
+        let circle =
+            |id: PointId| Circle { center: plan.body_point(id.body, mechanism.point(id).at_m), signed_radius_m: 0.0 };
+        let distance = |feedback: DistanceFeedback| Coordinate {
+            measure: Measure::Cable { circles: feedback.points.map(circle).into() },
+            offset: 0.0,
+        };
+        let measured = actuator.powertrain.feedback.map_or_else(|| coordinate.clone(), distance);
+        plan.actuators.push(PlannedActuator::Powertrain(plan.powertrains.len()));
+        plan.powertrains.push(PlannedPowertrain::new(actuator, coordinate, measured));
+        return;
+    }
     match &actuator.command {
         Command::Effort(profile) => {
             plan.actuators.push(PlannedActuator::Motor(plan.motors.len()));
