@@ -29,7 +29,7 @@ use crate::integrator::Clock;
 use crate::law::friction_coefficient;
 use crate::mechanism::MIN_DISTANCE_M;
 use crate::numeric::elementary::hypot;
-use crate::numeric::plane::{add, dot, sub};
+use crate::numeric::plane::{add, dot, scale, sub};
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
@@ -116,6 +116,8 @@ pub struct Motion {
     pub currents: Vec<f64>,
     /// Work that every powertrain has lost in its gear, J; it is part of the work of contacts.
     pub loss_work_j: Vec<f64>,
+    /// Vectors between the points whose distances powertrains measure, before the last step.
+    previous_offsets: Vec<[f64; 2]>,
     /// Accelerations of driven bodies, with the body indices.
     driven: Vec<(usize, Twist)>,
     /// Openings with the anchor correction, and the corrections.
@@ -173,6 +175,7 @@ impl Motion {
             friction_states: vec![0.0; elements],
             currents: vec![0.0; drives],
             loss_work_j: vec![0.0; drives],
+            previous_offsets: Vec::new(),
             open: Vec::new(),
             overshoot: Vec::new(),
             opening_acceleration: 0.0,
@@ -190,6 +193,7 @@ impl Motion {
         motion.linkage.project(&mut motion.velocities);
         candidates::collect(&motion.world, &motion.plan, &motion.linkage, &mut motion.candidates);
         motion.update_node();
+        motion.keep_offsets();
         Ok(motion)
     }
 
@@ -245,6 +249,7 @@ impl Motion {
         let impulses = [&self.contact.early_impulse[..], &self.contact.late_impulse[..]];
         self.motor_work_j -= support::contact_work(&self.plan, &self.space.on_supports, impulses, step);
 
+        self.keep_offsets();
         for (pose, before) in self.linkage.poses.iter().zip(&mut self.previous_poses) {
             *before = [pose.com[0], pose.com[1], pose.angle];
         }
@@ -336,16 +341,26 @@ impl Motion {
         }
     }
 
-    /// Returns the first powertrain whose measured distance is too small.
+    /// Keeps the vectors between measured points for the next step.
+    fn keep_offsets(&mut self) {
+        let offsets = self.plan.powertrains.iter().map(|of| of.offset(&self.linkage.poses).unwrap_or_default());
+        refill(&mut self.previous_offsets, offsets);
+    }
+
+    /// Returns the first powertrain whose points have met in the last step, which moves them straight on.
     pub(crate) fn met_points(&self) -> Option<usize> {
-        self.plan.powertrains.iter().position(|powertrain| {
-            let distance = powertrain.measured.as_ref().filter(|_| powertrain.is_distance);
-            // NaN has no direction.
-            distance.is_some_and(|distance| {
-                let value = distance.value(&self.linkage.poses);
-                value.is_nan() || value < MIN_DISTANCE_M
+        let before = self.previous_offsets.iter();
+        let found = self.plan.powertrains.iter().zip(before).position(|(powertrain, before)| {
+            powertrain.offset(&self.linkage.poses).is_some_and(|now| {
+                let moved = sub(now, *before);
+                let part = (-dot(*before, moved) / dot(moved, moved)).clamp(0.0, 1.0);
+                // The points are at rest relative to each other if the part is not a number.
+                let nearest = if part.is_nan() { now } else { add(*before, scale(moved, part)) };
+                let least = hypot(nearest[0], nearest[1]);
+                least.is_nan() || least < MIN_DISTANCE_M
             })
-        })
+        });
+        found
     }
 
     /// Returns the energy of the internal states of friction, J.

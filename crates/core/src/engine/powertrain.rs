@@ -116,6 +116,11 @@ impl PlannedPowertrain {
         distance.map_or([0.0; 2], |distance| [distance.value(poses), distance.row(poses).rate(velocities)])
     }
 
+    /// The vector between the points whose distance is measured, if there are any.
+    pub(super) fn offset(&self, poses: &[BodyPose]) -> Option<[f64; 2]> {
+        Some(self.measured.as_ref().filter(|_| self.is_distance)?.between(poses))
+    }
+
     /// The powertrain at a node.
     pub(crate) fn at_node(
         &self,

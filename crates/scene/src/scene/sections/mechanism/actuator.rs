@@ -69,7 +69,7 @@ pub struct ActuatorSettings {
     pub torque: Option<Quantity<Torque>>,
     /// Constant force of a prismatic joint.
     pub force: Option<Quantity<Force>>,
-    /// Times of `torques`, `forces`, `tensions` or `targets`, increasing. Values are constant before the first and after the last.
+    /// Times of `torques`, `forces`, `tensions`, `targets` or the `voltages` of the motor, increasing. Values are constant before the first and after the last.
     pub times: Option<Vec<Quantity<Time>>>,
     /// Interpolation between `times`: "linear", or "step": each value holds until the next time.
     #[schemars(extend("default" = "linear"))]
@@ -82,11 +82,11 @@ pub struct ActuatorSettings {
     pub torques: Option<Vec<Quantity<Torque>>>,
     /// Forces at `times`.
     pub forces: Option<Vec<Quantity<Force>>>,
-    /// Coordinate that the controller follows.
+    /// Coordinate that the controller follows; with `feedback`, the distance.
     pub target: Option<Quantity<Coordinate>>,
-    /// Coordinates at `times` that the controller follows.
+    /// Coordinates, or distances, at `times` that the controller follows.
     pub targets: Option<Vec<Quantity<Coordinate>>>,
-    /// Largest rate of the set point. It begins at the start value of the coordinate and follows `target` or `targets`.
+    /// Largest rate of the set point. It begins at the start value of the coordinate or distance and follows `target` or `targets`.
     /// Default: none; the set point is the target.
     pub target_rate: Option<Positive<CoordinateRate>>,
     /// Gain on the error of the coordinate, which gives a torque (force) of the motor shaft, or a voltage of a `motor`. Default:
