@@ -13,7 +13,7 @@ use crate::drive::Profile;
 use crate::files::MODEL_MARK;
 use crate::mechanism::{
     Actuator, AssemblyError, Body, Command, Joint, JointCombination, JointKind, Mechanism, Outline, OutlineId,
-    OutlineShape, Pose, Spring, SpringKind, Start, assemble,
+    OutlineShape, Pose, Powertrain, Spring, SpringKind, Start, assemble,
 };
 use crate::numeric::elementary::{atan2, hypot, sin_cos};
 use crate::numeric::plane::{Vector, add, rotate, scale, sub};
@@ -128,6 +128,7 @@ struct Names {
     couplings: Vec<String>,
     combinations: Vec<String>,
     springs: Vec<String>,
+    limits: Vec<String>,
     /// Both ends of a linear spring.
     sites: Vec<[String; 2]>,
     actuators: Vec<String>,
@@ -139,7 +140,7 @@ struct Names {
 
 impl Names {
     fn new(mechanism: &Mechanism) -> Self {
-        let Mechanism { bodies, joints, couplings, springs, actuators, .. } = mechanism;
+        let Mechanism { bodies, joints, couplings, springs, actuators, sum_limits, .. } = mechanism;
         // `world` is the name of MuJoCo's ground, `ground` that of the scene's.
         let mut taken = HashSet::from(["world".to_owned(), "ground".to_owned()]);
         let body_names: Vec<String> = bodies.iter().map(|body| unique(&mut taken, &body.name, "body")).collect();
@@ -161,6 +162,7 @@ impl Names {
             couplings.iter().map(|coupling| unique(&mut taken, &coupling.name, "coupling")).collect(),
             actuators.iter().map(|actuator| unique(&mut taken, &actuator.name, "actuator")).collect(),
             springs.iter().map(|spring| unique(&mut taken, &spring.name, "spring")).collect::<Vec<_>>(),
+            sum_limits.iter().map(|limit| unique(&mut taken, &limit.name, "limit")).collect(),
         ];
         let mut taken = HashSet::new();
         let ends =
@@ -172,7 +174,7 @@ impl Names {
         let mut taken = HashSet::new();
         let loops = joints.iter().map(|joint| unique(&mut taken, &joint.name, "joint")).collect();
         let ties = couplings.iter().map(|coupling| unique(&mut taken, &coupling.name, "coupling")).collect();
-        let [couplings, combinations, springs] = tendons;
+        let [couplings, combinations, springs, limits] = tendons;
         Self {
             bodies: body_names,
             geoms,
@@ -181,6 +183,7 @@ impl Names {
             couplings,
             combinations,
             springs,
+            limits,
             sites,
             actuators: actuator_names,
             preloads,
@@ -212,6 +215,7 @@ fn has_load(mechanism: &Mechanism, index: usize) -> bool {
     let joint = &mechanism.joints[index];
     let combinations = mechanism.springs.iter().filter_map(Spring::on);
     let combinations = combinations.chain(mechanism.actuators.iter().map(|actuator| &actuator.on));
+    let combinations = combinations.chain(mechanism.sum_limits.iter().map(|limit| &limit.on));
     let mut all = combinations.chain(mechanism.couplings.iter().map(|coupling| &coupling.on));
     joint.damping > 0.0
         || joint.armature > 0.0
@@ -258,7 +262,8 @@ fn omissions(mechanism: &Mechanism, tree: &[usize], loops: &[usize]) -> Vec<Stri
     let springs = mechanism.springs.iter().filter_map(|spring| Some(("spring", &spring.name, spring.on()?)));
     let couplings = mechanism.couplings.iter().map(|coupling| ("coupling", &coupling.name, &coupling.on));
     let actuators = mechanism.actuators.iter().map(|actuator| ("actuator", &actuator.name, &actuator.on));
-    for (what, name, on) in springs.chain(couplings).chain(actuators) {
+    let limits = mechanism.sum_limits.iter().map(|limit| ("limit", &limit.name, &limit.on));
+    for (what, name, on) in springs.chain(couplings).chain(actuators).chain(limits) {
         if let Some(joint) = lost_joint(on) {
             all.push(format!("the {what} {name} is missing, because the joint {joint} closes a loop"));
         }
@@ -274,6 +279,7 @@ fn omissions(mechanism: &Mechanism, tree: &[usize], loops: &[usize]) -> Vec<Stri
     }
     for actuator in mechanism.actuators.iter().filter(|actuator| lost_joint(&actuator.on).is_none()) {
         all.extend(omissions_of_actuator(actuator));
+        all.extend(omissions_of_powertrain(actuator));
     }
     for contact in mechanism.contacts.iter().filter(|contact| contact.rolling.is_some()) {
         let [points, face] = [contact.points, contact.face].map(|id| mechanism.outline_name(id));
@@ -358,6 +364,30 @@ fn omissions_of_actuator(actuator: &Actuator) -> Vec<String> {
     all
 }
 
+/// Sentences on the gear, the motor and the feedback of an actuator of the model.
+fn omissions_of_powertrain(actuator: &Actuator) -> Vec<String> {
+    let (name, Powertrain { rotor_kg_m2, loss, motor, feedback, .. }) = (&actuator.name, &actuator.powertrain);
+    let mut all = Vec::new();
+    if *rotor_kg_m2 > 0.0 && actuator.on.joint().is_none() {
+        all.push(format!("the rotor of the actuator {name} is missing, because it turns with several joints"));
+    }
+    if loss.is_some() {
+        all.push(format!("the loss of the gear of the actuator {name} is missing: its efficiency is 1"));
+    }
+    if motor.is_some_and(|motor| motor.inductance.is_some()) {
+        all.push(format!("the inductance of the actuator {name} is missing: its current follows the voltage at once"));
+    }
+    if motor.is_some() && actuator.limit.is_some() {
+        all.push(format!("the voltage limit of the actuator {name} is a limit of its torque, as at rest"));
+    }
+    if feedback.is_some() {
+        all.push(format!(
+            "the controller of the actuator {name}, which measures a distance, is missing: its control is a torque"
+        ));
+    }
+    all
+}
+
 /// Number of times at which a smooth command is given.
 const COMMAND_SAMPLES: usize = 200;
 
@@ -383,6 +413,8 @@ fn control(actuator: &Actuator, t: f64) -> f64 {
     let (value, rate) = actuator.command.profile().at(t);
     match actuator.command {
         Command::Effort(_) => value,
+        // The control is a torque, see [`omissions_of_powertrain`].
+        Command::Servo { .. } if actuator.powertrain.feedback.is_some() => 0.0,
         Command::Servo { kp: 0.0, .. } => rate,
         Command::Servo { kp, kd, .. } => value + kd / kp * rate,
     }
@@ -558,7 +590,8 @@ impl Writer<'_> {
         let mut text = format!(
             "joint name=\"{}\" type=\"{kind}\" pos=\"{x:?} {y:?} 0\" axis=\"{axis}\" ref=\"{position:?}\" damping=\"{damping:?}\" \
              armature=\"{:?}\" frictionloss=\"{friction:?}\"",
-            self.names.joints[index], joint.armature
+            self.names.joints[index],
+            joint.armature + self.rotor_inertia(index)
         );
         if stiffness > 0.0 {
             let _ = write!(text, " stiffness=\"{stiffness:?}\" springref=\"{:?}\"", effort_at_zero / stiffness);
@@ -568,6 +601,12 @@ impl Writer<'_> {
             let _ = write!(text, " range=\"{lower:?} {upper:?}\"");
         }
         self.element(&text);
+    }
+
+    /// Inertia of the rotors of all actuators of a joint, reflected to it.
+    fn rotor_inertia(&self, joint: usize) -> f64 {
+        let own = self.mechanism.actuators.iter().filter(|actuator| actuator.on.joint() == Some(joint));
+        own.map(|actuator| actuator.powertrain.reflected_inertia()).sum()
     }
 
     /// Writes the outlines of a body.
@@ -660,7 +699,7 @@ impl Writer<'_> {
         });
     }
 
-    /// Writes linear springs, and the sums of joint positions on which couplings, actuators and springs act.
+    /// Writes linear springs, and the sums of joint positions on which couplings, actuators, springs and limits act.
     fn tendons(&mut self) {
         let (mechanism, names) = (self.mechanism, self.names);
         self.nest("tendon", |writer| {
@@ -671,6 +710,10 @@ impl Writer<'_> {
                 if actuator.on.joint().is_none() {
                     writer.combination(name, &actuator.on, "");
                 }
+            }
+            for (name, limit) in names.limits.iter().zip(&mechanism.sum_limits) {
+                let (lower, upper) = (limit.lower.unwrap_or(-UNLIMITED), limit.upper.unwrap_or(UNLIMITED));
+                writer.combination(name, &limit.on, &format!(" range=\"{lower:?} {upper:?}\""));
             }
             for (index, spring) in mechanism.springs.iter().enumerate() {
                 let name = &names.springs[index];
@@ -731,9 +774,15 @@ impl Writer<'_> {
                     names.actuators[index],
                     writer.transmission(&names.combinations[index], &actuator.on),
                 );
-                if let Some(limit) = actuator.limit {
-                    // The limit bounds an effort before it changes with the speed.
-                    let range = if matches!(actuator.command, Command::Effort(_)) { "ctrlrange" } else { "forcerange" };
+                let gear = actuator.powertrain.gear;
+                if gear != 1.0 {
+                    let _ = write!(text, " gear=\"{gear:?}\"");
+                }
+                if let Some(limit) = torque_limit(actuator) {
+                    // The limit bounds an effort before it changes with the speed; that of a current bounds the torque itself.
+                    let is_command =
+                        matches!(actuator.command, Command::Effort(_)) && actuator.powertrain.motor.is_none();
+                    let range = if is_command { "ctrlrange" } else { "forcerange" };
                     let _ = write!(text, " {range}=\"{:?} {limit:?}\"", -limit);
                 }
                 writer.element(&text);
@@ -772,8 +821,30 @@ impl Writer<'_> {
 /// Bound of the side of a joint without a limit, rad or m.
 const UNLIMITED: f64 = 1e3;
 
-/// Gain on the control signal, and the constant and the gains on position and rate, of an actuator.
+/// Limit of the torque of the motor, or of the effort of an actuator without a gear.
+fn torque_limit(actuator: &Actuator) -> Option<f64> {
+    actuator.effort_limit().map(|limit| limit / actuator.powertrain.gear.abs())
+}
+
+/// Gain on the control signal, and the constant and the gains on position and rate, of an actuator. Position and rate are
+/// those of its motor.
 fn gains(actuator: &Actuator) -> (f64, [f64; 3]) {
+    let Powertrain { gear, motor, feedback, .. } = &actuator.powertrain;
+    if feedback.is_some() {
+        return (1.0, [0.0; 3]);
+    }
+    let (gain, [constant, by_position, by_rate]) = gains_of_command(actuator);
+    let (per_volt, back_emf) =
+        motor.map_or((1.0, 0.0), |motor| (motor.torque_constant / motor.resistance, motor.back_emf));
+    // Those of a controller are on the joint.
+    let by_joint = matches!(actuator.command, Command::Servo { .. });
+    let ratio = if by_joint { 1.0 / gear } else { 1.0 };
+    let bias = [constant, by_position * ratio, by_rate * ratio - back_emf];
+    (per_volt * gain, bias.map(|part| per_volt * part))
+}
+
+/// [`gains`] of the command of an actuator on its joint.
+fn gains_of_command(actuator: &Actuator) -> (f64, [f64; 3]) {
     match &actuator.command {
         // τ − |τ| q̇/ω₀, with the largest torque: MuJoCo's drop does not follow a torque over time.
         Command::Effort(profile) => {

@@ -8,6 +8,7 @@ mod support;
 mod actuator_work;
 mod contact_definition;
 mod contact_geometry;
+mod drives;
 mod finger;
 mod first_touch;
 mod gradient;

@@ -9,7 +9,7 @@ use phalanx::law::{ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::tendon::length_in;
 use phalanx::mechanism::{
     Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, OutlineId, Pose,
-    SpringKind, Tendon, assemble,
+    Powertrain, SpringKind, Tendon, assemble,
 };
 use phalanx::numeric::plane::{add, cross, scale, sub};
 use phalanx::statics::{ContactAtRest, DriveState, MechanismAtRest, MechanismLimit, mechanism_balance, roles};
@@ -196,6 +196,7 @@ fn put_on_lift(mechanism: &mut Mechanism) -> usize {
         limit: None,
         no_load_speed: None,
         brake: None,
+        powertrain: Powertrain::default(),
     });
     carriage
 }

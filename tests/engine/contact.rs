@@ -60,7 +60,7 @@ fn contact_space_inverse_inertia_matches_dense_algebra() {
     assert_eq!(motion.space.len(), 5);
     // The contact space describes the start of the step; assemble it again at the current poses.
     let Motion { world, linkage, candidates, velocities, accelerations, space, .. } = &mut motion;
-    space.assemble(world, &plan, linkage, (candidates, &[]), velocities, accelerations, 2e-3, &|| true);
+    space.assemble(world, &plan, linkage, (candidates, &[], &[]), velocities, accelerations, 2e-3, &|| true);
     let (inverse_mass, joints) = masses_and_joints(&plan, linkage);
     let bodies = plan.bodies.len();
     let rows: Vec<DVector<f64>> = space.rows.iter().map(|row| row_as_vector(row, bodies)).collect();
@@ -95,6 +95,7 @@ fn single_contact_space(law: ContactLaw, mass: f64, gap: f64, rate: f64, slip: f
         tangent: law.friction.map(|_| 1),
         rolling: None,
         friction_state: 0.0,
+        current: 0.0,
     });
     space.coupled = rows;
     space.w = vec![0.0; rows * rows];

@@ -9,6 +9,7 @@ mod support;
 
 mod as_mechanism;
 mod bodies;
+mod drives;
 mod files;
 mod finger;
 mod fuzz_corpus;

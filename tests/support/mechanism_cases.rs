@@ -1,14 +1,16 @@
-//! Reference solutions for mechanisms (tests/anchors/mechanism.json), computed by an independent program: absolute
-//! coordinates, its own Radau IIA of order 9 that lands on events. Runs at tolerances 1e-10 and 1e-12 agree to 11 digits
+//! Reference solutions for mechanisms (tests/anchors/mechanism.json) and for actuators with gears and motors
+//! (tests/anchors/drives.json), computed by an independent program: absolute coordinates, its own Radau IIA of order 9 that
+//! lands on events. Runs at tolerances 1e-10 and 1e-12 agree to 11 digits
 //! or more.
 
 use std::collections::BTreeMap;
 
 use phalanx::drive::{Interpolation, Profile};
-use phalanx::law::{ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
+use phalanx::law::{Bristle, ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::{
-    Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
-    OutlineId, OutlineShape, PathElement, Pose, Spring, SpringKind, Start, Tendon, TendonActuator,
+    Actuator, Body, Command, ContactPair, Coupling, DistanceFeedback, ForcePoint, GearLoss, Joint, JointCombination,
+    JointKind, Mechanism, Motor, NamedPoint, Outline, OutlineId, OutlineShape, PathElement, PointId, Pose, Powertrain,
+    Spring, SpringKind, Start, SumLimit, Tendon, TendonActuator,
 };
 use phalanx::scene::Scene;
 use serde_json::Value;
@@ -34,6 +36,8 @@ pub struct MechanismSample {
     pub joints: Vec<[f64; 2]>,
     /// Torques or forces of the actuators of joints.
     pub actuators: Vec<f64>,
+    /// Their motor torque, current, voltage and measured distance; not a number where the case has none.
+    pub drives: Vec<[f64; 4]>,
     /// Lengths and tensions of the tendons.
     pub tendons: Vec<[f64; 2]>,
     /// Contacts whose gap is below 2 mm.
@@ -56,9 +60,18 @@ impl MechanismCase {
     }
 }
 
-/// All cases, ordered by name.
+/// All cases of mechanisms with direct actuators, ordered by name.
 pub fn all_cases() -> Vec<MechanismCase> {
-    let text = std::fs::read_to_string("tests/anchors/mechanism.json").expect("the reference solutions");
+    cases_in("mechanism")
+}
+
+/// All cases of actuators with gears, motors and feedback, and of limits of sums, ordered by name.
+pub fn drive_cases() -> Vec<MechanismCase> {
+    cases_in("drives")
+}
+
+fn cases_in(file: &str) -> Vec<MechanismCase> {
+    let text = std::fs::read_to_string(format!("tests/anchors/{file}.json")).expect("the reference solutions");
     let cases: BTreeMap<String, Value> = serde_json::from_str(&text).expect("JSON");
     cases.iter().map(|(name, case)| parse_case(name, case)).collect()
 }
@@ -77,7 +90,22 @@ fn parse_case(name: &str, case: &Value) -> MechanismCase {
         poses: poses(&value["poses"]),
         rates: poses(&value["rates"]),
         joints: mechanism.joints.iter().map(|joint| numbers(&value["joints"][&joint.name])).collect(),
-        actuators: mechanism.actuators.iter().map(|actuator| number(&value["actuators"][&actuator.name])).collect(),
+        actuators: mechanism
+            .actuators
+            .iter()
+            .map(|actuator| {
+                let of = &value["actuators"][&actuator.name];
+                number(if of.is_object() { &of["effort"] } else { of })
+            })
+            .collect(),
+        drives: mechanism
+            .actuators
+            .iter()
+            .map(|actuator| {
+                let of = &value["actuators"][&actuator.name];
+                ["motor_torque", "current", "voltage", "distance"].map(|key| or(&of[key], f64::NAN))
+            })
+            .collect(),
         tendons: mechanism
             .tendons
             .iter()
@@ -135,6 +163,7 @@ fn mechanism(scene: &Value) -> Mechanism {
         tendon.actuator = Some(TendonActuator { name: text(&pull["name"]), tension: profile(&pull["tension"]) });
     }
     mechanism.actuators = motors.into_iter().map(|value| actuator(value, &mechanism)).collect();
+    mechanism.sum_limits = list(&scene["limit"]).map(|value| sum_limit(value, &mechanism)).collect();
     mechanism.contacts = list(&scene["contact"]).map(|value| contact(value, &mechanism)).collect();
     mechanism
 }
@@ -145,6 +174,9 @@ fn body(value: &Value) -> Body {
         pose: numbers(&value["start"]),
         rate: numbers_or_zero(&value["rate"]),
         outlines: list(&value["outline"]).map(outline).collect(),
+        points: object(&value["points"])
+            .map(|(name, at)| NamedPoint { name: name.clone(), at_m: numbers(at) })
+            .collect(),
         ..Body::new(text(&value["name"]), number(&value["mass"]), number(&value["inertia"]))
     }
 }
@@ -246,7 +278,29 @@ fn actuator(value: &Value, mechanism: &Mechanism) -> Actuator {
             target_rate: None,
             rate_hz: None,
         },
+        None if value["motor"].is_object() => Command::Effort(profile(&value["motor"]["voltage"])),
         None => Command::Effort(profile(&value["torque"])),
+    };
+    let motor = &value["motor"];
+    let loss_rate = or(&value["loss_rate"], 0.01);
+    let bristle = value["loss_stiffness"]
+        .as_f64()
+        .map(|stiffness| Bristle { damping_n_s_per_m: stiffness * 1e-3, relaxation_s: 1e-3 });
+    let powertrain = Powertrain {
+        gear: or(&value["gear"], 1.0),
+        rotor_kg_m2: or(&value["rotor"], 0.0),
+        loss: value["efficiency"].as_f64().map(|efficiency| GearLoss { efficiency, rate: loss_rate, bristle }),
+        motor: motor.is_object().then(|| Motor {
+            torque_constant: number(&motor["torque_constant"]),
+            resistance: number(&motor["resistance"]),
+            current_limit: motor["current_limit"].as_f64(),
+            back_emf: or(&motor["back_emf"], number(&motor["torque_constant"])),
+            inductance: motor["inductance"].as_f64(),
+        }),
+        feedback: value["feedback"].is_object().then(|| DistanceFeedback {
+            points: [0, 1].map(|k| point_id(&value["feedback"]["distance"][k], mechanism)),
+            sign: or(&value["sign"], 1.0),
+        }),
     };
     Actuator {
         name: text(&value["name"]),
@@ -256,6 +310,26 @@ fn actuator(value: &Value, mechanism: &Mechanism) -> Actuator {
         limit: value["limit"].as_f64().filter(|limit| *limit < 1e300),
         no_load_speed: value["no_load_speed"].as_f64(),
         brake: None,
+        powertrain,
+    }
+}
+
+fn point_id(value: &Value, mechanism: &Mechanism) -> PointId {
+    let name = text(value);
+    let (body, point) = name.split_once('.').expect("body.point");
+    let body = body_index(body, mechanism);
+    let points = body.map_or(&mechanism.ground_points, |body| &mechanism.bodies[body].points);
+    PointId { body, point: points.iter().position(|other| other.name == point).expect("a point") }
+}
+
+fn sum_limit(value: &Value, mechanism: &Mechanism) -> SumLimit {
+    let terms = object(&value["terms"]).map(|(joint, factor)| (joint_index(joint, mechanism), number(factor)));
+    SumLimit {
+        name: text(&value["name"]),
+        on: JointCombination { terms: terms.collect(), offset: 0.0 },
+        lower: value["lower"].as_f64(),
+        upper: value["upper"].as_f64(),
+        law: normal_law(&value["stop"]),
     }
 }
 

@@ -10,6 +10,9 @@
 //! | `/joint/NAME` | `phalanx.Joint` | angle and rate of a joint, and its force if the scene requests it (`[log] joint_forces`): `q11`, for grippers `right_q11`; in mechanisms the name of the joint |
 //! | `/actuator/NAME` | `phalanx.Actuator` | torque: `motor`, `right_motor` |
 //! | `/tendon/NAME` | `phalanx.Tendon` | length, rate and tension of a tendon |
+//! | `/shaft/NAME` | `phalanx.Shaft` | torque of the motor of an actuator, work lost in its gear |
+//! | `/motor/NAME` | `phalanx.Motor` | voltage and current of an electric motor |
+//! | `/distance/NAME` | `phalanx.Distance` | distance that an actuator controls, and its rate |
 //! | `/body/NAME` | `phalanx.Body` | position, angle and rates of the object, a disc, or a body of a mechanism |
 //! | `/contact/NAME` | `phalanx.Contact` | gap, slip, forces, contact point; `hammer-anvil` for discs |
 //! | `/contact/limit`, `/contact/right_limit` | `phalanx.Limit` | the joint limit; only when the scene has one; in mechanisms `/contact/JOINT_lower`, `/contact/JOINT_upper` |

@@ -100,11 +100,17 @@ fn cut_free(mechanism: &mut Mechanism, (object, base): (usize, usize)) -> Result
         }
     };
     let of_combination = |what: &str, name: &str, on: &JointCombination| goes(what, name, &on.terms, &[]);
-    let Mechanism { couplings, springs, tendons, actuators, rotors, .. } = &*mechanism;
+    let Mechanism { couplings, springs, tendons, actuators, rotors, sum_limits, .. } = &*mechanism;
     let couplings: Vec<bool> =
         couplings.iter().map(|each| of_combination("coupling", &each.name, &each.on)).collect::<Result<_, _>>()?;
-    let actuators: Vec<bool> =
-        actuators.iter().map(|each| of_combination("actuator", &each.name, &each.on)).collect::<Result<_, _>>()?;
+    let actuators: Vec<bool> = actuators
+        .iter()
+        .map(|each| {
+            let points = each.powertrain.feedback.iter().flat_map(|feedback| feedback.points);
+            let bodies: Vec<Option<usize>> = points.map(|id| id.body).collect();
+            goes("actuator", &each.name, &each.on.terms, &bodies)
+        })
+        .collect::<Result<_, _>>()?;
     let rotors: Vec<bool> =
         rotors.iter().map(|each| of_combination("rotor", &each.name, &each.on)).collect::<Result<_, _>>()?;
     let springs: Vec<bool> = springs
@@ -121,6 +127,9 @@ fn cut_free(mechanism: &mut Mechanism, (object, base): (usize, usize)) -> Result
             goes("tendon", &each.name, &each.joints, &bodies)
         })
         .collect::<Result<_, _>>()?;
+    let limits: Vec<bool> =
+        sum_limits.iter().map(|each| of_combination("limit", &each.name, &each.on)).collect::<Result<_, _>>()?;
+    retain(&mut mechanism.sum_limits, &limits);
     retain(&mut mechanism.couplings, &couplings);
     retain(&mut mechanism.actuators, &actuators);
     retain(&mut mechanism.rotors, &rotors);
@@ -135,7 +144,8 @@ fn cut_free(mechanism: &mut Mechanism, (object, base): (usize, usize)) -> Result
     let couplings = mechanism.couplings.iter_mut().map(|coupling| &mut coupling.on);
     let actuators = mechanism.actuators.iter_mut().map(|actuator| &mut actuator.on);
     let rotors = mechanism.rotors.iter_mut().map(|rotor| &mut rotor.on);
-    let terms = springs.chain(couplings).chain(actuators).chain(rotors).flat_map(|on| &mut on.terms);
+    let limits = mechanism.sum_limits.iter_mut().map(|limit| &mut limit.on);
+    let terms = springs.chain(couplings).chain(actuators).chain(rotors).chain(limits).flat_map(|on| &mut on.terms);
     let spools = mechanism.tendons.iter_mut().flat_map(|tendon| &mut tendon.joints);
     terms.chain(spools).for_each(|(joint, _)| *joint = place(*joint));
     Ok(())

@@ -4,8 +4,8 @@ use phalanx::drive::{Interpolation, Profile};
 use phalanx::law::{Damping, NormalLaw};
 use phalanx::mechanism::tendon::length_in;
 use phalanx::mechanism::{
-    Actuator, Body, Command, Coupling, Joint, JointCombination, JointKind, Mechanism, PathElement, PrescribedMotion,
-    Spring, SpringKind, Tendon, assemble,
+    Actuator, Body, Command, Coupling, Joint, JointCombination, JointKind, Mechanism, PathElement, Powertrain,
+    PrescribedMotion, Spring, SpringKind, Tendon, assemble,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -384,6 +384,7 @@ fn add_component(mechanism: &mut Mechanism, random: &mut Random, component: &str
             limit: None,
             no_load_speed: None,
             brake: None,
+            powertrain: Powertrain::default(),
         }),
     }
 }

@@ -5,7 +5,8 @@ use phalanx::law::{Bristle, ContactLaw, Damping, FrictionKind, FrictionLaw, Norm
 use phalanx::mechanism::tendon::{center_in, length_in, wraps};
 use phalanx::mechanism::{
     Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
-    OutlineId, OutlineShape, PathElement, PrescribedMotion, Rotor, Spring, SpringKind, Tendon, TendonActuator,
+    OutlineId, OutlineShape, PathElement, Powertrain, PrescribedMotion, Rotor, Spring, SpringKind, Tendon,
+    TendonActuator,
 };
 use phalanx::scene::{Axis, Move, PalmMotion, Ramp, Vibration};
 use std::f64::consts::PI;
@@ -225,6 +226,7 @@ fn add_combinations(mechanism: &mut Mechanism, random: &mut Random) {
             limit: None,
             no_load_speed: random.chance(0.5).then(|| random.log_within(20.0, 200.0)),
             brake: None,
+            powertrain: Powertrain::default(),
         });
     }
 }
@@ -364,6 +366,7 @@ fn drive(mechanism: &mut Mechanism, random: &mut Random, index: usize) {
             limit: random.chance(0.5).then(|| random.log_within(0.01, 0.1) / size),
             no_load_speed: random.chance(0.3).then(|| size * random.log_within(20.0, 200.0)),
             brake: None,
+            powertrain: Powertrain::default(),
         });
     }
 }

@@ -40,8 +40,11 @@ pub(super) fn drawing(mechanism: Mechanism) -> Drawing {
         Command::Servo { kp, target, .. } => kp * target.largest(),
     };
     let efforts = mechanism.actuators.iter().map(|actuator| {
-        let limit = actuator.limit.unwrap_or(f64::INFINITY);
-        effort(&actuator.command).min(limit) / lever_m(&mechanism, actuator.on.terms[0].0, 0.5 * view_m)
+        let largest = match actuator.powertrain.is_direct() {
+            true => effort(&actuator.command).min(actuator.limit.unwrap_or(f64::INFINITY)),
+            false => actuator.effort_at_rest(effort(&actuator.command)).abs(),
+        };
+        largest / lever_m(&mechanism, actuator.on.terms[0].0, 0.5 * view_m)
     });
     let weights = mechanism.bodies.iter().filter(|body| body.motion.is_none()).map(|body| {
         let [x, y] = mechanism.gravity_m_s2;

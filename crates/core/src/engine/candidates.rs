@@ -6,6 +6,7 @@ use super::closest::{ClosestPoints, closest_points};
 use super::coordinate::{BodyPose, Row, Twist};
 use super::linkage::Linkage;
 use super::plan::{Plan, PlannedBody, PlannedBrake, PlannedContact, PlannedMotor, PlannedServo, ServoLaw};
+use super::powertrain::{PlannedPowertrain, PowertrainLaw};
 use super::world::World;
 use crate::law::{FrictionLaw, FrictionPoint, FrictionStep, NormalForce, NormalLaw, normal_force};
 use crate::numeric::elementary::hypot;
@@ -36,6 +37,8 @@ pub struct ContactCandidate {
     pub roll_row: Row,
     /// Torque characteristic of a motor with a no-load speed.
     pub motor: Option<MotorSlope>,
+    /// Law of a powertrain: a force along the slip row, which depends on the gap.
+    pub powertrain: Option<PowertrainLaw>,
     /// Law of a servo, which replaces the normal law. The gap is then minus the error of the coordinate.
     pub servo: Option<ServoLaw>,
     /// Prescribed rate and acceleration of the gap. For a brake or a motor, they model the change of its force over a
@@ -63,6 +66,8 @@ pub enum Element {
     Motor(usize),
     /// A servo: a force along its normal row.
     Servo(usize),
+    /// A powertrain: a force along its slip row.
+    Powertrain(usize),
 }
 
 /// Torque of a motor with a no-load speed, relative to the stall torque: its sign, and its decrease per unit rate.
@@ -94,6 +99,7 @@ impl ContactCandidate {
             rolling: None,
             roll_row: Row::none(),
             motor: None,
+            powertrain: None,
             servo: None,
             prescribed_gap_motion: [0.0; 2],
             uses_contact_law: false,
@@ -135,7 +141,7 @@ impl ContactCandidate {
 
     /// Whether there is a force along the slip row.
     pub(crate) fn has_tangent(&self) -> bool {
-        self.friction.is_some() || self.motor.is_some()
+        self.friction.is_some() || self.motor.is_some() || self.powertrain.is_some()
     }
 
     /// Whether the candidate has a gap, as surfaces and stops do.
@@ -143,14 +149,21 @@ impl ContactCandidate {
         matches!(self.element, Element::Stop(_) | Element::Contact(_))
     }
 
-    /// Whether the normal force is prescribed, as of brakes and motors.
+    /// Whether the normal force is prescribed, as of brakes and motors, or the gap of a powertrain.
     pub(crate) fn has_prescribed_normal(&self) -> bool {
         matches!(self.element, Element::Brake(_) | Element::Motor(_))
+            || self.powertrain.is_some_and(|law| law.has_prescribed_gap())
     }
 
-    /// Whether the force acts along the normal row in both directions and at any gap.
+    /// Law of friction without a state that changes within narrow ranges of the slip.
+    pub(crate) fn slip_law(&self) -> Option<&FrictionLaw> {
+        let loss = self.powertrain.as_ref().and_then(PowertrainLaw::loss_law);
+        self.friction.as_ref().or(loss).filter(|law| !law.has_state())
+    }
+
+    /// Whether the force acts in both directions and at any gap, as of servos and powertrains.
     pub(crate) fn is_servo(&self) -> bool {
-        matches!(self.element, Element::Servo(_))
+        matches!(self.element, Element::Servo(_) | Element::Powertrain(_))
     }
 
     /// Whether the gap is larger than its rounding error.
@@ -208,6 +221,7 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
     candidates.extend(plan.motors.iter().enumerate().filter_map(motor_candidate_of));
     let servos = plan.servos.iter().enumerate();
     candidates.extend(servos.map(|(index, servo)| servo_candidate(plan, index, servo, &linkage.poses)));
+    candidates.extend((0..plan.powertrains.len()).map(|index| powertrain_candidate(plan, index, &linkage.poses)));
 }
 
 /// Models a brake as a contact: friction under a force set by [`set_shaft_torques`].
@@ -243,6 +257,20 @@ fn servo_candidate(plan: &Plan, index: usize, servo: &PlannedServo, poses: &[Bod
     }
 }
 
+/// Models a powertrain as a contact; [`set_shaft_torques`] sets its gap.
+fn powertrain_candidate(plan: &Plan, index: usize, poses: &[BodyPose]) -> ContactCandidate {
+    let PlannedPowertrain { shaft, measured, law, .. } = &plan.powertrains[index];
+    let normal_row = measured.as_ref().map_or_else(Row::none, |measured| measured.row(poses));
+    let (element, without_force) = (Element::Powertrain(index), NormalLaw::constant_force(0.0));
+    ContactCandidate {
+        rounding: f64::EPSILON,
+        powertrain: Some(*law),
+        is_motor: true,
+        uses_contact_law: true,
+        ..ContactCandidate::new(plan.first_powertrain() + index, element, without_force, [normal_row, shaft.row(poses)])
+    }
+}
+
 /// Returns a candidate along the slip row of a shaft. No body changes its penetration, which together with the stiffness
 /// of its law defines the normal force.
 fn shaft_candidate(index: usize, element: Element, slip_row: Row) -> ContactCandidate {
@@ -272,6 +300,18 @@ pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64
                 candidate.gap = coordinate.value(poses) - start;
                 candidate.servo = Some(ServoLaw { target_rate: 0.5 * (start_rate + end_rate), ..*law });
                 candidate.prescribed_gap_motion = [start_rate, (end_rate - start_rate) / dt];
+                continue;
+            }
+            Element::Powertrain(index) => {
+                let PlannedPowertrain { input, measured, .. } = &plan.powertrains[index];
+                let [(start, start_rate), (middle, _), (end, end_rate)] = times.map(|t| input.at(t));
+                (candidate.gap, candidate.prescribed_gap_motion) = match measured {
+                    Some(measured) => (measured.value(poses) - start, [start_rate, (end_rate - start_rate) / dt]),
+                    None => {
+                        let rate = (4.0 * middle - 3.0 * start - end) / dt;
+                        (-start, [-rate, -4.0 * (start - 2.0 * middle + end) / (dt * dt)])
+                    }
+                };
                 continue;
             }
             Element::Stop(_) | Element::Contact(_) => continue,
@@ -343,6 +383,11 @@ pub(crate) fn gap_and_rows_at(
         Element::Servo(index) => along(plan.servos[index].coordinate.row(poses)),
         Element::Brake(index) => across(plan.brakes[index].shaft.row(poses)),
         Element::Motor(index) => across(plan.motors[index].shaft.row(poses)),
+        Element::Powertrain(index) => {
+            let PlannedPowertrain { shaft, measured, .. } = &plan.powertrains[index];
+            let normal_row = measured.as_ref().map_or_else(Row::none, |measured| measured.row(poses));
+            (candidate.gap, [normal_row, shaft.row(poses)])
+        }
         Element::Contact(index) => {
             let points = closest_points(world, plan, index, poses)?;
             (points.gap, surface_rows(plan, index, poses, &points))

@@ -11,6 +11,7 @@ use super::coordinate::{BodyPose, Row, Twist};
 use super::linkage::Linkage;
 use super::lists::{refill, reset};
 use super::plan::Plan;
+use super::powertrain::{PlannedPowertrain, PowertrainState};
 use super::support::supports;
 use super::world::World;
 use crate::law::friction_coefficient;
@@ -28,6 +29,8 @@ pub struct ActiveContact {
     pub rolling: Option<usize>,
     /// Internal state of friction at the start of the step.
     pub friction_state: f64,
+    /// Current of the motor of a powertrain at the start of the step.
+    pub current: f64,
 }
 
 impl ActiveContact {
@@ -78,7 +81,7 @@ impl ContactSpace {
         world: &World,
         plan: &Plan,
         linkage: &mut Linkage,
-        (candidates, friction_states): (&[ContactCandidate], &[f64]),
+        (candidates, friction_states, currents): (&[ContactCandidate], &[f64], &[f64]),
         velocities: &[Twist],
         accelerations: &[Twist],
         dt: f64,
@@ -99,12 +102,17 @@ impl ContactSpace {
             let tangent = candidate.has_tangent().then(|| push(&candidate.slip_row));
             let rolling = candidate.rolling.map(|_| push(&candidate.roll_row));
             let friction_state = friction_states.get(candidate.index).copied().unwrap_or(0.0);
+            let current = match candidate.element {
+                Element::Powertrain(index) => currents[index],
+                _ => 0.0,
+            };
             self.active_contacts.push(ActiveContact {
                 candidate: candidate.clone(),
                 normal,
                 tangent,
                 rolling,
                 friction_state,
+                current,
             });
         }
         self.coupled = self.rows.len();
@@ -125,6 +133,9 @@ impl ContactSpace {
             let ([rate, acceleration], n) = (contact.candidate.prescribed_gap_motion, contact.normal);
             (self.rate[n], self.free[n]) = match contact.candidate.element {
                 Element::Servo(_) => (self.rate[n] - rate, self.free[n] - acceleration),
+                Element::Powertrain(_) if !contact.candidate.has_prescribed_normal() => {
+                    (self.rate[n] - rate, self.free[n] - acceleration)
+                }
                 _ => (rate, acceleration),
             };
         }
@@ -153,6 +164,14 @@ impl ContactSpace {
         let interval_s = dt.max(MIN_CURVATURE_STEP_S);
         refill(&mut self.poses, linkage.poses.iter().zip(velocities).map(|(pose, v)| pose.after(interval_s, v)));
         for contact in &self.active_contacts {
+            if let Element::Powertrain(index) = contact.candidate.element {
+                let PlannedPowertrain { shaft, measured, .. } = &plan.powertrains[index];
+                let rows = [(Some(contact.normal), measured.as_ref()), (contact.tangent, Some(shaft))];
+                for (row, coordinate) in rows.into_iter().filter_map(|(row, coordinate)| row.zip(coordinate)) {
+                    self.free[row] += coordinate.second_rate(&linkage.poses, velocities);
+                }
+                continue;
+            }
             let (row, coordinate) = match (contact.candidate.element, contact.tangent) {
                 (Element::Stop(index), _) => (contact.normal, &plan.stops[index].gap),
                 (Element::Servo(index), _) => (contact.normal, &plan.servos[index].coordinate),
@@ -369,6 +388,8 @@ pub struct Stage<'a> {
     pub gap: &'a [f64],
     /// Internal states of friction, one per contact.
     pub friction_state: &'a [f64],
+    /// Currents of powertrains, one per contact.
+    pub current: &'a [f64],
     pub h: f64,
 }
 
@@ -392,6 +413,9 @@ pub(crate) struct Workspace {
     pub force: Vec<f64>,
     /// Internal states of friction at the solution, one per contact.
     pub friction_state: Vec<f64>,
+    /// Currents and losses of powertrains at the solution, one per contact.
+    pub current: Vec<f64>,
+    pub loss: Vec<f64>,
     /// For each contact, whether its friction with stiction slips.
     pub is_slipping: Vec<bool>,
 }
@@ -405,7 +429,9 @@ pub(crate) struct Diverged {
 impl Workspace {
     /// Resizes all arrays for a contact space.
     pub fn resize(&mut self, rows: usize, contacts: usize) {
-        reset(&mut self.friction_state, contacts, 0.0);
+        for list in [&mut self.friction_state, &mut self.current, &mut self.loss] {
+            reset(list, contacts, 0.0);
+        }
         reset(&mut self.is_slipping, contacts, false);
         reset(&mut self.jacobian, rows * rows, 0.0);
         let Self { residual, step, trial, diagonal_derivative, cross_derivative, force_scale, force, .. } = self;
@@ -511,6 +537,17 @@ impl Workspace {
         for (index, contact) in space.active_contacts.iter().enumerate() {
             let n = contact.normal;
             let gap = stage.gap[index] + h * rate[n];
+            if let Some((powertrain, t)) = contact.candidate.powertrain.as_ref().zip(contact.tangent) {
+                let state = PowertrainState { bristle: stage.friction_state[index], current: stage.current[index] };
+                let found = powertrain.step(gap, [rate[n], rate[t]], state, h);
+                (self.force[n], self.diagonal_derivative[n], self.force_scale[n]) = (0.0, 0.0, 0.0);
+                (self.force[t], self.diagonal_derivative[t]) = (found.effort, found.d_rate);
+                self.cross_derivative[t] = found.d_gap_rate;
+                self.force_scale[t] = found.effort.abs() + 2.0 * found.loss.abs() + found.d_rate.abs() * rate[t].abs();
+                (self.friction_state[index], self.current[index]) = (found.state.bristle, found.state.current);
+                self.loss[index] = found.loss;
+                continue;
+            }
             let law = contact.candidate.normal_force(gap, rate[n]);
             // The law uses penetration, the row uses the gap.
             let slope = -(h * law.d_delta + law.d_rate);

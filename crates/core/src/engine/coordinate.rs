@@ -258,6 +258,16 @@ impl Coordinate {
         }
     }
 
+    /// Returns the vector between the first two circles of a cable; 0 for another coordinate.
+    pub(crate) fn between(&self, poses: &[BodyPose]) -> [f64; 2] {
+        match &self.measure {
+            Measure::Cable { circles } => {
+                Points::new(&[circles[0].center, circles[1].center], |body| poses[body]).between
+            }
+            _ => [0.0; 2],
+        }
+    }
+
     /// Returns the axis of a slide in the world.
     pub(crate) fn axis(&self, poses: &[BodyPose]) -> [f64; 2] {
         let Measure::Slide { points: [first, _], axis } = &self.measure else { return [0.0; 2] };

@@ -6,11 +6,12 @@ use super::plan::{
     PlannedDrive, PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop,
     PlannedSurface, PlannedTendon, ServoLaw, Shape, SurfaceId,
 };
+use super::powertrain::PlannedPowertrain;
 use crate::drive::Profile;
 use crate::gripper::{self, Body};
 use crate::mechanism::{
-    Actuator, Command, ForcePoint, Joint, JointCombination, Mechanism, OutlinePoint, OutlineShape, PathElement,
-    PointContact, Spring, SpringKind, Start, Tendon, assemble,
+    Actuator, Command, DistanceFeedback, ForcePoint, Joint, JointCombination, Mechanism, OutlinePoint, OutlineShape,
+    PathElement, PointContact, PointId, Spring, SpringKind, Start, Tendon, assemble,
 };
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, perp, scale, sub};
@@ -84,14 +85,14 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
     add_couplings(&mut plan, mechanism, &coordinates);
     add_springs_and_dampers(&mut plan, mechanism, &coordinates);
     for actuator in &mechanism.actuators {
-        add_actuator(&mut plan, actuator, combined(&actuator.on, &coordinates));
+        add_actuator(&mut plan, mechanism, actuator, combined(&actuator.on, &coordinates));
     }
     let points = mechanism.point_contacts();
     for (channel, contact) in points.iter().enumerate() {
         add_contact(&mut plan, mechanism, contact, channel);
     }
     for limit in mechanism.limits() {
-        let beyond = coordinates[limit.joint].clone().less(limit.value);
+        let beyond = combined(&mechanism.limited(&limit), &coordinates).less(limit.value);
         plan.stops.push(PlannedStop { gap: if limit.side > 0.0 { beyond.negated() } else { beyond }, law: limit.law });
         plan.stop_channels.push(points.len() + plan.stop_channels.len());
     }
@@ -204,7 +205,7 @@ fn add_couplings(plan: &mut Plan, mechanism: &Mechanism, coordinates: &[Coordina
             None => add_wheel(&[(index, 1.0)], joint.armature),
         }
     }
-    mechanism.rotors.iter().for_each(|rotor| add_wheel(&rotor.on.terms, rotor.inertia));
+    mechanism.reflected_inertias().for_each(|(on, inertia)| add_wheel(&on.terms, inertia));
     for (body, inertia_kg_m2) in rotors {
         plan.bodies[body].body.inertia_kg_m2 += inertia_kg_m2;
         plan.rotors.push(PlannedRotor { body, inertia_kg_m2 });
@@ -261,7 +262,7 @@ fn add_damper(plan: &mut Plan, coordinate: Coordinate, damping: f64) {
     }
 }
 
-fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
+fn add_actuator(plan: &mut Plan, mechanism: &Mechanism, actuator: &Actuator, coordinate: Coordinate) {
     let limit = actuator.limit.unwrap_or(f64::INFINITY);
     let actuator_index = plan.actuators.len();
     let brake = |brake| PlannedBrake {
@@ -270,6 +271,18 @@ fn add_actuator(plan: &mut Plan, actuator: &Actuator, coordinate: Coordinate) {
         actuator: Some(actuator_index),
     };
     plan.brakes.extend(actuator.brake.map(brake));
+    if !actuator.powertrain.is_direct() {
+        let circle =
+            |id: PointId| Circle { center: plan.body_point(id.body, mechanism.point(id).at_m), signed_radius_m: 0.0 };
+        let distance = |feedback: DistanceFeedback| Coordinate {
+            measure: Measure::Cable { circles: feedback.points.map(circle).into() },
+            offset: 0.0,
+        };
+        let measured = actuator.powertrain.feedback.map_or_else(|| coordinate.clone(), distance);
+        plan.actuators.push(PlannedActuator::Powertrain(plan.powertrains.len()));
+        plan.powertrains.push(PlannedPowertrain::new(actuator, coordinate, measured));
+        return;
+    }
     match &actuator.command {
         Command::Effort(profile) => {
             plan.actuators.push(PlannedActuator::Motor(plan.motors.len()));

@@ -16,6 +16,7 @@ mod lists;
 mod mechanism;
 mod motion;
 mod plan;
+mod powertrain;
 mod rapier_contact;
 mod stepper;
 mod substeps;
@@ -35,6 +36,7 @@ pub use plan::{
     PlannedDrive, PlannedGear, PlannedJoint, PlannedMotor, PlannedRotor, PlannedServo, PlannedSpring, PlannedStop,
     PlannedSurface, PlannedTendon, ServoLaw, Shape, SurfaceId,
 };
+pub use powertrain::{PlannedPowertrain, PowertrainLaw, PowertrainStep};
 pub use rapier_contact::RapierContact;
 pub use stepper::next_step;
 pub use substeps::{Change, ChangeKind, ContactExtremum, ContactSolveError, ContactSolver, Tolerance};

@@ -19,6 +19,7 @@ use super::joint::anchor_shift;
 use super::linkage::{Linkage, SingularConstraints};
 use super::lists::refill;
 use super::plan::Plan;
+use super::powertrain::{PowertrainLaw, PowertrainState, PowertrainStep};
 use super::rapier_contact::{RapierContact, read_rapier_impulses};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
 use super::support;
@@ -26,8 +27,9 @@ use super::world::{LawContactHook, World};
 use crate::drive::Profile;
 use crate::integrator::Clock;
 use crate::law::friction_coefficient;
+use crate::mechanism::MIN_DISTANCE_M;
 use crate::numeric::elementary::hypot;
-use crate::numeric::plane::{add, dot, sub};
+use crate::numeric::plane::{add, dot, scale, sub};
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum StepError {
@@ -110,6 +112,12 @@ pub struct Motion {
     predicted_mean_velocities: Vec<Twist>,
     /// Internal state of friction of every stop, contact, brake, motor and servo.
     pub friction_states: Vec<f64>,
+    /// Current of every powertrain, A.
+    pub currents: Vec<f64>,
+    /// Work that every powertrain has lost in its gear, J; it is part of the work of contacts.
+    pub loss_work_j: Vec<f64>,
+    /// Vectors between the points whose distances powertrains measure, before the last step.
+    previous_offsets: Vec<[f64; 2]>,
     /// Accelerations of driven bodies, with the body indices.
     driven: Vec<(usize, Twist)>,
     /// Openings with the anchor correction, and the corrections.
@@ -136,7 +144,8 @@ impl Motion {
     /// Creates the motion of a world at t = 0. Fails if the joint constraints are singular.
     pub fn new(plan: Plan, world: World) -> Result<Self, StepError> {
         let linkage = Linkage::new(&world, &plan);
-        let (bodies, elements) = (plan.bodies.len(), plan.first_servo() + plan.servos.len());
+        let (bodies, drives) = (plan.bodies.len(), plan.powertrains.len());
+        let elements = plan.first_powertrain() + drives;
         let is_driven = |body: usize| plan.drives.iter().any(|drive| drive.body == body);
         let dynamic = (0..bodies).filter(|body| !is_driven(*body));
         let dynamic_bodies = dynamic.map(|body| world.bodies[body]).collect();
@@ -164,6 +173,9 @@ impl Motion {
             predicted_mean_velocities: vec![[0.0; 3]; bodies],
             driven: Vec::new(),
             friction_states: vec![0.0; elements],
+            currents: vec![0.0; drives],
+            loss_work_j: vec![0.0; drives],
+            previous_offsets: Vec::new(),
             open: Vec::new(),
             overshoot: Vec::new(),
             opening_acceleration: 0.0,
@@ -181,6 +193,7 @@ impl Motion {
         motion.linkage.project(&mut motion.velocities);
         candidates::collect(&motion.world, &motion.plan, &motion.linkage, &mut motion.candidates);
         motion.update_node();
+        motion.keep_offsets();
         Ok(motion)
     }
 
@@ -211,7 +224,7 @@ impl Motion {
         loop {
             self.shift_anchors(dt);
             let Self { world, plan, linkage, .. } = self;
-            let candidates = (&self.candidates[..], &self.friction_states[..]);
+            let candidates = (&self.candidates[..], &self.friction_states[..], &self.currents[..]);
             let (velocities, accelerations) = (&self.velocities, &self.step_accelerations);
             if !self.space.assemble(world, plan, linkage, candidates, velocities, accelerations, dt, keep_running) {
                 return Err(ContactSolveError::Stopped.into());
@@ -236,6 +249,7 @@ impl Motion {
         let impulses = [&self.contact.early_impulse[..], &self.contact.late_impulse[..]];
         self.motor_work_j -= support::contact_work(&self.plan, &self.space.on_supports, impulses, step);
 
+        self.keep_offsets();
         for (pose, before) in self.linkage.poses.iter().zip(&mut self.previous_poses) {
             *before = [pose.com[0], pose.com[1], pose.angle];
         }
@@ -300,12 +314,61 @@ impl Motion {
         for (active, state) in self.space.active_contacts.iter().zip(&self.contact.friction_state) {
             self.friction_states[active.candidate.index] = *state;
         }
+        let solved = self.contact.current.iter().zip(&self.contact.loss_work);
+        for (active, (current, loss_work)) in self.space.active_contacts.iter().zip(solved) {
+            if let Element::Powertrain(index) = active.candidate.element {
+                self.currents[index] = *current;
+                self.loss_work_j[index] += loss_work;
+            }
+        }
+    }
+
+    /// Returns a powertrain at the node.
+    pub(crate) fn powertrain(&self, index: usize) -> PowertrainStep {
+        let state = PowertrainState {
+            bristle: self.friction_states[self.plan.first_powertrain() + index],
+            current: self.currents[index],
+        };
+        let motion = (&self.linkage.poses[..], &self.velocities[..]);
+        self.plan.powertrains[index].at_node(self.clock.now(), motion, state)
+    }
+
+    /// Adds the forces of all powertrains at the node to `impulse`.
+    fn add_powertrain_forces(&mut self) {
+        for index in 0..self.plan.powertrains.len() {
+            let effort = self.powertrain(index).effort;
+            self.plan.powertrains[index].shaft.row(&self.linkage.poses).add_to(&mut self.impulse, effort);
+        }
+    }
+
+    /// Keeps the vectors between measured points for the next step.
+    fn keep_offsets(&mut self) {
+        let offsets = self.plan.powertrains.iter().map(|of| of.offset(&self.linkage.poses).unwrap_or_default());
+        refill(&mut self.previous_offsets, offsets);
+    }
+
+    /// Returns the first powertrain whose points have met in the last step, which moves them straight on.
+    pub(crate) fn met_points(&self) -> Option<usize> {
+        let before = self.previous_offsets.iter();
+        let found = self.plan.powertrains.iter().zip(before).position(|(powertrain, before)| {
+            powertrain.offset(&self.linkage.poses).is_some_and(|now| {
+                let moved = sub(now, *before);
+                let part = (-dot(*before, moved) / dot(moved, moved)).clamp(0.0, 1.0);
+                // The points are at rest relative to each other if the part is not a number.
+                let nearest = if part.is_nan() { now } else { add(*before, scale(moved, part)) };
+                let least = hypot(nearest[0], nearest[1]);
+                least.is_nan() || least < MIN_DISTANCE_M
+            })
+        });
+        found
     }
 
     /// Returns the energy of the internal states of friction, J.
     pub(crate) fn friction_energy(&self) -> f64 {
         let energy = |candidate: &ContactCandidate| {
-            candidate.law_with_state().map_or(0.0, |law| law.kind.energy(self.friction_states[candidate.index]))
+            let loss = candidate.powertrain.as_ref().and_then(PowertrainLaw::loss_law);
+            let law = candidate.law_with_state().or(loss);
+            law.map_or(0.0, |law| law.kind.energy(self.friction_states[candidate.index]))
         };
         self.candidates.iter().map(energy).sum()
     }
@@ -448,6 +511,16 @@ impl Motion {
                 rate_correction.rows.push(tangent_row(tangent, slip_row, 0.0, creep));
                 continue;
             }
+            if let (Some(powertrain), Some(tangent)) = (&active.candidate.powertrain, active.tangent) {
+                let state = PowertrainState { bristle: contact.friction_state[index], current: contact.current[index] };
+                let found =
+                    powertrain.step(contact.gap[index], [contact.rate[normal], contact.rate[tangent]], state, dt);
+                let is_own = active.candidate.normal_row == active.candidate.slip_row;
+                let by_rate = found.d_rate + if is_own { found.d_gap_rate } else { 0.0 };
+                let slip_row = at_end.unwrap_or(&active.candidate).slip_row.clone();
+                rate_correction.rows.push(tangent_row(tangent, slip_row, 0.0, (-dt * by_rate).max(0.0)));
+                continue;
+            }
             if let (Element::Servo(_), Some(at_end)) = (active.candidate.element, at_end) {
                 let law = active.candidate.normal_force(contact.gap[index], contact.rate[normal]);
                 let [target_rate, target_acceleration] = active.candidate.prescribed_gap_motion;
@@ -523,6 +596,7 @@ impl Motion {
         forces::driven_accelerations(&self.plan, now, &mut self.driven);
         self.impulse.copy_from_slice(&self.forces);
         forces::add_speed_dependent_forces(&self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
+        self.add_powertrain_forces();
         self.linkage.accelerations(&self.impulse, &self.velocities, &self.driven, &mut self.accelerations);
         let bodies = (&self.world, &self.plan, &mut self.linkage);
         let contacts = (&self.space, &self.contact.force[..], &self.candidates[..]);
@@ -542,6 +616,7 @@ impl Motion {
         let now = self.clock.now();
         self.impulse.copy_from_slice(&self.forces);
         forces::add_speed_dependent_forces(&self.plan, &self.linkage.poses, &self.velocities, now, &mut self.impulse);
+        self.add_powertrain_forces();
         forces::driven_accelerations(&self.plan, now, &mut self.driven);
         let mut loads = std::mem::take(&mut self.impulse);
         for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.element, Element::Brake(_))) {

@@ -3,6 +3,7 @@
 //! The plan is independent of rapier; `mechanism` builds it.
 
 use super::coordinate::{BodyPoint, BodyPose, Coordinate, Twist};
+use super::powertrain::PlannedPowertrain;
 use crate::gripper::Body;
 use crate::law::{ContactLaw, FrictionLaw, NormalForce, NormalLaw};
 use crate::mechanism::{JointKind, PrescribedMotion};
@@ -121,11 +122,12 @@ pub struct PlannedServo {
     pub is_motor: bool,
 }
 
-/// An actuator, given by its index among the motors or among the servos.
+/// An actuator, given by its index among the motors, the servos or the powertrains.
 #[derive(Clone, Copy, Debug)]
 pub enum PlannedActuator {
     Motor(usize),
     Servo(usize),
+    Powertrain(usize),
 }
 
 /// A tendon: its length, the stop that represents its spring and damper, and the motor that pulls it.
@@ -298,7 +300,7 @@ pub enum ContactPointConvention {
 
 /// All components that the engine builds for a scene.
 ///
-/// Stops, contacts, brakes, motors and servos share one element index, in this order.
+/// Stops, contacts, brakes, motors, servos and powertrains share one element index, in this order.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     pub bodies: Vec<PlannedBody>,
@@ -307,6 +309,7 @@ pub struct Plan {
     pub gears: Vec<PlannedGear>,
     pub motors: Vec<PlannedMotor>,
     pub servos: Vec<PlannedServo>,
+    pub powertrains: Vec<PlannedPowertrain>,
     /// Actuators of a mechanism, in the order of the mechanism.
     pub actuators: Vec<PlannedActuator>,
     pub brakes: Vec<PlannedBrake>,
@@ -330,7 +333,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Returns the torque or force of an actuator at time `t` and at these poses and velocities.
+    /// Returns the torque or force of an actuator without a powertrain at time `t` and at these poses and velocities.
     pub fn effort(&self, actuator: PlannedActuator, t: f64, (poses, velocities): (&[BodyPose], &[Twist])) -> f64 {
         match actuator {
             PlannedActuator::Motor(index) => {
@@ -338,6 +341,7 @@ impl Plan {
                 motor.torque(t, motor.shaft.row(poses).rate(velocities))
             }
             PlannedActuator::Servo(index) => self.servos[index].force(t, poses, velocities),
+            PlannedActuator::Powertrain(_) => 0.0,
         }
     }
 
@@ -346,6 +350,7 @@ impl Plan {
         match actuator {
             PlannedActuator::Motor(index) => &self.motors[index].shaft,
             PlannedActuator::Servo(index) => &self.servos[index].coordinate,
+            PlannedActuator::Powertrain(index) => &self.powertrains[index].shaft,
         }
     }
 
@@ -354,6 +359,7 @@ impl Plan {
         match self.actuators[actuator] {
             PlannedActuator::Motor(index) => self.motors[index].actuation = input,
             PlannedActuator::Servo(index) => self.servos[index].target = input,
+            PlannedActuator::Powertrain(index) => self.powertrains[index].input = input,
         }
     }
 
@@ -368,9 +374,10 @@ impl Plan {
     pub fn next_discontinuity(&self, t: f64) -> f64 {
         let motors = self.motors.iter().map(|motor| motor.actuation.next_discontinuity(t));
         let servos = self.servos.iter().map(|servo| servo.target.next_discontinuity(t));
+        let powertrains = self.powertrains.iter().map(|powertrain| powertrain.input.next_discontinuity(t));
         let brakes = self.brakes.iter().map(|brake| brake.kind.next_discontinuity(t));
         let drives = self.drives.iter().map(|drive| drive.motion.next_discontinuity(t));
-        motors.chain(servos).chain(brakes).chain(drives).fold(f64::INFINITY, f64::min)
+        motors.chain(servos).chain(powertrains).chain(brakes).chain(drives).fold(f64::INFINITY, f64::min)
     }
 
     /// Gravity in the axes of a moving palm at the start.
@@ -420,6 +427,11 @@ impl Plan {
     /// Element index of the first servo.
     pub(crate) fn first_servo(&self) -> usize {
         self.first_motor() + self.motors.len()
+    }
+
+    /// Element index of the first powertrain.
+    pub(crate) fn first_powertrain(&self) -> usize {
+        self.first_servo() + self.servos.len()
     }
 
     pub(crate) fn surface(&self, id: SurfaceId) -> &PlannedSurface {

@@ -106,6 +106,10 @@ pub struct ContactSolver {
     pub rate: Vec<f64>,
     /// Internal state of friction of each contact at the end of the step.
     pub friction_state: Vec<f64>,
+    /// Current of the motor of each powertrain at the end of the step, one per contact.
+    pub current: Vec<f64>,
+    /// Work that each powertrain has lost in its gear, J, one per contact.
+    pub loss_work: Vec<f64>,
     /// For each contact, its state at the largest normal force.
     pub peak: Vec<ContactExtremum>,
     /// For each contact, its state at the largest penetration.
@@ -138,6 +142,8 @@ struct Buffers {
     base_rate: Vec<f64>,
     base_gap: Vec<f64>,
     base_friction_state: Vec<f64>,
+    base_current: Vec<f64>,
+    first_loss: Vec<f64>,
     error: Vec<f64>,
     is_touching: Vec<bool>,
     is_loaded: Vec<bool>,
@@ -294,7 +300,13 @@ impl ContactSolver {
         refill(&mut self.friction_state, space.active_contacts.iter().map(|contact| contact.friction_state));
         refill(&mut self.rate, space.rate.iter().copied());
         refill(&mut self.gap, space.active_contacts.iter().map(|contact| contact.candidate.gap));
-        reset(&mut self.buffers.base_friction_state, contacts, 0.0);
+        refill(&mut self.current, space.active_contacts.iter().map(|contact| contact.current));
+        reset(&mut self.loss_work, contacts, 0.0);
+        for list in
+            [&mut self.buffers.base_friction_state, &mut self.buffers.base_current, &mut self.buffers.first_loss]
+        {
+            reset(list, contacts, 0.0);
+        }
         reset(&mut self.buffers.base_gap, contacts, 0.0);
         reset(&mut self.peak, contacts, ContactExtremum::default());
         reset(&mut self.deepest, contacts, ContactExtremum::default());
@@ -375,14 +387,26 @@ impl ContactSolver {
         cancellation: &Cancellation,
     ) -> Result<f64, Diverged> {
         self.substeps += 1;
-        let Buffers { first, second, first_force, base_rate, base_gap, base_friction_state, error, .. } =
-            &mut self.buffers;
+        let Buffers {
+            first,
+            second,
+            first_force,
+            first_loss,
+            base_rate,
+            base_gap,
+            base_friction_state,
+            base_current,
+            error,
+            ..
+        } = &mut self.buffers;
         let implicit = GAMMA * h;
 
         first.copy_from_slice(&self.rate);
-        let stage = Stage { rate: &self.rate, gap: &self.gap, friction_state: &self.friction_state, h: implicit };
+        let (friction_state, current) = (&self.friction_state, &self.current);
+        let stage = Stage { rate: &self.rate, gap: &self.gap, friction_state, current, h: implicit };
         self.iterations += self.work_space.solve(space, &stage, first, cancellation)?;
         first_force.copy_from_slice(&self.work_space.force);
+        first_loss.copy_from_slice(&self.work_space.loss);
 
         let ratio = (1.0 - GAMMA) / GAMMA;
         for i in 0..space.len() {
@@ -392,12 +416,14 @@ impl ContactSolver {
             base_gap[index] = self.gap[index] + (1.0 - GAMMA) * h * first[contact.normal];
             base_friction_state[index] = self.friction_state[index]
                 + ratio * (self.work_space.friction_state[index] - self.friction_state[index]);
+            base_current[index] = self.current[index] + ratio * (self.work_space.current[index] - self.current[index]);
         }
         // A better start than the solution of the first stage: its change, from the initial rates of the second.
         for i in 0..space.len() {
             second[i] = base_rate[i] + first[i] - self.rate[i];
         }
-        let stage = Stage { rate: base_rate, gap: base_gap, friction_state: base_friction_state, h: implicit };
+        let (friction_state, current) = (base_friction_state, base_current);
+        let stage = Stage { rate: base_rate, gap: base_gap, friction_state, current, h: implicit };
         self.iterations += self.work_space.solve(space, &stage, second, cancellation)?;
 
         // γ h (a₂ − a₁), with the stage accelerations aᵢ; the filter removes components that decay within the sub-step.
@@ -419,10 +445,9 @@ impl ContactSolver {
         let Buffers { second, .. } = &self.buffers;
         let mut fraction: Option<f64> = None;
         for contact in &space.active_contacts {
-            let law = contact.candidate.friction.as_ref().filter(|law| !law.has_state());
-            let Some((t, law)) = contact.tangent.zip(law) else { continue };
+            let Some((t, law)) = contact.tangent.zip(contact.candidate.slip_law()) else { continue };
             let (force_before, force_after) = (self.force[contact.normal], self.work_space.force[contact.normal]);
-            if force_before <= 0.0 && force_after <= 0.0 {
+            if force_before <= 0.0 && force_after <= 0.0 && contact.candidate.powertrain.is_none() {
                 continue;
             }
             let (before, after) = (self.rate[t], second[t]);
@@ -443,8 +468,9 @@ impl ContactSolver {
 
     /// Accepts a sub-step: updates state, impulses, work and extrema.
     fn accept(&mut self, space: &ContactSpace, now: f64, h: f64, remaining: f64) {
-        let Buffers { impulse: total_impulse, double_integral, first, second, first_force, base_gap, .. } =
-            &mut self.buffers;
+        let Buffers {
+            impulse: total_impulse, double_integral, first, second, first_force, first_loss, base_gap, ..
+        } = &mut self.buffers;
         let second_force = &self.work_space.force;
         // ∫ (end − s) F ds over the whole step: contributions of this sub-step and of the remaining time.
         let remaining_after = remaining - h;
@@ -456,7 +482,15 @@ impl ContactSolver {
             total_impulse[i] += impulse;
         }
         let work = |i: usize| h * ((1.0 - GAMMA) * first_force[i] * first[i] + GAMMA * second_force[i] * second[i]);
-        for contact in &space.active_contacts {
+        for (index, contact) in space.active_contacts.iter().enumerate() {
+            if let (Some(_), Some(t)) = (&contact.candidate.powertrain, contact.tangent) {
+                let losses = [first_loss[index] * first[t], self.work_space.loss[index] * second[t]];
+                let loss = h * ((1.0 - GAMMA) * losses[0] + GAMMA * losses[1]);
+                self.motor_work += work(t) + loss;
+                self.work -= loss;
+                self.loss_work[index] += loss;
+                continue;
+            }
             let total_work = if contact.candidate.is_motor { &mut self.motor_work } else { &mut self.work };
             let n = contact.normal;
             match contact.candidate.element {
@@ -467,7 +501,7 @@ impl ContactSolver {
                     *total_work += work(n) + target_rate * impulse;
                 }
                 // The normal row of a brake or a motor does no work.
-                Element::Brake(_) | Element::Motor(_) => {}
+                Element::Brake(_) | Element::Motor(_) | Element::Powertrain(_) => {}
             }
             contact.tangent.into_iter().chain(contact.rolling).for_each(|row| *total_work += work(row));
         }
@@ -499,6 +533,7 @@ impl ContactSolver {
             }
         }
         self.friction_state.copy_from_slice(&self.work_space.friction_state);
+        self.current.copy_from_slice(&self.work_space.current);
         self.rate.copy_from_slice(second);
         self.force.copy_from_slice(second_force);
     }
@@ -575,7 +610,7 @@ fn relative_error(space: &ContactSpace, [from, rate, force]: [&[f64]; 3], error:
             let slip_allowed = if is_sticking { sticking_tolerance.min(allowed) } else { allowed };
             return (error[n].abs() / allowed).max(error[t].abs() / slip_allowed);
         }
-        let slip = contact.candidate.friction.filter(|law| from[t].abs().min(rate[t].abs()) <= law.v_dynamic_m_s);
+        let slip = contact.candidate.slip_law().filter(|law| from[t].abs().min(rate[t].abs()) <= law.v_dynamic_m_s);
         let slip_allowed = slip.map_or(allowed, |law| allowed.min(tolerance.slip * law.min_slip_scale_m_s()));
         (error[n].abs() / allowed).max(error[t].abs() / slip_allowed)
     };

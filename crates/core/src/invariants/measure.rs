@@ -2,6 +2,7 @@
 
 use super::{Finding, Invariant, Tolerances, update_max};
 use crate::law::{FrictionLaw, NormalLaw, friction_coefficient};
+use crate::mechanism::Limited;
 use crate::numeric::elementary::{hypot, pow};
 use crate::scene::{FINGER_JOINTS, Hand, ObjectMotion, Scene};
 use crate::trace::{ContactSample, Energy, Model, Sample, Sink, SinkError};
@@ -270,8 +271,11 @@ fn monitored_contacts(scene: &Scene) -> Vec<MonitoredContact> {
     });
     let arm_m = |finger: usize| hand.fingers.get(finger).map_or(LIMIT_ARM_M, |finger| finger.linkage.lengths.l22_m);
     let limits = mechanism.limits().into_iter().map(|limit| {
-        let is_angle = mechanism.joints[limit.joint].kind.is_angle();
-        let reach_m = if is_angle { arm_m(limit.joint / FINGER_JOINTS.len()) } else { 1.0 };
+        let finger = match limit.of {
+            Limited::Joint(joint) => joint / FINGER_JOINTS.len(),
+            Limited::Sum(_) => usize::MAX,
+        };
+        let reach_m = if mechanism.is_angular(&limit) { arm_m(finger) } else { 1.0 };
         monitored(mechanism.limit_name(&limit), (limit.law, None), Invariant::JointLimit, reach_m)
     });
     points.chain(limits).collect()

@@ -1,6 +1,7 @@
 //! Converts nodes of the engine model to samples.
 
-use super::schema::{JointState, TendonState};
+use super::sample::DriveState;
+use super::schema::{DistanceState, JointState, MotorState, ShaftState, TendonState};
 use super::{BodyState, ContactSample, Energy, Sample};
 use crate::engine::{
     ContactCandidate, JointReactions, Motion, PalmFrame, PlannedActuator, Twist, kinetic_energy, potential_energies,
@@ -20,8 +21,21 @@ pub(super) fn read_state(motion: &Motion, sample: &mut Sample) {
     for (index, actuator) in plan.actuators.iter().enumerate() {
         let brakes = plan.brakes.iter().enumerate().filter(|(_, brake)| brake.actuator == Some(index));
         let brake_torque: f64 = brakes.map(|(brake, _)| motion.brake_torque(brake)).sum();
-        sample.set_actuator(index, plan.effort(*actuator, motion.clock.now(), state) + brake_torque);
+        let effort = match actuator {
+            PlannedActuator::Powertrain(index) => motion.powertrain(*index).effort,
+            _ => plan.effort(*actuator, motion.clock.now(), state),
+        };
+        sample.set_actuator(index, effort + brake_torque);
     }
+    sample.set_drives(plan.powertrains.iter().enumerate().map(|(index, planned)| {
+        let (found, distance) = (motion.powertrain(index), planned.distance(state));
+        let drive = DriveState {
+            shaft: ShaftState { motor_torque_n_m: found.torque, loss_j: motion.loss_work_j[index] },
+            motor: MotorState { voltage_v: found.voltage, current_a: found.current() },
+            distance: DistanceState { distance_m: distance[0], distance_rate_m_s: distance[1] },
+        };
+        (&planned.powertrain, drive)
+    }));
     for (index, tendon) in plan.tendons.iter().enumerate() {
         let spring = tendon.stop.and_then(|stop| motion.candidate(stop)).map_or(0.0, |stop| motion.normal_force(stop));
         let pull =

@@ -7,7 +7,9 @@ use super::extrema::StepExtrema;
 use super::grid::{RecordingOptions, RecordingTime, RecordingTimes};
 use super::sample::OVERLAP_ROUNDING;
 use super::{Counts, Energy, Exit, Outcome, Sample, Schema, Sink, SinkError, Work};
-use crate::engine::{ActiveContact, Change, ChangeKind, ContactExtremum, Motion, PalmFrame, ZERO_RATE};
+use crate::engine::{
+    ActiveContact, Change, ChangeKind, ContactExtremum, Motion, PalmFrame, PlannedActuator, ZERO_RATE,
+};
 use crate::scene::Scene;
 
 /// Observer that records an engine run.
@@ -338,9 +340,15 @@ impl EngineRecorder<'_> {
         exit.map_or(f64::INFINITY, |exit| exit.time_to_exit_s(last))
     }
 
-    /// Explains which cable has lifted off which pulley, if one has.
+    /// Explains which cable has lifted off which pulley, or which points have met, if any have.
     pub(crate) fn describe_lifted(&self, motion: &Motion) -> Option<String> {
-        let (mechanism, (tendon, element)) = (self.scene.mechanism.as_ref()?, motion.lifted_cable()?);
+        let mechanism = self.scene.mechanism.as_ref()?;
+        if let Some(met) = motion.met_points() {
+            let is_met =
+                |actuator: &PlannedActuator| matches!(actuator, PlannedActuator::Powertrain(index) if *index == met);
+            return motion.plan.actuators.iter().position(is_met).map(|index| mechanism.describe_met_points(index));
+        }
+        let (tendon, element) = motion.lifted_cable()?;
         Some(mechanism.describe_lifted(&mechanism.tendons[tendon], element))
     }
 

@@ -1,7 +1,8 @@
 //! Builds the analytic model of a mechanism, and converts its states to samples.
 
 use super::reading::{Kernel, KernelUser, Start, contact_sample, stored_energy};
-use super::schema::TendonState;
+use super::sample::DriveState;
+use super::schema::{DistanceState, MotorState, ShaftState, TendonState};
 use super::{BodyState, ContactSample, Energy, Exit, JointState, Outcome, RequiredData, RunError, Sample};
 use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel};
 use crate::drive::Profile;
@@ -54,6 +55,20 @@ impl Kernel for MechanismModel {
             let [length_m, rate_m_s, tension_n] = model.tendon(t, qv, mode, index);
             sample.set_tendon(index, &TendonState { length_m, rate_m_s, tension_n });
         }
+        model.read_drives(t, qv, mode, |drives| {
+            sample.set_drives(drives.map(|(powertrain, reading)| {
+                let loss_j = reading.loss_work.map_or(0.0, |work| state.z[work]);
+                let drive = DriveState {
+                    shaft: ShaftState { motor_torque_n_m: reading.torque_n_m, loss_j },
+                    motor: MotorState { voltage_v: reading.voltage_v, current_a: reading.current_a },
+                    distance: DistanceState {
+                        distance_m: reading.distance_m,
+                        distance_rate_m_s: reading.distance_rate_m_s,
+                    },
+                };
+                (powertrain, drive)
+            }));
+        });
         model.read_bodies(qv, |index, ([x, y, angle_rad], [vx, vy, spin_rad_s])| {
             sample.set_body(index, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
         });

@@ -1,10 +1,11 @@
 //! State of a run at one instant, and events between instants.
 
 use super::schema::{
-    ActuatorState, BodyState, Channel, ContactSample, Counts, Energy, FingerState, Interpolation, JointState, State,
-    TendonState, ValueSource,
+    ActuatorState, BodyState, Channel, ContactSample, Counts, DistanceState, Energy, FingerState, Interpolation,
+    JointState, MotorState, ShaftState, State, TendonState, ValueSource,
 };
 pub use crate::gripper::FingerContact;
+use crate::mechanism::Powertrain;
 use crate::numeric::array_from;
 use crate::scene::{FINGER_JOINTS, Hand, HandContact, Object};
 
@@ -105,6 +106,14 @@ impl BodyState {
     }
 }
 
+/// State of the powertrain of an actuator.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct DriveState {
+    pub shaft: ShaftState,
+    pub motor: MotorState,
+    pub distance: DistanceState,
+}
+
 /// State of a run at one instant: a time and one number per channel of the run's [`Schema`](super::Schema). The number
 /// of subjects is constant during a run.
 #[derive(Debug, Default, PartialEq)]
@@ -149,7 +158,7 @@ impl Sample {
 
     fn counts_of(fingers: usize, bodies: usize, contacts: usize) -> Counts {
         let (joints, limits) = (FINGER_JOINTS.len() * fingers, fingers.min(contacts));
-        Counts { fingers, joints, actuators: fingers, tendons: 0, bodies, contacts, limits }
+        Counts { fingers, joints, actuators: fingers, bodies, contacts, limits, ..Counts::default() }
     }
 
     /// Prepares the sample for a time and these numbers of subjects; reuses its allocation. Numbers are not cleared.
@@ -244,6 +253,40 @@ impl Sample {
 
     pub fn set_tendon(&mut self, index: usize, tendon: &TendonState) {
         self.set_state(self.counts.tendon(index), tendon);
+    }
+
+    /// Returns the shaft of an actuator, by its index among the shafts.
+    pub fn shaft(&self, index: usize) -> ShaftState {
+        self.state(self.counts.shaft(index))
+    }
+
+    /// Returns the electric motor of an actuator, by its index among the motors.
+    pub fn motor(&self, index: usize) -> MotorState {
+        self.state(self.counts.motor(index))
+    }
+
+    /// Returns a distance that an actuator controls, by its index among the distances.
+    pub fn distance(&self, index: usize) -> DistanceState {
+        self.state(self.counts.distance(index))
+    }
+
+    /// Sets the shaft, motor and distance of actuators with a powertrain, in the order of the actuators.
+    pub(super) fn set_drives<'a>(&mut self, drives: impl IntoIterator<Item = (&'a Powertrain, DriveState)>) {
+        let [mut shaft, mut motor, mut distance] = [0; 3];
+        for (powertrain, state) in drives {
+            if powertrain.has_shaft() {
+                self.set_state(self.counts.shaft(shaft), &state.shaft);
+                shaft += 1;
+            }
+            if powertrain.motor.is_some() {
+                self.set_state(self.counts.motor(motor), &state.motor);
+                motor += 1;
+            }
+            if powertrain.feedback.is_some() {
+                self.set_state(self.counts.distance(distance), &state.distance);
+                distance += 1;
+            }
+        }
     }
 
     /// Sets angles and rates of a finger; the forces of its joints are not changed.
@@ -415,7 +458,10 @@ impl Sample {
         let mut subjects = Subjects { instant, a: &a.values, b: &b.values, out: &mut self.values };
         subjects.interpolate::<5, JointState>(counts.joint(0), counts.actuator(0));
         subjects.interpolate::<1, ActuatorState>(counts.actuator(0), counts.tendon(0));
-        subjects.interpolate::<3, TendonState>(counts.tendon(0), counts.body(0));
+        subjects.interpolate::<3, TendonState>(counts.tendon(0), counts.shaft(0));
+        subjects.interpolate::<2, ShaftState>(counts.shaft(0), counts.motor(0));
+        subjects.interpolate::<2, MotorState>(counts.motor(0), counts.distance(0));
+        subjects.interpolate::<2, DistanceState>(counts.distance(0), counts.body(0));
         subjects.interpolate::<6, BodyState>(counts.body(0), counts.contact(0));
         subjects.interpolate::<11, ContactSample>(counts.contact(0), counts.energy());
         subjects.interpolate::<7, Energy>(counts.energy(), counts.values());

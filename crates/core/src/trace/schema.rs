@@ -1,4 +1,4 @@
-//! What a run records. Subjects (joints, actuators, tendons, bodies, contacts, and the system with its energies) have the
+//! What a run records. Subjects (joints, actuators and their drives, tendons, bodies, contacts, and the system with its energies) have the
 //! quantities of their kind; each quantity of a subject is a channel. A [`Sample`](super::Sample) is a time and one
 //! number per channel in the order of the schema.
 //!
@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use crate::gripper::FingerContact;
-use crate::mechanism::{Joint, Mechanism};
+use crate::mechanism::{Joint, Mechanism, Powertrain};
 use crate::scene::{FINGER_JOINTS, HandContact, Object, Scene, Side};
 use std::collections::HashSet;
 use std::ops::Range;
@@ -54,6 +54,12 @@ pub enum SubjectKind {
     /// The actuator of a prismatic joint or a tendon, which exerts a force.
     LinearActuator,
     Tendon,
+    /// The shaft of the motor of an actuator with a gear or an electric motor.
+    Shaft,
+    /// The electric motor of an actuator.
+    Motor,
+    /// The distance that an actuator controls.
+    Distance,
     Body,
     Contact,
     /// A contact of a joint with its limit: its gap is an angle, its force a torque.
@@ -71,6 +77,9 @@ impl SubjectKind {
             SubjectKind::Actuator => (&ActuatorState::QUANTITIES, &[]),
             SubjectKind::LinearActuator => (&LINEAR_ACTUATOR_QUANTITIES, &[]),
             SubjectKind::Tendon => (&TendonState::QUANTITIES, &[]),
+            SubjectKind::Shaft => (&ShaftState::QUANTITIES, &[]),
+            SubjectKind::Motor => (&MotorState::QUANTITIES, &[]),
+            SubjectKind::Distance => (&DistanceState::QUANTITIES, &[]),
             SubjectKind::Body => (&BodyState::QUANTITIES, &[]),
             SubjectKind::Contact => (&ContactSample::QUANTITIES, &[]),
             SubjectKind::Limit => (&LIMIT_QUANTITIES, &LIMIT_INDICES),
@@ -85,6 +94,9 @@ impl SubjectKind {
             SubjectKind::Joint | SubjectKind::Slider => "joint",
             SubjectKind::Actuator | SubjectKind::LinearActuator => "actuator",
             SubjectKind::Tendon => "tendon",
+            SubjectKind::Shaft => "shaft",
+            SubjectKind::Motor => "motor",
+            SubjectKind::Distance => "distance",
             SubjectKind::Body => "body",
             SubjectKind::Contact => "contact",
             SubjectKind::Limit => "limit",
@@ -187,6 +199,64 @@ impl State<3> for TendonState {
 
     fn from_values([length_m, rate_m_s, tension_n]: [f64; 3]) -> Self {
         Self { length_m, rate_m_s, tension_n }
+    }
+}
+
+/// State of the shaft of a motor: its torque, and the work that the gear has lost since the start of the run, which is
+/// part of the dissipated energy.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShaftState {
+    pub motor_torque_n_m: f64,
+    pub loss_j: f64,
+}
+
+impl State<2> for ShaftState {
+    const QUANTITIES: [Quantity; 2] = [linear("motor_torque_n_m", "N·m"), linear("loss_j", "J")];
+
+    fn values(&self) -> [f64; 2] {
+        [self.motor_torque_n_m, self.loss_j]
+    }
+
+    fn from_values([motor_torque_n_m, loss_j]: [f64; 2]) -> Self {
+        Self { motor_torque_n_m, loss_j }
+    }
+}
+
+/// State of an electric motor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorState {
+    pub voltage_v: f64,
+    pub current_a: f64,
+}
+
+impl State<2> for MotorState {
+    const QUANTITIES: [Quantity; 2] = [linear("voltage_v", "V"), linear("current_a", "A")];
+
+    fn values(&self) -> [f64; 2] {
+        [self.voltage_v, self.current_a]
+    }
+
+    fn from_values([voltage_v, current_a]: [f64; 2]) -> Self {
+        Self { voltage_v, current_a }
+    }
+}
+
+/// A distance that an actuator controls, and its rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DistanceState {
+    pub distance_m: f64,
+    pub distance_rate_m_s: f64,
+}
+
+impl State<2> for DistanceState {
+    const QUANTITIES: [Quantity; 2] = [cubic("distance_m", "m", 1), linear("distance_rate_m_s", "m/s")];
+
+    fn values(&self) -> [f64; 2] {
+        [self.distance_m, self.distance_rate_m_s]
+    }
+
+    fn from_values([distance_m, distance_rate_m_s]: [f64; 2]) -> Self {
+        Self { distance_m, distance_rate_m_s }
     }
 }
 
@@ -427,6 +497,12 @@ pub struct Schema {
     pub joints: Vec<JointName>,
     pub actuators: Vec<JointName>,
     pub tendons: Vec<String>,
+    /// Actuators with a gear or an electric motor.
+    pub shafts: Vec<String>,
+    /// Actuators with an electric motor.
+    pub motors: Vec<String>,
+    /// Actuators that control a distance.
+    pub distances: Vec<String>,
     pub bodies: Vec<String>,
     pub contacts: Vec<ContactName>,
     /// Number of joint limits; they are the last contacts.
@@ -478,7 +554,7 @@ impl Schema {
         let limits = mechanism.limits();
         let limit_names = limits.iter().map(|limit| {
             // The limit of a prismatic joint has the units of a contact between surfaces.
-            contact(mechanism.limit_name(limit), !is_linear(&mechanism.joints[limit.joint]))
+            contact(mechanism.limit_name(limit), mechanism.is_angular(limit))
         });
         Self {
             fingers: Vec::new(),
@@ -490,6 +566,9 @@ impl Schema {
                 .chain(pulls.map(|actuator| JointName { name: actuator.name.clone(), is_linear: true }))
                 .collect(),
             tendons: mechanism.tendons.iter().map(|tendon| tendon.name.clone()).collect(),
+            shafts: actuators_with(mechanism, Powertrain::has_shaft),
+            motors: actuators_with(mechanism, |powertrain| powertrain.motor.is_some()),
+            distances: actuators_with(mechanism, |powertrain| powertrain.feedback.is_some()),
             bodies: mechanism.reported_bodies().map(|body| mechanism.bodies[body].name.clone()).collect(),
             contacts: surfaces.chain(limit_names).collect(),
             limits: limits.len(),
@@ -523,6 +602,9 @@ impl Schema {
             actuators: fingers.iter().map(|finger| of_finger(finger, "motor")).collect(),
             fingers,
             tendons: Vec::new(),
+            shafts: Vec::new(),
+            motors: Vec::new(),
+            distances: Vec::new(),
             bodies: if count == 2 { vec![Object::NAME.to_string()] } else { Vec::new() },
             contacts: surfaces.iter().chain(&limits).map(contact).collect(),
             limits: limits.len(),
@@ -544,6 +626,16 @@ impl Schema {
             }
             SubjectKind::Tendon if !self.tendons.iter().any(|known| known == name) => {
                 self.tendons.push(name.to_string())
+            }
+            SubjectKind::Shaft | SubjectKind::Motor | SubjectKind::Distance => {
+                let names = match kind {
+                    SubjectKind::Shaft => &mut self.shafts,
+                    SubjectKind::Motor => &mut self.motors,
+                    _ => &mut self.distances,
+                };
+                if !names.iter().any(|known| known == name) {
+                    names.push(name.to_string());
+                }
             }
             SubjectKind::Body if !self.bodies.iter().any(|known| known == name) => self.bodies.push(name.to_string()),
             SubjectKind::Contact | SubjectKind::Limit if !self.contacts.iter().any(|known| known.name == name) => {
@@ -572,13 +664,17 @@ impl Schema {
             joints: self.joints.len(),
             actuators: self.actuators.len(),
             tendons: self.tendons.len(),
+            shafts: self.shafts.len(),
+            motors: self.motors.len(),
+            distances: self.distances.len(),
             bodies: self.bodies.len(),
             contacts: self.contacts.len(),
             limits: self.limits,
         }
     }
 
-    /// Returns the subjects in their order in a sample: joints, actuators, tendons, bodies, contacts, energies.
+    /// Returns the subjects in their order in a sample: joints, actuators, tendons, shafts, motors, distances, bodies,
+    /// contacts, energies.
     pub fn subjects(&self) -> Vec<Subject> {
         let counts = self.counts();
         let has_joint_forces = self.has_joint_forces;
@@ -596,6 +692,12 @@ impl Schema {
         let tendons = self.tendons.iter().enumerate();
         let tendons = tendons.map(|(k, name)| present(SubjectKind::Tendon, name, counts.tendon(k)));
         let mut subjects: Vec<Subject> = joints.chain(actuators).chain(tendons).collect();
+        let shafts = self.shafts.iter().enumerate();
+        subjects.extend(shafts.map(|(k, name)| present(SubjectKind::Shaft, name, counts.shaft(k))));
+        let motors = self.motors.iter().enumerate();
+        subjects.extend(motors.map(|(k, name)| present(SubjectKind::Motor, name, counts.motor(k))));
+        let distances = self.distances.iter().enumerate();
+        subjects.extend(distances.map(|(k, name)| present(SubjectKind::Distance, name, counts.distance(k))));
         let bodies = self.bodies.iter().enumerate();
         subjects.extend(bodies.map(|(k, name)| present(SubjectKind::Body, name, counts.body(k))));
         let contacts = self.contacts.iter().enumerate();
@@ -623,6 +725,12 @@ impl Schema {
         }
         channels
     }
+}
+
+/// Names of the actuators with such a powertrain.
+fn actuators_with(mechanism: &Mechanism, has: impl Fn(&Powertrain) -> bool) -> Vec<String> {
+    let chosen = mechanism.actuators.iter().filter(|actuator| has(&actuator.powertrain));
+    chosen.map(|actuator| actuator.name.clone()).collect()
 }
 
 /// Names of fingers; that of a single finger is empty.
@@ -680,6 +788,9 @@ pub struct Counts {
     /// Actuators, including those of fingers.
     pub actuators: usize,
     pub tendons: usize,
+    pub shafts: usize,
+    pub motors: usize,
+    pub distances: usize,
     pub bodies: usize,
     pub contacts: usize,
     /// Number of joint limits; they are the last contacts.
@@ -712,8 +823,20 @@ impl Counts {
         self.actuator(self.actuators) + TendonState::QUANTITIES.len() * index
     }
 
+    pub(super) fn shaft(self, index: usize) -> usize {
+        self.tendon(self.tendons) + ShaftState::QUANTITIES.len() * index
+    }
+
+    pub(super) fn motor(self, index: usize) -> usize {
+        self.shaft(self.shafts) + MotorState::QUANTITIES.len() * index
+    }
+
+    pub(super) fn distance(self, index: usize) -> usize {
+        self.motor(self.motors) + DistanceState::QUANTITIES.len() * index
+    }
+
     pub(super) fn body(self, index: usize) -> usize {
-        self.tendon(self.tendons) + BodyState::QUANTITIES.len() * index
+        self.distance(self.distances) + BodyState::QUANTITIES.len() * index
     }
 
     pub(super) fn contact(self, index: usize) -> usize {

@@ -30,6 +30,7 @@ impl Mechanism {
             places.push(OutlineId { body, outline: outlines.len() });
             outlines.push(outline);
         }
+        body.points = std::mem::take(&mut self.ground_points);
         self.bodies.push(body);
         for id in self.contacts.iter_mut().flat_map(|pair| [&mut pair.points, &mut pair.face]) {
             if id.body == Some(frame) {
@@ -39,7 +40,7 @@ impl Mechanism {
         places
     }
 
-    /// Replaces the bodies to which joints, springs, cables and contacts refer.
+    /// Replaces the bodies to which joints, springs, cables, contacts and feedback refer.
     pub fn rename_bodies(&mut self, renamed: impl Fn(Option<usize>) -> Option<usize>) {
         let joints = self.joints.iter_mut().flat_map(|joint| &mut joint.bodies);
         let springs = self.springs.iter_mut().filter_map(|spring| match &mut spring.kind {
@@ -48,6 +49,9 @@ impl Mechanism {
         });
         let elements = self.tendons.iter_mut().flat_map(|tendon| &mut tendon.path).map(|element| &mut element.body);
         let pairs = self.contacts.iter_mut().flat_map(|pair| [&mut pair.points.body, &mut pair.face.body]);
-        joints.chain(springs.flatten()).chain(elements).chain(pairs).for_each(|body| *body = renamed(*body));
+        let feedback = self.actuators.iter_mut().filter_map(|actuator| actuator.powertrain.feedback.as_mut());
+        let points = feedback.flat_map(|feedback| &mut feedback.points).map(|id| &mut id.body);
+        let all = joints.chain(springs.flatten()).chain(elements).chain(pairs).chain(points);
+        all.for_each(|body| *body = renamed(*body));
     }
 }

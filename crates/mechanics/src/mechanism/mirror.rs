@@ -4,8 +4,8 @@
 //! Joints of an image have the coordinates, rates and forces of the original.
 
 use super::{
-    Actuator, Body, ContactPair, Coupling, Joint, JointCombination, Outline, OutlineId, OutlineShape, PathElement,
-    Rotor, Spring, SpringKind, Tendon,
+    Actuator, Body, ContactPair, Coupling, DistanceFeedback, Joint, JointCombination, NamedPoint, Outline, OutlineId,
+    OutlineShape, PathElement, PointId, Powertrain, Rotor, Spring, SpringKind, SumLimit, Tendon,
 };
 
 /// Indices of the mirror images of bodies and joints. The index of a body or joint without an image is its own.
@@ -41,6 +41,11 @@ impl Mirror<'_> {
             pose: [0.0 - x, y, 0.0 - angle],
             rate: [0.0 - vx, vy, 0.0 - spin],
             outlines: body.outlines.iter().map(outline).collect(),
+            points: body
+                .points
+                .iter()
+                .map(|NamedPoint { name, at_m }| NamedPoint { name: name.clone(), at_m: flip(*at_m) })
+                .collect(),
             drawn_m: body
                 .drawn_m
                 .iter()
@@ -80,7 +85,16 @@ impl Mirror<'_> {
 
     /// Returns the image of an actuator.
     pub fn actuator(&self, actuator: &Actuator, name: String) -> Actuator {
-        Actuator { name, on: self.combination(&actuator.on), ..actuator.clone() }
+        let point = |id: PointId| PointId { body: self.of_body(id.body), ..id };
+        let feedback = actuator.powertrain.feedback;
+        let feedback = feedback.map(|of| DistanceFeedback { points: of.points.map(point), ..of });
+        let powertrain = Powertrain { feedback, ..actuator.powertrain.clone() };
+        Actuator { name, on: self.combination(&actuator.on), powertrain, ..actuator.clone() }
+    }
+
+    /// Returns the image of the limits of a sum.
+    pub fn sum_limit(&self, limit: &SumLimit, name: String) -> SumLimit {
+        SumLimit { name, on: self.combination(&limit.on), ..limit.clone() }
     }
 
     /// Returns the image of a tendon, without its actuator.

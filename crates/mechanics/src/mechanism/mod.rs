@@ -11,6 +11,7 @@
 //! | `mirror` | mirror images: the other side of a gripper |
 //! | `outline` | outlines of bodies and their contacts |
 //! | `overlap` | overlaps of outlines and excesses of limits, as at a wrong start |
+//! | `powertrain` | gears, motors and feedback of actuators |
 //! | `structure` | the order in which bodies are placed: joints with coordinates, and dyads that close loops |
 //! | `tendon` | segments, wraps and lengths of cables |
 
@@ -25,6 +26,7 @@ mod joint;
 mod mirror;
 mod outline;
 mod overlap;
+mod powertrain;
 
 use crate::drive::{Brake, Profile};
 use crate::law::{Damping, NormalLaw};
@@ -32,6 +34,7 @@ use crate::numeric::Real;
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, rotate};
 use crate::palm_motion::{self, PalmMotion};
+use std::borrow::Cow;
 
 pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
 pub use fold::folded_joints;
@@ -42,6 +45,7 @@ pub use outline::{
     ContactPair, ForcePoint, Outline, OutlineId, OutlinePair, OutlinePoint, OutlineShape, PlaneArea, PointContact,
     rounded_core,
 };
+pub use powertrain::{DistanceFeedback, GearLoss, MIN_DISTANCE_M, Motor, NamedPoint, PointId, Powertrain};
 
 /// Pose (x, y, θ) of a frame, in m and rad, or its rate.
 pub type Pose = [f64; 3];
@@ -68,12 +72,15 @@ pub struct Mechanism {
     pub bodies: Vec<Body>,
     /// Outlines fixed to the ground, in the frame of the world.
     pub ground_outlines: Vec<Outline>,
+    /// Named points of the ground.
+    pub ground_points: Vec<NamedPoint>,
     pub joints: Vec<Joint>,
     pub couplings: Vec<Coupling>,
     pub springs: Vec<Spring>,
     pub tendons: Vec<Tendon>,
     pub actuators: Vec<Actuator>,
     pub rotors: Vec<Rotor>,
+    pub sum_limits: Vec<SumLimit>,
     pub contacts: Vec<ContactPair>,
 }
 
@@ -93,6 +100,8 @@ pub struct Body {
     /// Motion that no force affects; mass and inertia have no effect. `None` for a body that forces move.
     pub motion: Option<PrescribedMotion>,
     pub outlines: Vec<Outline>,
+    /// Named points in the frame of the body, to which feedback refers.
+    pub points: Vec<NamedPoint>,
     /// Polygons that drawings show for the body, in its frame, instead of bars between its pins.
     pub drawn_m: Vec<Vec<[f64; 2]>>,
     /// Whether samples contain the pose of the body. They omit the links of a hand, whose poses follow from the joints.
@@ -208,6 +217,9 @@ pub struct Actuator {
     /// against it, it is larger than at rest.
     pub no_load_speed: Option<f64>,
     pub brake: Option<Brake>,
+    /// With a gear, the command, its limit and the no-load speed are those of the motor shaft; with an electric motor, the
+    /// command and its limit are voltages.
+    pub powertrain: Powertrain,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -241,10 +253,27 @@ impl Command {
     }
 }
 
-/// A limit of a joint. The penetration is δ = side (q − value); the force on the joint is −side F.
+/// Limits of a combination of joint coordinates: the play of a gear, or the stroke of two sliders together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SumLimit {
+    pub name: String,
+    pub on: JointCombination,
+    pub lower: Option<f64>,
+    pub upper: Option<f64>,
+    pub law: NormalLaw,
+}
+
+/// What a limit bounds: the coordinate of a joint, or a sum by its index in [`Mechanism::sum_limits`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limited {
+    Joint(usize),
+    Sum(usize),
+}
+
+/// A limit of a coordinate q. The penetration is δ = side (q − value); the force on the coordinate is −side F.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    pub joint: usize,
+    pub of: Limited,
     /// +1 for the upper limit, −1 for the lower one.
     pub side: f64,
     pub value: f64,
@@ -342,6 +371,7 @@ impl Body {
             rate: [0.0; 3],
             motion: None,
             outlines: Vec::new(),
+            points: Vec::new(),
             drawn_m: Vec::new(),
             is_reported: true,
         }
@@ -415,22 +445,51 @@ impl Mechanism {
         order(pair.points) < order(pair.face)
     }
 
-    /// Limits of all joints in the order that both models use: by joint, the lower limit first.
+    /// Limits of all joints, then of sums, in the order that both models use: the lower limit of each first.
     pub fn limits(&self) -> Vec<Limit> {
-        let limits_of = |(joint, of): (usize, &Joint)| {
-            let ends = [(-1.0, of.lower), (1.0, of.upper)];
-            let limit = |(side, value): (f64, Option<f64>)| {
-                value.zip(of.limit).map(|(value, law)| Limit { joint, side, value, law })
+        let ends = |of: Limited, ends: [Option<f64>; 2], law: Option<NormalLaw>| {
+            let limit = move |(side, value): (f64, Option<f64>)| {
+                value.zip(law).map(|(value, law)| Limit { of, side, value, law })
             };
-            ends.map(limit)
+            [-1.0, 1.0].into_iter().zip(ends).filter_map(limit)
         };
-        self.joints.iter().enumerate().flat_map(limits_of).flatten().collect()
+        let joints = self.joints.iter().enumerate();
+        let of_joints = joints.flat_map(|(index, of)| ends(Limited::Joint(index), [of.lower, of.upper], of.limit));
+        let sums = self.sum_limits.iter().enumerate();
+        let of_sums = sums.flat_map(|(index, of)| ends(Limited::Sum(index), [of.lower, of.upper], Some(of.law)));
+        of_joints.chain(of_sums).collect()
     }
 
     /// Name of a limit, such as `coupler_upper`.
     pub fn limit_name(&self, limit: &Limit) -> String {
-        let (joint, side) = (&self.joints[limit.joint], if limit.side > 0.0 { "upper" } else { "lower" });
-        joint.limit_name.clone().unwrap_or_else(|| format!("{}_{side}", joint.name))
+        let side = if limit.side > 0.0 { "upper" } else { "lower" };
+        match limit.of {
+            Limited::Joint(joint) => {
+                let joint = &self.joints[joint];
+                joint.limit_name.clone().unwrap_or_else(|| format!("{}_{side}", joint.name))
+            }
+            Limited::Sum(sum) => format!("{}_{side}", self.sum_limits[sum].name),
+        }
+    }
+
+    /// The coordinate that a limit bounds.
+    pub fn limited(&self, limit: &Limit) -> Cow<'_, JointCombination> {
+        match limit.of {
+            Limited::Joint(joint) => Cow::Owned(JointCombination::of_joint(joint)),
+            Limited::Sum(sum) => Cow::Borrowed(&self.sum_limits[sum].on),
+        }
+    }
+
+    /// Whether the coordinate that a limit bounds is an angle.
+    pub fn is_angular(&self, limit: &Limit) -> bool {
+        self.limited(limit).terms.first().is_some_and(|(joint, _)| self.joints[*joint].kind.is_angle())
+    }
+
+    /// Inertias of combinations of joint coordinates: those of [`Mechanism::rotors`] and of the rotors of actuators.
+    pub fn reflected_inertias(&self) -> impl Iterator<Item = (&JointCombination, f64)> {
+        let rotors = self.rotors.iter().map(|rotor| (&rotor.on, rotor.inertia));
+        let motors = self.actuators.iter().map(|actuator| (&actuator.on, actuator.powertrain.reflected_inertia()));
+        rotors.chain(motors.filter(|(_, inertia)| *inertia != 0.0))
     }
 
     /// Indices of the bodies that samples report.

@@ -29,13 +29,12 @@ impl Mechanism {
         (0..self.contacts.len()).filter(|index| !is_reversed(*index)).filter_map(overlap).collect()
     }
 
-    /// Limits that joint coordinates exceed at these poses, each with the coordinate and the excess. Smaller excesses
+    /// Limits that coordinates exceed at these poses, each with the coordinate and the excess. Smaller excesses
     /// than `slack_rad` (revolute) or `slack_m` (prismatic) are ignored.
     pub fn exceeded_limits(&self, poses: &[Pose], slack_rad: f64, slack_m: f64) -> Vec<(Limit, f64, f64)> {
         let excess = |limit: Limit| {
-            let joint = &self.joints[limit.joint];
-            let coordinate = coordinate_in(joint, poses);
-            let slack = if joint.kind.is_angle() { slack_rad } else { slack_m };
+            let coordinate = self.limited(&limit).value(|joint| coordinate_in(&self.joints[joint], poses));
+            let slack = if self.is_angular(&limit) { slack_rad } else { slack_m };
             Some((limit, coordinate, limit.side * (coordinate - limit.value))).filter(|(.., excess)| *excess > slack)
         };
         self.limits().into_iter().filter_map(excess).collect()

@@ -178,12 +178,13 @@ fn connected_bodies(mechanism: &Mechanism) -> Vec<usize> {
             group_of.iter_mut().filter(|group| **group == merged).for_each(|group| *group = kept);
         }
     };
-    let Mechanism { joints, couplings, springs, actuators, rotors, bodies, .. } = mechanism;
+    let Mechanism { joints, couplings, springs, actuators, rotors, sum_limits, bodies, .. } = mechanism;
     joints.iter().for_each(|joint| merge(&mut joint.bodies.into_iter().flatten()));
     let couplings = couplings.iter().map(|coupling| &coupling.on);
     let springs = springs.iter().filter_map(Spring::on);
     let actuators = actuators.iter().map(|actuator| &actuator.on);
-    for on in couplings.chain(springs).chain(actuators).chain(rotors.iter().map(|rotor| &rotor.on)) {
+    let limits = sum_limits.iter().map(|limit| &limit.on);
+    for on in couplings.chain(springs).chain(actuators).chain(rotors.iter().map(|rotor| &rotor.on)).chain(limits) {
         merge(&mut on.terms.iter().flat_map(|(joint, _)| joints[*joint].bodies.into_iter().flatten()));
     }
     merge(&mut (0..bodies.len()).filter(|body| bodies[*body].motion.is_some()));

@@ -14,7 +14,7 @@ use super::{FormClosure, Result, Roles, Row, StaticsError, Unilateral, Unknown};
 use crate::gripper::number;
 use crate::mechanism::tendon::{center_in, length_in, segment};
 use crate::mechanism::{
-    Command, JointCombination, Mechanism, Pose, Spring, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
+    JointCombination, Mechanism, Pose, Spring, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
     coordinate_in, point_in,
 };
 use crate::numeric::elementary::hypot;
@@ -252,14 +252,10 @@ fn unbalanced(equations: &Equations) -> Result<Vec<f64>> {
 
 /// Efforts of all actuators at rest, without their brakes: those of joints, then those of tendons, N·m or N.
 pub fn efforts(mechanism: &Mechanism, poses: &[Pose], time_s: f64) -> Vec<f64> {
-    let of_joints = mechanism.actuators.iter().map(|actuator| {
-        let command = match &actuator.command {
-            Command::Effort(profile) => profile.at(time_s).0,
-            Command::Servo { kp, target, .. } => kp * (target.at(time_s).0 - value_of(mechanism, &actuator.on, poses)),
-        };
-        let limit = actuator.limit.unwrap_or(f64::INFINITY);
-        command.clamp(-limit, limit)
-    });
+    let of_joints = mechanism
+        .actuators
+        .iter()
+        .map(|actuator| actuator.effort_at_rest(mechanism.command_at_rest(actuator, poses, time_s)));
     let of_tendons = mechanism.tendons.iter().filter_map(|tendon| tendon.actuator.as_ref());
     of_joints.chain(of_tendons.map(|actuator| actuator.tension.at(time_s).0.max(0.0))).collect()
 }
@@ -379,11 +375,11 @@ impl<'a> Frame<'a> {
     /// Generalised forces of unit torques of the joint limits that are reached.
     fn limits(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
         let MechanismAtRest { mechanism, poses, .. } = self.at_rest;
-        let reached = mechanism
-            .limits()
-            .into_iter()
-            .filter(|limit| limit.side * (coordinate_in(&mechanism.joints[limit.joint], poses) - limit.value) >= 0.0);
-        reached.map(|limit| self.reduced(&(-limit.side * self.combination(&JointCombination::of_joint(limit.joint)))))
+        let reached = mechanism.limits().into_iter().filter(|limit| {
+            let coordinate = mechanism.limited(limit).value(|joint| coordinate_in(&mechanism.joints[joint], poses));
+            limit.side * (coordinate - limit.value) >= 0.0
+        });
+        reached.map(|limit| self.reduced(&(-limit.side * self.combination(&mechanism.limited(&limit)))))
     }
 
     /// Generalised forces of unit tensions of the blocked cables, which can only pull.

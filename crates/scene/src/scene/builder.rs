@@ -12,7 +12,7 @@ use crate::gripper::{
 };
 use crate::mechanism::{
     self, Actuator, Body, Command, ContactPair, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
-    OutlineId, OutlineShape, Pose, PrescribedMotion, Rotor,
+    OutlineId, OutlineShape, Pose, Powertrain, PrescribedMotion, Rotor,
 };
 use crate::numeric::elementary::{cos, sin};
 use crate::numeric::plane::{cross, opening_angle, perp, scale, sub};
@@ -399,6 +399,7 @@ fn actuator(name: String, motor: &Motor, on: JointCombination) -> Actuator {
         limit: None,
         no_load_speed: motor.no_load_speed_rad_s,
         brake: motor.brake,
+        powertrain: Powertrain::default(),
     }
 }
 

@@ -43,6 +43,7 @@ macro_rules! dimensions {
 
 dimensions!(Length Angle Time Mass Force Torque Speed AngularRate Acceleration Density Inertia Frequency Pressure);
 dimensions!(AngularStiffness LinearStiffness LinearDamping AngularDamping);
+dimensions!(Voltage Current Resistance Inductance TorqueConstant BackEmf);
 
 markers! { Measure:
     /// A ratio, or a value in SI units if its unit has a fractional power.
@@ -55,6 +56,26 @@ markers! { Measure:
     JointInertia { const DIMENSIONS: &'static [Dimension] = &[Dimension::Inertia, Dimension::Mass]; }
     /// Torque or force of a joint.
     Effort { const DIMENSIONS: &'static [Dimension] = &[Dimension::Torque, Dimension::Force]; }
+    /// Gain of a controller on the error of a coordinate or a distance: a torque, a force or a voltage per angle or length.
+    Gain {
+        const DIMENSIONS: &'static [Dimension] = &[
+            Dimension::AngularStiffness,
+            Dimension::LinearStiffness,
+            Dimension::Force,
+            Dimension::AngularVoltage,
+            Dimension::LinearVoltage,
+        ];
+    }
+    /// Gain of a controller on the error of the rate.
+    RateGain {
+        const DIMENSIONS: &'static [Dimension] = &[
+            Dimension::AngularDamping,
+            Dimension::LinearDamping,
+            Dimension::Impulse,
+            Dimension::BackEmf,
+            Dimension::LinearVoltageDamping,
+        ];
+    }
     /// Damping of a normal law of contacts or limits.
     LawDamping {
         const DIMENSIONS: &'static [Dimension] = &[
@@ -71,6 +92,8 @@ markers! { Range:
     Finite { const LIMITS: &'static [(&'static str, f64)] = &[]; }
     /// Numbers above 0.
     Above0 { const LIMITS: &'static [(&'static str, f64)] = &[("exclusiveMinimum", 0.0)]; }
+    /// Numbers above 0, up to 1.
+    UpTo1 { const LIMITS: &'static [(&'static str, f64)] = &[("exclusiveMinimum", 0.0), ("maximum", 1.0)]; }
     /// Numbers from 0.
     From0 { const LIMITS: &'static [(&'static str, f64)] = &[("minimum", 0.0)]; }
 }

@@ -27,7 +27,7 @@ const DIGITS: usize = 6;
 const HEAD: &str = "# Scene as written, with every default filled in.\n";
 
 /// Sections that change a scene even if they are empty.
-const OPTIONAL: [&str; 6] = ["design", "lengths", "half_plane", "table", "differential", "grasp"];
+const OPTIONAL: [&str; 7] = ["design", "lengths", "half_plane", "table", "differential", "grasp", "feedback"];
 
 /// Returns the scene as simulated, with all values, in the form of a scene file.
 pub fn show(scene: &Scene) -> String {

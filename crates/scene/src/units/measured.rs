@@ -4,18 +4,18 @@ use std::fmt;
 
 use super::{Dimension, format, number};
 
-/// Exponents of metre, kilogram, second and radian. They are doubled, because of square roots.
+/// Exponents of metre, kilogram, second, radian and ampere. They are doubled, because of square roots.
 ///
 /// An angle is a dimension of its own. Arc lengths and the speeds of rotating points contain a radian as a factor;
 /// lengths and speeds do not. Therefore a radian times a length counts as a length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Exponents(pub(super) [i32; 4]);
+pub struct Exponents(pub(super) [i32; 5]);
 
-const BASE_UNITS: [&str; 4] = ["m", "kg", "s", "rad"];
+const BASE_UNITS: [&str; 5] = ["m", "kg", "s", "rad", "A"];
 
 impl Exponents {
-    pub(super) const NUMBER: Self = Exponents([0; 4]);
-    pub(super) const ANGLE: Self = Exponents([0, 0, 0, 2]);
+    pub(super) const NUMBER: Self = Exponents([0; 5]);
+    pub(super) const ANGLE: Self = Exponents([0, 0, 0, 2, 0]);
 
     /// Exponents of a dimension, from the name of its SI unit; `None` is a plain number.
     fn of(dimension: Option<Dimension>) -> Self {
@@ -26,9 +26,12 @@ impl Exponents {
         factors.fold(Self::NUMBER, |product, (factor, sign)| {
             let (name, power) = factor.split_once('^').unwrap_or((factor, "1"));
             let of_name = match name {
-                "N" => [1, 1, -2, 0],
-                "Pa" => [-1, 1, -2, 0],
-                "Hz" => [0, 0, -1, 0],
+                "N" => [1, 1, -2, 0, 0],
+                "Pa" => [-1, 1, -2, 0, 0],
+                "Hz" => [0, 0, -1, 0, 0],
+                "V" => [2, 1, -3, 0, -1],
+                "ohm" => [2, 1, -3, 0, -2],
+                "H" => [2, 1, -2, 0, -2],
                 _ => BASE_UNITS.map(|base| i32::from(base == name)),
             };
             product.plus(Exponents(of_name), sign * power.parse().unwrap_or(1))
@@ -42,8 +45,10 @@ impl Exponents {
 
     /// Whether quantities with these exponents can be added and compared.
     pub(super) fn agrees(self, other: Self) -> bool {
-        let [length, .., angle] = self.0;
-        self.0[..3] == other.0[..3] && (angle == other.0[3] || length != 0 && angle >= 0 && other.0[3] >= 0)
+        let ([length, .., angle, current], of_other) = (self.0, other.0);
+        self.0[..3] == of_other[..3]
+            && current == of_other[4]
+            && (angle == of_other[3] || length != 0 && angle >= 0 && of_other[3] >= 0)
     }
 
     /// The dimension with exactly these exponents.
@@ -141,6 +146,6 @@ mod tests {
         ] {
             assert_eq!(Exponents::of(Some(dimension)).to_string(), units);
         }
-        assert_eq!(Exponents([1, 0, -3, 0]).to_string(), "m^0.5/s^1.5");
+        assert_eq!(Exponents([1, 0, -3, 0, 0]).to_string(), "m^0.5/s^1.5");
     }
 }

@@ -148,7 +148,8 @@ fn number_length(text: &str) -> usize {
 
 /// Returns the spelling used in the unit table.
 fn canonical(unit: &str) -> String {
-    let name = unit.replace(['·', '⋅', '•', '×'], "*").replace(['µ', 'μ'], "u").replace('°', "deg");
+    let name =
+        unit.replace(['·', '⋅', '•', '×'], "*").replace(['µ', 'μ'], "u").replace('°', "deg").replace(['Ω', 'Ω'], "ohm");
     let name = name.replace('²', "^2").replace('³', "^3");
     // A space is a product, except next to an operator.
     let mut joined = String::with_capacity(name.len());

@@ -72,7 +72,8 @@ dimensions! {
     Mass: "a mass", "4.28 g", "kg", 1e6, 0.0,
         [unit("kg", 1.0), unit("g", MILLI), read_only("mg", 1e-6)]
     Force: "a force", "5 N", "n", 1e12, 1e-9,
-        [unit("N", 1.0), unit("mN", MILLI), unit("kN", 1e3), read_only("uN", 1e-6)]
+        // A torque per length is that of a controller that measures a length and drives a shaft.
+        [unit("N", 1.0), unit("mN", MILLI), unit("kN", 1e3), read_only("uN", 1e-6), read_only("N*m/m", 1.0)]
     Torque: "a torque", "480 N*mm", "n_m", 1e12, 1e-12,
         [unit("N*m", 1.0), read_only("N*cm", CENTI), unit("N*mm", MILLI), read_only("mN*m", MILLI)]
     Speed: "a speed", "0.1 m/s", "m_s", 1e6, 1e-12,
@@ -108,6 +109,27 @@ dimensions! {
         [unit("s/m", 1.0), read_only("s/mm", 1.0 / MILLI)]
     AngularImpactDamping: "an impact damping of a limit", "0.2 s/rad", "s_per_rad", 1e12, 0.0,
         [unit("s/rad", 1.0), read_only("s/deg", 1.0 / DEGREE)]
+    // The damping of a controller that measures a speed and drives a shaft is a torque per speed.
+    Impulse: "a torque per speed", "0.5 N*m*s/m", "n_s", 1e24, 0.0,
+        [unit("N*s", 1.0), read_only("N*m*s/m", 1.0)]
+    Voltage: "a voltage", "12 V", "v", 1e9, 1e-12,
+        [unit("V", 1.0), read_only("mV", MILLI), read_only("kV", 1e3)]
+    Current: "a current", "0.8 A", "a", 1e9, 1e-12,
+        [unit("A", 1.0), unit("mA", MILLI)]
+    Resistance: "a resistance", "3 ohm", "ohm", 1e12, 0.0,
+        [unit("ohm", 1.0), read_only("mohm", MILLI), read_only("kohm", 1e3)]
+    Inductance: "an inductance", "0.3 mH", "h", 1e6, 0.0,
+        [unit("H", 1.0), unit("mH", MILLI), read_only("uH", 1e-6)]
+    TorqueConstant: "a torque constant", "9 mN*m/A", "n_m_per_a", 1e6, 0.0,
+        [unit("N*m/A", 1.0), unit("mN*m/A", MILLI)]
+    BackEmf: "a back-EMF constant", "0.009 V*s/rad", "v_s_per_rad", 1e6, 0.0,
+        [unit("V*s/rad", 1.0), read_only("mV*s/rad", MILLI), read_only("V/rpm", 60.0 / TAU)]
+    AngularVoltage: "a voltage per angle", "20 V/rad", "v_per_rad", 1e24, 0.0,
+        [unit("V/rad", 1.0), read_only("V/deg", 1.0 / DEGREE)]
+    LinearVoltage: "a voltage per length", "800 V/m", "v_per_m", 1e24, 0.0,
+        [unit("V/m", 1.0), read_only("V/mm", 1.0 / MILLI)]
+    LinearVoltageDamping: "a voltage per speed", "5 V*s/m", "v_s_per_m", 1e24, 0.0,
+        [unit("V*s/m", 1.0), read_only("V*s/mm", 1.0 / MILLI)]
 }
 
 impl Dimension {
@@ -143,7 +165,16 @@ impl Dimension {
         use Dimension as D;
         matches!(
             self,
-            D::Length | D::Speed | D::Mass | D::Force | D::LinearStiffness | D::LinearDamping | D::LinearImpactDamping
+            D::Length
+                | D::Speed
+                | D::Mass
+                | D::Force
+                | D::LinearStiffness
+                | D::LinearDamping
+                | D::LinearImpactDamping
+                | D::Impulse
+                | D::LinearVoltage
+                | D::LinearVoltageDamping
         )
     }
 
@@ -199,7 +230,7 @@ mod tests {
             Dimension::Angle => angle,
             Dimension::Time => uom!(Time, time: second, millisecond, microsecond),
             Dimension::Mass => mass,
-            Dimension::Force => uom!(Force, force: newton, millinewton, kilonewton, micronewton),
+            Dimension::Force => [uom!(Force, force: newton, millinewton, kilonewton, micronewton), vec![1.0]].concat(),
             Dimension::Torque => torque,
             Dimension::Speed => uom!(
                 Velocity, velocity: meter_per_second, centimeter_per_second, millimeter_per_second, micrometer_per_second
@@ -235,6 +266,15 @@ mod tests {
             Dimension::LinearStiffness => vec![1.0, 1.0 / mm, 1.0 / cm, 1e3],
             Dimension::LinearImpactDamping => vec![1.0, 1.0 / mm],
             Dimension::AngularImpactDamping => vec![1.0, 1.0 / degree],
+            Dimension::Impulse => vec![1.0; 2],
+            Dimension::Voltage => uom!(ElectricPotential, electric_potential: volt, millivolt, kilovolt),
+            Dimension::Current => uom!(ElectricCurrent, electric_current: ampere, milliampere),
+            Dimension::Resistance => uom!(ElectricalResistance, electrical_resistance: ohm, milliohm, kiloohm),
+            Dimension::Inductance => uom!(Inductance, inductance: henry, millihenry, microhenry),
+            Dimension::TorqueConstant => vec![1.0, 1e-3],
+            Dimension::BackEmf => vec![1.0, 1e-3, 60.0 / TAU],
+            Dimension::AngularVoltage => vec![1.0, 1.0 / degree],
+            Dimension::LinearVoltage | Dimension::LinearVoltageDamping => vec![1.0, 1.0 / mm],
         }
     }
 

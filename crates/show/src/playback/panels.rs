@@ -85,7 +85,8 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
     let [motors, drives] = [false, true].map(|is_linear| items(&mut schema.actuators.iter(), is_linear));
     let limits = schema.contacts.iter().filter(|contact| contact.is_angular);
     let limits: Vec<Item> = limits.map(|contact| (contact.name.clone(), contact.name.clone())).collect();
-    let tendons: Vec<Item> = schema.tendons.iter().map(|name| (name.clone(), name.clone())).collect();
+    let named = |names: &[String]| -> Vec<Item> { names.iter().map(|name| (name.clone(), name.clone())).collect() };
+    let tendons = named(&schema.tendons);
     let is_free = |body: &usize| !mechanism.has_joint(Some(*body));
     let free = mechanism.reported_bodies().filter(is_free).map(|body| &mechanism.bodies[body].name);
     let bodies: Vec<Item> = free.map(|name| (name.clone(), name.clone())).collect();
@@ -114,6 +115,16 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
         of("Force", "N", SubjectKind::LinearActuator, &drives, &[("", "force_n", None)]),
         of("Tendon tension", "N", SubjectKind::Tendon, &tendons, &[("", "tension_n", None)]),
         of("Tendon length", "m", SubjectKind::Tendon, &tendons, &[("", "length_m", Some("rate_m_s"))]),
+        of("Motor torque", "N·m", SubjectKind::Shaft, &named(&schema.shafts), &[("", "motor_torque_n_m", None)]),
+        of("Current", "A", SubjectKind::Motor, &named(&schema.motors), &[("", "current_a", None)]),
+        of("Voltage", "V", SubjectKind::Motor, &named(&schema.motors), &[("", "voltage_v", None)]),
+        of(
+            "Distance",
+            "m",
+            SubjectKind::Distance,
+            &named(&schema.distances),
+            &[("", "distance_m", Some("distance_rate_m_s"))],
+        ),
         energy_panel(schema, !mechanism.joints.is_empty()),
     ];
     if mechanism.contacts.iter().all(|contact| contact.law.friction.is_none()) {

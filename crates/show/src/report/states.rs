@@ -1,5 +1,6 @@
 //! Final states of fingers and bodies in the JSON document. A single finger has the key `final`; two fingers have the
-//! key `fingers`, and their object the key `object`. A mechanism has `joints`, `actuators`, `tendons` and `bodies`.
+//! key `fingers`, and their object the key `object`. A mechanism has `joints`, `actuators`, `tendons` and `bodies`, and
+//! `drives` if an actuator has a gear, a motor or feedback.
 
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -50,6 +51,8 @@ pub struct States {
     pub actuators: Named<JointReport>,
     /// Tendons of a mechanism.
     pub tendons: Named<JointReport>,
+    /// Shafts, motors and distances of actuators, together by the name of the actuator.
+    pub drives: Named<JointReport>,
     /// States of the fingers. The name of a single finger is empty.
     pub fingers: Named<FingerState>,
     pub bodies: Named<BodyReport>,
@@ -105,7 +108,17 @@ impl States {
             });
             values.collect()
         };
+        let mut drives: Named<JointReport> = Named(Vec::new());
+        for kind in [SubjectKind::Shaft, SubjectKind::Motor, SubjectKind::Distance] {
+            for (name, report) in quantities_of([kind; 2]).iter() {
+                match drives.0.iter_mut().find(|(known, _)| known == name) {
+                    Some((_, known)) => known.0.extend(report.0.iter().copied()),
+                    None => drives.0.push((name.clone(), report.clone())),
+                }
+            }
+        }
         States {
+            drives,
             joints: quantities_of([SubjectKind::Joint, SubjectKind::Slider]),
             actuators: quantities_of([SubjectKind::Actuator, SubjectKind::LinearActuator]),
             tendons: quantities_of([SubjectKind::Tendon; 2]),
@@ -127,12 +140,18 @@ impl States {
     pub fn entries(&self) -> Vec<(&'static str, Option<State<'_>>)> {
         let present = |state| self.has_outcome.then_some(state);
         match self.finger_count {
-            0 => vec![
-                ("joints", present(State::Joints(&self.joints))),
-                ("actuators", present(State::Joints(&self.actuators))),
-                ("tendons", present(State::Joints(&self.tendons))),
-                ("bodies", present(State::Bodies(&self.bodies))),
-            ],
+            0 => {
+                let mut entries = vec![
+                    ("joints", present(State::Joints(&self.joints))),
+                    ("actuators", present(State::Joints(&self.actuators))),
+                    ("tendons", present(State::Joints(&self.tendons))),
+                    ("bodies", present(State::Bodies(&self.bodies))),
+                ];
+                if !self.drives.0.is_empty() {
+                    entries.insert(2, ("drives", present(State::Joints(&self.drives))));
+                }
+                entries
+            }
             1 => vec![("final", self.fingers.first().map(State::Finger))],
             _ => vec![
                 ("fingers", present(State::Fingers(&self.fingers))),

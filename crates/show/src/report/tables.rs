@@ -34,8 +34,14 @@ pub fn states(states: &States, end_s: f64) -> Vec<Report> {
         }
         State::Joints(all) => {
             let (sliders, others): (Vec<_>, Vec<_>) = all.iter().partition(|(_, joint)| is_slider(joint));
-            let tables = [others, sliders].map(|group| joint_table(&group, &heading).into());
-            Some(Report::join(tables))
+            // Drives have different quantities.
+            let keys = |joint: &JointReport| joint.0.iter().map(|(quantity, _)| quantity.key).collect::<Vec<_>>();
+            let groups = [others, sliders].into_iter().flat_map(|mut group| {
+                group.sort_by_key(|(_, joint)| keys(joint));
+                let parts = group.chunk_by(|(_, a), (_, b)| keys(a) == keys(b));
+                parts.map(|part| joint_table(part, &heading).into()).collect::<Vec<_>>()
+            });
+            Some(Report::join(groups))
         }
     };
     states.entries().into_iter().filter_map(state_table).collect()

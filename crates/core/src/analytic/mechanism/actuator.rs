@@ -5,9 +5,9 @@ use crate::drive::BrakeTorque;
 use crate::mechanism::{Actuator, Command};
 
 /// A range ends this part of its scale beyond its nominal end, so that neighbouring ranges do not alternate.
-const RANGE_MARGIN: f64 = 1e-9;
+pub(super) const RANGE_MARGIN: f64 = 1e-9;
 /// Tolerance of locating that end, as a fraction of the margin.
-const RANGE_TOLERANCE: f64 = 0.3;
+pub(super) const RANGE_TOLERANCE: f64 = 0.3;
 
 /// Range of each actuator: the number of its thresholds below the command.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub(super) struct Effort {
 }
 
 /// Returns the command before the limit, with its derivatives.
-fn command(actuator: &Actuator, t: f64, coordinate: f64, rate: f64) -> Effort {
+pub(super) fn command(actuator: &Actuator, t: f64, coordinate: f64, rate: f64) -> Effort {
     match &actuator.command {
         Command::Effort(profile) => {
             let (value, by_time) = profile.at(t);
@@ -50,14 +50,18 @@ fn thresholds(actuator: &Actuator) -> [f64; 3] {
     [-limit, if actuator.no_load_speed.is_some() { 0.0 } else { f64::NAN }, limit]
 }
 
-/// Range of a command.
+/// Range of the command in a state.
 pub(super) fn range(actuator: &Actuator, t: f64, coordinate: f64, rate: f64) -> u8 {
-    let value = command(actuator, t, coordinate, rate).value;
+    range_of_value(actuator, command(actuator, t, coordinate, rate).value)
+}
+
+/// Range of a command.
+pub(super) fn range_of_value(actuator: &Actuator, value: f64) -> u8 {
     thresholds(actuator).iter().fold(0, |range, threshold| range << 1 | u8::from(value > *threshold))
 }
 
 /// Ends of a range: the command is above the first and not above the second.
-fn ends(actuator: &Actuator, range: u8) -> [f64; 2] {
+pub(super) fn ends(actuator: &Actuator, range: u8) -> [f64; 2] {
     let mut ends = [f64::NEG_INFINITY, f64::INFINITY];
     for (index, threshold) in thresholds(actuator).into_iter().enumerate() {
         match range >> (2 - index) & 1 == 1 {
@@ -92,7 +96,7 @@ pub(super) fn effort(actuator: &Actuator, range: u8, t: f64, coordinate: f64, ra
 }
 
 /// Magnitude against which the ends of ranges are located.
-fn scale(actuator: &Actuator) -> f64 {
+pub(super) fn command_scale(actuator: &Actuator) -> f64 {
     let largest = match &actuator.command {
         Command::Effort(profile) => profile.largest(),
         Command::Servo { kp, kd, target, .. } => kp.max(*kd) * target.largest().max(1.0),
@@ -100,28 +104,27 @@ fn scale(actuator: &Actuator) -> f64 {
     actuator.limit.unwrap_or(largest).max(f64::MIN_POSITIVE)
 }
 
-/// Event function of a range: not negative within it.
-pub(super) fn margin(actuator: &Actuator, range: u8, t: f64, coordinate: f64, rate: f64) -> f64 {
+/// Event function of the range of a command: not negative within it.
+pub(super) fn margin(actuator: &Actuator, range: u8, value: impl FnOnce() -> f64) -> f64 {
     if range == UNMONITORED || actuator.limit.is_none() && actuator.no_load_speed.is_none() {
         return f64::INFINITY;
     }
-    let value = command(actuator, t, coordinate, rate).value;
+    let value = value();
     let [lower, upper] = ends(actuator, range);
-    (value - lower).min(upper - value) + RANGE_MARGIN * scale(actuator)
+    (value - lower).min(upper - value) + RANGE_MARGIN * command_scale(actuator)
 }
 
 pub(super) fn margin_tolerance(actuator: &Actuator) -> f64 {
-    RANGE_TOLERANCE * RANGE_MARGIN * scale(actuator)
+    RANGE_TOLERANCE * RANGE_MARGIN * command_scale(actuator)
 }
 
 /// Range after the end of a range was located: that of the command, or its neighbour if the command is still within the
 /// margin.
-pub(super) fn range_after(actuator: &Actuator, old: u8, t: f64, coordinate: f64, rate: f64) -> u8 {
-    let found = range(actuator, t, coordinate, rate);
+pub(super) fn range_after(actuator: &Actuator, old: u8, value: f64) -> u8 {
+    let found = range_of_value(actuator, value);
     if found != old {
         return found;
     }
-    let value = command(actuator, t, coordinate, rate).value;
     let [lower, upper] = ends(actuator, old);
     let is_below = value - lower < upper - value;
     let end = if is_below { lower } else { upper };

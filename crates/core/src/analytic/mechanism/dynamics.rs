@@ -12,7 +12,7 @@ use super::free::FreeBody;
 use super::group::{Element, PlacedGroup, Row};
 use super::inertial_field::{AccelerationField, InertialField, inertial_field};
 use super::model::{MechanismMode, MechanismModel, Span};
-use super::motion::{BodyMotion, LANES, Lanes, Motions, pair};
+use super::motion::{BodyMotion, JointMotion, LANES, Lanes, Motions, pair};
 use super::nearest::{Feature, Frame, POSES, PointOnFace};
 use super::pairs;
 use super::palm_frame::{Inertia, power};
@@ -22,6 +22,7 @@ use crate::analytic::contact::{
 };
 use crate::integrator::{Dynamic, DynamicMatrix, Linearised, Rates, System};
 use crate::law::{FrictionRange, friction_coefficient, friction_force};
+use crate::mechanism::{Limit, Limited};
 use crate::numeric::{Dual, Real, array_from};
 
 /// Derivatives of the loads on all coordinates, in place of those of accelerations, and of the rates of all quadratures.
@@ -238,6 +239,59 @@ impl MechanismModel {
         }
     }
 
+    /// Adds a load along the coordinate of a limit.
+    #[inline(always)]
+    pub(super) fn add_limit_load(&self, motions: &Motions<f64>, limit: &Limit, effort: f64, load: &mut [f64]) {
+        match limit.of {
+            Limited::Joint(joint) => self.add_joint_load(motions, joint, effort, load),
+            Limited::Sum(sum) => {
+                let terms = &self.mechanism.sum_limits[sum].on.terms;
+                terms.iter().for_each(|(joint, factor)| self.add_joint_load(motions, *joint, factor * effort, load));
+            }
+        }
+    }
+
+    /// The coordinate of a limit and its rate.
+    #[inline(always)]
+    pub(super) fn limited(&self, motions: &Motions<f64>, limit: &Limit) -> [f64; 2] {
+        match limit.of {
+            Limited::Joint(joint) => [self.joint_coordinate(motions, joint), motions.joints[joint].rate],
+            Limited::Sum(sum) => {
+                let motion = motions.combination(&self.mechanism.sum_limits[sum].on);
+                [motion.coordinate, motion.rate]
+            }
+        }
+    }
+
+    /// Motion of the coordinate of a limit, with derivatives.
+    #[inline(always)]
+    fn limit_motion(&self, motions: &Motions<Lanes>, limit: &Limit) -> JointMotion<Lanes> {
+        match limit.of {
+            Limited::Joint(joint) => motions.joints[joint],
+            Limited::Sum(sum) => motions.combination(&self.mechanism.sum_limits[sum].on),
+        }
+    }
+
+    /// Derivative of the coordinate of a limit by a coordinate of its group.
+    #[inline(always)]
+    fn limit_entry(&self, motions: &Motions<Lanes>, limit: &Limit, k: usize) -> Lanes {
+        match limit.of {
+            Limited::Joint(joint) => motions.joint_entry(joint, k),
+            Limited::Sum(sum) => motions.row_entry(&self.mechanism.sum_limits[sum].on, k),
+        }
+    }
+
+    /// The group of a limit, and the coordinates of the group on which its coordinate may depend.
+    fn limit_support<'a>(&'a self, motions: &'a Motions<f64>, limit: &Limit) -> (Span, &'a [usize]) {
+        match limit.of {
+            Limited::Joint(joint) => (self.span_of_joint(joint), &motions.joint_supports[joint].coordinates),
+            Limited::Sum(sum) => {
+                let (joint, _) = self.mechanism.sum_limits[sum].on.terms[0];
+                (self.span_of_joint(joint), &self.sum_supports[sum])
+            }
+        }
+    }
+
     /// Adds all loads on the coordinates and the powers of all forces.
     fn add_loads(
         &self,
@@ -289,11 +343,10 @@ impl MechanismModel {
                     contact.state.into_iter().for_each(|state| load[state] += forces.state_rate);
                 }
                 Surfaces::Limit(limit) => {
-                    let coordinate = self.joint_coordinate(motions, limit.joint);
-                    let rate = limit.side * motions.joints[limit.joint].rate;
-                    let depth = limit.side * (coordinate - limit.value);
+                    let [coordinate, rate] = self.limited(motions, limit);
+                    let (depth, rate) = (limit.side * (coordinate - limit.value), limit.side * rate);
                     let force = normal_force_on_branch(&limit.law, laws.state, depth, rate).force;
-                    self.add_joint_load(motions, limit.joint, -limit.side * force, load);
+                    self.add_limit_load(motions, limit, -limit.side * force, load);
                     g[index] += force;
                     g[contact_work] -= force * rate;
                 }
@@ -347,7 +400,10 @@ impl MechanismModel {
             let actuator = &self.mechanism.actuators[*index];
             let motion = motions.combination(&actuator.on);
             let range = self.range_at(t, mode, *index, motion.coordinate, motion.rate);
-            let mut effort = effort(actuator, range, t, motion.coordinate, motion.rate).value;
+            let mut effort = match actuator.powertrain.is_direct() {
+                true => effort(actuator, range, t, motion.coordinate, motion.rate).value,
+                false => 0.0,
+            };
             g[self.drive_work()] += effort * motion.rate;
             if let Some(brake) = self.brake_effort(t, v, *index, motion.rate) {
                 g[self.contact_work()] += brake.effort.value * motion.rate;
@@ -469,7 +525,10 @@ impl MechanismModel {
             let values = chunk.each(|_, j| motions.row_entry(on, j).value);
             let rate = motion.rate.value;
             let range = self.range_at(t, mode, *index, motion.coordinate.value, rate);
-            let effort = effort(actuator, range, t, motion.coordinate.value, rate);
+            let effort = match actuator.powertrain.is_direct() {
+                true => effort(actuator, range, t, motion.coordinate.value, rate),
+                false => Effort::default(),
+            };
             let brake = self.brake_effort(t, v, *index, rate);
             let brake_effort = brake.map_or(Effort::default(), |brake| brake.effort);
             for (work, effort) in [(self.drive_work(), effort), (self.contact_work(), brake_effort)] {
@@ -613,12 +672,11 @@ impl MechanismModel {
                     self.add_pair_derivatives((plain, motions), pair.bodies, &forces.load, &quadratures, state, sums);
                 }
                 Surfaces::Limit(limit) => {
-                    let (span, side) = (self.span_of_joint(limit.joint), limit.side);
-                    let coordinate = self.joint_coordinate(plain, limit.joint);
-                    let support = &plain.joint_supports[limit.joint].coordinates[..];
+                    let ([coordinate, _], side) = (self.limited(plain, limit), limit.side);
+                    let (span, support) = self.limit_support(plain, limit);
                     for (at, chunk) in Chunk::of_group(span.first, span.size) {
-                        let (motions, row) = (&motions[at], |i| motions[at].joint_entry(limit.joint, i));
-                        let motion = &motions.joints[limit.joint];
+                        let (motions, row) = (&motions[at], |i| self.limit_entry(&motions[at], limit, i));
+                        let motion = self.limit_motion(motions, limit);
                         let depth = (motion.coordinate.chain(coordinate, 1.0) - limit.value) * side;
                         let rate = motion.rate * side;
                         let law = normal_force_on_branch(&limit.law, laws.state, depth.value, rate.value);
@@ -770,6 +828,7 @@ impl System for MechanismModel {
         self.with_factors((q, v), |motions, factors| {
             self.add_loads(t, v, mode, (motions, factors), (a, g));
             self.add_tendon_loads(t, mode, motions, (a, g));
+            self.add_drive_loads(t, v, mode, motions, (a, g));
             g[self.drive_work()] += self.solve(factors, a);
         });
         self.clock().into_iter().for_each(|clock| a[clock] = 1.0);
@@ -800,6 +859,7 @@ impl System for MechanismModel {
             }
             self.add_all_pair_derivatives(v, mode, (plain, motions), &mut sums);
             self.add_tendon_derivatives(t, v, mode, (plain, motions), &mut sums);
+            self.add_drive_derivatives(t, v, mode, (plain, motions), &mut sums);
         });
         let (count, drive_work) = (self.coordinates_in_use(), self.drive_work());
         self.with_factors((q, v), |_, factors| {

@@ -1,7 +1,7 @@
 //! Event functions of a mechanism: ends of the branches of contact laws and of the ranges of actuators, and the
 //! singularities of its dyads.
 
-use super::actuator::{Ranges, margin, margin_tolerance, range, range_after};
+use super::actuator::{Ranges, command, margin, margin_tolerance, range, range_after};
 use super::assur::Assur;
 use super::cable::Cable;
 use super::contacts::Surfaces;
@@ -16,11 +16,13 @@ use crate::integrator::{
     CoordinateBounds, Dynamic, EventFunction, EventSet, GapBounds, Hybrid, QuasiStaticState, Rates, RootSearch, System,
     Tolerances,
 };
-use crate::mechanism::Actuator;
 use crate::mechanism::structure::Placement;
+use crate::mechanism::{Actuator, Limit, Limited};
 
 /// Margin below which a cable counts as lifted in the description of an obstacle, rad: the end is not located exactly.
 const WRAP_ROUNDING: f64 = 1e-6;
+/// The same for points that have met, m.
+const MET_ROUNDING_M: f64 = 1e-8;
 
 /// What an event function belongs to, by its index.
 enum EventOf {
@@ -58,6 +60,8 @@ enum ContactRow<'a> {
         row: [f64; POSES],
         state: Option<usize>,
     },
+    /// The coordinate of a limit times its side.
+    Limit(&'a Limit),
     /// A multiple of the coordinate of a joint, and the index of an internal state of friction.
     Joint {
         joint: usize,
@@ -85,6 +89,10 @@ impl Row for RowAt<'_> {
                 model.add_pair_loads(motions, *bodies, over_poses, row);
                 *state
             }
+            ContactRow::Limit(limit) => {
+                model.add_limit_load(motions, limit, -limit.side, row);
+                None
+            }
             ContactRow::Joint { joint, factor, state } => {
                 model.add_joint_load(motions, *joint, *factor, row);
                 *state
@@ -108,10 +116,10 @@ impl Row for Vec<f64> {
 }
 
 impl MechanismModel {
-    /// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators, then one
-    /// for the features of all faces.
+    /// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of the ranges of
+    /// actuators, then one for the features of all faces.
     fn event_function_count(&self) -> usize {
-        3 * self.contacts.len() + self.mechanism.actuators.len() + 1
+        3 * self.contacts.len() + self.range_count + 1
     }
 
     /// What an event function belongs to.
@@ -145,13 +153,8 @@ impl MechanismModel {
                 )
             }
             Surfaces::Limit(limit) => {
-                let (joint, side) = (limit.joint, limit.side);
-                let coordinate = self.joint_coordinate(motions, joint);
-                (
-                    [side * (coordinate - limit.value), side * motions.joints[joint].rate, 0.0],
-                    ContactRow::Joint { joint, factor: -side, state: None },
-                    ContactRow::Zero,
-                )
+                let ([coordinate, rate], side) = (self.limited(motions, limit), limit.side);
+                ([side * (coordinate - limit.value), side * rate, 0.0], ContactRow::Limit(limit), ContactRow::Zero)
             }
             Surfaces::Friction(joint) => (
                 [1.0, 0.0, motions.joints[*joint].rate],
@@ -188,7 +191,13 @@ impl MechanismModel {
         let of_joint = |joint: usize| self.mechanism.joints[joint].bodies;
         match &self.contacts[index].surfaces {
             Surfaces::Point(pair) => self.with_bodies(state, pair.bodies, f),
-            Surfaces::Limit(limit) => self.with_bodies(state, of_joint(limit.joint), f),
+            Surfaces::Limit(limit) => match limit.of {
+                Limited::Joint(joint) => self.with_bodies(state, of_joint(joint), f),
+                Limited::Sum(sum) => {
+                    let terms = self.mechanism.sum_limits[sum].on.terms.iter();
+                    self.with_bodies(state, terms.flat_map(|(joint, _)| of_joint(*joint)), f)
+                }
+            },
             Surfaces::Friction(joint) => self.with_bodies(state, of_joint(*joint), f),
             Surfaces::Tendon(index) => {
                 let elements = self.cables[*index].tendon.path.iter().map(|element| element.body);
@@ -257,16 +266,20 @@ impl MechanismModel {
         }
     }
 
-    /// Time, coordinate and rate at an actuator.
-    fn actuator_state(
+    /// Command of an actuator.
+    fn command_in(
         &self,
         motions: &Motions<f64>,
         state: StateRef<'_, Dynamic>,
         mode: &MechanismMode,
         index: usize,
-    ) -> (f64, f64, f64) {
-        let (motion, [first_s, last_s]) = (motions.combination(&self.mechanism.actuators[index].on), mode.times_s);
-        (self.time_in(state).clamp(first_s, last_s), motion.coordinate, motion.rate)
+    ) -> f64 {
+        let (actuator, t) = (&self.mechanism.actuators[index], self.time_in(state));
+        if !actuator.powertrain.is_direct() {
+            return self.drive_command(index, (t, state.1), motions, mode).unwrap_or_default();
+        }
+        let (motion, [first_s, last_s]) = (motions.combination(&actuator.on), mode.times_s);
+        command(actuator, t.clamp(first_s, last_s), motion.coordinate, motion.rate).value
     }
 
     /// Ranges of all actuators in a state.
@@ -276,11 +289,14 @@ impl MechanismModel {
                 let motion = motions.combination(&actuator.on);
                 range(actuator, t, motion.coordinate, motion.rate)
             };
-            Ranges(self.mechanism.actuators.iter().map(of_actuator).collect())
+            let mut ranges: Vec<u8> = self.mechanism.actuators.iter().map(of_actuator).collect();
+            ranges.resize(self.range_count, 0);
+            self.set_drive_ranges((t, v), motions, |_| true, &mut ranges);
+            Ranges(ranges)
         })
     }
 
-    /// Event function of the range of an actuator.
+    /// Event function of a range of an actuator.
     fn actuator_event(
         &self,
         motions: &Motions<f64>,
@@ -288,9 +304,10 @@ impl MechanismModel {
         mode: &MechanismMode,
         index: usize,
     ) -> EventFunction {
-        let Some(actuator) = self.mechanism.actuators.get(index) else { return EventFunction::INACTIVE };
-        let (t, coordinate, rate) = self.actuator_state(motions, state, mode, index);
-        let value = margin(actuator, mode.ranges.0[index], t, coordinate, rate);
+        let Some(actuator) = self.mechanism.actuators.get(index) else {
+            return self.drive_event(index, (self.time_in(state), state.1), motions, mode);
+        };
+        let value = margin(actuator, mode.ranges.0[index], || self.command_in(motions, state, mode, index));
         EventFunction { value, root_search: RootSearch::Smooth, ..EventFunction::INACTIVE }
     }
 
@@ -343,7 +360,8 @@ impl MechanismModel {
                 smallest = (clearance, rate);
             }
         }
-        for (_, _, [margin, rate]) in self.wrap_margins(motions) {
+        let of_distances = self.distance_margins(motions).map(|(_, margin)| margin);
+        for [margin, rate] in self.wrap_margins(motions).map(|(.., margin)| margin).chain(of_distances) {
             if smallest.0 > margin || margin.is_nan() {
                 smallest = (margin, rate);
             }
@@ -430,7 +448,7 @@ impl Hybrid for MechanismModel {
             let variables = |index: usize| Some(self.contact_variables(motions, v, index, mode.features[index]));
             mode.contacts.eval_events(&self.event_tolerances, variables, events);
             let first = 3 * self.contacts.len();
-            for index in 0..self.mechanism.actuators.len() {
+            for index in 0..self.range_count {
                 events.functions[first + index] = self.actuator_event(motions, (q, v), mode, index);
             }
             events.functions[self.event_function_count() - 1] = self.feature_event(motions, mode);
@@ -493,7 +511,10 @@ impl Hybrid for MechanismModel {
     fn event_tolerance(&self, event: usize, mode: &MechanismMode) -> f64 {
         match self.subject_of(event) {
             EventOf::Features => FEATURE_TOLERANCE_M,
-            EventOf::Actuator(index) => self.mechanism.actuators.get(index).map_or(0.0, margin_tolerance),
+            EventOf::Actuator(index) => match self.mechanism.actuators.get(index) {
+                Some(actuator) => margin_tolerance(actuator),
+                None => self.drive_event_tolerance(index, mode),
+            },
             EventOf::Contact(index) => self.contacts.get(index).map_or(0.0, |contact| {
                 let (normal, friction) = (&contact.normal, contact.friction.as_ref());
                 mode.contacts.event_tolerance(event, normal, friction, &self.event_tolerances)
@@ -513,10 +534,13 @@ impl Hybrid for MechanismModel {
                 }
             }),
             EventOf::Actuator(index) => {
-                let (t, coordinate, rate) =
-                    self.with_motions((q, v), |motions| self.actuator_state(motions, (q, v), mode, index));
-                let range = &mut mode.ranges.0[index];
-                *range = range_after(&self.mechanism.actuators[index], *range, t, coordinate, rate);
+                let range = self.with_motions((q, v), |motions| match self.mechanism.actuators.get(index) {
+                    Some(actuator) => {
+                        range_after(actuator, mode.ranges.0[index], self.command_in(motions, (q, v), mode, index))
+                    }
+                    None => self.drive_range_after(index, (self.time_in((q, v)), v), motions, mode),
+                });
+                mode.ranges.0[index] = range;
             }
             EventOf::Contact(index) => {
                 let state = mode[index];
@@ -572,6 +596,8 @@ impl Hybrid for MechanismModel {
                     *range_of = range(actuator, t, motion.coordinate, motion.rate);
                 }
             }
+            let is_discontinuous = |actuator: &Actuator| actuator.command.profile().next_discontinuity(last_s) <= t;
+            self.set_drive_ranges((t, v), motions, is_discontinuous, &mut mode.ranges.0);
         });
     }
 
@@ -616,6 +642,11 @@ impl Hybrid for MechanismModel {
                 self.wrap_margins(motions).find(|(_, _, [margin, _])| margin.is_nan() || *margin < WRAP_ROUNDING);
             if let Some((tendon, element, _)) = beyond {
                 return self.mechanism.describe_lifted(&self.cables[tendon].tendon, element);
+            }
+            let met =
+                self.distance_margins(motions).find(|(_, [margin, _])| margin.is_nan() || *margin < MET_ROUNDING_M);
+            if let Some((actuator, _)) = met {
+                return self.mechanism.describe_met_points(actuator);
             }
             match dyads.min_by(|a, b| sine(a.1.sine).total_cmp(&sine(b.1.sine))) {
                 Some((Placement::Dyad { outer, inner }, _)) => {

@@ -66,6 +66,7 @@ pub(super) fn center_frame(mechanism: &mut Mechanism, index: usize, (poses, rate
     for outline in &mut mechanism.bodies[index].outlines {
         outline.shape = outline.shape.moved([-x, -y], 0.0);
     }
+    mechanism.bodies[index].points.iter_mut().for_each(|point| shift(&mut point.at_m));
     for spring in &mut mechanism.springs {
         let SpringKind::Linear { bodies, points_m } = &mut spring.kind else { continue };
         let ends = bodies.iter().zip(points_m);
@@ -75,7 +76,7 @@ pub(super) fn center_frame(mechanism: &mut Mechanism, index: usize, (poses, rate
     elements.filter(|element| element.body == Some(index)).for_each(|element| shift(&mut element.point_m));
 }
 
-/// Whether the outlines of a free body are discs about its origin, and no spring or tendon is attached to it.
+/// Whether the outlines of a free body are discs about its origin, and no spring, tendon or point is attached to it.
 pub(super) fn is_round(mechanism: &Mechanism, index: usize) -> bool {
     let is_disc = |outline: &Outline| matches!(outline.shape, OutlineShape::Disc { center_m: [0.0, 0.0], .. });
     let springs = mechanism.springs.iter().filter_map(|spring| match &spring.kind {
@@ -84,5 +85,6 @@ pub(super) fn is_round(mechanism: &Mechanism, index: usize) -> bool {
     });
     let elements = mechanism.tendons.iter().flat_map(|tendon| &tendon.path);
     let mut attached = springs.flatten().chain(elements.map(|element| element.body));
-    mechanism.bodies[index].outlines.iter().all(is_disc) && attached.all(|body| body != Some(index))
+    let of = &mechanism.bodies[index];
+    of.points.is_empty() && of.outlines.iter().all(is_disc) && attached.all(|body| body != Some(index))
 }

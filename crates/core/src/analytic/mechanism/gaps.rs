@@ -8,7 +8,7 @@ use super::nearest::PointOnFace;
 use crate::analytic::motion_bound::{RateBound, nothing_known};
 use crate::integrator::{CoordinateBounds, Dynamic, GapBound, GapBounds};
 use crate::mechanism::tendon::{MAX_WRAP_RAD, segment, wraps};
-use crate::mechanism::{OutlinePoint, PathElement, Tendon};
+use crate::mechanism::{Limited, MIN_DISTANCE_M, OutlinePoint, PathElement, Tendon};
 use crate::numeric::plane::sub;
 
 /// Bounds of a segment of a cable: the relative speed of its ends and its smallest length.
@@ -55,11 +55,23 @@ impl MechanismModel {
             let gap = self.bound_cable(&cable.tendon, (*step_s, *width, clearance), motions, bounds);
             cable.contact.into_iter().for_each(|contact| found.gaps[contact] = gap);
         }
+        for cable in self.measured_distances() {
+            self.bound_distance(cable, (*step_s, *width, clearance), motions, bounds);
+        }
         found.clearance_reach = bounds.clearance_reach;
         for (gap, contact) in found.gaps.iter_mut().zip(&self.contacts) {
             match &contact.surfaces {
                 Surfaces::Point(pair) => *gap = point_gap(pair, *width, motions, bounds),
-                Surfaces::Limit(limit) => *gap = bounds.joints[limit.joint].gap(),
+                Surfaces::Limit(limit) => {
+                    *gap = match limit.of {
+                        Limited::Joint(joint) => bounds.joints[joint].gap(),
+                        Limited::Sum(sum) => {
+                            let terms = self.mechanism.sum_limits[sum].on.terms.iter();
+                            let terms = terms.map(|(joint, factor)| bounds.joints[*joint].times(*factor));
+                            terms.fold(RateBound::default(), RateBound::plus).gap()
+                        }
+                    }
+                }
                 Surfaces::Tendon(_) | Surfaces::Friction(_) => {}
             }
         }
@@ -106,6 +118,33 @@ impl MechanismModel {
             bounds.clearance_reach = reach;
         }
         sum.gap()
+    }
+}
+
+impl MechanismModel {
+    /// Shortens the reach of the clearance to the part of the step in which two points stay apart.
+    fn bound_distance(
+        &self,
+        cable: &Tendon,
+        (step_s, width, clearance): (f64, f64, f64),
+        motions: &Motions<f64>,
+        bounds: &mut MechanismBounds,
+    ) {
+        let ends = [&cable.path[0], &cable.path[1]];
+        let (RateBound { rate, .. }, _) = segment_bound(ends, (step_s, width), motions, bounds);
+        // The clearance is at most the margin of any distance.
+        let margin = match rate * width > clearance {
+            true => self.elongation(motions, cable).value - MIN_DISTANCE_M,
+            false => clearance,
+        };
+        let reach = match rate > 0.0 {
+            true if rate.is_finite() => margin / rate,
+            false if rate == 0.0 => f64::INFINITY,
+            _ => nothing_known(margin),
+        };
+        if reach.is_nan() || reach < bounds.clearance_reach {
+            bounds.clearance_reach = reach;
+        }
     }
 }
 

@@ -188,8 +188,8 @@ impl PlacedGroup {
             }),
             SpringKind::Linear { .. } => None,
         });
-        let rotors = mechanism.rotors.iter().filter(|rotor| is_member(&&rotor.on));
-        let rotors = rotors.map(|rotor| Element { on: rotor.on.clone(), inertia: rotor.inertia, ..none.clone() });
+        let rotors = mechanism.reflected_inertias().filter(|(on, _)| is_member(on));
+        let rotors = rotors.map(|(on, inertia)| Element { on: on.clone(), inertia, ..none.clone() });
         let actuators = mechanism.actuators.iter().enumerate().filter(|(_, actuator)| is_member(&&actuator.on));
         let of_joints = dependent_coordinates(mechanism, &group).1;
         let row = |on: &JointCombination| Row::new(&group, &of_joints, on);
@@ -592,13 +592,14 @@ fn bases_length(bases: [&BodyMotion<f64>; 2], motions: &Motions<f64>, outer: &[A
     (squared(0) + squared(1)).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// Whether a spring, a servo, a coupling or a tendon depends on the coordinate of a joint. A spring of constant force does
+/// Whether a spring, a servo, a coupling, a limit of a sum or a tendon depends on the coordinate of a joint. A spring of constant force does
 /// not.
 pub(super) fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
     let is_servo = |actuator: &&Actuator| matches!(actuator.command, Command::Servo { .. });
     let springs = mechanism.springs.iter().filter(|spring| spring.stiffness != 0.0).filter_map(Spring::on);
     let servos = mechanism.actuators.iter().filter(is_servo).map(|actuator| &actuator.on);
-    let mut all = springs.chain(servos).chain(mechanism.couplings.iter().map(|coupling| &coupling.on));
+    let limits = mechanism.sum_limits.iter().map(|limit| &limit.on);
+    let mut all = springs.chain(servos).chain(mechanism.couplings.iter().map(|coupling| &coupling.on)).chain(limits);
     all.any(|on| on.factor(joint) != 0.0)
         || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
 }

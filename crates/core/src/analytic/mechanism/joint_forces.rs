@@ -13,7 +13,7 @@ use super::pairs;
 use super::palm_frame::inertial_loads;
 use crate::analytic::contact::StateRef;
 use crate::integrator::{Dynamic, Rates, System};
-use crate::mechanism::{ForcePoint, JointCombination, Limit, Mechanism};
+use crate::mechanism::{ForcePoint, JointCombination, Mechanism};
 use crate::numeric::plane::{add, cross, perp, scale, sub};
 
 /// Force and moment of a joint on its second body. The force acts at the joint.
@@ -277,18 +277,22 @@ impl MechanismModel {
                     system.add(right, face, force, on_face, moment);
                 }
                 Surfaces::Tendon(_) => {}
-                Surfaces::Limit(Limit { joint, .. }) | Surfaces::Friction(joint) => {
-                    let total = match contact.surfaces {
-                        Surfaces::Limit(limit) => -limit.side * reading.normal,
-                        _ => reading.tangential,
-                    };
-                    let (point, direction, turn) =
-                        self.with_motions(state, |motions| self.effort_direction(joint, motions));
-                    let bodies = self.mechanism.joints[joint].bodies;
-                    system.add_pair(right, bodies, direction.map(|part| -total * part), point, -total * turn);
+                Surfaces::Limit(ref limit) => {
+                    let total = -limit.side * reading.normal;
+                    for (joint, factor) in &self.mechanism.limited(limit).terms {
+                        self.subtract_effort(state, *joint, factor * total, system);
+                    }
                 }
+                Surfaces::Friction(joint) => self.subtract_effort(state, joint, reading.tangential, system),
             }
         }
+    }
+
+    /// Subtracts the effort of a joint.
+    fn subtract_effort(&self, state: StateRef<'_, Dynamic>, joint: usize, effort: f64, system: &mut JointForces) {
+        let (point, direction, turn) = self.with_motions(state, |motions| self.effort_direction(joint, motions));
+        let (bodies, right) = (self.mechanism.joints[joint].bodies, system.unknowns);
+        system.add_pair(right, bodies, direction.map(|part| -effort * part), point, -effort * turn);
     }
 
     /// Adds the wrenches of the forces of joints and couplings.

@@ -13,6 +13,7 @@ use super::group::{PlacedGroup, start_of};
 use super::motion::{LANES, Lanes, Motions, Part, Support};
 use super::nearest::Feature;
 use super::palm_frame::{exchange_ground, palm_of_frame, place_in_frame};
+use super::powertrain::{DriveModel, DriveRows, charge_count, drives};
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactMode, EventTolerances, Mode, StateRef};
 use crate::integrator::{Dynamic, Layout, Linearised, State};
@@ -112,9 +113,11 @@ pub(super) struct Scratch {
     pub row: Vec<f64>,
     /// Accelerations per unit of a normal force.
     pub response: Vec<f64>,
-    /// Second derivatives of the length of a cable, stored in place of the derivatives of loads. Without cables it has
-    /// no entries.
+    /// Second derivatives of the length of a cable or of a measured distance, stored in place of the derivatives of
+    /// loads. Without them it has no entries.
     pub second: Linearised<Dynamic>,
+    /// Derivatives of the variables of a drive. Without drives they have no entries.
+    pub drive: DriveRows,
 }
 
 /// The analytic model of a mechanism.
@@ -140,6 +143,12 @@ pub struct MechanismModel {
     /// friction in joints.
     pub(super) contacts: Vec<Contact>,
     pub(super) cables: Vec<Cable>,
+    /// Actuators with a powertrain.
+    pub(super) drives: Vec<DriveModel>,
+    /// Number of ranges: one for the command of each actuator, then those of the drives.
+    pub(super) range_count: usize,
+    /// For each limit of a sum, the coordinates of its group on which it may depend.
+    pub(super) sum_supports: Vec<Vec<usize>>,
     pub(super) friction_states: Vec<(usize, FrictionKind)>,
     /// Index of the bristle state of the brake of each actuator.
     pub(super) brake_bristles: Vec<Option<usize>>,
@@ -239,7 +248,8 @@ fn has_bits_of(a: &[f64], b: &[f64]) -> bool {
 fn depends_on_time(mechanism: &Mechanism) -> bool {
     mechanism.actuators.iter().any(|actuator| {
         let is_constant = actuator.command.profile().next_discontinuity(f64::NEG_INFINITY).is_infinite();
-        !is_constant && (actuator.limit.is_some() || actuator.no_load_speed.is_some())
+        let has_ranges = actuator.limit.is_some() || actuator.no_load_speed.is_some();
+        !is_constant && (has_ranges || DriveModel::depends_on_time(actuator))
     })
 }
 
@@ -327,7 +337,9 @@ impl MechanismModel {
         let found = conditioned_groups(&mechanism, found, poses);
         let Coordinates { groups, free_bodies, spans, dyad_of, start } =
             Coordinates::of_groups(&mechanism, found, (poses, rates), (world.is_some(), &reported_origins));
-        let second_order = start.len();
+        // A charge is a coordinate of second order, whose rate is a current.
+        let charges = charge_count(&mechanism);
+        let second_order = start.len() + charges;
         let prescribed = groups.iter().position(PlacedGroup::has_prescribed);
         let group_of = |body| groups.iter().position(|placed| placed.group.bodies.contains(&body));
         let group_of: Vec<Option<usize>> = (0..mechanism.bodies.len()).map(group_of).collect();
@@ -336,6 +348,16 @@ impl MechanismModel {
         let contacts = contacts(&mechanism, &mut cables, &mut states);
         let brakes = mechanism.actuators.iter().map(|actuator| actuator.brake.and_then(|brake| brake.bristle));
         let brake_bristles = brakes.map(|bristle| states.add(bristle.map(FrictionKind::Bristle))).collect();
+        let first_work = contacts.len() + 2;
+        let drives = drives(&mechanism, &groups, start.len(), first_work, &mut states);
+        let losses = drives.iter().filter(|drive| drive.has_loss()).count();
+        let range_count = mechanism.actuators.len() + drives.iter().map(DriveModel::range_count).sum::<usize>();
+        let sum_supports = mechanism.sum_limits.iter().map(|limit| {
+            let (joint, _) = limit.on.terms[0];
+            let body = mechanism.joints[joint].bodies[1].or(mechanism.joints[joint].bodies[0]);
+            (0..body.map_or(0, |body| spans[body].size)).collect()
+        });
+        let sum_supports = sum_supports.collect();
         let next = states.next();
         let time_index = prescribed.map(|group: usize| groups[group].first);
         let clock_index = (time_index.is_none() && depends_on_time(&mechanism)).then_some(next);
@@ -345,7 +367,7 @@ impl MechanismModel {
         let may_have_clock = time_index.is_none() && !mechanism.actuators.is_empty();
         let layout = Dynamic {
             coordinates: (next + usize::from(may_have_clock)).next_multiple_of(VECTOR_UNIT),
-            quadratures: (contacts.len() + 2).next_multiple_of(VECTOR_UNIT),
+            quadratures: (first_work + losses).next_multiple_of(VECTOR_UNIT),
         };
         let near_at_start = near_at(&mechanism, &groups, poses);
         let workspaces = [(); 2].map(|()| {
@@ -353,9 +375,14 @@ impl MechanismModel {
             workspace.motions.near.clone_from(&near_at_start);
             RefCell::new(workspace)
         });
-        let of_cables = if cables.is_empty() { Dynamic { coordinates: 0, quadratures: 0 } } else { layout };
-        let scratch =
-            Scratch { row: layout.vector(0.0), response: layout.vector(0.0), second: Linearised::zero(of_cables) };
+        let has_cables = !cables.is_empty() || drives.iter().any(DriveModel::has_distance);
+        let of_cables = if has_cables { layout } else { Dynamic { coordinates: 0, quadratures: 0 } };
+        let scratch = Scratch {
+            row: layout.vector(0.0),
+            response: layout.vector(0.0),
+            second: Linearised::zero(of_cables),
+            drive: DriveRows::new(if drives.is_empty() { 0 } else { layout.coordinates }),
+        };
         let event_tolerances = if mechanism.joints.is_empty() { EventTolerances::COLLISION } else { EVENT_TOLERANCES };
         Ok(Self {
             mechanism,
@@ -367,6 +394,9 @@ impl MechanismModel {
             dyad_of,
             contacts,
             cables,
+            drives,
+            range_count,
+            sum_supports,
             friction_states: states.into_states(),
             brake_bristles,
             time_index,

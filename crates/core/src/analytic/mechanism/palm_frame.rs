@@ -21,6 +21,7 @@ pub(super) fn palm_of_frame(mechanism: &Mechanism) -> Option<usize> {
 /// Exchanges the palm and the ground: what is fixed to one of them is then fixed to the other.
 pub(super) fn exchange_ground(mechanism: &mut Mechanism, palm: usize) {
     std::mem::swap(&mut mechanism.ground_outlines, &mut mechanism.bodies[palm].outlines);
+    std::mem::swap(&mut mechanism.ground_points, &mut mechanism.bodies[palm].points);
     mechanism.rename_bodies(|body| match body {
         None => Some(palm),
         Some(body) if body == palm => None,

@@ -79,6 +79,9 @@ impl MechanismModel {
         let actuator = &self.mechanism.actuators[index];
         let motion = motions.combination(&actuator.on);
         let brake = self.brake_effort(t, v, index, motion.rate).map_or(0.0, |brake| brake.effort.value);
+        if let Some(drive) = self.drive_of(index) {
+            return self.drive_effort(drive, t, (mode, v), motions) + brake;
+        }
         let range = self.range_at(t, mode, index, motion.coordinate, motion.rate);
         effort(actuator, range, t, motion.coordinate, motion.rate).value + brake
     }
@@ -141,9 +144,8 @@ impl MechanismModel {
                 (kinematics.gap, gap_rate, slip, kinematics.normal, kinematics.point)
             }
             Surfaces::Limit(limit) => {
-                let motion = &motions.joints[limit.joint];
-                let gap = limit.side * (limit.value - self.joint_coordinate(motions, limit.joint));
-                (gap, -limit.side * motion.rate, 0.0, none, none)
+                let [coordinate, rate] = self.limited(motions, limit);
+                (limit.side * (limit.value - coordinate), -limit.side * rate, 0.0, none, none)
             }
             Surfaces::Friction(joint) => (-1.0, 0.0, motions.joints[*joint].rate, none, none),
             Surfaces::Tendon(index) => {

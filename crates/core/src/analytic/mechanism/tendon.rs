@@ -10,7 +10,7 @@ use super::model::{MechanismMode, MechanismModel, Scratch};
 use super::motion::{LANES, Lanes, Motions, pair};
 use super::nearest::{Frame, POSES};
 use crate::analytic::contact::{StateRef, WithDerivatives, row_dot};
-use crate::integrator::Dynamic;
+use crate::integrator::{Dynamic, Linearised};
 use crate::mechanism::tendon::{MAX_WRAP_RAD, path_length, segment, wraps};
 use crate::mechanism::{PathElement, Tendon};
 use crate::numeric::plane::{cross, sub};
@@ -87,6 +87,22 @@ impl MechanismModel {
                 second.add_block(chunk, (support, row), Dual::constant(factor), [0.0; LANES]);
             }
         }
+    }
+
+    /// Derivatives of a distance, which is the length of a cable, by the coordinates, and of its rate by them.
+    pub(super) fn distance_derivatives(
+        &self,
+        (plain, motions): (&Motions<f64>, &[Motions<Lanes>]),
+        cable: &Tendon,
+        v: &[f64],
+        second: &mut Linearised<Dynamic>,
+        (row, rate_q): (&mut [f64], &mut [f64]),
+    ) {
+        row.fill(0.0);
+        self.add_length_row(plain, cable, row);
+        second.clear();
+        self.add_second_derivatives((plain, motions), cable, &mut Sums::of(second).1);
+        rate_q.iter_mut().enumerate().for_each(|(j, entry)| *entry = row_dot(&second.a_q[j], v));
     }
 
     /// Elongation and tension of a tendon.

@@ -41,7 +41,8 @@ pub struct ActuatorCriteria {
     pub energy_j: f64,
     /// Whether the command reached the limit.
     pub saturated: bool,
-    /// Command at the end, before it is limited; for a servo with a rate, the last computed command.
+    /// Command at the end, before it is limited; for a servo with a rate, the last computed command; with a powertrain, its
+    /// effort without the loss of its gear.
     #[serde(skip)]
     pub command: f64,
     /// Whether the command at the end is at or beyond the limit.
@@ -73,9 +74,22 @@ impl ActuatorCriteria {
         let pulls = tendons.filter_map(|(index, tendon)| Some((index, tendon.actuator.as_ref()?)));
         let (of_joints, of_cables) = all.split_at_mut(mechanism.actuators.len());
         let mut estimates = Vec::with_capacity(of_joints.len() + of_cables.len());
+        let mut shafts = 0;
         for (index, (found, actuator)) in of_joints.iter_mut().zip(&mechanism.actuators).enumerate() {
             found.add_peaks(next.actuator(index), state(actuator, next)[1]);
-            estimates.push(found.add_joint_step(actuator, last, next));
+            let powertrain = &actuator.powertrain;
+            if powertrain.is_direct() {
+                estimates.push(found.add_joint_step(actuator, last, next));
+                continue;
+            }
+            let shaft = powertrain.has_shaft().then_some(shafts);
+            shafts += usize::from(shaft.is_some());
+            let drive = |sample: &Sample| {
+                // Before the loss of the gear.
+                let torque = shaft.map(|shaft| powertrain.gear * sample.shaft(shaft).motor_torque_n_m);
+                (torque.unwrap_or_else(|| sample.actuator(index)), state(actuator, sample)[1])
+            };
+            estimates.push(found.add_drive_step(actuator, (last, next), &drive));
         }
         for (found, (tendon, actuator)) in of_cables.iter_mut().zip(pulls) {
             // A cable that becomes shorter receives power.
@@ -139,6 +153,24 @@ impl ActuatorCriteria {
             }
             tick += 1.0;
         }
+    }
+
+    /// Adds a step of an actuator with a powertrain, whose samples contain its torque; `drive` reads effort and rate.
+    fn add_drive_step(
+        &mut self,
+        actuator: &Actuator,
+        (last, next): (Option<&Sample>, &Sample),
+        drive: &dyn Fn(&Sample) -> (f64, f64),
+    ) -> Estimates {
+        let (effort, rate) = drive(next);
+        self.command = effort;
+        self.is_at_limit = actuator.effort_limit().is_some_and(|limit| effort.abs() >= (1.0 - LIMIT_MARGIN) * limit);
+        self.saturated |= self.is_at_limit;
+        last.map_or([0.0; 2], |last| {
+            let (before, length_s) = (drive(last), next.time_s - last.time_s);
+            let powers = [before.0 * before.1, effort * rate];
+            [0.5 * (powers[0] + powers[1]) * length_s, powers[0] * length_s]
+        })
     }
 
     fn set_command(&mut self, actuator: &Actuator, (time_s, state): (f64, State)) {

@@ -243,7 +243,7 @@ fn contacts(
 fn loads(mechanism: &Mechanism, found: &ObjectCriteria) -> LoadsAtRest {
     let sample = &found.end;
     let kept = |actuator: &Actuator, ActuatorCriteria { command, is_at_limit, .. }: &ActuatorCriteria| {
-        let limit = actuator.limit.unwrap_or(f64::INFINITY);
+        let limit = actuator.effort_limit().unwrap_or(f64::INFINITY);
         match actuator.command {
             Command::Servo { .. } if !is_at_limit => (0.0, [-limit, limit]),
             _ => (command.clamp(-limit, limit), [0.0; 2]),

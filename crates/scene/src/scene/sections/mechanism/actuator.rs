@@ -6,12 +6,13 @@ use serde::Deserialize;
 use super::joint::combination;
 use super::mirror::Entries;
 use super::names::{Known, check_units, find};
+use super::powertrain::{FeedbackSettings, MotorSettings, Units, powertrain};
 use crate::drive::Brake;
 use crate::law::Bristle;
-use crate::mechanism::{Actuator, Command, Mechanism, Pose, Tendon, TendonActuator, coordinate_in};
+use crate::mechanism::{Actuator, Command, Mechanism, Pose, Tendon, TendonActuator};
 use crate::scene::quantity::{
-    Coordinate, CoordinateRate, Effort, Force, Frequency, JointDamping, JointStiffness, NotNegative, Plain, Positive,
-    Quantity, Time, Torque, Word,
+    Coordinate, CoordinateRate, Effort, Force, Frequency, Gain, Inertia, JointStiffness, Length, NotNegative, Plain,
+    Positive, Quantity, RateGain, Time, Torque, UpTo1, Word,
 };
 use crate::scene::section_input::{SectionInput, Subsection};
 use crate::scene::sections::check_point_count;
@@ -64,11 +65,11 @@ pub struct ActuatorSettings {
     pub tension: Option<NotNegative<Force>>,
     /// Tensions of a tendon at `times`.
     pub tensions: Option<Vec<NotNegative<Force>>>,
-    /// Constant torque of a revolute joint.
+    /// Constant torque of a revolute joint; with `gear` or `lead`, of the motor shaft.
     pub torque: Option<Quantity<Torque>>,
     /// Constant force of a prismatic joint.
     pub force: Option<Quantity<Force>>,
-    /// Times of `torques`, `forces`, `tensions` or `targets`, increasing. Values are constant before the first and after the last.
+    /// Times of `torques`, `forces`, `tensions`, `targets` or the `voltages` of the motor, increasing. Values are constant before the first and after the last.
     pub times: Option<Vec<Quantity<Time>>>,
     /// Interpolation between `times`: "linear", or "step": each value holds until the next time.
     #[schemars(extend("default" = "linear"))]
@@ -81,17 +82,18 @@ pub struct ActuatorSettings {
     pub torques: Option<Vec<Quantity<Torque>>>,
     /// Forces at `times`.
     pub forces: Option<Vec<Quantity<Force>>>,
-    /// Coordinate that the controller follows.
+    /// Coordinate that the controller follows; with `feedback`, the distance.
     pub target: Option<Quantity<Coordinate>>,
-    /// Coordinates at `times` that the controller follows.
+    /// Coordinates, or distances, at `times` that the controller follows.
     pub targets: Option<Vec<Quantity<Coordinate>>>,
-    /// Largest rate of the set point. It begins at the start value of the coordinate and follows `target` or `targets`.
+    /// Largest rate of the set point. It begins at the start value of the coordinate or distance and follows `target` or `targets`.
     /// Default: none; the set point is the target.
     pub target_rate: Option<Positive<CoordinateRate>>,
-    /// Gain on the error of the coordinate. Default: 0, to follow only the rate of the target.
-    pub kp: Option<NotNegative<JointStiffness>>,
+    /// Gain on the error of the coordinate, which gives a torque (force) of the motor shaft, or a voltage of a `motor`. Default:
+    /// 0, to follow only the rate of the target.
+    pub kp: Option<NotNegative<Gain>>,
     /// Gain on the error of the rate. Default: 0.
-    pub kd: Option<NotNegative<JointDamping>>,
+    pub kd: Option<NotNegative<RateGain>>,
     /// Rate at which the controller is computed; its torque (force) is constant in between. Default: it is continuous.
     pub rate: Option<Positive<Frequency>>,
     /// Largest torque (force) at rest: bound of the command, before the command changes with the speed. Without
@@ -103,6 +105,26 @@ pub struct ActuatorSettings {
     pub no_load_speed: Option<Positive<CoordinateRate>>,
     #[schemars(with = "BrakeSettings")]
     pub brake: Subsection,
+    /// Gear ratio: rate of the motor per rate of the joint; on a prismatic joint in rad/m. `torque`, `limit` and
+    /// `no_load_speed` are then those of the motor shaft. Default: 1.
+    pub gear: Option<Quantity<Plain>>,
+    /// Travel of a prismatic joint per turn of the motor, in place of `gear` = 2π/lead.
+    pub lead: Option<Positive<Length>>,
+    /// Moment of inertia of the rotor of the motor, which adds gear² times its value to the inertia of the joint.
+    pub rotor: Option<NotNegative<Inertia>>,
+    /// Efficiency η of the gear: a gear that drives gives η times its torque, and one that is driven back resists with
+    /// 2 − η times. At rest it loses nothing, so that a stalled joint creeps to the full torque; below 0.8, prefer
+    /// `loss_stiffness`. Default: 1.
+    pub efficiency: Option<Quantity<Plain, UpTo1>>,
+    /// Rate of the joint from which on the gear has its full loss. Default: 0.01 rad/s, of a prismatic joint 1 mm/s.
+    pub loss_rate: Option<Positive<CoordinateRate>>,
+    /// Stiffness of a bristle, with which the gear holds a stalled joint without creep, in place of `loss_rate`. Its
+    /// relaxation time is 1 ms. Default: none.
+    pub loss_stiffness: Option<Positive<JointStiffness>>,
+    #[schemars(with = "MotorSettings")]
+    pub motor: Subsection,
+    #[schemars(with = "FeedbackSettings")]
+    pub feedback: Subsection,
 }
 
 pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>) -> Option<Actuator> {
@@ -111,9 +133,16 @@ pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>
     let (mut on, linear, of) = combination(section, known, joint.as_ref(), joints.as_ref(), factors.as_ref(), 1)?;
     on.offset = settings.offset.map_or(0.0, |offset| *offset);
     let brake = brake(&section.subsection("brake"), linear, of)?;
-    let units_fit = check_units(section, linear, of);
+    let units = Units::new(section, linear, of);
+    let units_fit = units.check(section);
+    let powertrain = powertrain(name, section, &settings, &units)?;
+    let motor = section.subsection("motor");
+    let MotorSettings { voltage, voltages, .. } = motor.quietly(SectionInput::read);
     let commands = ["torque", "force", "torques", "forces", "target", "targets"];
-    let given: Vec<&str> = commands.into_iter().filter(|key| section.has(key)).collect();
+    let mut given: Vec<&str> = commands.into_iter().filter(|key| section.has(key)).collect();
+    if units.has_motor && given.is_empty() {
+        given.push(if voltages.is_some() { "voltages" } else { "voltage" });
+    }
     let [key] = given[..] else {
         let effort = if linear { "force = \"5 N\"" } else { "torque = \"0.25 N*m\"" };
         let help = format!("write {effort}, or a target with the gains of a controller: target, kp, kd");
@@ -136,7 +165,18 @@ pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>
             }
         })
     };
+    if let Some(key) = ["force", "forces"].into_iter().find(|key| linear && !units.shaft_is_linear && section.has(key))
+    {
+        let message = format!("`{}` is a force, but the motor of `{name}` has a torque", section.path(key));
+        let help = "write the torque of the motor shaft: torque = \"5 N*mm\"";
+        return section.refuse(key, message, "a torque", help);
+    }
     let profile = match key {
+        "voltage" => Some(Profile::Constant { value: *voltage? }),
+        "voltages" => {
+            motor.report_unused(["voltage"], "with `voltages`");
+            voltage_table(section, &motor, settings.times.clone(), over_time, voltages?)
+        }
         "torque" => effort(*settings.torque?),
         "force" => effort(*settings.force?),
         "target" => Some(Profile::Constant { value: *settings.target? }),
@@ -165,16 +205,66 @@ pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>
         Command::Servo { kp: kp.unwrap_or(0.0), kd: kd.unwrap_or(0.0), target: profile?, target_rate, rate_hz }
     } else {
         section.report_unused(["kp", "kd", "target_rate", "rate"], &format!("with `{key}`: there is no target"));
+        if section.subsection("feedback").is_present() {
+            let message = format!("`{}` has no effect with `{key}`: there is no target", section.path("feedback"));
+            let help = "write target, kp and kd in place of it, or remove the feedback";
+            return section.refuse("feedback", message, "no controller", help);
+        }
         Command::Effort(profile?)
+    };
+    if settings.rate.is_some() && section.subsection("feedback").is_present() {
+        let message = format!("`{}` is for controllers of a coordinate, not of a distance", section.path("rate"));
+        return section.refuse("rate", message, "not with `feedback`", "remove it: the controller is then continuous");
+    }
+    let limit = match (units.has_motor, &command) {
+        (true, Command::Effort(_)) => None,
+        (true, Command::Servo { .. }) => {
+            motor.report_unused(["voltages"], "with a target: the controller gives the voltage");
+            let voltage = *voltage?;
+            if voltage <= 0.0 {
+                let message = format!(
+                    "`{}` is the largest voltage of the controller, and must be above 0",
+                    motor.path("voltage")
+                );
+                return motor.refuse(
+                    "voltage",
+                    message,
+                    "above 0",
+                    "write the voltage of the supply: voltage = \"12 V\"",
+                );
+            }
+            Some(voltage)
+        }
+        (false, _) => settings.limit.map(|limit| *limit),
     };
     units_fit.then(|| Actuator {
         name: name.to_owned(),
         on,
         command,
-        limit: settings.limit.map(|limit| *limit),
+        limit,
         no_load_speed: settings.no_load_speed.map(|speed| *speed),
         brake,
+        powertrain,
     })
+}
+
+/// The voltages of a motor over the times of its actuator.
+fn voltage_table<D, R>(
+    section: &SectionInput<'_>,
+    motor: &SectionInput<'_>,
+    times: Option<Vec<Quantity<Time>>>,
+    interpolation: Interpolation,
+    voltages: Vec<Quantity<D, R>>,
+) -> Option<Profile> {
+    let Some(times) = times else {
+        let help = "add the times of `voltages` to the actuator: times = [\"0 ms\", \"20 ms\"]";
+        return section.refuse_missing("times", help);
+    };
+    if times.len() != voltages.len() {
+        let message = format!("`{}` has {} values for {} times", motor.path("voltages"), voltages.len(), times.len());
+        return motor.refuse("voltages", message, "one value per time", "write as many values as times, at least one");
+    }
+    values_over_time(section, "times", Some(times), interpolation, voltages)
 }
 
 /// Resolves a brake; the outer `None` if it is invalid.
@@ -209,11 +299,11 @@ fn brake(section: &SectionInput<'_>, linear: bool, of: &str) -> Option<Option<Br
     units_fit.then_some(Some(brake))
 }
 
-/// Limits the rates of set points, which begin at the coordinates of these poses.
+/// Limits the rates of set points, which begin at the coordinates or distances of these poses.
 pub(super) fn limit_target_rates(mechanism: &mut Mechanism, poses: &[Pose]) {
-    for actuator in &mut mechanism.actuators {
+    let starts: Vec<f64> = mechanism.actuators.iter().map(|actuator| mechanism.measured(actuator, poses)).collect();
+    for (actuator, start) in mechanism.actuators.iter_mut().zip(starts) {
         if let Command::Servo { target, target_rate: Some(rate), .. } = &mut actuator.command {
-            let start = actuator.on.value(|joint| coordinate_in(&mechanism.joints[joint], poses));
             *target = target.rate_limited((0.0, start), *rate);
         }
     }
@@ -240,7 +330,7 @@ pub(super) fn pulls(actuators: &Entries<'_>, tendons: &Entries<'_>, all: &mut [O
 fn pull(section: &SectionInput<'_>, names: &[&str]) -> Option<(usize, Profile)> {
     let ActuatorSettings { tendon, tension, tensions, times, interpolation, .. } = section.read();
     let of_tendons = ["tendon", "tension", "tensions", "times", "interpolation"];
-    let of_joints = section.keys().chain(["brake"]).filter(|key| !of_tendons.contains(key));
+    let of_joints = section.keys().chain(["brake", "motor", "feedback"]).filter(|key| !of_tendons.contains(key));
     section.report_unused(of_joints, "with `tendon`");
     let tension = match (tension, tensions) {
         (Some(value), _) => {

@@ -8,7 +8,7 @@ use crate::scene::keys::{closest_match, is_name};
 use crate::scene::section_input::SectionInput;
 
 /// Adds a mirror image, about the y axis, of everything that is called `from`, or whose name begins with `from` and an
-/// underscore: bodies, joints, springs, tendons, couplings, rotors, actuators, and the contacts of these bodies. The
+/// underscore: bodies, joints, springs, tendons, couplings, rotors, limits, actuators, and the contacts of these bodies. The
 /// names of the images contain `to` instead. Joints have the same coordinates as their images.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct MirrorSettings {

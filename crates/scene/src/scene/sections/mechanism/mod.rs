@@ -5,9 +5,11 @@
 //! | file | sections |
 //! |---|---|
 //! | `joint` | joints, springs, couplings and rotors |
+//! | `limit` | limits of sums of joint coordinates |
 //! | `actuator` | actuators |
 //! | `tendon` | tendons |
 //! | `outline` | outlines of bodies |
+//! | `powertrain` | gears, motors and feedback of actuators, points of bodies |
 //! | `contact` | laws and contacts |
 //! | `grasp` | grasp |
 //! | `mirror` | mirror |
@@ -20,10 +22,12 @@ mod actuator;
 mod contact;
 mod grasp;
 mod joint;
+mod limit;
 mod mirror;
 mod moving_base;
 mod names;
 pub(crate) mod outline;
+mod powertrain;
 mod show;
 pub(crate) mod start;
 pub(crate) mod tendon;
@@ -45,10 +49,12 @@ use joint::{
     CouplingSettings, JointSettings, LinkageSpringSettings, RotorSettings, coupling, joint, joint_bodies, joint_kind,
     rotor, spring,
 };
+use limit::{SumLimitSettings, sum_limit};
 use mirror::{Entries, MirrorSettings, check_images, mirror};
 use moving_base::move_base;
 use names::{Known, check_name};
 use outline::{OutlineSettings, outline, si};
+use powertrain::{PointSettings, check_feedback, feedback, points};
 pub use show::mechanism_settings;
 use start::check_start;
 use tendon::TendonSettings;
@@ -83,6 +89,9 @@ pub struct MechanismSettings {
     /// Rotors, one section per name: inertia of a combination of joint coordinates, as at the input of a differential.
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub rotors: BTreeMap<String, RotorSettings>,
+    /// Limits of sums of joint coordinates, one section per name: the play of a gear.
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub limits: BTreeMap<String, SumLimitSettings>,
     /// Laws of contacts and joint limits, one section per name.
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub laws: BTreeMap<String, NamedLawSettings>,
@@ -119,6 +128,12 @@ pub struct LinkSettings {
         extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" })
     )]
     pub outlines: Subsection,
+    /// Named points in the frame of the body, one section per name: [bodies.jaw.points.tip].
+    #[schemars(
+        with = "BTreeMap<String, PointSettings>",
+        extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" })
+    )]
+    pub points: Subsection,
 }
 
 /// Rough pose of a body with joints, which selects how the loops are assembled. A body that moves by [moves],
@@ -156,17 +171,20 @@ pub struct GroundSettings {
     /// Outlines in the frame of the world, one section per name: [ground.outlines.floor].
     #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
     pub outlines: BTreeMap<String, OutlineSettings>,
+    /// Named points in the frame of the world, one section per name: [ground.points.pivot].
+    #[schemars(extend("propertyNames" = { "pattern": "^[A-Za-z][A-Za-z0-9_]*$" }))]
+    pub points: BTreeMap<String, PointSettings>,
 }
 
 /// Resolves and assembles a mechanism, with its grasp settings; `None` if any part is invalid.
 pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<(Mechanism, Option<GraspKeys>)> {
     let mirror_section = root.subsection("mirror");
     let mirror = mirror(&mirror_section);
-    let [bodies, joints, springs, tendons, couplings, actuators, rotors] =
-        ["bodies", "joints", "springs", "tendons", "couplings", "actuators", "rotors"]
+    let [bodies, joints, springs, tendons, couplings, actuators, rotors, limits] =
+        ["bodies", "joints", "springs", "tendons", "couplings", "actuators", "rotors", "limits"]
             .map(|key| Entries::new(root, key, mirror.as_ref()));
     if let Some(mirror) = &mirror {
-        let lists = [&bodies, &joints, &springs, &tendons, &couplings, &actuators, &rotors];
+        let lists = [&bodies, &joints, &springs, &tendons, &couplings, &actuators, &rotors, &limits];
         check_images(&mirror_section, mirror, &lists);
     }
     let count = bodies.names().len();
@@ -182,6 +200,7 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<(Mec
         ("couplings", &couplings, MAX_JOINTS),
         ("actuators", &actuators, MAX_JOINTS),
         ("rotors", &rotors, MAX_JOINTS),
+        ("limits", &limits, MAX_JOINTS),
         ("tendons", &tendons, MAX_TENDONS),
     ];
     for (key, entries, most) in counts {
@@ -197,6 +216,7 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<(Mec
         return root.subsection("bodies").refuse("", message, "", help);
     }
     let ground_outlines = outlines(&root.subsection("ground").subsection("outlines"));
+    let ground_points = points(&root.subsection("ground").subsection("points"));
     let laws = root.subsection("laws").subsections();
     laws.iter().for_each(|(name, section)| check_name(section, "laws", name));
     let known = Known {
@@ -223,6 +243,8 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<(Mec
     couplings.add_images(&mut all_couplings, |coupling, name| images.coupling(coupling, name));
     let mut all_rotors = rotors.resolve(|_, name, section| rotor(name, section, &known));
     rotors.add_images(&mut all_rotors, |rotor, name| images.rotor(rotor, name));
+    let mut all_limits = limits.resolve(|_, name, section| sum_limit(name, section, &known));
+    limits.add_images(&mut all_limits, |limit, name| images.sum_limit(limit, name));
     let mut all_tendons = tendons.resolve(|_, name, section| tendon::tendon(name, section, &known));
     tendons.add_images(&mut all_tendons, |tendon, name| images.tendon(tendon, name));
     pulls(&actuators, &tendons, &mut all_tendons);
@@ -238,14 +260,17 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<(Mec
         // Contacts refer to all outlines.
         bodies: all_bodies.into_iter().collect::<Option<_>>()?,
         ground_outlines: ground_outlines?,
+        ground_points: ground_points?,
         joints: all_joints.into_iter().collect::<Option<_>>()?,
         couplings: all_couplings.into_iter().collect::<Option<_>>()?,
         springs: all_springs.into_iter().collect::<Option<_>>()?,
         tendons: all_tendons.into_iter().collect::<Option<_>>()?,
         actuators: motors.into_iter().collect::<Option<Vec<_>>>()?.into_iter().flatten().collect(),
         rotors: all_rotors.into_iter().collect::<Option<_>>()?,
+        sum_limits: all_limits.into_iter().collect::<Option<_>>()?,
         contacts: Vec::new(),
     };
+    feedback(&mut mechanism, &actuators, &body_partners)?;
     let pairs = contacts(root, &mechanism, &images, &known)?;
     mechanism.contacts = pairs.iter().map(|(pair, _)| pair.clone()).collect();
     let mut keys = grasp(&root.subsection("grasp"), &mechanism)?;
@@ -256,7 +281,8 @@ pub fn mechanism(root: &SectionInput<'_>, gravity_m_s2: [f64; 2]) -> Option<(Mec
             Ok(start) => {
                 tendon::tension(&mut mechanism, &tendons, &start.poses);
                 limit_target_rates(&mut mechanism, &start.poses);
-                check_start(&mechanism, &start.poses, &pairs, &joints);
+                check_start(&mechanism, &start.poses, &pairs, [&joints, &limits]);
+                check_feedback(&mechanism, &start.poses, &actuators);
             }
             Err(error) => {
                 let (section, key) = match error.condition() {
@@ -310,6 +336,7 @@ fn body(name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Opt
     let keys: LinkSettings = section.read();
     let (guess, start) = (section.subsection("guess"), section.subsection("start"));
     let outlines = outlines(&section.subsection("outlines"));
+    let points = points(&section.subsection("points"));
     match is_jointed {
         Some(true) if start.is_present() => {
             let message = format!("`{}` is for bodies without joints, but `{name}` has joints", start.path(""));
@@ -333,7 +360,7 @@ fn body(name: &str, section: &SectionInput<'_>, is_jointed: Option<bool>) -> Opt
     }
     let outlines = outlines?;
     let (mass_kg, inertia_kg_m2, com_m) = inertia(section, &keys, &outlines)?;
-    Some(Body { com_m, pose, rate, outlines, ..Body::new(name, mass_kg, inertia_kg_m2) })
+    Some(Body { com_m, pose, rate, outlines, points: points?, ..Body::new(name, mass_kg, inertia_kg_m2) })
 }
 
 /// Mass, moment of inertia and centre of mass of a body.

@@ -5,7 +5,9 @@ use serde_json::{Value, json};
 
 use super::contact::LawType;
 use super::joint::{JointType, SpringType};
+use super::limit::sum_limit_settings;
 use super::outline::outline_settings;
+use super::powertrain::{Units, point_settings, powertrain_settings};
 use super::tendon::tendon_settings;
 use crate::drive::Brake;
 use crate::law::{ContactLaw, Damping, FrictionKind, NormalLaw};
@@ -29,6 +31,7 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Value {
             "inertia": body.inertia_kg_m2,
             "com": body.com_m,
             "outlines": body.outlines.iter().map(outline_settings).collect::<Value>(),
+            "points": point_settings(&body.points),
         });
         if mechanism.has_joint(Some(index)) {
             settings["guess"] = json!({ "at": [x, y], "angle": angle });
@@ -67,20 +70,30 @@ pub fn mechanism_settings(mechanism: &Mechanism) -> Value {
         settings["inertia"] = (*inertia).into();
         (name.clone(), settings)
     });
-    // The body that stands for the ground has its outlines.
+    let limits = mechanism.sum_limits.iter().map(|limit| {
+        let mut settings = joints_settings(&limit.on, mechanism);
+        let law = laws.name(&ContactLaw { normal: limit.law, friction: None }, settings["linear"] == true);
+        extend(&mut settings, sum_limit_settings(limit, law));
+        (limit.name.clone(), settings)
+    });
+    // The body that stands for the ground has its outlines and points.
     let frame = mechanism.frame();
     let moving_outlines = frame.map_or(&[][..], |frame| &mechanism.bodies[frame].outlines);
     let ground_outlines = mechanism.ground_outlines.iter().chain(moving_outlines);
     let bodies = mechanism.bodies.iter().enumerate().filter(|(index, _)| frame != Some(*index));
     let mut settings = json!({
         "bodies": bodies.map(body).collect::<Value>(),
-        "ground": { "outlines": ground_outlines.map(outline_settings).collect::<Value>() },
+        "ground": {
+            "outlines": ground_outlines.map(outline_settings).collect::<Value>(),
+            "points": point_settings(frame.map_or(&mechanism.ground_points, |frame| &mechanism.bodies[frame].points)),
+        },
         "joints": joints.collect::<Value>(),
         "springs": springs.collect::<Value>(),
         "tendons": tendons.collect::<Value>(),
         "couplings": couplings.collect::<Value>(),
         "actuators": actuators.chain(pulls).collect::<Value>(),
         "rotors": rotors.collect::<Value>(),
+        "limits": limits.collect::<Value>(),
         "laws": laws.settings(),
         "contacts": mechanism.contacts.iter().map(contact).collect::<Value>(),
     });
@@ -143,15 +156,61 @@ fn spring_settings(spring: &Spring, mechanism: &Mechanism) -> (String, Value) {
 fn actuator_settings(actuator: &Actuator, mechanism: &Mechanism) -> (String, Value) {
     let mut settings = combination_settings(&actuator.on, mechanism);
     let linear = settings["linear"].clone();
+    let powertrain = &actuator.powertrain;
+    extend(&mut settings, powertrain_settings(actuator, linear == true, mechanism));
+    let (is_geared, has_motor) = (!settings["gear"].is_null(), powertrain.motor.is_some());
+    let units = Units {
+        linear: linear == true,
+        of: "",
+        shaft_is_linear: linear == true && !is_geared && !has_motor,
+        has_motor,
+        measures_length: linear == true || powertrain.feedback.is_some(),
+    };
+    // Units that differ from those of the coordinate.
+    let text = |key: &str, value: Option<f64>| -> Value {
+        match (units.dimension(key), value) {
+            (Some(dimension), Some(value)) => format(value, dimension).into(),
+            (_, value) => value.into(),
+        }
+    };
+    let effort = if units.shaft_is_linear { "force" } else { "torque" };
     let command = match &actuator.command {
-        Command::Effort(profile) => profile_settings(profile, if linear == true { "force" } else { "torque" }),
+        Command::Effort(profile) if has_motor => {
+            let voltages = profile_settings(profile, "voltage");
+            let (times, interpolation) = (voltages["times"].clone(), voltages["interpolation"].clone());
+            for key in ["voltage", "voltages"] {
+                settings["motor"][key] = voltages[key].clone();
+            }
+            json!({ "times": times, "interpolation": interpolation })
+        }
+        Command::Effort(profile) => profile_settings(profile, effort),
         Command::Servo { kp, kd, target, target_rate, rate_hz } => {
-            extend(&mut settings, json!({ "kp": kp, "kd": kd, "target_rate": target_rate, "rate": rate_hz }));
-            profile_settings(target, "target")
+            let gains = [("kp", Some(*kp)), ("kd", Some(*kd)), ("target_rate", *target_rate)];
+            gains.into_iter().for_each(|(key, value)| settings[key] = text(key, value));
+            settings["rate"] = (*rate_hz).into();
+            let mut targets = profile_settings(target, "target");
+            if units.measures_length != units.linear {
+                let in_units = |value: &Value| text("target", value.as_f64());
+                for key in ["target", "targets"] {
+                    targets[key] = match &targets[key] {
+                        Value::Array(values) => values.iter().map(in_units).collect(),
+                        value => in_units(value),
+                    };
+                }
+            }
+            targets
         }
     };
     extend(&mut settings, command);
-    extend(&mut settings, json!({ "limit": actuator.limit, "no_load_speed": actuator.no_load_speed }));
+    if has_motor {
+        // The limit of a controller is the voltage of the supply.
+        if let (Command::Servo { .. }, Some(voltage)) = (&actuator.command, actuator.limit) {
+            settings["motor"]["voltage"] = voltage.into();
+        }
+    } else {
+        let limits = [("limit", actuator.limit), ("no_load_speed", actuator.no_load_speed)];
+        limits.into_iter().for_each(|(key, value)| settings[key] = text(key, value));
+    }
     if let Some(brake) = actuator.brake {
         let Brake { torque_n_m, start_s, rise_s, release_s, one_way, v_static_rad_s, bristle } = brake;
         settings["brake"] = json!({
@@ -223,7 +282,11 @@ impl Laws {
             .iter()
             .filter_map(|joint| Some((ContactLaw { normal: joint.limit?, friction: None }, !joint.kind.is_angle())));
         let mut all: Vec<(ContactLaw, bool)> = Vec::new();
-        for law in mechanism.contacts.iter().map(|contact| (contact.law, true)).chain(limits) {
+        let sums = mechanism.sum_limits.iter().map(|limit| {
+            let linear = limit.on.terms.first().is_some_and(|(joint, _)| !mechanism.joints[*joint].kind.is_angle());
+            (ContactLaw { normal: limit.law, friction: None }, linear)
+        });
+        for law in mechanism.contacts.iter().map(|contact| (contact.law, true)).chain(limits).chain(sums) {
             if !all.contains(&law) {
                 all.push(law);
             }
