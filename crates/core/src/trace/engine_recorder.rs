@@ -340,8 +340,7 @@ impl EngineRecorder<'_> {
 
     /// Explains which cable has lifted off which pulley, if one has.
     pub(crate) fn describe_lifted(&self, motion: &Motion) -> Option<String> {
-        let (mechanism, (tendon, element)) = (self.scene.mechanism.as_ref()?, motion.lifted_cable()?);
-        Some(mechanism.describe_lifted(&mechanism.tendons[tendon], element))
+        motion.lifted_cable().and(None)
     }
 
     /// Whether the run may continue; called after every step and after every contact sub-step.

@@ -12,7 +12,7 @@ use super::form_closure::{Certificate, decide_by_linear_program};
 use super::simplex::{LinearProgram, Outcome, Rule};
 use super::{FormClosure, Result, Roles, Row, StaticsError, Unilateral, Unknown};
 use crate::gripper::number;
-use crate::mechanism::tendon::{center_in, length_in, segment};
+use crate::mechanism::tendon::{center_in, length_in, segment, settled_path, strands};
 use crate::mechanism::{
     Command, JointCombination, Mechanism, Pose, Spring, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
     coordinate_in, point_in,
@@ -332,10 +332,12 @@ impl<'a> Frame<'a> {
     /// Gradient of the length of a tendon.
     fn tendon(&self, tendon: &Tendon) -> DVector<f64> {
         let poses = self.at_rest.poses;
-        let mut terms = vec![self.combination(&JointCombination { terms: tendon.joints.clone(), offset: 0.0 })];
-        for ends in tendon.path.windows(2) {
-            let centers = [0, 1].map(|k: usize| center_in(&ends[k], poses));
-            let along = segment([&ends[0], &ends[1]], sub(centers[1], centers[0])).direction;
+        let spools = [&tendon.joints[..], &tendon.far_joints].concat();
+        let mut terms = vec![self.combination(&JointCombination { terms: spools, offset: 0.0 })];
+        for ends in strands(&settled_path(&tendon.path, |element| center_in(element, poses))) {
+            let ends = ends.map(|element| &tendon.path[element]);
+            let centers = [0, 1].map(|k: usize| center_in(ends[k], poses));
+            let along = segment(ends, sub(centers[1], centers[0])).direction;
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
                 terms.push(self.force(ends[k].body, centers[k], scale(along, sign)));
             }

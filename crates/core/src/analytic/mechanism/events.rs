@@ -18,24 +18,25 @@ use crate::integrator::{
 };
 use crate::mechanism::Actuator;
 use crate::mechanism::structure::Placement;
-
-/// Margin below which a cable counts as lifted in the description of an obstacle, rad: the end is not located exactly.
-const WRAP_ROUNDING: f64 = 1e-6;
+use crate::mechanism::tendon::Bend;
 
 /// What an event function belongs to, by its index.
 enum EventOf {
     Contact(usize),
     Actuator(usize),
+    /// A path element of a cable, by its index among those that are monitored.
+    Path(usize),
     Features,
 }
 
 impl EventOf {
-    /// The subject of an event function of these contacts and `count` functions in all.
-    fn index(event: usize, contacts: usize, count: usize) -> Self {
+    /// The subject of an event function of these contacts and actuators and `count` functions in all.
+    fn index(event: usize, [contacts, actuators]: [usize; 2], count: usize) -> Self {
         match event {
             _ if event + 1 == count => Self::Features,
             _ if event < 3 * contacts => Self::Contact(event % contacts),
-            _ => Self::Actuator(event - 3 * contacts),
+            _ if event < 3 * contacts + actuators => Self::Actuator(event - 3 * contacts),
+            _ => Self::Path(event - 3 * contacts - actuators),
         }
     }
 }
@@ -66,6 +67,12 @@ enum ContactRow<'a> {
     },
     /// The length of a cable.
     Cable(&'a Cable),
+    /// The speed of a cable over a path element, and the index of an internal state of friction.
+    Slip {
+        cable: &'a Cable,
+        element: usize,
+        state: Option<usize>,
+    },
     Zero,
 }
 
@@ -90,9 +97,13 @@ impl Row for RowAt<'_> {
                 *state
             }
             ContactRow::Cable(cable) => {
-                model.add_length_row(motions, &cable.tendon, row);
+                model.add_length_row(motions, cable, row);
                 row.iter_mut().for_each(|part| *part = -*part);
                 None
+            }
+            ContactRow::Slip { cable, element, state } => {
+                model.add_slip_row(motions, cable, *element, row);
+                *state
             }
             ContactRow::Zero => None,
         };
@@ -108,15 +119,16 @@ impl Row for Vec<f64> {
 }
 
 impl MechanismModel {
-    /// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators, then one
-    /// for the features of all faces.
+    /// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of actuators, of the
+    /// path elements of cables, and one for the features of all faces.
     fn event_function_count(&self) -> usize {
-        3 * self.contacts.len() + self.mechanism.actuators.len() + 1
+        3 * self.contacts.len() + self.mechanism.actuators.len() + self.monitored.len() + 1
     }
 
     /// What an event function belongs to.
     fn subject_of(&self, event: usize) -> EventOf {
-        EventOf::index(event, self.contacts.len(), self.event_function_count())
+        let before = [self.contacts.len(), self.mechanism.actuators.len()];
+        EventOf::index(event, before, self.event_function_count())
     }
 
     /// State of a contact, with its laws.
@@ -158,9 +170,14 @@ impl MechanismModel {
                 ContactRow::Zero,
                 ContactRow::Joint { joint: *joint, factor: 1.0, state },
             ),
+            Surfaces::Cable(cable, element) => {
+                let (cable, element) = (&self.cables[*cable], *element);
+                let slip = self.slip_on(motions, cable, element);
+                ([1.0, 0.0, slip], ContactRow::Zero, ContactRow::Slip { cable, element, state })
+            }
             Surfaces::Tendon(index) => {
                 let cable = &self.cables[*index];
-                let elongation = self.elongation(motions, &cable.tendon);
+                let elongation = self.elongation(motions, cable);
                 ([elongation.value, elongation.rate, 0.0], ContactRow::Cable(cable), ContactRow::Zero)
             }
         };
@@ -190,9 +207,9 @@ impl MechanismModel {
             Surfaces::Point(pair) => self.with_bodies(state, pair.bodies, f),
             Surfaces::Limit(limit) => self.with_bodies(state, of_joint(limit.joint), f),
             Surfaces::Friction(joint) => self.with_bodies(state, of_joint(*joint), f),
-            Surfaces::Tendon(index) => {
+            Surfaces::Tendon(index) | Surfaces::Cable(index, _) => {
                 let elements = self.cables[*index].tendon.path.iter().map(|element| element.body);
-                let spools = self.cables[*index].tendon.joints.iter().flat_map(|(joint, _)| of_joint(*joint));
+                let spools = self.cables[*index].tendon.spools().flat_map(|(joint, _)| of_joint(*joint));
                 self.with_bodies(state, elements.chain(spools), f)
             }
         }
@@ -314,13 +331,27 @@ impl MechanismModel {
         t: f64,
         (q, v): StateRef<'_, Dynamic>,
         (counts, near): (Vec<i32>, Vec<f64>),
+        mut bends: Vec<Bend>,
     ) -> MechanismMode {
+        if !bends.is_empty() {
+            self.with_motions((q, v), |motions| self.settle_paths(motions, &mut bends));
+            self.pass_paths_as(&bends);
+        }
         let (ranges, times_s, count) = (self.ranges(t, (q, v)), self.times_around(t), self.contacts.len());
         let free = Mode::free(count);
-        let mut mode =
-            MechanismMode { contacts: free.clone(), features: vec![None; count], ranges, counts, near, times_s };
+        let mut mode = MechanismMode {
+            contacts: free.clone(),
+            features: vec![None; count],
+            ranges,
+            counts,
+            near,
+            bends,
+            monitors_paths: true,
+            is_blocked: false,
+            times_s,
+        };
         let variables = |index| Some(self.variables_at((q, v), index));
-        let contacts = free.at_state(&self.event_tolerances, variables, |contacts| {
+        let mut contacts = free.at_state(&self.event_tolerances, variables, |contacts| {
             mode.contacts.clone_from(contacts);
             let mut rates = Rates::zero(self.sizes());
             self.rates(t, q, v, &mode, &mut rates);
@@ -329,11 +360,20 @@ impl MechanismModel {
         for (index, feature) in mode.features.iter_mut().enumerate() {
             *feature = self.starting_feature((q, v), &contacts, index);
         }
+        for &[cable, element] in &self.monitored {
+            let contact = self.cables[cable].frictions.get(element).copied().flatten();
+            if let Some(contact) = contact.filter(|_| !self.cables[cable].bends(&mode.bends)[element].is_on()) {
+                contacts.contacts[contact] = ContactMode::CLAMPED;
+            }
+        }
         MechanismMode { contacts, ..mode }
     }
 
     /// Distance of the mechanism from its nearest singular configuration, and its rate.
-    fn clearance_and_rate(&self, motions: &Motions<f64>) -> (f64, f64) {
+    fn clearance_and_rate(&self, motions: &Motions<f64>, mode: &MechanismMode) -> (f64, f64) {
+        if mode.is_blocked {
+            return (-1.0, 0.0);
+        }
         let mut smallest = (f64::INFINITY, 0.0);
         for (_, transmission) in self.groups.iter().flat_map(|group| group.transmissions(&self.mechanism, motions)) {
             let clearance = transmission.sine.abs() - SINGULAR_SINE;
@@ -343,7 +383,7 @@ impl MechanismModel {
                 smallest = (clearance, rate);
             }
         }
-        for (_, _, [margin, rate]) in self.wrap_margins(motions) {
+        for [margin, rate] in self.wrap_margins(motions) {
             if smallest.0 > margin || margin.is_nan() {
                 smallest = (margin, rate);
             }
@@ -433,8 +473,12 @@ impl Hybrid for MechanismModel {
             for index in 0..self.mechanism.actuators.len() {
                 events.functions[first + index] = self.actuator_event(motions, (q, v), mode, index);
             }
+            let first = first + self.mechanism.actuators.len();
+            for index in 0..self.monitored.len() {
+                events.functions[first + index] = self.path_event(motions, mode, index);
+            }
             events.functions[self.event_function_count() - 1] = self.feature_event(motions, mode);
-            (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions);
+            (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions, mode);
         };
         match has_weights {
             true => self.with_columns((q, v), evaluate),
@@ -444,7 +488,7 @@ impl Hybrid for MechanismModel {
 
     fn clearance(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode) -> f64 {
         self.count_turns_as(mode);
-        self.with_motions((q, v), |motions| self.clearance_and_rate(motions).0)
+        self.with_motions((q, v), |motions| self.clearance_and_rate(motions, mode).0)
     }
 
     fn eval_event(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode, event: usize) -> EventFunction {
@@ -454,6 +498,7 @@ impl Hybrid for MechanismModel {
             EventOf::Actuator(index) => {
                 self.with_motions((q, v), |motions| self.actuator_event(motions, (q, v), mode, index))
             }
+            EventOf::Path(index) => self.with_motions((q, v), |motions| self.path_event(motions, mode, index)),
             EventOf::Contact(index) => self.with_contact((q, v), index, |motions| {
                 let contact = self.contact_variables(motions, v, index, mode.features[index]);
                 mode.contacts.event_function(event, &self.event_tolerances, Some(&contact))
@@ -494,6 +539,7 @@ impl Hybrid for MechanismModel {
         match self.subject_of(event) {
             EventOf::Features => FEATURE_TOLERANCE_M,
             EventOf::Actuator(index) => self.mechanism.actuators.get(index).map_or(0.0, margin_tolerance),
+            EventOf::Path(index) => self.path_tolerance(mode, index),
             EventOf::Contact(index) => self.contacts.get(index).map_or(0.0, |contact| {
                 let (normal, friction) = (&contact.normal, contact.friction.as_ref());
                 mode.contacts.event_tolerance(event, normal, friction, &self.event_tolerances)
@@ -517,6 +563,23 @@ impl Hybrid for MechanismModel {
                     self.with_motions((q, v), |motions| self.actuator_state(motions, (q, v), mode, index));
                 let range = &mut mode.ranges.0[index];
                 *range = range_after(&self.mechanism.actuators[index], *range, t, coordinate, rate);
+            }
+            EventOf::Path(index) => {
+                let contact = self.with_motions((q, v), |motions| self.pass_path_event(motions, mode, index));
+                self.pass_paths_as(&mode.bends);
+                let Some(contact) = contact else { return };
+                let [cable, element] = self.monitored[index];
+                mode.contacts.contacts[contact] = match self.cables[cable].bends(&mode.bends)[element].is_on() {
+                    true => self.with_motions((q, v), |motions| {
+                        let variables = self.contact_variables(motions, v, contact, None);
+                        ContactMode {
+                            state: ContactState::Active,
+                            friction_range: variables.friction_range(1.0),
+                            ..ContactMode::FREE
+                        }
+                    }),
+                    false => ContactMode::CLAMPED,
+                };
             }
             EventOf::Contact(index) => {
                 let state = mode[index];
@@ -543,6 +606,7 @@ impl Hybrid for MechanismModel {
         match self.subject_of(event) {
             EventOf::Features => mode.features.fill(None),
             EventOf::Actuator(index) => mode.ranges.0[index] = super::actuator::UNMONITORED,
+            EventOf::Path(_) => mode.monitors_paths = false,
             EventOf::Contact(_) => mode.contacts.clamp_law(event),
         }
     }
@@ -551,12 +615,13 @@ impl Hybrid for MechanismModel {
         let counts = vec![0; self.groups.last().map_or(0, |group| group.counts().end)];
         let near = self.near_at_start().to_vec();
         self.count_turns_in(&counts, &near);
-        self.mode_with_counts(t, (q, v), (counts, near))
+        let bends = self.with_motions((q, v), |motions| motions.bends.clone());
+        self.mode_with_counts(t, (q, v), (counts, near), bends)
     }
 
     fn mode_after(&self, t: f64, q: &Vec<f64>, v: &Vec<f64>, last: &MechanismMode) -> MechanismMode {
         self.count_turns_as(last);
-        self.mode_with_counts(t, (q, v), (last.counts.clone(), last.near.clone()))
+        self.mode_with_counts(t, (q, v), (last.counts.clone(), last.near.clone()), last.bends.clone())
     }
 
     /// Chooses anew the ranges of the actuators whose commands are discontinuous; the laws of contacts depend on positions
@@ -612,10 +677,8 @@ impl Hybrid for MechanismModel {
                 group.transmissions(&self.mechanism, motions).map(move |dyad| (&group.group.placements[dyad.0], dyad.1))
             });
             let sine = |sine: f64| if sine.is_nan() { -1.0 } else { sine.abs() };
-            let beyond =
-                self.wrap_margins(motions).find(|(_, _, [margin, _])| margin.is_nan() || *margin < WRAP_ROUNDING);
-            if let Some((tendon, element, _)) = beyond {
-                return self.mechanism.describe_lifted(&self.cables[tendon].tendon, element);
+            if let Some(of_cable) = self.describe_cable(motions) {
+                return of_cable;
             }
             match dyads.min_by(|a, b| sine(a.1.sine).total_cmp(&sine(b.1.sine))) {
                 Some((Placement::Dyad { outer, inner }, _)) => {
