@@ -8,12 +8,13 @@ use phalanx_core::trace::schema::SubjectKind;
 
 /// Kinds of subjects in a log: key, kind, and whether it is a contact of a joint with its limit. The limit of a prismatic
 /// joint has the messages of a contact.
-const KINDS: [(&str, SubjectKind, bool); 10] = [
+const KINDS: [(&str, SubjectKind, bool); 11] = [
     ("joint", SubjectKind::Joint, false),
     ("slider", SubjectKind::Slider, false),
     ("actuator", SubjectKind::Actuator, false),
     ("linear_actuator", SubjectKind::LinearActuator, false),
     ("tendon", SubjectKind::Tendon, false),
+    ("cable", SubjectKind::CableElement, false),
     ("body", SubjectKind::Body, false),
     ("contact", SubjectKind::Contact, false),
     ("limit", SubjectKind::Limit, true),

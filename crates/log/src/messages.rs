@@ -29,6 +29,7 @@ pub(crate) fn message_name(kind: SubjectKind) -> &'static str {
         SubjectKind::Actuator => "phalanx.Actuator",
         SubjectKind::LinearActuator => "phalanx.LinearActuator",
         SubjectKind::Tendon => "phalanx.Tendon",
+        SubjectKind::CableElement => "phalanx.CableElement",
         SubjectKind::Body => "phalanx.Body",
         SubjectKind::Contact => "phalanx.Contact",
         SubjectKind::Limit => "phalanx.Limit",

@@ -120,6 +120,7 @@ impl EngineRecorder<'_> {
         let mut node = std::mem::take(&mut self.state.node);
         let energy =
             stored_energy(motion).relative_to(&self.state.start_energy, motion.contact_work_j, motion.motor_work_j);
+        let energy = Energy { cable_friction_j: 0.0 - motion.cable_work_j, ..energy };
         self.state.failure = self.state.consistency.check(&energy, gap_m, dt);
         read_node(motion, (self.state.last.counts(), energy), &self.state.trackers, &mut node);
         self.state.joint_forces.set(motion, &mut node);
@@ -338,9 +339,10 @@ impl EngineRecorder<'_> {
         exit.map_or(f64::INFINITY, |exit| exit.time_to_exit_s(last))
     }
 
-    /// Explains which cable has lifted off which pulley, if one has.
-    pub(crate) fn describe_lifted(&self, motion: &Motion) -> Option<String> {
-        motion.lifted_cable().and(None)
+    /// Explains why a cable cannot go on, if one cannot.
+    pub(crate) fn describe_cable(&self, motion: &Motion) -> Option<String> {
+        let (mechanism, (tendon, fault)) = (self.scene.mechanism.as_ref()?, motion.cable_fault?);
+        Some(mechanism.describe_cable(&mechanism.tendons[tendon], fault))
     }
 
     /// Whether the run may continue; called after every step and after every contact sub-step.

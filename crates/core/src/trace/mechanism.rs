@@ -1,9 +1,9 @@
 //! Builds the analytic model of a mechanism, and converts its states to samples.
 
 use super::reading::{Kernel, KernelUser, Start, contact_sample, stored_energy};
-use super::schema::TendonState;
+use super::schema::{CableElementState, TendonState};
 use super::{BodyState, ContactSample, Energy, Exit, JointState, Outcome, RequiredData, RunError, Sample};
-use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel};
+use crate::analytic::mechanism::{ElementReading, JointForces, MechanismMode, MechanismModel};
 use crate::drive::Profile;
 use crate::integrator::{Dynamic, State};
 use crate::mechanism::structure::StructureError;
@@ -54,6 +54,16 @@ impl Kernel for MechanismModel {
             let [length_m, rate_m_s, tension_n] = model.tendon(t, qv, mode, index);
             sample.set_tendon(index, &TendonState { length_m, rate_m_s, tension_n });
         }
+        model.read_elements(t, qv, mode, |index, ElementReading { is_on, turn, gap, slip, tension }| {
+            let state = CableElementState {
+                on: f64::from(u8::from(is_on)),
+                wrap_rad: turn.max(0.0),
+                gap_m: gap,
+                slip_m_s: slip,
+                tension_n: tension,
+            };
+            sample.set_cable_element(index, &state);
+        });
         model.read_bodies(qv, |index, ([x, y, angle_rad], [vx, vy, spin_rad_s])| {
             sample.set_body(index, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
         });
@@ -64,7 +74,10 @@ impl Kernel for MechanismModel {
             true => {
                 let work = state.z[contacts + 1] + model.frame_work(qv);
                 let gap = |index: usize| (index < counts.contacts).then(|| sample.contact(index).gap_m);
-                stored_energy(&model.energies_at_gaps(qv, gap)).relative_to(start, state.z[contacts], work)
+                let stored = stored_energy(&model.energies_at_gaps(qv, gap));
+                // The difference from zero has no negative zero.
+                let cable_friction_j = model.cable_quadrature().map_or(0.0, |index| 0.0 - state.z[index]);
+                Energy { cable_friction_j, ..stored.relative_to(start, state.z[contacts], work) }
             }
             false => Energy::default(),
         });

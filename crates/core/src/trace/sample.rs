@@ -1,8 +1,8 @@
 //! State of a run at one instant, and events between instants.
 
 use super::schema::{
-    ActuatorState, BodyState, Channel, ContactSample, Counts, Energy, FingerState, Interpolation, JointState, State,
-    TendonState, ValueSource,
+    ActuatorState, BodyState, CableElementState, Channel, ContactSample, Counts, Energy, FingerState, Interpolation,
+    JointState, State, TendonState, ValueSource,
 };
 pub use crate::gripper::FingerContact;
 use crate::numeric::array_from;
@@ -74,7 +74,7 @@ impl ContactSample {
 }
 
 impl Energy {
-    /// Returns these stored energies with work, dissipation and balance since the start of the run.
+    /// Returns these energies with work, dissipation and balance since the start of the run.
     pub(super) fn relative_to(self, start: &Energy, contact_work_j: f64, motor_work_j: f64) -> Self {
         let gained_j =
             (self.kinetic_j - start.kinetic_j) + (self.gravity_j - start.gravity_j) + (self.spring_j - start.spring_j);
@@ -149,7 +149,7 @@ impl Sample {
 
     fn counts_of(fingers: usize, bodies: usize, contacts: usize) -> Counts {
         let (joints, limits) = (FINGER_JOINTS.len() * fingers, fingers.min(contacts));
-        Counts { fingers, joints, actuators: fingers, tendons: 0, bodies, contacts, limits }
+        Counts { fingers, joints, actuators: fingers, tendons: 0, elements: 0, bodies, contacts, limits }
     }
 
     /// Prepares the sample for a time and these numbers of subjects; reuses its allocation. Numbers are not cleared.
@@ -244,6 +244,15 @@ impl Sample {
 
     pub fn set_tendon(&mut self, index: usize, tendon: &TendonState) {
         self.set_state(self.counts.tendon(index), tendon);
+    }
+
+    /// Returns a place of a cable.
+    pub fn cable_element(&self, index: usize) -> CableElementState {
+        self.state(self.counts.element(index))
+    }
+
+    pub fn set_cable_element(&mut self, index: usize, element: &CableElementState) {
+        self.set_state(self.counts.element(index), element);
     }
 
     /// Sets angles and rates of a finger; the forces of its joints are not changed.
@@ -415,10 +424,11 @@ impl Sample {
         let mut subjects = Subjects { instant, a: &a.values, b: &b.values, out: &mut self.values };
         subjects.interpolate::<5, JointState>(counts.joint(0), counts.actuator(0));
         subjects.interpolate::<1, ActuatorState>(counts.actuator(0), counts.tendon(0));
-        subjects.interpolate::<3, TendonState>(counts.tendon(0), counts.body(0));
+        subjects.interpolate::<3, TendonState>(counts.tendon(0), counts.element(0));
+        subjects.interpolate::<5, CableElementState>(counts.element(0), counts.body(0));
         subjects.interpolate::<6, BodyState>(counts.body(0), counts.contact(0));
         subjects.interpolate::<11, ContactSample>(counts.contact(0), counts.energy());
-        subjects.interpolate::<7, Energy>(counts.energy(), counts.values());
+        subjects.interpolate::<8, Energy>(counts.energy(), counts.values());
     }
 }
 

@@ -54,6 +54,8 @@ pub enum SubjectKind {
     /// The actuator of a prismatic joint or a tendon, which exerts a force.
     LinearActuator,
     Tendon,
+    /// A place on the path of a tendon: a pulley, or any place between the ends of a cable with friction.
+    CableElement,
     Body,
     Contact,
     /// A contact of a joint with its limit: its gap is an angle, its force a torque.
@@ -71,6 +73,7 @@ impl SubjectKind {
             SubjectKind::Actuator => (&ActuatorState::QUANTITIES, &[]),
             SubjectKind::LinearActuator => (&LINEAR_ACTUATOR_QUANTITIES, &[]),
             SubjectKind::Tendon => (&TendonState::QUANTITIES, &[]),
+            SubjectKind::CableElement => (&CableElementState::QUANTITIES, &[]),
             SubjectKind::Body => (&BodyState::QUANTITIES, &[]),
             SubjectKind::Contact => (&ContactSample::QUANTITIES, &[]),
             SubjectKind::Limit => (&LIMIT_QUANTITIES, &LIMIT_INDICES),
@@ -85,6 +88,7 @@ impl SubjectKind {
             SubjectKind::Joint | SubjectKind::Slider => "joint",
             SubjectKind::Actuator | SubjectKind::LinearActuator => "actuator",
             SubjectKind::Tendon => "tendon",
+            SubjectKind::CableElement => "cable",
             SubjectKind::Body => "body",
             SubjectKind::Contact => "contact",
             SubjectKind::Limit => "limit",
@@ -187,6 +191,39 @@ impl State<3> for TendonState {
 
     fn from_values([length_m, rate_m_s, tension_n]: [f64; 3]) -> Self {
         Self { length_m, rate_m_s, tension_n }
+    }
+}
+
+/// State of a cable at a place of its path. The speed is that of the cable over the place, towards the end where it is pulled.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CableElementState {
+    /// 1 if the cable is on the pulley or eyelet, 0 if it has lifted off.
+    pub on: f64,
+    /// Wrap of the cable; 0 if it is off.
+    pub wrap_rad: f64,
+    /// Distance of the cable from the pulley; 0 if it is on.
+    pub gap_m: f64,
+    /// Speed of the cable; 0 if it is off.
+    pub slip_m_s: f64,
+    /// Tension of the cable behind the place.
+    pub tension_n: f64,
+}
+
+impl State<5> for CableElementState {
+    const QUANTITIES: [Quantity; 5] = [
+        linear("on", ""),
+        linear("wrap_rad", "rad"),
+        linear("gap_m", "m"),
+        linear("slip_m_s", "m/s"),
+        linear("tension_n", "N"),
+    ];
+
+    fn values(&self) -> [f64; 5] {
+        [self.on, self.wrap_rad, self.gap_m, self.slip_m_s, self.tension_n]
+    }
+
+    fn from_values([on, wrap_rad, gap_m, slip_m_s, tension_n]: [f64; 5]) -> Self {
+        Self { on, wrap_rad, gap_m, slip_m_s, tension_n }
     }
 }
 
@@ -304,10 +341,20 @@ pub struct Energy {
     /// kinetic + gravity + spring + elastic + dissipated − motor work, minus the same sum at the start. It is zero if
     /// energy is conserved.
     pub balance_j: f64,
+    /// Part of `dissipated_j` of the friction of cables. Only samples with places of cables have this channel.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub cable_friction_j: f64,
 }
 
-impl State<7> for Energy {
-    const QUANTITIES: [Quantity; 7] = [
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// Number of energies of all samples.
+const COMMON_ENERGIES: usize = 7;
+
+impl State<8> for Energy {
+    const QUANTITIES: [Quantity; 8] = [
         linear("kinetic_j", "J"),
         linear("gravity_j", "J"),
         linear("spring_j", "J"),
@@ -315,16 +362,19 @@ impl State<7> for Energy {
         linear("dissipated_j", "J"),
         linear("motor_work_j", "J"),
         linear("balance_j", "J"),
+        linear("cable_friction_j", "J"),
     ];
 
-    fn values(&self) -> [f64; 7] {
-        let Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j } = *self;
-        [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j]
+    fn values(&self) -> [f64; 8] {
+        let Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j, cable_friction_j } =
+            *self;
+        [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j, cable_friction_j]
     }
 
-    fn from_values(values: [f64; 7]) -> Self {
-        let [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = values;
-        Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j }
+    fn from_values(values: [f64; 8]) -> Self {
+        let [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j, cable_friction_j] =
+            values;
+        Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j, cable_friction_j }
     }
 }
 
@@ -358,15 +408,17 @@ pub struct Subject {
     column: String,
     /// See [`Schema::has_joint_forces`].
     has_joint_forces: bool,
+    /// Whether samples have places of cables.
+    has_cables: bool,
 }
 
 impl Subject {
     /// Returns the quantities, each with its index in a sample.
     pub fn quantities(&self) -> impl Iterator<Item = (usize, &'static Quantity)> + '_ {
-        let count = if matches!(self.kind, SubjectKind::Joint | SubjectKind::Slider) && !self.has_joint_forces {
-            JOINT_MOTION
-        } else {
-            usize::MAX
+        let count = match self.kind {
+            SubjectKind::Joint | SubjectKind::Slider if !self.has_joint_forces => JOINT_MOTION,
+            SubjectKind::Energy if !self.has_cables => COMMON_ENERGIES,
+            _ => usize::MAX,
         };
         self.kind.quantities().take(count).map(|(k, quantity)| (self.first + k, quantity))
     }
@@ -427,6 +479,8 @@ pub struct Schema {
     pub joints: Vec<JointName>,
     pub actuators: Vec<JointName>,
     pub tendons: Vec<String>,
+    /// Places of cables: `flexor[2]` is the third on the path of the tendon `flexor`.
+    pub elements: Vec<String>,
     pub bodies: Vec<String>,
     pub contacts: Vec<ContactName>,
     /// Number of joint limits; they are the last contacts.
@@ -490,6 +544,10 @@ impl Schema {
                 .chain(pulls.map(|actuator| JointName { name: actuator.name.clone(), is_linear: true }))
                 .collect(),
             tendons: mechanism.tendons.iter().map(|tendon| tendon.name.clone()).collect(),
+            elements: mechanism
+                .reported_elements()
+                .map(|[tendon, element]| mechanism.element_name(tendon, element))
+                .collect(),
             bodies: mechanism.reported_bodies().map(|body| mechanism.bodies[body].name.clone()).collect(),
             contacts: surfaces.chain(limit_names).collect(),
             limits: limits.len(),
@@ -523,6 +581,7 @@ impl Schema {
             actuators: fingers.iter().map(|finger| of_finger(finger, "motor")).collect(),
             fingers,
             tendons: Vec::new(),
+            elements: Vec::new(),
             bodies: if count == 2 { vec![Object::NAME.to_string()] } else { Vec::new() },
             contacts: surfaces.iter().chain(&limits).map(contact).collect(),
             limits: limits.len(),
@@ -544,6 +603,9 @@ impl Schema {
             }
             SubjectKind::Tendon if !self.tendons.iter().any(|known| known == name) => {
                 self.tendons.push(name.to_string())
+            }
+            SubjectKind::CableElement if !self.elements.iter().any(|known| known == name) => {
+                self.elements.push(name.to_string())
             }
             SubjectKind::Body if !self.bodies.iter().any(|known| known == name) => self.bodies.push(name.to_string()),
             SubjectKind::Contact | SubjectKind::Limit if !self.contacts.iter().any(|known| known.name == name) => {
@@ -572,19 +634,21 @@ impl Schema {
             joints: self.joints.len(),
             actuators: self.actuators.len(),
             tendons: self.tendons.len(),
+            elements: self.elements.len(),
             bodies: self.bodies.len(),
             contacts: self.contacts.len(),
             limits: self.limits,
         }
     }
 
-    /// Returns the subjects in their order in a sample: joints, actuators, tendons, bodies, contacts, energies.
+    /// Returns the subjects in their order in a sample: joints, actuators, tendons, places of cables, bodies, contacts,
+    /// energies.
     pub fn subjects(&self) -> Vec<Subject> {
         let counts = self.counts();
         let has_joint_forces = self.has_joint_forces;
         let present = |kind, name: &str, first| {
             let [name, column] = [(); 2].map(|()| name.to_string());
-            Subject { kind, name, first, column, has_joint_forces }
+            Subject { kind, name, first, column, has_joint_forces, has_cables: !self.elements.is_empty() }
         };
         let joints = self.joints.iter().enumerate().map(|(k, JointName { name, is_linear })| {
             present(if *is_linear { SubjectKind::Slider } else { SubjectKind::Joint }, name, counts.joint(k))
@@ -596,6 +660,8 @@ impl Schema {
         let tendons = self.tendons.iter().enumerate();
         let tendons = tendons.map(|(k, name)| present(SubjectKind::Tendon, name, counts.tendon(k)));
         let mut subjects: Vec<Subject> = joints.chain(actuators).chain(tendons).collect();
+        let elements = self.elements.iter().enumerate();
+        subjects.extend(elements.map(|(k, name)| present(SubjectKind::CableElement, name, counts.element(k))));
         let bodies = self.bodies.iter().enumerate();
         subjects.extend(bodies.map(|(k, name)| present(SubjectKind::Body, name, counts.body(k))));
         let contacts = self.contacts.iter().enumerate();
@@ -668,7 +734,8 @@ fn column_name(kind: SubjectKind, subject: &str, key: &str) -> String {
 /// Whether these are the names of the channels of a run. Such names begin with the time and end with the energies.
 pub fn are_sample_columns(columns: &[&str]) -> bool {
     let energies = Energy::QUANTITIES.map(|quantity| quantity.key);
-    columns.len() > energies.len() && columns[0] == TIME && columns.ends_with(&energies)
+    let ends_with_energies = columns.ends_with(&energies) || columns.ends_with(&energies[..COMMON_ENERGIES]);
+    columns.len() > COMMON_ENERGIES && columns[0] == TIME && ends_with_energies
 }
 
 /// Number of subjects of each kind in a sample. They determine the places of the numbers of a subject.
@@ -680,6 +747,8 @@ pub struct Counts {
     /// Actuators, including those of fingers.
     pub actuators: usize,
     pub tendons: usize,
+    /// Places of cables.
+    pub elements: usize,
     pub bodies: usize,
     pub contacts: usize,
     /// Number of joint limits; they are the last contacts.
@@ -712,8 +781,12 @@ impl Counts {
         self.actuator(self.actuators) + TendonState::QUANTITIES.len() * index
     }
 
+    pub(super) fn element(self, index: usize) -> usize {
+        self.tendon(self.tendons) + CableElementState::QUANTITIES.len() * index
+    }
+
     pub(super) fn body(self, index: usize) -> usize {
-        self.tendon(self.tendons) + BodyState::QUANTITIES.len() * index
+        self.element(self.elements) + BodyState::QUANTITIES.len() * index
     }
 
     pub(super) fn contact(self, index: usize) -> usize {

@@ -38,6 +38,17 @@ impl Bend {
     }
 }
 
+/// Why a cable cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CableFault {
+    /// It came round the back of a pulley.
+    Behind(usize),
+    /// No straight line leads from one path element to another.
+    NoSegment([usize; 2]),
+    /// It wraps a pulley by [`MAX_WRAP_RAD`].
+    TooFar(usize),
+}
+
 /// Distance from [`MAX_WRAP_RAD`] below which a wrap counts as too far in a description: the end is not located exactly.
 const WRAP_ROUNDING: f64 = 1e-6;
 
@@ -209,6 +220,23 @@ pub fn length_in(mechanism: &Mechanism, tendon: &Tendon, poses: &[Pose]) -> f64 
     path_length(&tendon.path, &settled_path(&tendon.path, center), center) + joints.sum::<f64>()
 }
 
+/// Finds a pair of path elements without a straight line between them, or a pulley that the cable wraps too far.
+pub fn find_fault(
+    path: &[PathElement],
+    bends: &[Bend],
+    center: impl Fn(&PathElement) -> Vector<f64>,
+) -> Option<CableFault> {
+    let is_open = |[from, to]: &[usize; 2]| {
+        let length = segment([&path[*from], &path[*to]], sub(center(&path[*to]), center(&path[*from]))).length;
+        length.is_nan() || length <= 0.0
+    };
+    let open = strands(bends).find(is_open).map(CableFault::NoSegment);
+    open.or_else(|| {
+        let too_far = wraps(path, bends, &center).find(|(_, wrap)| *wrap > MAX_WRAP_RAD - WRAP_ROUNDING);
+        too_far.map(|(element, _)| CableFault::TooFar(element))
+    })
+}
+
 impl Tendon {
     /// Whether any path element has friction.
     pub fn has_friction(&self) -> bool {
@@ -222,6 +250,22 @@ impl Tendon {
 }
 
 impl Mechanism {
+    /// Path elements that samples report, by tendon and element: all between the ends of a cable with friction, otherwise its
+    /// pulleys.
+    pub fn reported_elements(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        self.tendons.iter().enumerate().flat_map(|(index, tendon)| {
+            let inner = 1..tendon.path.len().saturating_sub(1);
+            let is_reported = |element: &usize| tendon.has_friction() || tendon.path[*element].is_pulley();
+            inner.filter(is_reported).map(move |element| [index, element])
+        })
+    }
+
+    /// Name of a path element, such as `flexor[2]` for the third place of the path in the scene.
+    pub fn element_name(&self, tendon: usize, element: usize) -> String {
+        let tendon = &self.tendons[tendon];
+        format!("{}[{}]", tendon.name, tendon.place(element))
+    }
+
     /// Describes a path element of a tendon, such as "place 3 of its path (distal, radius 4.0000 mm)".
     fn describe_element(&self, tendon: &Tendon, element: usize) -> String {
         let (PathElement { body, radius_m, .. }, place) = (&tendon.path[element], tendon.place(element) + 1);
@@ -232,41 +276,26 @@ impl Mechanism {
         }
     }
 
-    /// Explains why the cable of a tendon cannot go on, and how to avoid this; `blocked` is a pulley that the cable reached
-    /// from behind.
-    pub fn describe_cable(
-        &self,
-        tendon: &Tendon,
-        (bends, blocked): (&[Bend], Option<usize>),
-        center: impl Fn(&PathElement) -> Vector<f64>,
-    ) -> Option<String> {
-        let (path, name) = (&tendon.path, &tendon.name);
-        if let Some(element) = blocked {
-            return Some(format!(
+    /// Explains why the cable of a tendon cannot go on, and how to avoid this.
+    pub fn describe_cable(&self, tendon: &Tendon, fault: CableFault) -> String {
+        let (name, place) = (&tendon.name, |element| self.describe_element(tendon, element));
+        match fault {
+            CableFault::Behind(element) => format!(
                 "the cable of the tendon {name} came round the back of the pulley in {}: add an eyelet or a pulley that keeps \
                  the cable on its side, or shorten the motion",
-                self.describe_element(tendon, element)
-            ));
-        }
-        let is_open = |[from, to]: &[usize; 2]| {
-            let length = segment([&path[*from], &path[*to]], sub(center(&path[*to]), center(&path[*from]))).length;
-            length.is_nan() || length <= 0.0
-        };
-        if let Some([from, to]) = strands(bends).find(is_open) {
-            return Some(format!(
+                place(element)
+            ),
+            CableFault::NoSegment([from, to]) => format!(
                 "the cable of the tendon {name} cannot pass from {} to {}: the places coincide or overlap; move them apart, \
                  or shorten the motion",
-                self.describe_element(tendon, from),
-                self.describe_element(tendon, to)
-            ));
-        }
-        let too_far = wraps(path, bends, &center).find(|(_, wrap)| *wrap > MAX_WRAP_RAD - WRAP_ROUNDING);
-        too_far.map(|(element, _)| {
-            format!(
+                place(from),
+                place(to)
+            ),
+            CableFault::TooFar(element) => format!(
                 "the cable of the tendon {name} wraps the pulley in {} by 270 degrees, beyond which its strands may cross: use \
                  a spool for more, or shorten the motion",
-                self.describe_element(tendon, element)
-            )
-        })
+                place(element)
+            ),
+        }
     }
 }

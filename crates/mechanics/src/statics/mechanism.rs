@@ -480,6 +480,9 @@ impl<'a> Frame<'a> {
     /// Equations with the fixed load and these drives, the friction of joints, the weight, and the cones of contacts.
     fn with_contacts(&self, fixed: &DVector<f64>, drives: Vec<(Vec<f64>, [f64; 2])>) -> Result<Equations> {
         let MechanismAtRest { mechanism, contacts, .. } = self.at_rest;
+        if let Some(tendon) = mechanism.tendons.iter().find(|tendon| tendon.has_friction()) {
+            return Err(StaticsError::CableFriction { tendon: tendon.name.clone() });
+        }
         for contact in *contacts {
             number("mu_static", contact.mu, contact.mu >= 0.0, "must be finite, 0 or more")?;
         }

@@ -50,6 +50,8 @@ pub struct States {
     pub actuators: Named<JointReport>,
     /// Tendons of a mechanism.
     pub tendons: Named<JointReport>,
+    /// Places of the cables of a mechanism with friction, and pulleys from which the cable has lifted off.
+    pub elements: Named<JointReport>,
     /// States of the fingers. The name of a single finger is empty.
     pub fingers: Named<FingerState>,
     pub bodies: Named<BodyReport>,
@@ -105,10 +107,17 @@ impl States {
             });
             values.collect()
         };
+        let rubs = |name: &str| {
+            let all = mechanism.into_iter().flat_map(|mechanism| &mechanism.tendons);
+            all.filter(|tendon| tendon.has_friction()).any(|tendon| name.starts_with(&format!("{}[", tendon.name)))
+        };
+        let is_special =
+            |(name, report): &(String, JointReport)| rubs(name) || report.0.first().is_some_and(|on| on.1 < 0.5);
         States {
             joints: quantities_of([SubjectKind::Joint, SubjectKind::Slider]),
             actuators: quantities_of([SubjectKind::Actuator, SubjectKind::LinearActuator]),
             tendons: quantities_of([SubjectKind::Tendon; 2]),
+            elements: quantities_of([SubjectKind::CableElement; 2]).0.into_iter().filter(is_special).collect(),
             fingers: fingers.map(|(name, state)| (name.clone(), state)).collect(),
             bodies: bodies.map(body).chain(fixed).collect(),
             finger_count: schema.fingers.len(),
@@ -131,8 +140,12 @@ impl States {
                 ("joints", present(State::Joints(&self.joints))),
                 ("actuators", present(State::Joints(&self.actuators))),
                 ("tendons", present(State::Joints(&self.tendons))),
+                ("cables", present(State::Joints(&self.elements))),
                 ("bodies", present(State::Bodies(&self.bodies))),
-            ],
+            ]
+            .into_iter()
+            .filter(|(key, _)| *key != "cables" || !self.elements.0.is_empty())
+            .collect(),
             1 => vec![("final", self.fingers.first().map(State::Finger))],
             _ => vec![
                 ("fingers", present(State::Fingers(&self.fingers))),

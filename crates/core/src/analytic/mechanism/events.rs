@@ -51,6 +51,9 @@ const FEATURE_MARGIN_M: f64 = 1e-12;
 /// Tolerance of locating that end, m.
 const FEATURE_TOLERANCE_M: f64 = 3e-13;
 
+/// Mode of the friction of a cable on an element that it is off: without events.
+const OFF: ContactMode = ContactMode { state: ContactState::Active, ..ContactMode::FREE };
+
 /// Derivatives of the gap or the slip of a contact.
 enum ContactRow<'a> {
     /// A row over the relative pose of two bodies, and the index of an internal state of friction that is added to the slip.
@@ -363,7 +366,7 @@ impl MechanismModel {
         for &[cable, element] in &self.monitored {
             let contact = self.cables[cable].frictions.get(element).copied().flatten();
             if let Some(contact) = contact.filter(|_| !self.cables[cable].bends(&mode.bends)[element].is_on()) {
-                contacts.contacts[contact] = ContactMode::CLAMPED;
+                contacts.contacts[contact] = OFF;
             }
         }
         MechanismMode { contacts, ..mode }
@@ -572,13 +575,9 @@ impl Hybrid for MechanismModel {
                 mode.contacts.contacts[contact] = match self.cables[cable].bends(&mode.bends)[element].is_on() {
                     true => self.with_motions((q, v), |motions| {
                         let variables = self.contact_variables(motions, v, contact, None);
-                        ContactMode {
-                            state: ContactState::Active,
-                            friction_range: variables.friction_range(1.0),
-                            ..ContactMode::FREE
-                        }
+                        ContactMode { friction_range: variables.friction_range(1.0), ..OFF }
                     }),
-                    false => ContactMode::CLAMPED,
+                    false => OFF,
                 };
             }
             EventOf::Contact(index) => {

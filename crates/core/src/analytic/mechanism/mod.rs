@@ -35,3 +35,4 @@ mod tendon;
 pub(crate) use conditioning::EXCHANGE_SINE;
 pub use joint_forces::{JointForce, JointForces};
 pub use model::{MechanismMode, MechanismModel};
+pub use tendon::ElementReading;

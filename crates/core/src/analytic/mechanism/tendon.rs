@@ -14,7 +14,8 @@ use crate::analytic::contact::{StateRef, WithDerivatives, row_dot};
 use crate::integrator::{Dynamic, EventFunction, Linearised, RootSearch};
 use crate::mechanism::PathElement;
 use crate::mechanism::tendon::{
-    BAND, Bend, MAX_WRAP_RAD, Segment, gap, neighbours, path_length, segment, settle_path, strands, turn, wrap,
+    BAND, Bend, CableFault, MAX_WRAP_RAD, Segment, find_fault, gap, neighbours, path_length, segment, settle_path,
+    strands, turn, wrap,
 };
 use crate::numeric::elementary::exp;
 use crate::numeric::plane::{Vector, add, cross, dot, perp, scale, sub};
@@ -80,6 +81,20 @@ pub(super) struct Strand {
     /// the end of the path.
     turn: f64,
     slip: f64,
+}
+
+/// State of a cable at a path element.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ElementReading {
+    pub is_on: bool,
+    /// Wrap, rad; 0 if the cable is off.
+    pub turn: f64,
+    /// Distance of the cable from a pulley that it is off, m.
+    pub gap: f64,
+    /// Speed of the cable towards the first segment, m/s.
+    pub slip: f64,
+    /// Tension behind the element, N.
+    pub tension: f64,
 }
 
 /// Straight parts of a cable with friction, and the memory of their derivatives.
@@ -559,6 +574,11 @@ impl MechanismModel {
         self.contacts.len() + 2
     }
 
+    /// Index of the quadrature for the work of the friction of cables; `None` without such friction.
+    pub fn cable_quadrature(&self) -> Option<usize> {
+        self.cables.iter().any(|cable| !cable.frictions.is_empty()).then(|| self.cable_work())
+    }
+
     /// Margin of each pulley to where the cable wraps it too far, with its rate. It is not a number if the cable cannot pass
     /// its elements.
     pub(super) fn wrap_margins<'a>(&'a self, motions: &'a Motions<f64>) -> impl Iterator<Item = [f64; 2]> + 'a {
@@ -678,8 +698,9 @@ impl MechanismModel {
         let jumped = |place: &&[usize; 2]| self.has_jumped(motions, &motions.bends, **place);
         let blocked = self.monitored.iter().find(jumped).copied();
         self.cables.iter().enumerate().find_map(|(index, cable)| {
-            let blocked = blocked.filter(|[of, _]| *of == index).map(|[_, element]| element);
-            self.mechanism.describe_cable(&cable.tendon, (cable.bends(&motions.bends), blocked), center(motions))
+            let behind = blocked.filter(|[of, _]| *of == index).map(|[_, element]| CableFault::Behind(element));
+            let find = || find_fault(&cable.tendon.path, cable.bends(&motions.bends), center(motions));
+            Some(self.mechanism.describe_cable(&cable.tendon, behind.or_else(find)?))
         })
     }
 
@@ -690,6 +711,48 @@ impl MechanismModel {
             let (elongation, tension) = self.tension(t, mode, motions, cable);
             [elongation.value + cable.tendon.rest_m, elongation.rate, tension.total()]
         })
+    }
+
+    /// Reads the path elements that samples report, see [`Mechanism::reported_elements`].
+    ///
+    /// [`Mechanism::reported_elements`]: crate::mechanism::Mechanism::reported_elements
+    pub fn read_elements(
+        &self,
+        t: f64,
+        (q, v): StateRef<'_, Dynamic>,
+        mode: &MechanismMode,
+        mut read: impl FnMut(usize, ElementReading),
+    ) {
+        let mut reported = self.mechanism.reported_elements().enumerate().peekable();
+        if reported.peek().is_none() {
+            return;
+        }
+        self.with_motions((q, v), |motions| {
+            let all = &mut self.scratch.borrow_mut().strands.all;
+            let mut of = None;
+            for (index, [cable_index, element]) in reported {
+                let cable = &self.cables[cable_index];
+                if of.replace(cable_index) != Some(cable_index) {
+                    let first = self.tension(t, mode, motions, cable).1.total();
+                    self.find_strands(v, mode, motions, (cable, first), all);
+                }
+                let bends = cable.bends(&motions.bends);
+                let behind = all.iter().find(|strand| strand.ends[1] > element).map_or(0.0, |strand| strand.tension);
+                let none =
+                    ElementReading { is_on: bends[element].is_on(), tension: behind, ..ElementReading::default() };
+                let reading = match all.iter().find(|strand| strand.ends[1] == element) {
+                    Some(strand) => ElementReading { turn: strand.turn, slip: strand.slip, ..none },
+                    None => {
+                        let places = neighbours(bends, element);
+                        let gap = |[before, after]: [usize; 2]| {
+                            gap(&cable.tendon.path, [before, element, after], center(motions))
+                        };
+                        ElementReading { gap: places.map_or(0.0, gap), ..none }
+                    }
+                };
+                read(index, reading);
+            }
+        });
     }
 
     /// Adds the tensions of all strands of a cable, from the first to the last; a belt between spools has one.

@@ -8,7 +8,7 @@ use super::mirror::Entries;
 use super::names::{GROUND, Known, find};
 use crate::law::{Bristle, FrictionKind, FrictionLaw};
 use crate::limits::MAX_PLACES;
-use crate::mechanism::tendon::{center_in, length_in, settled_path};
+use crate::mechanism::tendon::{center_in, find_fault, length_in, settled_path};
 use crate::mechanism::{Mechanism, PathElement, Pose, Tendon};
 use crate::scene::quantity::{
     Force, Length, LinearDamping, LinearStiffness, NotNegative, Plain, Positive, Quantity, Speed, Time, keyword_enum,
@@ -307,10 +307,11 @@ pub(super) fn tension(mechanism: &mut Mechanism, entries: &Entries<'_>, poses: &
             let help = "neighbouring places must be apart: an eyelet outside of its neighbouring pulleys, and pulleys that \
                         the cable passes on different sides without overlap";
             section.report("path", message, "places coincide or overlap", help);
-        } else if let Some(text) = {
+        } else if let Some(fault) = {
             let center = |element: &PathElement| center_in(element, poses);
-            mechanism.describe_cable(tendon, (&settled_path(&tendon.path, center), None), center)
+            find_fault(&tendon.path, &settled_path(&tendon.path, center), center)
         } {
+            let text = mechanism.describe_cable(tendon, fault);
             let (message, help) = text.split_once(": ").unwrap_or((&text, ""));
             section.report("path", format!("at the start {message}"), "not possible", help);
         } else if tendon.law().is_none() && tendon.actuator.is_none() {
