@@ -21,6 +21,7 @@ const START: Energy = Energy {
     dissipated_j: 0.0,
     motor_work_j: 0.0,
     balance_j: 0.0,
+    cable_friction_j: 0.0,
 };
 
 fn scene() -> Scene {

@@ -18,7 +18,7 @@ use phalanx::mechanism::{
 use phalanx::scene::{Axis, Move, PalmMotion, Ramp, Scene, Vibration};
 
 use super::jacobian::{Entry, Equations, Variable};
-use crate::support::mechanism_cases::{MechanismCase, all_cases, drive_cases, mechanism_case};
+use crate::support::mechanism_cases::{MechanismCase, all_cases, cable_cases, drive_cases, mechanism_case};
 use crate::support::random::Random;
 use crate::support::runs::experiment_95;
 use crate::support::scenes::loops::{on_moving_base, random_assur, with_start};
@@ -141,7 +141,7 @@ pub(super) fn first_touches(case: &MechanismCase) -> impl Iterator<Item = f64> +
 #[test]
 fn reference_solutions_are_met_at_reference_tolerances() {
     let tolerances = Tolerances { atol_q: 1e-14, atol_v: 1e-9, rtol_v: 1e-11 };
-    for case in all_cases() {
+    for case in all_cases().into_iter().chain(cable_cases()) {
         let found = compare(&case, Method::new, tolerances);
         let name = &case.name;
         assert!(found.position_m < 1e-8 && found.angle_rad < 1e-7, "{name}: {found:?}");
@@ -156,7 +156,7 @@ fn reference_solutions_are_met_at_reference_tolerances() {
 #[test]
 fn everyday_tolerances_are_accurate_to_1e_5() {
     let tolerances = Tolerances { atol_q: 3e-11, atol_v: 3e-7, rtol_v: 3e-7 };
-    for case in all_cases() {
+    for case in all_cases().into_iter().chain(cable_cases()) {
         let found = compare(&case, SwitchedMethod::rodas, tolerances);
         assert!(found.position_m < 1e-6 && found.angle_rad < 1e-5, "{}: {found:?}", case.name);
     }
@@ -548,12 +548,14 @@ fn with_all_components() -> MechanismCase {
     hammer.motion = Some(PrescribedMotion::ConstantAcceleration { acceleration_m_s2: [0.0, 5.0] });
     let face = OutlineId { body: Some(bodies.len()), outline: 0 };
     contacts.push(ContactPair { face, force_point: ForcePoint::Each, ..contacts[1].clone() });
-    let eyelet = |body, point_m| PathElement { body, point_m, radius_m: 0.0, side: 1.0 };
+    let eyelet = |body, point_m| PathElement { body, point_m, radius_m: 0.0, side: 1.0, friction: None };
     let tension = Profile::Table { points: vec![(0.0, 0.5), (0.1, 3.0)], interpolation: Interpolation::Linear };
     tendons.push(Tendon {
         name: "pull".to_string(),
         path: vec![eyelet(None, [0.05, 0.3]), eyelet(Some(bodies.len()), [0.01, 0.0]), eyelet(Some(object), [0.0; 2])],
         joints: Vec::new(),
+        far_joints: Vec::new(),
+        is_reversed: false,
         stiffness_n_per_m: 0.0,
         damping_n_s_per_m: 0.0,
         rest_m: 0.0,

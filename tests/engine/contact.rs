@@ -96,6 +96,7 @@ fn single_contact_space(law: ContactLaw, mass: f64, gap: f64, rate: f64, slip: f
         rolling: None,
         friction_state: 0.0,
         current: 0.0,
+        cable: None,
     });
     space.coupled = rows;
     space.w = vec![0.0; rows * rows];

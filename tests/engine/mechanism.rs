@@ -1,7 +1,7 @@
 //! Mechanisms in the engine model, against reference solutions of an independent program.
 
 use crate::support::laws::THESIS_FRICTION;
-use crate::support::mechanism_cases::{MechanismCase, all_cases, drive_cases, mechanism_case};
+use crate::support::mechanism_cases::{MechanismCase, all_cases, cable_cases, drive_cases, mechanism_case};
 use crate::support::runs::{CollectSink, experiment_95, seeds};
 use crate::support::scenes::scene_text;
 use crate::support::scenes::trees::{random_mechanism, random_moving_mechanism, random_variant};
@@ -59,7 +59,7 @@ fn difference(case: &MechanismCase, run: &CollectSink) -> [f64; 2] {
 /// Prints the rows of the table in `src/docs/engine.md`.
 #[test]
 fn reference_solutions_are_met_at_default_settings() {
-    for case in all_cases().into_iter().chain(drive_cases()) {
+    for case in all_cases().into_iter().chain(drive_cases()).chain(cable_cases()) {
         let found = run(Model::Engine, &scene(&case.mechanism, case.duration_s, case.samples[1].time_s));
         let ([angle_rad, position_m], name) = (difference(&case, &found), &case.name);
         println!("| {name} | {angle_rad:.1e} | {position_m:.1e} |");
@@ -97,7 +97,7 @@ fn reference_solutions_are_met_at_default_settings() {
 /// they differ by 0.6 %, and at five times the tolerance by 1 to 3 %, depending on where the instant lies in its step.
 #[test]
 fn joint_forces_agree_in_both_models() {
-    for case in all_cases().into_iter().chain(drive_cases()) {
+    for case in all_cases().into_iter().chain(drive_cases()).chain(cable_cases()) {
         let mut scene = scene(&case.mechanism, case.duration_s, case.samples[1].time_s);
         // Forces are second derivatives: in an impact they need smaller steps than positions.
         scene.engine.stepping = Stepping::Adaptive { tolerance_m: 2e-9, max_step_s: ENGINE_MAX_STEP_S };

@@ -282,7 +282,7 @@ fn tendons_are_read_and_shown_again() {
         (flexor.stiffness_n_per_m, flexor.damping_n_s_per_m, &flexor.joints[..]),
         (2e5, 20.0, &[(2, 0.006)][..])
     );
-    let pulley = PathElement { body: None, point_m: [0.0; 2], radius_m: 0.008, side: -1.0 };
+    let pulley = PathElement { body: None, point_m: [0.0; 2], radius_m: 0.008, side: -1.0, friction: None };
     assert_eq!((flexor.path[1], flexor.path[2].body, flexor.path[3].body), (pulley, Some(1), Some(0)));
     // The spring has the tension of the pretension at the start: 1 N at 2e5 N/m.
     let length_m = length_in(of, flexor, &drawing::poses_at_start(of));

@@ -1,6 +1,7 @@
-//! Reference solutions for mechanisms (tests/anchors/mechanism.json) and for actuators with gears and motors
-//! (tests/anchors/drives.json), computed by an independent program: absolute coordinates, its own Radau IIA of order 9 that
-//! lands on events. Runs at tolerances 1e-10 and 1e-12 agree to 11 digits
+//! Reference solutions for mechanisms (tests/anchors/mechanism.json), for actuators with gears and motors
+//! (tests/anchors/drives.json), and for cables that lift off and rub (tests/anchors/cable.json), computed by an independent
+//! program: absolute coordinates, its own Radau IIA of order 9 that lands on events. Runs at tolerances 1e-10 and 1e-12 agree
+//! to 11 digits
 //! or more.
 
 use std::collections::BTreeMap;
@@ -40,9 +41,20 @@ pub struct MechanismSample {
     pub drives: Vec<[f64; 4]>,
     /// Lengths and tensions of the tendons.
     pub tendons: Vec<[f64; 2]>,
+    /// Path elements of the tendons, tendon by tendon, without the ends of their paths; empty without friction and lift-off.
+    pub elements: Vec<ElementValues>,
     /// Contacts whose gap is below 2 mm.
     pub contacts: BTreeMap<String, ContactValues>,
     pub energies: BTreeMap<String, f64>,
+}
+
+/// A path element of a cable: whether the cable is on it, its wrap there (0 if it is off), its speed and the tension behind it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ElementValues {
+    pub is_on: bool,
+    pub wrap_rad: f64,
+    pub slip_m_s: f64,
+    pub tension_n: f64,
 }
 
 pub struct ContactValues {
@@ -68,6 +80,11 @@ pub fn all_cases() -> Vec<MechanismCase> {
 /// All cases of actuators with gears, motors and feedback, and of limits of sums, ordered by name.
 pub fn drive_cases() -> Vec<MechanismCase> {
     cases_in("drives")
+}
+
+/// All cases of cables that lift off and rub, ordered by name.
+pub fn cable_cases() -> Vec<MechanismCase> {
+    cases_in("cable")
 }
 
 fn cases_in(file: &str) -> Vec<MechanismCase> {
@@ -111,6 +128,11 @@ fn parse_case(name: &str, case: &Value) -> MechanismCase {
             .iter()
             .map(|tendon| ["length", "tension"].map(|key| number(&value["tendons"][&tendon.name][key])))
             .collect(),
+        elements: mechanism
+            .tendons
+            .iter()
+            .flat_map(|tendon| list(&value["tendons"][&tendon.name]["elements"]).filter_map(element_values))
+            .collect(),
         contacts: object(&value["contacts"]).map(|(name, value)| (name.clone(), contact_values(value))).collect(),
         energies: object(&value["energies"]).map(|(name, value)| (name.clone(), number(value))).collect(),
     };
@@ -127,6 +149,17 @@ fn parse_case(name: &str, case: &Value) -> MechanismCase {
         events: list(&case["events"]).map(event).collect(),
         mechanism,
     }
+}
+
+/// Values of a path element; `None` at the first one of a path.
+fn element_values(value: &Value) -> Option<ElementValues> {
+    let is_on = value["on"] == true;
+    (!is_on || value["wrap"].is_number()).then(|| ElementValues {
+        is_on,
+        wrap_rad: or(&value["wrap"], 0.0),
+        slip_m_s: or(&value["slip"], 0.0),
+        tension_n: or(&value["tension_after"], 0.0),
+    })
 }
 
 fn contact_values(value: &Value) -> ContactValues {
@@ -252,20 +285,48 @@ fn spring(value: &Value, mechanism: &Mechanism) -> Spring {
 }
 
 fn tendon(value: &Value, mechanism: &Mechanism) -> Tendon {
-    let element = |element: &Value| PathElement {
-        body: body_index(&text(&element["body"]), mechanism),
-        point_m: numbers(&element["point"]),
-        radius_m: or(&element["radius"], 0.0),
-        side: or(&element["side"], 1.0),
+    let count = list(&value["path"]).count();
+    let is_reversed = value["from"] == "last";
+    let element = |(index, element): (usize, &Value)| {
+        let is_inner = index > 0 && index + 1 < count && element["roller"] != true;
+        let side = or(&element["side"], 1.0);
+        let friction = [&element["friction"], &value["friction"]].into_iter().find(|friction| friction.is_object());
+        PathElement {
+            body: body_index(&text(&element["body"]), mechanism),
+            point_m: numbers(&element["point"]),
+            radius_m: or(&element["radius"], 0.0),
+            side: if is_reversed { -side } else { side },
+            friction: friction.filter(|_| is_inner).map(cable_friction),
+        }
     };
+    let mut path: Vec<PathElement> = list(&value["path"]).enumerate().map(element).collect();
+    if is_reversed {
+        path.reverse();
+    }
     Tendon {
         name: text(&value["name"]),
-        path: list(&value["path"]).map(element).collect(),
+        path,
         joints: object(&value["joints"]).map(|(name, c)| (joint_index(name, mechanism), number(c))).collect(),
         stiffness_n_per_m: or(&value["stiffness"], 0.0),
         damping_n_s_per_m: or(&value["damping"], 0.0),
         rest_m: or(&value["rest"], 0.0),
         actuator: None,
+        far_joints: Vec::new(),
+        is_reversed,
+    }
+}
+
+fn cable_friction(value: &Value) -> FrictionLaw {
+    let bristle = value["stiffness"].as_f64().map(|stiffness| {
+        let relaxation_s = number(&value["relaxation"]);
+        Bristle { damping_n_s_per_m: stiffness * relaxation_s, relaxation_s }
+    });
+    FrictionLaw {
+        mu_static: number(&value["mu_static"]),
+        mu_dynamic: number(&value["mu_dynamic"]),
+        v_static_m_s: number(&value["v_static"]),
+        v_dynamic_m_s: number(&value["v_dynamic"]),
+        kind: bristle.into(),
     }
 }
 

@@ -108,6 +108,7 @@ pub fn sample(time_s: f64) -> Sample {
         dissipated_j: f(44),
         motor_work_j: f(45),
         balance_j: 1e-12 * f(46),
+        cable_friction_j: 0.0,
     });
     sample
 }

@@ -8,12 +8,13 @@ use phalanx_core::trace::schema::SubjectKind;
 
 /// Kinds of subjects in a log: key, kind, and whether it is a contact of a joint with its limit. The limit of a prismatic
 /// joint has the messages of a contact.
-const KINDS: [(&str, SubjectKind, bool); 13] = [
+const KINDS: [(&str, SubjectKind, bool); 14] = [
     ("joint", SubjectKind::Joint, false),
     ("slider", SubjectKind::Slider, false),
     ("actuator", SubjectKind::Actuator, false),
     ("linear_actuator", SubjectKind::LinearActuator, false),
     ("tendon", SubjectKind::Tendon, false),
+    ("cable", SubjectKind::CableElement, false),
     ("shaft", SubjectKind::Shaft, false),
     ("motor", SubjectKind::Motor, false),
     ("distance", SubjectKind::Distance, false),

@@ -29,6 +29,7 @@ pub(crate) fn message_name(kind: SubjectKind) -> &'static str {
         SubjectKind::Actuator => "phalanx.Actuator",
         SubjectKind::LinearActuator => "phalanx.LinearActuator",
         SubjectKind::Tendon => "phalanx.Tendon",
+        SubjectKind::CableElement => "phalanx.CableElement",
         SubjectKind::Shaft => "phalanx.Shaft",
         SubjectKind::Motor => "phalanx.Motor",
         SubjectKind::Distance => "phalanx.Distance",

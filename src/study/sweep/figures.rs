@@ -182,8 +182,8 @@ impl SceneFigures {
             columns.push((format!("{name}_largest_{unit}"), Source::LargestEffort(index)));
             columns.push((format!("{name}_energy_j"), Source::Energy(index)));
         }
-        let is_final =
-            |kind: SubjectKind| !matches!(kind, SubjectKind::Contact | SubjectKind::Limit | SubjectKind::Energy);
+        use SubjectKind::{CableElement, Contact, Energy, Limit};
+        let is_final = |kind: SubjectKind| !matches!(kind, Contact | Limit | Energy | CableElement);
         let subjects = schema.subjects().into_iter().filter(|subject| is_final(subject.kind));
         let channels: Vec<Channel> =
             subjects.flat_map(|subject| subject.channels().map(|(_, channel)| channel).collect::<Vec<_>>()).collect();

@@ -354,11 +354,14 @@ fn add_component(mechanism: &mut Mechanism, random: &mut Random, component: &str
         "spool" => {
             // A slide has no spool.
             let on = if is_pin { on } else { 1 };
-            let eyelet = |body: Option<usize>, point_m| PathElement { body, point_m, radius_m: 0.0, side: 1.0 };
+            let eyelet =
+                |body: Option<usize>, point_m| PathElement { body, point_m, radius_m: 0.0, side: 1.0, friction: None };
             let mut tendon = Tendon {
                 name: "cable".to_string(),
                 path: vec![eyelet(None, polar(0.3, random.within(0.0, TAU))), eyelet(Some(2), [0.01, 0.005])],
                 joints: vec![(on, random.choose(&[4e-3, -4e-3]))],
+                far_joints: Vec::new(),
+                is_reversed: false,
                 stiffness_n_per_m: 20.0,
                 damping_n_s_per_m: 0.01,
                 rest_m: 0.0,

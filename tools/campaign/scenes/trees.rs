@@ -2,7 +2,7 @@
 
 use phalanx::drive::{Brake, Interpolation, Profile};
 use phalanx::law::{Bristle, ContactLaw, Damping, FrictionKind, FrictionLaw, NormalLaw};
-use phalanx::mechanism::tendon::{center_in, length_in, wraps};
+use phalanx::mechanism::tendon::{Bend, center_in, length_in, wraps};
 use phalanx::mechanism::{
     Actuator, Body, Command, ContactPair, Coupling, ForcePoint, Joint, JointCombination, JointKind, Mechanism, Outline,
     OutlineId, OutlineShape, PathElement, Powertrain, PrescribedMotion, Rotor, Spring, SpringKind, Tendon,
@@ -413,6 +413,7 @@ fn add_tendon(mechanism: &mut Mechanism, random: &mut Random) {
         point_m: [random.within(-0.04, 0.04), random.within(-0.04, 0.04)],
         radius_m: 0.0,
         side: random.choose(&[1.0, -1.0]),
+        friction: None,
     };
     let mut path: Vec<PathElement> = (0..2 + (random.unit() * 3.0) as usize).map(|_| element(random)).collect();
     let poses: Vec<[f64; 3]> = mechanism.bodies.iter().map(|body| body.pose).collect();
@@ -425,8 +426,9 @@ fn add_tendon(mechanism: &mut Mechanism, random: &mut Random) {
     }
     if path.len() > 2 && random.chance(0.6) {
         path[1].radius_m = random.within(0.002, 0.006);
-        let is_wrapped =
-            |path: &[PathElement]| wraps(path, |element| center_in(element, &poses)).all(|(_, wrap)| wrap > 0.4);
+        let all_on = vec![Bend::Left; path.len()];
+        let center = |element: &PathElement| center_in(element, &poses);
+        let is_wrapped = |path: &[PathElement]| wraps(path, &all_on, center).all(|(_, wrap)| wrap > 0.4);
         if !is_wrapped(&path) {
             path[1].side *= -1.0;
         }
@@ -445,6 +447,8 @@ fn add_tendon(mechanism: &mut Mechanism, random: &mut Random) {
     let mut tendon = Tendon {
         name: "cable".to_string(),
         path,
+        far_joints: Vec::new(),
+        is_reversed: false,
         joints: spool.filter(|_| random.chance(0.5)).map(|joint| (joint, 0.005)).into_iter().collect(),
         stiffness_n_per_m: if is_elastic { random.log_within(20.0, 2e4) } else { 0.0 },
         damping_n_s_per_m: if is_elastic && random.chance(0.7) { random.log_within(1e-3, 2.0) } else { 0.0 },

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use super::states::{States, at_start};
 use super::{BodyRole, Drawing, DrawnBody, FramePose, Shape};
 use crate::law::NormalLaw;
-use crate::mechanism::tendon::{Segment, center_in, segment};
+use crate::mechanism::tendon::{Segment, center_in, segment, settled_path, strands};
 use crate::mechanism::{
     Command, ContactPair, Joint, JointCombination, Mechanism, Outline, OutlineId, OutlineShape, PathElement,
     PrescribedMotion,
@@ -121,28 +121,33 @@ struct CableBar {
 /// length at the start.
 const CABLE_BARS: [(f64, [f64; 2]); 3] = [(0.0, [0.0, 0.5]), (0.5, [-0.25, 0.25]), (1.0, [-0.5, 0.0])];
 
-/// The bars of all cables with the bodies in these states.
+/// The bars of all cables with the bodies in these states. Where a cable is off a pulley, the bars of the segments on both
+/// sides of it share the straight segment between its neighbours.
 fn cables(mechanism: &Mechanism, states: &States) -> Vec<CableBar> {
     let guesses: Vec<[f64; 3]> = mechanism.bodies.iter().map(|body| body.pose).collect();
     let state = |element: &PathElement| states.of(element.body).point(element.point_m);
     let mut bars = Vec::new();
     for tendon in &mechanism.tendons {
-        for (index, ends) in tendon.path.windows(2).enumerate() {
-            let [(from, from_rate), (to, to_rate)] = [state(&ends[0]), state(&ends[1])];
-            let Segment { length, direction } = segment([&ends[0], &ends[1]], sub(to, from));
+        let bends = settled_path(&tendon.path, |element| state(element).0);
+        let shares = strands(&bends).flat_map(|[from, to]| (from..to).map(move |index| (index, [from, to])));
+        for (index, [first, last]) in shares {
+            let (ends, count) = ([&tendon.path[first], &tendon.path[last]], (last - first) as f64);
+            let [(from, from_rate), (to, to_rate)] = ends.map(state);
+            let Segment { length, direction } = segment(ends, sub(to, from));
             let spin = cross(direction, sub(to_rate, from_rate)) / length;
             // The angle is continuous within half a turn from that of the guess.
-            let guessed = sub(center_in(&ends[1], &guesses), center_in(&ends[0], &guesses));
+            let guessed = sub(center_in(ends[1], &guesses), center_in(ends[0], &guesses));
             let angle_rad = nearest_equivalent_angle(atan2(direction[1], direction[0]), atan2(guessed[1], guessed[0]));
             let tangent = |center, k: usize| sub(center, scale(perp(direction), ends[k].signed_radius_m()));
             let velocity = |rate, k: usize| add(rate, scale(direction, ends[k].signed_radius_m() * spin));
-            let between = |a: [f64; 2], b: [f64; 2], part: f64| add(scale(a, 1.0 - part), scale(b, part));
+            let share = |part: f64| ((index - first) as f64 + part) / count;
+            let between = |a: [f64; 2], b: [f64; 2], part: f64| add(scale(a, 1.0 - share(part)), scale(b, share(part)));
             bars.extend(CABLE_BARS.iter().enumerate().map(|(k, &(part, bar_ends))| CableBar {
                 name: format!("{}[{}]", tendon.name, CABLE_BARS.len() * index + k),
                 pose: pose(between(tangent(from, 0), tangent(to, 1), part), angle_rad),
                 rate: pose(between(velocity(from_rate, 0), velocity(to_rate, 1), part), spin),
                 ends: bar_ends,
-                segment_m: length,
+                segment_m: length / count,
             }));
         }
     }

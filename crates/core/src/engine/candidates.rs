@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::cable::{self, PlannedCableFriction};
 use super::closest::{ClosestPoints, closest_points};
 use super::coordinate::{BodyPose, Row, Twist};
 use super::linkage::Linkage;
@@ -49,6 +50,8 @@ pub struct ContactCandidate {
     pub uses_contact_law: bool,
     /// Whether the work of the element counts as work of a motor.
     pub is_motor: bool,
+    /// Friction of a cable.
+    pub cable: Option<CablePass>,
     /// Whether friction acts only against negative slip.
     pub one_way: bool,
     /// The component of the plan that defines the gap.
@@ -68,6 +71,18 @@ pub enum Element {
     Servo(usize),
     /// A powertrain: a force along its slip row.
     Powertrain(usize),
+    /// Friction of a cable on a circle. Its normal force is the tension of the actuator of the cable, plus an offset, so that
+    /// the candidate always has one.
+    Cable(usize),
+}
+
+/// State of the friction of a cable in a step.
+#[derive(Clone, Copy, Debug)]
+pub struct CablePass {
+    /// Wrap in the middle of the step, rad.
+    pub turn: f64,
+    /// Part of the normal force that is not a tension, N.
+    pub offset_n: f64,
 }
 
 /// Torque of a motor with a no-load speed, relative to the stall torque: its sign, and its decrease per unit rate.
@@ -104,6 +119,7 @@ impl ContactCandidate {
             prescribed_gap_motion: [0.0; 2],
             uses_contact_law: false,
             is_motor: false,
+            cable: None,
             one_way: false,
             element,
         }
@@ -151,8 +167,14 @@ impl ContactCandidate {
 
     /// Whether the normal force is prescribed, as of brakes and motors, or the gap of a powertrain.
     pub(crate) fn has_prescribed_normal(&self) -> bool {
-        matches!(self.element, Element::Brake(_) | Element::Motor(_))
+        matches!(self.element, Element::Brake(_) | Element::Motor(_) | Element::Cable(_))
             || self.powertrain.is_some_and(|law| law.has_prescribed_gap())
+    }
+
+    /// Normal force under which the friction law applies, when the force along the normal row is `normal`: the law of a cable
+    /// gives a coefficient.
+    pub(crate) fn law_normal(&self, normal: f64) -> f64 {
+        if self.cable.is_some() { 1.0 } else { normal }
     }
 
     /// Law of friction without a state that changes within narrow ranges of the slip.
@@ -222,6 +244,46 @@ pub fn collect(world: &World, plan: &Plan, linkage: &Linkage, candidates: &mut V
     let servos = plan.servos.iter().enumerate();
     candidates.extend(servos.map(|(index, servo)| servo_candidate(plan, index, servo, &linkage.poses)));
     candidates.extend((0..plan.powertrains.len()).map(|index| powertrain_candidate(plan, index, &linkage.poses)));
+    let frictions = plan.cable_frictions.iter().enumerate();
+    candidates.extend(frictions.map(|(index, friction)| cable_candidate(plan, index, friction, &linkage.poses)));
+}
+
+/// Models the friction of a cable as a contact; [`set_cables`] sets its tension and its wrap.
+fn cable_candidate(plan: &Plan, index: usize, friction: &PlannedCableFriction, poses: &[BodyPose]) -> ContactCandidate {
+    let tendon = &plan.tendons[friction.tendon];
+    let slip_row = cable::slip_row(&tendon.circles, friction.circle, &tendon.far, poses);
+    ContactCandidate {
+        friction: Some(friction.law),
+        cable: Some(CablePass { turn: 0.0, offset_n: 1.0 }),
+        uses_contact_law: tendon.circles[friction.circle].is_on,
+        ..shaft_candidate(plan.first_cable_friction() + index, Element::Cable(index), slip_row)
+    }
+}
+
+/// Sets the wraps of cables with friction in the middle of a step, and the tensions of their actuators: a parabola.
+pub(crate) fn set_cables(
+    plan: &Plan,
+    (poses, velocities): (&[BodyPose], &[Twist]),
+    (t, dt): (f64, f64),
+    candidates: &mut [ContactCandidate],
+) {
+    let times = [1e-9, 0.5, 1.0 - 1e-9].map(|fraction| t + fraction * dt);
+    for candidate in candidates.iter_mut().filter(|candidate| candidate.uses_contact_law) {
+        let Element::Cable(index) = candidate.element else { continue };
+        let PlannedCableFriction { tendon, circle, .. } = plan.cable_frictions[index];
+        let tendon = &plan.tendons[tendon];
+        let motor = tendon.motor.map(|motor| &plan.motors[motor]);
+        let pulls = times.map(|t| motor.map_or(0.0, |motor| motor.stall_torque(t)));
+        let offset_n = pulls.into_iter().fold(0.0, f64::max).max(1.0);
+        let turn = cable::turn(&tendon.circles, circle, poses);
+        let middle = turn + 0.5 * dt * cable::turn_rate(&tendon.circles, circle, poses, velocities);
+        candidate.cable = Some(CablePass { turn: middle.max(0.0), offset_n });
+        candidate.law = NormalLaw::constant_force(offset_n);
+        let [start, middle, end] = pulls.map(|pull| 1.0 + pull / offset_n);
+        let rate = (4.0 * middle - 3.0 * start - end) / dt;
+        (candidate.gap, candidate.prescribed_gap_motion) =
+            (-start, [-rate, -4.0 * (start - 2.0 * middle + end) / (dt * dt)]);
+    }
 }
 
 /// Models a brake as a contact: friction under a force set by [`set_shaft_torques`].
@@ -314,7 +376,7 @@ pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64
                 };
                 continue;
             }
-            Element::Stop(_) | Element::Contact(_) => continue,
+            Element::Stop(_) | Element::Contact(_) | Element::Cable(_) => continue,
         };
         let max_torque = torques.into_iter().fold(0.0, f64::max);
         candidate.law = NormalLaw::constant_force(max_torque);
@@ -387,6 +449,11 @@ pub(crate) fn gap_and_rows_at(
             let PlannedPowertrain { shaft, measured, .. } = &plan.powertrains[index];
             let normal_row = measured.as_ref().map_or_else(Row::none, |measured| measured.row(poses));
             (candidate.gap, [normal_row, shaft.row(poses)])
+        }
+        Element::Cable(index) => {
+            let PlannedCableFriction { tendon, circle, .. } = plan.cable_frictions[index];
+            let tendon = &plan.tendons[tendon];
+            across(cable::slip_row(&tendon.circles, circle, &tendon.far, poses))
         }
         Element::Contact(index) => {
             let points = closest_points(world, plan, index, poses)?;

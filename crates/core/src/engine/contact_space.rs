@@ -5,8 +5,9 @@
 //! λ = W (∂F/∂δ̇ + h ∂F/∂δ), of any rate error. The correction removes that fraction from all rows at once; soft
 //! contacts keep their rates, and the scheme its order.
 
+use super::cable;
 use super::cancellation::Cancellation;
-use super::candidates::{ContactCandidate, Element, ZERO_RATE, gap_and_rows_at};
+use super::candidates::{CablePass, ContactCandidate, Element, ZERO_RATE, gap_and_rows_at};
 use super::coordinate::{BodyPose, Row, Twist};
 use super::linkage::Linkage;
 use super::lists::{refill, reset};
@@ -16,6 +17,7 @@ use super::support::supports;
 use super::world::World;
 use crate::law::friction_coefficient;
 use crate::numeric::dense;
+use crate::numeric::elementary::exp;
 
 /// A contact that can become active within the step.
 #[derive(Clone, Debug)]
@@ -31,6 +33,17 @@ pub struct ActiveContact {
     pub friction_state: f64,
     /// Current of the motor of a powertrain at the start of the step.
     pub current: f64,
+    /// Place among the friction of its cable.
+    pub cable: Option<CablePlace>,
+}
+
+/// Place of the friction of a cable on a circle.
+#[derive(Clone, Copy, Debug)]
+pub struct CablePlace {
+    /// Whether it is the first one of the cable.
+    is_first: bool,
+    /// Normal row of the spring of the cable.
+    spring: Option<usize>,
 }
 
 impl ActiveContact {
@@ -106,6 +119,10 @@ impl ContactSpace {
                 Element::Powertrain(index) => currents[index],
                 _ => 0.0,
             };
+            let cable = match candidate.element {
+                Element::Cable(index) => Some(self.cable_place(plan, index)),
+                _ => None,
+            };
             self.active_contacts.push(ActiveContact {
                 candidate: candidate.clone(),
                 normal,
@@ -113,6 +130,7 @@ impl ContactSpace {
                 rolling,
                 friction_state,
                 current,
+                cable,
             });
         }
         self.coupled = self.rows.len();
@@ -155,6 +173,17 @@ impl ContactSpace {
         )
     }
 
+    /// Place of the friction of a cable among the contacts so far.
+    fn cable_place(&self, plan: &Plan, index: usize) -> CablePlace {
+        let tendon = plan.cable_frictions[index].tendon;
+        let is_first = self.active_contacts.last().is_none_or(|last| match last.candidate.element {
+            Element::Cable(before) => plan.cable_frictions[before].tendon != tendon,
+            _ => true,
+        });
+        let spring = plan.tendons[tendon].stop.and_then(|stop| Some(self.find(stop)?.1.normal));
+        CablePlace { is_first, spring }
+    }
+
     /// Adds the effect of curved surfaces and rotating normals, which the row accelerations do not contain, to the
     /// second derivative of the gap and the first of the slip. It is evaluated from the gap and the slip at the poses
     /// that the current velocities lead to. Accelerations are left out, because an active contact prevents its bodies
@@ -177,6 +206,13 @@ impl ContactSpace {
                 (Element::Servo(index), _) => (contact.normal, &plan.servos[index].coordinate),
                 (Element::Motor(index), Some(tangent)) => (tangent, &plan.motors[index].shaft),
                 (Element::Brake(index), Some(tangent)) => (tangent, &plan.brakes[index].shaft),
+                (Element::Cable(index), Some(tangent)) => {
+                    let friction = &plan.cable_frictions[index];
+                    let tendon = &plan.tendons[friction.tendon];
+                    let state = (&linkage.poses[..], velocities);
+                    self.free[tangent] += cable::slip_rate(&tendon.circles, friction.circle, &tendon.far, state);
+                    continue;
+                }
                 _ => continue,
             };
             self.free[row] += coordinate.second_rate(&linkage.poses, velocities);
@@ -410,6 +446,8 @@ pub(crate) struct Workspace {
     cross_derivative: Vec<f64>,
     /// Force magnitudes that determine the rounding error of the forces.
     force_scale: Vec<f64>,
+    /// Derivatives of the force of a tangent row by the rate of another row, for the friction of cables.
+    cable_derivatives: Vec<(usize, usize, f64)>,
     pub force: Vec<f64>,
     /// Internal states of friction at the solution, one per contact.
     pub friction_state: Vec<f64>,
@@ -534,6 +572,8 @@ impl Workspace {
     #[inline(always)]
     fn evaluate(&mut self, space: &ContactSpace, stage: &Stage, rate: &[f64], rows: usize) -> f64 {
         let h = stage.h;
+        self.cable_derivatives.clear();
+        let mut strand = CableStrand::default();
         for (index, contact) in space.active_contacts.iter().enumerate() {
             let n = contact.normal;
             let gap = stage.gap[index] + h * rate[n];
@@ -553,6 +593,12 @@ impl Workspace {
             let slope = -(h * law.d_delta + law.d_rate);
             (self.force[n], self.diagonal_derivative[n]) = (law.force, slope);
             self.force_scale[n] = law.force.abs();
+            if let Some((place, pass)) = contact.cable.zip(contact.candidate.cable) {
+                self.add_cable_friction(contact, (place, pass), (rate, stage.friction_state[index], h), &mut strand);
+                self.friction_state[index] = strand.state;
+                self.is_slipping[index] = strand.is_slipping;
+                continue;
+            }
             if let Some(t) = contact.tangent {
                 let state = stage.friction_state[index];
                 let friction = contact.candidate.friction_at_step_end([rate[t], state, law.force], h);
@@ -620,6 +666,61 @@ impl Workspace {
                 columns(t, t).for_each(|(at, _)| jacobian[at] = -h * w[at] * derivative);
             }
         }
+        for &(t, other, derivative) in &self.cable_derivatives {
+            columns(other, t).for_each(|(at, from)| jacobian[at] -= h * w[from] * derivative);
+        }
         jacobian.iter_mut().step_by(rows + 1).for_each(|diagonal| *diagonal += 1.0);
     }
+
+    /// Adds the friction of a cable on a circle, which reduces the tension of the strand before it: the force against its slip
+    /// is the difference of both tensions.
+    fn add_cable_friction(
+        &mut self,
+        contact: &ActiveContact,
+        (place, pass): (CablePlace, CablePass),
+        (rate, state, h): (&[f64], f64, f64),
+        strand: &mut CableStrand,
+    ) {
+        let Some(t) = contact.tangent else { return };
+        if place.is_first {
+            let spring = place.spring.map_or(0.0, |spring| self.force[spring]);
+            strand.first = (self.force[contact.normal] - pass.offset_n).max(0.0) + spring;
+            strand.ratio = 1.0;
+            strand.slopes.clear();
+        }
+        let friction = contact.candidate.friction_at_step_end([rate[t], state, 1.0], h);
+        let kept = exp(-friction.force * pass.turn);
+        let lost = strand.ratio * (1.0 - kept);
+        self.force[t] = -strand.first * lost;
+        self.force_scale[t] = strand.first.max(MIN_FORCE_SCALE_N);
+        let slope = pass.turn * friction.d_slip;
+        self.diagonal_derivative[t] = -strand.first * strand.ratio * kept * slope;
+        self.cross_derivative[t] = 0.0;
+        if let Some(spring) = place.spring {
+            self.cable_derivatives.push((t, spring, -lost * self.diagonal_derivative[spring]));
+        }
+        let before = strand.slopes.iter().map(|(row, slope)| (t, *row, strand.first * lost * slope));
+        self.cable_derivatives.extend(before);
+        strand.slopes.push((t, slope));
+        strand.ratio *= kept;
+        (strand.state, strand.is_slipping) = (friction.state, friction.d_normal != 0.0);
+    }
+
+    /// Derivative of the force of a row by its own rate, at the last evaluation.
+    pub fn slope(&self, row: usize) -> f64 {
+        self.diagonal_derivative[row]
+    }
+}
+
+/// A strand of a cable with friction, in the order of its circles.
+#[derive(Default)]
+struct CableStrand {
+    /// Tension of the first strand, and the ratio of that of this strand to it.
+    first: f64,
+    ratio: f64,
+    /// Rows of the friction before the strand, and the derivatives of the logarithms of its ratio by their rates, negative.
+    slopes: Vec<(usize, f64)>,
+    /// Internal state of the last friction, and whether it slips.
+    state: f64,
+    is_slipping: bool,
 }

@@ -53,7 +53,7 @@ impl Row {
     }
 
     /// Adds up components of bodies.
-    fn sum(parts: impl Iterator<Item = (usize, Twist)>) -> Self {
+    pub(super) fn sum(parts: impl Iterator<Item = (usize, Twist)>) -> Self {
         let mut sides: Vec<(usize, Twist)> = Vec::new();
         for (body, part) in parts {
             match sides.iter_mut().find(|(other, _)| *other == body) {
@@ -123,15 +123,25 @@ pub struct Circle {
     pub center: BodyPoint,
     /// Radius, m; positive if the cable passes counter-clockwise, with the centre to its left.
     pub signed_radius_m: f64,
+    /// Whether the cable is on it; an eyelet always is.
+    pub is_on: bool,
+}
+
+impl Circle {
+    /// Position of its centre.
+    pub(super) fn position(&self, pose: &dyn Fn(usize) -> BodyPose) -> [f64; 2] {
+        let of_body = self.center.body.map_or(GROUND, pose);
+        add(of_body.com, rotate(self.center.arm_m, of_body.direction))
+    }
 }
 
 /// The straight part of a cable between two circles, with the arms and velocities of their centres.
-struct Segment {
+pub(super) struct Segment {
     bodies: [Option<usize>; 2],
     arms: [[f64; 2]; 2],
-    length: f64,
+    pub length: f64,
     /// Unit vector along the cable.
-    along: [f64; 2],
+    pub along: [f64; 2],
 }
 
 /// A point of a body, relative to its centre of mass and in its frame; for the ground, a point of the world.
@@ -230,13 +240,9 @@ impl Coordinate {
                 let at = Points::new(points, |body| poses[body]);
                 point_row(points, rotate(*axis, at.base.direction), [at.base_arm, at.arms[1]])
             }
-            Measure::Cable { circles } => Row::sum(segments(circles, &|body| poses[body]).flat_map(|segment| {
-                let side = |k: usize, sign: f64| {
-                    let [x, y] = scale(segment.along, sign);
-                    Some((segment.bodies[k]?, [x, y, cross(segment.arms[k], [x, y])]))
-                };
-                [side(0, -1.0), side(1, 1.0)].into_iter().flatten()
-            })),
+            Measure::Cable { circles } => {
+                Row::sum(segments(circles, &|body| poses[body]).flat_map(|segment| segment.sides(1.0)))
+            }
             Measure::Sum { terms } => Row::sum(terms.iter().flat_map(|(term, factor)| {
                 let row = term.row(poses);
                 let sides: Vec<_> = row.sides().map(|(body, row)| (*body, row.map(|part| factor * part))).collect();
@@ -245,16 +251,12 @@ impl Coordinate {
         }
     }
 
-    /// Returns the circle of a cable within the coordinate that the cable has lifted off.
-    pub(crate) fn lifted(&self, poses: &[BodyPose]) -> Option<usize> {
-        match &self.measure {
-            // NaN is a cable that cannot pass its circles.
-            Measure::Cable { circles } => {
-                let pose = |body: usize| poses[body];
-                wraps(circles, &pose).find(|(_, wrap)| wrap.is_nan() || *wrap < 0.0).map(|(index, _)| index)
-            }
-            Measure::Sum { terms } => terms.iter().find_map(|(term, _)| term.lifted(poses)),
-            _ => None,
+    /// Puts a cable within the coordinate on these circles.
+    pub(super) fn set_path(&mut self, on: &[Circle]) {
+        match &mut self.measure {
+            Measure::Cable { circles } => circles.clone_from_slice(on),
+            Measure::Sum { terms } => terms.iter_mut().for_each(|(term, _)| term.set_path(on)),
+            Measure::Angle { .. } | Measure::Slide { .. } => {}
         }
     }
 
@@ -322,35 +324,48 @@ fn relative_motion(bodies: [Option<usize>; 2], arms: [[f64; 2]; 2], velocities: 
 }
 
 impl Segment {
+    /// Components of the rate of its length, times a factor.
+    pub fn sides(&self, factor: f64) -> impl Iterator<Item = (usize, Twist)> + use<> {
+        let side = |k: usize, sign: f64| {
+            let [x, y] = scale(self.along, sign * factor);
+            Some((self.bodies[k]?, [x, y, cross(self.arms[k], [x, y])]))
+        };
+        [side(0, -1.0), side(1, 1.0)].into_iter().flatten()
+    }
+
     /// Second time derivative of the length of the cable by this part, without accelerations. The part turns at the rate
     /// of its ends across it; the arcs that it leaves or joins cancel.
-    fn second_rate(&self, velocities: &[Twist]) -> f64 {
+    pub fn second_rate(&self, velocities: &[Twist]) -> f64 {
         let [rate, centripetal] = relative_motion(self.bodies, self.arms, velocities);
         dot(self.along, centripetal) + powi(cross(self.along, rate), 2) / self.length
     }
 }
 
-/// The straight parts of a cable. Between circles with signed radii r and s, the part is at the distance s − r from the
+/// The straight parts of a cable between the circles that it is on. Between circles with signed radii r and s, the part is at the distance s − r from the
 /// line of the centres.
-fn segments(circles: &[Circle], pose: &dyn Fn(usize) -> BodyPose) -> impl Iterator<Item = Segment> {
-    circles.windows(2).map(move |pair| {
+pub(super) fn segments(circles: &[Circle], pose: &dyn Fn(usize) -> BodyPose) -> impl Iterator<Item = Segment> {
+    let mut last: Option<&Circle> = None;
+    circles.iter().filter(|circle| circle.is_on).filter_map(move |circle| {
+        let pair = [last.replace(circle)?, circle];
         let Points { arms, between, .. } = Points::new(&[pair[0].center, pair[1].center], pose);
         let offset = pair[1].signed_radius_m - pair[0].signed_radius_m;
         let squared = dot(between, between);
         let length = (squared - offset * offset).sqrt();
         let along = scale(sub(scale(between, length), scale(perp(between), offset)), 1.0 / squared);
-        Segment { bodies: [pair[0].center.body, pair[1].center.body], arms, length, along }
+        Some(Segment { bodies: pair.map(|circle| circle.center.body), arms, length, along })
     })
 }
 
-/// The angles by which a cable wraps its circles, with their indices; negative where it has lifted off.
-fn wraps(circles: &[Circle], pose: &dyn Fn(usize) -> BodyPose) -> impl Iterator<Item = (usize, f64)> {
+/// The angles by which a cable wraps the circles that it is on, with their indices; negative where it would push.
+pub(super) fn wraps(circles: &[Circle], pose: &dyn Fn(usize) -> BodyPose) -> impl Iterator<Item = (usize, f64)> {
     let directions: Vec<[f64; 2]> = segments(circles, pose).map(|segment| segment.along).collect();
-    let wrap = move |index: usize| {
-        let [before, after] = [directions[index - 1], directions[index]];
+    let on: Vec<usize> = (0..circles.len()).filter(|index| circles[*index].is_on).collect();
+    let wrap = move |place: usize, index: usize| {
+        let [before, after] = [directions[place - 1], directions[place]];
         let is_left = circles[index].signed_radius_m > 0.0;
         if is_left { opening_angle(before, after) } else { opening_angle(after, before) }
     };
-    let pulleys = (1..circles.len().saturating_sub(1)).filter(|index| circles[*index].signed_radius_m != 0.0);
-    pulleys.map(move |index| (index, wrap(index)))
+    let inner = (1..on.len().saturating_sub(1)).map(move |place| (place, on[place]));
+    let pulleys = inner.filter(|(_, index)| circles[*index].signed_radius_m != 0.0);
+    pulleys.map(move |(place, index)| (index, wrap(place, index)))
 }

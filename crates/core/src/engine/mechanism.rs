@@ -1,5 +1,6 @@
 //! The plan of a mechanism.
 
+use super::cable::PlannedCableFriction;
 use super::coordinate::{BodyPose, Circle, Coordinate, Measure, Twist};
 use super::plan::{
     BrakeKind, Capsule, ContactPointConvention, Plan, PlannedActuator, PlannedBody, PlannedBrake, PlannedContact,
@@ -74,6 +75,7 @@ pub fn build_mechanism_plan(mechanism: &Mechanism, start: &Start) -> Result<Plan
         bodies: bodies.collect(),
         joints: joints.collect(),
         drives: drives.collect(),
+        reported_circles: mechanism.reported_elements().collect(),
         reported_bodies: mechanism.reported_bodies().collect(),
         ground_carries: ground_carries(mechanism),
         ..Plan::default()
@@ -241,8 +243,11 @@ fn add_springs_and_dampers(plan: &mut Plan, mechanism: &Mechanism, coordinates: 
                 coordinate.less(spring.rest)
             }
             SpringKind::Linear { bodies, points_m } => {
-                let circle =
-                    |k: usize| Circle { center: plan.body_point(bodies[k], points_m[k]), signed_radius_m: 0.0 };
+                let circle = |k: usize| Circle {
+                    center: plan.body_point(bodies[k], points_m[k]),
+                    signed_radius_m: 0.0,
+                    is_on: true,
+                };
                 Coordinate { measure: Measure::Cable { circles: vec![circle(0), circle(1)] }, offset: spring.rest }
             }
         };
@@ -272,8 +277,11 @@ fn add_actuator(plan: &mut Plan, mechanism: &Mechanism, actuator: &Actuator, coo
     };
     plan.brakes.extend(actuator.brake.map(brake));
     if !actuator.powertrain.is_direct() {
-        let circle =
-            |id: PointId| Circle { center: plan.body_point(id.body, mechanism.point(id).at_m), signed_radius_m: 0.0 };
+        let circle = |id: PointId| Circle {
+            center: plan.body_point(id.body, mechanism.point(id).at_m),
+            signed_radius_m: 0.0,
+            is_on: true,
+        };
         let distance = |feedback: DistanceFeedback| Coordinate {
             measure: Measure::Cable { circles: feedback.points.map(circle).into() },
             offset: 0.0,
@@ -307,10 +315,14 @@ fn add_tendon(plan: &mut Plan, tendon: &Tendon, coordinates: &[Coordinate]) {
     let circle = |element: &PathElement| Circle {
         center: plan.body_point(element.body, element.point_m),
         signed_radius_m: element.side * element.radius_m,
+        is_on: true,
     };
-    let cable = Measure::Cable { circles: tendon.path.iter().map(circle).collect() };
+    let circles: Vec<Circle> = tendon.path.iter().map(circle).collect();
+    let spool = |(joint, factor): &(usize, f64)| (coordinates[*joint].clone(), *factor);
+    let far: Vec<_> = tendon.far_joints.iter().map(spool).collect();
+    let cable = Measure::Cable { circles: circles.clone() };
     let mut terms = vec![(Coordinate { measure: cable, offset: 0.0 }, 1.0)];
-    terms.extend(tendon.joints.iter().map(|(joint, factor)| (coordinates[*joint].clone(), *factor)));
+    terms.extend(tendon.joints.iter().map(spool).chain(far.iter().cloned()));
     let length = Coordinate::sum(terms);
     let stop = tendon.law().map(|law| {
         plan.stops.push(PlannedStop { gap: length.clone().less(tendon.rest_m).negated(), law });
@@ -326,7 +338,11 @@ fn add_tendon(plan: &mut Plan, tendon: &Tendon, coordinates: &[Coordinate]) {
         });
         plan.motors.len() - 1
     });
-    plan.tendons.push(PlannedTendon { length, stop, motor });
+    let tendon_index = plan.tendons.len();
+    let frictions = tendon.path.iter().enumerate().filter_map(|(circle, element)| Some((circle, element.friction?)));
+    let planned = frictions.map(|(circle, law)| PlannedCableFriction { tendon: tendon_index, circle, law });
+    plan.cable_frictions.extend(planned);
+    plan.tendons.push(PlannedTendon { length, stop, motor, circles, far });
 }
 
 /// Adds a contact of a point, as a disc, or of an ellipse with a face. The body of the contact is the first of both in the

@@ -3,6 +3,7 @@
 //! `src/docs/engine.md` describes how it drives rapier and the limits of rapier. The engine is independent of the
 //! analytic model: both share only the scene, lengths, masses and scalar laws.
 
+mod cable;
 mod cancellation;
 mod candidates;
 mod closest;
@@ -23,9 +24,10 @@ mod substeps;
 mod support;
 mod world;
 
+pub use cable::{CableReading, PlannedCableFriction};
 pub use candidates::ContactCandidate;
 pub(crate) use candidates::ZERO_RATE;
-pub use contact_space::{ActiveContact, ContactSpace};
+pub use contact_space::{ActiveContact, CablePlace, ContactSpace};
 pub use coordinate::{BodyPoint, BodyPose, Coordinate, Measure, Row, Twist};
 pub use forces::{PalmFrame, kinetic_energy, potential_energies};
 pub use linkage::{Inertia, Linkage, SingularConstraints};

@@ -9,6 +9,7 @@
 
 use rapier2d_f64::prelude::*;
 
+use super::cable::{CableReading, read_circle, update_path};
 use super::cancellation::Cancellation;
 use super::candidates::{self, ContactCandidate, Element};
 use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrection};
@@ -18,7 +19,7 @@ use super::forces;
 use super::joint::anchor_shift;
 use super::linkage::{Linkage, SingularConstraints};
 use super::lists::refill;
-use super::plan::Plan;
+use super::plan::{Plan, PlannedActuator, PlannedTendon};
 use super::powertrain::{PowertrainLaw, PowertrainState, PowertrainStep};
 use super::rapier_contact::{RapierContact, read_rapier_impulses};
 use super::substeps::{ContactExtremum, ContactSolveError, ContactSolver};
@@ -28,6 +29,7 @@ use crate::drive::Profile;
 use crate::integrator::Clock;
 use crate::law::friction_coefficient;
 use crate::mechanism::MIN_DISTANCE_M;
+use crate::mechanism::tendon::CableFault;
 use crate::numeric::elementary::hypot;
 use crate::numeric::plane::{add, dot, scale, sub};
 
@@ -100,6 +102,10 @@ pub struct Motion {
     pub motor_work_j: f64,
     /// Work of contacts, cables, brakes and dampers, J.
     pub contact_work_j: f64,
+    /// Part of it of the friction of cables, J.
+    pub cable_work_j: f64,
+    /// A cable that cannot go on, by its index, and why.
+    pub cable_fault: Option<(usize, CableFault)>,
     /// Smooth forces at the node.
     forces: Vec<Twist>,
     /// Mean velocities of the last step.
@@ -144,8 +150,7 @@ impl Motion {
     /// Creates the motion of a world at t = 0. Fails if the joint constraints are singular.
     pub fn new(plan: Plan, world: World) -> Result<Self, StepError> {
         let linkage = Linkage::new(&world, &plan);
-        let (bodies, drives) = (plan.bodies.len(), plan.powertrains.len());
-        let elements = plan.first_powertrain() + drives;
+        let (bodies, drives, elements) = (plan.bodies.len(), plan.powertrains.len(), plan.element_count());
         let is_driven = |body: usize| plan.drives.iter().any(|drive| drive.body == body);
         let dynamic = (0..bodies).filter(|body| !is_driven(*body));
         let dynamic_bodies = dynamic.map(|body| world.bodies[body]).collect();
@@ -165,6 +170,8 @@ impl Motion {
             last_dt_s: 0.0,
             motor_work_j: 0.0,
             contact_work_j: 0.0,
+            cable_work_j: 0.0,
+            cable_fault: None,
             forces: vec![[0.0; 3]; bodies],
             force_rates: ForceRates::new(bodies),
             mean_velocities: vec![[0.0; 3]; bodies],
@@ -186,6 +193,7 @@ impl Motion {
             previous_poses: vec![[0.0; 3]; bodies],
             previous_torques: Vec::new(),
         };
+        motion.update_paths(true);
         motion.linkage.factorise()?;
         motion.read_mean_velocities();
         motion.velocities.copy_from_slice(&motion.mean_velocities);
@@ -216,6 +224,8 @@ impl Motion {
         let power_before =
             self.support_power + forces::palm_power(&self.plan, &self.linkage, &self.velocities, self.clock.now());
         candidates::set_shaft_torques(&self.plan, &self.linkage.poses, self.clock.now(), dt, &mut self.candidates);
+        let state = (&self.linkage.poses[..], &self.velocities[..]);
+        candidates::set_cables(&self.plan, state, (self.clock.now(), dt), &mut self.candidates);
         // Predicted mean velocities of the step.
         for (v, a) in self.predicted_mean_velocities.iter_mut().zip(self.velocities.iter().zip(&self.accelerations)) {
             *v = std::array::from_fn(|axis| a.0[axis] + 0.5 * dt * a.1[axis]);
@@ -244,6 +254,7 @@ impl Motion {
         }
         self.update_friction_states(dt);
         self.contact_work_j += self.contact.work;
+        self.cable_work_j += self.contact.cable_work;
         self.motor_work_j += self.contact.motor_work;
         let step = (self.clock.now(), dt);
         let impulses = [&self.contact.early_impulse[..], &self.contact.late_impulse[..]];
@@ -263,6 +274,7 @@ impl Motion {
         if self.linkage.poses.iter().any(|pose| !(pose.angle + pose.com[0] + pose.com[1]).is_finite()) {
             return Err(StepError::NotFinite);
         }
+        self.update_paths(false);
         self.linkage.factorise()?;
         self.read_mean_velocities();
         // With rapier's own contact, impulses act on the rates before the step.
@@ -301,6 +313,21 @@ impl Motion {
         self.motor_work_j += 0.5 * dt * (power_before + power_after + support_power);
         self.update_node();
         Ok(())
+    }
+
+    /// Finds the circles that cables are on at the node.
+    fn update_paths(&mut self, is_first: bool) {
+        let Self { plan: Plan { tendons, stops, motors, .. }, linkage, cable_fault, .. } = self;
+        for (index, tendon) in tendons.iter_mut().enumerate() {
+            let PlannedTendon { length, stop, motor, circles, .. } = tendon;
+            let before = circles.iter().filter(|circle| circle.is_on).count();
+            *cable_fault = cable_fault.or_else(|| Some((index, update_path(circles, &linkage.poses, is_first)?)));
+            if is_first || circles.iter().filter(|circle| circle.is_on).count() != before {
+                length.set_path(circles);
+                stop.iter().for_each(|stop| stops[*stop].gap.set_path(circles));
+                motor.iter().for_each(|motor| motors[*motor].shaft.set_path(circles));
+            }
+        }
     }
 
     /// Updates the internal states of friction; those out of reach relax.
@@ -365,12 +392,14 @@ impl Motion {
 
     /// Returns the energy of the internal states of friction, J.
     pub(crate) fn friction_energy(&self) -> f64 {
+        // The friction of a cable is proportional to its tension, and has no stored energy.
+        let stores = |candidate: &&ContactCandidate| candidate.cable.is_none();
         let energy = |candidate: &ContactCandidate| {
             let loss = candidate.powertrain.as_ref().and_then(PowertrainLaw::loss_law);
             let law = candidate.law_with_state().or(loss);
             law.map_or(0.0, |law| law.kind.energy(self.friction_states[candidate.index]))
         };
-        self.candidates.iter().map(energy).sum()
+        self.candidates.iter().filter(stores).map(energy).sum()
     }
 
     /// Returns the torque of a brake on its shaft, N·m.
@@ -412,10 +441,29 @@ impl Motion {
         self.rapier_contacts.iter().find(|contact| contact.index == index)
     }
 
-    /// Returns a tendon and the index of a circle from which its cable has lifted off; `None` if there is none.
-    pub fn lifted_cable(&self) -> Option<(usize, usize)> {
-        let tendons = self.plan.tendons.iter().enumerate();
-        tendons.filter_map(|(index, tendon)| Some((index, tendon.length.lifted(&self.linkage.poses)?))).next()
+    /// Reads the circles of cables that samples report.
+    pub(crate) fn read_elements(&self) -> impl Iterator<Item = CableReading> + '_ {
+        let Self { plan, linkage, velocities, .. } = self;
+        plan.reported_circles.iter().map(move |&[tendon, circle]| {
+            let of = &plan.tendons[tendon];
+            let mut tension = self.tension(of);
+            for (index, friction) in plan.cable_frictions.iter().enumerate() {
+                if friction.tendon == tendon && friction.circle <= circle {
+                    // The force against the slip is the difference of both tensions.
+                    tension += self.forces(plan.first_cable_friction() + index).1;
+                }
+            }
+            CableReading { tension, ..read_circle(&of.circles, circle, &of.far, (&linkage.poses, velocities)) }
+        })
+    }
+
+    /// Tension of the first strand of a cable at the node: that of its spring and of its actuator.
+    pub(crate) fn tension(&self, tendon: &PlannedTendon) -> f64 {
+        let spring = tendon.stop.and_then(|stop| self.candidate(stop)).map_or(0.0, |stop| self.normal_force(stop));
+        let state = (&self.linkage.poses[..], &self.velocities[..]);
+        let pull =
+            tendon.motor.map_or(0.0, |motor| self.plan.effort(PlannedActuator::Motor(motor), self.clock.now(), state));
+        spring + pull
     }
 
     pub fn candidate(&self, index: usize) -> Option<&ContactCandidate> {
@@ -492,6 +540,18 @@ impl Motion {
         rate_correction.rows.clear();
         for (index, active) in space.active_contacts.iter().enumerate() {
             let (normal, force) = (active.normal, contact.force[active.normal]);
+            if let (Element::Cable(_), Some(tangent)) = (active.candidate.element, active.tangent) {
+                let at_end = candidates::find(candidates, active.candidate.index);
+                rate_correction.rows.push(CorrectedRow {
+                    index: tangent,
+                    row: at_end.unwrap_or(&active.candidate).slip_row.clone(),
+                    target: contact.rate[tangent],
+                    removable: f64::INFINITY,
+                    stiffness: (-dt * contact.cable_slope[tangent]).max(0.0),
+                    friction_coupling: 0.0,
+                });
+                continue;
+            }
             // Friction at the end of the contact's own equations.
             let friction = |candidate: &ContactCandidate, tangent: usize| {
                 candidate.friction_at_step_end([contact.rate[tangent], contact.friction_state[index], force], dt)
@@ -566,8 +626,13 @@ impl Motion {
             let is_row = |contact: &ActiveContact| contact.rows().any(|other| other == row);
             contacts.iter().any(|contact| contact.candidate.is_motor && is_row(contact))
         };
+        let is_cable_row = |row: usize| {
+            let of_cables = space.active_contacts.iter().filter(|contact| contact.candidate.cable.is_some());
+            of_cables.into_iter().any(|contact| contact.tangent == Some(row))
+        };
         let (mut contact_work, mut motor_work) = (0.0, 0.0);
         for (row, work) in rate_correction.impulse_work(&self.velocities) {
+            self.cable_work_j += if is_cable_row(row) { work } else { 0.0 };
             *(if is_motor_row(row) { &mut motor_work } else { &mut contact_work }) += work;
         }
         self.contact_work_j += contact_work;
@@ -619,7 +684,9 @@ impl Motion {
         self.add_powertrain_forces();
         forces::driven_accelerations(&self.plan, now, &mut self.driven);
         let mut loads = std::mem::take(&mut self.impulse);
-        for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.element, Element::Brake(_))) {
+        let is_shaft =
+            |candidate: &&ContactCandidate| matches!(candidate.element, Element::Brake(_) | Element::Cable(_));
+        for candidate in self.candidates.iter().filter(is_shaft) {
             candidate.slip_row.add_to(&mut loads, self.forces(candidate.index).1);
         }
         for candidate in self.plan.tendons.iter().filter_map(|tendon| self.candidate(tendon.stop?)) {

@@ -2,7 +2,8 @@
 //!
 //! The plan is independent of rapier; `mechanism` builds it.
 
-use super::coordinate::{BodyPoint, BodyPose, Coordinate, Twist};
+use super::cable::PlannedCableFriction;
+use super::coordinate::{BodyPoint, BodyPose, Circle, Coordinate, Twist};
 use super::powertrain::PlannedPowertrain;
 use crate::gripper::Body;
 use crate::law::{ContactLaw, FrictionLaw, NormalForce, NormalLaw};
@@ -136,6 +137,10 @@ pub struct PlannedTendon {
     pub length: Coordinate,
     pub stop: Option<usize>,
     pub motor: Option<usize>,
+    /// The path elements; those that the cable is on change.
+    pub circles: Vec<Circle>,
+    /// Spools behind the last circle, with the factors of their coordinates in the length.
+    pub far: Vec<(Coordinate, f64)>,
 }
 
 /// u = kp δ + kd δ̇, limited to |u| ≤ limit; δ is the error of the coordinate q. The force is u − |u| q̇/ω₀.
@@ -300,7 +305,7 @@ pub enum ContactPointConvention {
 
 /// All components that the engine builds for a scene.
 ///
-/// Stops, contacts, brakes, motors, servos and powertrains share one element index, in this order.
+/// Stops, contacts, brakes, motors, servos, powertrains and the friction of cables share one element index, in this order.
 #[derive(Clone, Debug, Default)]
 pub struct Plan {
     pub bodies: Vec<PlannedBody>,
@@ -320,6 +325,10 @@ pub struct Plan {
     pub contacts: Vec<PlannedContact>,
     /// Tendons of a mechanism, in the order of the mechanism.
     pub tendons: Vec<PlannedTendon>,
+    /// Friction of cables, cable by cable from the first to the last circle.
+    pub cable_frictions: Vec<PlannedCableFriction>,
+    /// Circles of cables that samples report, by tendon and circle.
+    pub reported_circles: Vec<[usize; 2]>,
     /// Bodies that samples report.
     pub reported_bodies: Vec<usize>,
     /// Contact channel in samples of each stop of a joint. After these, `stops` contains the springs of tendons, which have
@@ -432,6 +441,16 @@ impl Plan {
     /// Element index of the first powertrain.
     pub(crate) fn first_powertrain(&self) -> usize {
         self.first_servo() + self.servos.len()
+    }
+
+    /// Element index of the first friction of a cable.
+    pub(crate) fn first_cable_friction(&self) -> usize {
+        self.first_powertrain() + self.powertrains.len()
+    }
+
+    /// Number of elements.
+    pub(crate) fn element_count(&self) -> usize {
+        self.first_cable_friction() + self.cable_frictions.len()
     }
 
     pub(crate) fn surface(&self, id: SurfaceId) -> &PlannedSurface {

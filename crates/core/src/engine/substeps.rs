@@ -118,6 +118,10 @@ pub struct ContactSolver {
     pub work: f64,
     /// Work of motors and their servos on the bodies, J.
     pub motor_work: f64,
+    /// Part of `work` of the friction of cables, J.
+    pub cable_work: f64,
+    /// Derivative of the force of each row by its own rate at the end of the step, for the friction of cables.
+    pub(crate) cable_slope: Vec<f64>,
     pub changes: Vec<Change>,
     /// ∫F ds and ∬F ds² along each row up to each change, change by change.
     integrals_at_changes: Vec<[f64; 2]>,
@@ -312,7 +316,8 @@ impl ContactSolver {
         reset(&mut self.deepest, contacts, ContactExtremum::default());
         self.changes.clear();
         self.integrals_at_changes.clear();
-        (self.work, self.motor_work) = (0.0, 0.0);
+        (self.work, self.motor_work, self.cable_work) = (0.0, 0.0, 0.0);
+        reset(&mut self.cable_slope, rows, 0.0);
         (self.substeps, self.iterations, self.repeated) = (0, 0, 0);
         let is_touching = |contact: &ActiveContact| contact.candidate.gap <= 0.0 || contact.candidate.is_servo();
         refill(&mut self.buffers.is_touching, space.active_contacts.iter().map(is_touching));
@@ -446,7 +451,8 @@ impl ContactSolver {
         let mut fraction: Option<f64> = None;
         for contact in &space.active_contacts {
             let Some((t, law)) = contact.tangent.zip(contact.candidate.slip_law()) else { continue };
-            let (force_before, force_after) = (self.force[contact.normal], self.work_space.force[contact.normal]);
+            let of_law = |force: &[f64]| contact.candidate.law_normal(force[contact.normal]);
+            let (force_before, force_after) = (of_law(&self.force), of_law(&self.work_space.force));
             if force_before <= 0.0 && force_after <= 0.0 && contact.candidate.powertrain.is_none() {
                 continue;
             }
@@ -500,8 +506,12 @@ impl ContactSolver {
                     let impulse = h * ((1.0 - GAMMA) * first_force[n] + GAMMA * second_force[n]);
                     *total_work += work(n) + target_rate * impulse;
                 }
-                // The normal row of a brake or a motor does no work.
-                Element::Brake(_) | Element::Motor(_) | Element::Powertrain(_) => {}
+                // The normal row of a brake, a motor, a powertrain or a cable does no work.
+                Element::Brake(_) | Element::Motor(_) | Element::Powertrain(_) | Element::Cable(_) => {}
+            }
+            if let (Element::Cable(_), Some(tangent)) = (contact.candidate.element, contact.tangent) {
+                self.cable_work += work(tangent);
+                self.cable_slope[tangent] = self.work_space.slope(tangent);
             }
             contact.tangent.into_iter().chain(contact.rolling).for_each(|row| *total_work += work(row));
         }
@@ -589,6 +599,7 @@ impl ContactSolver {
 fn is_slipping(contact: &ActiveContact, space: &ContactSpace, force: f64) -> bool {
     let tangent = contact.candidate.law_with_state().and(contact.tangent);
     tangent.is_some_and(|t| {
+        let force = contact.candidate.law_normal(force);
         contact.candidate.friction_at_step_end([space.rate[t], contact.friction_state, force], 0.0).d_normal != 0.0
     })
 }
@@ -604,9 +615,10 @@ fn relative_error(space: &ContactSpace, [from, rate, force]: [&[f64]; 3], error:
         let closing = if contact.candidate.has_gap() { rate[n] } else { 0.0 };
         let allowed = tolerance.absolute + tolerance.relative * hypot(rate[t], closing);
         if let Some(law) = contact.candidate.law_with_state() {
-            let max_friction = law.mu_static * force[n] + MIN_STICTION_N;
+            let max_friction = law.mu_static * contact.candidate.law_normal(force[n]) + MIN_STICTION_N;
             let sticking_tolerance = law.sticking_slip(tolerance.slip * max_friction);
-            let is_sticking = force[t].abs() < max_friction && rate[t].abs() < law.sticking_slip(max_friction);
+            let is_within = force[t].abs() < max_friction || contact.candidate.cable.is_some();
+            let is_sticking = is_within && rate[t].abs() < law.sticking_slip(max_friction);
             let slip_allowed = if is_sticking { sticking_tolerance.min(allowed) } else { allowed };
             return (error[n].abs() / allowed).max(error[t].abs() / slip_allowed);
         }

@@ -49,6 +49,8 @@ pub struct Invariants {
     /// Largest decrease of the dissipated energy and its time; also evaluated at the end.
     decrease: (f64, f64),
     dissipated_j: f64,
+    /// See [`cables_return`](super::cables_return).
+    cables_return: bool,
     /// Smallest mechanical energy minus the motor's work so far.
     lowest_j: f64,
     /// Largest increase of that difference above an earlier value.
@@ -97,6 +99,7 @@ impl Invariants {
             max_imbalance: (0.0, 0.0),
             decrease: (0.0, 0.0),
             dissipated_j: f64::NEG_INFINITY,
+            cables_return: super::cables_return(scene),
             lowest_j: f64::INFINITY,
             created_j: 0.0,
             last_s: 0.0,
@@ -164,12 +167,15 @@ impl Invariants {
         let exchanged_j = energy.motor_work_j.abs() + energy.spring_j.abs() + energy.gravity_j.abs();
         self.throughput_j = self.throughput_j.max(stored_j).max(exchanged_j);
         update_max(&mut self.max_imbalance, energy.balance_j.abs(), time_s);
-        let mechanical_j =
-            energy.kinetic_j + energy.gravity_j + energy.spring_j + energy.elastic_j - energy.motor_work_j;
+        let in_cables_j = if self.cables_return { energy.cable_friction_j } else { 0.0 };
+        let mechanical_j = energy.kinetic_j + energy.gravity_j + energy.spring_j + energy.elastic_j
+            - energy.motor_work_j
+            + in_cables_j;
         self.lowest_j = self.lowest_j.min(mechanical_j);
         self.created_j = self.created_j.max(mechanical_j - self.lowest_j);
-        self.dissipated_j = self.dissipated_j.max(energy.dissipated_j);
-        update_max(&mut self.decrease, self.dissipated_j - energy.dissipated_j, time_s);
+        let dissipated_j = energy.dissipated_j - in_cables_j;
+        self.dissipated_j = self.dissipated_j.max(dissipated_j);
+        update_max(&mut self.decrease, self.dissipated_j - dissipated_j, time_s);
     }
 
     /// Measures depth, force and impulse of a contact.

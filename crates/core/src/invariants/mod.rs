@@ -227,6 +227,8 @@ pub struct EnergyAudit {
     /// Largest stored energy.
     max_stored_j: f64,
     dissipated_j: f64,
+    /// See [`cables_return`].
+    cables_return: bool,
     /// Largest |balance| and its time.
     max_imbalance: (f64, f64),
     /// Largest decrease of the dissipated energy and its time.
@@ -256,6 +258,7 @@ impl EnergyAudit {
             max_exchanged_j: 0.0,
             max_stored_j: 0.0,
             dissipated_j: 0.0,
+            cables_return: cables_return(scene),
             max_imbalance: (0.0, 0.0),
             max_created: (0.0, 0.0),
         }
@@ -269,11 +272,12 @@ impl EnergyAudit {
 
     pub fn record(&mut self, time_s: f64, energy: &Energy) {
         let start = *self.start.get_or_insert(*energy);
-        let Energy { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j } = *energy;
+        let Energy { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j, .. } = *energy;
         let [gravity, spring] = [gravity_j - start.gravity_j, spring_j - start.spring_j].map(f64::abs);
         let absorbed_j = kinetic_j + elastic_j + dissipated_j.abs();
         self.max_exchanged_j = self.max_exchanged_j.max(absorbed_j).max(motor_work_j.abs() + spring + gravity);
         self.max_stored_j = self.max_stored_j.max(gravity_j.abs()).max(spring_j.abs());
+        let dissipated_j = dissipated_j - if self.cables_return { energy.cable_friction_j } else { 0.0 };
         self.dissipated_j = self.dissipated_j.max(dissipated_j);
         update_max(&mut self.max_imbalance, balance_j.abs(), time_s);
         update_max(&mut self.max_created, self.dissipated_j - dissipated_j, time_s);
@@ -295,6 +299,13 @@ impl EnergyAudit {
             allowed_j,
         })
     }
+}
+
+/// Whether the friction of a cable returns work: under `presliding` it deflects before it slips, and the work of the
+/// deflection depends on the tension. Such work does not belong to what a run must not return.
+fn cables_return(scene: &Scene) -> bool {
+    let mut frictions = scene.mechanism.iter().flat_map(|mechanism| &mechanism.tendons).flat_map(|tendon| &tendon.path);
+    frictions.any(|element| element.friction.is_some_and(|law| law.has_state()))
 }
 
 /// Updates a maximum and its time; NaN counts as the largest value.

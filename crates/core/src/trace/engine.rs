@@ -92,8 +92,8 @@ impl EngineStepper {
         }
         recorder.state.joint_forces.update(motion);
         recorder.step(motion)?;
-        let lifted = || recorder.describe_lifted(motion);
-        let reason = match recorder.state.failure.clone().or_else(lifted) {
+        let obstacle = || recorder.describe_obstacle(motion);
+        let reason = match recorder.state.failure.clone().or_else(obstacle) {
             Some(reason) => Some(Reason::Obstacle(reason)),
             None => (!recorder.should_continue()).then_some(Reason::Stopped),
         };

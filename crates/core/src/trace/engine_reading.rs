@@ -1,10 +1,11 @@
 //! Converts nodes of the engine model to samples.
 
 use super::sample::DriveState;
-use super::schema::{DistanceState, JointState, MotorState, ShaftState, TendonState};
+use super::schema::{CableElementState, DistanceState, JointState, MotorState, ShaftState, TendonState};
 use super::{BodyState, ContactSample, Energy, Sample};
 use crate::engine::{
-    ContactCandidate, JointReactions, Motion, PalmFrame, PlannedActuator, Twist, kinetic_energy, potential_energies,
+    CableReading, ContactCandidate, JointReactions, Motion, PalmFrame, PlannedActuator, Twist, kinetic_energy,
+    potential_energies,
 };
 use crate::law::{elastic_energy, normal_force};
 use crate::numeric::plane::{perp, rotate, scale, sub};
@@ -37,11 +38,19 @@ pub(super) fn read_state(motion: &Motion, sample: &mut Sample) {
         (&planned.powertrain, drive)
     }));
     for (index, tendon) in plan.tendons.iter().enumerate() {
-        let spring = tendon.stop.and_then(|stop| motion.candidate(stop)).map_or(0.0, |stop| motion.normal_force(stop));
-        let pull =
-            tendon.motor.map_or(0.0, |motor| plan.effort(PlannedActuator::Motor(motor), motion.clock.now(), state));
         let (length_m, rate_m_s) = (tendon.length.value(state.0), tendon.length.row(state.0).rate(state.1));
-        sample.set_tendon(index, &TendonState { length_m, rate_m_s, tension_n: spring + pull });
+        sample.set_tendon(index, &TendonState { length_m, rate_m_s, tension_n: motion.tension(tendon) });
+    }
+    for (index, reading) in motion.read_elements().enumerate() {
+        let CableReading { is_on, turn, gap, slip, tension } = reading;
+        let state = CableElementState {
+            on: f64::from(u8::from(is_on)),
+            wrap_rad: turn,
+            gap_m: gap,
+            slip_m_s: slip,
+            tension_n: tension,
+        };
+        sample.set_cable_element(index, &state);
     }
     for (index, &body) in plan.reported_bodies.iter().enumerate() {
         // A body is reported by its frame.

@@ -122,6 +122,7 @@ impl EngineRecorder<'_> {
         let mut node = std::mem::take(&mut self.state.node);
         let energy =
             stored_energy(motion).relative_to(&self.state.start_energy, motion.contact_work_j, motion.motor_work_j);
+        let energy = Energy { cable_friction_j: 0.0 - motion.cable_work_j, ..energy };
         self.state.failure = self.state.consistency.check(&energy, gap_m, dt);
         read_node(motion, (self.state.last.counts(), energy), &self.state.trackers, &mut node);
         self.state.joint_forces.set(motion, &mut node);
@@ -340,16 +341,16 @@ impl EngineRecorder<'_> {
         exit.map_or(f64::INFINITY, |exit| exit.time_to_exit_s(last))
     }
 
-    /// Explains which cable has lifted off which pulley, or which points have met, if any have.
-    pub(crate) fn describe_lifted(&self, motion: &Motion) -> Option<String> {
+    /// Explains why a cable cannot go on, or which points have met, if either is so.
+    pub(crate) fn describe_obstacle(&self, motion: &Motion) -> Option<String> {
         let mechanism = self.scene.mechanism.as_ref()?;
         if let Some(met) = motion.met_points() {
             let is_met =
                 |actuator: &PlannedActuator| matches!(actuator, PlannedActuator::Powertrain(index) if *index == met);
             return motion.plan.actuators.iter().position(is_met).map(|index| mechanism.describe_met_points(index));
         }
-        let (tendon, element) = motion.lifted_cable()?;
-        Some(mechanism.describe_lifted(&mechanism.tendons[tendon], element))
+        let (tendon, fault) = motion.cable_fault?;
+        Some(mechanism.describe_cable(&mechanism.tendons[tendon], fault))
     }
 
     /// Whether the run may continue; called after every step and after every contact sub-step.

@@ -2,9 +2,9 @@
 
 use super::reading::{Kernel, KernelUser, Start, contact_sample, stored_energy};
 use super::sample::DriveState;
-use super::schema::{DistanceState, MotorState, ShaftState, TendonState};
+use super::schema::{CableElementState, DistanceState, MotorState, ShaftState, TendonState};
 use super::{BodyState, ContactSample, Energy, Exit, JointState, Outcome, RequiredData, RunError, Sample};
-use crate::analytic::mechanism::{JointForces, MechanismMode, MechanismModel};
+use crate::analytic::mechanism::{ElementReading, JointForces, MechanismMode, MechanismModel};
 use crate::drive::Profile;
 use crate::integrator::{Dynamic, State};
 use crate::mechanism::structure::StructureError;
@@ -69,6 +69,16 @@ impl Kernel for MechanismModel {
                 (powertrain, drive)
             }));
         });
+        model.read_elements(t, qv, mode, |index, ElementReading { is_on, turn, gap, slip, tension }| {
+            let state = CableElementState {
+                on: f64::from(u8::from(is_on)),
+                wrap_rad: turn.max(0.0),
+                gap_m: gap,
+                slip_m_s: slip,
+                tension_n: tension,
+            };
+            sample.set_cable_element(index, &state);
+        });
         model.read_bodies(qv, |index, ([x, y, angle_rad], [vx, vy, spin_rad_s])| {
             sample.set_body(index, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
         });
@@ -79,7 +89,10 @@ impl Kernel for MechanismModel {
             true => {
                 let work = state.z[contacts + 1] + model.frame_work(qv);
                 let gap = |index: usize| (index < counts.contacts).then(|| sample.contact(index).gap_m);
-                stored_energy(&model.energies_at_gaps(qv, gap)).relative_to(start, state.z[contacts], work)
+                let stored = stored_energy(&model.energies_at_gaps(qv, gap));
+                // The difference from zero has no negative zero.
+                let cable_friction_j = model.cable_quadrature().map_or(0.0, |index| 0.0 - state.z[index]);
+                Energy { cable_friction_j, ..stored.relative_to(start, state.z[contacts], work) }
             }
             false => Energy::default(),
         });

@@ -1,8 +1,8 @@
 //! State of a run at one instant, and events between instants.
 
 use super::schema::{
-    ActuatorState, BodyState, Channel, ContactSample, Counts, DistanceState, Energy, FingerState, Interpolation,
-    JointState, MotorState, ShaftState, State, TendonState, ValueSource,
+    ActuatorState, BodyState, CableElementState, Channel, ContactSample, Counts, DistanceState, Energy, FingerState,
+    Interpolation, JointState, MotorState, ShaftState, State, TendonState, ValueSource,
 };
 pub use crate::gripper::FingerContact;
 use crate::mechanism::Powertrain;
@@ -75,7 +75,7 @@ impl ContactSample {
 }
 
 impl Energy {
-    /// Returns these stored energies with work, dissipation and balance since the start of the run.
+    /// Returns these energies with work, dissipation and balance since the start of the run.
     pub(super) fn relative_to(self, start: &Energy, contact_work_j: f64, motor_work_j: f64) -> Self {
         let gained_j =
             (self.kinetic_j - start.kinetic_j) + (self.gravity_j - start.gravity_j) + (self.spring_j - start.spring_j);
@@ -289,6 +289,15 @@ impl Sample {
         }
     }
 
+    /// Returns a place of a cable.
+    pub fn cable_element(&self, index: usize) -> CableElementState {
+        self.state(self.counts.element(index))
+    }
+
+    pub fn set_cable_element(&mut self, index: usize, element: &CableElementState) {
+        self.set_state(self.counts.element(index), element);
+    }
+
     /// Sets angles and rates of a finger; the forces of its joints are not changed.
     pub fn set_finger(&mut self, index: usize, finger: &FingerState) {
         let FingerState { q11_rad, q21_rad, q12_rad, q22_rad, qd11_rad_s, qd21_rad_s, qd12_rad_s, qd22_rad_s, .. } =
@@ -458,13 +467,14 @@ impl Sample {
         let mut subjects = Subjects { instant, a: &a.values, b: &b.values, out: &mut self.values };
         subjects.interpolate::<5, JointState>(counts.joint(0), counts.actuator(0));
         subjects.interpolate::<1, ActuatorState>(counts.actuator(0), counts.tendon(0));
-        subjects.interpolate::<3, TendonState>(counts.tendon(0), counts.shaft(0));
+        subjects.interpolate::<3, TendonState>(counts.tendon(0), counts.element(0));
+        subjects.interpolate::<5, CableElementState>(counts.element(0), counts.shaft(0));
         subjects.interpolate::<2, ShaftState>(counts.shaft(0), counts.motor(0));
         subjects.interpolate::<2, MotorState>(counts.motor(0), counts.distance(0));
         subjects.interpolate::<2, DistanceState>(counts.distance(0), counts.body(0));
         subjects.interpolate::<6, BodyState>(counts.body(0), counts.contact(0));
         subjects.interpolate::<11, ContactSample>(counts.contact(0), counts.energy());
-        subjects.interpolate::<7, Energy>(counts.energy(), counts.values());
+        subjects.interpolate::<8, Energy>(counts.energy(), counts.values());
     }
 }
 

@@ -54,6 +54,8 @@ pub enum SubjectKind {
     /// The actuator of a prismatic joint or a tendon, which exerts a force.
     LinearActuator,
     Tendon,
+    /// A place on the path of a tendon: a pulley, or any place between the ends of a cable with friction.
+    CableElement,
     /// The shaft of the motor of an actuator with a gear or an electric motor.
     Shaft,
     /// The electric motor of an actuator.
@@ -77,6 +79,7 @@ impl SubjectKind {
             SubjectKind::Actuator => (&ActuatorState::QUANTITIES, &[]),
             SubjectKind::LinearActuator => (&LINEAR_ACTUATOR_QUANTITIES, &[]),
             SubjectKind::Tendon => (&TendonState::QUANTITIES, &[]),
+            SubjectKind::CableElement => (&CableElementState::QUANTITIES, &[]),
             SubjectKind::Shaft => (&ShaftState::QUANTITIES, &[]),
             SubjectKind::Motor => (&MotorState::QUANTITIES, &[]),
             SubjectKind::Distance => (&DistanceState::QUANTITIES, &[]),
@@ -94,6 +97,7 @@ impl SubjectKind {
             SubjectKind::Joint | SubjectKind::Slider => "joint",
             SubjectKind::Actuator | SubjectKind::LinearActuator => "actuator",
             SubjectKind::Tendon => "tendon",
+            SubjectKind::CableElement => "cable",
             SubjectKind::Shaft => "shaft",
             SubjectKind::Motor => "motor",
             SubjectKind::Distance => "distance",
@@ -260,6 +264,39 @@ impl State<2> for DistanceState {
     }
 }
 
+/// State of a cable at a place of its path. The speed is that of the cable over the place, towards the end where it is pulled.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CableElementState {
+    /// 1 if the cable is on the pulley or eyelet, 0 if it has lifted off.
+    pub on: f64,
+    /// Wrap of the cable; 0 if it is off.
+    pub wrap_rad: f64,
+    /// Distance of the cable from the pulley; 0 if it is on.
+    pub gap_m: f64,
+    /// Speed of the cable; 0 if it is off.
+    pub slip_m_s: f64,
+    /// Tension of the cable behind the place.
+    pub tension_n: f64,
+}
+
+impl State<5> for CableElementState {
+    const QUANTITIES: [Quantity; 5] = [
+        linear("on", ""),
+        linear("wrap_rad", "rad"),
+        linear("gap_m", "m"),
+        linear("slip_m_s", "m/s"),
+        linear("tension_n", "N"),
+    ];
+
+    fn values(&self) -> [f64; 5] {
+        [self.on, self.wrap_rad, self.gap_m, self.slip_m_s, self.tension_n]
+    }
+
+    fn from_values([on, wrap_rad, gap_m, slip_m_s, tension_n]: [f64; 5]) -> Self {
+        Self { on, wrap_rad, gap_m, slip_m_s, tension_n }
+    }
+}
+
 /// State of a rigid body, such as a disc, at one instant. The angle is counter-clockwise; whole turns are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BodyState {
@@ -374,10 +411,20 @@ pub struct Energy {
     /// kinetic + gravity + spring + elastic + dissipated − motor work, minus the same sum at the start. It is zero if
     /// energy is conserved.
     pub balance_j: f64,
+    /// Part of `dissipated_j` of the friction of cables. Only samples with places of cables have this channel.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub cable_friction_j: f64,
 }
 
-impl State<7> for Energy {
-    const QUANTITIES: [Quantity; 7] = [
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
+}
+
+/// Number of energies of all samples.
+const COMMON_ENERGIES: usize = 7;
+
+impl State<8> for Energy {
+    const QUANTITIES: [Quantity; 8] = [
         linear("kinetic_j", "J"),
         linear("gravity_j", "J"),
         linear("spring_j", "J"),
@@ -385,16 +432,19 @@ impl State<7> for Energy {
         linear("dissipated_j", "J"),
         linear("motor_work_j", "J"),
         linear("balance_j", "J"),
+        linear("cable_friction_j", "J"),
     ];
 
-    fn values(&self) -> [f64; 7] {
-        let Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j } = *self;
-        [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j]
+    fn values(&self) -> [f64; 8] {
+        let Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j, cable_friction_j } =
+            *self;
+        [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j, cable_friction_j]
     }
 
-    fn from_values(values: [f64; 7]) -> Self {
-        let [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j] = values;
-        Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j }
+    fn from_values(values: [f64; 8]) -> Self {
+        let [kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j, cable_friction_j] =
+            values;
+        Self { kinetic_j, gravity_j, spring_j, elastic_j, dissipated_j, motor_work_j, balance_j, cable_friction_j }
     }
 }
 
@@ -428,15 +478,17 @@ pub struct Subject {
     column: String,
     /// See [`Schema::has_joint_forces`].
     has_joint_forces: bool,
+    /// Whether samples have places of cables.
+    has_cables: bool,
 }
 
 impl Subject {
     /// Returns the quantities, each with its index in a sample.
     pub fn quantities(&self) -> impl Iterator<Item = (usize, &'static Quantity)> + '_ {
-        let count = if matches!(self.kind, SubjectKind::Joint | SubjectKind::Slider) && !self.has_joint_forces {
-            JOINT_MOTION
-        } else {
-            usize::MAX
+        let count = match self.kind {
+            SubjectKind::Joint | SubjectKind::Slider if !self.has_joint_forces => JOINT_MOTION,
+            SubjectKind::Energy if !self.has_cables => COMMON_ENERGIES,
+            _ => usize::MAX,
         };
         self.kind.quantities().take(count).map(|(k, quantity)| (self.first + k, quantity))
     }
@@ -497,6 +549,8 @@ pub struct Schema {
     pub joints: Vec<JointName>,
     pub actuators: Vec<JointName>,
     pub tendons: Vec<String>,
+    /// Places of cables: `flexor[2]` is the third on the path of the tendon `flexor`.
+    pub elements: Vec<String>,
     /// Actuators with a gear or an electric motor.
     pub shafts: Vec<String>,
     /// Actuators with an electric motor.
@@ -566,6 +620,10 @@ impl Schema {
                 .chain(pulls.map(|actuator| JointName { name: actuator.name.clone(), is_linear: true }))
                 .collect(),
             tendons: mechanism.tendons.iter().map(|tendon| tendon.name.clone()).collect(),
+            elements: mechanism
+                .reported_elements()
+                .map(|[tendon, element]| mechanism.element_name(tendon, element))
+                .collect(),
             shafts: actuators_with(mechanism, Powertrain::has_shaft),
             motors: actuators_with(mechanism, |powertrain| powertrain.motor.is_some()),
             distances: actuators_with(mechanism, |powertrain| powertrain.feedback.is_some()),
@@ -602,6 +660,7 @@ impl Schema {
             actuators: fingers.iter().map(|finger| of_finger(finger, "motor")).collect(),
             fingers,
             tendons: Vec::new(),
+            elements: Vec::new(),
             shafts: Vec::new(),
             motors: Vec::new(),
             distances: Vec::new(),
@@ -626,6 +685,9 @@ impl Schema {
             }
             SubjectKind::Tendon if !self.tendons.iter().any(|known| known == name) => {
                 self.tendons.push(name.to_string())
+            }
+            SubjectKind::CableElement if !self.elements.iter().any(|known| known == name) => {
+                self.elements.push(name.to_string());
             }
             SubjectKind::Shaft | SubjectKind::Motor | SubjectKind::Distance => {
                 let names = match kind {
@@ -664,6 +726,7 @@ impl Schema {
             joints: self.joints.len(),
             actuators: self.actuators.len(),
             tendons: self.tendons.len(),
+            elements: self.elements.len(),
             shafts: self.shafts.len(),
             motors: self.motors.len(),
             distances: self.distances.len(),
@@ -673,14 +736,14 @@ impl Schema {
         }
     }
 
-    /// Returns the subjects in their order in a sample: joints, actuators, tendons, shafts, motors, distances, bodies,
-    /// contacts, energies.
+    /// Returns the subjects in their order in a sample: joints, actuators, tendons, places of cables, shafts, motors, distances,
+    /// bodies, contacts, energies.
     pub fn subjects(&self) -> Vec<Subject> {
         let counts = self.counts();
         let has_joint_forces = self.has_joint_forces;
         let present = |kind, name: &str, first| {
             let [name, column] = [(); 2].map(|()| name.to_string());
-            Subject { kind, name, first, column, has_joint_forces }
+            Subject { kind, name, first, column, has_joint_forces, has_cables: !self.elements.is_empty() }
         };
         let joints = self.joints.iter().enumerate().map(|(k, JointName { name, is_linear })| {
             present(if *is_linear { SubjectKind::Slider } else { SubjectKind::Joint }, name, counts.joint(k))
@@ -692,6 +755,8 @@ impl Schema {
         let tendons = self.tendons.iter().enumerate();
         let tendons = tendons.map(|(k, name)| present(SubjectKind::Tendon, name, counts.tendon(k)));
         let mut subjects: Vec<Subject> = joints.chain(actuators).chain(tendons).collect();
+        let elements = self.elements.iter().enumerate();
+        subjects.extend(elements.map(|(k, name)| present(SubjectKind::CableElement, name, counts.element(k))));
         let shafts = self.shafts.iter().enumerate();
         subjects.extend(shafts.map(|(k, name)| present(SubjectKind::Shaft, name, counts.shaft(k))));
         let motors = self.motors.iter().enumerate();
@@ -776,7 +841,8 @@ fn column_name(kind: SubjectKind, subject: &str, key: &str) -> String {
 /// Whether these are the names of the channels of a run. Such names begin with the time and end with the energies.
 pub fn are_sample_columns(columns: &[&str]) -> bool {
     let energies = Energy::QUANTITIES.map(|quantity| quantity.key);
-    columns.len() > energies.len() && columns[0] == TIME && columns.ends_with(&energies)
+    let ends_with_energies = columns.ends_with(&energies) || columns.ends_with(&energies[..COMMON_ENERGIES]);
+    columns.len() > COMMON_ENERGIES && columns[0] == TIME && ends_with_energies
 }
 
 /// Number of subjects of each kind in a sample. They determine the places of the numbers of a subject.
@@ -788,6 +854,8 @@ pub struct Counts {
     /// Actuators, including those of fingers.
     pub actuators: usize,
     pub tendons: usize,
+    /// Places of cables.
+    pub elements: usize,
     pub shafts: usize,
     pub motors: usize,
     pub distances: usize,
@@ -823,8 +891,12 @@ impl Counts {
         self.actuator(self.actuators) + TendonState::QUANTITIES.len() * index
     }
 
+    pub(super) fn element(self, index: usize) -> usize {
+        self.tendon(self.tendons) + CableElementState::QUANTITIES.len() * index
+    }
+
     pub(super) fn shaft(self, index: usize) -> usize {
-        self.tendon(self.tendons) + ShaftState::QUANTITIES.len() * index
+        self.element(self.elements) + ShaftState::QUANTITIES.len() * index
     }
 
     pub(super) fn motor(self, index: usize) -> usize {

@@ -97,6 +97,10 @@ impl Mirror<'_> {
         SumLimit { name, on: self.combination(&limit.on), ..limit.clone() }
     }
 
+    fn spools(&self, joints: &[(usize, f64)]) -> Vec<(usize, f64)> {
+        joints.iter().map(|(joint, factor)| (self.joint[*joint], *factor)).collect()
+    }
+
     /// Returns the image of a tendon, without its actuator.
     pub fn tendon(&self, tendon: &Tendon, name: String) -> Tendon {
         let element = |element: &PathElement| PathElement {
@@ -109,7 +113,8 @@ impl Mirror<'_> {
         Tendon {
             name,
             path: tendon.path.iter().map(element).collect(),
-            joints: tendon.joints.iter().map(|(joint, factor)| (self.joint[*joint], *factor)).collect(),
+            joints: self.spools(&tendon.joints),
+            far_joints: self.spools(&tendon.far_joints),
             actuator: None,
             ..tendon.clone()
         }

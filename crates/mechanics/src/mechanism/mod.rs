@@ -29,7 +29,7 @@ mod overlap;
 mod powertrain;
 
 use crate::drive::{Brake, Profile};
-use crate::law::{Damping, NormalLaw};
+use crate::law::{Damping, FrictionLaw, NormalLaw};
 use crate::numeric::Real;
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, rotate};
@@ -164,9 +164,10 @@ pub enum SpringKind {
     Linear { bodies: [Option<usize>; 2], points_m: [[f64; 2]; 2] },
 }
 
-/// A massless cable without friction. The tension T ≥ 0 is the same along its whole length L. L is the sum of the
-/// straight segments and arcs of its path, and of joint terms. T is the force of a spring and a damper that cannot
-/// push, plus the tension of an actuator.
+/// A massless cable. Its length L is the sum of the straight segments and arcs of its path, and of joint terms. The tension
+/// T ≥ 0 of its first segment is the force of a spring and a damper that cannot push, plus the tension of an actuator.
+/// Without friction it is the tension of the whole cable. Friction with the coefficient μ at an element with the wrap ψ
+/// reduces it by exp(−μ ψ), where the cable slips towards the first segment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tendon {
     pub name: String,
@@ -174,8 +175,10 @@ pub struct Tendon {
     /// spools.
     pub path: Vec<PathElement>,
     /// Pairs (joint, c): the length contains the term c q, where q is the coordinate of the joint. For a spool of
-    /// radius r, c is ±r.
+    /// radius r, c is ±r. These spools have the tension of the first segment.
     pub joints: Vec<(usize, f64)>,
+    /// The same for spools behind the last segment, whose tension they have.
+    pub far_joints: Vec<(usize, f64)>,
     /// Stiffness k, N/m: T = max(0, k (L − rest) + c dL/dt) for L > rest. With k = c = 0, only the actuator pulls.
     pub stiffness_n_per_m: f64,
     /// Damping c, N·s/m.
@@ -183,6 +186,8 @@ pub struct Tendon {
     /// Free length, m.
     pub rest_m: f64,
     pub actuator: Option<TendonActuator>,
+    /// Whether the path of the scene is in the opposite order.
+    pub is_reversed: bool,
 }
 
 /// A path element of a tendon: an eyelet, or a pulley that does not turn with the cable.
@@ -195,6 +200,9 @@ pub struct PathElement {
     pub radius_m: f64,
     /// +1: the cable passes the pulley counter-clockwise, with the centre on its left; −1: clockwise.
     pub side: f64,
+    /// Law of the friction coefficient over the speed of the cable on the element; the coefficient is the force of the law
+    /// under a normal force of 1. `None` without friction, and at the ends of the path.
+    pub friction: Option<FrictionLaw>,
 }
 
 /// An actuator that pulls a tendon.
@@ -404,6 +412,11 @@ impl Spring {
 }
 
 impl Tendon {
+    /// Spools at both ends of the cable, as pairs (joint, c).
+    pub fn spools(&self) -> impl Iterator<Item = &(usize, f64)> {
+        self.joints.iter().chain(&self.far_joints)
+    }
+
     /// Law of the spring and damper over the elongation beyond `rest_m`; `None` for a cable without them.
     pub fn law(&self) -> Option<NormalLaw> {
         let damping = Damping::Constant { n_s_per_m: self.damping_n_s_per_m };

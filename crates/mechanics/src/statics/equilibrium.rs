@@ -31,6 +31,11 @@ pub enum StaticsError {
     )]
     NoLever { lever_m: f64 },
     #[error(
+        "the cable of the tendon {tendon} has friction: its tensions at rest depend on the motion before, so that no balanced \
+         acceleration is defined; remove the friction of the tendon for it, and read the forces of the run instead"
+    )]
+    CableFriction { tendon: String },
+    #[error(
         "form closure could not be decided: {certificate} fails its check (the residual is {residual:.1e}, at most 1e-9 is \
          allowed); the grasp is on the boundary, change it slightly"
     )]

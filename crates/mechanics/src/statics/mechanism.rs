@@ -12,7 +12,7 @@ use super::form_closure::{Certificate, decide_by_linear_program};
 use super::simplex::{LinearProgram, Outcome, Rule};
 use super::{FormClosure, Result, Roles, Row, StaticsError, Unilateral, Unknown};
 use crate::gripper::number;
-use crate::mechanism::tendon::{center_in, length_in, segment};
+use crate::mechanism::tendon::{center_in, length_in, segment, settled_path, strands};
 use crate::mechanism::{
     JointCombination, Mechanism, Pose, Spring, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
     coordinate_in, point_in,
@@ -328,10 +328,12 @@ impl<'a> Frame<'a> {
     /// Gradient of the length of a tendon.
     fn tendon(&self, tendon: &Tendon) -> DVector<f64> {
         let poses = self.at_rest.poses;
-        let mut terms = vec![self.combination(&JointCombination { terms: tendon.joints.clone(), offset: 0.0 })];
-        for ends in tendon.path.windows(2) {
-            let centers = [0, 1].map(|k: usize| center_in(&ends[k], poses));
-            let along = segment([&ends[0], &ends[1]], sub(centers[1], centers[0])).direction;
+        let spools = [&tendon.joints[..], &tendon.far_joints].concat();
+        let mut terms = vec![self.combination(&JointCombination { terms: spools, offset: 0.0 })];
+        for ends in strands(&settled_path(&tendon.path, |element| center_in(element, poses))) {
+            let ends = ends.map(|element| &tendon.path[element]);
+            let centers = [0, 1].map(|k: usize| center_in(ends[k], poses));
+            let along = segment(ends, sub(centers[1], centers[0])).direction;
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
                 terms.push(self.force(ends[k].body, centers[k], scale(along, sign)));
             }
@@ -474,6 +476,9 @@ impl<'a> Frame<'a> {
     /// Equations with the fixed load and these drives, the friction of joints, the weight, and the cones of contacts.
     fn with_contacts(&self, fixed: &DVector<f64>, drives: Vec<(Vec<f64>, [f64; 2])>) -> Result<Equations> {
         let MechanismAtRest { mechanism, contacts, .. } = self.at_rest;
+        if let Some(tendon) = mechanism.tendons.iter().find(|tendon| tendon.has_friction()) {
+            return Err(StaticsError::CableFriction { tendon: tendon.name.clone() });
+        }
         for contact in *contacts {
             number("mu_static", contact.mu, contact.mu >= 0.0, "must be finite, 0 or more")?;
         }

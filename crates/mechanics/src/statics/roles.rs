@@ -345,7 +345,7 @@ impl Graph<'_> {
         }));
         edges.extend(tendons.iter().map(|tendon| {
             let path = tendon.path.iter().map(|element| element.body);
-            path.chain(of_joints(&tendon.joints)).collect()
+            path.chain(of_joints(&tendon.joints)).chain(of_joints(&tendon.far_joints)).collect()
         }));
         edges
     }

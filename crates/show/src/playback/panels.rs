@@ -87,6 +87,11 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
     let limits: Vec<Item> = limits.map(|contact| (contact.name.clone(), contact.name.clone())).collect();
     let named = |names: &[String]| -> Vec<Item> { names.iter().map(|name| (name.clone(), name.clone())).collect() };
     let tendons = named(&schema.tendons);
+    // Without friction the tension is the same everywhere.
+    let rubs = |name: &&String| {
+        mechanism.tendons.iter().any(|tendon| tendon.has_friction() && name.starts_with(&format!("{}[", tendon.name)))
+    };
+    let places: Vec<Item> = schema.elements.iter().filter(rubs).map(|name| (name.clone(), name.clone())).collect();
     let is_free = |body: &usize| !mechanism.has_joint(Some(*body));
     let free = mechanism.reported_bodies().filter(is_free).map(|body| &mechanism.bodies[body].name);
     let bodies: Vec<Item> = free.map(|name| (name.clone(), name.clone())).collect();
@@ -114,6 +119,8 @@ pub(super) fn panels(scene: &Scene, schema: &Schema, contacts: &[ShownContact]) 
         panel("Torque", "N·m", torques),
         of("Force", "N", SubjectKind::LinearActuator, &drives, &[("", "force_n", None)]),
         of("Tendon tension", "N", SubjectKind::Tendon, &tendons, &[("", "tension_n", None)]),
+        of("Tension behind", "N", SubjectKind::CableElement, &places, &[("", "tension_n", None)]),
+        of("Cable speed", "m/s", SubjectKind::CableElement, &places, &[("", "slip_m_s", None)]),
         of("Tendon length", "m", SubjectKind::Tendon, &tendons, &[("", "length_m", Some("rate_m_s"))]),
         of("Motor torque", "N·m", SubjectKind::Shaft, &named(&schema.shafts), &[("", "motor_torque_n_m", None)]),
         of("Current", "A", SubjectKind::Motor, &named(&schema.motors), &[("", "current_a", None)]),
@@ -156,8 +163,14 @@ fn energy_panel(schema: &Schema, has_joints: bool) -> PanelPlan {
         ("contact", "elastic_j", None),
         ("gravity", "gravity_j", None),
         ("balance", "balance_j", None),
+        ("cable friction", "cable_friction_j", None),
     ];
-    quantities.retain(|(name, ..)| has_joints || *name != "spring");
+    let is_shown = |name: &str| match name {
+        "spring" => has_joints,
+        "cable friction" => !schema.elements.is_empty(),
+        _ => true,
+    };
+    quantities.retain(|(name, ..)| is_shown(name));
     let hand = [("energy".to_string(), String::new())];
     panel("Energy", "J", curves(schema, SubjectKind::Energy, &hand, &quantities))
 }

@@ -53,6 +53,8 @@ pub struct States {
     pub tendons: Named<JointReport>,
     /// Shafts, motors and distances of actuators, together by the name of the actuator.
     pub drives: Named<JointReport>,
+    /// Places of the cables of a mechanism with friction, and pulleys from which the cable has lifted off.
+    pub elements: Named<JointReport>,
     /// States of the fingers. The name of a single finger is empty.
     pub fingers: Named<FingerState>,
     pub bodies: Named<BodyReport>,
@@ -117,11 +119,18 @@ impl States {
                 }
             }
         }
+        let rubs = |name: &str| {
+            let all = mechanism.into_iter().flat_map(|mechanism| &mechanism.tendons);
+            all.filter(|tendon| tendon.has_friction()).any(|tendon| name.starts_with(&format!("{}[", tendon.name)))
+        };
+        let is_special =
+            |(name, report): &(String, JointReport)| rubs(name) || report.0.first().is_some_and(|on| on.1 < 0.5);
         States {
             drives,
             joints: quantities_of([SubjectKind::Joint, SubjectKind::Slider]),
             actuators: quantities_of([SubjectKind::Actuator, SubjectKind::LinearActuator]),
             tendons: quantities_of([SubjectKind::Tendon; 2]),
+            elements: quantities_of([SubjectKind::CableElement; 2]).0.into_iter().filter(is_special).collect(),
             fingers: fingers.map(|(name, state)| (name.clone(), state)).collect(),
             bodies: bodies.map(body).chain(fixed).collect(),
             finger_count: schema.fingers.len(),
@@ -144,12 +153,17 @@ impl States {
                 let mut entries = vec![
                     ("joints", present(State::Joints(&self.joints))),
                     ("actuators", present(State::Joints(&self.actuators))),
+                    ("drives", present(State::Joints(&self.drives))),
                     ("tendons", present(State::Joints(&self.tendons))),
+                    ("cables", present(State::Joints(&self.elements))),
                     ("bodies", present(State::Bodies(&self.bodies))),
                 ];
-                if !self.drives.0.is_empty() {
-                    entries.insert(2, ("drives", present(State::Joints(&self.drives))));
-                }
+                // Most mechanisms have neither.
+                entries.retain(|(key, _)| match *key {
+                    "drives" => !self.drives.0.is_empty(),
+                    "cables" => !self.elements.0.is_empty(),
+                    _ => true,
+                });
                 entries
             }
             1 => vec![("final", self.fingers.first().map(State::Finger))],

@@ -172,10 +172,12 @@ pub fn energies(energy: &Energy, has_motor: bool) -> Report {
         (if has_motor { "motor work" } else { "drive work" }, energy.motor_work_j),
         ("balance", energy.balance_j),
     ];
+    let of_cables = (energy.cable_friction_j != 0.0).then_some(("cable friction", energy.cable_friction_j));
     // Energies below the rounding error of the largest one have no valid digits.
     let rounding_j = energies.iter().fold(0.0f64, |most, (_, joule)| most.max(joule.abs())) * f64::EPSILON;
     let (mut names, mut figures) = (row(["energy"]), row(["mJ"]));
-    for (name, joule) in energies.into_iter().filter(|(name, _)| has_motor || *name != "spring") {
+    let shown = energies.into_iter().filter(|(name, _)| has_motor || *name != "spring").chain(of_cables);
+    for (name, joule) in shown {
         names.push(name.to_string());
         figures.push(format_number(if joule.abs() < rounding_j { 0.0 } else { joule * 1e3 }, 5));
     }

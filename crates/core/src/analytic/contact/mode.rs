@@ -163,7 +163,7 @@ impl<R: Row> ContactVariables<'_, R> {
     }
 
     /// Range of the friction law under a normal force, N; not monitored without a law.
-    fn friction_range(&self, normal: f64) -> FrictionRange {
+    pub(crate) fn friction_range(&self, normal: f64) -> FrictionRange {
         self.friction.map_or(FrictionRange::Any, |law| law.range(self.friction_point(normal)))
     }
 }

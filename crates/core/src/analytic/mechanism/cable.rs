@@ -2,6 +2,7 @@
 
 use crate::analytic::ContactState;
 use crate::mechanism::Tendon;
+use crate::mechanism::tendon::Bend;
 
 /// A tendon of a mechanism in the model.
 #[derive(Clone, Debug)]
@@ -10,6 +11,10 @@ pub(super) struct Cable {
     pub tendon: Tendon,
     /// Index of the cable among the contacts, if it has a spring or a damper.
     pub contact: Option<usize>,
+    /// Index of its first path element among those of all cables.
+    pub first: usize,
+    /// Index among the contacts of the friction of each path element; empty if none has friction.
+    pub frictions: Vec<Option<usize>>,
 }
 
 /// Tension of the spring and damper with its derivatives by elongation and rate, and the tension of the actuator with its
@@ -30,11 +35,30 @@ impl Tension {
 }
 
 impl Cable {
-    /// Builds a cable without a contact.
+    /// Builds a cable without contacts.
     pub fn new(tendon: &Tendon) -> Self {
         let mut tendon = tendon.clone();
         tendon.actuator.iter_mut().for_each(|actuator| actuator.tension = actuator.tension.positive_part());
-        Self { tendon, contact: None }
+        Self { tendon, contact: None, first: 0, frictions: Vec::new() }
+    }
+
+    /// Builds all cables without contacts.
+    pub fn all(tendons: &[Tendon]) -> Vec<Self> {
+        let mut first = 0;
+        let cable = |tendon: &Tendon| {
+            let cable = Self { first, ..Self::new(tendon) };
+            first += tendon.path.len();
+            cable
+        };
+        tendons.iter().map(cable).collect()
+    }
+
+    /// How the cable passes its path, from the bends at the path elements of all cables. One without places between its ends
+    /// passes both: a measured distance is such a cable, and is not among those of the mechanism.
+    #[inline(always)]
+    pub fn bends<'a>(&self, all: &'a [Bend]) -> &'a [Bend] {
+        const ENDS: [Bend; 2] = [Bend::Left; 2];
+        if self.tendon.path.len() == ENDS.len() { &ENDS } else { &all[self.first..][..self.tendon.path.len()] }
     }
 
     /// Tension of the actuator and its rate.

@@ -1,4 +1,4 @@
-//! Contacts of a mechanism: between surfaces, with the limits of joints, along tendons, and the friction of joints.
+//! Contacts of a mechanism: between surfaces, with the limits of joints, along tendons, and the friction of joints and cables.
 
 use super::cable::Cable;
 use super::nearest::{Face, PointOnFace};
@@ -6,7 +6,7 @@ use crate::law::{FrictionKind, FrictionLaw, NormalLaw};
 use crate::mechanism::{Limit, Mechanism};
 use std::cell::Cell;
 
-/// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint.
+/// The two surfaces of a contact, the limit of a joint, a tendon, or the friction of a joint or cable.
 #[derive(Clone, Debug)]
 pub(super) enum Surfaces {
     Point(PointOnFace),
@@ -15,6 +15,8 @@ pub(super) enum Surfaces {
     Tendon(usize),
     /// Friction of a joint, by its index, under a normal force of 1.
     Friction(usize),
+    /// Friction of a cable on a path element, by their indices, under a normal force of 1.
+    Cable(usize, usize),
 }
 
 #[derive(Clone, Debug)]
@@ -68,8 +70,8 @@ impl FrictionStates {
     }
 }
 
-/// All contacts in the order of [`Mechanism::point_contacts`], of [`Mechanism::limits`], of the tendons, then of friction in
-/// joints. Adds the internal states of their friction, and the contacts of elastic cables to these.
+/// All contacts in the order of [`Mechanism::point_contacts`], of [`Mechanism::limits`], of the tendons, of friction in
+/// joints, then of friction of cables. Adds the internal states of their friction, and the contacts of cables to these.
 pub(super) fn contacts(mechanism: &Mechanism, cables: &mut [Cable], states: &mut FrictionStates) -> Vec<Contact> {
     let mut contacts = Vec::new();
     for point in mechanism.point_contacts() {
@@ -99,6 +101,17 @@ pub(super) fn contacts(mechanism: &Mechanism, cables: &mut [Cable], states: &mut
     for (joint, law) in joint_frictions(mechanism) {
         let contact = Contact::frictionless(Surfaces::Friction(joint), NormalLaw::constant_force(1.0));
         contacts.push(Contact { friction: Some(law), state: states.add(Some(law.kind)), ..contact });
+    }
+    for (index, cable) in cables.iter_mut().enumerate().filter(|(_, cable)| cable.tendon.has_friction()) {
+        for (element, of) in cable.tendon.path.iter().enumerate() {
+            cable.frictions.push(of.friction.map(|_| contacts.len()));
+            let contact = Contact::frictionless(Surfaces::Cable(index, element), NormalLaw::constant_force(1.0));
+            contacts.extend(of.friction.map(|law| Contact {
+                friction: Some(law),
+                state: states.add(Some(law.kind)),
+                ..contact
+            }));
+        }
     }
     contacts
 }

@@ -358,7 +358,7 @@ impl MechanismModel {
                     g[contact_work] += effort * rate;
                     contact.state.into_iter().for_each(|state| load[state] += state_rate);
                 }
-                Surfaces::Tendon(_) => {}
+                Surfaces::Tendon(_) | Surfaces::Cable(..) => {}
             }
         }
     }
@@ -718,7 +718,7 @@ impl MechanismModel {
                         sums.g_v[contact_work][state] += by_state * rate;
                     }
                 }
-                Surfaces::Tendon(_) => {}
+                Surfaces::Tendon(_) | Surfaces::Cable(..) => {}
             }
         }
         for &(index, kind) in &self.friction_states {
@@ -791,8 +791,8 @@ impl Contact {
         add(&mut forces.power, spin, moment.value);
     }
 
-    /// Torque or force of the friction of a joint, and its contribution to the rate of the internal state.
-    fn joint_friction<T: Real>(&self, rate: T, state: Option<T>, range: FrictionRange) -> [T; 2] {
+    /// Friction of a joint or cable under a normal force of 1, and its contribution to the rate of the internal state.
+    pub(super) fn joint_friction<T: Real>(&self, rate: T, state: Option<T>, range: FrictionRange) -> [T; 2] {
         let Some(law) = &self.friction else { return [T::zero(); 2] };
         let effort = law.force(rate, state, T::constant(1.0), range);
         [effort, law.state_rate(effort)]
@@ -827,7 +827,7 @@ impl System for MechanismModel {
         g.fill(0.0);
         self.with_factors((q, v), |motions, factors| {
             self.add_loads(t, v, mode, (motions, factors), (a, g));
-            self.add_tendon_loads(t, mode, motions, (a, g));
+            self.add_tendon_loads(t, v, mode, motions, (a, g));
             self.add_drive_loads(t, v, mode, motions, (a, g));
             g[self.drive_work()] += self.solve(factors, a);
         });

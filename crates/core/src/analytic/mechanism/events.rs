@@ -17,27 +17,29 @@ use crate::integrator::{
     Tolerances,
 };
 use crate::mechanism::structure::Placement;
+use crate::mechanism::tendon::Bend;
 use crate::mechanism::{Actuator, Limit, Limited};
 
-/// Margin below which a cable counts as lifted in the description of an obstacle, rad: the end is not located exactly.
-const WRAP_ROUNDING: f64 = 1e-6;
-/// The same for points that have met, m.
+/// Margin below which points count as met in the description of an obstacle, m: the end is not located exactly.
 const MET_ROUNDING_M: f64 = 1e-8;
 
 /// What an event function belongs to, by its index.
 enum EventOf {
     Contact(usize),
     Actuator(usize),
+    /// A path element of a cable, by its index among those that are monitored.
+    Path(usize),
     Features,
 }
 
 impl EventOf {
-    /// The subject of an event function of these contacts and `count` functions in all.
-    fn index(event: usize, contacts: usize, count: usize) -> Self {
+    /// The subject of an event function of these contacts and ranges of actuators and `count` functions in all.
+    fn index(event: usize, [contacts, ranges]: [usize; 2], count: usize) -> Self {
         match event {
             _ if event + 1 == count => Self::Features,
             _ if event < 3 * contacts => Self::Contact(event % contacts),
-            _ => Self::Actuator(event - 3 * contacts),
+            _ if event < 3 * contacts + ranges => Self::Actuator(event - 3 * contacts),
+            _ => Self::Path(event - 3 * contacts - ranges),
         }
     }
 }
@@ -51,6 +53,9 @@ const MAX_DRIVEN_STEP_S: f64 = 1.0;
 const FEATURE_MARGIN_M: f64 = 1e-12;
 /// Tolerance of locating that end, m.
 const FEATURE_TOLERANCE_M: f64 = 3e-13;
+
+/// Mode of the friction of a cable on an element that it is off: without events.
+const OFF: ContactMode = ContactMode { state: ContactState::Active, ..ContactMode::FREE };
 
 /// Derivatives of the gap or the slip of a contact.
 enum ContactRow<'a> {
@@ -70,6 +75,12 @@ enum ContactRow<'a> {
     },
     /// The length of a cable.
     Cable(&'a Cable),
+    /// The speed of a cable over a path element, and the index of an internal state of friction.
+    Slip {
+        cable: &'a Cable,
+        element: usize,
+        state: Option<usize>,
+    },
     Zero,
 }
 
@@ -98,9 +109,13 @@ impl Row for RowAt<'_> {
                 *state
             }
             ContactRow::Cable(cable) => {
-                model.add_length_row(motions, &cable.tendon, row);
+                model.add_length_row(motions, cable, row);
                 row.iter_mut().for_each(|part| *part = -*part);
                 None
+            }
+            ContactRow::Slip { cable, element, state } => {
+                model.add_slip_row(motions, cable, *element, row);
+                *state
             }
             ContactRow::Zero => None,
         };
@@ -117,14 +132,15 @@ impl Row for Vec<f64> {
 
 impl MechanismModel {
     /// Number of event functions: those of normal laws, friction laws and dampers of all contacts, then of the ranges of
-    /// actuators, then one for the features of all faces.
+    /// actuators, of the path elements of cables, and one for the features of all faces.
     fn event_function_count(&self) -> usize {
-        3 * self.contacts.len() + self.range_count + 1
+        3 * self.contacts.len() + self.range_count + self.monitored.len() + 1
     }
 
     /// What an event function belongs to.
     fn subject_of(&self, event: usize) -> EventOf {
-        EventOf::index(event, self.contacts.len(), self.event_function_count())
+        let before = [self.contacts.len(), self.mechanism.actuators.len()];
+        EventOf::index(event, before, self.event_function_count())
     }
 
     /// State of a contact, with its laws.
@@ -161,9 +177,14 @@ impl MechanismModel {
                 ContactRow::Zero,
                 ContactRow::Joint { joint: *joint, factor: 1.0, state },
             ),
+            Surfaces::Cable(cable, element) => {
+                let (cable, element) = (&self.cables[*cable], *element);
+                let slip = self.slip_on(motions, cable, element);
+                ([1.0, 0.0, slip], ContactRow::Zero, ContactRow::Slip { cable, element, state })
+            }
             Surfaces::Tendon(index) => {
                 let cable = &self.cables[*index];
-                let elongation = self.elongation(motions, &cable.tendon);
+                let elongation = self.elongation(motions, cable);
                 ([elongation.value, elongation.rate, 0.0], ContactRow::Cable(cable), ContactRow::Zero)
             }
         };
@@ -199,9 +220,9 @@ impl MechanismModel {
                 }
             },
             Surfaces::Friction(joint) => self.with_bodies(state, of_joint(*joint), f),
-            Surfaces::Tendon(index) => {
+            Surfaces::Tendon(index) | Surfaces::Cable(index, _) => {
                 let elements = self.cables[*index].tendon.path.iter().map(|element| element.body);
-                let spools = self.cables[*index].tendon.joints.iter().flat_map(|(joint, _)| of_joint(*joint));
+                let spools = self.cables[*index].tendon.spools().flat_map(|(joint, _)| of_joint(*joint));
                 self.with_bodies(state, elements.chain(spools), f)
             }
         }
@@ -331,13 +352,27 @@ impl MechanismModel {
         t: f64,
         (q, v): StateRef<'_, Dynamic>,
         (counts, near): (Vec<i32>, Vec<f64>),
+        mut bends: Vec<Bend>,
     ) -> MechanismMode {
+        if !bends.is_empty() {
+            self.with_motions((q, v), |motions| self.settle_paths(motions, &mut bends));
+            self.pass_paths_as(&bends);
+        }
         let (ranges, times_s, count) = (self.ranges(t, (q, v)), self.times_around(t), self.contacts.len());
         let free = Mode::free(count);
-        let mut mode =
-            MechanismMode { contacts: free.clone(), features: vec![None; count], ranges, counts, near, times_s };
+        let mut mode = MechanismMode {
+            contacts: free.clone(),
+            features: vec![None; count],
+            ranges,
+            counts,
+            near,
+            bends,
+            monitors_paths: true,
+            is_blocked: false,
+            times_s,
+        };
         let variables = |index| Some(self.variables_at((q, v), index));
-        let contacts = free.at_state(&self.event_tolerances, variables, |contacts| {
+        let mut contacts = free.at_state(&self.event_tolerances, variables, |contacts| {
             mode.contacts.clone_from(contacts);
             let mut rates = Rates::zero(self.sizes());
             self.rates(t, q, v, &mode, &mut rates);
@@ -346,11 +381,20 @@ impl MechanismModel {
         for (index, feature) in mode.features.iter_mut().enumerate() {
             *feature = self.starting_feature((q, v), &contacts, index);
         }
+        for &[cable, element] in &self.monitored {
+            let contact = self.cables[cable].frictions.get(element).copied().flatten();
+            if let Some(contact) = contact.filter(|_| !self.cables[cable].bends(&mode.bends)[element].is_on()) {
+                contacts.contacts[contact] = OFF;
+            }
+        }
         MechanismMode { contacts, ..mode }
     }
 
     /// Distance of the mechanism from its nearest singular configuration, and its rate.
-    fn clearance_and_rate(&self, motions: &Motions<f64>) -> (f64, f64) {
+    fn clearance_and_rate(&self, motions: &Motions<f64>, mode: &MechanismMode) -> (f64, f64) {
+        if mode.is_blocked {
+            return (-1.0, 0.0);
+        }
         let mut smallest = (f64::INFINITY, 0.0);
         for (_, transmission) in self.groups.iter().flat_map(|group| group.transmissions(&self.mechanism, motions)) {
             let clearance = transmission.sine.abs() - SINGULAR_SINE;
@@ -361,7 +405,7 @@ impl MechanismModel {
             }
         }
         let of_distances = self.distance_margins(motions).map(|(_, margin)| margin);
-        for [margin, rate] in self.wrap_margins(motions).map(|(.., margin)| margin).chain(of_distances) {
+        for [margin, rate] in self.wrap_margins(motions).chain(of_distances) {
             if smallest.0 > margin || margin.is_nan() {
                 smallest = (margin, rate);
             }
@@ -451,8 +495,12 @@ impl Hybrid for MechanismModel {
             for index in 0..self.range_count {
                 events.functions[first + index] = self.actuator_event(motions, (q, v), mode, index);
             }
+            let first = first + self.range_count;
+            for index in 0..self.monitored.len() {
+                events.functions[first + index] = self.path_event(motions, mode, index);
+            }
             events.functions[self.event_function_count() - 1] = self.feature_event(motions, mode);
-            (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions);
+            (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions, mode);
         };
         match has_weights {
             true => self.with_columns((q, v), evaluate),
@@ -462,7 +510,7 @@ impl Hybrid for MechanismModel {
 
     fn clearance(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode) -> f64 {
         self.count_turns_as(mode);
-        self.with_motions((q, v), |motions| self.clearance_and_rate(motions).0)
+        self.with_motions((q, v), |motions| self.clearance_and_rate(motions, mode).0)
     }
 
     fn eval_event(&self, q: &Vec<f64>, v: &Vec<f64>, mode: &MechanismMode, event: usize) -> EventFunction {
@@ -472,6 +520,7 @@ impl Hybrid for MechanismModel {
             EventOf::Actuator(index) => {
                 self.with_motions((q, v), |motions| self.actuator_event(motions, (q, v), mode, index))
             }
+            EventOf::Path(index) => self.with_motions((q, v), |motions| self.path_event(motions, mode, index)),
             EventOf::Contact(index) => self.with_contact((q, v), index, |motions| {
                 let contact = self.contact_variables(motions, v, index, mode.features[index]);
                 mode.contacts.event_function(event, &self.event_tolerances, Some(&contact))
@@ -515,6 +564,7 @@ impl Hybrid for MechanismModel {
                 Some(actuator) => margin_tolerance(actuator),
                 None => self.drive_event_tolerance(index, mode),
             },
+            EventOf::Path(index) => self.path_tolerance(mode, index),
             EventOf::Contact(index) => self.contacts.get(index).map_or(0.0, |contact| {
                 let (normal, friction) = (&contact.normal, contact.friction.as_ref());
                 mode.contacts.event_tolerance(event, normal, friction, &self.event_tolerances)
@@ -542,6 +592,19 @@ impl Hybrid for MechanismModel {
                 });
                 mode.ranges.0[index] = range;
             }
+            EventOf::Path(index) => {
+                let contact = self.with_motions((q, v), |motions| self.pass_path_event(motions, mode, index));
+                self.pass_paths_as(&mode.bends);
+                let Some(contact) = contact else { return };
+                let [cable, element] = self.monitored[index];
+                mode.contacts.contacts[contact] = match self.cables[cable].bends(&mode.bends)[element].is_on() {
+                    true => self.with_motions((q, v), |motions| {
+                        let variables = self.contact_variables(motions, v, contact, None);
+                        ContactMode { friction_range: variables.friction_range(1.0), ..OFF }
+                    }),
+                    false => OFF,
+                };
+            }
             EventOf::Contact(index) => {
                 let state = mode[index];
                 self.with_motions((q, v), |motions| {
@@ -567,6 +630,7 @@ impl Hybrid for MechanismModel {
         match self.subject_of(event) {
             EventOf::Features => mode.features.fill(None),
             EventOf::Actuator(index) => mode.ranges.0[index] = super::actuator::UNMONITORED,
+            EventOf::Path(_) => mode.monitors_paths = false,
             EventOf::Contact(_) => mode.contacts.clamp_law(event),
         }
     }
@@ -575,12 +639,13 @@ impl Hybrid for MechanismModel {
         let counts = vec![0; self.groups.last().map_or(0, |group| group.counts().end)];
         let near = self.near_at_start().to_vec();
         self.count_turns_in(&counts, &near);
-        self.mode_with_counts(t, (q, v), (counts, near))
+        let bends = self.with_motions((q, v), |motions| motions.bends.clone());
+        self.mode_with_counts(t, (q, v), (counts, near), bends)
     }
 
     fn mode_after(&self, t: f64, q: &Vec<f64>, v: &Vec<f64>, last: &MechanismMode) -> MechanismMode {
         self.count_turns_as(last);
-        self.mode_with_counts(t, (q, v), (last.counts.clone(), last.near.clone()))
+        self.mode_with_counts(t, (q, v), (last.counts.clone(), last.near.clone()), last.bends.clone())
     }
 
     /// Chooses anew the ranges of the actuators whose commands are discontinuous; the laws of contacts depend on positions
@@ -638,10 +703,8 @@ impl Hybrid for MechanismModel {
                 group.transmissions(&self.mechanism, motions).map(move |dyad| (&group.group.placements[dyad.0], dyad.1))
             });
             let sine = |sine: f64| if sine.is_nan() { -1.0 } else { sine.abs() };
-            let beyond =
-                self.wrap_margins(motions).find(|(_, _, [margin, _])| margin.is_nan() || *margin < WRAP_ROUNDING);
-            if let Some((tendon, element, _)) = beyond {
-                return self.mechanism.describe_lifted(&self.cables[tendon].tendon, element);
+            if let Some(of_cable) = self.describe_cable(motions) {
+                return of_cable;
             }
             let met =
                 self.distance_margins(motions).find(|(_, [margin, _])| margin.is_nan() || *margin < MET_ROUNDING_M);

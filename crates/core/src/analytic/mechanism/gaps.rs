@@ -1,14 +1,15 @@
 //! Bounds of the gaps of contacts, limits and cables over a part of a step, from those of bodies and joints.
 
 use super::body_bounds::{Coordinates, MechanismBounds, length};
+use super::cable::Cable;
 use super::contacts::Surfaces;
 use super::model::MechanismModel;
 use super::motion::Motions;
 use super::nearest::PointOnFace;
 use crate::analytic::motion_bound::{RateBound, nothing_known};
 use crate::integrator::{CoordinateBounds, Dynamic, GapBound, GapBounds};
-use crate::mechanism::tendon::{MAX_WRAP_RAD, segment, wraps};
-use crate::mechanism::{Limited, MIN_DISTANCE_M, OutlinePoint, PathElement, Tendon};
+use crate::mechanism::tendon::{MAX_WRAP_RAD, segment, strands, wraps};
+use crate::mechanism::{Limited, MIN_DISTANCE_M, OutlinePoint, PathElement};
 use crate::numeric::plane::sub;
 
 /// Bounds of a segment of a cable: the relative speed of its ends and its smallest length.
@@ -52,7 +53,7 @@ impl MechanismModel {
             group.bound(&self.mechanism, (coordinates, motions), time, bounds);
         }
         for cable in &self.cables {
-            let gap = self.bound_cable(&cable.tendon, (*step_s, *width, clearance), motions, bounds);
+            let gap = self.bound_cable(cable, (*step_s, *width, clearance), motions, bounds);
             cable.contact.into_iter().for_each(|contact| found.gaps[contact] = gap);
         }
         for cable in self.measured_distances() {
@@ -72,27 +73,28 @@ impl MechanismModel {
                         }
                     }
                 }
-                Surfaces::Tendon(_) | Surfaces::Friction(_) => {}
+                Surfaces::Tendon(_) | Surfaces::Friction(_) | Surfaces::Cable(..) => {}
             }
         }
     }
 
     /// Bound of the slack of a cable, which changes by the relative motion of the ends of its segments along them. Shortens the
-    /// reach of the clearance to the part of the step in which the cable stays on its pulleys: a segment turns at most by the
-    /// relative speed of its ends over its length.
+    /// reach of the clearance to the part of the step in which no wrap is too large: a segment turns at most by the relative
+    /// speed of its ends over its length.
     fn bound_cable(
         &self,
-        tendon: &Tendon,
+        cable: &Cable,
         (step_s, width, clearance): (f64, f64, f64),
         motions: &Motions<f64>,
         bounds: &mut MechanismBounds,
     ) -> GapBound {
-        let spools = tendon.joints.iter().map(|(joint, factor)| bounds.joints[*joint].times(*factor));
+        let (tendon, bends) = (&cable.tendon, cable.bends(&motions.bends));
+        let spools = tendon.spools().map(|(joint, factor)| bounds.joints[*joint].times(*factor));
         let mut sum = spools.fold(RateBound::default(), RateBound::plus);
         // The largest turn of a pulley's cable: that of both segments.
         let (mut largest_turn, mut turn_before) = (0.0f64, 0.0);
-        for pair in tendon.path.windows(2) {
-            let (ends, shortest) = segment_bound([&pair[0], &pair[1]], (step_s, width), motions, bounds);
+        for pair in strands(bends).map(|pair| pair.map(|element| &tendon.path[element])) {
+            let (ends, shortest) = segment_bound(pair, (step_s, width), motions, bounds);
             let turn = if ends.rate == 0.0 { 0.0 } else { ends.rate / shortest };
             sum = sum.plus(RateBound { acceleration: ends.acceleration + turn * ends.rate, ..ends });
             let both = turn_before + turn;
@@ -105,7 +107,7 @@ impl MechanismModel {
         let mut margin = clearance;
         if largest_turn * width > margin {
             let center = |element: &PathElement| motions.body(element.body).position(element.point_m);
-            let margins = wraps(&tendon.path, center).map(|(_, wrap)| wrap.min(MAX_WRAP_RAD - wrap));
+            let margins = wraps(&tendon.path, bends, center).map(|(_, wrap)| MAX_WRAP_RAD - wrap);
             margin = margins
                 .fold(f64::INFINITY, |least, margin| if least.is_nan() || least <= margin { least } else { margin });
         }
@@ -125,12 +127,12 @@ impl MechanismModel {
     /// Shortens the reach of the clearance to the part of the step in which two points stay apart.
     fn bound_distance(
         &self,
-        cable: &Tendon,
+        cable: &Cable,
         (step_s, width, clearance): (f64, f64, f64),
         motions: &Motions<f64>,
         bounds: &mut MechanismBounds,
     ) {
-        let ends = [&cable.path[0], &cable.path[1]];
+        let ends = [&cable.tendon.path[0], &cable.tendon.path[1]];
         let (RateBound { rate, .. }, _) = segment_bound(ends, (step_s, width), motions, bounds);
         // The clearance is at most the margin of any distance.
         let margin = match rate * width > clearance {

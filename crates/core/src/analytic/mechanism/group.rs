@@ -601,7 +601,7 @@ pub(super) fn has_force(mechanism: &Mechanism, joint: usize) -> bool {
     let limits = mechanism.sum_limits.iter().map(|limit| &limit.on);
     let mut all = springs.chain(servos).chain(mechanism.couplings.iter().map(|coupling| &coupling.on)).chain(limits);
     all.any(|on| on.factor(joint) != 0.0)
-        || mechanism.tendons.iter().any(|tendon| tendon.joints.iter().any(|(term, _)| *term == joint))
+        || mechanism.tendons.iter().any(|tendon| tendon.spools().any(|(term, _)| *term == joint))
 }
 
 /// Whether a force acts on a joint, or another joint is coupled to it.

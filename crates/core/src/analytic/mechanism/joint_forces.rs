@@ -241,12 +241,21 @@ impl MechanismModel {
         for (index, actuator) in self.mechanism.actuators.iter().enumerate() {
             subtract_combined(&actuator.on, self.actuator_effort(t, (mode, v), motions, index));
         }
-        refill(&mut tensions, self.cables.iter().map(|cable| self.tension(t, mode, motions, cable).1.total()));
-        for (cable, tension) in self.cables.iter().zip(&tensions) {
-            cable.tendon.joints.iter().for_each(|(joint, factor)| subtract(*joint, -factor * tension));
+        tensions.clear();
+        for cable in &self.cables {
+            let first = tensions.len();
+            self.strand_tensions(t, v, mode, motions, (cable, &mut tensions));
+            for (spools, tension) in [(&cable.tendon.joints, first), (&cable.tendon.far_joints, tensions.len() - 1)] {
+                spools.iter().for_each(|(joint, factor)| subtract(*joint, -factor * tensions[tension]));
+            }
         }
-        for (body, point, force) in self.tendon_forces(motions, &tensions) {
-            system.add(right, body, force.map(|part| -part), point, 0.0);
+        let mut left = &tensions[..];
+        for cable in &self.cables {
+            let of_cable;
+            (of_cable, left) = left.split_at(self.strand_count(motions, cable));
+            for (body, point, force, moment) in self.tendon_forces(motions, (cable, of_cable)) {
+                system.add(right, body, force.map(|part| -part), point, -moment);
+            }
         }
         system.tensions = tensions;
         for (index, bodies, points_m) in self.linear_springs() {
@@ -276,7 +285,7 @@ impl MechanismModel {
                     system.add(right, body, force.map(|part| -part), point, -moment);
                     system.add(right, face, force, on_face, moment);
                 }
-                Surfaces::Tendon(_) => {}
+                Surfaces::Tendon(_) | Surfaces::Cable(..) => {}
                 Surfaces::Limit(ref limit) => {
                     let total = -limit.side * reading.normal;
                     for (joint, factor) in &self.mechanism.limited(limit).terms {

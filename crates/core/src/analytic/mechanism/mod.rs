@@ -37,3 +37,4 @@ pub(crate) use conditioning::EXCHANGE_SINE;
 pub use joint_forces::{JointForce, JointForces};
 pub use model::{MechanismMode, MechanismModel};
 pub use powertrain::DriveReading;
+pub use tendon::ElementReading;

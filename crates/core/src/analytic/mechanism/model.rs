@@ -14,12 +14,14 @@ use super::motion::{LANES, Lanes, Motions, Part, Support};
 use super::nearest::Feature;
 use super::palm_frame::{exchange_ground, palm_of_frame, place_in_frame};
 use super::powertrain::{DriveModel, DriveRows, charge_count, drives};
+use super::tendon::Strands;
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactMode, EventTolerances, Mode, StateRef};
 use crate::integrator::{Dynamic, Layout, Linearised, State};
 use crate::law::FrictionKind;
 use crate::mechanism::structure::{Group, StructureError, find_groups};
-use crate::mechanism::{Actuator, Body, Mechanism, Pose, SpringKind, coordinate_in};
+use crate::mechanism::tendon::{Bend, center_in, settled_path};
+use crate::mechanism::{Actuator, Body, Mechanism, Pose, SpringKind, Tendon, coordinate_in};
 use crate::numeric::plane::scale_by;
 use crate::scene::{PalmMotion, Profile};
 use std::borrow::Cow;
@@ -40,6 +42,12 @@ pub struct MechanismMode {
     pub(super) counts: Vec<i32>,
     /// Coordinates of all joints at the last accepted state, near which Newton's method places bodies; empty if it places none.
     pub(super) near: Vec<f64>,
+    /// How cables pass their path elements, cable by cable.
+    pub(super) bends: Vec<Bend>,
+    /// Whether event functions monitor the paths of cables.
+    pub(super) monitors_paths: bool,
+    /// Whether a cable has come round the back of a pulley, where the model ends.
+    pub(super) is_blocked: bool,
     /// First and last time between two discontinuities of commands and prescribed motions. A step sees the commands between
     /// them only, whatever the rounding error of the time as a coordinate.
     pub(super) times_s: [f64; 2],
@@ -53,6 +61,9 @@ impl Clone for MechanismMode {
             ranges: self.ranges.clone(),
             counts: self.counts.clone(),
             near: self.near.clone(),
+            bends: self.bends.clone(),
+            monitors_paths: self.monitors_paths,
+            is_blocked: self.is_blocked,
             times_s: self.times_s,
         }
     }
@@ -64,6 +75,8 @@ impl Clone for MechanismMode {
         self.ranges.0.clone_from(&other.ranges.0);
         self.counts.clone_from(&other.counts);
         self.near.clone_from(&other.near);
+        self.bends.clone_from(&other.bends);
+        (self.monitors_paths, self.is_blocked) = (other.monitors_paths, other.is_blocked);
         self.times_s = other.times_s;
     }
 }
@@ -118,6 +131,8 @@ pub(super) struct Scratch {
     pub second: Linearised<Dynamic>,
     /// Derivatives of the variables of a drive. Without drives they have no entries.
     pub drive: DriveRows,
+    /// Straight parts of a cable with friction, and their derivatives.
+    pub strands: Strands,
 }
 
 /// The analytic model of a mechanism.
@@ -139,8 +154,8 @@ pub struct MechanismModel {
     pub(super) reported_origins: Vec<[f64; 2]>,
     /// Dyad of each joint whose coordinate is evaluated on demand: its group and placement.
     dyad_of: Vec<Option<(usize, usize)>>,
-    /// All contacts in the order of [`Mechanism::point_contacts`], of [`Mechanism::limits`], of the tendons, then of
-    /// friction in joints.
+    /// All contacts in the order of [`Mechanism::point_contacts`], of [`Mechanism::limits`], of the tendons, of friction in
+    /// joints, then of friction of cables.
     pub(super) contacts: Vec<Contact>,
     pub(super) cables: Vec<Cable>,
     /// Actuators with a powertrain.
@@ -149,6 +164,8 @@ pub struct MechanismModel {
     pub(super) range_count: usize,
     /// For each limit of a sum, the coordinates of its group on which it may depend.
     pub(super) sum_supports: Vec<Vec<usize>>,
+    /// Path elements with event functions, by cable and element: pulleys, and eyelets with friction.
+    pub(super) monitored: Vec<[usize; 2]>,
     pub(super) friction_states: Vec<(usize, FrictionKind)>,
     /// Index of the bristle state of the brake of each actuator.
     pub(super) brake_bristles: Vec<Option<usize>>,
@@ -231,6 +248,26 @@ fn near_at(mechanism: &Mechanism, groups: &[PlacedGroup], poses: &[Pose]) -> Vec
         true => mechanism.joints.iter().map(|joint| coordinate_in(joint, poses)).collect(),
         false => Vec::new(),
     }
+}
+
+/// Whether any cable has friction.
+fn has_cable_friction(mechanism: &Mechanism) -> bool {
+    mechanism.tendons.iter().any(Tendon::has_friction)
+}
+
+/// How a cable passes its path at rest in these poses.
+fn settled_path_in(tendon: &Tendon, poses: &[Pose]) -> Vec<Bend> {
+    settled_path(&tendon.path, |element| center_in(element, poses))
+}
+
+/// Pulleys, and eyelets with friction: where a cable lifts off and returns, and where its turn has a kink.
+fn monitored(cables: &[Cable]) -> Vec<[usize; 2]> {
+    let of_cable = |(index, cable): (usize, &Cable)| {
+        let elements = cable.tendon.path.iter().enumerate();
+        let all = elements.filter(|(_, element)| element.is_pulley() || element.friction.is_some());
+        all.map(|(element, _)| [index, element]).collect::<Vec<_>>()
+    };
+    cables.iter().enumerate().flat_map(of_cable).collect()
 }
 
 /// Lengths of vectors are multiples of this number, so that loops over them need no remainder.
@@ -344,11 +381,11 @@ impl MechanismModel {
         let group_of = |body| groups.iter().position(|placed| placed.group.bodies.contains(&body));
         let group_of: Vec<Option<usize>> = (0..mechanism.bodies.len()).map(group_of).collect();
         let mut states = FrictionStates::after(second_order);
-        let mut cables: Vec<Cable> = mechanism.tendons.iter().map(Cable::new).collect();
+        let mut cables = Cable::all(&mechanism.tendons);
         let contacts = contacts(&mechanism, &mut cables, &mut states);
         let brakes = mechanism.actuators.iter().map(|actuator| actuator.brake.and_then(|brake| brake.bristle));
         let brake_bristles = brakes.map(|bristle| states.add(bristle.map(FrictionKind::Bristle))).collect();
-        let first_work = contacts.len() + 2;
+        let first_work = contacts.len() + 2 + usize::from(has_cable_friction(&mechanism));
         let drives = drives(&mechanism, &groups, start.len(), first_work, &mut states);
         let losses = drives.iter().filter(|drive| drive.has_loss()).count();
         let range_count = mechanism.actuators.len() + drives.iter().map(DriveModel::range_count).sum::<usize>();
@@ -370,9 +407,11 @@ impl MechanismModel {
             quadratures: (first_work + losses).next_multiple_of(VECTOR_UNIT),
         };
         let near_at_start = near_at(&mechanism, &groups, poses);
+        let bends: Vec<Bend> = mechanism.tendons.iter().flat_map(|tendon| settled_path_in(tendon, poses)).collect();
         let workspaces = [(); 2].map(|()| {
             let mut workspace = Workspace::new(&mechanism, &groups, layout);
             workspace.motions.near.clone_from(&near_at_start);
+            workspace.motions.bends.clone_from(&bends);
             RefCell::new(workspace)
         });
         let has_cables = !cables.is_empty() || drives.iter().any(DriveModel::has_distance);
@@ -382,6 +421,7 @@ impl MechanismModel {
             response: layout.vector(0.0),
             second: Linearised::zero(of_cables),
             drive: DriveRows::new(if drives.is_empty() { 0 } else { layout.coordinates }),
+            strands: Strands::default(),
         };
         let event_tolerances = if mechanism.joints.is_empty() { EventTolerances::COLLISION } else { EVENT_TOLERANCES };
         Ok(Self {
@@ -392,6 +432,7 @@ impl MechanismModel {
             group_of,
             reported_origins,
             dyad_of,
+            monitored: monitored(&cables),
             contacts,
             cables,
             drives,
@@ -448,10 +489,11 @@ impl MechanismModel {
         self.groups[index] = placed;
         self.near_at_start = near_at(&self.mechanism, &self.groups, poses);
         for workspace in &mut self.workspaces {
-            let counts = std::mem::take(&mut workspace.get_mut().motions.counts);
+            let motions = &mut workspace.get_mut().motions;
+            let (counts, bends) = (std::mem::take(&mut motions.counts), std::mem::take(&mut motions.bends));
             *workspace.get_mut() = Workspace::new(&self.mechanism, &self.groups, self.layout);
             let motions = &mut workspace.get_mut().motions;
-            (motions.counts, motions.near) = (counts, self.near_at_start.clone());
+            (motions.counts, motions.near, motions.bends) = (counts, self.near_at_start.clone(), bends);
         }
     }
 
@@ -550,11 +592,26 @@ impl MechanismModel {
         }
     }
 
-    /// Uses the counts of turns of a mode in all evaluations until the next call. Functions that receive a mode call
-    /// this themselves; it must be called before other readings of a state.
+    /// Uses the counts of turns and the paths of cables of a mode in all evaluations until the next call. Functions that
+    /// receive a mode call this themselves; it must be called before other readings of a state.
     #[inline(always)]
     pub fn count_turns_as(&self, mode: &MechanismMode) {
         self.count_turns_in(&mode.counts, &mode.near);
+        self.pass_paths_as(&mode.bends);
+    }
+
+    /// Uses these paths of cables in all evaluations until the next call.
+    #[inline(always)]
+    pub(super) fn pass_paths_as(&self, bends: &[Bend]) {
+        if bends.is_empty() {
+            return;
+        }
+        for workspace in &self.workspaces {
+            let motions = &mut workspace.borrow_mut().motions;
+            if motions.bends[..] != *bends {
+                motions.bends.copy_from_slice(bends);
+            }
+        }
     }
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! Motions of bodies and joints: poses, Jacobians and bias accelerations as functions of the coordinates of a group, in plain
 //! numbers or in numbers with derivatives by some of these coordinates.
 
+use crate::mechanism::tendon::Bend;
 use crate::mechanism::{JointCombination, Mechanism, Pose};
 use crate::numeric::elementary::sin_cos;
 use crate::numeric::plane::{Vector, add, perp, sub};
@@ -226,6 +227,8 @@ pub(super) struct Motions<T> {
     /// Coordinates of all joints at the last accepted state, from which Newton's method starts when it places Assur
     /// groups beyond dyads; empty if there are no such groups.
     pub near: Vec<f64>,
+    /// How cables pass their path elements, cable by cable.
+    pub bends: Vec<Bend>,
     /// For each body, its pose and the time derivatives if it has a prescribed motion.
     pub prescribed: Vec<scene::Pose>,
     /// Where the derivatives of each body are stored; the ground comes last.
@@ -247,6 +250,7 @@ impl<T: Real> Motions<T> {
             joints: vec![JointMotion::at(T::zero()); joints],
             counts: Vec::new(),
             near: Vec::new(),
+            bends: Vec::new(),
             prescribed: vec![scene::Pose::default(); bodies],
             body_supports: vec![Support::default(); bodies + 1],
             joint_supports: vec![Support::default(); joints],

@@ -5,6 +5,7 @@
 //! depend on it.
 
 use super::actuator::{RANGE_MARGIN, RANGE_TOLERANCE, UNMONITORED, command_scale, ends, range_of_value};
+use super::cable::Cable;
 use super::contacts::FrictionStates;
 use super::dynamics::{Chunk, Sums};
 use super::group::{PlacedGroup, Row};
@@ -58,7 +59,7 @@ pub(super) struct DriveModel {
     /// Index of its group, and its place among the actuators of the group.
     place: (usize, usize),
     /// The cable between the points whose distance is measured.
-    distance: Option<Tendon>,
+    distance: Option<Cable>,
     /// Index of the charge of the motor among the coordinates.
     charge: Option<usize>,
     /// Index of the state of the bristle.
@@ -113,18 +114,25 @@ impl DriveRows {
 
 impl DriveModel {
     /// Returns the cable between the points of a feedback.
-    fn cable(mechanism: &Mechanism, feedback: &DistanceFeedback) -> Tendon {
-        let element =
-            |id: PointId| PathElement { body: id.body, point_m: mechanism.point(id).at_m, radius_m: 0.0, side: 1.0 };
-        Tendon {
+    fn cable(mechanism: &Mechanism, feedback: &DistanceFeedback) -> Cable {
+        let element = |id: PointId| PathElement {
+            body: id.body,
+            point_m: mechanism.point(id).at_m,
+            radius_m: 0.0,
+            side: 1.0,
+            friction: None,
+        };
+        Cable::new(&Tendon {
             name: String::new(),
             path: feedback.points.map(element).into(),
             joints: Vec::new(),
+            far_joints: Vec::new(),
+            is_reversed: false,
             stiffness_n_per_m: 0.0,
             damping_n_s_per_m: 0.0,
             rest_m: 0.0,
             actuator: None,
-        }
+        })
     }
 
     pub fn has_loss(&self) -> bool {
@@ -764,7 +772,7 @@ impl MechanismModel {
     }
 
     /// The cables between points whose distance is measured.
-    pub(super) fn measured_distances(&self) -> impl Iterator<Item = &Tendon> {
+    pub(super) fn measured_distances(&self) -> impl Iterator<Item = &Cable> {
         self.drives.iter().filter_map(|drive| drive.distance.as_ref())
     }
 }

@@ -7,7 +7,7 @@ use super::motion::Motions;
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactReading, Energies, Geometry, StateRef, normal_force_on_branch, row_dot};
 use crate::integrator::Dynamic;
-use crate::law::{FrictionLaw, FrictionRange, elastic_energy};
+use crate::law::{FrictionKind, FrictionLaw, FrictionRange, elastic_energy};
 use crate::mechanism::Pose;
 use crate::numeric::plane::dot;
 use crate::shape::Support;
@@ -148,8 +148,11 @@ impl MechanismModel {
                 (limit.side * (limit.value - coordinate), -limit.side * rate, 0.0, none, none)
             }
             Surfaces::Friction(joint) => (-1.0, 0.0, motions.joints[*joint].rate, none, none),
+            Surfaces::Cable(cable, element) => {
+                (-1.0, 0.0, self.slip_on(motions, &self.cables[*cable], *element), none, none)
+            }
             Surfaces::Tendon(index) => {
-                let elongation = self.elongation(motions, &self.cables[*index].tendon);
+                let elongation = self.elongation(motions, &self.cables[*index]);
                 (-elongation.value, -elongation.rate, 0.0, none, none)
             }
         };
@@ -216,13 +219,19 @@ impl MechanismModel {
                 energies.spring += 0.5 * spring.stiffness * stretch * stretch;
             }
             for (index, contact) in self.contacts.iter().enumerate() {
-                if !matches!(contact.surfaces, Surfaces::Friction(_)) {
+                if !matches!(contact.surfaces, Surfaces::Friction(_) | Surfaces::Cable(..)) {
                     let depth = || self.world_reading(motions, state.1, index, ContactState::Free).delta;
                     energies.elastic += elastic_energy(&contact.normal, gap_of(index).map_or_else(depth, |gap| -gap));
                 }
             }
         });
-        energies.elastic += self.friction_states.iter().map(|(index, kind)| kind.energy(state.1[*index])).sum::<f64>();
+        // The friction of a cable is proportional to its tension, and has no stored energy.
+        let stores = |(index, _): &&(usize, FrictionKind)| {
+            let of_cable = self.contacts.iter().rev().take_while(|of| matches!(of.surfaces, Surfaces::Cable(..)));
+            !of_cable.into_iter().any(|contact| contact.state == Some(*index))
+        };
+        let stored = self.friction_states.iter().filter(stores);
+        energies.elastic += stored.map(|(index, kind)| kind.energy(state.1[*index])).sum::<f64>();
         energies
     }
 }
