@@ -70,9 +70,11 @@ campaign_tests! {
     soft_fingers: "soft", 20_000, 60, false;
     sticking_fingers: "stick", 20_000, 60, false;
     discs_in_the_analytic_model: "discs", 20_000, 80, false;
+    drives_in_the_analytic_model: "drives", 20_000, 60, false;
     mixed_fingers_in_both_models: "mixed", 30_000, 15, true;
     sticking_fingers_in_both_models: "stick", 30_000, 15, true;
     discs_in_both_models: "discs", 30_000, 20, true;
+    drives_in_both_models: "drives", 30_000, 20, true;
 }
 
 /// Returns the median error of random scenes at each setting.

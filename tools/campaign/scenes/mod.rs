@@ -5,6 +5,7 @@
 #![allow(dead_code)]
 
 mod discs;
+mod drives;
 mod fingers;
 mod grippers;
 mod law;
@@ -21,7 +22,7 @@ use random::Random;
 type Family = (&'static str, fn(&mut Random) -> String);
 
 /// All families of scene texts.
-pub const FAMILIES: [Family; 12] = [
+pub const FAMILIES: [Family; 13] = [
     ("mixed", fingers::mixed),
     ("soft", fingers::soft),
     ("stick", fingers::stick),
@@ -32,6 +33,7 @@ pub const FAMILIES: [Family; 12] = [
     ("tendons", mechanisms::tendon_fingers),
     ("linkages", mechanisms::linkage),
     ("sliders", mechanisms::sliders),
+    ("drives", drives::scene_text),
     ("thrown", mechanisms::thrown),
     ("falling", mechanisms::falling),
 ];
