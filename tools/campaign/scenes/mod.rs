@@ -21,7 +21,7 @@ use random::Random;
 type Family = (&'static str, fn(&mut Random) -> String);
 
 /// All families of scene texts.
-pub const FAMILIES: [Family; 12] = [
+pub const FAMILIES: [Family; 13] = [
     ("mixed", fingers::mixed),
     ("soft", fingers::soft),
     ("stick", fingers::stick),
@@ -30,6 +30,7 @@ pub const FAMILIES: [Family; 12] = [
     ("objects", grippers::with_other_object),
     ("jaws", mechanisms::jaws),
     ("tendons", mechanisms::tendon_fingers),
+    ("cables", mechanisms::rubbing_fingers),
     ("linkages", mechanisms::linkage),
     ("sliders", mechanisms::sliders),
     ("thrown", mechanisms::thrown),
