@@ -6,6 +6,7 @@
 mod support;
 
 mod actuator_work;
+mod cables;
 mod contact_definition;
 mod contact_geometry;
 mod drives;

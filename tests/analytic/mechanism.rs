@@ -9,7 +9,7 @@ use phalanx::integrator::{
     Dynamic, Fixed, Hybrid, Linearised, Method, Observer, Options, Radau5, Rates, State, Step, StepTools,
     SwitchedMethod, System, Tolerances, integrate_by,
 };
-use phalanx::law::Bristle;
+use phalanx::law::{Bristle, FrictionKind, FrictionLaw};
 use phalanx::mechanism::structure::{Closures, Group, Placement, find_groups, regroup};
 use phalanx::mechanism::{
     self, ContactPair, ForcePoint, GearLoss, JointCombination, JointKind, Mechanism, OutlineId, PathElement,
@@ -209,7 +209,8 @@ impl Observer<Dynamic, MechanismMode> for States {
 #[test]
 fn jacobians_match_differences_along_the_reference_cases() {
     let on_palm = ["c_f85_link_pad", "c_f85_two_disc", "d_tendon2", "b_swinging_slider"].map(on_a_moving_palm);
-    for case in all_cases().into_iter().chain(drive_cases()).chain([with_all_components()]).chain(on_palm) {
+    let cases = all_cases().into_iter().chain(drive_cases()).chain(cable_cases());
+    for case in cases.chain([with_all_components(), with_cable_friction()]).chain(on_palm) {
         check_jacobians(&case.name, (&case.mechanism, &case.start), case.duration_s);
     }
 }
@@ -562,6 +563,32 @@ fn with_all_components() -> MechanismCase {
         actuator: Some(TendonActuator { name: "winch".to_string(), tension }),
     });
     bodies.push(hammer);
+    case.start = assemble(&case.mechanism).expect("an assembled mechanism");
+    case.samples.clear();
+    case
+}
+
+/// The tendon finger with a winch, whose cable rubs on a pulley that turns, has an element without friction, and is wound up at
+/// both ends.
+fn with_cable_friction() -> MechanismCase {
+    let mut case = mechanism_case("e_tendon3");
+    case.name = "e_tendon3 with friction".to_string();
+    let tendon = &mut case.mechanism.tendons[0];
+    let law = FrictionLaw {
+        mu_static: 0.3,
+        mu_dynamic: 0.2,
+        v_static_m_s: 0.02,
+        v_dynamic_m_s: 0.05,
+        kind: FrictionKind::Bristle(Bristle { damping_n_s_per_m: 5.0, relaxation_s: 2e-3 }),
+    };
+    let last = tendon.path.len() - 1;
+    for (index, element) in tendon.path[1..last].iter_mut().enumerate() {
+        element.friction = (index != 1)
+            .then_some(FrictionLaw { kind: if index % 2 == 0 { law.kind } else { FrictionKind::Regularised }, ..law });
+    }
+    // A ring about which the cable turns on a moving body.
+    (tendon.path[last - 1].radius_m, tendon.path[last - 1].side) = (1e-3, 1.0);
+    tendon.far_joints.push((0, 0.003));
     case.start = assemble(&case.mechanism).expect("an assembled mechanism");
     case.samples.clear();
     case

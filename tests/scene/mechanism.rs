@@ -4,10 +4,11 @@ use std::f64::consts::FRAC_PI_4;
 use std::fs;
 
 use phalanx::drawing::{self, BodyRole, Drawing};
-use phalanx::law::NormalLaw;
+use phalanx::law::{Bristle, FrictionKind, FrictionLaw, NormalLaw};
 use phalanx::mechanism::tendon::length_in;
 use phalanx::mechanism::{
-    Command, ForcePoint, JointCombination, JointKind, Mechanism, OutlineShape, PathElement, SpringKind, assemble,
+    Command, ForcePoint, JointCombination, JointKind, Mechanism, OutlineShape, PathElement, SpringKind, Tendon,
+    assemble,
 };
 use phalanx::scene::keywords::SceneKind;
 use phalanx::scene::{self, Hand, Scene};
@@ -771,4 +772,71 @@ fn density_and_depth_give_mass_and_inertia() {
         );
         assert!((0..2).all(|k| (body.com_m[k] - area.centroid_m[k]).abs() < 1e-9), "{outline}: {body:?}, {area:?}");
     }
+}
+
+/// Two fingers, one the mirror image of the other, whose cable has friction, a roller and spools at both ends.
+const RUBBING: &str = "kind = \"mechanism\"\nduration = \"10 ms\"\n[parameters]\nmu = 0.2\nreach = \"60 um\"\n\
+    [bodies.right_finger]\nmass = \"30 g\"\ninertia = \"3000 g*mm^2\"\nguess = { at = [\"40 mm\", \"0 mm\"], angle = \"90 deg\" }\n\
+    [bodies.right_winch]\nmass = \"30 g\"\ninertia = \"3000 g*mm^2\"\nguess = { at = [\"80 mm\", \"-20 mm\"] }\n\
+    [joints.right_base]\nbodies = [\"ground\", \"right_finger\"]\nat = [\"40 mm\", \"0 mm\"]\noffset = \"90 deg\"\nstart = \"0 rad\"\n\
+    [joints.right_shaft]\nbodies = [\"ground\", \"right_winch\"]\nat = [\"80 mm\", \"-20 mm\"]\nstart = \"0 rad\"\n\
+    [tendons.right_flexor]\nstiffness = \"2e4 N/m\"\nfrom = \"first\"\n\
+    friction = { mu_static = \"= mu\", presliding = \"= reach\", v_static = \"4 mm/s\", v_dynamic = \"9 mm/s\" }\npath = [\n\
+    { eyelet = \"ground\", at = [\"70 mm\", \"-20 mm\"] },\n\
+    { pulley = \"ground\", at = [\"32 mm\", \"-16 mm\"], radius = \"4 mm\", turn = \"cw\", roller = true },\n\
+    { eyelet = \"right_finger\", at = [\"10 mm\", \"8 mm\"], friction = { mu_static = 0.3, mu_dynamic = \"= mu / 2\" } },\n\
+    { pulley = \"right_finger\", at = [\"20 mm\", \"10 mm\"], radius = \"2 mm\", turn = \"ccw\" },\n\
+    { eyelet = \"right_finger\", at = [\"35 mm\", \"7 mm\"] } ]\n\
+    spools = [{ joint = \"right_shaft\", radius = \"6 mm\" }, { joint = \"right_base\", radius = \"2 mm\", turn = \"cw\", end = \"far\" }]\n\
+    [mirror]\nfrom = \"right\"\nto = \"left\"\n";
+
+#[test]
+fn friction_rollers_and_ends_of_cables_are_read_and_shown_again() {
+    let scene = parse(RUBBING);
+    let of = scene.mechanism.as_ref().expect("a mechanism");
+    let [right, left] = ["right_flexor", "left_flexor"]
+        .map(|name| of.tendons.iter().find(|tendon| tendon.name == name).expect("a tendon"));
+    let law = |bristle: Option<Bristle>, mu_static: f64, mu_dynamic: f64, v_static_m_s: f64, v_dynamic_m_s: f64| {
+        Some(FrictionLaw { mu_static, mu_dynamic, v_static_m_s, v_dynamic_m_s, kind: FrictionKind::from(bristle) })
+    };
+    let bristle = Bristle { damping_n_s_per_m: 0.2 / 60e-6 * 1e-3, relaxation_s: 1e-3 };
+    let common = law(Some(bristle), 0.2, 7.0 * 0.2 / 10.0, 4e-3, 9e-3);
+    let own = law(None, 0.3, 0.1, 5e-3, 10e-3);
+    let frictions: Vec<_> = right.path.iter().map(|element| element.friction).collect();
+    assert_eq!(frictions, [None, None, own, common, None]);
+    assert_eq!((&right.joints[..], &right.far_joints[..]), (&[(1, 0.006)][..], &[(0, -0.002)][..]));
+    let of_image: Vec<_> = left.path.iter().map(|element| (element.friction, element.side)).collect();
+    let sides: Vec<_> =
+        right.path.iter().map(|element| if element.is_pulley() { -element.side } else { element.side }).collect();
+    assert_eq!(of_image, frictions.iter().copied().zip(sides).collect::<Vec<_>>());
+    assert_eq!((left.joints.len(), left.far_joints.len(), left.rest_m), (1, 1, right.rest_m));
+    assert_round_trip(&scene);
+    let columns: Vec<String> = Schema::from_scene(&scene).channels().into_iter().map(|channel| channel.name).collect();
+    for column in ["right_flexor[1]_on", "right_flexor[2]_slip_m_s", "left_flexor[3]_tension_n", "cable_friction_j"] {
+        assert!(columns.iter().any(|found| found == column), "{column}: {columns:?}");
+    }
+}
+
+/// A cable that is numbered from its last place is the cable with the opposite path.
+#[test]
+fn a_cable_from_its_last_place_is_the_cable_with_the_opposite_path() {
+    let first = "path = [\n{ eyelet = \"ground\", at = [\"70 mm\", \"-20 mm\"] },\n\
+        { pulley = \"ground\", at = [\"32 mm\", \"-16 mm\"], radius = \"4 mm\", turn = \"cw\" },\n\
+        { eyelet = \"crank\", at = [\"10 mm\", \"8 mm\"] } ]\n";
+    let last = "from = \"last\"\npath = [\n{ eyelet = \"crank\", at = [\"10 mm\", \"8 mm\"] },\n\
+        { pulley = \"ground\", at = [\"32 mm\", \"-16 mm\"], radius = \"4 mm\", turn = \"ccw\" },\n\
+        { eyelet = \"ground\", at = [\"70 mm\", \"-20 mm\"] } ]\n";
+    let [first, last] = [first, last].map(|path| {
+        parse(&format!(
+            "kind = \"mechanism\"\nduration = \"10 ms\"\n[bodies.crank]\nmass = \"30 g\"\ninertia = \"3000 g*mm^2\"\n\
+             guess = {{ at = [\"40 mm\", \"0 mm\"], angle = \"90 deg\" }}\n[joints.crank]\nbodies = [\"ground\", \"crank\"]\n\
+             at = [\"40 mm\", \"0 mm\"]\noffset = \"90 deg\"\nstart = \"0 rad\"\n[tendons.flexor]\nfriction = {{ mu_static = 0.2 }}\n\
+             {path}[actuators.pull]\ntendon = \"flexor\"\ntension = \"3 N\"\n"
+        ))
+    });
+    let tendon = |scene: &Scene| scene.mechanism.as_ref().expect("a mechanism").tendons[0].clone();
+    assert_eq!(Tendon { is_reversed: false, ..tendon(&last) }, tendon(&first));
+    assert_round_trip(&last);
+    let names = |scene: &Scene| Schema::from_scene(scene).elements;
+    assert_eq!((names(&first), names(&last)), (vec!["flexor[1]".to_string()], vec!["flexor[1]".to_string()]));
 }

@@ -79,6 +79,7 @@ random_scene_tests! {
     objects: 60, 40;
     jaws: 80, 50;
     tendons: 80, 50;
+    cables: 80, 50;
     linkages: 100, 60;
     sliders: 100, 60;
     thrown: 120, 80;

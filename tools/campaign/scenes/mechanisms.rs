@@ -80,6 +80,56 @@ struct Cable {
     is_elastic: bool,
     /// Whether it has a spool on the joint `shaft`.
     has_winch: bool,
+    /// Whether it rubs, and passes under rings from which it lifts off where the finger is straight.
+    rubs: bool,
+}
+
+/// Writes the path of a cable that rubs: a pulley or an eyelet at the foot, rings or eyelets on both phalanges, in either
+/// direction. Then writes its friction.
+fn rubbing_path(rng: &mut Random, text: &mut String, (side, sign): (&str, f64), [foot, lower, upper, inner]: [f64; 4]) {
+    let is_reversed = rng.chance(0.3);
+    let eyelet =
+        |body: &str, at: [f64; 2], more: &str| format!("{{ eyelet = \"{body}\", at = {}{more} }}", pair(at, "mm"));
+    let pulley = |body: &str, at: [f64; 2], radius: f64, is_left: bool, more: &str| {
+        let turn = if is_left != is_reversed { "ccw" } else { "cw" };
+        let radius = quantity(radius, "mm");
+        format!("{{ pulley = \"{body}\", at = {}, radius = {radius}, turn = \"{turn}\"{more} }}", pair(at, "mm"))
+    };
+    let (proximal, distal) = (format!("{side}_proximal"), format!("{side}_distal"));
+    let more = rng.choose(&["", "", ", roller = true"]);
+    let guide = pulley("ground", [foot, 0.0], rng.within(4.0, 8.0), sign < 0.0, more);
+    let mut path = vec![eyelet("ground", [foot + 25.0 * sign, -10.0], ""), guide];
+    for (body, length, parts) in
+        [(&proximal, lower, &[(0.3, 0.45), (0.6, 0.9)][..]), (&distal, upper, &[(0.1, 0.25)][..])]
+    {
+        for (low, high) in parts {
+            let at = length * rng.within(*low, *high);
+            let own = format!(", friction = {{ mu_static = {:e} }}", rng.log_within(0.02, 0.5));
+            let more = if rng.chance(0.2) { own.as_str() } else { "" };
+            if rng.chance(0.6) {
+                let radius = rng.within(1.0, 4.0);
+                path.push(pulley(body, [at, inner + sign * radius], radius, sign > 0.0, more));
+            } else {
+                path.push(eyelet(body, [at, inner], more));
+            }
+        }
+    }
+    path.push(eyelet(&distal, [upper * rng.within(0.4, 0.6), inner * rng.within(0.8, 1.2)], ""));
+    if is_reversed {
+        path.reverse();
+    }
+    *text += &format!("[tendons.{side}_flexor]\npath = [{}]\n", path.join(", "));
+    if is_reversed {
+        key(text, "from", "\"last\"");
+    }
+    let (mu, v_static) = (rng.log_within(0.03, 0.5), rng.log_within(1.0, 30.0));
+    let mut law = format!("mu_static = {mu:e}, mu_dynamic = {:e}", mu * rng.within(0.5, 1.0));
+    let rates = [v_static, v_static * rng.within(1.5, 4.0)].map(|rate| quantity(rate, "mm/s"));
+    law += &format!(", v_static = {}, v_dynamic = {}", rates[0], rates[1]);
+    if rng.chance(0.5) {
+        law += &format!(", presliding = {}", quantity(rng.log_within(10.0, 300.0), "um"));
+    }
+    key(text, "friction", format_args!("{{ {law} }}"));
 }
 
 /// Writes a finger of two phalanges, to the right (`sign` is 1) or to the left of the object, and its tendon.
@@ -134,7 +184,11 @@ fn finger(rng: &mut Random, text: &mut String, (side, sign): (&str, f64), effort
         eyelet(&proximal, [lower * rng.within(0.5, 0.9), inner]),
         eyelet(&distal, [upper * rng.within(0.3, 0.6), inner]),
     ];
-    *text += &format!("[tendons.{side}_flexor]\npath = [{}]\n", path.join(", "));
+    if cable.rubs {
+        rubbing_path(rng, text, (side, sign), [foot, lower, upper, inner]);
+    } else {
+        *text += &format!("[tendons.{side}_flexor]\npath = [{}]\n", path.join(", "));
+    }
     if cable.is_elastic {
         key(text, "stiffness", quantity(rng.log_within(3e3, 3e5), "N/m"));
         key(text, "damping", quantity(rng.log_within(0.1, 30.0), "N*s/m"));
@@ -150,6 +204,15 @@ fn finger(rng: &mut Random, text: &mut String, (side, sign): (&str, f64), effort
 
 /// One or two tendon fingers close on a body or an outline of the ground, pulled over time or by a winch.
 pub fn tendon_fingers(rng: &mut Random) -> String {
+    fingers(rng, false)
+}
+
+/// Tendon fingers whose cables rub, lift off rings and return to them.
+pub fn rubbing_fingers(rng: &mut Random) -> String {
+    fingers(rng, true)
+}
+
+fn fingers(rng: &mut Random, rubs: bool) -> String {
     let (duration_ms, effort) = (rng.log_within(20.0, 60.0), rng.log_within(0.03, 1.0));
     let mut text = base(rng, duration_ms) + &any_law(rng, "stop", "rad");
     let hands = rng.choose(&["one", "mirror", "two"]);
@@ -157,7 +220,7 @@ pub fn tendon_fingers(rng: &mut Random) -> String {
     let elastic: Vec<bool> = sides.iter().map(|_| rng.chance(0.7)).collect();
     let has_winch = hands != "mirror" && elastic.iter().all(|is| *is) && rng.chance(0.7);
     for (side, is_elastic) in sides.iter().zip(elastic) {
-        finger(rng, &mut text, *side, effort, Cable { is_elastic, has_winch });
+        finger(rng, &mut text, *side, effort, Cable { is_elastic, has_winch, rubs });
     }
     if has_winch {
         let at = pair([0.0, -40.0], "mm");

@@ -22,7 +22,7 @@ use random::Random;
 type Family = (&'static str, fn(&mut Random) -> String);
 
 /// All families of scene texts.
-pub const FAMILIES: [Family; 13] = [
+pub const FAMILIES: [Family; 14] = [
     ("mixed", fingers::mixed),
     ("soft", fingers::soft),
     ("stick", fingers::stick),
@@ -31,6 +31,7 @@ pub const FAMILIES: [Family; 13] = [
     ("objects", grippers::with_other_object),
     ("jaws", mechanisms::jaws),
     ("tendons", mechanisms::tendon_fingers),
+    ("cables", mechanisms::rubbing_fingers),
     ("linkages", mechanisms::linkage),
     ("sliders", mechanisms::sliders),
     ("drives", drives::scene_text),

@@ -9,7 +9,7 @@
 
 use rapier2d_f64::prelude::*;
 
-use super::cable::{CableReading, read_circle, update_path};
+use super::cable::{CableReading, PlannedCableFriction, read_circle, turn, update_path};
 use super::cancellation::Cancellation;
 use super::candidates::{self, ContactCandidate, Element};
 use super::contact_space::{ActiveContact, ContactSpace, CorrectedRow, RateCorrection};
@@ -27,10 +27,10 @@ use super::support;
 use super::world::{LawContactHook, World};
 use crate::drive::Profile;
 use crate::integrator::Clock;
-use crate::law::friction_coefficient;
+use crate::law::{FrictionRange, friction_coefficient};
 use crate::mechanism::MIN_DISTANCE_M;
 use crate::mechanism::tendon::CableFault;
-use crate::numeric::elementary::hypot;
+use crate::numeric::elementary::{exp, hypot};
 use crate::numeric::plane::{add, dot, scale, sub};
 
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -446,14 +446,28 @@ impl Motion {
         let Self { plan, linkage, velocities, .. } = self;
         plan.reported_circles.iter().map(move |&[tendon, circle]| {
             let of = &plan.tendons[tendon];
-            let mut tension = self.tension(of);
-            for (index, friction) in plan.cable_frictions.iter().enumerate() {
-                if friction.tendon == tendon && friction.circle <= circle {
-                    // The force against the slip is the difference of both tensions.
-                    tension += self.forces(plan.first_cable_friction() + index).1;
-                }
-            }
+            let before =
+                self.cable_losses(tendon).filter(|(friction, _)| plan.cable_frictions[*friction].circle <= circle);
+            let tension = self.tension(of) - before.map(|(_, loss)| loss).sum::<f64>();
             CableReading { tension, ..read_circle(&of.circles, circle, &of.far, (&linkage.poses, velocities)) }
+        })
+    }
+
+    /// What the friction of a cable takes from its tension at the node, N, by the indices of the frictions.
+    fn cable_losses(&self, tendon: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let Self { plan, linkage, velocities, friction_states, .. } = self;
+        let of = &plan.tendons[tendon];
+        let mut tension = self.tension(of);
+        let frictions = plan.cable_frictions.iter().enumerate();
+        let on = frictions.filter(move |(_, friction)| friction.tendon == tendon && of.circles[friction.circle].is_on);
+        on.map(move |(index, PlannedCableFriction { circle, law, .. })| {
+            let element = plan.first_cable_friction() + index;
+            let slip = self.candidate(element).map_or(0.0, |candidate| candidate.slip_row.rate(velocities));
+            let state = law.has_state().then(|| friction_states[element]);
+            let mu = -law.force(slip, state, 1.0, FrictionRange::Any);
+            let loss = tension * (1.0 - exp(-mu * turn(&of.circles, *circle, &linkage.poses)));
+            tension -= loss;
+            (index, loss)
         })
     }
 
@@ -684,9 +698,12 @@ impl Motion {
         self.add_powertrain_forces();
         forces::driven_accelerations(&self.plan, now, &mut self.driven);
         let mut loads = std::mem::take(&mut self.impulse);
-        let is_shaft =
-            |candidate: &&ContactCandidate| matches!(candidate.element, Element::Brake(_) | Element::Cable(_));
-        for candidate in self.candidates.iter().filter(is_shaft) {
+        for (index, loss) in (0..self.plan.tendons.len()).flat_map(|tendon| self.cable_losses(tendon)) {
+            let candidate = self.candidate(self.plan.first_cable_friction() + index);
+            // The force against the slip is the difference of both tensions.
+            candidate.iter().for_each(|candidate| candidate.slip_row.add_to(&mut loads, -loss));
+        }
+        for candidate in self.candidates.iter().filter(|candidate| matches!(candidate.element, Element::Brake(_))) {
             candidate.slip_row.add_to(&mut loads, self.forces(candidate.index).1);
         }
         for candidate in self.plan.tendons.iter().filter_map(|tendon| self.candidate(tendon.stop?)) {

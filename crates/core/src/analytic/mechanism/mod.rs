@@ -31,10 +31,11 @@ mod powertrain;
 mod quasi_static;
 mod reading;
 mod removal;
+mod strands;
 mod tendon;
 
 pub(crate) use conditioning::EXCHANGE_SINE;
 pub use joint_forces::{JointForce, JointForces};
 pub use model::{MechanismMode, MechanismModel};
 pub use powertrain::DriveReading;
-pub use tendon::ElementReading;
+pub use strands::ElementReading;

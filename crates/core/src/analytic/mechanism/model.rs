@@ -14,7 +14,7 @@ use super::motion::{LANES, Lanes, Motions, Part, Support};
 use super::nearest::Feature;
 use super::palm_frame::{exchange_ground, palm_of_frame, place_in_frame};
 use super::powertrain::{DriveModel, DriveRows, charge_count, drives};
-use super::tendon::Strands;
+use super::strands::Strands;
 use crate::analytic::ContactState;
 use crate::analytic::contact::{ContactMode, EventTolerances, Mode, StateRef};
 use crate::integrator::{Dynamic, Layout, Linearised, State};

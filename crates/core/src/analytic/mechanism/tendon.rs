@@ -10,6 +10,7 @@ use super::dynamics::{Chunk, Sums};
 use super::model::{MechanismMode, MechanismModel, Scratch};
 use super::motion::{LANES, Lanes, Motions, pair};
 use super::nearest::{Frame, POSES};
+use super::strands::{ElementReading, Strand, StrandDerivatives, Strands};
 use crate::analytic::contact::{StateRef, WithDerivatives, row_dot};
 use crate::integrator::{Dynamic, EventFunction, Linearised, RootSearch};
 use crate::mechanism::PathElement;
@@ -64,90 +65,6 @@ fn segments<'a>(
 /// Position of the centre of a path element.
 fn center(motions: &Motions<f64>) -> impl Fn(&PathElement) -> Vector<f64> + Copy {
     |element| motions.body(element.body).position(element.point_m)
-}
-
-/// A straight part of a cable with friction, with the path element at its end.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Strand {
-    ends: [usize; 2],
-    bodies: [Option<usize>; 2],
-    /// Derivative of its length by the relative pose of the bodies.
-    row: [f64; POSES],
-    direction: Vector<f64>,
-    /// Rate at which it becomes longer, with the spools at its end of the cable, m/s.
-    rate: f64,
-    tension: f64,
-    /// Wrap at the element at its end, rad, and speed of the cable over this element towards the first strand, m/s; 0 at
-    /// the end of the path.
-    turn: f64,
-    slip: f64,
-}
-
-/// State of a cable at a path element.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ElementReading {
-    pub is_on: bool,
-    /// Wrap, rad; 0 if the cable is off.
-    pub turn: f64,
-    /// Distance of the cable from a pulley that it is off, m.
-    pub gap: f64,
-    /// Speed of the cable towards the first segment, m/s.
-    pub slip: f64,
-    /// Tension behind the element, N.
-    pub tension: f64,
-}
-
-/// Straight parts of a cable with friction, and the memory of their derivatives.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Strands {
-    all: Vec<Strand>,
-    derivatives: Vec<StrandDerivatives>,
-    /// Of the tension of a strand, and of the next one.
-    tension: Gradient,
-    next: Gradient,
-    slip: Gradient,
-    /// Derivative of the angle of the body of a path element.
-    angle: Vec<f64>,
-}
-
-/// Derivatives of a number by all coordinates and rates, and by time.
-#[derive(Clone, Debug, Default)]
-struct Gradient {
-    by_q: Vec<f64>,
-    by_v: Vec<f64>,
-    by_t: f64,
-}
-
-impl Gradient {
-    fn reset(&mut self, size: usize) {
-        for list in [&mut self.by_q, &mut self.by_v] {
-            list.clear();
-            list.resize(size, 0.0);
-        }
-        self.by_t = 0.0;
-    }
-}
-
-/// Derivatives of a strand by all coordinates.
-#[derive(Clone, Debug, Default)]
-struct StrandDerivatives {
-    /// Of its length.
-    row: Vec<f64>,
-    /// Of its rate.
-    rate: Vec<f64>,
-    /// Of its angle.
-    angle: Vec<f64>,
-}
-
-impl Tension {
-    /// Adds the derivatives of the total tension from those of the elongation, `row`, and of its rate.
-    fn gradient(&self, row: &[f64], rate: &[f64], sum: &mut Gradient) {
-        for (i, (row, rate)) in row.iter().zip(rate).enumerate() {
-            sum.by_q[i] += self.by_elongation * row + self.by_rate * rate;
-            sum.by_v[i] += self.by_rate * row;
-        }
-        sum.by_t += self.pull_rate;
-    }
 }
 
 impl MechanismModel {
@@ -435,6 +352,7 @@ impl MechanismModel {
         let Strands { all, derivatives, tension, next, slip, angle } = memory;
         derivatives.resize_with(derivatives.len().max(all.len()), StrandDerivatives::default);
         tension.reset(n);
+        tension.by_t = of_first.pull_rate;
         // The tensions times the second derivatives of the lengths, and the first derivatives of all strands.
         for (k, (strand, of)) in all.iter().zip(&mut *derivatives).enumerate() {
             let elements = strand.ends.map(|element| &path[element]);
@@ -459,9 +377,7 @@ impl MechanismModel {
                 let by_q = sums.load_q[i].iter_mut().zip(&second.a_q[i]);
                 by_q.for_each(|(sum, part)| *sum -= strand.tension * part);
             }
-            of_first.gradient(row, rate, tension);
-            // The pull rate counts once.
-            tension.by_t = of_first.pull_rate;
+            tension.add_tension(&of_first, row, rate);
             for j in 0..n {
                 sums.g_q[drive_work][j] -= of_first.pull * rate[j];
                 sums.g_v[drive_work][j] -= of_first.pull * row[j];

@@ -205,6 +205,27 @@ pub(super) fn tendon(name: &str, section: &SectionInput<'_>, known: &Known<'_>) 
 /// Relaxation time under `presliding`, s.
 const RELAXATION_S: f64 = 1e-3;
 
+/// Damping of the bristle of a friction coefficient: its stiffness μ_s/presliding, 1/m, times its relaxation time.
+fn bristle_damping(mu_static: f64, presliding_m: f64, relaxation_s: f64) -> f64 {
+    mu_static / presliding_m * relaxation_s
+}
+
+/// The path that gives a bristle its damping to the last digit.
+fn presliding(mu_static: f64, bristle: Bristle) -> f64 {
+    let Bristle { damping_n_s_per_m, relaxation_s } = bristle;
+    let near = mu_static * relaxation_s / damping_n_s_per_m;
+    let (mut above, mut below) = (near, near);
+    for _ in 0..4 {
+        for presliding_m in [above, below] {
+            if bristle_damping(mu_static, presliding_m, relaxation_s) == damping_n_s_per_m {
+                return presliding_m;
+            }
+        }
+        (above, below) = (above.next_up(), below.next_down());
+    }
+    near
+}
+
 /// Reads the friction of a cable: `Some(None)` without friction, `None` if it is invalid.
 fn cable_friction(section: &SectionInput<'_>) -> Option<Option<FrictionLaw>> {
     if !section.is_present() {
@@ -234,11 +255,10 @@ fn cable_friction(section: &SectionInput<'_>) -> Option<Option<FrictionLaw>> {
         return section.refuse(if section.has("v_dynamic") { "v_dynamic" } else { "v_static" }, message, "", help);
     }
     let relaxation_s = relaxation.map_or(RELAXATION_S, |relaxation| *relaxation);
-    // The bristle of the coefficient: stiffness μ_s/presliding, 1/m, times its relaxation time.
-    let kind = FrictionKind::from(
-        presliding
-            .map(|presliding| Bristle { damping_n_s_per_m: mu_static / *presliding * relaxation_s, relaxation_s }),
-    );
+    let kind = FrictionKind::from(presliding.map(|presliding| Bristle {
+        damping_n_s_per_m: bristle_damping(mu_static, *presliding, relaxation_s),
+        relaxation_s,
+    }));
     let law = FrictionLaw { mu_static, mu_dynamic, v_static_m_s: *v_static, v_dynamic_m_s: *v_dynamic, kind };
     Some((mu_static > 0.0).then_some(law))
 }
@@ -384,7 +404,7 @@ fn cable_friction_settings(law: FrictionLaw) -> Value {
         "mu_dynamic": law.mu_dynamic,
         "v_static": law.v_static_m_s,
         "v_dynamic": law.v_dynamic_m_s,
-        "presliding": bristle.map(|bristle| law.mu_static * bristle.relaxation_s / bristle.damping_n_s_per_m),
+        "presliding": bristle.map(|bristle| presliding(law.mu_static, bristle)),
         "relaxation": bristle.map(|bristle| bristle.relaxation_s),
     })
 }
