@@ -50,11 +50,11 @@ shipped_scenes! {
     "laws/bristle-jams.toml", "laws/bristle-rolls.toml", "laws/bristle-slides.toml", "laws/bristle-stick-slip.toml",
     "laws/damper.toml", "laws/friction.toml", "laws/impact-damper.toml", "laws/impact-elastic.toml",
     "laws/impact.toml", "laws/radii.toml", "laws/rolling.toml", "laws/spring.toml", "laws/step-size.toml",
-    "laws/two-free.toml", "mechanisms/andrews.toml", "mechanisms/f85-finger.toml", "mechanisms/four-bar.toml",
+    "laws/two-free.toml", "mechanisms/andrews.toml", "mechanisms/bought-drive.toml", "mechanisms/f85-finger.toml", "mechanisms/four-bar.toml",
     "mechanisms/gripper-box.toml", "mechanisms/jaws.toml", "mechanisms/slider-crank.toml",
-    "mechanisms/tendon-finger.toml", "mechanisms/two-pivot.toml", "real/2f85-encompass.toml", "real/2f85-hold.toml",
+    "mechanisms/tendon-finger.toml", "mechanisms/tendon-hand.toml", "mechanisms/two-pivot.toml", "real/2f85-encompass.toml", "real/2f85-hold.toml",
     "real/2f85-lift.toml", "real/2f85-pinch.toml", "real/barrett-grasp.toml", "real/dp-flex-finger.toml",
-    "real/franka-lift.toml", "real/robotiq-3f-finger.toml", "real/t42-grasp.toml",
+    "real/franka-lift.toml", "real/robotiq-3f-finger.toml", "real/t42-friction.toml", "real/t42-grasp.toml",
 }
 
 impl ShippedScene {

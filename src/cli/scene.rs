@@ -62,7 +62,7 @@ enum NewKind {
     Mechanism,
     /// A gripper whose fingers have two pivots each on the palm
     TwoPivot,
-    /// A finger that a tendon closes
+    /// A hand whose fingers are closed by tendons
     Tendon,
     /// Two parallel jaws
     Jaw,
@@ -78,7 +78,9 @@ impl NewKind {
             NewKind::TwoPivot => {
                 Some(("mechanisms/two-pivot", "a mechanism, a gripper whose fingers have two pivots each"))
             }
-            NewKind::Tendon => Some(("mechanisms/tendon-finger", "a mechanism, a finger that a tendon closes")),
+            NewKind::Tendon => {
+                Some(("mechanisms/tendon-hand", "a mechanism, a hand whose fingers are closed by tendons"))
+            }
             NewKind::Jaw => Some(("mechanisms/jaws", "a mechanism, two jaws on sliders")),
         }
     }

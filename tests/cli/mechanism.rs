@@ -120,7 +120,7 @@ fn new_mechanisms_are_shipped_scenes() {
     for (kind, content, shipped) in [
         ("mechanism", "a finger with a loop", FINGER),
         ("two-pivot", "a gripper whose fingers have two pivots", "scenes/mechanisms/two-pivot.toml"),
-        ("tendon", "a finger that a tendon closes", TENDON_FINGER),
+        ("tendon", "a hand whose fingers are closed by tendons", "scenes/mechanisms/tendon-hand.toml"),
         ("jaw", "two jaws on sliders", "scenes/mechanisms/jaws.toml"),
     ] {
         let file = path_in(&directory("new-mechanism"), &format!("{kind}.toml"));
