@@ -377,7 +377,7 @@ impl Motion {
     /// Returns the first powertrain whose points have met in the last step, which moves them straight on.
     pub(crate) fn met_points(&self) -> Option<usize> {
         let before = self.previous_offsets.iter();
-        let found = self.plan.powertrains.iter().zip(before).position(|(powertrain, before)| {
+        self.plan.powertrains.iter().zip(before).position(|(powertrain, before)| {
             powertrain.offset(&self.linkage.poses).is_some_and(|now| {
                 let moved = sub(now, *before);
                 let part = (-dot(*before, moved) / dot(moved, moved)).clamp(0.0, 1.0);
@@ -386,8 +386,7 @@ impl Motion {
                 let least = hypot(nearest[0], nearest[1]);
                 least.is_nan() || least < MIN_DISTANCE_M
             })
-        });
-        found
+        })
     }
 
     /// Returns the energy of the internal states of friction, J.
