@@ -128,6 +128,11 @@ impl MechanismModel {
         3 * self.contacts.len() + self.mechanism.actuators.len() + self.monitored.len() + 1
     }
 
+    /// Index of the first event function of a path element.
+    pub(super) fn first_path_event(&self) -> usize {
+        3 * self.contacts.len() + self.mechanism.actuators.len()
+    }
+
     /// What an event function belongs to.
     fn subject_of(&self, event: usize) -> EventOf {
         let before = [self.contacts.len(), self.mechanism.actuators.len()];
@@ -476,9 +481,8 @@ impl Hybrid for MechanismModel {
             for index in 0..self.mechanism.actuators.len() {
                 events.functions[first + index] = self.actuator_event(motions, (q, v), mode, index);
             }
-            let first = first + self.mechanism.actuators.len();
             for index in 0..self.monitored.len() {
-                events.functions[first + index] = self.path_event(motions, mode, index);
+                events.functions[self.first_path_event() + index] = self.path_event(motions, mode, index);
             }
             events.functions[self.event_function_count() - 1] = self.feature_event(motions, mode);
             (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions, mode);
