@@ -41,7 +41,8 @@ impl Elements<'_> {
                 continue;
             }
             assert!((found.turn.max(0.0) - wrap_rad).abs() < 1e-7, "{name} at {t} s: {found:?}, {expected:?}");
-            assert!((found.slip - slip_m_s).abs() < 1e-6, "{name} at {t} s: {found:?}, {expected:?}");
+            let slip_error = slip_m_s.map_or(0.0, |slip_m_s| (found.slip - slip_m_s).abs());
+            assert!(slip_error < 1e-6, "{name} at {t} s: {found:?}, {expected:?}");
             let largest = self.case.samples.iter().flat_map(|sample| &sample.tendons).map(|[_, tension]| *tension);
             let scale = largest.fold(0.0, f64::max);
             assert!((found.tension - tension_n).abs() < 1e-5 * scale, "{name} at {t} s: {found:?}, {expected:?}");
@@ -66,6 +67,8 @@ impl Observer<Dynamic, MechanismMode> for Elements<'_> {
         }
         true
     }
+
+    fn event(&mut self, _: f64, _: &State<Dynamic>, _: usize, _: &MechanismMode) {}
 }
 
 /// Wraps, speeds and tensions at all samples, and the times of lift-offs and returns.
@@ -114,12 +117,13 @@ fn the_tension_ratio_is_that_of_the_capstan() {
     for name in ["k_capstan_load", "k_hysteresis", "k_drum_brake"] {
         let case = case(name);
         let law = case.mechanism.tendons[0].path[1].friction.expect("friction");
-        for model in [Model::Analytic, Model::Engine] {
+        // Samples of the engine between nodes are interpolated.
+        for (model, bound) in [(Model::Analytic, 1e-9), (Model::Engine, 1e-6)] {
             for sample in &run(&case, model, None).samples {
                 let (place, tension_n) = (sample.cable_element(0), sample.tendon(0).tension_n);
                 let expected = tension_n * (-friction_coefficient(&law, place.slip_m_s).0 * std::f64::consts::PI).exp();
                 let difference = (place.tension_n - expected).abs();
-                assert!(difference <= 1e-9 * tension_n.max(1.0), "{name}, {model:?}: {place:?}, {expected}");
+                assert!(difference <= bound * tension_n.max(1.0), "{name}, {model:?}: {place:?}, {expected}");
             }
         }
     }
@@ -184,7 +188,7 @@ fn a_ring_tangent_to_the_line_of_its_neighbours_causes_no_events() {
     let steps = |offset: f64, friction: &str| {
         let scene = ring(offset, friction);
         let outcome = trace::run(Model::Analytic, &scene, &mut ()).unwrap_or_else(|error| panic!("{error}"));
-        (outcome.steps, outcome.last.joint_state(0).angle_rad)
+        (outcome.work.steps, outcome.last.joint_state(0).angle_rad)
     };
     for friction in ["", friction] {
         let (free, angle) = steps(-1.0, friction);

@@ -1,7 +1,9 @@
 //! Cables that lift off their pulleys on arms that turn along known paths, against the geometry of tangents written anew.
 
 use phalanx::analytic::mechanism::{MechanismMode, MechanismModel};
-use phalanx::integrator::{Dynamic, Observer, Options, Step, StepTools, SwitchedMethod, Tolerances, integrate_by};
+use phalanx::integrator::{
+    Dynamic, Observer, Options, State, Step, StepTools, SwitchedMethod, Tolerances, integrate_by,
+};
 use phalanx::mechanism::assemble;
 use phalanx::scene::{Scene, parse_any};
 use phalanx::trace::{self, Model};
@@ -146,6 +148,8 @@ impl Observer<Dynamic, MechanismMode> for FirstOff<'_> {
         });
         self.time_s.is_none()
     }
+
+    fn event(&mut self, _: f64, _: &State<Dynamic>, _: usize, _: &MechanismMode) {}
 }
 
 /// Time of the lift-off in the analytic model: that of its event.

@@ -299,7 +299,7 @@ fn tendons_are_read_and_shown_again() {
     assert_eq!((pull.name.as_str(), pull.tension.at(0.01).0, of.actuators.len()), ("motor", 15.0, 0));
     assert_round_trip(&scene);
     let columns: Vec<String> = Schema::from_scene(&scene).channels().into_iter().map(|channel| channel.name).collect();
-    let expected = "motor_force_n flexor_length_m flexor_rate_m_s flexor_tension_n distal_x_m";
+    let expected = "motor_force_n flexor_length_m flexor_rate_m_s flexor_tension_n flexor[1]_on";
     assert!(columns.join(" ").contains(expected), "{columns:?}");
 }
 
@@ -804,7 +804,11 @@ fn friction_rollers_and_ends_of_cables_are_read_and_shown_again() {
     let own = law(None, 0.3, 0.1, 5e-3, 10e-3);
     let frictions: Vec<_> = right.path.iter().map(|element| element.friction).collect();
     assert_eq!(frictions, [None, None, own, common, None]);
-    assert_eq!((&right.joints[..], &right.far_joints[..]), (&[(1, 0.006)][..], &[(0, -0.002)][..]));
+    let named = |joints: &[(usize, f64)]| -> Vec<(String, f64)> {
+        joints.iter().map(|(joint, factor)| (of.joints[*joint].name.clone(), *factor)).collect()
+    };
+    let [near, far] = [("right_shaft", 0.006), ("right_base", -0.002)].map(|(name, c)| vec![(name.to_string(), c)]);
+    assert_eq!((named(&right.joints), named(&right.far_joints)), (near, far));
     let of_image: Vec<_> = left.path.iter().map(|element| (element.friction, element.side)).collect();
     let sides: Vec<_> =
         right.path.iter().map(|element| if element.is_pulley() { -element.side } else { element.side }).collect();

@@ -53,7 +53,8 @@ pub struct MechanismSample {
 pub struct ElementValues {
     pub is_on: bool,
     pub wrap_rad: f64,
-    pub slip_m_s: f64,
+    /// `None` without friction.
+    pub slip_m_s: Option<f64>,
     pub tension_n: f64,
 }
 
@@ -157,7 +158,7 @@ fn element_values(value: &Value) -> Option<ElementValues> {
     (!is_on || value["wrap"].is_number()).then(|| ElementValues {
         is_on,
         wrap_rad: or(&value["wrap"], 0.0),
-        slip_m_s: or(&value["slip"], 0.0),
+        slip_m_s: value["slip"].as_f64(),
         tension_n: or(&value["tension_after"], 0.0),
     })
 }

@@ -12,6 +12,9 @@ const MIN_RELEASE_DEPTH: f64 = 1e-4;
 const LINEAR_RANGE: f64 = 1e-6;
 /// Jump of the accelerations that counts as a discontinuity, relative to the largest acceleration so far.
 const MIN_JUMP: f64 = 1e-6;
+/// The same without an event of a contact: ranges of friction with stiction overlap by 1e-7 of its limit, by which the force
+/// jumps at their ends.
+const MIN_SILENT_JUMP: f64 = 1e-5;
 
 impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
     /// Changes to the mode of a step at its start, unless an event has already reported the change.
@@ -35,7 +38,7 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         for contact in &opened {
             self.pass_event((step.t0, step.start), *contact, mode);
         }
-        if opened.is_empty() && self.is_jump(rates.a.as_ref(), next.a.as_ref()) {
+        if opened.is_empty() && self.is_jump(rates.a.as_ref(), next.a.as_ref(), MIN_SILENT_JUMP) {
             self.refuse(&format!("the accelerations jump at {} s without an event of a contact", step.t0));
         }
         self.mode.clone_from(mode);
@@ -142,12 +145,12 @@ impl<'a, M: Kernel + Hybrid> Tangent<'a, M> {
         let ([near, without], [far, far_without]) = (<[_; 2]>::from(beyond(1.0)), <[_; 2]>::from(beyond(2.0)));
         let jump = |i: usize| 2.0 * (near.a[i] - without.a[i]) - (far.a[i] - far_without.a[i]);
         let with: Vec<f64> = (0..without.a.as_ref().len()).map(|i| without.a[i] + jump(i)).collect();
-        self.is_jump(without.a.as_ref(), &with)
+        self.is_jump(without.a.as_ref(), &with, MIN_JUMP)
     }
 
-    fn is_jump(&self, before: &[f64], after: &[f64]) -> bool {
+    fn is_jump(&self, before: &[f64], after: &[f64], least: f64) -> bool {
         let largest = before.iter().chain(after).fold(self.acceleration_scale, |largest, a| largest.max(a.abs()));
-        before.iter().zip(after).any(|(before, after)| (before - after).abs() > MIN_JUMP * largest)
+        before.iter().zip(after).any(|(before, after)| (before - after).abs() > least * largest)
     }
 
     /// dt/dp of an event of the normal law of a contact.

@@ -137,9 +137,14 @@ impl MechanismModel {
         3 * self.contacts.len() + self.range_count + self.monitored.len() + 1
     }
 
+    /// Index of the first event function of a path element.
+    pub(super) fn first_path_event(&self) -> usize {
+        3 * self.contacts.len() + self.range_count
+    }
+
     /// What an event function belongs to.
     fn subject_of(&self, event: usize) -> EventOf {
-        let before = [self.contacts.len(), self.mechanism.actuators.len()];
+        let before = [self.contacts.len(), self.range_count];
         EventOf::index(event, before, self.event_function_count())
     }
 
@@ -495,9 +500,8 @@ impl Hybrid for MechanismModel {
             for index in 0..self.range_count {
                 events.functions[first + index] = self.actuator_event(motions, (q, v), mode, index);
             }
-            let first = first + self.range_count;
             for index in 0..self.monitored.len() {
-                events.functions[first + index] = self.path_event(motions, mode, index);
+                events.functions[self.first_path_event() + index] = self.path_event(motions, mode, index);
             }
             events.functions[self.event_function_count() - 1] = self.feature_event(motions, mode);
             (events.clearance, events.clearance_rate) = self.clearance_and_rate(motions, mode);

@@ -8,7 +8,7 @@ use super::motion::Motions;
 use super::nearest::PointOnFace;
 use crate::analytic::motion_bound::{RateBound, nothing_known};
 use crate::integrator::{CoordinateBounds, Dynamic, GapBound, GapBounds};
-use crate::mechanism::tendon::{MAX_WRAP_RAD, segment, strands, wraps};
+use crate::mechanism::tendon::{MAX_WRAP_RAD, neighbours, segment, strands, wraps};
 use crate::mechanism::{Limited, MIN_DISTANCE_M, OutlinePoint, PathElement};
 use crate::numeric::plane::sub;
 
@@ -33,7 +33,68 @@ fn segment_bound(
     (ends, (straight * straight - change * (2.0 * distance + change)).max(0.0).sqrt())
 }
 
+/// Bound of the centre of a path element as seen from a body; 0 if the element is on it.
+fn center_seen(
+    element: &PathElement,
+    body: Option<usize>,
+    (step_s, width): (f64, f64),
+    motions: &Motions<f64>,
+    bounds: &MechanismBounds,
+) -> RateBound {
+    if element.body == body {
+        return RateBound::default();
+    }
+    let (of_point, from) = (bounds.body(element.body).point(length(element.point_m)), motions.body(body));
+    let center = motions.body(element.body).point(element.point_m);
+    let offset = sub(center.position, from.origin);
+    let distance = length(offset) + (of_point.rate + bounds.body(body).speed) * width;
+    let relative = sub(center.rate, from.rate_at(offset));
+    bounds.body(body).seen(of_point, distance).with_known_rate(length(relative) * step_s, width)
+}
+
+/// Bound of the angle of a segment whose ends move relative to each other within `ends`.
+fn turn_bound(elements: [&PathElement; 2], ends: RateBound, width: f64, motions: &Motions<f64>) -> RateBound {
+    if ends.rate == 0.0 {
+        return RateBound::default();
+    }
+    let [from, to] = elements.map(|element| motions.body(element.body).position(element.point_m));
+    let between = sub(to, from);
+    let (straight, change) = (segment(elements, between).length, ends.rate * width);
+    let shortest = (straight * straight - change * (2.0 * length(between) + change)).max(0.0).sqrt();
+    let offset = (elements[1].signed_radius_m() - elements[0].signed_radius_m()).abs();
+    let rate = ends.rate / shortest;
+    RateBound { rate, acceleration: ends.acceleration / shortest + rate * rate * (2.0 + offset / shortest) }
+}
+
 impl MechanismModel {
+    /// Bound of the event function of a path element: of its turn or its gap, as seen from its body.
+    fn bound_path_event(
+        &self,
+        [cable, element]: [usize; 2],
+        of_part: (f64, f64),
+        motions: &Motions<f64>,
+        bounds: &MechanismBounds,
+    ) -> GapBound {
+        let (path, bends) = (&self.cables[cable].tendon.path, self.cables[cable].bends(&motions.bends));
+        let Some([before, after]) = neighbours(bends, element) else { return GapBound::NONE };
+        let [before, of, after] = [before, element, after].map(|element| &path[element]);
+        let [first, last] = [before, after].map(|end| center_seen(end, of.body, of_part, motions, bounds));
+        if bends[element].is_on() {
+            let turns = [([before, of], first), ([of, after], last)];
+            let [first, last] = turns.map(|(pair, ends)| turn_bound(pair, ends, of_part.1, motions));
+            return first.plus(last).gap();
+        }
+        let ends = first.plus(last);
+        let turn = turn_bound([before, after], ends, of_part.1, motions);
+        let center = |element: &PathElement| motions.body(element.body).position(element.point_m);
+        let radii = before.radius_m + after.radius_m;
+        let arm = length(sub(center(of), center(before))) + ends.rate * of_part.1 + radii;
+        // The tangent points move along the segment as it turns; the distance from it changes by both motions.
+        let turning = RateBound { rate: turn.rate, acceleration: turn.acceleration + turn.rate * turn.rate };
+        let coriolis = RateBound { rate: 0.0, acceleration: 2.0 * turn.rate * ends.rate };
+        ends.plus(turning.times(arm)).plus(coriolis).gap()
+    }
+
     /// Bounds of all gaps, in the order of the contacts, and of the clearance.
     pub(super) fn bound_gaps(
         &self,
@@ -60,6 +121,10 @@ impl MechanismModel {
             self.bound_distance(cable, (*step_s, *width, clearance), motions, bounds);
         }
         found.clearance_reach = bounds.clearance_reach;
+        let first = self.first_path_event();
+        for (index, place) in self.monitored.iter().enumerate() {
+            found.gaps[first + index] = self.bound_path_event(*place, (*step_s, *width), motions, bounds);
+        }
         for (gap, contact) in found.gaps.iter_mut().zip(&self.contacts) {
             match &contact.surfaces {
                 Surfaces::Point(pair) => *gap = point_gap(pair, *width, motions, bounds),

@@ -564,7 +564,7 @@ impl MechanismModel {
                 (turn(of, bend, [first, second]) + BAND, bend.sign() * (rates[1] - rates[0]))
             }
         };
-        EventFunction { value, rate, root_search: RootSearch::Gap, ..inactive }
+        EventFunction { value, rate, root_search: RootSearch::Bounded, ..inactive }
     }
 
     /// Tolerance of [`MechanismModel::path_event`].

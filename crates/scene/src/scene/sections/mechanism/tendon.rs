@@ -103,9 +103,10 @@ pub struct PathEntry {
     /// Direction in which the cable passes the pulley: "cw" (the centre to its right) or "ccw".
     pub turn: Option<Turn>,
     /// Friction here, in place of that of the tendon.
+    #[allow(dead_code, reason = "it is read as a section of its own")]
     #[schemars(with = "CableFriction")]
     pub friction: Subsection,
-    /// Whether the pulley turns freely on a pin: it has no friction.
+    /// Whether the pulley or eyelet turns freely on a pin: it has no friction.
     #[schemars(extend("default" = false))]
     pub roller: bool,
 }
@@ -270,20 +271,17 @@ fn element(
     common: Option<FrictionLaw>,
     is_end: bool,
 ) -> Option<PathElement> {
-    let PathEntry { eyelet, pulley, at, radius, turn, friction, roller } = entry.read();
-    let own = cable_friction(&entry.subsection("friction"));
+    let PathEntry { eyelet, pulley, at, radius, turn, roller, .. } = entry.read();
+    let own = entry.subsection("friction");
+    let (has_own, own) = (own.is_present(), cable_friction(&own));
     if is_end {
         for key in ["friction", "roller"].into_iter().filter(|key| entry.has(key)) {
             let message = format!("`{}` is at an end of the path, where the cable is fixed", entry.path(key));
             entry.report(key, message, "at an end", "remove it: only places between the ends have friction");
         }
-    } else if roller && friction.is_some() {
+    } else if roller && has_own {
         let message = format!("`{}` has `roller` and `friction`, but a roller has no friction", entry.path(""));
         entry.report("roller", message, "with `friction`", "remove one of them");
-    } else if roller && pulley.is_none() {
-        let message = format!("`{}` is true at an eyelet, but only a pulley can turn", entry.path("roller"));
-        let help = "remove it, or write the eyelet as a pulley with its radius; for no friction here, friction = { mu_static = 0 }";
-        entry.report("roller", message, "at an eyelet", help);
     }
     let known: Vec<&str> = [GROUND].into_iter().chain(bodies.iter().copied()).collect();
     let key = if pulley.is_some() { "pulley" } else { "eyelet" };
@@ -301,7 +299,7 @@ fn element(
     }
     let (radius_m, side) = if pulley.is_some() { (*radius?, turn?.sign()) } else { (0.0, 1.0) };
     let body = find(entry, key, &pulley.or(eyelet)?, "body", &known)?.checked_sub(1);
-    let friction = if friction.is_some() { own? } else { common };
+    let friction = if has_own { own? } else { common };
     let friction = friction.filter(|_| !roller && !is_end);
     Some(PathElement { body, point_m: at.map(|part| *part), radius_m, side, friction })
 }
