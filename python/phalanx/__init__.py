@@ -34,13 +34,16 @@ from ._phalanx import (
     sweep_shard,
     validate,
 )
-from .errors import PhalanxError, RunError, SceneError, StudyError
+from .convert import Conversion, from_mjcf
+from .errors import ConversionError, PhalanxError, RunError, SceneError, StudyError
 from .events import Event
 from .optimization import optimize
 
 Mapping.register(Result)
 
 __all__ = [
+    "Conversion",
+    "ConversionError",
     "Event",
     "PhalanxError",
     "Result",
@@ -55,6 +58,7 @@ __all__ = [
     "__version__",
     "capture",
     "evaluate",
+    "from_mjcf",
     "hold",
     "optimize",
     "read_log",

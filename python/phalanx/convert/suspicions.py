@@ -1,0 +1,84 @@
+"""Warnings about numbers of a model that no real gripper has, and what else it has without an equivalent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy
+
+from .outlines import core_of
+from .planar import FRICTION_DEFLECTION, GROUND, Body
+from .projection import Projection
+from .read import load_mujoco
+
+# Ratio of armature and own inertia above which the armature is not that of a motor.
+_LARGEST_ARMATURE = 100.0
+# Radius of gyration over the extent of a solid body.
+_GYRATION = (0.1, 0.7)
+
+
+def _extent(work: Projection, body: Body) -> float:
+    """Largest distance of points of a body, m."""
+    points: list[Any] = [
+        point for joint in work.mechanism.joints for name, point in zip(joint.bodies, joint.points, strict=True) if name == body.name
+    ]
+    reach = 0.0
+    for outline in body.outlines:
+        if outline.type != "half_plane":
+            corners, radius = core_of(outline, (0.0, 0.0))
+            points, reach = points + list(corners), max(reach, radius)
+    if not points:
+        return 2.0 * reach
+    cloud = numpy.array(points)
+    return float(max(numpy.linalg.norm(cloud - point, axis=1).max() for point in cloud)) + 2.0 * reach
+
+
+def warn(work: Projection) -> None:
+    """Warns about numbers that no real gripper has."""
+    mujoco, model = load_mujoco(), work.model
+    hinges = [j for j in work.joints if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE and model.jnt_limited[j]]
+    if hinges and all(max(abs(model.jnt_range[j])) < numpy.radians(5.0) for j in hinges):
+        work.report.warn(
+            "ranges of hinges",
+            'all are below 5 deg: the file is probably a fragment of a larger model with <compiler angle="radian">; add this line',
+        )
+    for body in work.mechanism.bodies:
+        extent, gyration = _extent(work, body), float(numpy.sqrt(body.inertia / body.mass))
+        if extent > 1e-6 and not _GYRATION[0] <= gyration / extent <= _GYRATION[1]:
+            work.report.warn(
+                f"body {body.name}",
+                f"its radius of gyration is {1e3 * gyration:.3g} mm, but its extent {1e3 * extent:.3g} mm: the inertia is probably a placeholder",
+            )
+        if not body.is_free and float(numpy.hypot(*body.com)) < 1e-9:
+            work.report.warn(f"body {body.name}", "its centre of mass is exactly in its joint: probably a placeholder")
+    inertias = {body.name: body for body in work.mechanism.bodies}
+    for joint in work.joints.values():
+        body = inertias[next(name for name in joint.bodies[::-1] if name != GROUND)]
+        own = body.mass if joint.is_slide else body.inertia
+        if joint.armature > _LARGEST_ARMATURE * own:
+            unit = "kg" if joint.is_slide else "kg m^2"
+            work.report.warn(
+                f"joint {joint.name}",
+                f"its armature of {joint.armature:.4g} {unit} is {joint.armature / own:.0f} times the inertia of {body.name}: a setting for the solver rather than a motor",
+            )
+        if joint.is_slide and joint.friction > 50.0 * 9.81 * body.mass:
+            work.report.warn(
+                f"joint {joint.name}",
+                f"its frictionloss of {joint.friction:.4g} N is {joint.friction / (9.81 * body.mass):.0f} times the weight of {body.name}",
+            )
+        if joint.friction:
+            work.report.changed(
+                f"joint {joint.name}",
+                f"its frictionloss has a bristle that yields by {FRICTION_DEFLECTION:g} {'m' if joint.is_slide else 'rad'}",
+            )
+    for k in range(model.neq):
+        if model.eq_type[k] == mujoco.mjtEq.mjEQ_TENDON and numpy.ravel(model.tendon_stiffness[model.eq_obj1id[k]])[0] != 0.0:
+            work.report.warn(
+                work.source.label("equality", k),
+                "its tendon also has a spring, which opens the soft constraint: in MuJoCo the joints move differently from an exact coupling",
+            )
+    for option, what in (("density", "fluid forces"), ("viscosity", "fluid forces")):
+        if getattr(model.opt, option) != 0.0:
+            work.report.lost(f"option {option}", f"{what} have no equivalent")
+    if not work.mechanism.actuators:
+        work.report.warn("actuators", "the model has none: add a section [actuators.NAME] to the scene, or nothing closes the hand")
