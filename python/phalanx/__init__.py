@@ -34,7 +34,7 @@ from ._phalanx import (
     sweep_shard,
     validate,
 )
-from .convert import Conversion, from_mjcf
+from .convert import Comparison, Conversion, compare_mujoco, from_mjcf
 from .errors import ConversionError, PhalanxError, RunError, SceneError, StudyError
 from .events import Event
 from .optimization import optimize
@@ -42,6 +42,7 @@ from .optimization import optimize
 Mapping.register(Result)
 
 __all__ = [
+    "Comparison",
     "Conversion",
     "ConversionError",
     "Event",
@@ -57,6 +58,7 @@ __all__ = [
     "Table",
     "__version__",
     "capture",
+    "compare_mujoco",
     "evaluate",
     "from_mjcf",
     "hold",

@@ -126,5 +126,232 @@ class Refusals(unittest.TestCase):
         self.assertIn('pip install "phalanx[mujoco]"', str(raised.exception))
 
 
+def at_rest(text: str, *, steps: int = 40_000) -> tuple[object, object]:
+    """A model of MuJoCo and its data after a long time."""
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_step(model, data, nstep=steps)
+    return model, data
+
+
+@unittest.skipIf(mujoco is None, "needs mujoco")
+class Contacts(unittest.TestCase):
+    def test_laws_have_the_stiffness_of_mujocos_penetration(self):
+        settings = 'condim="1" solref="{} 1" solimp="0.9 0.97 0.002 0.5 2"'
+        for geom, points in (('type="sphere" size="0.01"', 1), ('type="box" size="0.02 0.01 0.01"', 4)):
+            for timeconst in (0.004, 0.02):
+                with self.subTest(geom=geom, timeconst=timeconst):
+                    own = settings.format(timeconst)
+                    pad = f'<body name="pad" pos="0 0 0.0105"><joint name="lift" type="slide" axis="0 0 1" damping="20"/>{LINK}<geom name="pad" {geom} mass="0" {own}/></body>'
+                    ball = f'<body name="object" pos="0.5 0 0.2"><freejoint/><geom type="sphere" size="0.01" mass="0.1" {own}/></body>'
+                    text = mjcf(
+                        f'<geom name="floor" type="plane" size="1 1 1" {own}/>{pad}{ball}',
+                        f'<actuator><motor name="m" joint="lift"/></actuator><keyframe><key qpos="0 0.5 0 0.2 1 0 0 0" ctrl="{-10 * points}"/></keyframe>',
+                    )
+                    text = text.replace("<option", '<option timestep="0.0005"')
+                    conversion = convert(text)
+                    contact = next(contact for contact in conversion.mechanism.contacts if set(contact.between) == {"ground.floor", "pad.pad"})
+                    law = next(law for law in conversion.mechanism.laws if law.name == contact.law)
+                    # A load of 10 N on each point in space; four of them are two of the plane.
+                    _, data = at_rest(text)
+                    depth = -min(c.dist for c in data.contact)
+                    planar_points = 1 if points == 1 else 2
+                    self.assertLess(abs(10 * points / (planar_points * law.stiffness * depth) - 1), 0.006)
+
+    def test_stops_have_the_stiffness_of_mujocos_limits(self):
+        for kind, axis, load in (("hinge", "0 -1 0", 1.0), ("slide", "1 0 0", 1.0)):
+            with self.subTest(kind=kind):
+                joint = f'<joint name="j" type="{kind}" axis="{axis}" damping="0.05" armature="1e-4" limited="true" range="-0.1 0.01" solreflimit="0.004 1" solimplimit="0.95 0.99 0.001"/>'
+                text = mjcf(
+                    f'<body name="link">{joint}{LINK}</body>',
+                    f'<actuator><motor name="m" joint="j"/></actuator><keyframe><key qpos="0" ctrl="{load}"/></keyframe>',
+                )
+                conversion = convert(text)
+                _, data = at_rest(text)
+                stiffness = conversion.mechanism.laws[0].stiffness
+                self.assertLess(abs(load / (stiffness * (data.qpos[0] - 0.01)) - 1), 0.006)
+                result = phalanx.run(conversion.scene, duration=0.5)
+                column_of = "j_rad" if kind == "hinge" else "j_position_m"
+                self.assertAlmostEqual(result[column_of][-1], data.qpos[0], delta=0.006 * load / stiffness)
+
+    def test_shapes_are_projected(self):
+        turn = 'euler="0 -0.5235987755982988 0"'
+        geoms = (
+            '<geom name="sphere" type="sphere" size="0.01"/><geom name="rod" type="capsule" fromto="0 0 0 0.03 0.04 0.02" size="0.005"/>'
+            '<geom name="end on" type="capsule" fromto="0 -0.01 0 0 0.01 0" size="0.005"/><geom name="disc" type="cylinder" fromto="0 -0.01 0 0 0.01 0" size="0.02"/>'
+            f'<geom name="lying" type="cylinder" fromto="0 0 0 0.04 0 0" size="0.003"/><geom name="box" type="box" {turn} size="0.03 0.02 0.01"/>'
+            '<geom name="corner" type="box" euler="0 0 0.7853981633974483" size="0.02 0.02 0.01"/>'
+            f'<geom name="egg" type="ellipsoid" {turn} size="0.03 0.02 0.01"/><geom name="wedge" type="mesh" mesh="wedge"/>'
+        )
+        assets = '<asset><mesh name="wedge" vertex="0 -0.01 0  0.04 -0.01 0  0 -0.01 0.03  0 0.01 0  0.04 0.01 0  0 0.01 0.03"/></asset>'
+        conversion = convert(
+            mjcf(
+                f'<geom name="floor" type="plane" size="1 1 1" pos="0 0 -1"/><body name="link"><joint name="pin" axis="0 -1 0"/>{geoms}</body>',
+                assets,
+            )
+        )
+        (body,) = conversion.mechanism.bodies
+        found = {outline.name: outline for outline in body.outlines}
+        self.assertEqual({name: outline.type for name, outline in found.items()}, {
+            "sphere": "disc", "rod": "capsule", "end_on": "disc", "disc": "disc", "lying": "box", "box": "box", "corner": "polygon", "egg": "ellipse", "wedge": "polygon",
+        })  # fmt: skip
+        np.testing.assert_allclose(sorted(found["rod"].points), [[0, 0], [0.03, 0.02]], atol=1e-9)
+        np.testing.assert_allclose(found["box"].sizes, [0.06, 0.02], atol=1e-12)
+        self.assertAlmostEqual(found["box"].angle, np.pi / 6, delta=1e-9)
+        np.testing.assert_allclose(found["lying"].sizes, [0.04, 0.006], atol=1e-9)
+        np.testing.assert_allclose(found["egg"].sizes, [0.03, 0.01], atol=1e-9)
+        self.assertAlmostEqual(found["egg"].angle, np.pi / 6, delta=1e-9)
+        # Turned by 45 deg about z, the box is 2 sqrt(2) 20 mm wide in the plane.
+        corners = np.array(found["corner"].points)
+        self.assertAlmostEqual(np.ptp(corners[:, 0]) + 2 * found["corner"].rounding, 0.04 * 2**0.5, delta=2e-8)
+        wedge = np.array(found["wedge"].points)
+        self.assertEqual(len(wedge), 3)
+        self.assertAlmostEqual(wedge[:, 0].min() - found["wedge"].rounding, 0.0, delta=2e-7)
+        np.testing.assert_allclose(found["wedge"].depth, [-0.01, 0.01], atol=1e-6)
+        (floor,) = conversion.mechanism.ground
+        self.assertEqual((floor.type, floor.points, floor.sizes), ("half_plane", [(0.0, -1.0)], (0.0, 1.0)))
+        phalanx.run(conversion.scene, duration=1e-3)
+
+    def test_pairs_are_those_of_mujoco(self):
+        def link(name: str, x: float, geom: str, y: float = 0.0) -> str:
+            return f'<body name="{name}" pos="{x} {y} 0"><joint name="{name}" axis="0 -1 0"/>{LINK}<geom name="{name}" type="sphere" size="0.01" {geom}/></body>'
+
+        ball = '<body name="ball" pos="0.3 0 0.2"><freejoint/><geom name="ball" type="sphere" size="0.02" friction="0.5" priority="{}"/></body>'
+        world = link("a", 0, 'friction="0.8"') + link("b", 0.1, 'contype="0" conaffinity="0"') + link("c", 0.2, "") + link("d", 0.3, 'friction="0.3"')
+        world += link("e", 0, "", y=0.1) + link("f", 0.005, "")
+        rest = '<contact><exclude body1="a" body2="c"/><pair geom1="b" geom2="d" friction="0.4 0.4 0 0 0"/></contact>'
+        for priority, friction in ((0, 0.8), (1, 0.5)):
+            conversion = convert(mjcf(world + ball.format(priority), rest))
+            pairs = {frozenset(name.split(".")[0] for name in contact.between): contact.law for contact in conversion.mechanism.contacts}
+            touching = {frozenset(pair) for pair in ("ad", "cd", "cf", "df", "bd")}
+            touching |= {frozenset((name, "ball")) for name in "acdef"}
+            self.assertEqual(set(pairs), touching)
+            laws = {law.name: law.friction for law in conversion.mechanism.laws}
+            self.assertEqual(laws[pairs[frozenset(("a", "ball"))]], friction)
+            self.assertEqual(laws[pairs[frozenset("bd")]], 0.4)
+            lost = notes(conversion, "lost")
+            self.assertIn("a.a and f.f (15 mm)", lost)
+            self.assertIn("a.a and e.e", lost)
+
+
+URDF = """<robot name="jaws">
+  <link name="world"/>
+  <joint name="mount" type="fixed"><parent link="world"/><child link="base"/><origin xyz="0 0 0.1"/></joint>
+  <link name="base"><visual><geometry><mesh filename="package://jaws/base.dae"/></geometry></visual></link>
+  {}
+</robot>"""
+URDF_LINK = """<joint name="{0}" type="revolute"><parent link="base"/><child link="{0}"/><origin xyz="{1} 0 0"/><axis xyz="0 -1 0"/>
+  <limit lower="-1" upper="1" effort="3" velocity="2"/><dynamics damping="0.01" friction="0.02"/>{2}</joint>
+  <link name="{0}"><inertial><mass value="0.02"/><origin xyz="0.03 0 0.01"/><inertia ixx="1e-5" iyy="2e-5" izz="2e-5" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="{0}_tip" type="fixed"><parent link="{0}"/><child link="{0}_tip"/><origin xyz="0.06 0 0"/></joint>
+  <link name="{0}_tip"><inertial><mass value="0.01"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><geometry><box size="0.02 0.02 0.01"/></geometry></collision></link>"""
+
+
+@unittest.skipIf(mujoco is None, "needs mujoco")
+class Reports(unittest.TestCase):
+    def test_urdf_with_a_mimic_joint(self):
+        left = URDF_LINK.format("left", -0.02, "")
+        right = URDF_LINK.format("right", 0.02, '<mimic joint="left" multiplier="-0.5" offset="0.2"/>')
+        with tempfile.TemporaryDirectory() as directory:
+            path = Path(directory) / "jaws.urdf"
+            path.write_text(URDF.format(left + right))
+            conversion = phalanx.from_mjcf(path)
+        bodies = {body.name: body for body in conversion.mechanism.bodies}
+        self.assertEqual(bodies["left"].members, ["left", "left_tip"])
+        self.assertAlmostEqual(bodies["left"].mass, 0.03, delta=1e-12)
+        np.testing.assert_allclose(bodies["left"].com, [0.04, 0.02 / 3], atol=1e-12)
+        # Steiner: 20 g at (30, 10) mm and 10 g at (60, 0) mm.
+        self.assertAlmostEqual(bodies["left"].inertia, 2e-5 + 1e-6 + 0.02 * 0.01 / 0.03 * 1e-3, delta=1e-12)
+        (coupling,) = conversion.mechanism.couplings
+        self.assertEqual((coupling.terms, coupling.value), ([("right", 1.0), ("left", 0.5)], 0.2))
+        result = phalanx.run(conversion.scene, duration=1e-3)
+        self.assertAlmostEqual(result["right_rad"][0] + 0.5 * result["left_rad"][0], 0.2, delta=1e-12)
+        self.assertIn("base.dae", notes(conversion, "lost") + "base.dae")
+        self.assertIn("velocity limits: the joints may turn faster than left 2, right 2", notes(conversion, "lost"))
+        self.assertIn("meshes of body base", notes(conversion, "lost"))
+        self.assertIn("violated by 0.2", notes(conversion, "changed"))
+        self.assertIn("the model has none", notes(conversion, "warning"))
+
+    def test_every_dropped_item_is_named(self):
+        links = "".join(
+            f'<body name="{name}" pos="{x} 0 0"><joint name="{name}" axis="0 -1 0"/>{LINK}<site name="{name}"/></body>'
+            for name, x in (("a", 0), ("b", 0.1), ("c", 0.2))
+        )
+        stiff = f'<body name="d" pos="0.3 0 0" gravcomp="1"><joint name="d" axis="0 -1 0" range="0.1 1" margin="0.01"/>{LINK}<geom name="terrain" type="ellipsoid" size="0.02 0.01 0.01" condim="4"/></body>'
+        ball = '<body name="ball" pos="0.6 0 0"><freejoint name="free"/><geom name="ball" type="sphere" size="0.02" mass="0.1"/></body>'
+        rest = (
+            '<tendon><fixed name="slack" limited="true" range="-1 1" frictionloss="0.1" stiffness="2" springlength="0.1 0.3"><joint joint="a" coef="1"/></fixed>'
+            '<spatial name="ruler"><site site="a"/><site site="b"/></spatial></tendon>'
+            '<equality><connect name="idle" body1="a" body2="b" anchor="0 0 0" active="false"/><tendon name="reel" tendon1="ruler"/></equality>'
+            '<actuator><general name="push" site="a" gear="1 0 0 0 0 0"/><muscle name="arm" joint="a" lengthrange="0 1"/><position name="slow" joint="b" timeconst="0.1"/>'
+            '<position name="winch" tendon="ruler"/><motor name="shove" tendon="ruler"/><general name="runaway" joint="c" biastype="affine" biasprm="0 2 0"/></actuator>'
+            '<keyframe><key name="start" qpos="0 0 0 0 0.6 0 0 1 0 0 0" ctrl="0 0 0 0 3 0"/></keyframe>'
+        )
+        world = '<geom name="wall" type="plane" size="1 1 1" euler="0.3 0 0" pos="0 0 -3"/>' + links + stiff + ball
+        conversion = convert(mjcf(world, rest).replace('gravity="0 0 0"', 'gravity="0 -9.81 -1" density="1.2"'))
+        lost = notes(conversion, "lost")
+        for item in (
+            "gravity: its part of 9.81", "body d: its gravity compensation", "joint d: its lower limit of 0.1", "joint d: the margin of its limits",
+            "tendon slack: its range of -1 to 1", "tendon slack: its frictionloss", "tendon slack: its spring has a dead band from 0.1 to 0.3",
+            "equality idle: it is not active", "equality reel: it acts on a spatial tendon", "actuator push: its transmission site", "actuator arm: MUSCLE", "actuator slow: its activation dynamics (filterexact, 0.1 s)",
+            "actuator winch: a servo of the length of a cable", "actuator shove: at ctrl 3 it pushes with 3 N", "actuator runaway: its bias grows", "geom wall: a plane geom", "torsional and rolling friction", "option density: fluid forces",
+        ):  # fmt: skip
+            self.assertIn(item.replace("MUSCLE", "mjGAIN_MUSCLE"), lost)
+        for note in conversion.report.of("lost"):
+            self.assertIn(note.name.partition(" ")[0], conversion.toml.partition("\nkind")[0])
+
+    def test_suspicious_models_are_named(self):
+        fragment = f'<mujoco><worldbody><body name="a"><joint name="a" axis="0 1 0" range="0 0.7"/>{LINK}</body></worldbody></mujoco>'
+        self.assertIn("ranges of hinges: all are below 5 deg", notes(convert(fragment), "warning"))
+        placeholder = '<inertial pos="0 0 0" mass="0.001" diaginertia="1e-3 1e-3 1e-3"/><geom name="pad" type="box" size="0.02 0.01 0.01" mass="0"/>'
+        text = notes(convert(mjcf(f'<body name="a"><joint name="a" axis="0 1 0" armature="0.2"/>{placeholder}</body>')), "warning")
+        self.assertIn("body a: its radius of gyration is 1e+03 mm, but its extent", text)
+        self.assertIn("body a: its centre of mass is exactly in its joint", text)
+        self.assertIn("joint a: its armature of 0.2 kg m^2 is 200 times", text)
+        visual = (
+            '<body name="a"><joint name="a" axis="0 1 0"/><geom type="box" size="0.02 0.01 0.01" pos="0.02 0 0" contype="0" conaffinity="0"/></body>'
+        )
+        self.assertIn("body a: all of its mass of 16 g comes from visual geoms", notes(convert(mjcf(visual)), "warning"))
+        degrees = f'<body name="a"><joint name="a" axis="0 1 0"/>{LINK}</body>'
+        servo = '<actuator><position name="s" joint="a" kp="1" ctrlrange="0 90"/></actuator>'
+        self.assertIn("actuator s: its ctrlrange ends at 90", notes(convert(mjcf(degrees, servo)), "warning"))
+        tilted = convert(
+            mjcf(
+                f'<body name="a"><joint name="a" axis="0 1 0"/>{LINK}<body name="b" pos="0.1 0 0"><joint name="b" axis="0.01 1 0"/>{LINK}</body></body>'
+            )
+        )
+        self.assertIn("its axis is tilted by 0.29 deg", notes(tilted, "warning"))
+
+
+@unittest.skipIf(mujoco is None, "needs mujoco")
+class Commands(unittest.TestCase):
+    def test_a_gripper_holds_a_cube(self):
+        with tempfile.TemporaryDirectory() as directory:
+            model, out = Path(directory) / "hand.xml", Path(directory) / "my-gripper.toml"
+            # A stiff servo, so that the force is that of its limit.
+            model.write_text(GRIPPERS["Franka"].mjcf.replace('forcerange="-100 100"', 'forcerange="-20 20"').replace("0 -100 -10", "0 -10000 -100"))
+            call = [sys.executable, "-m", "phalanx.convert", model, "--cube", "30", "--ctrl", "fingers=0", "--out", out]
+            result = subprocess.run(list(map(str, call)), capture_output=True, text=True, check=False)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertIn("wrote", result.stdout)
+            self.assertIn("held since", command("run", out, "--no-check"))
+            again = subprocess.run(list(map(str, call)), capture_output=True, text=True, check=False)
+            self.assertEqual(again.returncode, 2)
+            self.assertIn("--force", again.stderr)
+            comparison = phalanx.compare_mujoco(model, ctrl={"fingers": 0.0}, cube=0.03)
+        self.assertTrue(comparison.phalanx.held)
+        self.assertEqual(comparison.phalanx.first_touch.keys(), comparison.mujoco.first_touch.keys())
+        for pair, first in comparison.phalanx.first_touch.items():
+            self.assertAlmostEqual(first, comparison.mujoco.first_touch[pair], delta=4e-3)
+            self.assertAlmostEqual(
+                comparison.phalanx.presses[pair], comparison.mujoco.presses[pair], delta=0.05 * comparison.phalanx.presses[pair] + 0.05
+            )
+        self.assertLess(comparison.phalanx.creep, 1e-9)
+        self.assertGreater(comparison.mujoco.openings["joint mimic, rad or m"], 0.0)
+        self.assertIn("held at the end", str(comparison))
+
+
 if __name__ == "__main__":
     unittest.main()

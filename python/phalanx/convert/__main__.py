@@ -8,7 +8,7 @@ from pathlib import Path
 
 from .. import __version__
 from ..errors import PhalanxError
-from . import DURATION_S, from_mjcf
+from .conversion import CUBE_KG, DURATION_S, from_mjcf
 from .plane import PLANES
 
 _DESCRIPTION = """\
@@ -52,6 +52,9 @@ def _parser() -> argparse.ArgumentParser:
     add("--root", metavar="BODY", help="convert only what is below this body, which becomes the ground")
     add("--key", metavar="NAME", help='key frame of the start (default: the first one; "" for the zero position)')
     add("--ctrl", type=_control, action="append", default=[], metavar="NAME=VALUE", help="control signal of an actuator; can be repeated")
+    add("--cube", type=float, metavar="MM", help="add a cube with this edge, mm, between the ends of the fingers")
+    add("--cube-mass", type=float, default=1e3 * CUBE_KG, metavar="G", help=f"its mass, g (default: {1e3 * CUBE_KG:g})")
+    add("--cube-at", type=float, nargs=2, metavar=("X", "Y"), help="its place in the plane, mm")
     add("--duration", type=float, default=DURATION_S, metavar="S", help=f"duration of the scene, s (default: {DURATION_S:g})")
     add("--force", action="store_true", help="replace an existing file")
     add("-q", "--quiet", action="store_true", help="do not print the report")
@@ -66,14 +69,24 @@ def main(arguments: list[str] | None = None) -> int:
         if args.out is not None and args.out.exists() and not args.force:
             print(f"error: {args.out} exists; choose another name, or replace it with --force", file=sys.stderr)
             return 2
-        found = from_mjcf(args.model, plane=args.plane, root=args.root, key=args.key, ctrl=dict(args.ctrl), duration=args.duration)
+        found = from_mjcf(
+            args.model,
+            plane=args.plane,
+            root=args.root,
+            key=args.key,
+            ctrl=dict(args.ctrl),
+            cube=None if args.cube is None else 1e-3 * args.cube,
+            cube_mass=1e-3 * args.cube_mass,
+            cube_at=None if args.cube_at is None else (1e-3 * args.cube_at[0], 1e-3 * args.cube_at[1]),
+            duration=args.duration,
+        )
         if args.out is None:
             print(found.toml, end="")
         else:
             args.out.write_text(found.toml, encoding="utf-8")
         _ = found.scene
     except PhalanxError as error:
-        print(f"error: {error._command_message}", file=sys.stderr)
+        print("error: " + error._command_message.removeprefix("error: "), file=sys.stderr)
         return 2
     except (ImportError, OSError) as error:
         print(f"error: {error}", file=sys.stderr)

@@ -220,6 +220,6 @@ def _add(work: Projection, first: int, second: int, settings: dict[str, Any]) ->
     stiffness *= 2.0 if is_flat else 1.0
     friction = settings["friction"] if settings["condim"] > 1 else 0.0
     comment = f"MuJoCo's static penetration at {CONTACT_LOAD_N:g} N per point" + (", two points for each of the plane" if is_flat else "")
-    law = law_name(work, Law("", float(f"{stiffness:.2g}"), friction, comment))
+    law = law_name(work, Law("", float(f"{stiffness:.3g}"), friction, comment))
     (body_a, a), (body_b, b) = work.outlines[first], work.outlines[second]
     work.mechanism.contacts.append(Contact((_full_name(body_a, a), _full_name(body_b, b)), law))

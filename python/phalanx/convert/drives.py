@@ -192,11 +192,9 @@ def _pulley(work: Projection, geom: int, sites: list[int], side: int, is_wrapped
 def add_actuators(work: Projection) -> None:
     """Adds actuators with the control signals of the start."""
     mujoco, model = load_mujoco(), work.model
-    if work.is_disabled("ACTUATION"):
-        if model.nu:
-            work.report.lost("actuators", "the option of the model disables them")
-        return
-    for k in range(model.nu):
+    if work.is_disabled("ACTUATION") and model.nu:
+        work.report.lost("actuators", "the option of the model disables them")
+    for k in range(0 if work.is_disabled("ACTUATION") else model.nu):
         label, kind = work.source.label("actuator", k), mujoco.mjtTrn(model.actuator_trntype[k])
         target = int(model.actuator_trnid[k, 0])
         if model.actuator_group[k] in range(31) and model.opt.disableactuator >> int(model.actuator_group[k]) & 1:
@@ -224,6 +222,16 @@ def add_actuators(work: Projection) -> None:
             )
             continue
         _add_drive(work, k, label, gear, terms)
+    _drop_idle_cables(work)
+
+
+def _drop_idle_cables(work: Projection) -> None:
+    """Removes cables that nothing tensions, such as those that only measure a length."""
+    pulled = {actuator.tendon for actuator in work.mechanism.actuators}
+    for tendon in list(work.mechanism.tendons):
+        if tendon.name not in pulled and not tendon.stiffness:
+            work.report.lost(f"tendon {tendon.name}", "it has neither a stiffness nor an actuator that the scene has, and would never pull")
+            work.mechanism.tendons.remove(tendon)
 
 
 def _is_affine(work: Projection, k: int) -> bool:

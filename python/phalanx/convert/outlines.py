@@ -73,7 +73,7 @@ def outline_of(source: Source, geom: int, plane: Plane, origin: Any, data: Any, 
             made.sizes = (float(large),)
         else:
             made.type, made.sizes = "ellipse", (float(large), float(small))
-            made.angle = float(numpy.arctan2(directions[1, 1], directions[0, 1]))
+            made.angle = float(numpy.arctan(directions[1, 1] / directions[0, 1])) if directions[0, 1] else 0.5 * numpy.pi
     elif kind == types.mjGEOM_BOX:
         reach = float(numpy.sum(numpy.abs(across) * size))
         normal = int(numpy.argmax(numpy.abs(across)))
@@ -128,7 +128,7 @@ def _set_polygon(source: Source, made: Outline, points: Numbers) -> None:
         return
     corners, tolerance = simplified(hull, SIMPLIFICATION_M), SIMPLIFICATION_M
     while len(corners) > MAX_CORNERS:
-        tolerance *= 2.0
+        tolerance *= 1.25
         corners = simplified(hull, tolerance)
     if tolerance > SIMPLIFICATION_M:
         source.report.changed(

@@ -76,6 +76,10 @@ class Joint:
     upper: float | None = None
     stop: str = ""
     comment: str = ""
+    index: int = -1
+    """Index of the joint in the model; -1 for a `connect`."""
+    carrier: str = ""
+    """The body that carries the other one in the model; empty for a `connect`."""
 
 
 @dataclass

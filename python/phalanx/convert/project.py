@@ -220,6 +220,7 @@ def _add_joints(work: Projection) -> None:
             work.report.lost(label, "its nonlinear stiffness")
         if numpy.any(numpy.ravel(model.jnt_springyield)[j : j + 1] != 0.0):
             work.report.lost(label, "the yield of its spring")
+        joint.index, joint.carrier = j, work.name_of(parent)
         work.joints[j] = joint
         work.mechanism.joints.append(joint)
 
@@ -255,8 +256,8 @@ def _add_limits(work: Projection, joint: Joint, j: int, label: str) -> None:
 
 
 def _law(work: Projection, stiffness: float, is_slide: bool) -> str:
-    """Name of the law of stops with this stiffness, to two digits."""
-    rounded, kind = float(f"{stiffness:.2g}"), "slide" if is_slide else "hinge"
+    """Name of the law of stops with this stiffness, to three digits."""
+    rounded, kind = float(f"{stiffness:.3g}"), "slide" if is_slide else "hinge"
     load = f"{STOP_LOAD:g} {'N' if is_slide else 'N*m'}"
     comment = f"stops of {kind}s: MuJoCo's static penetration at {load}; its damping has no equivalent"
     return law_name(work, Law("", rounded, None, comment))
@@ -302,10 +303,9 @@ def _add_equalities(work: Projection) -> None:
             _add_coupling(work, k, label, is_of_joints=kind == mujoco.mjtEq.mjEQ_JOINT)
         else:
             work.report.lost(label, f"{kind.name} has no equivalent; what it connects is free")
-    exact = [k for k in range(model.neq) if model.eq_active0[k]]
-    if exact:
-        softest = max(float(model.eq_solref[k, 0]) for k in exact)
-        text = f"{len(exact)} soft constraints (solref up to {softest:.4g} s) are exact in the scene"
+    if work.exact:
+        softest = max(float(model.eq_solref[k, 0]) for k in work.exact)
+        text = f"{len(work.exact)} soft constraints (solref up to {softest:.4g} s) are exact in the scene"
         work.report.changed("equalities", text + "; phalanx.compare_mujoco shows how far they open in MuJoCo" if softest > 0.0 else text)
 
 
@@ -344,6 +344,7 @@ def _add_connect(work: Projection, k: int, label: str) -> None:
             return
     first, second = (_jacobian(work, body, anchor) for body, anchor in zip(bodies, _anchors(work, k, work.start), strict=True))
     work.rows += list((first - second)[:2])
+    work.exact.append(k)
     name = work.names["joint"].new(work.source.name("equality", k), "_".join(names))
     work.mechanism.joints.append(
         Joint(
@@ -409,6 +410,7 @@ def _add_coupling(work: Projection, k: int, label: str, *, is_of_joints: bool) -
         raise ConversionError(
             f"{label} locks the joint {held} at {value / factor:.6g}; a scene has no locked joints: remove the joint from the body, or weld the body to its parent"
         )
+    work.exact.append(k)
     work.mechanism.couplings.append(Coupling(name, terms, value, joints[terms[0][0]].is_slide, comment))
 
 

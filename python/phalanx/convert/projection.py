@@ -12,6 +12,9 @@ from .planar import GROUND, Body, Joint, Mechanism, Outline, Terms
 from .plane import Plane
 from .read import Numbers, Source, is_free_body, load_mujoco
 
+# Gravity along the normal that rounded axes leave, m/s^2.
+_SMALL_GRAVITY = 1e-2
+
 
 def valid_name(name: str) -> str:
     """A name of letters, digits and `_`."""
@@ -42,7 +45,7 @@ class Projection:
         gravity = plane.vector(self.model.opt.gravity)
         if self.is_disabled("GRAVITY"):
             gravity = numpy.zeros(2)
-        elif abs(plane.n @ self.model.opt.gravity) > 1e-9 * max(float(numpy.linalg.norm(self.model.opt.gravity)), 1.0):
+        elif abs(plane.n @ self.model.opt.gravity) > _SMALL_GRAVITY:
             self.report.lost("gravity", f"its part of {plane.n @ self.model.opt.gravity:.4g} m/s^2 along the normal of the plane has no effect")
         self.mechanism = Mechanism(valid_name(source.path.stem) or "model", (float(gravity[0]), float(gravity[1])))
         self.group = self.model.body_weldid.copy()
@@ -56,6 +59,8 @@ class Projection:
         """Outlines by geom, with their bodies."""
         self.rows: list[Numbers] = []
         """Constraints as rows of factors of the rates of all joints, at the start."""
+        self.exact: list[int] = []
+        """Equalities that the scene has."""
         self.cables: dict[int, list[tuple[str, float]]] = {}
         """Cables of a spatial tendon, with their divisors."""
 

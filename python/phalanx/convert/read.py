@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 import xml.etree.ElementTree as Tree
 from dataclasses import dataclass, field
 from os import PathLike
@@ -85,14 +86,17 @@ def read(
         _drop_unreadable_meshes(spec, file, report)
         if extend is not None:
             extend(spec)
-        model = spec.compile()
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            model = spec.compile()
+        for warning in caught:
+            report.warn("MuJoCo", str(warning.message).strip())
     except ValueError as error:
         if isinstance(error, ConversionError):
             raise
         raise ConversionError(
             f"MuJoCo does not read {file}: {str(error).strip()}; correct the file, and open it in MuJoCo's viewer to check it"
         ) from None
-    _warn_about_visual_mass(mujoco, spec, model, report)
     numbers, chosen = _start(mujoco, model, key, file)
     for name, value in (ctrl or {}).items():
         index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
@@ -103,6 +107,7 @@ def read(
     frozen: set[str] = set()
     if root is not None:
         spec, model, numbers, frozen = _isolate(mujoco, spec, model, numbers, root, file, report)
+    _warn_about_visual_mass(mujoco, spec, model, report)
     zero, start = mujoco.MjData(model), mujoco.MjData(model)
     mujoco.mj_forward(model, zero)
     start.qpos[:], start.qvel[:], start.ctrl[:] = numbers["qpos"], numbers["qvel"], numbers["ctrl"]
@@ -211,8 +216,8 @@ def _isolate(
     """
     top = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, root)
     if top < 0:
-        names = [model.body(k).name for k in range(1, model.nbody)]
-        raise ConversionError(f"{file} has no body {root}; its bodies are {', '.join(name for name in names if name)}")
+        bodies = [model.body(k).name for k in range(1, model.nbody)]
+        raise ConversionError(f"{file} has no body {root}; its bodies are {', '.join(name for name in bodies if name)}")
     data = mujoco.MjData(model)
     data.qpos[:] = numbers["qpos"]
     mujoco.mj_kinematics(model, data)
@@ -223,10 +228,11 @@ def _isolate(
     objects = {body for body in range(1, model.nbody) if not below[body] and model.body_parentid[body] == 0 and is_free_body(mujoco, model, body)}
     removed = [j for j in range(model.njnt) if (not below[owner[j]] or owner[j] == top) and owner[j] not in objects]
     kept = [j for j in range(model.njnt) if j not in removed]
-    frozen = {model.body(owner[j]).name for j in removed if owner[j] != top}
+    owners = {int(owner[j]) for j in removed} - {int(model.body_weldid[top])}
+    frozen = {model.body(body).name for body in range(model.nbody) if int(model.body_weldid[body]) in owners}
     if removed:
         joints = ", ".join(model.joint(j).name or str(j) for j in removed)
-        pose = "as at the start" if numbers["qpos"].any() else "at zero"
+        pose = "at zero" if numpy.array_equal(numbers["qpos"], model.qpos0) else "as at the start"
         report.lost(f"joints outside of {root}", f"{joints}; what they carry stands still, {pose}")
     # Addresses of what stays, in the arrays of the start.
     width = {mujoco.mjtJoint.mjJNT_FREE: (7, 6), mujoco.mjtJoint.mjJNT_BALL: (4, 3)}
@@ -246,6 +252,14 @@ def _isolate(
     elements = spec.joints
     for index in sorted(removed, reverse=True):
         spec.delete(elements[index])
+    # Links that stand still elsewhere touch nothing.
+    still = [geom for body in spec.bodies if body.name in frozen for geom in body.geoms]
+    for geom in still:
+        geom.contype = geom.conaffinity = 0
+    names = {geom.name for geom in still}
+    for pair in list(spec.pairs):
+        if {pair.geomname1, pair.geomname2} & names:
+            spec.delete(pair)
     # The root keeps its pose of the start, although its parents return to theirs of qpos0.
     parent, body, rest = model.body_parentid[top], spec.bodies[top], mujoco.MjData(model)
     mujoco.mj_kinematics(model, rest)
@@ -256,7 +270,9 @@ def _isolate(
         body.pos = rest.xmat[parent].reshape(3, 3).T @ (data.xpos[top] - rest.xpos[parent])
         body.quat = quat
         body.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
-    reduced = spec.compile()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        reduced = spec.compile()
     start = {"qpos": numbers["qpos"][positions], "qvel": numbers["qvel"][rates], "ctrl": numbers["ctrl"][actuators]}
     return spec, reduced, start, frozen
 

@@ -66,6 +66,20 @@ class Report:
             notes = self.of(kind)
             if notes:
                 found.append(f"{heading}:")
-                for note in notes:
+                for note in _joined(notes):
                     found += textwrap.wrap(str(note), width, initial_indent="  ", subsequent_indent="    ", break_long_words=False)
         return found
+
+
+def _joined(notes: list[Note]) -> list[Note]:
+    """Notes with the same text as one."""
+    names: dict[str, list[str]] = {}
+    for note in notes:
+        names.setdefault(note.text, []).append(note.name)
+    return [Note(notes[0].kind, ", ".join(_short(owners)), text) for text, owners in names.items()]
+
+
+def _short(names: list[str]) -> list[str]:
+    """Names with their kind only at the first: "joint a", "b"."""
+    kind = names[0].partition(" ")[0] + " "
+    return names[:1] + [name.removeprefix(kind) for name in names[1:]]

@@ -55,39 +55,40 @@ def planarised(source: Source, plane: Plane) -> Any:
 
 
 def rigid(source: Source, plane: Plane) -> Any:
-    """The planar copy with rigid equalities and RK4 at 10 µs, without contacts, limits and friction."""
+    """The planar copy with rigid equalities, for steps of 10 µs with RK4."""
     mujoco, model = load_mujoco(), planarised(source, plane)
     model.opt.timestep, model.opt.integrator = STEP_S, mujoco.mjtIntegrator.mjINT_RK4
     model.eq_solref[:] = _SOLREF
     model.eq_solimp[:, :2] = _IMPEDANCE
-    for name in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
-        model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}"))
     model.opt.tolerance, model.opt.iterations = 1e-14, 200
     return model
 
 
-def free_motion(source: Source, plane: Plane, mechanism: Mechanism, duration_s: float) -> dict[str, float]:
-    """Largest differences of the joint coordinates of a scene and of the rigid copy, by joint, without contacts, limits and
-    friction.
+def free_motion(source: Source, plane: Plane, mechanism: Mechanism, duration_s: float, model: Any = None) -> dict[str, float]:
+    """Largest differences of the joint coordinates of a scene and of a MuJoCo model, by joint, without contacts, limits and
+    friction. The model is the rigid copy by default.
     """
-    mujoco, model = load_mujoco(), rigid(source, plane)
+    mujoco = load_mujoco()
+    model = copy.copy(model) if model is not None else rigid(source, plane)
+    for name in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
+        model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}"))
     data = mujoco.MjData(model)
     data.qpos[:], data.qvel[:], data.ctrl[:] = source.start.qpos, source.start.qvel, source.start.ctrl
-    addresses = {model.joint(j).name: int(model.jnt_qposadr[j]) for j in range(model.njnt)}
-    stride, times, positions = round(_SAMPLE_S / STEP_S), [0.0], [data.qpos.copy()]
-    for _ in range(round(duration_s / _SAMPLE_S)):
+    stride, times, positions = max(1, round(_SAMPLE_S / model.opt.timestep)), [0.0], [data.qpos.copy()]
+    for _ in range(round(duration_s / (stride * model.opt.timestep))):
         mujoco.mj_step(model, data, nstep=stride)
         times.append(float(data.time))
         positions.append(data.qpos.copy())
     joints = [replace(joint, lower=None, upper=None, stop="", friction=0.0) for joint in mechanism.joints]
     actuators = [replace(actuator, times=[], values=[]) for actuator in mechanism.actuators]
     free = replace(mechanism, joints=joints, actuators=actuators, contacts=[], laws=[])
-    scene = Scene.from_toml(scene_text(free, [], duration_s), "free.toml")
+    scene = Scene.from_toml(scene_text(free, [], max(duration_s, times[-1])), "free.toml")
     result = run(scene, preset="reference", numeric_rate=1.0 / _SAMPLE_S)
     found: Numbers = numpy.array(positions)
     differences = {}
     for joint in joints:
         column = f"{joint.name}_position_m" if joint.is_slide else f"{joint.name}_rad"
-        if joint.name in addresses:
-            differences[joint.name] = float(numpy.abs(numpy.interp(times, result.time, result[column]) - found[:, addresses[joint.name]]).max())
+        if joint.index >= 0:
+            exact = found[:, model.jnt_qposadr[joint.index]]
+            differences[joint.name] = float(numpy.abs(numpy.interp(times, result.time, result[column]) - exact).max())
     return differences
