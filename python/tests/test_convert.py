@@ -1,5 +1,6 @@
 """MuJoCo models become scenes with the same motion, and everything that is lost is named."""
 
+import itertools
 import subprocess
 import sys
 import tempfile
@@ -19,7 +20,7 @@ except ImportError:
     mujoco = None
 
 if mujoco is not None:
-    from phalanx.convert.rigid import free_motion
+    from phalanx.convert.rigid import free_motion, rigid
 
 # Largest difference of a coordinate from that of the hand-written scene, rad or m.
 HAND_WRITTEN = 1e-6
@@ -51,6 +52,12 @@ def column(conversion: phalanx.Conversion, name: str) -> str:
     return f"{name}_position_m" if joint.is_slide else f"{name}_rad"
 
 
+def rigid_with_equalities_of(text: str) -> object:
+    """The rigid copy of another model, for `free_motion`."""
+    conversion = convert(text)
+    return rigid(conversion.source, conversion.plane)
+
+
 @unittest.skipIf(mujoco is None, "needs mujoco")
 class Motions(unittest.TestCase):
     def test_equal_those_of_hand_written_scenes(self):
@@ -70,6 +77,38 @@ class Motions(unittest.TestCase):
                 found = free_motion(conversion.source, conversion.plane, conversion.mechanism, 0.05)
                 self.assertEqual(found.keys(), model.joints.keys())
                 self.assertLess(max(found.values()), CLIPPED.get(name, RIGID))
+
+    def test_welds_and_floating_bases(self):
+        finger = (
+            '<body name="{0}" pos="{1} 0 {2}"><joint name="{0}" axis="0 -1 0"/>'
+            + LINK
+            + '<body name="{0}_tip" pos="0.06 0 0"><joint name="{0}_tip" axis="0 -1 0"/>'
+            + LINK
+            + "</body></body>"
+        )
+        fingers = finger.format("a", 0, 0) + finger.format("b", 0.1, 0.02)
+        drive = '<actuator><motor name="m" joint="a"/></actuator>'
+        # The tips are one body: a four-bar of a, b and the tips. The same with two pins in place of the weld.
+        weld = convert(mjcf(fingers, f'<equality><weld name="glue" body1="a_tip" body2="b_tip"/></equality>{drive}'), ctrl={"m": 0.02})
+        pins = '<connect body1="a_tip" body2="b_tip" anchor="0 0 0"/><connect body1="a_tip" body2="b_tip" anchor="0.03 0 0"/>'
+        pinned = mjcf(fingers, f"<equality>{pins}</equality>{drive}")
+        self.assertEqual({body.name: body.members for body in weld.mechanism.bodies}["a_tip"], ["a_tip", "b_tip"])
+        self.assertEqual(len(weld.mechanism.joints), 4)
+        found = free_motion(weld.source, weld.plane, weld.mechanism, 0.03, rigid_with_equalities_of(pinned))
+        self.assertLess(max(found.values()), 1e-7)
+        merged = convert(pinned)
+        self.assertEqual([body.members for body in merged.mechanism.bodies if len(body.members) > 1], [["a_tip", "b_tip"]])
+        self.assertIn("the second pin", notes(merged, "changed"))
+        floating = mjcf(f'<body name="palm" pos="0.3 0 0.2"><freejoint/><geom size="0.01"/>{fingers}</body>', drive)
+        conversion = convert(floating)
+        self.assertEqual((conversion.source.root, len(conversion.mechanism.joints)), ("palm", 4))
+        self.assertIn("body palm: the base of the hand floats", notes(conversion, "changed"))
+        two = "".join(
+            f'<body name="{name}"><freejoint/><geom size="0.01"/>{fingers.replace("name=" + chr(34), "name=" + chr(34) + name)}</body>'
+            for name in "xy"
+        )
+        with self.assertRaisesRegex(phalanx.ConversionError, "2 hands that float"):
+            convert(mjcf(two))
 
     def test_export_and_back_gives_the_same_motion(self):
         for name in ("four-bar", "slider-crank", "andrews"):
@@ -113,7 +152,10 @@ class Refusals(unittest.TestCase):
         self.assert_refused(mjcf(ball), "b is a ball joint")
         double = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}<body name="b"><joint name="x" type="slide" axis="1 0 0"/><joint name="y" axis="0 -1 0"/>{LINK}</body></body>'
         self.assert_refused(mjcf(double), "body b has 2 joints (x, y)")
-        self.assert_refused(mjcf('<body name="a"><joint name="a" axis="0 -1 0"/></body>'), "MuJoCo does not read")
+        self.assert_refused(mjcf('<body name="a"><joint name="a" axis="0 -1 0"/></body>'), "MuJoCo does not read", "give the moving body an inertial")
+        locked = '<equality><joint name="lock" joint1="a" polycoef="{} 0 0 0 0"/></equality>'
+        self.assertEqual([joint.name for joint in convert(mjcf(link, locked.format(0))).mechanism.joints], ["b"])
+        self.assert_refused(mjcf(link, locked.format(0.1)), "lock locks the joint a at 0.1")
         self.assert_refused(mjcf(""), "no hinge or slide")
         self.assert_refused("<mujoco", "no XML file")
         self.assert_refused(mjcf(link), "no key frame open", key="open")
@@ -138,26 +180,26 @@ def at_rest(text: str, *, steps: int = 40_000) -> tuple[object, object]:
 @unittest.skipIf(mujoco is None, "needs mujoco")
 class Contacts(unittest.TestCase):
     def test_laws_have_the_stiffness_of_mujocos_penetration(self):
-        settings = 'condim="1" solref="{} 1" solimp="0.9 0.97 0.002 0.5 2"'
-        for geom, points in (('type="sphere" size="0.01"', 1), ('type="box" size="0.02 0.01 0.01"', 4)):
-            for timeconst in (0.004, 0.02):
-                with self.subTest(geom=geom, timeconst=timeconst):
-                    own = settings.format(timeconst)
-                    pad = f'<body name="pad" pos="0 0 0.0105"><joint name="lift" type="slide" axis="0 0 1" damping="20"/>{LINK}<geom name="pad" {geom} mass="0" {own}/></body>'
-                    ball = f'<body name="object" pos="0.5 0 0.2"><freejoint/><geom type="sphere" size="0.01" mass="0.1" {own}/></body>'
-                    text = mjcf(
-                        f'<geom name="floor" type="plane" size="1 1 1" {own}/>{pad}{ball}',
-                        f'<actuator><motor name="m" joint="lift"/></actuator><keyframe><key qpos="0 0.5 0 0.2 1 0 0 0" ctrl="{-10 * points}"/></keyframe>',
-                    )
-                    text = text.replace("<option", '<option timestep="0.0005"')
-                    conversion = convert(text)
-                    contact = next(contact for contact in conversion.mechanism.contacts if set(contact.between) == {"ground.floor", "pad.pad"})
-                    law = next(law for law in conversion.mechanism.laws if law.name == contact.law)
-                    # A load of 10 N on each point in space; four of them are two of the plane.
-                    _, data = at_rest(text)
-                    depth = -min(c.dist for c in data.contact)
-                    planar_points = 1 if points == 1 else 2
-                    self.assertLess(abs(10 * points / (planar_points * law.stiffness * depth) - 1), 0.006)
+        settings = 'condim="{}" friction="{} 0.005 0.0001" solref="{} 1" solimp="0.9 0.97 0.002 0.5 2"'
+        cones = (("elliptic", 3, 0.8, 1), ("pyramidal", 1, 0.8, 1), ("pyramidal", 3, 0.8, 1), ("pyramidal", 3, 0.5, 10), ("pyramidal", 4, 1.2, 2))
+        shapes = (('type="sphere" size="0.01"', 1), ('type="box" size="0.02 0.01 0.01"', 4))
+        for (geom, points), timeconst, (cone, condim, mu, impratio) in itertools.product(shapes, (0.004, 0.02), cones):
+            with self.subTest(geom=geom, timeconst=timeconst, cone=cone, condim=condim):
+                own = settings.format(condim, mu, timeconst)
+                joint = '<joint name="lift" type="slide" axis="0 0 1" damping="20"/>'
+                pad = f'<body name="pad" pos="0 0 0.0105">{joint}{LINK}<geom name="pad" {geom} mass="0" {own}/></body>'
+                text = mjcf(
+                    f'<geom name="floor" type="plane" size="1 1 1" {own}/>{pad}',
+                    f'<actuator><motor name="m" joint="lift"/></actuator><keyframe><key qpos="0" ctrl="{-10 * points}"/></keyframe>',
+                ).replace("<option", f'<option timestep="0.0005" cone="{cone}" impratio="{impratio}"')
+                conversion = convert(text)
+                contact = next(contact for contact in conversion.mechanism.contacts if set(contact.between) == {"ground.floor", "pad.pad"})
+                law = next(law for law in conversion.mechanism.laws if law.name == contact.law)
+                # A load of 10 N on each point in space; four of them are two of the plane.
+                _, data = at_rest(text)
+                depth = -min(c.dist for c in data.contact)
+                planar_points = 1 if points == 1 else 2
+                self.assertLess(abs(10 * points / (planar_points * law.stiffness * depth) - 1), 0.006)
 
     def test_stops_have_the_stiffness_of_mujocos_limits(self):
         for kind, axis, load in (("hinge", "0 -1 0", 1.0), ("slide", "1 0 0", 1.0)):
@@ -345,9 +387,9 @@ class Commands(unittest.TestCase):
         self.assertEqual(comparison.phalanx.first_touch.keys(), comparison.mujoco.first_touch.keys())
         for pair, first in comparison.phalanx.first_touch.items():
             self.assertAlmostEqual(first, comparison.mujoco.first_touch[pair], delta=4e-3)
-            self.assertAlmostEqual(
-                comparison.phalanx.presses[pair], comparison.mujoco.presses[pair], delta=0.05 * comparison.phalanx.presses[pair] + 0.05
-            )
+        # Two boxes of a finger share its force, by 20 µm of penetration.
+        forces = [sum(side.presses.values()) for side in (comparison.phalanx, comparison.mujoco)]
+        self.assertAlmostEqual(forces[0], forces[1], delta=0.01 * forces[0])
         self.assertLess(comparison.phalanx.creep, 1e-9)
         self.assertGreater(comparison.mujoco.openings["joint mimic, rad or m"], 0.0)
         self.assertIn("held at the end", str(comparison))

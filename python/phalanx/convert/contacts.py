@@ -6,13 +6,16 @@ from typing import Any
 
 import numpy
 
-from .outlines import gap
+from .outlines import ROUNDING_M, gap
 from .planar import GROUND, Body, Contact, Law, Outline
 from .projection import Projection
 from .read import load_mujoco
 
 # Force on a contact point at which a law has the stiffness of MuJoCo's contact, N.
 CONTACT_LOAD_N = 10.0
+# Roundings over the depth of contacts under this load; impacts are deeper.
+_DEPTHS = 1.5
+_LARGEST_ROUNDING_M = 2e-3
 # MuJoCo's damping has no equivalent in a law of impacts: values of the shipped scenes of real grippers.
 CONTACT_DAMPING = "3 s/m"
 STOP_DAMPING = ("0.2 s/rad", "3 s/m")
@@ -75,6 +78,18 @@ def law_name(work: Projection, law: Law) -> str:
     return law.name
 
 
+def rounding_of(work: Projection, geoms: list[int]) -> float:
+    """Radius of corners with which the contacts of free bodies are not deeper than their outlines are round, m."""
+    deepest = 0.0
+    for first, second, settings in _pairs(work, geoms):
+        if any(work.is_object(int(work.model.geom_bodyid[geom])) for geom in (first, second)):
+            deepest = max(deepest, _compliance(work, first, second, settings)[1])
+    if _DEPTHS * deepest > _LARGEST_ROUNDING_M:
+        text = f"they yield by up to {1e3 * deepest:.2g} mm under {CONTACT_LOAD_N:g} N, more than corners are round: give the geoms a smaller solref, or the laws of the scene a larger stiffness"
+        work.report.warn("contacts with free bodies", text)
+    return min(max(ROUNDING_M, round(_DEPTHS * deepest, 4)), _LARGEST_ROUNDING_M)
+
+
 def add_contacts(work: Projection) -> None:
     """Contacts of free bodies with everything that MuJoCo lets touch them, and of the hand with itself where its outlines
     neither overlap at the start nor lie side by side.
@@ -84,7 +99,7 @@ def add_contacts(work: Projection) -> None:
     own: list[tuple[int, int, dict[str, Any]]] = []
     points = 0
     lost = {"torsional and rolling friction": False, "margins of geoms": False}
-    for first, second, settings in _pairs(work):
+    for first, second, settings in _pairs(work, list(work.outlines)):
         (body_a, a), (body_b, b) = work.outlines[first], work.outlines[second]
         is_of_object = any(body is not None and body.is_free for body in (body_a, body_b))
         names = f"{_full_name(body_a, a)} and {_full_name(body_b, b)}"
@@ -143,7 +158,7 @@ def _points(outline: Outline) -> int:
     return {"disc": 1, "ellipse": 1, "capsule": 2, "box": 4, "half_plane": 0}.get(outline.type, len(outline.points))
 
 
-def _pairs(work: Projection) -> list[tuple[int, int, dict[str, Any]]]:
+def _pairs(work: Projection, candidates: list[int]) -> list[tuple[int, int, dict[str, Any]]]:
     """Pairs of geoms that MuJoCo lets touch each other, with their settings."""
     model = work.model
     if work.is_disabled("CONTACT") or work.is_disabled("CONSTRAINT"):
@@ -155,12 +170,12 @@ def _pairs(work: Projection) -> list[tuple[int, int, dict[str, Any]]]:
         settings["friction"] = float(settings["friction"][0])
         found[_ordered(model.pair_geom1[k], model.pair_geom2[k])] = settings
     excluded = {int(signature) for signature in model.exclude_signature}
-    geoms = [g for g in work.outlines if model.geom_contype[g] or model.geom_conaffinity[g]]
+    geoms = [g for g in candidates if model.geom_contype[g] or model.geom_conaffinity[g]]
     for index, first in enumerate(geoms):
         for second in geoms[index + 1 :]:
             if _may_touch(work, first, second, excluded):
                 found.setdefault(_ordered(first, second), _mixed(work, first, second))
-    groups = {geom: int(work.group[model.geom_bodyid[geom]]) for geom in work.outlines}
+    groups = {geom: int(work.group[model.geom_bodyid[geom]]) for geom in candidates}
     return [(*pair, settings) for pair, settings in sorted(found.items()) if all(g in groups for g in pair) and groups[pair[0]] != groups[pair[1]]]
 
 
@@ -210,10 +225,22 @@ def _mixed(work: Projection, first: int, second: int) -> dict[str, Any]:
     }
 
 
+def _compliance(work: Projection, first: int, second: int, settings: dict[str, Any]) -> tuple[float, float]:
+    """Stiffness of a contact point in space, and its depth under the load.
+
+    The edges of a pyramidal cone of friction share the load: they make the contact stiffer by the factor
+    (condim - 1) impratio / (mu² (1 + mu²)), exactly.
+    """
+    model, mu, condim = work.model, settings["friction"], settings["condim"]
+    inverse = sum(float(model.body_invweight0[model.geom_bodyid[g], 0]) for g in (first, second))
+    if model.opt.cone == load_mujoco().mjtCone.mjCONE_PYRAMIDAL and condim > 1 and mu > 0.0:
+        inverse *= mu**2 * (1.0 + mu**2) / ((condim - 1) * float(model.opt.impratio))
+    return compliance(work, settings["solref"], settings["solimp"], inverse, CONTACT_LOAD_N)
+
+
 def _add(work: Projection, first: int, second: int, settings: dict[str, Any]) -> None:
     model, types = work.model, load_mujoco().mjtGeom
-    inverse = sum(float(model.body_invweight0[model.geom_bodyid[g], 0]) for g in (first, second))
-    stiffness, depth = compliance(work, settings["solref"], settings["solimp"], inverse, CONTACT_LOAD_N)
+    stiffness = _compliance(work, first, second, settings)[0]
     # Two flat faces touch in four points in space, and in two in the plane.
     flat = {int(types.mjGEOM_BOX), int(types.mjGEOM_MESH), int(types.mjGEOM_PLANE)}
     is_flat = all(int(model.geom_type[g]) in flat for g in (first, second))

@@ -9,7 +9,7 @@ import numpy
 
 from .planar import Actuator, Element, Rotor, Spring, Tendon, Terms
 from .projection import Projection
-from .read import is_below, load_mujoco
+from .read import extra, is_below, load_mujoco
 
 # Limits of sums of joints, and cables that lift off a pulley, have no equivalent in the scene.
 HAS_SUM_LIMITS = False
@@ -26,10 +26,10 @@ def add_tendons(work: Projection) -> None:
         kinds = {int(kind) for kind in model.wrap_type[model.tendon_adr[t] : model.tendon_adr[t] + model.tendon_num[t]]}
         if model.tendon_limited[t] and not work.is_disabled("LIMIT"):
             _add_range(work, t, label)
-        lost = {"frictionloss": model.tendon_frictionloss[t] != 0.0, "nonlinear stiffness": numpy.any(model.tendon_stiffnesspoly[t] != 0.0)}
+        lost = {"frictionloss": model.tendon_frictionloss[t] != 0.0, "nonlinear stiffness": extra(model, "tendon_stiffnesspoly", t).any()}
         lost |= {
-            "nonlinear damping": numpy.any(model.tendon_dampingpoly[t] != 0.0),
-            "spring yield": numpy.any(numpy.ravel(model.tendon_springyield)[t : t + 1] != 0.0),
+            "nonlinear damping": extra(model, "tendon_dampingpoly", t).any(),
+            "spring yield": extra(model, "tendon_springyield", t).any(),
         }
         for what in (name for name, is_lost in lost.items() if is_lost):
             work.report.lost(label, f"its {what}")
@@ -56,7 +56,7 @@ def _springs_of_tendon(work: Projection, t: int) -> tuple[float, float, float, f
 def _add_fixed_tendon(work: Projection, t: int, label: str) -> None:
     terms = work.sum_of_tendon(t)
     stiffness, damping, low, high = _springs_of_tendon(work, t)
-    armature = float(work.model.tendon_armature[t])
+    armature = float(extra(work.model, "tendon_armature", t)[0])
     if stiffness == damping == armature == 0.0:
         return
     if not terms:
@@ -87,7 +87,7 @@ def _is_chain(work: Projection, joints: list[int]) -> bool:
 def _add_spatial_tendon(work: Projection, t: int, label: str) -> None:
     name = work.source.name("tendon", t)
     stiffness, damping, low, high = _springs_of_tendon(work, t)
-    if work.model.tendon_armature[t] != 0.0:
+    if extra(work.model, "tendon_armature", t).any():
         work.report.lost(label, "its armature")
     branches = _branches(work, t, label)
     moving = [(divisor, path) for divisor, path in branches if len({element.body for element in path}) > 1]
@@ -246,9 +246,9 @@ def _report_dynamics(work: Projection, k: int, label: str) -> None:
         kind = mujoco.mjtDyn(model.actuator_dyntype[k]).name.removeprefix("mjDYN_").lower()
         work.report.lost(label, f"its activation dynamics ({kind}, {model.actuator_dynprm[k, 0]:.4g} s); its command acts at once")
     for name in ("damping", "armature", "delay"):
-        values = numpy.ravel(getattr(model, f"actuator_{name}"))
-        if k < len(values) and values[k] != 0.0:
-            work.report.lost(label, f"its {name} of {values[k]:.4g}")
+        value = float(extra(model, f"actuator_{name}", k)[0])
+        if value != 0.0:
+            work.report.lost(label, f"its {name} of {value:.4g}")
 
 
 def _control(work: Projection, k: int) -> tuple[float, float, float, float]:

@@ -10,7 +10,8 @@ from .planar import Outline, Vector
 from .plane import Plane
 from .read import Numbers, Source, load_mujoco
 
-# Corners of outlines are round, because two outlines without a radius cannot touch.
+# Corners of outlines are round, because two outlines without a radius cannot touch. Contacts that are deeper than the
+# rounding of their outlines are uncertain, so soft models have more.
 ROUNDING_M = 0.5e-3
 # Rounding over the width of an outline, at most.
 _LARGEST_ROUNDING = 0.1
@@ -26,8 +27,8 @@ _CIRCLE_POINTS = 32
 _PARALLEL = 1e-4
 
 
-def outline_of(source: Source, geom: int, plane: Plane, origin: Any, data: Any, name: str) -> Outline | None:
-    """The projection of a geom in a frame with this origin; None if it has none."""
+def outline_of(source: Source, geom: int, plane: Plane, origin: Any, data: Any, name: str, rounding: float) -> Outline | None:
+    """The projection of a geom in a frame with this origin; None if it has none. Corners are rounded within the shape."""
     mujoco, model = load_mujoco(), source.model
     kind = mujoco.mjtGeom(model.geom_type[geom])
     types = mujoco.mjtGeom
@@ -59,11 +60,11 @@ def outline_of(source: Source, geom: int, plane: Plane, origin: Any, data: Any, 
         if lean < _PARALLEL:
             made.sizes = (float(size[0]),)
         elif abs(across[2]) < _PARALLEL:
-            _set_box(made, flat[2], 2.0 * size[1], 2.0 * size[0])
+            _set_box(made, flat[2], 2.0 * size[1], 2.0 * size[0], rounding)
         else:
             turn = numpy.linspace(0.0, 2.0 * numpy.pi, _CIRCLE_POINTS, endpoint=False)
             ring = numpy.outer(numpy.cos(turn), flat[0]) + numpy.outer(numpy.sin(turn), flat[1])
-            _set_polygon(source, made, numpy.concatenate([center + size[0] * ring + side * size[1] * flat[2] for side in (-1, 1)]))
+            _set_polygon(source, made, numpy.concatenate([center + size[0] * ring + side * size[1] * flat[2] for side in (-1, 1)]), rounding)
     elif kind == types.mjGEOM_ELLIPSOID:
         spread = sum(size[k] ** 2 * numpy.outer(flat[k], flat[k]) for k in range(3))
         squares, directions = numpy.linalg.eigh(spread)
@@ -79,10 +80,10 @@ def outline_of(source: Source, geom: int, plane: Plane, origin: Any, data: Any, 
         normal = int(numpy.argmax(numpy.abs(across)))
         if abs(across[normal]) > 1.0 - _PARALLEL**2:
             first, second = (k for k in range(3) if k != normal)
-            _set_box(made, flat[first], 2.0 * size[first], 2.0 * size[second])
+            _set_box(made, flat[first], 2.0 * size[first], 2.0 * size[second], rounding)
         else:
             signs = numpy.array([[i, j, k] for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
-            _set_polygon(source, made, center + (signs * size) @ numpy.array(flat))
+            _set_polygon(source, made, center + (signs * size) @ numpy.array(flat), rounding)
     elif kind == types.mjGEOM_MESH:
         mesh = model.geom_dataid[geom]
         first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
@@ -90,7 +91,7 @@ def outline_of(source: Source, geom: int, plane: Plane, origin: Any, data: Any, 
         heights = (vertices - plane.origin) @ plane.n
         made.comment = f"hull of mesh {source.name('mesh', mesh)}"
         flat_vertices = numpy.array([plane.point(vertex) for vertex in vertices]) - origin
-        _set_polygon(source, made, numpy.round(flat_vertices, _MESH_DECIMALS))
+        _set_polygon(source, made, numpy.round(flat_vertices, _MESH_DECIMALS), rounding)
         made.depth = float(heights.min()), float(heights.max())
         return made if len(made.points) >= 3 else None
     elif kind == types.mjGEOM_PLANE:
@@ -110,17 +111,17 @@ def _pair(point: Any) -> Vector:
     return float(point[0]), float(point[1])
 
 
-def _set_box(made: Outline, along: Any, width: float, height: float) -> None:
+def _set_box(made: Outline, along: Any, width: float, height: float, rounding: float) -> None:
     """Makes a box with this direction of its first side; turns it by quarters to the smallest angle."""
     angle = float(numpy.arctan2(along[1], along[0]))
     quarters = round(angle / (0.5 * numpy.pi))
     angle -= quarters * 0.5 * numpy.pi
     sizes = (float(width), float(height)) if quarters % 2 == 0 else (float(height), float(width))
     made.type, made.sizes, made.angle = "box", sizes, angle if abs(angle) > 1e-12 else 0.0
-    made.rounding = min(ROUNDING_M, _LARGEST_ROUNDING * min(sizes))
+    made.rounding = min(rounding, _LARGEST_ROUNDING * min(sizes))
 
 
-def _set_polygon(source: Source, made: Outline, points: Numbers) -> None:
+def _set_polygon(source: Source, made: Outline, points: Numbers, rounding: float) -> None:
     """Makes the convex hull, with round corners inside of it."""
     hull = convex_hull(points)
     if len(hull) < 3:
@@ -135,7 +136,7 @@ def _set_polygon(source: Source, made: Outline, points: Numbers) -> None:
             made.comment,
             f"its outline of {len(hull)} corners is simplified to {len(corners)}; it deviates by up to {1e6 * tolerance:.0f} µm",
         )
-    rounding = min(ROUNDING_M, _LARGEST_ROUNDING * _width(corners))
+    rounding = min(rounding, _LARGEST_ROUNDING * _width(corners))
     core = simplified(_eroded(corners, rounding), 1e-9)
     made.type, made.points, made.rounding = "polygon", [_pair(numpy.round(point, _MESH_DECIMALS + 1)) for point in core], rounding
 

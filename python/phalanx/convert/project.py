@@ -12,13 +12,13 @@ from typing import Any
 import numpy
 
 from ..errors import ConversionError
-from .contacts import add_contacts, compliance, law_name
+from .contacts import add_contacts, rounding_of, compliance, law_name
 from .drives import add_actuators, add_tendons
-from .outlines import outline_of
+from .outlines import ROUNDING_M, outline_of
 from .planar import GROUND, Body, Coupling, Joint, Law, Mechanism, Spring, Terms
 from .plane import Plane
 from .projection import Names, Projection
-from .read import Numbers, Source, load_mujoco
+from .read import Numbers, Source, extra, load_mujoco
 from .suspicions import warn
 
 # Load at which a stop has the stiffness of MuJoCo's limit, N·m or N.
@@ -34,6 +34,7 @@ def project(source: Source, plane: Plane) -> Mechanism:
     work = Projection(source, plane)
     _check_joints(work)
     _merge_welds(work)
+    _merge_pinned(work)
     _add_bodies(work)
     _add_joints(work)
     _add_equalities(work)
@@ -73,7 +74,11 @@ def _merge_welds(work: Projection) -> None:
             work.report.lost("equalities", "the option of the model disables them")
         return
     for k in range(model.neq):
-        if model.eq_type[k] != mujoco.mjtEq.mjEQ_WELD or not model.eq_active0[k]:
+        if not model.eq_active0[k]:
+            continue
+        if model.eq_type[k] == mujoco.mjtEq.mjEQ_JOINT and model.eq_obj2id[k] < 0 and abs(model.eq_data[k, 0]) < _OPEN:
+            _merge_locked(work, k)
+        if model.eq_type[k] != mujoco.mjtEq.mjEQ_WELD:
             continue
         first, second = (_body_of(work, k, side) for side in (0, 1))
         groups = sorted((work.group[first], work.group[second]))
@@ -90,6 +95,36 @@ def _merge_welds(work: Projection) -> None:
             work.report.changed(label, "the free body is fixed to the other body")
         work.group[work.group == groups[1]] = groups[0]
         work.report.changed(label, f"{work.source.name('body', first) or 'world'} and {work.source.name('body', second) or 'world'} are one body")
+
+
+def _merge_pinned(work: Projection) -> None:
+    """Merges bodies that two pins in different places hold: hinges of the model, and `connect`."""
+    if work.is_disabled("EQUALITY") or work.is_disabled("CONSTRAINT"):
+        return
+    mujoco, model, plane = load_mujoco(), work.model, work.plane
+    pins: dict[tuple[int, int], Numbers] = {}
+    for j in range(model.njnt):
+        owner = int(model.jnt_bodyid[j])
+        if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE and not work.is_object(owner):
+            groups = sorted((int(work.group[owner]), int(work.group[model.body_parentid[owner]])))
+            pins[groups[0], groups[1]] = plane.point(work.zero.xanchor[j])
+    for k in range(model.neq):
+        if model.eq_type[k] != mujoco.mjtEq.mjEQ_CONNECT or not model.eq_active0[k]:
+            continue
+        groups = sorted(int(work.group[_body_of(work, k, side)]) for side in (0, 1))
+        place = plane.point(_anchors(work, k, work.zero)[0])
+        known = pins.setdefault((groups[0], groups[1]), place)
+        if groups[0] != groups[1] and numpy.linalg.norm(place - known) > _OPEN:
+            work.group[work.group == groups[1]] = groups[0]
+            work.report.changed(work.source.label("equality", k), "it is the second pin between its bodies, which are one body in the scene")
+
+
+def _merge_locked(work: Projection, k: int) -> None:
+    """Merges the bodies of a joint that an equality locks in the zero position."""
+    body = int(work.model.jnt_bodyid[work.model.eq_obj1id[k]])
+    if not work.is_object(body):
+        groups = sorted((work.group[body], work.group[work.model.body_parentid[body]]))
+        work.group[work.group == groups[1]] = groups[0]
 
 
 def _weld_error(work: Projection, k: int, first: int, second: int) -> tuple[float, float]:
@@ -178,7 +213,8 @@ def _add_joints(work: Projection) -> None:
             continue
         child, parent = int(work.group[owner]), int(work.group[model.body_parentid[owner]])
         if child == parent:
-            work.report.changed(label, "a weld locks it")
+            work.report.changed(label, "a weld, a second pin or an equality locks it; its bodies are one")
+            work.locked.add(j)
             continue
         address = model.jnt_qposadr[j]
         zero, anchor, axis = float(model.qpos0[address]), work.zero.xanchor[j], work.zero.xaxis[j]
@@ -199,7 +235,7 @@ def _add_joints(work: Projection) -> None:
         joint.damping = 0.0 if work.is_disabled("DAMPER") else float(model.dof_damping[dof])
         joint.armature = float(model.dof_armature[dof])
         joint.friction = 0.0 if work.is_disabled("FRICTIONLOSS") or work.is_disabled("CONSTRAINT") else float(model.dof_frictionloss[dof])
-        if numpy.any(model.dof_dampingpoly[dof] != 0.0):
+        if extra(model, "dof_dampingpoly", dof).any():
             work.report.lost(label, "its nonlinear damping")
         if model.jnt_limited[j] and not work.is_disabled("LIMIT") and not work.is_disabled("CONSTRAINT"):
             _add_limits(work, joint, j, label)
@@ -216,9 +252,9 @@ def _add_joints(work: Projection) -> None:
                 comment=comment,
             )
             work.mechanism.springs.append(spring)
-        if numpy.any(model.jnt_stiffnesspoly[j] != 0.0):
+        if extra(model, "jnt_stiffnesspoly", j).any():
             work.report.lost(label, "its nonlinear stiffness")
-        if numpy.any(numpy.ravel(model.jnt_springyield)[j : j + 1] != 0.0):
+        if extra(model, "jnt_springyield", j).any():
             work.report.lost(label, "the yield of its spring")
         joint.index, joint.carrier = j, work.name_of(parent)
         work.joints[j] = joint
@@ -364,54 +400,49 @@ def _add_weld_rows(work: Projection, k: int) -> None:
 
 
 def _add_coupling(work: Projection, k: int, label: str, *, is_of_joints: bool) -> None:
+    """Couples joints by the sum of c (q - q0) = a0, with q0 of qpos0; also fixed tendons, whose lengths are such sums."""
     model, data = work.model, work.model.eq_data[k]
-    objects = [int(model.eq_obj1id[k]), int(model.eq_obj2id[k])]
     if numpy.any(data[2:5] != 0.0):
-        raise ConversionError(
-            f"{label} is a polynomial of order {2 + int(numpy.flatnonzero(data[2:5])[-1])}, but a coupling is linear; set its coefficients of order 2 to 4 to 0"
-        )
-    sides: list[tuple[Terms, float]] = []
-    for index in objects:
-        if index < 0:
-            sides.append(([], 0.0))
-        elif is_of_joints and index in work.joints:
-            sides.append(([(work.joints[index].name, 1.0)], float(model.qpos0[model.jnt_qposadr[index]])))
-        elif not is_of_joints and (terms := work.sum_of_tendon(index)) is not None:
-            sides.append((terms, float(model.tendon_length0[index])))
-        else:
-            what = (
-                "it acts on a joint that is locked or belongs to a free body"
-                if is_of_joints
-                else "it acts on a spatial tendon, whose length cannot be fixed"
-            )
-            work.report.lost(label, what)
+        order = 2 + int(numpy.flatnonzero(data[2:5])[-1])
+        remedy = "set its coefficients of order 2 to 4 to 0"
+        raise ConversionError(f"{label} is a polynomial of order {order}, but a coupling is linear; {remedy}")
+    factors: dict[str, float] = {}
+    for index, side in ((int(model.eq_obj1id[k]), 1.0), (int(model.eq_obj2id[k]), -float(data[1]))):
+        terms = [] if index < 0 else _terms_of(work, index, is_of_joints=is_of_joints)
+        if terms is None:
+            what = "a joint of a free body" if is_of_joints else "a spatial tendon, whose length cannot be fixed"
+            work.report.lost(label, f"it acts on {what}")
             return
-    factors = dict(sides[0][0])
-    for name, factor in sides[1][0]:
-        factors[name] = factors.get(name, 0.0) - float(data[1]) * factor
-    terms = [(name, factor) for name, factor in factors.items() if factor != 0.0]
-    value = sides[0][1] + float(data[0]) - (float(data[1]) * sides[1][1] if objects[1] >= 0 else 0.0)
-    joints = {joint.name: joint for joint in work.mechanism.joints}
-    tendon_name = "" if is_of_joints else work.source.name("tendon", objects[0])
-    name = work.names["coupling"].new(work.source.name("equality", k) or tendon_name, "_".join(name for name, _ in terms))
-    comment = ("joint" if is_of_joints else "tendon") + f" equality {work.source.name('equality', k)}".rstrip()
-    work.rows.append(_row(work, terms))
-    violation = (
-        sum(
-            factor * float(work.zero.qpos[model.jnt_qposadr[j]]) for j, joint in work.joints.items() for name_, factor in terms if joint.name == name_
-        )
-        - value
-    )
-    if abs(violation) > _OPEN:
-        work.report.changed(label, f"it is violated by {abs(violation):.4g} in the zero position; phalanx assembles the mechanism with it")
-    if len(terms) == 1:
-        # A single joint: its position is fixed, which two equal limits cannot express; the coupling needs a second one.
-        held, factor = terms[0]
-        raise ConversionError(
-            f"{label} locks the joint {held} at {value / factor:.6g}; a scene has no locked joints: remove the joint from the body, or weld the body to its parent"
-        )
+        for name, factor in terms:
+            factors[name] = factors.get(name, 0.0) + side * factor
+    zero = {joint.name: float(model.qpos0[model.jnt_qposadr[j]]) for j, joint in work.joints.items()}
+    coupled = [(name, factor) for name, factor in factors.items() if factor != 0.0]
+    value = float(data[0]) + sum(factor * zero[name] for name, factor in coupled)
+    if not coupled:
+        return
+    if len(coupled) == 1:
+        name, factor = coupled[0]
+        remedy = "remove the joint from its body, or make it 0 in the drawn position"
+        raise ConversionError(f"{label} locks the joint {name} at {value / factor:.6g}, away from its drawn position; {remedy}")
+    if abs(data[0]) > _OPEN:
+        work.report.changed(label, f"it is violated by {abs(data[0]):.4g} in the zero position; phalanx assembles the mechanism with it")
+    work.rows.append(_row(work, coupled))
     work.exact.append(k)
-    work.mechanism.couplings.append(Coupling(name, terms, value, joints[terms[0][0]].is_slide, comment))
+    own = work.source.name("equality", k)
+    default = "_".join(name for name, _ in coupled)
+    name = work.names["coupling"].new(own or ("" if is_of_joints else work.source.name("tendon", int(model.eq_obj1id[k]))), default)
+    is_linear = next(joint.is_slide for joint in work.mechanism.joints if joint.name == coupled[0][0])
+    comment = f"{'joint' if is_of_joints else 'tendon'} equality {own}".rstrip()
+    work.mechanism.couplings.append(Coupling(name, coupled, value, is_linear, comment))
+
+
+def _terms_of(work: Projection, index: int, *, is_of_joints: bool) -> Terms | None:
+    """Joints and factors of a joint or a fixed tendon; none of a locked joint, and None of what is not a sum of joints."""
+    if not is_of_joints:
+        return work.sum_of_tendon(index)
+    if index in work.locked:
+        return []
+    return [(work.joints[index].name, 1.0)] if index in work.joints else None
 
 
 def _choose_starts(work: Projection) -> None:
@@ -452,6 +483,10 @@ def _add_outlines(work: Projection) -> None:
         if work.source.name("body", owner) not in work.source.frozen or int(work.group[owner]) != 0:
             by_group.setdefault(int(work.group[owner]), []).append(geom)
     hidden = 0
+    work.rounding = rounding_of(work, sorted(touching & {geom for geoms in by_group.values() for geom in geoms}))
+    if work.rounding > ROUNDING_M:
+        text = f"corners have a rounding of up to {1e3 * work.rounding:g} mm, because the contacts of the model are that soft"
+        work.report.changed("outlines", text)
     for group, geoms in by_group.items():
         chosen = [geom for geom in geoms if geom in touching]
         if not chosen and group:
@@ -461,7 +496,7 @@ def _add_outlines(work: Projection) -> None:
         taken = Names()
         for geom in chosen:
             name = _outline_name(work, geom, taken)
-            made = outline_of(work.source, geom, work.plane, body.origin if body else numpy.zeros(2), work.data_of(group), name)
+            made = outline_of(work.source, geom, work.plane, body.origin if body else numpy.zeros(2), work.data_of(group), name, work.rounding)
             if made is None or (made.type == "polygon" and not made.points):
                 continue
             if geom not in touching:

@@ -54,6 +54,8 @@ class Projection:
         """Bodies of the scene by their group."""
         self.joints: dict[int, Joint] = {}
         """Joints of the scene by their index in the model."""
+        self.locked: set[int] = set()
+        """Joints whose bodies are one."""
         self.names = {kind: Names() for kind in ("joint", "spring", "coupling", "tendon", "actuator", "rotor")}
         self.outlines: dict[int, tuple[Body | None, Outline]] = {}
         """Outlines by geom, with their bodies."""
@@ -61,6 +63,8 @@ class Projection:
         """Constraints as rows of factors of the rates of all joints, at the start."""
         self.exact: list[int] = []
         """Equalities that the scene has."""
+        self.rounding = 0.0
+        """Radius of the corners of outlines, m."""
         self.cables: dict[int, list[tuple[str, float]]] = {}
         """Cables of a spatial tendon, with their divisors."""
 

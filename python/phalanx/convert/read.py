@@ -31,6 +31,12 @@ def load_mujoco() -> Any:
     return mujoco
 
 
+def extra(model: Any, name: str, index: int) -> Numbers:
+    """Values of a field that older versions of MuJoCo do not have; 0 there."""
+    values = getattr(model, name, None)
+    return numpy.zeros(1) if values is None or index >= len(values) else numpy.ravel(values[index])
+
+
 @dataclass
 class Source:
     """A compiled model, its zero position, and its start."""
@@ -94,9 +100,7 @@ def read(
     except ValueError as error:
         if isinstance(error, ConversionError):
             raise
-        raise ConversionError(
-            f"MuJoCo does not read {file}: {str(error).strip()}; correct the file, and open it in MuJoCo's viewer to check it"
-        ) from None
+        raise ConversionError(f"MuJoCo does not read {file}: {str(error).strip()}; {_remedy(str(error), report)}") from None
     numbers, chosen = _start(mujoco, model, key, file)
     for name, value in (ctrl or {}).items():
         index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
@@ -105,14 +109,24 @@ def read(
             raise ConversionError(f"{file} has no actuator {name}; its actuators are {', '.join(names) or '(none)'}")
         numbers["ctrl"][index] = value
     frozen: set[str] = set()
-    if root is not None:
-        spec, model, numbers, frozen = _isolate(mujoco, spec, model, numbers, root, file, report)
+    top = _base(mujoco, model, file, report) if root is None else _find_root(mujoco, model, file, root)
+    if top is not None:
+        spec, model, numbers, frozen = _isolate(mujoco, spec, model, numbers, top, report)
     _warn_about_visual_mass(mujoco, spec, model, report)
     zero, start = mujoco.MjData(model), mujoco.MjData(model)
     mujoco.mj_forward(model, zero)
     start.qpos[:], start.qvel[:], start.ctrl[:] = numbers["qpos"], numbers["qvel"], numbers["ctrl"]
     mujoco.mj_forward(model, start)
-    return Source(file, spec, model, zero, start, chosen, root or "", frozen, report)
+    return Source(file, spec, model, zero, start, chosen, "" if top is None else model.body(top).name, frozen, report)
+
+
+def _remedy(message: str, report: Report) -> str:
+    """What to do about an error of MuJoCo."""
+    if "mass and inertia" not in message:
+        return "correct the file, and open it in MuJoCo's viewer to check it"
+    meshes = [note.name for note in report.of("lost") if note.name.startswith("meshes")]
+    because = f" ({', '.join(meshes)} are left out)" if meshes else ""
+    return f"give the moving body an inertial, or a geom with a density{because}"
 
 
 def _specification(mujoco: Any, file: Path, report: Report) -> Any:
@@ -207,17 +221,41 @@ def _start(mujoco: Any, model: Any, key: str | None, file: Path) -> tuple[dict[s
     return {name: getattr(model, f"key_{name}")[index].copy() for name in zero}, chosen
 
 
+def _find_root(mujoco: Any, model: Any, file: Path, root: str) -> int:
+    """Index of the body that the user has chosen."""
+    top = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, root))
+    if top < 0:
+        names = ", ".join(name for name in (model.body(k).name for k in range(1, model.nbody)) if name)
+        raise ConversionError(f"{file} has no body {root}; its bodies are {names}")
+    return top
+
+
+def _base(mujoco: Any, model: Any, file: Path, report: Report) -> int | None:
+    """The floating base of a hand, which becomes the ground; None if no body with joints below it floats."""
+    bases = []
+    for body in range(1, model.nbody):
+        first, count = model.body_jntadr[body], model.body_jntnum[body]
+        floats = count > 1 or (count == 1 and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE)
+        if model.body_parentid[body] == 0 and floats and not is_free_body(mujoco, model, body):
+            bases.append(body)
+    if len(bases) > 1:
+        names = [model.body(body).name for body in bases]
+        raise ConversionError(f'{file} has {len(bases)} hands that float ({", ".join(names)}); choose one: --root "{names[0]}"')
+    if not bases:
+        return None
+    name = model.body(bases[0]).name or str(bases[0])
+    report.changed(f"body {name}", "the base of the hand floats in the model, and stands still in the scene; [moves.NAME] moves it")
+    return bases[0]
+
+
 def _isolate(
-    mujoco: Any, spec: Any, model: Any, numbers: dict[str, Numbers], root: str, file: Path, report: Report
+    mujoco: Any, spec: Any, model: Any, numbers: dict[str, Numbers], top: int, report: Report
 ) -> tuple[Any, Any, dict[str, Numbers], set[str]]:
     """Removes all joints that do not belong to the mechanism below a body, and everything that acts on them.
 
     Joints of free objects stay. The root stands where it is at the start.
     """
-    top = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, root)
-    if top < 0:
-        bodies = [model.body(k).name for k in range(1, model.nbody)]
-        raise ConversionError(f"{file} has no body {root}; its bodies are {', '.join(name for name in bodies if name)}")
+    root = model.body(top).name or str(top)
     data = mujoco.MjData(model)
     data.qpos[:] = numbers["qpos"]
     mujoco.mj_kinematics(model, data)

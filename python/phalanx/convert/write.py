@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from math import degrees
 
 from .contacts import BRISTLE_DAMPING, CONTACT_DAMPING, STOP_DAMPING
-from .outlines import ROUNDING_M
 from .planar import GROUND, Actuator, Body, Contact, Joint, Law, Mechanism, Outline, Spring, Tendon, Terms, Vector, friction_stiffness
 
 # Digits of a number: an error of 5e-13.
@@ -149,10 +148,10 @@ def _is_at_zero(mechanism: Mechanism) -> bool:
 def _write_bodies(text: _Text, mechanism: Mechanism, parameters: _Parameters) -> dict[str, str]:
     """Writes bodies; returns the origins of those that are parameters."""
     pivots = {}
-    roundings = [outline for body in mechanism.bodies for outline in body.outlines if outline.rounding == ROUNDING_M]
-    roundings += [outline for outline in mechanism.ground if outline.rounding == ROUNDING_M]
-    if len(roundings) > 1:
-        parameters.values["rounding"] = ROUNDING_M, "of all corners, which are sharp in MuJoCo"
+    roundings = [outline.rounding for body in mechanism.bodies for outline in body.outlines] + [outline.rounding for outline in mechanism.ground]
+    common = max(roundings, default=0.0)
+    if roundings.count(common) > 1 and common > 0.0:
+        parameters.values["rounding"] = common, "of corners, which are sharp in MuJoCo"
     is_at_zero = _is_at_zero(mechanism)
     for body in mechanism.bodies:
         merged = f"bodies {', '.join(body.members)}" if len(body.members) > 1 else f"body {body.members[0]}"
@@ -220,7 +219,7 @@ def _write_outline(text: _Text, title: str, outline: Outline, parameters: _Param
         text.value("vertices", _list(_point(point) for point in outline.points))
     if outline.rounding:
         key = "radius" if outline.type == "polygon" else "rounding"
-        shared = "rounding" in parameters.values and outline.rounding == ROUNDING_M
+        shared = "rounding" in parameters.values and outline.rounding == parameters.values["rounding"][0]
         text.text(key, "= rounding" if shared else length(outline.rounding))
 
 
