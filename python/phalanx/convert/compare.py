@@ -58,7 +58,7 @@ class Comparison:
     def __str__(self) -> str:
         both = (self.mujoco, self.phalanx)
         loops = sorted(self.mujoco.openings, key=lambda name: -self.mujoco.openings[name])
-        rows = [[f"opening of {name}", f"{self.mujoco.openings[name]:.2g}", "exact"] for name in loops]
+        rows = [[f"opening of {name}, largest", f"{self.mujoco.openings[name]:.2g}", "exact"] for name in loops]
         pairs = sorted({pair for side in both for pair in side.first_touch})
         rows += [[f"first touch of {pair}", *(_time(side.first_touch.get(pair)) for side in both)] for pair in pairs]
         rows += [[f"depth of {pair}, largest", *(_depth(side.penetration.get(pair)) for side in both)] for pair in pairs]
@@ -88,7 +88,7 @@ def _time(value: float | None) -> str:
 
 
 def _depth(value: float | None) -> str:
-    return "–" if value is None else f"{1e6 * value:.3g} µm"
+    return "–" if value is None else (f"{1e6 * value:.3g} µm" if value < 1e-3 else f"{1e3 * value:.3g} mm")
 
 
 def _force(value: float | None) -> str:
@@ -96,7 +96,7 @@ def _force(value: float | None) -> str:
 
 
 def _speed(value: float | None) -> str:
-    return "–" if value is None else f"{1e6 * value:.2g} µm/s"
+    return "–" if value is None else (f"{1e6 * value:.2g} µm/s" if value < 1e-4 else f"{1e3 * value:.2g} mm/s")
 
 
 def _verdict(value: bool | None) -> str:
@@ -177,10 +177,23 @@ def _record_openings(source: Source, data: Any, side: Side) -> None:
     for row in range(data.ne):
         rows.setdefault(int(data.efc_id[row]), []).append(float(data.efc_pos[row]))
     for equality, values in rows.items():
-        kind = mujoco.mjtEq(model.eq_type[equality]).name.removeprefix("mjEQ_").lower()
-        unit = {"connect": "m", "joint": "rad or m", "tendon": "rad or m"}.get(kind, "m or rad")
-        name = f"{kind} {source.name('equality', equality) or equality}, {unit}"
+        kind = mujoco.mjtEq(model.eq_type[equality])
+        label = f"{kind.name.removeprefix('mjEQ_').lower()} {source.name('equality', equality) or equality}"
+        name = f"{label}, {'rad' if _is_of_hinges(model, equality, kind) else 'm'}"
         side.openings[name] = max(side.openings.get(name, 0.0), float(numpy.linalg.norm(values)))
+
+
+def _is_of_hinges(model: Any, equality: int, kind: Any) -> bool:
+    """Whether an equality couples angles."""
+    mujoco, index = load_mujoco(), int(model.eq_obj1id[equality])
+    if kind == mujoco.mjtEq.mjEQ_TENDON:
+        first = int(model.tendon_adr[index])
+        if model.wrap_type[first] != mujoco.mjtWrap.mjWRAP_JOINT:
+            return False
+        index = int(model.wrap_objid[first])
+    elif kind != mujoco.mjtEq.mjEQ_JOINT:
+        return False
+    return bool(model.jnt_type[index] == mujoco.mjtJoint.mjJNT_HINGE)
 
 
 def _phalanx(conversion: Conversion, duration_s: float) -> tuple[Side, Result | None]:

@@ -9,8 +9,8 @@ from typing import Any
 
 from .._phalanx import Scene
 from .cube import adder
-from .plane import Plane, find_plane
 from .planar import Mechanism
+from .plane import Plane, find_plane
 from .project import project
 from .read import Source, load_mujoco, read
 from .report import Report

@@ -12,7 +12,7 @@ from typing import Any
 import numpy
 
 from ..errors import ConversionError
-from .contacts import add_contacts, rounding_of, compliance, law_name
+from .contacts import add_contacts, compliance, law_name, rounding_of
 from .drives import add_actuators, add_tendons
 from .outlines import ROUNDING_M, outline_of
 from .planar import GROUND, Body, Coupling, Joint, Law, Mechanism, Spring, Terms

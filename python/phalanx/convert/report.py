@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import textwrap
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import Literal
 
-Kind: TypeAlias = Literal["lost", "changed", "warning"]
-
-_HEADINGS: dict[Kind, str] = {
+_HEADINGS: dict[Literal["lost", "changed", "warning"], str] = {
     "lost": "Not carried over",
     "changed": "Carried over with a change",
     "warning": "Suspicious in the model",
@@ -20,7 +18,7 @@ _WIDTH = 120
 class Note:
     """An item of the report."""
 
-    kind: Kind
+    kind: Literal["lost", "changed", "warning"]
     """ "lost": not in the scene; "changed": in the scene, but different; "warning": suspicious in the model."""
     name: str
     """The element of the model, such as "tendon split"."""
@@ -37,7 +35,7 @@ class Report:
 
     notes: list[Note] = field(default_factory=list)
 
-    def add(self, kind: Kind, name: str, text: str) -> None:
+    def add(self, kind: Literal["lost", "changed", "warning"], name: str, text: str) -> None:
         """Adds an item; an item that is already in the report is not repeated."""
         note = Note(kind, name, text)
         if note not in self.notes:
@@ -55,7 +53,7 @@ class Report:
         """Adds an element that is suspicious in the model itself."""
         self.add("warning", name, text)
 
-    def of(self, kind: Kind) -> list[Note]:
+    def of(self, kind: Literal["lost", "changed", "warning"]) -> list[Note]:
         """Items of a kind."""
         return [note for note in self.notes if note.kind == kind]
 

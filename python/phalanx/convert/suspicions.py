@@ -7,7 +7,7 @@ from typing import Any
 import numpy
 
 from .outlines import core_of
-from .planar import FRICTION_DEFLECTION, GROUND, Body
+from .planar import FRICTION_DEFLECTION, Body
 from .projection import Projection
 from .read import load_mujoco
 
@@ -53,13 +53,14 @@ def warn(work: Projection) -> None:
             work.report.warn(f"body {body.name}", "its centre of mass is exactly in its joint: probably a placeholder")
     inertias = {body.name: body for body in work.mechanism.bodies}
     for joint in work.joints.values():
-        body = inertias[next(name for name in joint.bodies[::-1] if name != GROUND)]
+        body = inertias[next(name for name in joint.bodies if name != joint.carrier)]
         own = body.mass if joint.is_slide else body.inertia
         if joint.armature > _LARGEST_ARMATURE * own:
             unit = "kg" if joint.is_slide else "kg m^2"
             work.report.warn(
                 f"joint {joint.name}",
-                f"its armature of {joint.armature:.4g} {unit} is {joint.armature / own:.0f} times the inertia of {body.name}: a setting for the solver rather than a motor",
+                f"its armature of {joint.armature:.4g} {unit} is {joint.armature / own:.0f} times the inertia of {body.name}; "
+                "check that it is that of the motor, and not a setting for the solver",
             )
         if joint.is_slide and joint.friction > 50.0 * 9.81 * body.mass:
             work.report.warn(
