@@ -58,6 +58,28 @@ def rigid_with_equalities_of(text: str) -> object:
     return rigid(conversion.source, conversion.plane)
 
 
+def numbers(model: object) -> dict[str, list[float]]:
+    """Numbers of a model that do not depend on the frames of its bodies, by element."""
+    found = {"key": [*model.key_qpos[0], *model.key_qvel[0]], "gravity": [*model.opt.gravity]}
+    for k in range(1, model.nbody):
+        found[f"body {model.body(k).name}"] = [model.body_mass[k], model.body_inertia[k].max()]
+    for k in range(model.njnt):
+        dof, stiffness = model.jnt_dofadr[k], np.ravel(model.jnt_stiffness[k])[0]
+        found[f"joint {model.joint(k).name}"] = [
+            model.dof_damping[dof], model.dof_armature[dof], model.dof_frictionloss[dof], model.qpos0[model.jnt_qposadr[k]],
+            stiffness, model.qpos_spring[model.jnt_qposadr[k]] if stiffness else 0.0, *(model.jnt_range[k] if model.jnt_limited[k] else ()),
+        ]  # fmt: skip
+    for k in range(model.ntendon):
+        first, count = model.tendon_adr[k], model.tendon_num[k]
+        found[f"tendon {model.tendon(k).name}"] = [*model.wrap_prm[first : first + count], *model.tendon_lengthspring[k], *np.ravel(model.tendon_stiffness[k])]
+    for k in range(model.nu):
+        # The constant part of a force, and its changes with length and rate.
+        force = model.actuator_gainprm[k, 0] * model.key_ctrl[0, k] + model.actuator_biasprm[k, 0]
+        limit = model.actuator_forcerange[k] if model.actuator_forcelimited[k] else ()
+        found[f"actuator {model.actuator(k).name}"] = [force, *model.actuator_biasprm[k, 1:3], *limit]
+    return found
+
+
 @unittest.skipIf(mujoco is None, "needs mujoco")
 class Motions(unittest.TestCase):
     def test_equal_those_of_hand_written_scenes(self):
@@ -109,6 +131,52 @@ class Motions(unittest.TestCase):
         )
         with self.assertRaisesRegex(phalanx.ConversionError, "2 hands that float"):
             convert(mjcf(two))
+
+    def test_free_bodies_keep_their_pose_and_rates(self):
+        # Two slides and a hinge, and a free joint, both thrown, with a key frame that turns them by 1 and 0.5 rad about the normal -y.
+        free = '<body name="ball" pos="0.5 0 0.2"><freejoint/>' + LINK + '<geom name="ball" type="box" size="0.02 0.01 0.005"/></body>'
+        planar = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint axis="0 -1 0"/>'
+        planar = f'<body name="plate" pos="-0.5 0 0.1">{planar}{LINK}<geom name="plate" type="capsule" fromto="0 0 0 0.05 0 0" size="0.01"/></body>'
+        hand = f'<body name="link"><joint name="pin" axis="0 -1 0"/>{LINK}</body>'
+        turned = f"{np.cos(0.25)} 0 {-np.sin(0.25)} 0"
+        key = f'<keyframe><key qpos="0 0.6 0.003 0.3 {turned} 0.1 -0.2 1" qvel="1 0.3 0 -0.2 0 -2 0 0.5 0.7 3"/></keyframe>'
+        text = mjcf(hand + free + planar, key).replace('gravity="0 0 0"', 'gravity="1 0 -9.81" timestep="1e-5" integrator="RK4"')
+        conversion = convert(text, duration=0.05)
+        result = phalanx.run(conversion.scene, preset="reference")
+        model = mujoco.MjModel.from_xml_string(text)
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        mujoco.mj_step(model, data, nstep=5000)
+        for body, turn in (("ball", -2 * np.arcsin(data.xquat[2][2])), ("plate", data.qpos[-1])):
+            x, _, z = data.body(body).xpos
+            found = [result[f"{body}_{name}"][-1] for name in ("x_m", "y_m", "angle_rad")]
+            np.testing.assert_allclose(found, [x, z, turn], atol=1e-9)
+
+    def test_friction_holds(self):
+        drive = '<actuator><motor name="m" joint="j"/></actuator>'
+        for torque, moves in ((0.09, False), (0.11, True)):
+            text = mjcf(f'<body name="a"><joint name="j" axis="0 -1 0" frictionloss="0.1"/>{LINK}</body>', drive)
+            result = phalanx.run(convert(text, ctrl={"m": torque}, duration=0.2).scene)
+            if moves:
+                # The excess of 0.01 N·m accelerates 2.608e-5 kg m^2.
+                self.assertAlmostEqual(result["j_rad"][-1], 0.5 * 0.01 / 2.608e-5 * 0.2**2, delta=0.02)
+            else:
+                self.assertLess(np.abs(result["j_rad"]).max(), 2e-5)
+                self.assertLess(abs(result["j_rate_rad_s"][-1]), 1e-9)
+
+    def test_export_and_back_gives_the_same_numbers(self):
+        scenes = sorted([*(SCENES / "mechanisms").glob("*.toml"), *(SCENES / "real").glob("*.toml")])
+        self.assertGreater(len(scenes), 14)
+        for path in scenes:
+            with self.subTest(scene=path.stem):
+                first = phalanx.Scene.load(path).to_mjcf()
+                second = convert(first).scene.to_mjcf()
+                before, after = (numbers(mujoco.MjModel.from_xml_string(text)) for text in (first, second))
+                # A constant torque of a spring comes back as an actuator.
+                before = {name: values for name, values in before.items() if not (name.startswith("tendon") and name.endswith("spring"))}
+                self.assertEqual(before.keys() - after.keys(), set())
+                for name, values in before.items():
+                    np.testing.assert_allclose(after[name], values, rtol=1e-9, atol=1e-12, err_msg=name)
 
     def test_export_and_back_gives_the_same_motion(self):
         for name in ("four-bar", "slider-crank", "andrews"):
@@ -343,6 +411,17 @@ class Reports(unittest.TestCase):
             self.assertIn(item.replace("MUSCLE", "mjGAIN_MUSCLE"), lost)
         for note in conversion.report.of("lost"):
             self.assertIn(note.name.partition(" ")[0], conversion.toml.partition("\nkind")[0])
+
+    def test_ranges_of_tendons_are_limits_of_sums_where_scenes_have_them(self):
+        link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}</body><body name="b"><joint name="b" axis="0 -1 0"/>{LINK}</body>'
+        tendon = '<tendon><fixed name="t" limited="true" range="-1 0.5"><joint joint="a" coef="2"/><joint joint="b" coef="-1"/></fixed></tendon>'
+        with mock.patch("phalanx.convert.drives.HAS_SUM_LIMITS", True):
+            conversion = convert(mjcf(link, tendon))
+        (limit,) = conversion.mechanism.limits
+        self.assertEqual((limit.terms, limit.lower, limit.upper, limit.stop), ([("a", 2.0), ("b", -1.0)], -1.0, 0.5, "stop"))
+        section = '[limits.t]    # range of a tendon\njoints = ["a", "b"]\nfactors = [2, -1]\nlower = "-1 rad"\nupper = "0.5 rad"\nstop = "stop"\n'
+        self.assertIn(section, conversion.toml)
+        self.assertNotIn("range", notes(conversion, "lost"))
 
     def test_suspicious_models_are_named(self):
         fragment = f'<mujoco><worldbody><body name="a"><joint name="a" axis="0 1 0" range="0 0.7"/>{LINK}</body></worldbody></mujoco>'

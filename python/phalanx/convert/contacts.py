@@ -13,6 +13,8 @@ from .read import load_mujoco
 
 # Force on a contact point at which a law has the stiffness of MuJoCo's contact, N.
 CONTACT_LOAD_N = 10.0
+# Load at which a stop has the stiffness of MuJoCo's limit, N·m or N.
+STOP_LOAD = 1.0
 # Roundings over the depth of contacts under this load; impacts are deeper.
 _DEPTHS = 1.5
 _LARGEST_ROUNDING_M = 2e-3
@@ -76,6 +78,14 @@ def law_name(work: Projection, law: Law) -> str:
     if all(other.name != law.name for other in work.mechanism.laws):
         work.mechanism.laws.append(law)
     return law.name
+
+
+def stop_law(work: Projection, solref: Any, solimp: Any, inverse: float, is_linear: bool) -> str:
+    """Key of the law of a stop with the stiffness of MuJoCo's limit, to three digits."""
+    stiffness = compliance(work, solref, solimp, inverse, STOP_LOAD)[0]
+    unit, kind = ("N", "slides") if is_linear else ("N*m", "hinges")
+    comment = f"stops of {kind}: MuJoCo's static penetration at {STOP_LOAD:g} {unit}; its damping has no equivalent"
+    return law_name(work, Law("", float(f"{stiffness:.3g}"), None, comment, is_linear))
 
 
 def rounding_of(work: Projection, geoms: list[int]) -> float:

@@ -7,7 +7,8 @@ from typing import Literal
 
 import numpy
 
-from .planar import Actuator, Element, Rotor, Spring, Tendon, Terms
+from .contacts import stop_law
+from .planar import Actuator, Element, Rotor, Spring, SumLimit, Tendon, Terms
 from .projection import Projection
 from .read import extra, is_below, load_mujoco
 
@@ -40,9 +41,17 @@ def add_tendons(work: Projection) -> None:
 
 
 def _add_range(work: Projection, t: int, label: str) -> None:
-    """The range of a tendon; see HAS_SUM_LIMITS."""
-    lower, upper = work.model.tendon_range[t]
-    work.report.lost(label, f"its range of {lower:.6g} to {upper:.6g}; nothing stops it at these lengths")
+    """The range of a tendon; that of a spatial one, and of any as long as scenes have no limits of sums, is lost."""
+    lower, upper = (float(bound) for bound in work.model.tendon_range[t])
+    terms = work.sum_of_tendon(t) if HAS_SUM_LIMITS else None
+    if not terms:
+        work.report.lost(label, f"its range of {lower:.6g} to {upper:.6g}; nothing stops it at these lengths")
+        return
+    is_linear = next(joint.is_slide for joint in work.mechanism.joints if joint.name == terms[0][0])
+    model = work.model
+    stop = stop_law(work, model.tendon_solref_lim[t], model.tendon_solimp_lim[t], float(model.tendon_invweight0[t]), is_linear)
+    name = work.names["limit"].new(work.source.name("tendon", t), f"tendon_{t}")
+    work.mechanism.limits.append(SumLimit(name, terms, lower, upper, stop, is_linear))
 
 
 def _springs_of_tendon(work: Projection, t: int) -> tuple[float, float, float, float]:

@@ -27,13 +27,13 @@ _CIRCLE_POINTS = 32
 _PARALLEL = 1e-4
 
 
-def outline_of(source: Source, geom: int, plane: Plane, origin: Any, data: Any, name: str, rounding: float) -> Outline | None:
-    """The projection of a geom in a frame with this origin; None if it has none. Corners are rounded within the shape."""
+def outline_of(source: Source, geom: int, plane: Plane, data: Any, name: str, rounding: float) -> Outline | None:
+    """The projection of a geom in a frame of the plane; None if it has none. Corners are rounded within the shape."""
     mujoco, model = load_mujoco(), source.model
     kind = mujoco.mjtGeom(model.geom_type[geom])
     types = mujoco.mjtGeom
     axes = data.geom_xmat[geom].reshape(3, 3).T
-    center = plane.point(data.geom_xpos[geom]) - origin
+    center = plane.point(data.geom_xpos[geom])
     height = plane.height(data.geom_xpos[geom])
     size = model.geom_size[geom]
     flat = [plane.vector(axis) for axis in axes]
@@ -90,7 +90,7 @@ def outline_of(source: Source, geom: int, plane: Plane, origin: Any, data: Any, 
         vertices = model.mesh_vert[first : first + count] @ axes + data.geom_xpos[geom]
         heights = (vertices - plane.origin) @ plane.n
         made.comment = f"hull of mesh {source.name('mesh', mesh)}"
-        flat_vertices = numpy.array([plane.point(vertex) for vertex in vertices]) - origin
+        flat_vertices = numpy.array([plane.point(vertex) for vertex in vertices])
         _set_polygon(source, made, numpy.round(flat_vertices, _MESH_DECIMALS), rounding)
         made.depth = float(heights.min()), float(heights.max())
         return made if len(made.points) >= 3 else None

@@ -119,6 +119,18 @@ class Rotor:
 
 
 @dataclass
+class SumLimit:
+    """Limits of a sum of joint coordinates."""
+
+    name: str
+    terms: Terms
+    lower: float
+    upper: float
+    stop: str
+    is_linear: bool
+
+
+@dataclass
 class Element:
     """An eyelet of a cable, or a pulley if it has a radius."""
 
@@ -171,6 +183,8 @@ class Law:
     stiffness: float
     friction: float | None
     comment: str
+    is_linear: bool = True
+    """Whether its depth is a length; an angle for stops of hinges."""
 
 
 @dataclass
@@ -194,6 +208,7 @@ class Mechanism:
     tendons: list[Tendon] = field(default_factory=list)
     couplings: list[Coupling] = field(default_factory=list)
     rotors: list[Rotor] = field(default_factory=list)
+    limits: list[SumLimit] = field(default_factory=list)
     actuators: list[Actuator] = field(default_factory=list)
     laws: list[Law] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)

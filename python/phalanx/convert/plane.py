@@ -38,6 +38,12 @@ class Plane:
         """Coordinates in the plane of a vector of the world."""
         return numpy.array([self.e1 @ v, self.e2 @ v])
 
+    def moved(self, point: Numbers, angle: float) -> Plane:
+        """The same plane with its origin at a point of it, and turned."""
+        cos, sin = float(numpy.cos(angle)), float(numpy.sin(angle))
+        origin = self.origin + point[0] * self.e1 + point[1] * self.e2
+        return Plane(origin, cos * self.e1 + sin * self.e2, cos * self.e2 - sin * self.e1, self.n, self.comment)
+
     def height(self, x: Any) -> float:
         """Coordinate along the normal of a point of the world."""
         return float(self.n @ (numpy.asarray(x) - self.origin))

@@ -12,17 +12,15 @@ from typing import Any
 import numpy
 
 from ..errors import ConversionError
-from .contacts import add_contacts, compliance, law_name, rounding_of
+from .contacts import add_contacts, rounding_of, stop_law
 from .drives import add_actuators, add_tendons
 from .outlines import ROUNDING_M, outline_of
-from .planar import GROUND, Body, Coupling, Joint, Law, Mechanism, Spring, Terms
+from .planar import GROUND, Body, Coupling, Joint, Mechanism, Spring, Terms
 from .plane import Plane
 from .projection import Names, Projection
 from .read import Numbers, Source, extra, load_mujoco
 from .suspicions import warn
 
-# Load at which a stop has the stiffness of MuJoCo's limit, N·m or N.
-STOP_LOAD = 1.0
 # Bound of a side without a limit: MJCF has both sides or none.
 _UNLIMITED = 1e3
 # A constraint that is open by more is reported, m or rad.
@@ -168,27 +166,30 @@ def _add_bodies(work: Projection) -> None:
         label = work.source.label("body", group)
         if total <= 0.0:
             raise ConversionError(f"{label} moves but has no mass; give it an inertial, or a geom with a density")
-        centers = numpy.array([plane.point(data.xipos[member]) for member in members])
+        turn = work.start.xmat[group].reshape(3, 3) @ work.zero.xmat[group].reshape(3, 3).T
+        anchor = data.xpos[group] if is_free else work.zero.xanchor[model.body_jntadr[group]]
+        origin = plane.point(anchor)
+        at = plane.point(work.start.xpos[group] + (0.0 if is_free else turn @ (anchor - work.zero.xpos[group])))
+        angle = _angle_of_free(work, group) if is_free else plane.angle(turn)
+        frame = plane.moved(origin, angle if is_free else 0.0)
+        centers = numpy.array([frame.point(data.xipos[member]) for member in members])
         center = masses @ centers / total
         inertia = 0.0
         for member, mass, place in zip(members, masses, centers, strict=True):
             axis = data.ximat[member].reshape(3, 3).T @ plane.n
             inertia += float(axis @ (model.body_inertia[member] * axis) + mass * numpy.sum((place - center) ** 2))
-        turn = work.start.xmat[group].reshape(3, 3) @ work.zero.xmat[group].reshape(3, 3).T
-        anchor = data.xpos[group] if is_free else work.zero.xanchor[model.body_jntadr[group]]
-        origin = plane.point(anchor)
-        at = plane.point(work.start.xpos[group] + (0.0 if is_free else turn @ (anchor - work.zero.xpos[group])))
         body = Body(
             name=names.new(work.source.name("body", group), f"body_{group}"),
             origin=_pair(origin),
             mass=total,
-            com=_pair(center - origin),
+            com=_pair(center),
             inertia=inertia,
             members=[work.source.name("body", member) or str(member) for member in members],
             at=_pair(at),
-            angle=0.0 if is_free else plane.angle(turn),
+            angle=angle,
             is_free=is_free,
         )
+        work.frames[group] = frame
         if is_free:
             velocity = numpy.zeros(6)
             mujoco.mj_objectVelocity(model, work.start, mujoco.mjtObj.mjOBJ_XBODY, group, velocity, 0)
@@ -197,6 +198,17 @@ def _add_bodies(work: Projection) -> None:
             work.report.lost(label, "its gravity compensation; it weighs as much as its mass")
         work.bodies[group] = body
         work.mechanism.bodies.append(body)
+
+
+def _angle_of_free(work: Projection, group: int) -> float:
+    """Angle of the frame of a free body at the start: that of its first axis, if its third one is the normal of the plane, or
+    else its turn since the zero position.
+    """
+    plane, frame = work.plane, work.start.xmat[group].reshape(3, 3)
+    if plane.n @ frame[:, 2] > 1.0 - 1e-9:
+        return plane.angle(frame @ numpy.stack([plane.e1, plane.e2, plane.n]))
+    turn = frame @ work.zero.xmat[group].reshape(3, 3).T
+    return plane.angle(turn) if plane.n @ turn @ plane.n > 1.0 - 1e-9 else 0.0
 
 
 def _pair(point: Any) -> tuple[float, float]:
@@ -287,16 +299,7 @@ def _add_limits(work: Projection, joint: Joint, j: int, label: str) -> None:
     if model.jnt_margin[j] != 0.0:
         work.report.lost(label, f"the margin of its limits, {model.jnt_margin[j]:.4g} {unit}; the stops act at the limits themselves")
     inverse = float(model.dof_invweight0[model.jnt_dofadr[j]])
-    stiffness = compliance(work, model.jnt_solref[j], model.jnt_solimp[j], inverse, STOP_LOAD)[0]
-    joint.stop = _law(work, stiffness, joint.is_slide)
-
-
-def _law(work: Projection, stiffness: float, is_slide: bool) -> str:
-    """Name of the law of stops with this stiffness, to three digits."""
-    rounded, kind = float(f"{stiffness:.3g}"), "slide" if is_slide else "hinge"
-    load = f"{STOP_LOAD:g} {'N' if is_slide else 'N*m'}"
-    comment = f"stops of {kind}s: MuJoCo's static penetration at {load}; its damping has no equivalent"
-    return law_name(work, Law("", rounded, None, comment))
+    joint.stop = stop_law(work, model.jnt_solref[j], model.jnt_solimp[j], inverse, joint.is_slide)
 
 
 def _row(work: Projection, terms: Terms) -> Numbers:
@@ -496,7 +499,7 @@ def _add_outlines(work: Projection) -> None:
         taken = Names()
         for geom in chosen:
             name = _outline_name(work, geom, taken)
-            made = outline_of(work.source, geom, work.plane, body.origin if body else numpy.zeros(2), work.data_of(group), name, work.rounding)
+            made = outline_of(work.source, geom, work.frames[group], work.data_of(group), name, work.rounding)
             if made is None or (made.type == "polygon" and not made.points):
                 continue
             if geom not in touching:
@@ -528,6 +531,8 @@ def _name_laws(work: Projection) -> None:
             old, law.name = law.name, base if len(laws) == 1 else f"{base}_{number}"
             for joint in work.mechanism.joints:
                 joint.stop = law.name if joint.stop == old else joint.stop
+            for limit in work.mechanism.limits:
+                limit.stop = law.name if limit.stop == old else limit.stop
             for contact in work.mechanism.contacts:
                 contact.law = law.name if contact.law == old else contact.law
     if work.mechanism.laws:

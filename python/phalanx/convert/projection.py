@@ -49,14 +49,18 @@ class Projection:
             self.report.lost("gravity", f"its part of {plane.n @ self.model.opt.gravity:.4g} m/s^2 along the normal of the plane has no effect")
         self.mechanism = Mechanism(valid_name(source.path.stem) or "model", (float(gravity[0]), float(gravity[1])))
         self.group = self.model.body_weldid.copy()
-        """Body that represents each body; 0 for the ground."""
+        """Body that represents each body; 0 for the ground, to which mocap bodies belong."""
+        mocap = [body for body in range(self.model.nbody) if self.model.body_mocapid[body] >= 0]
+        self.group[numpy.isin(self.group, mocap)] = 0
         self.bodies: dict[int, Body] = {}
         """Bodies of the scene by their group."""
+        self.frames = {0: plane}
+        """Frames of the bodies of the scene, where they are projected."""
         self.joints: dict[int, Joint] = {}
         """Joints of the scene by their index in the model."""
         self.locked: set[int] = set()
         """Joints whose bodies are one."""
-        self.names = {kind: Names() for kind in ("joint", "spring", "coupling", "tendon", "actuator", "rotor")}
+        self.names = {kind: Names() for kind in ("joint", "spring", "coupling", "tendon", "actuator", "rotor", "limit")}
         self.outlines: dict[int, tuple[Body | None, Outline]] = {}
         """Outlines by geom, with their bodies."""
         self.rows: list[Numbers] = []
@@ -82,10 +86,8 @@ class Projection:
 
     def local(self, group: int, point: Any) -> tuple[float, float]:
         """A point of the world in the frame of a body of the scene."""
-        planar = self.plane.point(point)
-        if group:
-            planar = planar - self.bodies[group].origin
-        return float(planar[0]), float(planar[1])
+        x, y = self.frames[group].point(point)
+        return float(x), float(y)
 
     def is_object(self, body: int) -> bool:
         """Whether a body of the model moves freely."""

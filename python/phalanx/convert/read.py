@@ -236,7 +236,7 @@ def _base(mujoco: Any, model: Any, file: Path, report: Report) -> int | None:
     for body in range(1, model.nbody):
         first, count = model.body_jntadr[body], model.body_jntnum[body]
         floats = count > 1 or (count == 1 and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE)
-        if model.body_parentid[body] == 0 and floats and not is_free_body(mujoco, model, body):
+        if model.body_parentid[body] == 0 and floats and _carries_joints(model, body):
             bases.append(body)
     if len(bases) > 1:
         names = [model.body(body).name for body in bases]
@@ -316,13 +316,17 @@ def _isolate(
 
 
 def is_free_body(mujoco: Any, model: Any, body: int) -> bool:
-    """Whether a body has a free joint, or two slides and a hinge, and carries no other joints."""
+    """Whether a body has a free joint, or slides and hinges in its place, and carries no other joints."""
     first, count = model.body_jntadr[body], model.body_jntnum[body]
-    types = sorted(int(kind) for kind in model.jnt_type[first : first + count])
-    slide, hinge = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)
-    if types not in ([int(mujoco.mjtJoint.mjJNT_FREE)], sorted([slide, slide, hinge])):
+    kinds = [int(kind) for kind in model.jnt_type[first : first + count]]
+    slides, hinges = (kinds.count(int(kind)) for kind in (mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE))
+    if kinds != [int(mujoco.mjtJoint.mjJNT_FREE)] and not (slides >= 2 and hinges >= 1 and slides + hinges == count):
         return False
-    return all(model.body_jntnum[other] == 0 or not is_below(model, other, body) for other in range(body + 1, model.nbody))
+    return not _carries_joints(model, body)
+
+
+def _carries_joints(model: Any, body: int) -> bool:
+    return any(model.body_jntnum[other] and is_below(model, other, body) for other in range(body + 1, model.nbody))
 
 
 def is_below(model: Any, body: int, ancestor: int) -> bool:

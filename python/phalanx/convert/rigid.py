@@ -81,7 +81,7 @@ def free_motion(source: Source, plane: Plane, mechanism: Mechanism, duration_s: 
         positions.append(data.qpos.copy())
     joints = [replace(joint, lower=None, upper=None, stop="", friction=0.0) for joint in mechanism.joints]
     actuators = [replace(actuator, times=[], values=[]) for actuator in mechanism.actuators]
-    free = replace(mechanism, joints=joints, actuators=actuators, contacts=[], laws=[])
+    free = replace(mechanism, joints=joints, actuators=actuators, contacts=[], laws=[], limits=[])
     scene = Scene.from_toml(scene_text(free, [], max(duration_s, times[-1])), "free.toml")
     result = run(scene, preset="reference", numeric_rate=1.0 / _SAMPLE_S)
     found: Numbers = numpy.array(positions)

@@ -127,10 +127,17 @@ def scene_text(mechanism: Mechanism, header: Sequence[str], duration_s: float) -
         _write_terms(body, rotor.terms)
         body.text("inertia", _quantity(rotor.inertia, rotor.is_linear, _INERTIA))
         body.blank()
+    for limit in mechanism.limits:
+        body.section(f"limits.{limit.name}", "range of a tendon")
+        _write_terms(body, limit.terms)
+        body.text("lower", _coordinate(limit.lower, limit.is_linear))
+        body.text("upper", _coordinate(limit.upper, limit.is_linear))
+        body.text("stop", limit.stop)
+        body.blank()
     for actuator in mechanism.actuators:
         _write_actuator(body, actuator)
     for law in mechanism.laws:
-        _write_law(body, mechanism, law)
+        _write_law(body, law)
     _write_contacts(body, mechanism)
     text.blank()
     if parameters.values:
@@ -188,6 +195,8 @@ def _write_bodies(text: _Text, mechanism: Mechanism, parameters: _Parameters) ->
 
 def _write_start(text: _Text, body: Body) -> None:
     settings = [f"at = {_point(body.at)}"]
+    if abs(body.angle) > 1e-13:
+        settings.append(f'angle = "{angle(body.angle)}"')
     if any(abs(value) > 1e-13 for value in body.velocity):
         settings.append(f"velocity = {_quoted(f'{number(value)} m/s' for value in body.velocity)}")
     if abs(body.spin) > 1e-13:
@@ -360,13 +369,12 @@ def _write_actuator(text: _Text, drive: Actuator) -> None:
     text.blank()
 
 
-def _write_law(text: _Text, mechanism: Mechanism, law: Law) -> None:
+def _write_law(text: _Text, law: Law) -> None:
     text.section(f"laws.{law.name}", law.comment)
     text.value("stiffness", number(law.stiffness))
     text.value("exponent", "1")
     if law.friction is None:
-        is_slide = any(joint.is_slide for joint in mechanism.joints if joint.stop == law.name)
-        text.text("damping", STOP_DAMPING[is_slide], "assumed")
+        text.text("damping", STOP_DAMPING[law.is_linear], "assumed")
     else:
         text.text("damping", CONTACT_DAMPING, "assumed")
         if law.friction:
