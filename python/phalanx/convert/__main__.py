@@ -93,9 +93,9 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     if args.out is not None and not args.quiet:
         print(found)
-        print(
-            f"\nwrote {args.out}: {len(found.mechanism.bodies)} bodies, {len(found.mechanism.joints)} joints, {len(found.mechanism.contacts)} pairs of outlines"
-        )
+        mechanism = found.mechanism
+        counts = f"{len(mechanism.bodies)} bodies, {len(mechanism.joints)} joints, {len(mechanism.contacts)} pairs of outlines"
+        print(f"\nwrote {args.out}: {counts}")
     return 0
 
 

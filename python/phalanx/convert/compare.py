@@ -257,7 +257,7 @@ def _differences(
 
 
 def compare_mujoco(
-    model: str | PathLike[str],
+    model: str | PathLike[str] | Conversion,
     *,
     plane: str | None = None,
     root: str | None = None,
@@ -273,10 +273,12 @@ def compare_mujoco(
     `print(phalanx.compare_mujoco("hand.xml", ctrl={"fingers": 255}, cube=0.04))` prints one page: how far loops open, when
     each pad touches the object, how deep it penetrates, how fast the object creeps, and whether it is held. In MuJoCo, an
     object counts as held if two outlines press on it at the end, and it moves by less than 1 mm in the last fifth of the run;
-    phalanx judges it by its own criteria. The arguments are those of `from_mjcf`.
+    phalanx judges it by its own criteria. The other arguments are those of `from_mjcf`; a conversion has them already.
 
     Needs the package mujoco: `pip install "phalanx[mujoco]"`. Raises ConversionError as `from_mjcf` does, and SceneError if
     the scene cannot be simulated.
     """
+    if isinstance(model, Conversion):
+        return compare(model, duration)
     settings: dict[str, Any] = {"plane": plane, "root": root, "key": key, "ctrl": ctrl, "cube": cube, "cube_mass": cube_mass, "cube_at": cube_at}
     return compare(from_mjcf(model, **settings, duration=duration), duration)

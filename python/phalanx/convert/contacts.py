@@ -95,8 +95,9 @@ def rounding_of(work: Projection, geoms: list[int]) -> float:
         if any(work.is_object(int(work.model.geom_bodyid[geom])) for geom in (first, second)):
             deepest = max(deepest, _compliance(work, first, second, settings)[1])
     if _DEPTHS * deepest > _LARGEST_ROUNDING_M:
-        text = f"they yield by up to {1e3 * deepest:.2g} mm under {CONTACT_LOAD_N:g} N, more than corners are round: give the geoms a smaller solref, or the laws of the scene a larger stiffness"
-        work.report.warn("contacts with free bodies", text)
+        text = f"they yield by up to {1e3 * deepest:.2g} mm under {CONTACT_LOAD_N:g} N, more than corners are round"
+        remedy = "give the geoms a smaller solref, or the laws of the scene a larger stiffness"
+        work.report.warn("contacts with free bodies", f"{text}: {remedy}")
     return min(max(ROUNDING_M, round(_DEPTHS * deepest, 4)), _LARGEST_ROUNDING_M)
 
 

@@ -283,6 +283,10 @@ def _add_drive(work: Projection, k: int, label: str, gear: float, terms: Terms) 
     if model.actuator_forcelimited[k]:
         bounds = float(model.actuator_forcerange[k, 0]), float(model.actuator_forcerange[k, 1])
     limits = [] if bounds is None else [(max(abs(bound) for bound in bounds) * abs(gear), f"forcerange {bounds[0]:g} to {bounds[1]:g}")]
+    target = int(model.actuator_trnid[k, 0])
+    if model.actuator_trntype[k] == load_mujoco().mjtTrn.mjTRN_TENDON and model.tendon_actfrclimited[target]:
+        low, high = model.tendon_actfrcrange[target]
+        limits.append((max(abs(low), abs(high)), f"actuatorfrcrange {low:g} to {high:g} of the tendon"))
     if len(terms) == 1:
         j = next(j for j, joint in work.joints.items() if joint.name == terms[0][0])
         if model.jnt_actfrclimited[j]:
@@ -294,8 +298,8 @@ def _add_drive(work: Projection, k: int, label: str, gear: float, terms: Terms) 
     if by_length == by_rate == 0.0:
         force = constant if bounds is None else min(max(constant, bounds[0]), bounds[1])
         drive.effort = gear * force
-        if limits and limits[-1][0] < abs(drive.effort):
-            drive.effort = float(numpy.sign(drive.effort)) * limits[-1][0]
+        if limits and min(limits)[0] < abs(drive.effort):
+            drive.effort = float(numpy.sign(drive.effort)) * min(limits)[0]
         drive.comments["effort"] = f"ctrl {signal:g}{geared}"
     elif by_length > 0.0 or by_rate > 0.0 or gear == 0.0:
         work.report.lost(label, "its bias grows with the length or the rate, which no servo does; it exerts no force")

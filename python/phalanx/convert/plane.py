@@ -79,7 +79,8 @@ def find_plane(source: Source, name: str | None = None) -> Plane:
     if not hinges and not slides:
         at = f" below {source.root}" if source.root else ""
         raise ConversionError(f"{source.path} has no hinge or slide{at}, so that there is no plane of motion; choose another --root")
-    if name is not None and name.lower() != "auto":
+    name = "auto" if name is None else name.lower()
+    if name != "auto":
         if name not in PLANES:
             raise ConversionError(f"there is no plane {name!r}; --plane takes {', '.join(PLANES)} or auto")
         e1, e2 = (frame[:, _AXES[letter]] for letter in name)
@@ -180,10 +181,9 @@ def _check_axes(source: Source, plane: Plane, hinges: list[int], slides: list[in
         should = "the normal of" if worst in hinges else "the directions in"
         normal = ", ".join(f"{number:.4g}" for number in plane.n)
         others = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
-        raise ConversionError(
-            f"the model is not planar: {source.label('joint', worst)}{others} {what} the axis ({axis}), {tilts[worst]:.3g} deg from {should} the plane "
-            f"with normal ({normal}); {_advice(source)}"
-        )
+        found = f"{source.label('joint', worst)}{others} {what} the axis ({axis})"
+        apart = f"{tilts[worst]:.3g} deg from {should} the plane with normal ({normal})"
+        raise ConversionError(f"the model is not planar: {found}, {apart}; {_advice(source)}")
     for j, tilt in tilts.items():
         if tilt > SILENT_DEG:
             source.report.warn(source.label("joint", j), f"its axis is tilted by {tilt:.2g} deg against the plane; the projection neglects the tilt")

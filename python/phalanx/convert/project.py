@@ -19,7 +19,7 @@ from .planar import GROUND, Body, Coupling, Joint, Mechanism, Spring, Terms
 from .plane import Plane
 from .projection import Names, Projection
 from .read import Numbers, Source, extra, load_mujoco
-from .suspicions import warn
+from .remarks import add_remarks
 
 # Bound of a side without a limit: MJCF has both sides or none.
 _UNLIMITED = 1e3
@@ -42,7 +42,7 @@ def project(source: Source, plane: Plane) -> Mechanism:
     _add_outlines(work)
     add_contacts(work)
     _name_laws(work)
-    warn(work)
+    add_remarks(work)
     return work.mechanism
 
 
@@ -65,7 +65,7 @@ def _check_joints(work: Projection) -> None:
 
 
 def _merge_welds(work: Projection) -> None:
-    """Merges bodies that a weld connects, or that two `connect` fix at two points of the plane."""
+    """Merges bodies that a weld connects, and those of a joint that an equality locks."""
     mujoco, model = load_mujoco(), work.model
     if work.is_disabled("EQUALITY") or work.is_disabled("CONSTRAINT"):
         if model.neq:
@@ -79,19 +79,15 @@ def _merge_welds(work: Projection) -> None:
         if model.eq_type[k] != mujoco.mjtEq.mjEQ_WELD:
             continue
         first, second = (_body_of(work, k, side) for side in (0, 1))
-        groups = sorted((work.group[first], work.group[second]))
+        groups = sorted((int(work.group[first]), int(work.group[second])))
         if groups[0] == groups[1]:
             continue
         label = work.source.label("equality", k)
         shift, turn = _weld_error(work, k, first, second)
         if shift > _OPEN or turn > _OPEN:
-            work.report.warn(
-                label,
-                f"the weld is open by {1e3 * shift:.3g} mm and {numpy.degrees(turn):.3g} deg in the zero position; the scene keeps the bodies as they are",
-            )
-        if any(work.is_object(int(body)) for body in groups if body):
-            work.report.changed(label, "the free body is fixed to the other body")
-        work.group[work.group == groups[1]] = groups[0]
+            opening = f"{1e3 * shift:.3g} mm and {numpy.degrees(turn):.3g} deg"
+            work.report.warn(label, f"the weld is open by {opening} in the zero position; the scene keeps the bodies as they are")
+        _merge(work, groups[0], groups[1])
         work.report.changed(label, f"{work.source.name('body', first) or 'world'} and {work.source.name('body', second) or 'world'} are one body")
 
 
@@ -113,16 +109,22 @@ def _merge_pinned(work: Projection) -> None:
         place = plane.point(_anchors(work, k, work.zero)[0])
         known = pins.setdefault((groups[0], groups[1]), place)
         if groups[0] != groups[1] and numpy.linalg.norm(place - known) > _OPEN:
-            work.group[work.group == groups[1]] = groups[0]
+            _merge(work, groups[0], groups[1])
             work.report.changed(work.source.label("equality", k), "it is the second pin between its bodies, which are one body in the scene")
+
+
+def _merge(work: Projection, first: int, second: int) -> None:
+    """Makes one body of two; a free body joins the other one."""
+    if first and work.is_object(first) and not work.is_object(second):
+        first, second = second, first
+    work.group[work.group == second] = first
 
 
 def _merge_locked(work: Projection, k: int) -> None:
     """Merges the bodies of a joint that an equality locks in the zero position."""
     body = int(work.model.jnt_bodyid[work.model.eq_obj1id[k]])
     if not work.is_object(body):
-        groups = sorted((work.group[body], work.group[work.model.body_parentid[body]]))
-        work.group[work.group == groups[1]] = groups[0]
+        _merge(work, *sorted((int(work.group[body]), int(work.group[work.model.body_parentid[body]]))))
 
 
 def _weld_error(work: Projection, k: int, first: int, second: int) -> tuple[float, float]:

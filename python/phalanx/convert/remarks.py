@@ -1,4 +1,4 @@
-"""Warnings about numbers of a model that no real gripper has, and what else it has without an equivalent."""
+"""What else a model has without an equivalent, and warnings about numbers that no real gripper has."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy
 from .outlines import core_of
 from .planar import FRICTION_DEFLECTION, Body
 from .projection import Projection
-from .read import load_mujoco
+from .read import extra, load_mujoco
 
 # Ratio of armature and own inertia above which the armature is not that of a motor.
 _LARGEST_ARMATURE = 100.0
@@ -33,8 +33,37 @@ def _extent(work: Projection, body: Body) -> float:
     return float(max(numpy.linalg.norm(cloud - point, axis=1).max() for point in cloud)) + 2.0 * reach
 
 
-def warn(work: Projection) -> None:
-    """Warns about numbers that no real gripper has."""
+def add_remarks(work: Projection) -> None:
+    """Adds to the report what the other modules do not see."""
+    _report_losses(work)
+    _warn_about_joints(work)
+    _warn_about_bodies(work)
+
+
+def _report_losses(work: Projection) -> None:
+    model, report = work.model, work.report
+    keys = [model.key(k).name or str(k) for k in range(model.nkey)]
+    others = [key for key in keys if key != work.source.key]
+    if others:
+        report.lost("key frames", f"{', '.join(others)}: a scene has one start")
+    if model.nsensor:
+        report.lost("sensors", f"all {model.nsensor}: results have columns of joints, bodies and contacts instead")
+    for body in range(model.nbody):
+        if model.body_mocapid[body] >= 0:
+            report.lost(work.source.label("body", body), "it is moved from outside (mocap); in the scene it stands still")
+    for count, what in ((model.nflex, "flexible bodies"), (model.nplugin, "plugins")):
+        if count:
+            report.lost(what, "they have no equivalent")
+    for name, what in (("geom_adhesion", "adhesion"), ("geom_surfacevel", "moving surfaces")):
+        geoms = [work.source.name("geom", geom) or str(geom) for geom in work.outlines if extra(model, name, geom).any()]
+        if geoms:
+            report.lost(f"geoms {', '.join(geoms)}", f"their {what}")
+    for option in ("density", "viscosity"):
+        if getattr(model.opt, option) != 0.0:
+            report.lost(f"option {option}", "fluid forces have no equivalent")
+
+
+def _warn_about_joints(work: Projection) -> None:
     mujoco, model = load_mujoco(), work.model
     hinges = [j for j in work.joints if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE and model.jnt_limited[j]]
     if hinges and all(max(abs(model.jnt_range[j])) < numpy.radians(5.0) for j in hinges):
@@ -42,15 +71,6 @@ def warn(work: Projection) -> None:
             "ranges of hinges",
             'all are below 5 deg: the file is probably a fragment of a larger model with <compiler angle="radian">; add this line',
         )
-    for body in work.mechanism.bodies:
-        extent, gyration = _extent(work, body), float(numpy.sqrt(body.inertia / body.mass))
-        if extent > 1e-6 and not _GYRATION[0] <= gyration / extent <= _GYRATION[1]:
-            work.report.warn(
-                f"body {body.name}",
-                f"its radius of gyration is {1e3 * gyration:.3g} mm, but its extent {1e3 * extent:.3g} mm: the inertia is probably a placeholder",
-            )
-        if not body.is_free and float(numpy.hypot(*body.com)) < 1e-9:
-            work.report.warn(f"body {body.name}", "its centre of mass is exactly in its joint: probably a placeholder")
     inertias = {body.name: body for body in work.mechanism.bodies}
     for joint in work.joints.values():
         body = inertias[next(name for name in joint.bodies if name != joint.carrier)]
@@ -78,8 +98,17 @@ def warn(work: Projection) -> None:
                 work.source.label("equality", k),
                 "its tendon also has a spring, which opens the soft constraint: in MuJoCo the joints move differently from an exact coupling",
             )
-    for option, what in (("density", "fluid forces"), ("viscosity", "fluid forces")):
-        if getattr(model.opt, option) != 0.0:
-            work.report.lost(f"option {option}", f"{what} have no equivalent")
     if not work.mechanism.actuators:
         work.report.warn("actuators", "the model has none: add a section [actuators.NAME] to the scene, or nothing closes the hand")
+
+
+def _warn_about_bodies(work: Projection) -> None:
+    for body in work.mechanism.bodies:
+        extent, gyration = _extent(work, body), float(numpy.sqrt(body.inertia / body.mass))
+        if extent > 1e-6 and not _GYRATION[0] <= gyration / extent <= _GYRATION[1]:
+            work.report.warn(
+                f"body {body.name}",
+                f"its radius of gyration is {1e3 * gyration:.3g} mm, but its extent {1e3 * extent:.3g} mm: the inertia is probably a placeholder",
+            )
+        if not body.is_free and float(numpy.hypot(*body.com)) < 1e-9:
+            work.report.warn(f"body {body.name}", "its centre of mass is exactly in its joint: probably a placeholder")
