@@ -287,6 +287,9 @@ class Refusals(unittest.TestCase):
         self.assert_refused(mjcf(link), "no key frame open", key="open")
         self.assert_refused(mjcf(link), "no actuator motor", ctrl={"motor": 1.0})
         self.assert_refused(mjcf(link), "no plane 'xw'", plane="xw")
+        ball = '<body name="ball" pos="0 0 0.3"><freejoint/><geom size="0.02"/></body>'
+        self.assert_refused(mjcf(link + ball), "a free body already (ball)", cube=0.04)
+        self.assertIn("the cube: it touches nothing", notes(convert(mjcf(link), cube=0.04), "warning"))
 
     def test_without_mujoco_name_the_command(self):
         with mock.patch.dict(sys.modules, {"mujoco": None}), self.assertRaises(ImportError) as raised:

@@ -94,7 +94,8 @@ def main(arguments: list[str] | None = None) -> int:
     if args.out is not None and not args.quiet:
         print(found)
         mechanism = found.mechanism
-        counts = f"{len(mechanism.bodies)} bodies, {len(mechanism.joints)} joints, {len(mechanism.contacts)} pairs of outlines"
+        freedoms = sum(joint.start is not None for joint in mechanism.joints) + 3 * sum(body.is_free for body in mechanism.bodies)
+        counts = f"{len(mechanism.bodies)} bodies, {len(mechanism.joints)} joints, {freedoms} degrees of freedom, {len(mechanism.contacts)} pairs of outlines"
         print(f"\nwrote {args.out}: {counts}")
     return 0
 

@@ -10,9 +10,10 @@ from typing import Any
 import numpy
 
 from .._phalanx import Result, run
-from ..errors import RunError
+from ..errors import RunError, SceneError
 from .conversion import CUBE_KG, DURATION_S, Conversion, from_mjcf
 from .read import Source, load_mujoco
+from .rigid import free_motion
 
 # Interval of the samples of MuJoCo, s.
 _SAMPLE_S = 1e-3
@@ -20,6 +21,8 @@ _SAMPLE_S = 1e-3
 _LAST_PART = 0.2
 # An object that moves less over that part is held, if two outlines of the hand press on it, m.
 _HELD_M = 1e-3
+# Duration of the free motion, s.
+_FREE_S = 0.05
 
 
 @dataclass
@@ -54,6 +57,10 @@ class Comparison:
     """Largest difference of each joint coordinate, rad or m."""
     joints_before: dict[str, float]
     """The same before the first contact with the object."""
+    free_motion: dict[str, float]
+    """Largest differences in free motion over 50 ms, without contacts, limits and friction, from the model as published
+    ("published") and from its planar copy with rigid equalities ("rigid").
+    """
 
     def __str__(self) -> str:
         both = (self.mujoco, self.phalanx)
@@ -76,6 +83,9 @@ class Comparison:
             before = max(self.joints_before.values(), default=0.0)
             found = f"largest difference of a joint coordinate: {self.joints[worst]:.2g} of {worst}"
             lines.append(f"{found}; before the first contact with the object {before:.2g} (rad or m)")
+        if self.free_motion:
+            published, exact = (self.free_motion[name] for name in ("published", "rigid"))
+            lines.append(f"free motion over 50 ms: MuJoCo differs by {published:.2g} as published, and by {exact:.2g} with rigid equalities and RK4")
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
@@ -113,7 +123,17 @@ def compare(conversion: Conversion, duration_s: float) -> Comparison:
     settings = f"MuJoCo {load_mujoco().__version__} as published ({integrator}, {1e3 * opt.timestep:g} ms)"
     title = f"{source.path.name}, {1e3 * duration_s:g} ms: {settings} beside phalanx, with exact loops"
     joints, before = _differences(conversion, result, times, positions, [*published.first_touch.values(), *side.first_touch.values()])
-    return Comparison(title, published, side, joints, before)
+    return Comparison(title, published, side, joints, before, _free_motion(conversion))
+
+
+def _free_motion(conversion: Conversion) -> dict[str, float]:
+    """Differences of the models in free motion; empty where the scene cannot be simulated without its stops."""
+    source, plane, mechanism = conversion.source, conversion.plane, conversion.mechanism
+    try:
+        found = {name: free_motion(source, plane, mechanism, _FREE_S, model) for name, model in (("published", source.model), ("rigid", None))}
+    except (RunError, SceneError):
+        return {}
+    return {name: max(differences.values(), default=0.0) for name, differences in found.items()}
 
 
 def _object(conversion: Conversion) -> str | None:

@@ -88,6 +88,8 @@ def from_mjcf(
     if cube is not None:
         extend = adder(source, found, mechanism, cube, cube_mass, cube_at)
         source, found, mechanism = _projected(path, plane, root, key, ctrl, extend)
+        if not mechanism.contacts:
+            source.report.warn("the cube", "it touches nothing: the geoms of the model have contype and conaffinity 0, or overlap it at the start")
     toml = scene_text(mechanism, _header(mechanism, source, found, source.report), duration)
     return Conversion(toml, source.report, mechanism, source, found)
 

@@ -7,12 +7,15 @@ from typing import Any
 
 import numpy
 
+from ..errors import ConversionError
 from .outlines import core_of
 from .planar import Mechanism
 from .plane import Plane
 from .read import Numbers, Source, load_mujoco
 
 NAME = "object"
+# Bits of all groups of geoms that may touch each other.
+_ALL = 2**31 - 1
 
 
 def place_of(mechanism: Mechanism) -> tuple[float, float]:
@@ -34,6 +37,9 @@ def place_of(mechanism: Mechanism) -> tuple[float, float]:
 def adder(source: Source, plane: Plane, mechanism: Mechanism, edge: float, mass: float, at: tuple[float, float] | None) -> Callable[[Any], None]:
     """A function that adds the cube to a specification. Its friction is 0, so that the pads determine that of the pairs."""
     mujoco = load_mujoco()
+    free = [body.name for body in mechanism.bodies if body.is_free]
+    if free:
+        raise ConversionError(f"{source.path} has a free body already ({', '.join(free)}), which is the object; leave out --cube")
     x, y = place_of(mechanism) if at is None else at
     heights = [bound for body in mechanism.bodies for outline in body.outlines for bound in outline.depth if numpy.isfinite(bound)]
     height = 0.5 * (min(heights) + max(heights)) if heights else 0.0
@@ -48,7 +54,7 @@ def adder(source: Source, plane: Plane, mechanism: Mechanism, edge: float, mass:
             name=f"{NAME}.skin", type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.5 * edge] * 3, mass=mass, friction=[0.0, 0.0, 0.0], contype=1, conaffinity=1
         )
         for key in spec.keys:
-            key.qpos = [*key.qpos, *place, *quat]
+            key.qpos = [*key.qpos, *place, *quat] if len(key.qpos) else key.qpos
             key.qvel = [*key.qvel, *numpy.zeros(6)] if len(key.qvel) else key.qvel
 
     return add

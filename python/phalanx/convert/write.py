@@ -45,6 +45,8 @@ def _quantity(value: float, is_linear: bool, units: tuple[str, str]) -> str:
     return f"{number(value)} {units[is_linear]}"
 
 
+# Last lines of the comment at the beginning.
+_LEGEND = ("", "Values without a comment have the same name in the model, and outlines are named after their geoms.")
 _EFFORT = ("N*m", "N")
 _STIFFNESS = ("N*m/rad", "N/m")
 _DAMPING = ("N*m*s/rad", "N*s/m")
@@ -103,7 +105,7 @@ def _point(point: Vector) -> str:
 def scene_text(mechanism: Mechanism, header: Sequence[str], duration_s: float) -> str:
     """The scene file of a mechanism. `header` are the lines of the comment at its beginning."""
     text = _Text()
-    text.lines += [f"# {line}".rstrip() for line in header]
+    text.lines += [f"# {line}".rstrip() for line in (*header, *(_LEGEND if header else ()))]
     text.blank()
     text.text("kind", "mechanism")
     text.text("duration", f"{number(1e3 * duration_s)} ms")
@@ -167,7 +169,7 @@ def _write_bodies(text: _Text, mechanism: Mechanism, parameters: _Parameters) ->
         text.text("mass", f"{number(1e3 * body.mass)} g", source)
         text.text("inertia", f"{number(1e9 * body.inertia)} g*mm^2", "about the normal of the plane")
         if any(abs(value) > 1e-13 for value in body.com):
-            text.value("com", _point(body.com))
+            text.value("com", _point(body.com), "centre of mass")
         if body.is_free:
             _write_start(text, body)
         else:
@@ -262,7 +264,7 @@ def _write_joints(text: _Text, mechanism: Mechanism, parameters: _Parameters, pi
         if abs(joint.offset) > 1e-13:
             text.text("offset", angle(joint.offset), "minus ref")
         if joint.start is not None:
-            text.text("start", _coordinate(joint.start, joint.is_slide))
+            text.text("start", _coordinate(joint.start, joint.is_slide), "key frame, or zero position")
             if joint.start_rate:
                 text.text("start_rate", _quantity(joint.start_rate, joint.is_slide, _RATE))
         if joint.damping:
@@ -309,7 +311,7 @@ def _write_spring(text: _Text, spring: Spring) -> None:
     if spring.damping:
         text.text("damping", _quantity(spring.damping, spring.is_linear, _DAMPING))
     if abs(spring.rest) > 1e-13:
-        text.text("rest", _coordinate(spring.rest, spring.is_linear))
+        text.text("rest", _coordinate(spring.rest, spring.is_linear), "springlength" if len(spring.terms) != 1 else "springref")
     text.blank()
 
 
@@ -363,7 +365,7 @@ def _write_actuator(text: _Text, drive: Actuator) -> None:
     if drive.kp:
         text.text("kp", _quantity(drive.kp, drive.is_linear, _STIFFNESS), comments.get("kp", ""))
     if drive.kd:
-        text.text("kd", _quantity(drive.kd, drive.is_linear, _DAMPING))
+        text.text("kd", _quantity(drive.kd, drive.is_linear, _DAMPING), comments.get("kp", ""))
     if drive.limit is not None:
         text.text("limit", _quantity(drive.limit, drive.is_linear, _EFFORT), comments.get("limit", ""))
     text.blank()
@@ -384,8 +386,8 @@ def _write_law(text: _Text, law: Law) -> None:
 
 
 def _write_contacts(text: _Text, mechanism: Mechanism) -> None:
-    for between, law in _grouped(mechanism):
-        text.lines.append("[[contacts]]")
+    for position, (between, law) in enumerate(_grouped(mechanism)):
+        text.lines.append("[[contacts]]" + ("" if position else "    # pairs that MuJoCo lets touch"))
         text.value("between", _quoted(between))
         text.text("law", law)
         text.blank()
