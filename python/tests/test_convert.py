@@ -157,10 +157,7 @@ class Motions(unittest.TestCase):
         # Two slides and a hinge, and a free joint, both thrown, with a key frame that turns them by 1 and 0.5 rad about the normal -y.
         free = '<body name="ball" pos="0.5 0 0.2"><freejoint/>' + LINK + '<geom name="ball" type="box" size="0.02 0.01 0.005"/></body>'
         planar = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint axis="0 -1 0"/>'
-        planar = (
-            f'<body name="plate" pos="-0.5 0 0.1">{planar}{LINK}<geom name="plate" type="capsule" fromto="0 0 0 0.05 0 0"'
-            ' size="0.01"/></body>'
-        )
+        planar = f'<body name="plate" pos="-0.5 0 0.1">{planar}{LINK}<geom name="plate" type="capsule" fromto="0 0 0 0.05 0 0" size="0.01"/></body>'
         hand = f'<body name="link"><joint name="pin" axis="0 -1 0"/>{LINK}</body>'
         turned = f"{np.cos(0.25)} 0 {-np.sin(0.25)} 0"
         key = f'<keyframe><key qpos="0 0.6 0.003 0.3 {turned} 0.1 -0.2 1" qvel="1 0.3 0 -0.2 0 -2 0 0.5 0.7 3"/></keyframe>'
@@ -227,8 +224,7 @@ class Refusals(unittest.TestCase):
     def test_name_the_axis_that_contradicts(self):
         hand = f'<body name="wrist"><joint name="roll" axis="0 0 1"/>{LINK}<body name="palm" pos="0 0 0.1"><geom size="0.01"/>'
         hand += "".join(
-            f'<body name="{name}" pos="{x} 0 0"><joint name="{name}" axis="0 -1 0"/>{LINK}</body>'
-            for name, x in (("left", -0.02), ("right", 0.02))
+            f'<body name="{name}" pos="{x} 0 0"><joint name="{name}" axis="0 -1 0"/>{LINK}</body>' for name, x in (("left", -0.02), ("right", 0.02))
         )
         hand = mjcf(hand + "</body></body>")
         self.assert_refused(hand, "joint roll", "(0, 0, 1)", "90 deg", 'root="wrist"')
@@ -239,10 +235,7 @@ class Refusals(unittest.TestCase):
 
     def test_a_root_is_at_its_pose_of_the_key_frame(self):
         # The arm swings the palm by 0.5 rad, counter-clockwise, and rolls it about its own axis; a ball lies on the palm.
-        arm = (
-            f'<body name="arm" pos="0.2 0 0.3"><joint name="swing" axis="0 -1 0"/>{LINK}<body name="wrist"><joint name="roll" axis="0 0'
-            f' 1"/>{LINK}'
-        )
+        arm = f'<body name="arm" pos="0.2 0 0.3"><joint name="swing" axis="0 -1 0"/>{LINK}<body name="wrist"><joint name="roll" axis="0 0 1"/>{LINK}'
         palm = (
             '<body name="palm" pos="0 0 0.1"><geom name="palm" type="box" size="0.05 0.05 0.01"/><body name="finger" pos="0.04 0'
             f' 0.02"><joint name="finger" axis="0 -1 0"/>{LINK}</body></body>'
@@ -276,9 +269,7 @@ class Refusals(unittest.TestCase):
             f' axis="0 -1 0"/>{LINK}</body></body>'
         )
         self.assert_refused(mjcf(double), "body b has 2 joints (x, y)")
-        self.assert_refused(
-            mjcf('<body name="a"><joint name="a" axis="0 -1 0"/></body>'), "MuJoCo does not read", "give the moving body an inertial"
-        )
+        self.assert_refused(mjcf('<body name="a"><joint name="a" axis="0 -1 0"/></body>'), "MuJoCo does not read", "give the moving body an inertial")
         locked = '<equality><joint name="lock" joint1="a" polycoef="{} 0 0 0 0"/></equality>'
         self.assertEqual([joint.name for joint in convert(mjcf(link, locked.format(0))).mechanism.joints], ["b"])
         self.assert_refused(mjcf(link, locked.format(0.1)), "lock locks the joint a at 0.1")
@@ -367,8 +358,7 @@ class Contacts(unittest.TestCase):
         assets = '<asset><mesh name="wedge" vertex="0 -0.01 0  0.04 -0.01 0  0 -0.01 0.03  0 0.01 0  0.04 0.01 0  0 0.01 0.03"/></asset>'
         conversion = convert(
             mjcf(
-                '<geom name="floor" type="plane" size="1 1 1" pos="0 0 -1"/><body name="link"><joint name="pin" axis="0 -1'
-                f' 0"/>{geoms}</body>',
+                f'<geom name="floor" type="plane" size="1 1 1" pos="0 0 -1"/><body name="link"><joint name="pin" axis="0 -1 0"/>{geoms}</body>',
                 assets,
             )
         )
@@ -402,16 +392,8 @@ class Contacts(unittest.TestCase):
                 f' size="0.01" {geom}/></body>'
             )
 
-        ball = (
-            '<body name="ball" pos="0.3 0 0.2"><freejoint/><geom name="ball" type="sphere" size="0.02" friction="0.5"'
-            ' priority="{}"/></body>'
-        )
-        world = (
-            link("a", 0, 'friction="0.8"')
-            + link("b", 0.1, 'contype="0" conaffinity="0"')
-            + link("c", 0.2, "")
-            + link("d", 0.3, 'friction="0.3"')
-        )
+        ball = '<body name="ball" pos="0.3 0 0.2"><freejoint/><geom name="ball" type="sphere" size="0.02" friction="0.5" priority="{}"/></body>'
+        world = link("a", 0, 'friction="0.8"') + link("b", 0.1, 'contype="0" conaffinity="0"') + link("c", 0.2, "") + link("d", 0.3, 'friction="0.3"')
         world += link("e", 0, "", y=0.1) + link("f", 0.005, "")
         rest = '<contact><exclude body1="a" body2="c"/><pair geom1="b" geom2="d" friction="0.4 0.4 0 0 0"/></contact>'
         for priority, friction in ((0, 0.8), (1, 0.5)):
@@ -504,33 +486,49 @@ class Reports(unittest.TestCase):
 
     def test_ranges_of_tendons_are_limits_of_sums_where_scenes_have_them(self):
         link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}</body><body name="b"><joint name="b" axis="0 -1 0"/>{LINK}</body>'
-        tendon = (
-            '<tendon><fixed name="t" limited="true" range="-1 0.5"><joint joint="a" coef="2"/><joint joint="b" coef="-1"/></fixed></tendon>'
-        )
+        tendon = '<tendon><fixed name="t" limited="true" range="-1 0.5"><joint joint="a" coef="2"/><joint joint="b" coef="-1"/></fixed></tendon>'
         with mock.patch("phalanx.convert.drives.HAS_SUM_LIMITS", True):
             conversion = convert(mjcf(link, tendon))
         (limit,) = conversion.mechanism.limits
         self.assertEqual((limit.terms, limit.lower, limit.upper, limit.stop), ([("a", 2.0), ("b", -1.0)], -1.0, 0.5, "stop"))
-        section = (
-            '[limits.t]    # range of a tendon\njoints = ["a", "b"]\nfactors = [2, -1]\nlower = "-1 rad"\nupper = "0.5 rad"\nstop ='
-            ' "stop"\n'
-        )
+        section = '[limits.t]    # range of a tendon\njoints = ["a", "b"]\nfactors = [2, -1]\nlower = "-1 rad"\nupper = "0.5 rad"\nstop = "stop"\n'
         self.assertIn(section, conversion.toml)
         self.assertNotIn("range", notes(conversion, "lost"))
+
+    def test_an_integrator_keeps_its_activation(self):
+        link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}</body><body name="b"><joint name="b" axis="0 -1 0"/>{LINK}</body>'
+        drives = '<actuator><motor name="m" joint="b"/><intvelocity name="i" joint="a" kp="2" actrange="-1 1"/></actuator>'
+        key = '<keyframe><key qpos="0 0" ctrl="0.1 0.3" act="0.25"/></keyframe>'
+        for root in (None, "a"):
+            world = link if root is None else f'<body name="arm"><joint name="arm" axis="1 0 0"/>{LINK}{link}</body>'
+            pose = key if root is None else key.replace('qpos="0 0"', 'qpos="0 0 0"')
+            conversion = convert(mjcf(world, drives + pose), root=None if root is None else "arm")
+            drive = next(drive for drive in conversion.mechanism.actuators if drive.name == "i")
+            self.assertEqual((drive.target, drive.kp), (0.25, 2.0))
+            self.assertIn("actuator i: its activation integrates", notes(conversion, "lost"))
+
+    def test_pulleys_that_the_cable_does_not_touch(self):
+        text = next(path for path in MODELS if path.stem == "spatial-tendon").read_text()
+        text = text.replace('name="winch" pos="-0.04 0 0.02"', 'name="winch" pos="-0.04 0 -0.03"').replace(
+            'name="hole" pos="0.04 0 0.03"', 'name="hole" pos="0.04 0 -0.03"'
+        )
+        straight = convert(text)
+        self.assertIn("tendon cable: the pulley pulley: the cable does not touch it at the start", notes(straight, "lost"))
+        phalanx.run(straight.scene, duration=1e-3)
+        with mock.patch("phalanx.convert.drives.HAS_LIFT_OFF", True):
+            path = next(tendon.path for tendon in convert(text).mechanism.tendons if len(tendon.path) == 3)
+        self.assertEqual((path[1].radius, path[1].turn), (0.008, "ccw"))
 
     def test_suspicious_models_are_named(self):
         fragment = f'<mujoco><worldbody><body name="a"><joint name="a" axis="0 1 0" range="0 0.7"/>{LINK}</body></worldbody></mujoco>'
         self.assertIn("ranges of hinges: all are below 5 deg", notes(convert(fragment), "warning"))
-        placeholder = (
-            '<inertial pos="0 0 0" mass="0.001" diaginertia="1e-3 1e-3 1e-3"/><geom name="pad" type="box" size="0.02 0.01 0.01" mass="0"/>'
-        )
+        placeholder = '<inertial pos="0 0 0" mass="0.001" diaginertia="1e-3 1e-3 1e-3"/><geom name="pad" type="box" size="0.02 0.01 0.01" mass="0"/>'
         text = notes(convert(mjcf(f'<body name="a"><joint name="a" axis="0 1 0" armature="0.2"/>{placeholder}</body>')), "warning")
         self.assertIn("body a: its radius of gyration is 1e+03 mm, but its extent", text)
         self.assertIn("body a: its centre of mass is exactly in its joint", text)
         self.assertIn("joint a: its armature of 0.2 kg m^2 is 200 times", text)
         visual = (
-            '<body name="a"><joint name="a" axis="0 1 0"/><geom type="box" size="0.02 0.01 0.01" pos="0.02 0 0" contype="0"'
-            ' conaffinity="0"/></body>'
+            '<body name="a"><joint name="a" axis="0 1 0"/><geom type="box" size="0.02 0.01 0.01" pos="0.02 0 0" contype="0" conaffinity="0"/></body>'
         )
         self.assertIn("body a: all of its mass of 16 g comes from visual geoms", notes(convert(mjcf(visual)), "warning"))
         degrees = f'<body name="a"><joint name="a" axis="0 1 0"/>{LINK}</body>'

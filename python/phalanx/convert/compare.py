@@ -144,7 +144,8 @@ def _object(conversion: Conversion) -> str | None:
 def _published(conversion: Conversion, duration_s: float) -> tuple[Side, list[float], list[Any]]:
     mujoco, source, mechanism = load_mujoco(), conversion.source, conversion.mechanism
     model, data = source.model, mujoco.MjData(source.model)
-    data.qpos[:], data.qvel[:], data.ctrl[:] = source.start.qpos, source.start.qvel, source.start.ctrl
+    for name in ("qpos", "qvel", "ctrl", "act"):
+        getattr(data, name)[:] = getattr(source.start, name)
     mujoco.mj_forward(model, data)
     side, target = Side(), _object(conversion)
     names = {outline.geom: f"{body.name}.{outline.name}" for body in mechanism.bodies for outline in body.outlines}

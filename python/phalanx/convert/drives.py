@@ -251,7 +251,9 @@ def _is_affine(work: Projection, k: int) -> bool:
 
 def _report_dynamics(work: Projection, k: int, label: str) -> None:
     mujoco, model = load_mujoco(), work.model
-    if model.actuator_dyntype[k] != mujoco.mjtDyn.mjDYN_NONE:
+    if model.actuator_dyntype[k] == mujoco.mjtDyn.mjDYN_INTEGRATOR:
+        work.report.lost(label, "its activation integrates the control signal; in the scene it keeps its value of the start")
+    elif model.actuator_dyntype[k] != mujoco.mjtDyn.mjDYN_NONE:
         kind = mujoco.mjtDyn(model.actuator_dyntype[k]).name.removeprefix("mjDYN_").lower()
         work.report.lost(label, f"its activation dynamics ({kind}, {model.actuator_dynprm[k, 0]:.4g} s); its command acts at once")
     for name in ("damping", "armature", "delay"):
@@ -264,7 +266,9 @@ def _control(work: Projection, k: int) -> tuple[float, float, float, float]:
     """Constant force, and factors of length and rate, at the control signal of the start; and the signal."""
     mujoco, model = load_mujoco(), work.model
     signal = float(work.start.ctrl[k])
-    if model.actuator_ctrllimited[k] and not work.is_disabled("CLAMPCTRL"):
+    if model.actuator_dyntype[k] == mujoco.mjtDyn.mjDYN_INTEGRATOR:
+        signal = float(work.start.act[model.actuator_actadr[k]])
+    elif model.actuator_ctrllimited[k] and not work.is_disabled("CLAMPCTRL"):
         low, high = (float(bound) for bound in model.actuator_ctrlrange[k])
         signal = min(max(signal, low), high)
     bias = numpy.zeros(3)

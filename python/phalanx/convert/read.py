@@ -115,7 +115,8 @@ def read(
     _warn_about_visual_mass(mujoco, spec, model, report)
     zero, start = mujoco.MjData(model), mujoco.MjData(model)
     mujoco.mj_forward(model, zero)
-    start.qpos[:], start.qvel[:], start.ctrl[:] = numbers["qpos"], numbers["qvel"], numbers["ctrl"]
+    for name, values in numbers.items():
+        getattr(start, name)[:] = values
     mujoco.mj_forward(model, start)
     return Source(file, spec, model, zero, start, chosen, "" if top is None else model.body(top).name, frozen, report)
 
@@ -209,9 +210,9 @@ def _warn_about_visual_mass(mujoco: Any, spec: Any, model: Any, report: Report) 
 
 
 def _start(mujoco: Any, model: Any, key: str | None, file: Path) -> tuple[dict[str, Numbers], str]:
-    """Positions, rates and control signals at a key frame, and its name."""
+    """Positions, rates, control signals and activations at a key frame, and its name."""
     names = [model.key(k).name or str(k) for k in range(model.nkey)]
-    zero = {"qpos": model.qpos0.copy(), "qvel": numpy.zeros(model.nv), "ctrl": numpy.zeros(model.nu)}
+    zero = {"qpos": model.qpos0.copy(), "qvel": numpy.zeros(model.nv), "ctrl": numpy.zeros(model.nu), "act": numpy.zeros(model.na)}
     if key == "" or (key is None and not names):
         return zero, ""
     chosen = names[0] if key is None else key
@@ -311,7 +312,9 @@ def _isolate(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         reduced = spec.compile()
-    start = {"qpos": numbers["qpos"][positions], "qvel": numbers["qvel"][rates], "ctrl": numbers["ctrl"][actuators]}
+    states = [a for k in actuators for a in range(model.actuator_actadr[k], model.actuator_actadr[k] + model.actuator_actnum[k])]
+    kept_numbers = (("qpos", positions), ("qvel", rates), ("ctrl", actuators), ("act", states))
+    start = {name: numbers[name][indices] for name, indices in kept_numbers}
     return spec, reduced, start, frozen
 
 

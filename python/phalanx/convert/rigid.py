@@ -73,7 +73,8 @@ def free_motion(source: Source, plane: Plane, mechanism: Mechanism, duration_s: 
     for name in ("CONTACT", "LIMIT", "FRICTIONLOSS"):
         model.opt.disableflags |= int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{name}"))
     data = mujoco.MjData(model)
-    data.qpos[:], data.qvel[:], data.ctrl[:] = source.start.qpos, source.start.qvel, source.start.ctrl
+    for name in ("qpos", "qvel", "ctrl", "act"):
+        getattr(data, name)[:] = getattr(source.start, name)
     stride, times, positions = max(1, round(_SAMPLE_S / model.opt.timestep)), [0.0], [data.qpos.copy()]
     for _ in range(round(duration_s / (stride * model.opt.timestep))):
         mujoco.mj_step(model, data, nstep=stride)
