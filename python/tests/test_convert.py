@@ -7,6 +7,7 @@ import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
+from xml.etree import ElementTree
 
 import numpy as np
 import phalanx
@@ -115,6 +116,33 @@ class Motions(unittest.TestCase):
                 found = free_motion(conversion.source, conversion.plane, conversion.mechanism, 0.05)
                 self.assertEqual(len(found), conversion.source.model.njnt)
                 self.assertLess(max(found.values()), CLIPPED.get(path.stem, RIGID))
+
+    def test_the_orientation_of_a_model_in_space_has_no_effect(self):
+        for path in MODELS:
+            with self.subTest(model=path.stem):
+                base = phalanx.from_mjcf(path).mechanism
+                tree = ElementTree.parse(path)
+                world = tree.find("worldbody")
+                turned = ElementTree.Element("body", name="turned", pos="0.3 -0.2 0.5", quat="0.8 -0.4 0.2 0.4")
+                turned.extend(list(world))
+                world[:] = [turned]
+                # The same gravity, in the frame of the turned body.
+                rotation = np.zeros(9)
+                mujoco.mju_quat2Mat(rotation, np.array([0.8, -0.4, 0.2, 0.4]))
+                option = tree.find("option")
+                gravity = np.array([float(part) for part in option.get("gravity").split()])
+                option.set("gravity", " ".join(map(str, rotation.reshape(3, 3) @ gravity)))
+                found = convert(ElementTree.tostring(tree.getroot(), encoding="unicode")).mechanism
+                np.testing.assert_allclose(found.gravity, base.gravity, atol=1e-9)
+                for one, other in zip(found.bodies, base.bodies, strict=True):
+                    np.testing.assert_allclose([one.mass, one.inertia, *one.com], [other.mass, other.inertia, *other.com], rtol=1e-9, atol=1e-10)
+                for one, other in zip(found.joints, base.joints, strict=True):
+                    self.assertEqual((one.name, one.bodies, one.start), (other.name, other.bodies, other.start))
+                    self.assertAlmostEqual(np.cos(one.axis - other.axis), 1.0, delta=1e-12)
+                    # The points of the ground have another origin in models without a base.
+                    shift = np.array([np.subtract(a, b) for a, b in zip(one.points, other.points, strict=True)])
+                    moves = [k for k in (0, 1) if one.bodies[k] != "ground"]
+                    np.testing.assert_allclose(shift[moves], 0.0, atol=1e-9)
 
     def test_welds_and_floating_bases(self):
         finger = (

@@ -427,8 +427,8 @@ def _add_coupling(work: Projection, k: int, label: str, *, is_of_joints: bool) -
         return
     if len(coupled) == 1:
         name, factor = coupled[0]
-        remedy = "remove the joint from its body, or make it 0 in the drawn position"
-        raise ConversionError(f"{label} locks the joint {name} at {value / factor:.6g}, away from its drawn position; {remedy}")
+        remedy = "remove the joint from its body, which is drawn in this position" if abs(data[0]) < _OPEN else "remove it, and draw the body there"
+        raise ConversionError(f"{label} locks the joint {name} at {value / factor:.6g}; a scene has no locked joints: {remedy}")
     if abs(data[0]) > _OPEN:
         work.report.changed(label, f"it is violated by {abs(data[0]):.4g} in the zero position; phalanx assembles the mechanism with it")
     work.rows.append(_row(work, coupled))
