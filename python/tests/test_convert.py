@@ -11,7 +11,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import phalanx
-
 from common import SCENES, command
 
 try:
@@ -476,7 +475,9 @@ class Reports(unittest.TestCase):
         self.assertIn("velocity limits: the joints may turn faster than left 2, right 2", notes(conversion, "lost"))
         self.assertIn("meshes of body base", notes(conversion, "lost"))
         self.assertIn("violated by 0.2", notes(conversion, "changed"))
-        self.assertIn("the model has none", notes(conversion, "warning"))
+        self.assertIn(
+            "the scene has none: add a section [actuators.NAME] (largest efforts of the model: left 3, right 3", notes(conversion, "warning")
+        )
 
     def test_every_dropped_item_is_named(self):
         links = "".join(

@@ -95,8 +95,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(found)
         mechanism = found.mechanism
         freedoms = sum(joint.start is not None for joint in mechanism.joints) + 3 * sum(body.is_free for body in mechanism.bodies)
-        counts = f"{len(mechanism.bodies)} bodies, {len(mechanism.joints)} joints, {freedoms} degrees of freedom, {len(mechanism.contacts)} pairs of outlines"
-        print(f"\nwrote {args.out}: {counts}")
+        parts = f"{len(mechanism.bodies)} bodies, {len(mechanism.joints)} joints, {freedoms} degrees of freedom"
+        print(f"\nwrote {args.out}: {parts}, {len(mechanism.contacts)} pairs of outlines")
     return 0
 
 

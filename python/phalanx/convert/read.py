@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import warnings
 import xml.etree.ElementTree as Tree
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -88,15 +90,12 @@ def read(
     if not file.is_file():
         raise ConversionError(f"there is no file {file}; give the path of an MJCF or URDF file")
     try:
-        spec = _specification(mujoco, file, report)
-        _drop_unreadable_meshes(spec, file, report)
-        if extend is not None:
-            extend(spec)
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
+        with _warnings_in(mujoco, report):
+            spec = _specification(mujoco, file, report)
+            _drop_unreadable_meshes(spec, file, report)
+            if extend is not None:
+                extend(spec)
             model = spec.compile()
-        for warning in caught:
-            report.warn("MuJoCo", str(warning.message).strip())
     except ValueError as error:
         if isinstance(error, ConversionError):
             raise
@@ -119,6 +118,21 @@ def read(
         getattr(start, name)[:] = values
     mujoco.mj_forward(model, start)
     return Source(file, spec, model, zero, start, chosen, "" if top is None else model.body(top).name, frozen, report)
+
+
+@contextlib.contextmanager
+def _warnings_in(mujoco: Any, report: Report) -> Iterator[None]:
+    """Adds warnings of MuJoCo to a report, in place of the standard error output and the file MUJOCO_LOG.TXT."""
+    previous = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(lambda message: report.warn("MuJoCo", str(message).strip()))
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            yield
+        for warning in caught:
+            report.warn("MuJoCo", str(warning.message).strip())
+    finally:
+        mujoco.set_mju_user_warning(previous)
 
 
 def _remedy(message: str, report: Report) -> str:
@@ -309,8 +323,7 @@ def _isolate(
         body.pos = rest.xmat[parent].reshape(3, 3).T @ (data.xpos[top] - rest.xpos[parent])
         body.quat = quat
         body.alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with _warnings_in(mujoco, Report()):
         reduced = spec.compile()
     states = [a for k in actuators for a in range(model.actuator_actadr[k], model.actuator_actadr[k] + model.actuator_actnum[k])]
     kept_numbers = (("qpos", positions), ("qvel", rates), ("ctrl", actuators), ("act", states))
