@@ -436,6 +436,18 @@ class Contacts(unittest.TestCase):
             self.assertIn("a.a and f.f (15 mm)", lost)
             self.assertIn("a.a and e.e", lost)
 
+    def test_the_nearest_pairs_are_kept_where_there_are_too_many(self):
+        points = np.random.default_rng(0).normal(size=(200, 3))
+        points *= 0.02 / np.linalg.norm(points, axis=1, keepdims=True)
+        mesh = f'<asset><mesh name="ball" vertex="{" ".join(f"{value:.6f}" for value in points.ravel())}"/></asset>'
+        balls = "".join(f'<body name="ball_{k}" pos="{0.06 * k} 0 0.2"><freejoint/><geom type="mesh" mesh="ball"/></body>' for k in range(8))
+        conversion = convert(mjcf(f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}</body>{balls}', mesh))
+        pairs = {frozenset(int(name[5]) for name in contact.between) for contact in conversion.mechanism.contacts}
+        self.assertTrue(pairs > {frozenset((k, k + 1)) for k in range(7)})
+        self.assertLess(len(pairs), 28)
+        self.assertIn("contacts beyond the largest number", notes(conversion, "lost"))
+        phalanx.run(conversion.scene, duration=1e-3)
+
 
 URDF = """<robot name="jaws">
   <link name="world"/>

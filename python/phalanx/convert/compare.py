@@ -82,7 +82,8 @@ class Comparison:
             worst = max(self.joints, key=lambda name: self.joints[name])
             before = max(self.joints_before.values(), default=0.0)
             found = f"largest difference of a joint coordinate: {self.joints[worst]:.2g} of {worst}"
-            lines.append(f"{found}; before the first contact with the object {before:.2g} (rad or m)")
+            touches = any(side.first_touch for side in both)
+            lines.append(f"{found}{f'; before the first contact with the object {before:.2g}' if touches else ''} (rad or m)")
         if self.free_motion:
             published, exact = (self.free_motion[name] for name in ("published", "rigid"))
             lines.append(f"free motion over 50 ms: MuJoCo differs by {published:.2g} as published, and by {exact:.2g} with rigid equalities and RK4")

@@ -108,7 +108,7 @@ def add_contacts(work: Projection) -> None:
     overlapping: list[str] = []
     apart: list[str] = []
     own: list[tuple[int, int, dict[str, Any]]] = []
-    points = 0
+    of_objects: list[tuple[float, int, int, dict[str, Any]]] = []
     lost = {"torsional and rolling friction": False, "margins of geoms": False}
     for first, second, settings in _pairs(work, list(work.outlines)):
         (body_a, a), (body_b, b) = work.outlines[first], work.outlines[second]
@@ -131,10 +131,17 @@ def add_contacts(work: Projection) -> None:
         lost["torsional and rolling friction"] |= settings["condim"] > 3
         lost["margins of geoms"] |= settings["margin"] != 0.0
         if is_of_object:
-            _add(work, first, second, settings)
-            points += _points(a) + _points(b)
+            of_objects.append((distance, first, second, settings))
         else:
             own.append((first, second, settings))
+    points, far = 0, []
+    for _, first, second, settings in sorted(of_objects, key=lambda pair: pair[0]):
+        count = sum(_points(work.outlines[g][1]) for g in (first, second))
+        if points + count > _MAX_POINTS:
+            far.append(" and ".join(_full_name(*work.outlines[g]) for g in (first, second)))
+        else:
+            points += count
+            _add(work, first, second, settings)
     count = sum(_points(work.outlines[g][1]) for first, second, _ in own for g in (first, second))
     if points + count > _MAX_POINTS:
         work.report.lost(
@@ -145,6 +152,7 @@ def add_contacts(work: Projection) -> None:
         for first, second, settings in own:
             _add(work, first, second, settings)
     _report_pairs(work, "contacts that overlap at the start", overlapping, "they pass through each other")
+    _report_pairs(work, "contacts beyond the largest number", far, "they are farthest apart at the start, and pass through each other")
     _report_pairs(work, "contacts side by side", apart, "they overlap in the projection only, and pass each other")
     for what in (name for name, is_lost in lost.items() if is_lost):
         work.report.lost("contacts", f"{what} have no equivalent")
