@@ -373,6 +373,17 @@ class Contacts(unittest.TestCase):
                 column_of = "j_rad" if kind == "hinge" else "j_position_m"
                 self.assertAlmostEqual(result[column_of][-1], data.qpos[0], delta=0.006 * load / stiffness)
 
+    def test_stops_of_a_tendon_of_one_joint(self):
+        link = f'<body name="link"><joint name="j" axis="0 -1 0" damping="0.05" armature="1e-4"/>{LINK}</body>'
+        settings = 'limited="true" range="-1 0.03" solreflimit="0.004 1" solimplimit="0.95 0.99 0.001"'
+        tendon = f'<tendon><fixed name="t" {settings}><joint joint="j" coef="-3"/></fixed></tendon>'
+        text = mjcf(link, f'{tendon}<actuator><motor name="m" joint="j"/></actuator><keyframe><key qpos="0" ctrl="-1"/></keyframe>')
+        conversion = convert(text)
+        (joint,) = conversion.mechanism.joints
+        self.assertAlmostEqual(joint.lower, -0.01, delta=1e-15)
+        _, data = at_rest(text)
+        self.assertLess(abs(1.0 / (conversion.mechanism.laws[0].stiffness * (-0.01 - data.qpos[0])) - 1), 0.006)
+
     def test_shapes_are_projected(self):
         turn = 'euler="0 -0.5235987755982988 0"'
         geoms = (
@@ -502,8 +513,8 @@ class Reports(unittest.TestCase):
         )
         ball = '<body name="ball" pos="0.6 0 0"><freejoint name="free"/><geom name="ball" type="sphere" size="0.02" mass="0.1"/></body>'
         rest = (
-            '<tendon><fixed name="slack" limited="true" range="-1 1" frictionloss="0.1" stiffness="2" springlength="0.1 0.3"><joint'
-            ' joint="a" coef="1"/></fixed><spatial name="ruler"><site site="a"/><site site="b"/></spatial></tendon><equality><connect'
+            '<tendon><fixed name="slack" frictionloss="0.1" stiffness="2" springlength="0.1 0.3"><joint'
+            ' joint="a" coef="1"/></fixed><spatial name="ruler" limited="true" range="0 1"><site site="a"/><site site="b"/></spatial></tendon><equality><connect'
             ' name="idle" body1="a" body2="b" anchor="0 0 0" active="false"/><tendon name="reel"'
             ' tendon1="ruler"/></equality><actuator><general name="push" site="a" gear="1 0 0 0 0 0"/><muscle name="arm" joint="a"'
             ' lengthrange="0 1"/><position name="slow" joint="b" timeconst="0.1"/><position name="winch" tendon="ruler"/><motor'
@@ -515,7 +526,7 @@ class Reports(unittest.TestCase):
         lost = notes(conversion, "lost")
         for item in (
             "gravity: its part of 9.81", "body d: its gravity compensation", "joint d: its lower limit of 0.1", "joint d: the margin of its limits",
-            "tendon slack: its range of -1 to 1", "tendon slack: its frictionloss", "tendon slack: its spring has a dead band from 0.1 to 0.3",
+            "tendon ruler: its range of 0 to 1", "tendon slack: its frictionloss", "tendon slack: its spring has a dead band from 0.1 to 0.3",
             "equality idle: it is not active", "equality reel: it acts on a spatial tendon",
             "actuator push: its transmission site", "actuator arm: mjGAIN_MUSCLE", "actuator slow: its activation dynamics (filterexact, 0.1 s)",
             "actuator winch: a servo of the length of a cable", "actuator shove: at ctrl 3 it pushes with 3 N", "actuator runaway: its bias grows",
@@ -535,6 +546,11 @@ class Reports(unittest.TestCase):
         section = '[limits.t]    # range of a tendon\njoints = ["a", "b"]\nfactors = [2, -1]\nlower = "-1 rad"\nupper = "0.5 rad"\nstop = "stop"\n'
         self.assertIn(section, conversion.toml)
         self.assertNotIn("range", notes(conversion, "lost"))
+        self.assertIn("tendon t: its range of -1 to 0.5; nothing stops it", notes(convert(mjcf(link, tendon)), "lost"))
+        # A tendon of one joint limits this joint, in the other direction if its factor is negative.
+        single = tendon.replace('<joint joint="a" coef="2"/>', "").replace('coef="-1"', 'coef="-2"')
+        (joint,) = (joint for joint in convert(mjcf(link, single)).mechanism.joints if joint.stop)
+        self.assertEqual((joint.name, joint.lower, joint.upper), ("b", -0.25, 0.5))
 
     def test_an_integrator_keeps_its_activation(self):
         link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}</body><body name="b"><joint name="b" axis="0 -1 0"/>{LINK}</body>'

@@ -80,9 +80,12 @@ def law_name(work: Projection, law: Law) -> str:
     return law.name
 
 
-def stop_law(work: Projection, solref: Any, solimp: Any, inverse: float, is_linear: bool) -> str:
-    """Key of the law of a stop with the stiffness of MuJoCo's limit, to three digits."""
-    stiffness = compliance(work, solref, solimp, inverse, STOP_LOAD)[0]
+def stop_law(work: Projection, solref: Any, solimp: Any, inverse: float, is_linear: bool, factor: float = 1.0) -> str:
+    """Key of the law of a stop with the stiffness of MuJoCo's limit, to three digits.
+
+    factor: change of the limited length over that of the coordinate on which the stop acts.
+    """
+    stiffness = factor**2 * compliance(work, solref, solimp, inverse, STOP_LOAD / abs(factor))[0]
     unit, kind = ("N", "slides") if is_linear else ("N*m", "hinges")
     comment = f"stops of {kind}: MuJoCo's static penetration at {STOP_LOAD:g} {unit}; its damping has no equivalent"
     return law_name(work, Law("", float(f"{stiffness:.3g}"), None, comment, is_linear))

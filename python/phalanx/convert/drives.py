@@ -9,7 +9,7 @@ import numpy
 
 from .contacts import stop_law
 from .planar import Actuator, Element, Rotor, Spring, SumLimit, Tendon, Terms
-from .projection import Projection
+from .projection import UNLIMITED, Projection
 from .read import extra, is_below, load_mujoco
 
 # Limits of sums of joints, and cables that lift off a pulley, have no equivalent in the scene.
@@ -41,17 +41,33 @@ def add_tendons(work: Projection) -> None:
 
 
 def _add_range(work: Projection, t: int, label: str) -> None:
-    """The range of a tendon; that of a spatial one, and of any as long as scenes have no limits of sums, is lost."""
-    lower, upper = (float(bound) for bound in work.model.tendon_range[t])
-    terms = work.sum_of_tendon(t) if HAS_SUM_LIMITS else None
-    if not terms:
-        work.report.lost(label, f"its range of {lower:.6g} to {upper:.6g}; nothing stops it at these lengths")
+    """The range of a tendon: limits of its joint, or of a sum of joints, if scenes have them; that of a cable is lost."""
+    model, joints = work.model, {joint.name: joint for joint in work.mechanism.joints}
+    bounds = [float(bound) for bound in model.tendon_range[t]]
+    terms = work.sum_of_tendon(t)
+    kinds = {joints[name].is_slide for name, _ in terms or []}
+    if not terms or len(kinds) > 1 or (len(terms) > 1 and not HAS_SUM_LIMITS) or (len(terms) == 1 and joints[terms[0][0]].stop):
+        work.report.lost(label, f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}; nothing stops it at these lengths")
         return
-    is_linear = next(joint.is_slide for joint in work.mechanism.joints if joint.name == terms[0][0])
-    model = work.model
-    stop = stop_law(work, model.tendon_solref_lim[t], model.tendon_solimp_lim[t], float(model.tendon_invweight0[t]), is_linear)
-    name = work.names["limit"].new(work.source.name("tendon", t), f"tendon_{t}")
-    work.mechanism.limits.append(SumLimit(name, terms, lower, upper, stop, is_linear))
+    start = {joint.name: float(work.start.qpos[model.jnt_qposadr[j]]) for j, joint in work.joints.items()}
+    length = sum(factor * start[name] for name, factor in terms)
+    beyond = bounds[0] - length > 1e-9, length - bounds[1] > 1e-9
+    if any(beyond):
+        work.report.lost(label, f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}: its length at the start, {length:.6g}, is beyond it")
+    lower, upper = (None if outside or abs(bound) >= UNLIMITED else bound for bound, outside in zip(bounds, beyond, strict=True))
+    if lower is None and upper is None:
+        return
+    (is_linear,) = kinds
+    settings = model.tendon_solref_lim[t], model.tendon_solimp_lim[t], float(model.tendon_invweight0[t])
+    stop = stop_law(work, *settings, is_linear, terms[0][1] if len(terms) == 1 else 1.0)
+    if len(terms) > 1:
+        name = work.names["limit"].new(work.source.name("tendon", t), f"tendon_{t}")
+        work.mechanism.limits.append(SumLimit(name, terms, lower, upper, stop, is_linear))
+        return
+    (name, factor), joint = terms[0], joints[terms[0][0]]
+    ends = [None if bound is None else bound / factor for bound in (lower, upper)]
+    joint.lower, joint.upper = ends if factor > 0.0 else ends[::-1]
+    joint.stop = stop
 
 
 def _springs_of_tendon(work: Projection, t: int) -> tuple[float, float, float, float]:

@@ -124,8 +124,8 @@ class SumLimit:
 
     name: str
     terms: Terms
-    lower: float
-    upper: float
+    lower: float | None
+    upper: float | None
     stop: str
     is_linear: bool
 

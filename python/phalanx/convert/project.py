@@ -17,12 +17,10 @@ from .drives import add_actuators, add_tendons
 from .outlines import ROUNDING_M, outline_of
 from .planar import GROUND, Body, Coupling, Joint, Mechanism, Spring, Terms
 from .plane import Plane
-from .projection import Names, Projection
+from .projection import UNLIMITED, Names, Projection
 from .read import Numbers, Source, extra, load_mujoco
 from .remarks import add_remarks
 
-# Bound of a side without a limit: MJCF has both sides or none.
-_UNLIMITED = 1e3
 # A constraint that is open by more is reported, m or rad.
 _OPEN = 1e-6
 
@@ -290,7 +288,7 @@ def _add_limits(work: Projection, joint: Joint, j: int, label: str) -> None:
     position = float(work.start.qpos[model.jnt_qposadr[j]])
     unit = "m" if joint.is_slide else "rad"
     for side, bound, beyond in (("lower", lower, lower - position), ("upper", upper, position - upper)):
-        if abs(bound) >= _UNLIMITED:
+        if abs(bound) >= UNLIMITED:
             continue
         if beyond > 1e-9:
             work.report.lost(label, f"its {side} limit of {bound:.6g} {unit}: the start, {position:.6g} {unit}, is beyond it")

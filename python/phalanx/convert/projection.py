@@ -12,6 +12,8 @@ from .planar import GROUND, Body, Joint, Mechanism, Outline, Terms
 from .plane import Plane
 from .read import Numbers, Source, is_free_body, load_mujoco
 
+# Bound of a side without a limit: MJCF has both sides or none.
+UNLIMITED = 1e3
 # Gravity along the normal that rounded axes leave, m/s^2.
 _SMALL_GRAVITY = 1e-2
 

@@ -132,8 +132,9 @@ def scene_text(mechanism: Mechanism, header: Sequence[str], duration_s: float) -
     for limit in mechanism.limits:
         body.section(f"limits.{limit.name}", "range of a tendon")
         _write_terms(body, limit.terms)
-        body.text("lower", _coordinate(limit.lower, limit.is_linear))
-        body.text("upper", _coordinate(limit.upper, limit.is_linear))
+        for key, bound in (("lower", limit.lower), ("upper", limit.upper)):
+            if bound is not None:
+                body.text(key, _coordinate(bound, limit.is_linear))
         body.text("stop", limit.stop)
         body.blank()
     for actuator in mechanism.actuators:
