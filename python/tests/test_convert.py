@@ -304,6 +304,8 @@ class Refusals(unittest.TestCase):
         self.assert_refused("<mujoco", "no XML file")
         self.assert_refused(mjcf(link), "no key frame open", key="open")
         self.assert_refused(mjcf(link), "no actuator motor", ctrl={"motor": 1.0})
+        unnamed = convert(mjcf(link, '<actuator><motor joint="a"/></actuator>'), ctrl={"0": 0.5})
+        self.assertEqual([(drive.name, drive.effort) for drive in unnamed.mechanism.actuators], [("actuator_0", 0.5)])
         self.assert_refused(mjcf(link), "no plane 'xw'", plane="xw")
         ball = '<body name="ball" pos="0 0 0.3"><freejoint/><geom size="0.02"/></body>'
         self.assert_refused(mjcf(link + ball), "a free body already (ball)", cube=0.04)

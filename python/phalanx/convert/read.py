@@ -80,7 +80,7 @@ def read(
     """Reads an MJCF or URDF file, and places it at a key frame.
 
     root: body below which the mechanism is; all other joints stand still. key: key frame of the start; the first one by
-    default, "" for the zero position. ctrl: control signals by the names of actuators. extend: a function that adds to
+    default, "" for the zero position. ctrl: control signals by the names of actuators, or their numbers from 0 if they have none. extend: a function that adds to
     the specification.
 
     Raises ConversionError if MuJoCo refuses the file, or names are unknown.
@@ -101,12 +101,11 @@ def read(
             raise
         raise ConversionError(f"MuJoCo does not read {file}: {str(error).strip()}; {_remedy(str(error), report)}") from None
     numbers, chosen = _start(mujoco, model, key, file)
+    names = [model.actuator(k).name or str(k) for k in range(model.nu)]
     for name, value in (ctrl or {}).items():
-        index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, name)
-        if index < 0:
-            names = [model.actuator(k).name for k in range(model.nu)]
+        if name not in names:
             raise ConversionError(f"{file} has no actuator {name}; its actuators are {', '.join(names) or '(none)'}")
-        numbers["ctrl"][index] = value
+        numbers["ctrl"][names.index(name)] = value
     frozen: set[str] = set()
     top = _base(mujoco, model, file, report) if root is None else _find_root(mujoco, model, file, root)
     if top is not None:
