@@ -75,11 +75,11 @@ def from_mjcf(
     and `conversion.toml` for the text of the scene.
 
     plane: "xy", "xz", "yz", "yx", "zx" or "zy" of the root's frame; found from the axes of the joints by default. root:
-    the body below which the mechanism is, and whose frame is that of the scene; the world by default. key: the key frame
-    of the start; the first one by default, "" for the zero position. ctrl: control signals by actuator, such as
-    `{"fingers": 255}` (its number, "0", if it has no name); those of the key frame, or 0, by default. cube: edge of a cube, m, that is added to the model;
-    cube_mass: its mass, kg; cube_at: its place in the plane, m, by default between the ends of the fingers. duration: of the
-    scene, s.
+    the body below which the mechanism is, and whose frame is that of the scene; by default the last fixed body that
+    carries all joints, or the base of a hand that floats. key: the key frame of the start; the first one by default, ""
+    for the zero position. ctrl: control signals by actuator, such as `{"fingers": 255}` (its number, "0", if it has no
+    name); those of the key frame, or 0, by default. cube: edge of a cube, m, that is added to the model; cube_mass: its
+    mass, kg; cube_at: its place in the plane, m, by default between the ends of the fingers. duration: of the scene, s.
 
     Needs the package mujoco: `pip install "phalanx[mujoco]"`. Raises ConversionError (a ValueError) if MuJoCo refuses the
     model, or if it is not planar; the message names the joint and its axis.

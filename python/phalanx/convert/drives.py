@@ -12,7 +12,7 @@ from .planar import Actuator, Element, Rotor, Spring, SumLimit, Tendon, Terms
 from .projection import UNLIMITED, Projection
 from .read import extra, is_below, load_mujoco
 
-# Limits of sums of joints, and cables that lift off a pulley, have no equivalent in the scene.
+# Whether scenes have limits of sums of joints ([limits.NAME]), and cables that lift off pulleys and return.
 HAS_SUM_LIMITS = False
 HAS_LIFT_OFF = False
 # Two times of a table of commands that are closer are a step, s.
