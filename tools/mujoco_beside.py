@@ -2,6 +2,7 @@
 """Simulates a scene with MuJoCo and with phalanx, and prints time and difference of both.
 
     tools/mujoco_beside.py [SCENE] [--json FILE] [--repetitions N] [--steps S ...] [--published]
+    tools/mujoco_beside.py MODEL.xml [--root BODY] [--plane PLANE] [--ctrl NAME=VALUE ...] [--duration S] [--json FILE]
 
 SCENE is any scene file (default: scenes/experiment-95.toml). `phalanx scene export` writes its MuJoCo model: the same bodies, joints,
 springs and actuators. Loops are `connect` constraints, and contacts, limits and friction are MuJoCo's own: soft constraints with the
@@ -9,7 +10,11 @@ shortest time constant that the time step allows (solref = 2 time steps), or wit
 the contact laws of the scene. Therefore the table has two differences of the joint angles: that of the motion up to 0.1 ms before the
 first contact, in which only loops, limits and integration differ, and that of the whole run. Free bodies and sliders have a column of
 their own. The reference is phalanx with `--preset reference`. Times are medians of one run, without loading.
-Needs `pip install mujoco` and a release build of phalanx ($PHALANX names another program).
+
+MODEL.xml (or .urdf) is a model of MuJoCo. The Python package converts it into a scene. The table has the largest differences of its joint
+coordinates from those of MuJoCo, in free motion without contacts, limits and friction: with the model as published, and with its planar
+copy with rigid equalities, by Euler and by RK4 with 10 µs.
+Needs `pip install mujoco` and a release build of phalanx ($PHALANX names another program); for models, also the Python package.
 """
 
 import argparse
@@ -180,6 +185,42 @@ def own_row(scene, exact, columns, flags, repetitions):
     return {"method": "phalanx, analytic model", "step_s": None, **errors, "time_s": seconds}
 
 
+def model_rows(path, root, plane, controls, duration_s):
+    """Rows of the differences between a model of MuJoCo and its scene."""
+    import mujoco
+    from phalanx.convert import from_mjcf
+    from phalanx.convert.rigid import free_motion, rigid
+
+    conversion = from_mjcf(path, root=root, plane=plane, ctrl=controls)
+    slides = {joint.name for joint in conversion.mechanism.joints if joint.is_slide}
+    by_euler = rigid(conversion.source, conversion.plane)
+    by_euler.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    models = {
+        "as published": conversion.source.model,
+        "rigid, planar, Euler": by_euler,
+        "rigid, planar, RK4": rigid(conversion.source, conversion.plane),
+    }
+    rows = []
+    for name, model in models.items():
+        found = free_motion(conversion.source, conversion.plane, conversion.mechanism, duration_s, model)
+        angles = [value for joint, value in found.items() if joint not in slides]
+        positions = [value for joint, value in found.items() if joint in slides]
+        errors = {"run_rad": max(angles, default=None), "run_m": max(positions, default=None)}
+        rows.append({"method": name, "step_s": float(model.opt.timestep), **errors, "joints": found})
+    return rows
+
+
+def print_models(path, options):
+    """Prints the table of a model of MuJoCo, and returns its rows."""
+    controls = dict((name, float(value)) for name, _, value in (text.rpartition("=") for text in options.ctrl))
+    rows = model_rows(path, options.root, options.plane, controls, options.duration)
+    print(f"{'MuJoCo':<24} {'step':>8} {'angles':>12} {'positions':>12}   after {1e3 * options.duration:g} ms of free motion")
+    for row in rows:
+        cells = ["–" if row[key] is None else f"{row[key]:.1e} {unit}" for key, unit in (("run_rad", "rad"), ("run_m", "m"))]
+        print(f"{row['method']:<24} {row['step_s']:>8.1e} {cells[0]:>12} {cells[1]:>12}")
+    return rows
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scene", nargs="?", default=ROOT / "scenes" / "experiment-95.toml")
@@ -188,9 +229,19 @@ def main():
     parser.add_argument("--steps", nargs="+", type=float, default=STEPS_S, metavar="S", help="time steps of MuJoCo, s")
     parser.add_argument("--only", nargs="+", metavar="COLUMN", help="compare only these columns; default: those of all joints")
     parser.add_argument("--published", action="store_true", help="keep the default softness of MuJoCo's constraints")
+    of_models = parser.add_argument_group("models of MuJoCo")
+    of_models.add_argument("--root", metavar="BODY", help="body below which the mechanism is")
+    of_models.add_argument("--plane", metavar="PLANE", help="axes of the root's frame that are x and y of the scene")
+    of_models.add_argument("--ctrl", action="append", default=[], metavar="NAME=VALUE", help="control signal of an actuator")
+    of_models.add_argument("--duration", type=float, default=0.05, metavar="S", help="duration of the free motion, s (default: 0.05)")
     options = parser.parse_args()
     if importlib.util.find_spec("mujoco") is None:
         sys.exit("this comparison needs MuJoCo: pip install mujoco")
+    if Path(options.scene).suffix in (".xml", ".urdf", ".mjcf"):
+        rows = print_models(options.scene, options)
+        if options.json:
+            options.json.write_text(json.dumps(rows, indent=2) + "\n")
+        return
     exact = reference_of(options.scene)
     reference, _ = exact
     if unknown := set(options.only or []) - set(reference):

@@ -34,13 +34,17 @@ from ._phalanx import (
     sweep_shard,
     validate,
 )
-from .errors import PhalanxError, RunError, SceneError, StudyError
+from .convert import Comparison, Conversion, compare_mujoco, from_mjcf
+from .errors import ConversionError, PhalanxError, RunError, SceneError, StudyError
 from .events import Event
 from .optimization import optimize
 
 Mapping.register(Result)
 
 __all__ = [
+    "Comparison",
+    "Conversion",
+    "ConversionError",
     "Event",
     "PhalanxError",
     "Result",
@@ -54,7 +58,9 @@ __all__ = [
     "Table",
     "__version__",
     "capture",
+    "compare_mujoco",
     "evaluate",
+    "from_mjcf",
     "hold",
     "optimize",
     "read_log",

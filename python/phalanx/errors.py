@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 if TYPE_CHECKING:
     from ._phalanx import Result
 
-__all__ = ["PhalanxError", "Problem", "RunError", "SceneError", "StudyError"]
+__all__ = ["ConversionError", "PhalanxError", "Problem", "RunError", "SceneError", "StudyError"]
 
 
 # Not within a word or a path.
@@ -124,6 +124,10 @@ class StudyError(_LocatedError):
     """Error for an invalid study, for invalid fields, rows or result files of a study, or for incomplete parts; also
     a ValueError.
     """
+
+
+class ConversionError(PhalanxError, ValueError):
+    """Error for a model of MuJoCo that cannot be converted into a scene; also a ValueError."""
 
 
 class RunError(PhalanxError, RuntimeError):

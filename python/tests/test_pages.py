@@ -1,5 +1,6 @@
 """All Python blocks of the documents run in order, and the first plot takes five lines."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -50,6 +51,28 @@ class Pages(unittest.TestCase):
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertIn(shown, result.stdout)
             self.assertEqual(len(list((Path(directory) / "best").iterdir())), 2)
+
+    def test_a_model_of_mujoco_becomes_a_scene_as_the_page_shows(self):
+        page = (BOOK / "your-mujoco-model.md").read_text()
+        shown = re.findall(r"^```sh\n([^`]*)\n```\n\n```text\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+        self.assertEqual(len(shown), 3)
+        with tempfile.TemporaryDirectory() as directory:
+            for name, text in re.findall(r"^```xml file=(\S+)\n(.*?)^```$", page, re.DOTALL | re.MULTILINE):
+                (Path(directory) / name).write_text(text)
+            for line, output in shown:
+                program, *arguments = line.split()
+                call = [sys.executable if program == "python" else os.environ["PHALANX"], *arguments]
+                result = subprocess.run(call, cwd=directory, capture_output=True, text=True, check=False)
+                self.assertEqual(result.returncode, 0, result.stderr)
+                for part in output.splitlines():
+                    self.assertIn(part.removesuffix("..."), result.stdout)
+            script = "\n".join(BLOCK.findall(page))
+            result = subprocess.run([sys.executable, "-c", script], cwd=directory, capture_output=True, text=True, check=False)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        # The figures of MuJoCo depend on the processor in their last digits.
+        table = re.search(r"```text\n(my-hand.xml, .*?)```", page, re.DOTALL).group(1)
+        words = [re.sub(r"[\d.e+-]+", "#", " ".join(text.split())) for text in (table, result.stdout)]
+        self.assertTrue(words[1].startswith(words[0].strip()))
 
     def test_first_plot_takes_five_lines(self):
         first = BLOCK.findall((BOOK / "python.md").read_text())[0]
