@@ -352,7 +352,7 @@ class Simulation:
         """Names of the actuators whose input is a target."""
 
     def set_torque(self, actuator: str, torque: _Quantity) -> None:
-        """Sets the torque of an actuator, N·m (prismatic joint: the force, N), from now on.
+        """Sets the torque of an actuator, N·m (prismatic joint: force, N; electric motor: voltage, V), from now on.
 
         Raises SceneError that lists the actuators if the name is wrong.
         """
@@ -432,7 +432,7 @@ class SimulationBatch:
         """Returns the present values of a column, one for each simulation, such as `batch["q11_rad"]`."""
 
     def set_torque(self, actuator: str, torque: _Quantity | Sequence[_Quantity] | _Numbers) -> None:
-        """Sets the torque of an actuator in all simulations, N·m (prismatic joint: the force, N).
+        """Sets the torque of an actuator in all simulations, N·m (prismatic joint: force, N; electric motor: voltage, V).
 
         torque: one number for all simulations, or one for each. Simulations that have failed ignore it.
         """

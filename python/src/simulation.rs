@@ -59,7 +59,8 @@ fn advance(py: Python<'_>, simulation: &mut trace::Simulation, time_s: f64) -> P
     result.map_err(|error| exception(py, &error))
 }
 
-/// Reads an input of an actuator, in SI; the dimension is that of its joint.
+/// Reads an input of an actuator, in SI. The dimension is that of its joint, of the shaft of its motor, or of the distance that
+/// it controls.
 fn read_input(
     py: Python<'_>,
     simulation: &trace::Simulation,
@@ -67,9 +68,17 @@ fn read_input(
     (name, value): (&str, &Bound<'_, PyAny>),
     [angular, linear]: [Dimension; 2],
 ) -> PyResult<f64> {
-    let mut actuators = simulation.schema().actuators.iter();
-    let is_linear = actuators.any(|known| known.name == actuator && known.is_linear);
-    conversion::quantity(py, name, value, if is_linear { linear } else { angular })
+    let schema = simulation.schema();
+    let is_in = |names: &[String]| names.iter().any(|known| known == actuator);
+    let is_linear = schema.actuators.iter().any(|known| known.name == actuator && known.is_linear);
+    let dimension = match name == "torque" {
+        true if is_in(&schema.motors) => Dimension::Voltage,
+        true if is_in(&schema.shafts) => angular,
+        false if is_in(&schema.distances) => linear,
+        _ if is_linear => linear,
+        _ => angular,
+    };
+    conversion::quantity(py, name, value, dimension)
 }
 
 const EFFORT: [Dimension; 2] = [Dimension::Torque, Dimension::Force];
@@ -322,7 +331,8 @@ impl Simulation {
         Ok(lock(&self.loaded)?.simulation.target_inputs().map(str::to_string).collect())
     }
 
-    /// Sets the torque of an actuator, N·m (of a prismatic joint: the force, N), from now on.
+    /// Sets the torque of an actuator, N·m (of a prismatic joint: the force, N; of an electric motor: the voltage, V), from
+    /// now on.
     ///
     /// Raises SceneError that lists the actuators if the name is wrong.
     fn set_torque(&self, py: Python<'_>, actuator: &str, torque: &Bound<'_, PyAny>) -> PyResult<()> {
@@ -492,8 +502,8 @@ impl SimulationBatch {
         columns::number_array(py, &columns::array_of_numbers(values))
     }
 
-    /// Sets the torque of an actuator in all simulations, N·m (of a prismatic joint: the force, N): one number, or one
-    /// for each. Simulations that have failed ignore it.
+    /// Sets the torque of an actuator in all simulations, N·m (of a prismatic joint: the force, N; of an electric motor: the
+    /// voltage, V): one number, or one for each. Simulations that have failed ignore it.
     fn set_torque(&self, py: Python<'_>, actuator: &str, torque: Numbers<'_>) -> PyResult<()> {
         self.set_each(py, actuator, ("torque", torque, EFFORT), |simulation, torque| {
             simulation.set_torque(actuator, torque)

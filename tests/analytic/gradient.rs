@@ -576,3 +576,103 @@ fn refusals_name_their_reasons() {
     let reason = found.end.reason.expect("a reason");
     assert!(reason.contains("at the start") || reason.contains("the events change"), "{reason}");
 }
+
+/// A jaw on a spindle with a loss, whose motor presses it against a bumper and whose controller measures its distance from
+/// the ground.
+fn spindle(key: &str, value: f64, changed: &[(&str, &str)]) -> Scene {
+    let mut motor = vec![
+        ("torque_constant", "0.02"),
+        ("resistance", "2.0"),
+        ("voltage", "6.0"),
+        ("inductance", "1e-3"),
+        ("kp", "4e3"),
+        ("kd", "2.0"),
+        ("lead", "8e-3"),
+        ("rotor", "2e-6"),
+        ("efficiency", "0.7"),
+        ("loss_rate", "5e-3"),
+        ("back_emf", "0.021"),
+        ("target", "4.5e-2"),
+        ("current_limit", "50.0"),
+        ("offset", "3e-2"),
+    ];
+    for (name, text) in changed {
+        motor.iter_mut().find(|(found, _)| found == name).expect("a key").1 = text;
+    }
+    let text = |name: &str| {
+        let found = motor.iter().find(|(found, _)| *found == name).expect("a key").1.to_string();
+        if name == key { format!("{value:?}") } else { found }
+    };
+    let [kt, r, v, l, kp, kd] = ["torque_constant", "resistance", "voltage", "inductance", "kp", "kd"].map(text);
+    let [lead, rotor, efficiency, rate] = ["lead", "rotor", "efficiency", "loss_rate"].map(text);
+    let [ke, target, limit, offset] = ["back_emf", "target", "current_limit", "offset"].map(text);
+    mechanism(&format!(
+        r#"duration = "60 ms"
+[bodies.jaw]
+mass = "0.2 kg"
+inertia = "1e-4 kg*m^2"
+guess = {{ at = ["{offset} m", "0 mm"] }}
+[bodies.jaw.points.tip]
+at = ["1 mm", "7 mm"]
+[ground.points.origin]
+at = ["0 mm", "0 mm"]
+[bodies.jaw.outlines.pad]
+type = "disc"
+center = ["0 mm", "0 mm"]
+radius = "5 mm"
+[ground.outlines.wall]
+type = "disc"
+center = ["52 mm", "0 mm"]
+radius = "10 mm"
+[laws.pad]
+stiffness = 1e6
+damping = "0.1 s/m"
+[[contacts]]
+points = "jaw.pad"
+faces = ["ground.wall"]
+law = "pad"
+[joints.slide]
+type = "prismatic"
+bodies = ["ground", "jaw"]
+points = [["0 mm", "0 mm"], ["0 mm", "0 mm"]]
+start = "{offset} m"
+[actuators.grip]
+joint = "slide"
+lead = "{lead} m"
+rotor = "{rotor} kg*m^2"
+efficiency = {efficiency}
+loss_rate = "{rate} m/s"
+target = "{target} m"
+kp = "{kp} V/m"
+kd = "{kd} V*s/m"
+motor = {{ torque_constant = "{kt} N*m/A", resistance = "{r} ohm", voltage = "{v} V", current_limit = "{limit} A", back_emf = "{ke} V*s/rad", inductance = "{l} H" }}
+feedback = {{ distance = ["ground.origin", "jaw.tip"] }}
+"#
+    ))
+}
+
+#[test]
+fn derivatives_of_drives_agree_with_differences() {
+    let keys = [
+        ("torque_constant", 0.02),
+        ("resistance", 2.0),
+        ("voltage", 6.0),
+        ("inductance", 1e-3),
+        ("kp", 4e3),
+        ("kd", 2.0),
+        ("lead", 8e-3),
+        ("rotor", 2e-6),
+        ("efficiency", 0.7),
+        ("loss_rate", 5e-3),
+        ("back_emf", 0.021),
+        ("target", 4.5e-2),
+        ("offset", 3e-2),
+    ];
+    for (key, value) in keys {
+        assert_differences(key, &parameter(value, |value| spindle(key, value, &[])), 1e-3, 1e-5);
+    }
+    // The current reaches its limit, and leaves it.
+    let limited = parameter(1.0, |value| spindle("current_limit", value, &[]));
+    let found = gradient_of(&limited);
+    println!("{:?} {:?}", found.end.reason, found.end.values.get("slide_position_m"));
+}

@@ -385,7 +385,8 @@ impl Simulation {
         }
     }
 
-    /// Sets the torque of an actuator, N·m (of a prismatic joint: the force, N), from now on.
+    /// Sets the torque of an actuator, N·m (of a prismatic joint: the force, N; of a motor behind a gear: its torque; of an
+    /// electric motor: its voltage, V), from now on.
     ///
     /// # Errors
     /// Returns an error that lists the actuators if the name is wrong, or if the model cannot end a step here.
