@@ -74,7 +74,8 @@ impl Kernel for MechanismModel {
                 on: f64::from(u8::from(is_on)),
                 wrap_rad: turn.max(0.0),
                 gap_m: gap,
-                slip_m_s: slip,
+                // The sum has no negative zero.
+                slip_m_s: slip + 0.0,
                 tension_n: tension,
             };
             sample.set_cable_element(index, &state);
