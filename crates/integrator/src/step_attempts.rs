@@ -12,10 +12,10 @@ const LAST_PART: f64 = 0.05;
 /// Ratio of a step that is extrapolated to an event to the distance of the event, so that it ends just past the event.
 const OVERSHOOT: f64 = 1.01;
 /// Excess of an attempted step over the distance of the event, relative to it, so that the attempt contains the event.
-const PASSING: f64 = 2e-3;
+const PASSING: f64 = 5e-4;
 /// Largest part of an attempted step that may be cut off behind the event. The error of the dense output vanishes towards the
 /// end of the step.
-const MAX_CUT: f64 = 0.02;
+const MAX_CUT: f64 = 5e-3;
 /// Maximum number of attempts to locate one event.
 const MAX_LOCATION_ATTEMPTS: usize = 12;
 
