@@ -12,9 +12,6 @@ from .planar import Actuator, Element, Rotor, Spring, SumLimit, Tendon, Terms
 from .projection import UNLIMITED, Projection
 from .read import extra, is_below, load_mujoco
 
-# Whether scenes have limits of sums of joints ([limits.NAME]), and cables that lift off pulleys and return.
-HAS_SUM_LIMITS = False
-HAS_LIFT_OFF = False
 # Two times of a table of commands that are closer are a step, s.
 _STEP_S = 1e-9
 
@@ -41,12 +38,12 @@ def add_tendons(work: Projection) -> None:
 
 
 def _add_range(work: Projection, t: int, label: str) -> None:
-    """The range of a tendon: limits of its joint, or of a sum of joints, if scenes have them; that of a cable is lost."""
+    """The range of a tendon: limits of its joint, or of a sum of joints; that of a cable is lost."""
     model, joints = work.model, {joint.name: joint for joint in work.mechanism.joints}
     bounds = [float(bound) for bound in model.tendon_range[t]]
     terms = work.sum_of_tendon(t)
     kinds = {joints[name].is_slide for name, _ in terms or []}
-    if not terms or len(kinds) > 1 or (len(terms) > 1 and not HAS_SUM_LIMITS) or (len(terms) == 1 and joints[terms[0][0]].stop):
+    if not terms or len(kinds) > 1 or (len(terms) == 1 and joints[terms[0][0]].stop):
         work.report.lost(label, f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}; nothing stops it at these lengths")
         return
     start = {joint.name: float(work.start.qpos[model.jnt_qposadr[j]]) for j, joint in work.joints.items()}
@@ -163,8 +160,6 @@ def _branches(work: Projection, t: int, label: str) -> list[tuple[float, list[El
             f"its sites are up to {1e3 * (max(heights) - min(heights)):.3g} mm apart along the normal; the scene has the length in the plane",
         )
     branches: list[tuple[float, list[Element]]] = [(1.0, [])]
-    wrapped = set(work.start.wrap_obj.reshape(-1)[2 * work.start.ten_wrapadr[t] :][: work.start.ten_wrapnum[t]].tolist())
-    wrapped |= set(work.start.wrap_obj.reshape(-1)[work.start.ten_wrapadr[t] :][: work.start.ten_wrapnum[t]].tolist())
     for k in range(first, first + count):
         kind, index = mujoco.mjtWrap(model.wrap_type[k]), int(model.wrap_objid[k])
         if kind == mujoco.mjtWrap.mjWRAP_PULLEY:
@@ -174,13 +169,13 @@ def _branches(work: Projection, t: int, label: str) -> list[tuple[float, list[El
             branches[-1][1].append(Element(work.name_of(group), work.local(group, data.site_xpos[index])))
         else:
             sites = [int(model.wrap_objid[k - 1]), int(model.wrap_objid[k + 1])]
-            pulley = _pulley(work, index, sites, int(model.wrap_prm[k]), index in wrapped, label)
+            pulley = _pulley(work, index, sites, int(model.wrap_prm[k]), label)
             if pulley is not None:
                 branches[-1][1].append(pulley)
     return [(divisor, path) for divisor, path in branches if len(path) > 1]
 
 
-def _pulley(work: Projection, geom: int, sites: list[int], side: int, is_wrapped: bool, label: str) -> Element | None:
+def _pulley(work: Projection, geom: int, sites: list[int], side: int, label: str) -> Element | None:
     """The pulley of a cylinder or sphere between two sites; None if the cable does not pass it."""
     model, plane, data = work.model, work.plane, work.zero
     group = int(work.group[model.geom_bodyid[geom]])
@@ -191,12 +186,6 @@ def _pulley(work: Projection, geom: int, sites: list[int], side: int, is_wrapped
     axis = data.geom_xmat[geom].reshape(3, 3)[:, 2]
     if model.geom_type[geom] == load_mujoco().mjtGeom.mjGEOM_CYLINDER and abs(axis @ plane.n) < numpy.cos(numpy.radians(1.0)):
         work.report.lost(label, f"the cylinder {name}: its axis is not perpendicular to the plane; the cable passes straight")
-        return None
-    if not is_wrapped and not HAS_LIFT_OFF:
-        work.report.lost(
-            label,
-            f"the pulley {name}: the cable does not touch it at the start, and would not lift off it again; the cable passes straight",
-        )
         return None
     radius, center = float(model.geom_size[geom, 0]), plane.point(data.geom_xpos[geom])
     ends = [plane.point(data.site_xpos[site]) for site in sites]
