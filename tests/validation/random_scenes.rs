@@ -84,6 +84,7 @@ random_scene_tests! {
     sliders: 100, 60;
     thrown: 120, 80;
     falling: 120, 80;
+    drives: 120, 80;
 }
 
 /// 10 to 30 times as many scenes: `cargo nextest run --test validation random_scenes --run-ignored only --no-capture`.

@@ -30,10 +30,7 @@ pub enum StaticsError {
         .lever_m * 1e3
     )]
     NoLever { lever_m: f64 },
-    #[error(
-        "the cable of the tendon {tendon} has friction: its tensions at rest depend on the motion before, so that no balanced \
-         acceleration is defined; remove the friction of the tendon for it, and read the forces of the run instead"
-    )]
+    #[error("the tendon {tendon} has friction, and its tensions at rest depend on the motion before")]
     CableFriction { tendon: String },
     #[error(
         "form closure could not be decided: {certificate} fails its check (the residual is {residual:.1e}, at most 1e-9 is \

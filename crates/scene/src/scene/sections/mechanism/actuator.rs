@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::joint::combination;
 use super::mirror::Entries;
 use super::names::{Known, check_units, find};
-use super::powertrain::{FeedbackSettings, MotorSettings, Units, powertrain};
+use super::powertrain::{FeedbackSettings, GearSettings, MotorSettings, Units, powertrain};
 use crate::drive::Brake;
 use crate::law::Bristle;
 use crate::mechanism::{Actuator, Command, Mechanism, Pose, Tendon, TendonActuator};
@@ -135,7 +135,15 @@ pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>
     let brake = brake(&section.subsection("brake"), linear, of)?;
     let units = Units::new(section, linear, of);
     let units_fit = units.check(section);
-    let powertrain = powertrain(name, section, &settings, &units)?;
+    let gear = GearSettings {
+        gear: settings.gear.map(|gear| *gear),
+        lead: settings.lead.map(|lead| *lead),
+        rotor: settings.rotor.map(|rotor| *rotor),
+        efficiency: settings.efficiency.map(|efficiency| *efficiency),
+        loss_rate: settings.loss_rate.map(|rate| *rate),
+        loss_stiffness: settings.loss_stiffness.map(|stiffness| *stiffness),
+    };
+    let powertrain = powertrain(name, section, &gear, &units)?;
     let motor = section.subsection("motor");
     let MotorSettings { voltage, voltages, .. } = motor.quietly(SectionInput::read);
     let commands = ["torque", "force", "torques", "forces", "target", "targets"];

@@ -4,7 +4,6 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use super::actuator::ActuatorSettings;
 use super::mirror::Entries;
 use crate::law::Bristle;
 use crate::mechanism::{
@@ -148,11 +147,22 @@ impl Units {
     }
 }
 
+/// Settings of a gear and its rotor, as in a scene, in SI.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct GearSettings {
+    pub gear: Option<f64>,
+    pub lead: Option<f64>,
+    pub rotor: Option<f64>,
+    pub efficiency: Option<f64>,
+    pub loss_rate: Option<f64>,
+    pub loss_stiffness: Option<f64>,
+}
+
 /// Resolves gear, loss and motor of an actuator; `None` if any is invalid. The feedback follows when all points are known.
 pub(super) fn powertrain(
     name: &str,
     section: &SectionInput<'_>,
-    settings: &ActuatorSettings,
+    settings: &GearSettings,
     units: &Units,
 ) -> Option<Powertrain> {
     let gear = match (settings.gear, settings.lead) {
@@ -165,16 +175,16 @@ pub(super) fn powertrain(
                 format!("`{}` is for a prismatic joint, but `{name}` drives {}", section.path("lead"), units.of);
             return section.refuse("lead", message, "no screw", "write the ratio of the gear: gear = 30");
         }
-        (None, Some(lead)) => std::f64::consts::TAU / *lead,
-        (Some(gear), None) if *gear == 0.0 => {
+        (None, Some(lead)) => std::f64::consts::TAU / lead,
+        (Some(gear), None) if gear == 0.0 => {
             let message = format!("`{}` is 0, so the motor would not turn", section.path("gear"));
             let help = "write the rate of the motor per rate of the joint: gear = 30; negative if it turns backwards";
             return section.refuse("gear", message, "not 0", help);
         }
-        (Some(gear), None) => *gear,
+        (Some(gear), None) => gear,
         (None, None) => 1.0,
     };
-    if units.linear && settings.gear.or(settings.lead.map(|lead| Quantity::from(*lead))).is_none() {
+    if units.linear && settings.gear.or(settings.lead).is_none() {
         let of_shaft = ["rotor"].into_iter().find(|key| section.has(key)).map(|key| (key, section.path(key)));
         let motor = section.subsection("motor");
         let of_motor = motor.is_present().then(|| ("motor", motor.path("")));
@@ -185,16 +195,16 @@ pub(super) fn powertrain(
             return section.refuse(key, message, "no gear", help);
         }
     }
-    let loss = settings.efficiency.map(|efficiency| *efficiency).filter(|efficiency| *efficiency < 1.0);
+    let loss = settings.efficiency.filter(|efficiency| *efficiency < 1.0);
     if loss.is_none() {
         let reason = if settings.efficiency.is_some() { "with an efficiency of 1" } else { "without `efficiency`" };
         section.report_unused(["loss_rate", "loss_stiffness"], reason);
     }
     let loss = loss.map(|efficiency| GearLoss {
         efficiency,
-        rate: settings.loss_rate.map_or(if units.linear { 1e-3 } else { 0.01 }, |rate| *rate),
+        rate: settings.loss_rate.unwrap_or(if units.linear { 1e-3 } else { 0.01 }),
         bristle: settings.loss_stiffness.map(|stiffness| Bristle {
-            damping_n_s_per_m: *stiffness * BRISTLE_RELAXATION_S,
+            damping_n_s_per_m: stiffness * BRISTLE_RELAXATION_S,
             relaxation_s: BRISTLE_RELAXATION_S,
         }),
     });
@@ -202,7 +212,7 @@ pub(super) fn powertrain(
         section.report_unused(["loss_rate"], "with `loss_stiffness`");
     }
     let motor = motor(name, section)?;
-    let rotor_kg_m2 = settings.rotor.map_or(0.0, |rotor| *rotor);
+    let rotor_kg_m2 = settings.rotor.unwrap_or(0.0);
     Some(Powertrain { gear, rotor_kg_m2, loss, motor, feedback: None })
 }
 
