@@ -10,6 +10,7 @@ mod bounds;
 mod cable;
 mod conditioning;
 mod contacts;
+mod drive_model;
 mod dyad;
 mod dynamics;
 mod events;
