@@ -333,8 +333,8 @@ impl Segment {
     }
 }
 
-/// The straight parts of a cable between the circles that it is on. Between circles with signed radii r and s, the part is at the distance s − r from the
-/// line of the centres.
+/// The straight parts of a cable between the circles that it is on. Between circles with signed radii r and s, the part is at
+/// the distance s − r from the line of the centres.
 pub(super) fn segments(circles: &[Circle], pose: &dyn Fn(usize) -> BodyPose) -> impl Iterator<Item = Segment> {
     let mut last: Option<(usize, &Circle)> = None;
     circles.iter().enumerate().filter(|(_, circle)| circle.is_on).filter_map(move |(index, circle)| {

@@ -356,8 +356,8 @@ impl MechanismModel {
                 self.add_joint_load(plain, spool.0, spool.1, row);
                 self.add_spool_derivatives((plain, motions), *spool, &mut of_second);
             }
-            for i in 0..n {
-                rate[i] = row_dot(&second.a_q[i], v);
+            for (i, rate) in rate.iter_mut().enumerate() {
+                *rate = row_dot(&second.a_q[i], v);
                 let by_q = sums.load_q[i].iter_mut().zip(&second.a_q[i]);
                 by_q.for_each(|(sum, part)| *sum -= strand.tension * part);
             }
