@@ -24,6 +24,10 @@ pub struct PlannedCableFriction {
 /// one with the most negative gap joins it, until there is neither. The first path of a run has no fault.
 pub(super) fn update_path(circles: &mut [Circle], poses: &[BodyPose], is_first: bool) -> Option<CableFault> {
     let pose = |body: usize| poses[body];
+    // Two circles without a segment have a wrap that is not a number.
+    if circles.iter().all(|circle| circle.is_on) && wraps(circles, &pose).all(|(_, wrap)| wrap >= -BAND) {
+        return None;
+    }
     loop {
         let on: Vec<usize> = (0..circles.len()).filter(|index| circles[*index].is_on).collect();
         let parts: Vec<Segment> = segments(circles, &pose).collect();
@@ -125,22 +129,22 @@ pub struct CableReading {
     pub turn: f64,
     /// Distance of the cable from a circle that it is off, m.
     pub gap: f64,
-    /// Speed of the cable towards the first segment, m/s; 0 if the cable is off.
+    /// Speed of the cable towards the first segment, m/s; 0 if the cable is off or has no friction.
     pub slip: f64,
     /// Tension behind the circle, N.
     pub tension: f64,
 }
 
-/// Reads a circle, without the tension.
+/// Reads a circle of a cable, without the tension; `rubs` states whether the cable has friction.
 pub(super) fn read_circle(
     circles: &[Circle],
     index: usize,
-    far: &[(Coordinate, f64)],
+    (far, rubs): (&[(Coordinate, f64)], bool),
     (poses, velocities): (&[BodyPose], &[Twist]),
 ) -> CableReading {
     let (is_on, none) = (circles[index].is_on, CableReading::default());
     if is_on {
-        let slip = slip_row(circles, index, far, poses).rate(velocities);
+        let slip = if rubs { slip_row(circles, index, far, poses).rate(velocities) } else { 0.0 };
         return CableReading { is_on, turn: turn(circles, index, poses), slip, ..none };
     }
     let pose = |body: usize| poses[body];

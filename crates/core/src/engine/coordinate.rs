@@ -137,6 +137,8 @@ impl Circle {
 
 /// The straight part of a cable between two circles, with the arms and velocities of their centres.
 pub(super) struct Segment {
+    /// Index of the circle at its start.
+    from: usize,
     bodies: [Option<usize>; 2],
     arms: [[f64; 2]; 2],
     pub length: f64,
@@ -341,31 +343,30 @@ impl Segment {
     }
 }
 
-/// The straight parts of a cable between the circles that it is on. Between circles with signed radii r and s, the part is at the distance s − r from the
-/// line of the centres.
+/// The straight parts of a cable between the circles that it is on. Between circles with signed radii r and s, the part is at
+/// the distance s − r from the line of the centres.
 pub(super) fn segments(circles: &[Circle], pose: &dyn Fn(usize) -> BodyPose) -> impl Iterator<Item = Segment> {
-    let mut last: Option<&Circle> = None;
-    circles.iter().filter(|circle| circle.is_on).filter_map(move |circle| {
-        let pair = [last.replace(circle)?, circle];
+    let mut last: Option<(usize, &Circle)> = None;
+    circles.iter().enumerate().filter(|(_, circle)| circle.is_on).filter_map(move |(index, circle)| {
+        let (from, before) = last.replace((index, circle))?;
+        let pair = [before, circle];
         let Points { arms, between, .. } = Points::new(&[pair[0].center, pair[1].center], pose);
         let offset = pair[1].signed_radius_m - pair[0].signed_radius_m;
         let squared = dot(between, between);
         let length = (squared - offset * offset).sqrt();
         let along = scale(sub(scale(between, length), scale(perp(between), offset)), 1.0 / squared);
-        Some(Segment { bodies: pair.map(|circle| circle.center.body), arms, length, along })
+        Some(Segment { from, bodies: pair.map(|circle| circle.center.body), arms, length, along })
     })
 }
 
 /// The angles by which a cable wraps the circles that it is on, with their indices; negative where it would push.
 pub(super) fn wraps(circles: &[Circle], pose: &dyn Fn(usize) -> BodyPose) -> impl Iterator<Item = (usize, f64)> {
-    let directions: Vec<[f64; 2]> = segments(circles, pose).map(|segment| segment.along).collect();
-    let on: Vec<usize> = (0..circles.len()).filter(|index| circles[*index].is_on).collect();
-    let wrap = move |place: usize, index: usize| {
-        let [before, after] = [directions[place - 1], directions[place]];
-        let is_left = circles[index].signed_radius_m > 0.0;
-        if is_left { opening_angle(before, after) } else { opening_angle(after, before) }
-    };
-    let inner = (1..on.len().saturating_sub(1)).map(move |place| (place, on[place]));
-    let pulleys = inner.filter(|(_, index)| circles[*index].signed_radius_m != 0.0);
-    pulleys.map(move |(place, index)| (index, wrap(place, index)))
+    let mut last = None;
+    segments(circles, pose).filter_map(move |segment| {
+        let (after, index) = (segment.along, segment.from);
+        let before = last.replace(after)?;
+        let radius = circles[index].signed_radius_m;
+        let wrap = if radius > 0.0 { opening_angle(before, after) } else { opening_angle(after, before) };
+        (radius != 0.0).then_some((index, wrap))
+    })
 }

@@ -448,7 +448,8 @@ impl Motion {
             let before =
                 self.cable_losses(tendon).filter(|(friction, _)| plan.cable_frictions[*friction].circle <= circle);
             let tension = self.tension(of) - before.map(|(_, loss)| loss).sum::<f64>();
-            CableReading { tension, ..read_circle(&of.circles, circle, &of.far, (&linkage.poses, velocities)) }
+            let rubs = plan.cable_frictions.iter().any(|friction| friction.tendon == tendon);
+            CableReading { tension, ..read_circle(&of.circles, circle, (&of.far, rubs), (&linkage.poses, velocities)) }
         })
     }
 

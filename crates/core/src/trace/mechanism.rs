@@ -69,17 +69,22 @@ impl Kernel for MechanismModel {
                 (powertrain, drive)
             }));
         });
-        model.read_elements(t, qv, mode, |index, ElementReading { is_on, turn, gap, slip, tension }| {
-            let state = CableElementState {
-                on: f64::from(u8::from(is_on)),
-                wrap_rad: turn.max(0.0),
-                gap_m: gap,
-                // The sum has no negative zero.
-                slip_m_s: slip + 0.0,
-                tension_n: tension,
-            };
-            sample.set_cable_element(index, &state);
-        });
+        match required_data.passive {
+            true => model.read_elements(t, qv, mode, |index, ElementReading { is_on, turn, gap, slip, tension }| {
+                let state = CableElementState {
+                    on: f64::from(u8::from(is_on)),
+                    wrap_rad: turn.max(0.0),
+                    gap_m: gap,
+                    // The sum has no negative zero.
+                    slip_m_s: slip + 0.0,
+                    tension_n: tension,
+                };
+                sample.set_cable_element(index, &state);
+            }),
+            false => {
+                (0..counts.elements).for_each(|index| sample.set_cable_element(index, &CableElementState::default()));
+            }
+        }
         model.read_bodies(qv, |index, ([x, y, angle_rad], [vx, vy, spin_rad_s])| {
             sample.set_body(index, &BodyState { centre_m: [x, y], angle_rad, velocity_m_s: [vx, vy], spin_rad_s });
         });

@@ -273,7 +273,7 @@ pub struct CableElementState {
     pub wrap_rad: f64,
     /// Distance of the cable from the pulley; 0 if it is on.
     pub gap_m: f64,
-    /// Speed of the cable; 0 if it is off.
+    /// Speed of the cable; 0 if it is off or has no friction.
     pub slip_m_s: f64,
     /// Tension of the cable behind the place.
     pub tension_n: f64,

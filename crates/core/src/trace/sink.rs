@@ -21,7 +21,7 @@ pub struct RequiredData {
     pub energies: bool,
     /// Whether samples need the forces in joints; otherwise they are 0.
     pub joint_forces: bool,
-    /// Whether samples need passive joint angles and motor torques; otherwise they are 0.
+    /// Whether samples need passive joint angles, motor torques and places of cables; otherwise they are 0.
     pub passive: bool,
     /// Whether the outcome and [`Sink::extreme`] samples need the largest forces and penetrations within steps.
     /// Otherwise only the ends of steps are used.

@@ -28,6 +28,7 @@ impl Bend {
         if sign < 0.0 { Bend::Right } else { Bend::Left }
     }
 
+    #[inline(always)]
     pub fn is_on(self) -> bool {
         self != Bend::Off
     }
@@ -97,14 +98,33 @@ pub fn turn(element: &PathElement, bend: Bend, directions: [Vector<f64>; 2]) -> 
 }
 
 /// Pairs of path elements between which a cable is straight, by their indices.
-pub fn strands(bends: &[Bend]) -> impl Iterator<Item = [usize; 2]> + '_ {
-    let mut on = (0..bends.len()).filter(|element| bends[*element].is_on());
-    let mut from = on.next();
-    on.map(move |to| {
-        let pair = [from.unwrap_or(to), to];
-        from = Some(to);
-        pair
-    })
+#[derive(Clone, Debug)]
+pub struct Strands<'a> {
+    bends: &'a [Bend],
+    from: usize,
+    next: usize,
+}
+
+/// Returns the [`Strands`] of a cable, from its first element; the ends of its path are always on it.
+#[inline(always)]
+pub fn strands(bends: &[Bend]) -> Strands<'_> {
+    Strands { bends, from: 0, next: 1 }
+}
+
+impl Iterator for Strands<'_> {
+    type Item = [usize; 2];
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<[usize; 2]> {
+        while let Some(bend) = self.bends.get(self.next) {
+            let to = self.next;
+            self.next += 1;
+            if bend.is_on() {
+                return Some([std::mem::replace(&mut self.from, to), to]);
+            }
+        }
+        None
+    }
 }
 
 /// Returns the path elements on the path before and after an element.

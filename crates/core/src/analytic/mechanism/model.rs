@@ -597,15 +597,14 @@ impl MechanismModel {
     #[inline(always)]
     pub fn count_turns_as(&self, mode: &MechanismMode) {
         self.count_turns_in(&mode.counts, &mode.near);
-        self.pass_paths_as(&mode.bends);
+        if !self.cables.is_empty() {
+            self.pass_paths_as(&mode.bends);
+        }
     }
 
     /// Uses these paths of cables in all evaluations until the next call.
     #[inline(always)]
     pub(super) fn pass_paths_as(&self, bends: &[Bend]) {
-        if bends.is_empty() {
-            return;
-        }
         for workspace in &self.workspaces {
             let motions = &mut workspace.borrow_mut().motions;
             if motions.bends[..] != *bends {

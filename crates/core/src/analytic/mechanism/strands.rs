@@ -29,7 +29,7 @@ pub struct ElementReading {
     pub turn: f64,
     /// Distance of the cable from a pulley that it is off, m.
     pub gap: f64,
-    /// Speed of the cable towards the first segment, m/s.
+    /// Speed of the cable towards the first segment, m/s; 0 if the cable is off or has no friction.
     pub slip: f64,
     /// Tension behind the element, N.
     pub tension: f64,

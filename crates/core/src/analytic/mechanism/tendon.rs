@@ -372,8 +372,8 @@ impl MechanismModel {
                 self.add_joint_load(plain, spool.0, spool.1, row);
                 self.add_spool_derivatives((plain, motions), *spool, &mut of_second);
             }
-            for i in 0..n {
-                rate[i] = row_dot(&second.a_q[i], v);
+            for (i, rate) in rate.iter_mut().enumerate() {
+                *rate = row_dot(&second.a_q[i], v);
                 let by_q = sums.load_q[i].iter_mut().zip(&second.a_q[i]);
                 by_q.for_each(|(sum, part)| *sum -= strand.tension * part);
             }
@@ -532,8 +532,10 @@ impl MechanismModel {
                 if wrap.is_nan() {
                     return Some([f64::NAN, 0.0]);
                 }
-                let turning = turning(path, motions, ends) - turning(path, motions, [last, ends[0]]);
-                (wrap > 0.5 * MAX_WRAP_RAD).then(|| [MAX_WRAP_RAD - wrap, -(pulley.side * turning)])
+                (wrap > 0.5 * MAX_WRAP_RAD).then(|| {
+                    let turning = turning(path, motions, ends) - turning(path, motions, [last, ends[0]]);
+                    [MAX_WRAP_RAD - wrap, -(pulley.side * turning)]
+                })
             })
         })
     }
@@ -661,27 +663,36 @@ impl MechanismModel {
         }
         self.with_motions((q, v), |motions| {
             let all = &mut self.scratch.borrow_mut().strands.all;
-            let mut of = None;
+            let (mut of, mut first) = (None, 0.0);
             for (index, [cable_index, element]) in reported {
                 let cable = &self.cables[cable_index];
+                let (path, rubs) = (&cable.tendon.path, !cable.frictions.is_empty());
                 if of.replace(cable_index) != Some(cable_index) {
-                    let first = self.tension(t, mode, motions, cable).1.total();
-                    self.find_strands(v, mode, motions, (cable, first), all);
+                    first = self.tension(t, mode, motions, cable).1.total();
+                    if rubs {
+                        self.find_strands(v, mode, motions, (cable, first), all);
+                    }
                 }
                 let bends = cable.bends(&motions.bends);
-                let behind = all.iter().find(|strand| strand.ends[1] > element).map_or(0.0, |strand| strand.tension);
-                let none =
-                    ElementReading { is_on: bends[element].is_on(), tension: behind, ..ElementReading::default() };
-                let reading = match all.iter().find(|strand| strand.ends[1] == element) {
-                    Some(strand) => ElementReading { turn: strand.turn, slip: strand.slip, ..none },
-                    None => {
-                        let places = neighbours(bends, element);
-                        let gap = |[before, after]: [usize; 2]| {
-                            gap(&cable.tendon.path, [before, element, after], center(motions))
-                        };
-                        ElementReading { gap: places.map_or(0.0, gap), ..none }
+                let is_on = bends[element].is_on();
+                let Some([before, after]) = neighbours(bends, element) else { continue };
+                let mut reading = ElementReading { is_on, tension: first, ..ElementReading::default() };
+                if rubs {
+                    let behind = all.iter().find(|strand| strand.ends[1] > element);
+                    reading.tension = behind.map_or(first, |strand| strand.tension);
+                }
+                match all.iter().find(|strand| rubs && strand.ends[1] == element) {
+                    Some(strand) => (reading.turn, reading.slip) = (strand.turn, strand.slip),
+                    None if is_on => {
+                        let directions = [[before, element], [element, after]].map(|ends| {
+                            let ends = ends.map(|element| &path[element]);
+                            let [from, to] = ends.map(center(motions));
+                            segment(ends, sub(to, from)).direction
+                        });
+                        reading.turn = turn(&path[element], bends[element], directions);
                     }
-                };
+                    None => reading.gap = gap(path, [before, element, after], center(motions)),
+                }
                 read(index, reading);
             }
         });
