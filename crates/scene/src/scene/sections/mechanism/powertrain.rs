@@ -176,7 +176,7 @@ pub(super) fn powertrain(
             return section.refuse("lead", message, "no screw", "write the ratio of the gear: gear = 30");
         }
         (None, Some(lead)) => std::f64::consts::TAU / lead,
-        (Some(gear), None) if gear == 0.0 => {
+        (Some(0.0), None) => {
             let message = format!("`{}` is 0, so the motor would not turn", section.path("gear"));
             let help = "write the rate of the motor per rate of the joint: gear = 30; negative if it turns backwards";
             return section.refuse("gear", message, "not 0", help);
