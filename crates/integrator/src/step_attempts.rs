@@ -3,7 +3,7 @@
 use super::event_location::{Crossing, Found, SearchMemory, function_inside, search_step};
 use super::layout::Layout;
 use super::method::{Attempt, Method, StepStart};
-use super::{Counters, EventSet, Hybrid, error_weight};
+use super::{Counters, EventSet, Hybrid, RootSearch, error_weight};
 
 /// Below this size, a step counts as collapsed.
 pub const MIN_STEP_S: f64 = 1e-22;
@@ -114,7 +114,9 @@ impl<L: Layout, K: Method<L>> StepAttempts<'_, K, L> {
             let event_index = crossing.event_index;
             let tolerance = system.event_tolerance(event_index, origin.mode);
             let (mut low, mut high) = (0.0, crossing.negative_at * full_size);
-            let cuts_attempts = self.method.interpolates_events();
+            // Forces are large multiples of rates, which the dense output of a stiff step does not give.
+            let is_gap = self.events.functions[event_index].root_search == RootSearch::Bounded;
+            let cuts_attempts = is_gap && self.method.interpolates_events();
             let passing = |crossing: &Crossing| match cuts_attempts {
                 true => (crossing.theta * (1.0 + PASSING)).min(0.5 * (crossing.theta + crossing.negative_at)),
                 false => crossing.theta,

@@ -493,9 +493,18 @@ impl Mechanism {
         }
     }
 
+    /// Joints on whose coordinates a limit acts, with their factors.
+    pub fn limited_terms(&self, limit: &Limit) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let (joint, sum) = match limit.of {
+            Limited::Joint(joint) => (Some((joint, 1.0)), &[][..]),
+            Limited::Sum(sum) => (None, &self.sum_limits[sum].on.terms[..]),
+        };
+        joint.into_iter().chain(sum.iter().copied())
+    }
+
     /// Whether the coordinate that a limit bounds is an angle.
     pub fn is_angular(&self, limit: &Limit) -> bool {
-        self.limited(limit).terms.first().is_some_and(|(joint, _)| self.joints[*joint].kind.is_angle())
+        self.limited_terms(limit).next().is_some_and(|(joint, _)| self.joints[joint].kind.is_angle())
     }
 
     /// Inertias of combinations of joint coordinates: those of [`Mechanism::rotors`] and of the rotors of actuators.

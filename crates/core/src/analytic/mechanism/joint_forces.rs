@@ -288,8 +288,8 @@ impl MechanismModel {
                 Surfaces::Tendon(_) | Surfaces::Cable(..) => {}
                 Surfaces::Limit(ref limit) => {
                     let total = -limit.side * reading.normal;
-                    for (joint, factor) in &self.mechanism.limited(limit).terms {
-                        self.subtract_effort(state, *joint, factor * total, system);
+                    for (joint, factor) in self.mechanism.limited_terms(limit) {
+                        self.subtract_effort(state, joint, factor * total, system);
                     }
                 }
                 Surfaces::Friction(joint) => self.subtract_effort(state, joint, reading.tangential, system),
