@@ -155,6 +155,12 @@ impl ContactCandidate {
         self.friction.as_ref().filter(|law| law.has_state())
     }
 
+    /// Prescribes the depth in a step, a parabola through these values at its start, middle and end.
+    fn follow_parabola(&mut self, [start, middle, end]: [f64; 3], dt: f64) {
+        let rate = (4.0 * middle - 3.0 * start - end) / dt;
+        (self.gap, self.prescribed_gap_motion) = (-start, [-rate, -4.0 * (start - 2.0 * middle + end) / (dt * dt)]);
+    }
+
     /// Whether there is a force along the slip row.
     pub(crate) fn has_tangent(&self) -> bool {
         self.friction.is_some() || self.motor.is_some() || self.powertrain.is_some()
@@ -279,10 +285,7 @@ pub(crate) fn set_cables(
         let middle = turn + 0.5 * dt * cable::turn_rate(&tendon.circles, circle, poses, velocities);
         candidate.cable = Some(CablePass { turn: middle.max(0.0), offset_n });
         candidate.law = NormalLaw::constant_force(offset_n);
-        let [start, middle, end] = pulls.map(|pull| 1.0 + pull / offset_n);
-        let rate = (4.0 * middle - 3.0 * start - end) / dt;
-        (candidate.gap, candidate.prescribed_gap_motion) =
-            (-start, [-rate, -4.0 * (start - 2.0 * middle + end) / (dt * dt)]);
+        candidate.follow_parabola(pulls.map(|pull| 1.0 + pull / offset_n), dt);
     }
 }
 
@@ -321,16 +324,25 @@ fn servo_candidate(plan: &Plan, index: usize, servo: &PlannedServo, poses: &[Bod
 
 /// Models a powertrain as a contact; [`set_shaft_torques`] sets its gap.
 fn powertrain_candidate(plan: &Plan, index: usize, poses: &[BodyPose]) -> ContactCandidate {
-    let PlannedPowertrain { shaft, measured, law, .. } = &plan.powertrains[index];
-    let normal_row = measured.as_ref().map_or_else(Row::none, |measured| measured.row(poses));
+    let powertrain = &plan.powertrains[index];
     let (element, without_force) = (Element::Powertrain(index), NormalLaw::constant_force(0.0));
     ContactCandidate {
         rounding: f64::EPSILON,
-        powertrain: Some(*law),
+        powertrain: Some(powertrain.law),
         is_motor: true,
         uses_contact_law: true,
-        ..ContactCandidate::new(plan.first_powertrain() + index, element, without_force, [normal_row, shaft.row(poses)])
+        ..ContactCandidate::new(
+            plan.first_powertrain() + index,
+            element,
+            without_force,
+            powertrain_rows(powertrain, poses),
+        )
     }
+}
+
+/// Rows of what a powertrain measures, if it does, and of its shaft.
+fn powertrain_rows(PlannedPowertrain { shaft, measured, .. }: &PlannedPowertrain, poses: &[BodyPose]) -> [Row; 2] {
+    [measured.as_ref().map_or_else(Row::none, |measured| measured.row(poses)), shaft.row(poses)]
 }
 
 /// Returns a candidate along the slip row of a shaft. No body changes its penetration, which together with the stiffness
@@ -367,13 +379,12 @@ pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64
             Element::Powertrain(index) => {
                 let PlannedPowertrain { input, measured, .. } = &plan.powertrains[index];
                 let [(start, start_rate), (middle, _), (end, end_rate)] = times.map(|t| input.at(t));
-                (candidate.gap, candidate.prescribed_gap_motion) = match measured {
-                    Some(measured) => (measured.value(poses) - start, [start_rate, (end_rate - start_rate) / dt]),
-                    None => {
-                        let rate = (4.0 * middle - 3.0 * start - end) / dt;
-                        (-start, [-rate, -4.0 * (start - 2.0 * middle + end) / (dt * dt)])
-                    }
-                };
+                if let Some(measured) = measured {
+                    candidate.gap = measured.value(poses) - start;
+                    candidate.prescribed_gap_motion = [start_rate, (end_rate - start_rate) / dt];
+                } else {
+                    candidate.follow_parabola([start, middle, end], dt);
+                }
                 continue;
             }
             Element::Stop(_) | Element::Contact(_) | Element::Cable(_) => continue,
@@ -382,10 +393,7 @@ pub(crate) fn set_shaft_torques(plan: &Plan, poses: &[BodyPose], t: f64, dt: f64
         candidate.law = NormalLaw::constant_force(max_torque);
         candidate.uses_contact_law = max_torque > 0.0;
         if candidate.uses_contact_law {
-            let [start, middle, end] = torques.map(|torque| torque / max_torque);
-            let rate = (4.0 * middle - 3.0 * start - end) / dt;
-            (candidate.gap, candidate.prescribed_gap_motion) =
-                (-start, [-rate, -4.0 * (start - 2.0 * middle + end) / (dt * dt)]);
+            candidate.follow_parabola(torques.map(|torque| torque / max_torque), dt);
         }
     }
 }
@@ -445,11 +453,7 @@ pub(crate) fn gap_and_rows_at(
         Element::Servo(index) => along(plan.servos[index].coordinate.row(poses)),
         Element::Brake(index) => across(plan.brakes[index].shaft.row(poses)),
         Element::Motor(index) => across(plan.motors[index].shaft.row(poses)),
-        Element::Powertrain(index) => {
-            let PlannedPowertrain { shaft, measured, .. } = &plan.powertrains[index];
-            let normal_row = measured.as_ref().map_or_else(Row::none, |measured| measured.row(poses));
-            (candidate.gap, [normal_row, shaft.row(poses)])
-        }
+        Element::Powertrain(index) => (candidate.gap, powertrain_rows(&plan.powertrains[index], poses)),
         Element::Cable(index) => {
             let PlannedCableFriction { tendon, circle, .. } = plan.cable_frictions[index];
             let tendon = &plan.tendons[tendon];

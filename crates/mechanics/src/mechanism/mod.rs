@@ -34,7 +34,6 @@ use crate::numeric::Real;
 use crate::numeric::elementary::{hypot, sin_cos};
 use crate::numeric::plane::{add, rotate};
 use crate::palm_motion::{self, PalmMotion};
-use std::borrow::Cow;
 
 pub use assembly::{AssemblyError, Condition, Measure, Start, assemble};
 pub use fold::folded_joints;
@@ -486,10 +485,10 @@ impl Mechanism {
     }
 
     /// The coordinate that a limit bounds.
-    pub fn limited(&self, limit: &Limit) -> Cow<'_, JointCombination> {
+    pub fn limited(&self, limit: &Limit) -> JointCombination {
         match limit.of {
-            Limited::Joint(joint) => Cow::Owned(JointCombination::of_joint(joint)),
-            Limited::Sum(sum) => Cow::Borrowed(&self.sum_limits[sum].on),
+            Limited::Joint(joint) => JointCombination::of_joint(joint),
+            Limited::Sum(sum) => self.sum_limits[sum].on.clone(),
         }
     }
 

@@ -60,7 +60,10 @@ fn scene_in<'t>(mut document: DeTable<'t>, section: Option<&str>) -> Option<DeTa
 /// # Errors
 /// Returns all problems, each with its position in the original text.
 pub fn parse_layers(files: &[Layer], settings: &[Layer]) -> Result<Scene, SceneError> {
-    parse_with(files, settings, None, |_, _, scene| scene)
+    match single_text(files, settings) {
+        Some(layer) => parse_any(&layer.text, &layer.file),
+        None => parse_merged(files, settings, None, |_, _, scene| scene),
+    }
 }
 
 /// Like [`parse_layers`], but parses the merged text with `parse`, which also receives the name of the scene's own file.
@@ -72,7 +75,10 @@ pub fn parse_layers_as<T>(
     settings: &[Layer],
     parse: impl Fn(&str, &str) -> Result<T, SceneError>,
 ) -> Result<T, SceneError> {
-    parse_with(files, settings, None, |text, file, _| parse(text, file))
+    match single_text(files, settings) {
+        Some(layer) => parse(&layer.text, &layer.file),
+        None => parse_merged(files, settings, None, |text, file, _| parse(text, file)),
+    }
 }
 
 /// Like [`parse_layers_as`], for a scene that is the table `section` of the last file, such as a study.
@@ -84,23 +90,22 @@ pub fn parse_layers_of_section<T>(
     section: &str,
     parse: impl Fn(&str, &str) -> Result<T, SceneError>,
 ) -> Result<T, SceneError> {
-    parse_with(files, &[], Some(section), |text, file, _| parse(text, file))
+    parse_merged(files, &[], Some(section), |text, file, _| parse(text, file))
+}
+
+/// Returns the text of a scene that needs no merging.
+fn single_text<'a>(files: &'a [Layer], settings: &[Layer]) -> Option<&'a Layer> {
+    if let [layer] = files { settings.is_empty().then_some(layer) } else { None }
 }
 
 /// Merges texts. `parse` receives the merged text, the name of the scene's own file, and the scene in this text.
-fn parse_with<T>(
+fn parse_merged<T>(
     files: &[Layer],
     settings: &[Layer],
     section: Option<&str>,
     parse: impl Fn(&str, &str, Result<Scene, SceneError>) -> Result<T, SceneError>,
 ) -> Result<T, SceneError> {
-    let empty = Layer { file: String::new(), text: String::new() };
-    let scene_file = files.last().unwrap_or(&empty);
-    let is_one_text = files.len() == 1 && settings.is_empty() && section.is_none();
-    if files.is_empty() || is_one_text {
-        let Layer { file, text } = scene_file;
-        return parse(text, file, parse_any(text, file));
-    }
+    let Some(scene_file) = files.last() else { return parse("", "", parse_any("", "")) };
     let layers: Vec<&Layer> = files.iter().chain(settings).collect();
     let mut merged = Merged::new(&layers, files.len(), section)?;
     let mut text = merged.text();

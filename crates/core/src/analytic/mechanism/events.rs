@@ -18,7 +18,7 @@ use crate::integrator::{
 };
 use crate::mechanism::structure::Placement;
 use crate::mechanism::tendon::Bend;
-use crate::mechanism::{Actuator, Limit, Limited};
+use crate::mechanism::{Actuator, Limit};
 
 /// Margin below which points count as met in the description of an obstacle, m: the end is not located exactly.
 const MET_ROUNDING_M: f64 = 1e-8;
@@ -217,13 +217,10 @@ impl MechanismModel {
         let of_joint = |joint: usize| self.mechanism.joints[joint].bodies;
         match &self.contacts[index].surfaces {
             Surfaces::Point(pair) => self.with_bodies(state, pair.bodies, f),
-            Surfaces::Limit(limit) => match limit.of {
-                Limited::Joint(joint) => self.with_bodies(state, of_joint(joint), f),
-                Limited::Sum(sum) => {
-                    let terms = self.mechanism.sum_limits[sum].on.terms.iter();
-                    self.with_bodies(state, terms.flat_map(|(joint, _)| of_joint(*joint)), f)
-                }
-            },
+            Surfaces::Limit(limit) => {
+                let terms = self.mechanism.limited_terms(limit);
+                self.with_bodies(state, terms.flat_map(|(joint, _)| of_joint(joint)), f)
+            }
             Surfaces::Friction(joint) => self.with_bodies(state, of_joint(*joint), f),
             Surfaces::Tendon(index) | Surfaces::Cable(index, _) => {
                 let elements = self.cables[*index].tendon.path.iter().map(|element| element.body);

@@ -9,7 +9,7 @@ use super::nearest::PointOnFace;
 use crate::analytic::motion_bound::{RateBound, nothing_known};
 use crate::integrator::{CoordinateBounds, Dynamic, GapBound, GapBounds};
 use crate::mechanism::tendon::{MAX_WRAP_RAD, neighbours, segment, strands, wraps};
-use crate::mechanism::{Limited, MIN_DISTANCE_M, OutlinePoint, PathElement};
+use crate::mechanism::{MIN_DISTANCE_M, OutlinePoint, PathElement};
 use crate::numeric::plane::sub;
 
 /// Bounds of a segment of a cable: the relative speed of its ends and its smallest length.
@@ -129,14 +129,9 @@ impl MechanismModel {
             match &contact.surfaces {
                 Surfaces::Point(pair) => *gap = point_gap(pair, *width, motions, bounds),
                 Surfaces::Limit(limit) => {
-                    *gap = match limit.of {
-                        Limited::Joint(joint) => bounds.joints[joint].gap(),
-                        Limited::Sum(sum) => {
-                            let terms = self.mechanism.sum_limits[sum].on.terms.iter();
-                            let terms = terms.map(|(joint, factor)| bounds.joints[*joint].times(*factor));
-                            terms.fold(RateBound::default(), RateBound::plus).gap()
-                        }
-                    }
+                    let terms = self.mechanism.limited_terms(limit);
+                    let terms = terms.map(|(joint, factor)| bounds.joints[joint].times(factor));
+                    *gap = terms.fold(RateBound::default(), RateBound::plus).gap();
                 }
                 Surfaces::Tendon(_) | Surfaces::Friction(_) | Surfaces::Cable(..) => {}
             }
