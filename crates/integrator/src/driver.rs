@@ -172,7 +172,6 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Integration<L, M, K> {
             attempt: Attempt::new(layout),
             events,
             size: 0.0,
-            attempted_size: 0.0,
             resume_size: 0.0,
             event: None,
             reaches_stop: false,
@@ -282,7 +281,7 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Integration<L, M, K> {
         resolver.accept_step();
         let origin = run.origin(system, &run.options.tolerances, linearised);
         let mut memory = run.inside.clone();
-        let mut tools = StepEvaluator::new((&run.method, &mut resolver), origin, accepted.sizes(), &mut memory);
+        let mut tools = StepEvaluator::new((&run.method, &mut resolver), origin, accepted.size, &mut memory);
         Some(read(&step, &run.mode, &mut tools))
     }
 
@@ -521,8 +520,7 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Run<L, M, K> {
                 Found::Obstacle => return Err(Reason::Obstacle(system.describe_obstacle(nearest))),
                 Found::Nothing | Found::Unresolved => {
                     found.resume_size = if reaches_stop { requested_size } else { size };
-                    (found.size, found.attempted_size) = (size, size);
-                    (found.event, found.reaches_stop) = (None, reaches_stop);
+                    (found.size, found.event, found.reaches_stop) = (size, None, reaches_stop);
                     return Ok(Next::Step);
                 }
             };
@@ -579,8 +577,7 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Run<L, M, K> {
             state: &self.start,
         };
         self.resolver.follow(&self.method);
-        let mut tools =
-            StepEvaluator::new((&self.method, &mut self.resolver), origin, accepted.sizes(), &mut self.inside);
+        let mut tools = StepEvaluator::new((&self.method, &mut self.resolver), origin, accepted.size, &mut self.inside);
         if !observe(&step, &self.mode, &mut tools, observer) {
             return Err(Reason::Stopped);
         }
@@ -691,9 +688,8 @@ struct StepEvaluator<'a, Y: Hybrid, K> {
     method: &'a K,
     resolver: &'a mut K,
     origin: StepStart<'a, Y>,
-    /// Size of the last attempt of the method.
-    attempted_size: f64,
-    /// Part of the attempt whose fractions the observer uses.
+    size: f64,
+    /// Part of the step whose fractions the observer uses.
     part: [f64; 2],
     /// Whether the dense output is evaluated, and whether its quadratures are.
     has_dense: bool,
@@ -705,16 +701,15 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
     fn new(
         (method, resolver): (&'a K, &'a mut K),
         origin: StepStart<'a, Y>,
-        [size, attempted_size]: [f64; 2],
+        size: f64,
         memory: &'a mut InsideMemory<Y::Layout>,
     ) -> Self {
         memory.refined_count = 0;
-        let part = [0.0, size / attempted_size];
-        Self { method, resolver, origin, attempted_size, part, has_dense: false, has_quadratures: false, memory }
+        Self { method, resolver, origin, size, part: [0.0, 1.0], has_dense: false, has_quadratures: false, memory }
     }
 
-    /// Fraction of the attempt, from one of the part.
-    fn of_attempt(&self, theta: f64) -> f64 {
+    /// Fraction of the step, from one of the part.
+    fn of_step(&self, theta: f64) -> f64 {
         let [from, to] = self.part;
         if theta == 1.0 { to } else { from + theta * (to - from) }
     }
@@ -753,7 +748,7 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
 
     /// Evaluates the end of a separate step, or of the dense output if that step fails, in the interpolated state.
     fn resolve_inside(&mut self, theta: f64) {
-        self.resolver.attempt(&self.origin, theta * self.attempted_size, &mut self.memory.resolved);
+        self.resolver.attempt(&self.origin, theta * self.size, &mut self.memory.resolved);
         // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
         // size equals the reciprocal of a growth rate.
         if self.memory.resolved.error <= MAX_RESOLVED_ERROR {
@@ -774,7 +769,7 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
     /// Number of parts of a step on which cubics have the errors that are allowed.
     fn count_parts(&mut self, step: &Step<Y::Layout>) -> usize {
         let atol_q = self.origin.tolerances.atol_q;
-        let (start, end, middle) = (step.start, step.end, self.interpolate_step(self.of_attempt(0.5)));
+        let (start, end, middle) = (step.start, step.end, self.interpolate_step(0.5));
         let mut error = 0.0_f64;
         for i in 0..middle.q.as_ref().len() {
             let cubic = 0.5 * (start.q[i] + end.q[i]) + 0.125 * step.h * (start.v[i] - end.v[i]);
@@ -788,19 +783,19 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
 
 impl<Y: Hybrid, K: Method<Y::Layout>> StepTools<Y::Layout> for StepEvaluator<'_, Y, K> {
     fn interpolate(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.interpolate_step(self.of_attempt(theta))
+        self.interpolate_step(self.of_step(theta))
     }
 
     fn refine(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.refined(self.of_attempt(theta), true)
+        self.refined(self.of_step(theta), true)
     }
 
     fn refine_motion(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.refined(self.of_attempt(theta), false)
+        self.refined(self.of_step(theta), false)
     }
 
     fn resolve(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.resolve_inside(self.of_attempt(theta));
+        self.resolve_inside(self.of_step(theta));
         &self.memory.interpolated
     }
 }
@@ -817,7 +812,6 @@ fn observe<Y: Hybrid, K: Method<Y::Layout>, O: Observer<Y::Layout, Y::Mode>>(
     if count == 1 {
         return observer.step(step, mode, tools);
     }
-    let whole = tools.part;
     let at = |part: usize| part as f64 / count as f64;
     let mut ends = tools.memory.part.take().unwrap_or_else(|| [step.start.clone(), step.end.clone()]);
     ends[1].copy_from(step.start);
@@ -826,8 +820,8 @@ fn observe<Y: Hybrid, K: Method<Y::Layout>, O: Observer<Y::Layout, Y::Mode>>(
         let [start, end] = &mut ends;
         std::mem::swap(start, end);
         let is_last = part + 1 == count;
-        tools.part = [at(part), at(part + 1)].map(|at| whole[1] * at);
-        end.copy_from(if is_last { step.end } else { tools.interpolate_step(tools.part[1]) });
+        end.copy_from(if is_last { step.end } else { tools.interpolate_step(at(part + 1)) });
+        tools.part = [at(part), at(part + 1)];
         let t1 = if is_last { step.t1 } else { step.t0 + at(part + 1) * step.h };
         let observed = Step { t0: time_s, t1, h: step.h / count as f64, start, end };
         if !observer.step(&observed, mode, tools) {

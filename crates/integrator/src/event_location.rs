@@ -7,8 +7,8 @@ use super::interior::Interior;
 use super::layout::{Layout, VectorOf};
 use super::state::{DENSE_TERMS, DensePositions};
 use super::{
-    CoordinateBounds, Dense, EventFunction, EventSet, GapBound, GapBounds, Hybrid, Linearised, Method, RootSearch,
-    State, WeightedQuantity,
+    CoordinateBounds, Dense, EventFunction, EventSet, GapBound, GapBounds, Hybrid, Method, RootSearch, State,
+    WeightedQuantity,
 };
 use crate::numeric::array_from;
 use crate::numeric::elementary::powi;
@@ -82,14 +82,6 @@ impl<L: Layout> SearchMemory<L> {
             state: RefCell::new([zero(), zero()]),
             samples,
         }
-    }
-}
-
-impl<L: Layout> SearchMemory<L> {
-    /// Evaluates the dense output of the last attempt of a method, with its quadratures.
-    pub(crate) fn dense_with_quadratures<K: Method<L>>(&mut self, method: &K, linearised: &Linearised<L>) -> &Dense<L> {
-        method.dense(Some(linearised), &mut self.dense);
-        &self.dense
     }
 }
 

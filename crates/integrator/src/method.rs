@@ -114,12 +114,6 @@ pub trait Method<L: Layout>: Clone {
     /// Writes the coordinates of the terms d of [`Method::dense`]; returns their number.
     fn dense_positions(&self, d: &mut [VectorOf<L>; DENSE_TERMS]) -> usize;
 
-    /// Whether a step may end on an event inside an attempt, at a state of the dense output near the end of the attempt. It may
-    /// if the error of the dense output near the end is small compared with the tolerance.
-    fn interpolates_events(&self) -> bool {
-        false
-    }
-
     /// Whether steps are so long that their ends do not describe them.
     fn takes_long_steps(&self) -> bool {
         false

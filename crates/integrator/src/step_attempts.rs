@@ -3,7 +3,7 @@
 use super::event_location::{Crossing, Found, SearchMemory, function_inside, search_step};
 use super::layout::Layout;
 use super::method::{Attempt, Method, StepStart};
-use super::{Counters, EventSet, Hybrid, RootSearch, error_weight};
+use super::{Counters, EventSet, Hybrid, error_weight};
 
 /// Below this size, a step counts as collapsed.
 pub const MIN_STEP_S: f64 = 1e-22;
@@ -11,11 +11,6 @@ pub const MIN_STEP_S: f64 = 1e-22;
 const LAST_PART: f64 = 0.05;
 /// Ratio of a step that is extrapolated to an event to the distance of the event, so that it ends just past the event.
 const OVERSHOOT: f64 = 1.01;
-/// Excess of an attempted step over the distance of the event, relative to it, so that the attempt contains the event.
-const PASSING: f64 = 5e-4;
-/// Largest part of an attempted step that may be cut off behind the event. The error of the dense output vanishes towards the
-/// end of the step.
-const MAX_CUT: f64 = 5e-3;
 /// Maximum number of attempts to locate one event.
 const MAX_LOCATION_ATTEMPTS: usize = 12;
 
@@ -26,20 +21,11 @@ pub struct AcceptedStep<L: Layout> {
     /// Event functions at the end of the step.
     pub events: EventSet<L>,
     pub size: f64,
-    /// Size of the last attempt of the method. It is longer than the step if its end behind an event was cut off.
-    pub attempted_size: f64,
     /// Acceptable size before the step was shortened. The next step starts from this size.
     pub resume_size: f64,
     pub event: Option<usize>,
     /// Whether the step ends exactly at the stop time.
     pub reaches_stop: bool,
-}
-
-impl<L: Layout> AcceptedStep<L> {
-    /// Sizes of the step and of its attempt.
-    pub fn sizes(&self) -> [f64; 2] {
-        [self.size, self.attempted_size]
-    }
 }
 
 /// Number of attempts to locate an event that are kept: the last attempt, the best attempt that ends before the event,
@@ -114,14 +100,7 @@ impl<L: Layout, K: Method<L>> StepAttempts<'_, K, L> {
             let event_index = crossing.event_index;
             let tolerance = system.event_tolerance(event_index, origin.mode);
             let (mut low, mut high) = (0.0, crossing.negative_at * full_size);
-            // Forces are large multiples of rates, which the dense output of a stiff step does not give.
-            let is_gap = self.events.functions[event_index].root_search == RootSearch::Bounded;
-            let cuts_attempts = is_gap && self.method.interpolates_events();
-            let passing = |crossing: &Crossing| match cuts_attempts {
-                true => (crossing.theta * (1.0 + PASSING)).min(0.5 * (crossing.theta + crossing.negative_at)),
-                false => crossing.theta,
-            };
-            let mut target = passing(&crossing) * full_size;
+            let mut target = crossing.theta * full_size;
             // The earliest step found that ends past the event, and the last one that ends before it.
             let (mut after_event, mut before_event): (Option<Candidate>, Option<Candidate>) = (None, None);
             let mut last_size = 0.0;
@@ -164,19 +143,6 @@ impl<L: Layout, K: Method<L>> StepAttempts<'_, K, L> {
                         continue 'crossing;
                     }
                 }
-                let cut = recheck.filter(|c| {
-                    cuts_attempts && c.event_index == event_index && value < -tolerance && c.theta > 1.0 - MAX_CUT
-                });
-                if let Some(cut) = cut {
-                    let dense = self.memory.dense_with_quadratures(self.method, origin.linearised);
-                    dense.write(cut.theta, &mut attempt.end);
-                    system.eval_events(&attempt.end.q, &attempt.end.v, origin.mode, events);
-                    std::mem::swap(&mut found.attempt, attempt);
-                    std::mem::swap(&mut found.events, events);
-                    (found.size, found.attempted_size) = (cut.theta * target, target);
-                    (found.event, found.resume_size, found.reaches_stop) = (Some(event_index), size, false);
-                    return EventLocation::Located;
-                }
                 let candidate = Some(Candidate { index: free, size: target, event });
                 match recheck.filter(|c| c.event_index == event_index && event.is_none()) {
                     // The step ends after a dip.
@@ -192,7 +158,7 @@ impl<L: Layout, K: Method<L>> StepAttempts<'_, K, L> {
                 // longer step that contains the event.
                 let middle = 0.5 * (low + high);
                 target = match recheck {
-                    Some(crossing) => passing(&crossing) * target,
+                    Some(crossing) => crossing.theta * target,
                     None => {
                         let of_step = (system, origin.mode, &*self.method);
                         let before = function_inside(of_step, event_index, 1.0 - LAST_PART, self.memory).value;
@@ -214,7 +180,7 @@ impl<L: Layout, K: Method<L>> StepAttempts<'_, K, L> {
             let LocationAttempt { attempt, events } = &mut self.kept[accepted.index];
             std::mem::swap(&mut found.attempt, attempt);
             std::mem::swap(&mut found.events, events);
-            (found.size, found.attempted_size, found.event) = (accepted.size, accepted.size, accepted.event);
+            (found.size, found.event) = (accepted.size, accepted.event);
             (found.resume_size, found.reaches_stop) = (size, false);
             return EventLocation::Located;
         }

@@ -165,10 +165,6 @@ impl<L: Layout> Method<L> for SwitchedMethod<L> {
         }
     }
 
-    fn interpolates_events(&self) -> bool {
-        self.current != Current::Radau
-    }
-
     fn takes_long_steps(&self) -> bool {
         self.current == Current::Explicit
     }
