@@ -667,6 +667,9 @@ struct InsideMemory<L: Layout> {
     /// of several contacts begin alike.
     refined: Vec<(f64, bool, State<L>)>,
     refined_count: usize,
+    /// Ends of separate steps, with their fractions of the last step: a peak is read twice.
+    resolved_ends: Vec<(f64, State<L>)>,
+    resolved_count: usize,
 }
 
 impl<L: Layout> InsideMemory<L> {
@@ -679,6 +682,8 @@ impl<L: Layout> InsideMemory<L> {
             part: None,
             refined: (0..MAX_REFINED_STATES).map(|_| (0.0, false, State::zero(layout))).collect(),
             refined_count: 0,
+            resolved_ends: (0..MAX_REFINED_STATES).map(|_| (0.0, State::zero(layout))).collect(),
+            resolved_count: 0,
         }
     }
 }
@@ -704,7 +709,7 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
         size: f64,
         memory: &'a mut InsideMemory<Y::Layout>,
     ) -> Self {
-        memory.refined_count = 0;
+        (memory.refined_count, memory.resolved_count) = (0, 0);
         Self { method, resolver, origin, size, part: [0.0, 1.0], has_dense: false, has_quadratures: false, memory }
     }
 
@@ -748,6 +753,11 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
 
     /// Evaluates the end of a separate step, or of the dense output if that step fails, in the interpolated state.
     fn resolve_inside(&mut self, theta: f64) {
+        let InsideMemory { interpolated, resolved_ends, resolved_count, .. } = &mut *self.memory;
+        if let Some((_, end)) = resolved_ends[..*resolved_count].iter().find(|(at, _)| *at == theta) {
+            interpolated.copy_from(end);
+            return;
+        }
         self.resolver.attempt(&self.origin, theta * self.size, &mut self.memory.resolved);
         // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
         // size equals the reciprocal of a growth rate.
@@ -755,6 +765,12 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
             self.memory.interpolated.copy_from(&self.memory.resolved.end);
         } else {
             self.interpolate_step(theta);
+        }
+        let InsideMemory { interpolated, resolved_ends, resolved_count, .. } = &mut *self.memory;
+        if let Some((at, end)) = resolved_ends.get_mut(*resolved_count) {
+            *at = theta;
+            end.copy_from(interpolated);
+            *resolved_count += 1;
         }
     }
 

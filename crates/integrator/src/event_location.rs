@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use super::gap_search::{GapSearch, Part, Point, Unresolved, find_root};
+use super::gap_search::{GapSearch, Part, Point, ROOT_TOLERANCE, Unresolved, find_root};
 use super::interior::Interior;
 use super::layout::{Layout, VectorOf};
 use super::state::{DENSE_TERMS, DensePositions};
@@ -202,32 +202,35 @@ fn first_sampled_crossing<Y: Hybrid, K: Method<Y::Layout>>(
     };
     for index in (0..may_cross.len()).filter(|index| may_cross[*index]) {
         let value = |theta: f64| interior.function(index, theta).value;
+        let tolerance = interior.system.event_tolerance(index, interior.mode);
+        let ends = [(0.0, start[index].value), (1.0, end[index].value)];
         let is_negative_at_end = end[index].value < 0.0;
         let bracket = match search_of(index) {
-            RootSearch::EndOnly | RootSearch::Bounded => is_negative_at_end.then_some((0.0, 1.0)),
+            RootSearch::EndOnly | RootSearch::Bounded => is_negative_at_end.then_some(ends),
             RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce if dips[index] => {
                 let separation =
                     separates(index).then(|| find_separation(&|theta| interior.function(index, theta).is_separated));
-                let ends = [start[index].value, end[index].value];
-                first_dip(ends, separation, &mut |sample| at_sample(index, sample), &value)
+                let values = (ends.map(|end| end.1), tolerance);
+                first_dip(values, separation, &mut |sample| at_sample(index, sample), &value)
             }
             RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce => None,
-            RootSearch::Gap if at_half(index) < 0.0 => Some((0.0, 0.5)),
-            RootSearch::Gap if is_negative_at_end => Some((0.5, 1.0)),
+            RootSearch::Gap if at_half(index) < 0.0 => Some([ends[0], (0.5, at_half(index))]),
+            RootSearch::Gap if is_negative_at_end => Some([(0.5, at_half(index)), ends[1]]),
             RootSearch::Gap if start[index].rate < 0.0 && end[index].rate > 0.0 => {
                 let lowest = find_minimum(&|theta| interior.function(index, theta).rate);
-                (value(lowest) < 0.0).then_some((0.0, lowest))
+                let lowest = (lowest, value(lowest));
+                (lowest.1 < 0.0).then_some([ends[0], lowest])
             }
             RootSearch::Gap => None,
         };
-        let Some((low, high)) = bracket else { continue };
+        let Some([low, high]) = bracket else { continue };
         // This event function is still positive at the earliest crossing so far, so its own crossing is later.
-        if first.is_some_and(|f| f.theta < high && value(f.theta * (1.0 - SAME_CROSSING)) >= 0.0) {
+        if first.is_some_and(|f| f.theta < high.0 && value(f.theta * (1.0 - SAME_CROSSING)) >= 0.0) {
             continue;
         }
-        let theta = find_root(&value, low, high);
+        let theta = find_root(&value, [low, high], ROOT_TOLERANCE * tolerance);
         if first.is_none_or(|f| theta < f.theta) {
-            first = Some(Crossing { event_index: index, theta, negative_at: high });
+            first = Some(Crossing { event_index: index, theta, negative_at: high.0 });
         }
     }
     first
@@ -315,15 +318,15 @@ fn sample_theta(sample: usize) -> f64 {
     sample as f64 / (SAMPLES_PER_STEP - 1) as f64
 }
 
-/// Returns a bracket of the first zero crossing of a value that may be negative only between its ends. `separation` is
-/// the fraction at which the surfaces separate; `sample` gives the value at a sample inside the step.
+/// Returns a bracket of the first zero crossing of a value that may be negative only between its ends, with the values at its
+/// ends. Dips of less than `tolerance` below zero need not be found. `separation` is the fraction at which the surfaces separate;
+/// `sample` gives the value at a sample inside the step.
 fn first_dip(
-    [start, end]: [f64; 2],
+    ([start, end], tolerance): ([f64; 2], f64),
     separation: Option<f64>,
     sample: &mut dyn FnMut(usize) -> f64,
     value: &dyn Fn(f64) -> f64,
-) -> Option<(f64, f64)> {
-    let theta = sample_theta;
+) -> Option<[(f64, f64); 2]> {
     let mut samples = [end; SAMPLES_PER_STEP];
     samples[0] = start;
     // Samples after the first negative one are not read.
@@ -333,25 +336,30 @@ fn first_dip(
         }
         samples[*i] < 0.0
     });
+    let point = |i: usize| (sample_theta(i), samples[i]);
     // A dip between two samples, before the first negative one. The lowest sample may also be one of the ends.
     for i in 0..first_negative.unwrap_or(SAMPLES_PER_STEP) {
         let (before, after) = (i.saturating_sub(1), (i + 1).min(SAMPLES_PER_STEP - 1));
         let middle = i.clamp(1, SAMPLES_PER_STEP - 2);
         let curvature = samples[middle - 1].max(samples[middle + 1]) - samples[i];
         if samples[i] <= samples[before] && samples[i] <= samples[after] && samples[i] < 4.0 * curvature {
-            let ends = [before, after].map(|end| (theta(end), samples[end]));
-            if let Some(negative) = golden_section(value, ends) {
-                return Some((theta(before), negative));
+            let inner = (before < i && i < after).then(|| point(i));
+            if let Some(negative) = find_negative(value, [point(before), point(after)], inner, tolerance) {
+                return Some([point(before), negative]);
             }
         }
     }
-    let sampled = first_negative.map(|i| (theta(i - 1), theta(i)));
+    let sampled = first_negative.map(|i| [point(i - 1), point(i)]);
     sampled.or_else(|| {
         let end = separation?;
-        let sample_at = |sample: i32| end * (1.0 - powi(SEPARATION_RATIO, sample));
-        (1..MAX_SEPARATION_SAMPLES)
-            .find(|sample| value(sample_at(*sample)) < 0.0)
-            .map(|sample| (sample_at(sample - 1), sample_at(sample)))
+        let mut before = (0.0, start);
+        (1..MAX_SEPARATION_SAMPLES).find_map(|sample| {
+            let theta = end * (1.0 - powi(SEPARATION_RATIO, sample));
+            let at = (theta, value(theta));
+            let bracket = (at.1 < 0.0).then_some([before, at]);
+            before = at;
+            bracket
+        })
     })
 }
 
@@ -366,36 +374,62 @@ fn find_separation(is_separated: &dyn Fn(f64) -> bool) -> f64 {
     low
 }
 
-/// A point with a negative value between two points, found on the way to the single minimum of the value (golden-section
-/// search). The search ends where the lines through neighbouring points show that there is none.
-fn golden_section(value: &dyn Fn(f64) -> f64, [mut low, mut high]: [(f64, f64); 2]) -> Option<f64> {
-    const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
-    let from_high = |low: (f64, f64), high: (f64, f64)| high.0 - GOLDEN_RATIO * (high.0 - low.0);
-    let from_low = |low: (f64, f64), high: (f64, f64)| low.0 + GOLDEN_RATIO * (high.0 - low.0);
+/// A point with a negative value between two points, found on the way to the single minimum of the value. `inner` is a point
+/// between them whose value is known. Vertices of parabolas and sections by the golden ratio take turns; the search ends where
+/// the lines through neighbouring points show that there is no such point, or only dips of less than `tolerance` below zero.
+fn find_negative(
+    value: &dyn Fn(f64) -> f64,
+    [mut low, mut high]: [(f64, f64); 2],
+    inner: Option<(f64, f64)>,
+    tolerance: f64,
+) -> Option<(f64, f64)> {
+    const GOLDEN_SECTION: f64 = 0.381_966_011_250_105_1;
+    /// Smallest distance of a new point from its neighbours, as a fraction of the interval.
+    const MIN_DISTANCE: f64 = 1e-4;
     let at = |theta: f64| (theta, value(theta));
-    let (mut a, mut b) = (at(from_high(low, high)), at(from_low(low, high)));
-    for _ in 0..20 {
-        if a.1 < 0.0 {
-            return Some(a.0);
+    // Without an inner point, the lower end is the lowest sample: the slope there tells most.
+    let beside_end = MIN_DISTANCE * (high.0 - low.0);
+    let mut inner = inner.unwrap_or_else(|| at(if low.1 < high.1 { low.0 + beside_end } else { high.0 - beside_end }));
+    for iteration in 0..40 {
+        if inner.1 < 0.0 {
+            return Some(inner);
         }
-        if b.1 < 0.0 {
-            return Some(b.0);
+        let width = high.0 - low.0;
+        let larger = if inner.0 - low.0 > high.0 - inner.0 { low.0 } else { high.0 };
+        let section = inner.0 + GOLDEN_SECTION * (larger - inner.0);
+        let vertex = vertex([low, inner, high]).clamp(low.0 + MIN_DISTANCE * width, high.0 - MIN_DISTANCE * width);
+        let is_apart = (vertex - inner.0).abs() >= MIN_DISTANCE * width;
+        let beside = inner.0 + (MIN_DISTANCE * width).copysign(larger - inner.0);
+        let theta = match iteration % 2 == 0 && vertex.is_finite() {
+            true => {
+                if is_apart {
+                    vertex
+                } else {
+                    beside
+                }
+            }
+            false => section,
+        };
+        let other = at(theta);
+        if other.1 < 0.0 {
+            return Some(other);
         }
+        let [a, b] = if other.0 < inner.0 { [other, inner] } else { [inner, other] };
         let least = a.1.min(b.1);
         // Where the value is convex, it is not below this bound. Twice the distance allows for a change of its curvature.
-        if least - 2.0 * (least - lower_bound([low, a, b, high])) > 0.0 {
+        if least - 2.0 * (least - lower_bound([low, a, b, high])) > -tolerance {
             return None;
         }
-        if a.1 < b.1 {
-            (high, b) = (b, a);
-            a = at(from_high(low, high));
-        } else {
-            (low, a) = (a, b);
-            b = at(from_low(low, high));
-        }
+        if a.1 < b.1 { (inner, high) = (a, b) } else { (low, inner) = (a, b) }
     }
-    let lowest = if a.1 < b.1 { a } else { b };
-    (lowest.1 < 0.0).then_some(lowest.0)
+    None
+}
+
+/// Position of the vertex of the parabola through three points.
+fn vertex([low, inner, high]: [(f64, f64); 3]) -> f64 {
+    let [left, right] = [inner.0 - low.0, high.0 - inner.0];
+    let slopes = [(inner.1 - low.1) / left, (high.1 - inner.1) / right];
+    inner.0 - 0.5 * (slopes[0] * right + slopes[1] * left) / (slopes[1] - slopes[0])
 }
 
 /// A lower bound of a convex value between the first and the last of four points: it lies above the lines through two
@@ -565,9 +599,9 @@ mod tests {
 
     #[test]
     fn find_root_handles_smooth_and_discontinuous_functions() {
-        let smooth = find_root(&|x| 0.3 - x * x, 0.0, 1.0);
+        let smooth = root_of(&|x| 0.3 - x * x, 0.0);
         assert!((smooth - 0.3f64.sqrt()).abs() < 1e-9, "{smooth}");
-        let jump = find_root(&|x| if x < 0.7 { 5.0 } else { -1.0 }, 0.0, 1.0);
+        let jump = root_of(&|x| if x < 0.7 { 5.0 } else { -1.0 }, 0.0);
         assert!((jump - 0.7).abs() < 1e-9 && jump >= 0.7, "{jump}");
     }
 
@@ -575,7 +609,7 @@ mod tests {
     fn finds_dips_between_samples() {
         for position in [0.03, 0.31, 0.5, 0.77, 0.97] {
             let narrow_dip = |x: f64| (x - position) * (x - position) - 1e-5;
-            let (low, high) = dip_of(&narrow_dip, None).expect("a dip");
+            let [low, high] = dip_of(&narrow_dip, None).expect("a dip");
             assert!(
                 narrow_dip(low) >= 0.0 && narrow_dip(high) < 0.0 && high > position - 4e-3 && low < position,
                 "{position}: {low} {high}"
@@ -583,12 +617,22 @@ mod tests {
             let above = |x: f64| narrow_dip(x) + 2e-5;
             assert!(dip_of(&above, None).is_none(), "{position}");
         }
-        assert_eq!(dip_of(&|x| 1.0 - 2.0 * x, None), Some((0.5, 0.625)));
+        assert_eq!(dip_of(&|x| 1.0 - 2.0 * x, None), Some([0.5, 0.625]));
     }
 
     /// The first dip of a function over a step.
-    fn dip_of(value: &dyn Fn(f64) -> f64, separation: Option<f64>) -> Option<(f64, f64)> {
-        first_dip([value(0.0), value(1.0)], separation, &mut |sample| value(sample_theta(sample)), value)
+    fn dip_of(value: &dyn Fn(f64) -> f64, separation: Option<f64>) -> Option<[f64; 2]> {
+        let ends = ([value(0.0), value(1.0)], 0.0);
+        let bracket = first_dip(ends, separation, &mut |sample| value(sample_theta(sample)), value);
+        bracket.map(|ends| {
+            assert!(ends.iter().all(|&(theta, at)| at == value(theta)), "{ends:?}");
+            ends.map(|(theta, _)| theta)
+        })
+    }
+
+    /// A root of a function over a step.
+    fn root_of(value: &dyn Fn(f64) -> f64, tolerance: f64) -> f64 {
+        find_root(value, [0.0, 1.0].map(|theta| (theta, value(theta))), tolerance)
     }
 
     #[test]
@@ -599,7 +643,8 @@ mod tests {
                 evaluations.set(evaluations.get() + 1);
                 least + (x - 0.4) * (x - 0.4)
             };
-            golden_section(&value, [0.25, 0.5].map(|x| (x, least + (x - 0.4) * (x - 0.4))))
+            find_negative(&value, [0.25, 0.5].map(|x| (x, least + (x - 0.4) * (x - 0.4))), None, 0.0)
+                .map(|point| point.0)
         };
         assert_eq!(search(0.1), None);
         assert!(evaluations.get() <= 3, "{} evaluations", evaluations.get());
@@ -608,6 +653,19 @@ mod tests {
             assert_eq!(search(least), None, "{least}");
             assert!(search(-least).is_some_and(|x| (x - 0.4) * (x - 0.4) < least), "{least}");
         }
+    }
+
+    /// A value that rises from just above zero, as after an event: without a tolerance, the search could go on to its start.
+    #[test]
+    fn the_search_of_a_dip_ends_at_dips_within_the_tolerance() {
+        let evaluations = std::cell::Cell::new(0);
+        let value = |x: f64| {
+            evaluations.set(evaluations.get() + 1);
+            1e-8 + x + x * x
+        };
+        let ends = [0.0, 0.125].map(|x| (x, 1e-8 + x + x * x));
+        assert_eq!(find_negative(&value, ends, None, 1e-8), None);
+        assert!(evaluations.get() <= 4, "{} evaluations", evaluations.get());
     }
 
     /// A linear spring with a damper that fades with the square of the depth: the force returns in the last 1e-5 of the
@@ -622,7 +680,7 @@ mod tests {
         let value = |x: f64| 1e-9 - force(x);
         let separation = find_separation(&|x| x > separates_at);
         assert!((separation - separates_at).abs() < 1e-12);
-        let (low, high) = dip_of(&value, Some(separation)).expect("a return");
+        let [low, high] = dip_of(&value, Some(separation)).expect("a return");
         assert!(value(low) >= 0.0 && value(high) < 0.0 && high > separates_at - 1e-5);
     }
 
@@ -644,16 +702,27 @@ mod tests {
                 evaluations.set(evaluations.get() + 1);
                 value(x)
             };
-            let found = find_root(&counted, 0.0, 1.0);
+            let found = root_of(&counted, 0.0);
             assert!((found - root).abs() <= 1e-4 * root && value(found) <= 0.0, "{root}: {found:e}");
             assert!(evaluations.get() <= 60, "{root}: {} evaluations", evaluations.get());
         }
-        assert!((find_root(&|x| 0.5 - x * x, 0.0, 1.0) - 0.5_f64.sqrt()).abs() < 1e-15);
+        assert!((root_of(&|x| 0.5 - x * x, 0.0) - 0.5_f64.sqrt()).abs() < 1e-15);
+    }
+
+    /// With a tolerance, a root is a point with a value between 0 and the tolerance. A value that begins within the tolerance
+    /// and rises has its root behind the maximum.
+    #[test]
+    fn find_root_ends_within_the_tolerance() {
+        let falling = |x: f64| (-3.0 * x).exp() - 0.5;
+        let found = root_of(&falling, 1e-3);
+        assert!((0.0..=1e-3).contains(&falling(found)), "{found}");
+        let rising_first = |x: f64| (x + 1e-6) * (0.9 - x);
+        assert!((root_of(&rising_first, 1e-3) - 0.9).abs() < 1e-12);
     }
 
     #[test]
     fn find_root_returns_an_exact_root() {
-        assert_eq!(find_root(&|x| 0.75 - x, 0.5, 1.0), 0.75);
+        assert_eq!(root_of(&|x| 0.75 - x, 0.0), 0.75);
     }
 
     #[test]

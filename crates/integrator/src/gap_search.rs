@@ -124,9 +124,11 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> GapSearch<'a, Y, K> {
         }
         if right.value < 0.0 {
             let value = |theta: f64| self.interior.function(index, theta).value;
+            let [low, high] = [left, right].map(|point| (point.theta, point.value));
             let middle = 0.5 * (left.theta + right.theta);
-            let (low, high) = if value(middle) < 0.0 { (left.theta, middle) } else { (middle, right.theta) };
-            let theta = find_root(&value, low, high);
+            let middle = (middle, value(middle));
+            let [low, high] = if middle.1 < 0.0 { [low, middle] } else { [middle, high] };
+            let (theta, high) = (find_root(&value, [low, high], ROOT_TOLERANCE * tolerance), high.0);
             let root = Point { value: 0.0, ..self.point(index, theta)? };
             let earlier = self.first_zero(index, [left, root], bound, tolerance)?;
             return Ok(earlier.or(Some(Zero { theta, negative_at: high })));
@@ -170,29 +172,34 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> GapSearch<'a, Y, K> {
 /// Largest number of evaluations in the search of a root.
 const MAX_ROOT_EVALUATIONS: usize = 80;
 
-/// Returns the far end of a tight bracket of the root of `value`, which is non-negative at `low` and negative at
-/// `high`, or the root itself if an iterate hits it exactly.
+/// Ratio of the value at a root that is found to the tolerance of the event.
+pub(crate) const ROOT_TOLERANCE: f64 = 0.1;
+
+/// Returns a root of `value` between two points with their values; the first value is not negative, and the second one is.
+/// The root is the far end of a tight bracket, or a point with a value between 0 and `tolerance`.
 ///
 /// Chandrupatla's method (Adv. Eng. Softw. 28:145, 1997): inverse quadratic interpolation where the last three points
 /// allow it, otherwise bisection, because the event function of a clamped law may jump. The first point is that of the
 /// secant.
-pub(crate) fn find_root(value: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
+pub(crate) fn find_root(value: &dyn Fn(f64) -> f64, [low, high]: [(f64, f64); 2], tolerance: f64) -> f64 {
     // The latest point, and the other end of the bracket.
-    let (mut a, mut at_a) = (low, value(low).max(0.0));
-    let (mut b, mut at_b) = (high, value(high));
+    let (mut a, mut at_a) = (low.0, low.1.max(0.0));
+    let (mut b, mut at_b) = high;
+    // A value that begins within the tolerance may rise before it falls.
+    let tolerance = if at_a > tolerance { tolerance } else { 0.0 };
     let mut fraction = at_a / (at_a - at_b);
     for _ in 0..MAX_ROOT_EVALUATIONS {
         let at_far = if at_a < 0.0 { at_a } else { at_b };
-        let tolerance = 2.0 * f64::EPSILON * a.max(b) / (b - a).abs();
-        if tolerance >= 0.5 || at_far > -1e-300 {
+        let width = 2.0 * f64::EPSILON * a.max(b) / (b - a).abs();
+        if width >= 0.5 || at_far > -1e-300 {
             break;
         }
         // A fraction that is not a number becomes a bisection.
-        let fraction_inside = if fraction.is_finite() { fraction.clamp(tolerance, 1.0 - tolerance) } else { 0.5 };
+        let fraction_inside = if fraction.is_finite() { fraction.clamp(width, 1.0 - width) } else { 0.5 };
         let x = a + fraction_inside * (b - a);
         let at_x = value(x);
-        if at_x == 0.0 {
-            // An exact root: the far end of the bracket may still be far away.
+        if (0.0..=tolerance).contains(&at_x) {
+            // The far end of the bracket may still be far away.
             return x;
         }
         // The point that is no longer an end of the bracket.
