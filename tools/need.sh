@@ -15,11 +15,13 @@ need() {
         return
     fi
     if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-        apt-get update -qq >/dev/null || true
+        # Scripts that run at the same time wait for each other.
+        local lock=${TMPDIR:-/tmp}/phalanx-packages.lock
+        flock "$lock" apt-get update -qq >/dev/null || true
         for packages in "${choices[@]}"; do
             say "installing $packages"
             # shellcheck disable=SC2086  # several packages
-            DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages >/dev/null || true
+            DEBIAN_FRONTEND=noninteractive flock "$lock" apt-get install -qq -y --no-install-recommends $packages >/dev/null || true
             hash -r
             if "$@" >/dev/null 2>&1; then
                 return

@@ -2,7 +2,7 @@
 # Tests the installed Python package. `pip install ./python`, the command of a user, installs it into
 # target/python/venv, and again when its sources change; it uses the build profile of the tests to share compiled
 # crates. Needs Python 3.10 with venv.
-# Usage: tools/python.sh [setup]        (setup: install only)
+# Usage: tools/python.sh [setup | requirements]        (setup: install only; requirements: without the package)
 # $PHALANX names another binary.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -26,6 +26,9 @@ if [ "$(cat "$venv/.installed-from" 2>/dev/null)" != "$requirements" ]; then
     "$venv/bin/pip" install --quiet --disable-pip-version-check --no-compile -r python/tests/requirements.txt
     echo "$requirements" >"$venv/.installed-from"
 fi
+if [ "${1:-}" = requirements ]; then
+    exit
+fi
 
 # All files that are compiled into the package.
 sources=$( (find src crates python/src python/phalanx -type f ! -path '*/__pycache__/*' -print0 | sort -z | xargs -0 cat
@@ -33,7 +36,7 @@ sources=$( (find src crates python/src python/phalanx -type f ! -path '*/__pycac
 if [ "$(cat "$venv/.phalanx-from" 2>/dev/null)" != "$sources" ]; then
     say "Python: pip install ./python"
     rm -f "$venv/.phalanx-from"
-    MATURIN_PEP517_ARGS="--profile dev" "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
+    MATURIN_PEP517_ARGS="--profile dev --features phalanx/png" "$venv/bin/pip" install --quiet --disable-pip-version-check --force-reinstall --no-deps ./python
     echo "$sources" >"$venv/.phalanx-from"
 fi
 

@@ -73,9 +73,35 @@ lints() {
 tests() {
     say "tests"
     if has_nextest; then
-        cargo nextest run --workspace --locked --all-features --no-fail-fast --tests --profile "$1"
+        # More threads than processors, because many tests wait for other processes.
+        local threads=$(($(getconf _NPROCESSORS_ONLN) + 2))
+        cargo nextest run --workspace --locked --all-features --no-fail-fast --tests --profile "$1" --test-threads "$threads"
     else
         cargo test --workspace --locked --all-features --no-fail-fast --tests
+    fi
+}
+
+# What later checks need, in the background: downloads mostly wait, and the module has a target directory of its own.
+prepare() {
+    prepare_log=$(mktemp)
+    (
+        tools/clients.sh setup
+        tools/python.sh requirements
+        FEATURES=figures tools/explorer.sh
+    ) >"$prepare_log" 2>&1 &
+    prepare_pid=$!
+    trap 'kill "$prepare_pid" 2>/dev/null || true' EXIT
+}
+
+finish_preparing() {
+    local status=0
+    wait "$prepare_pid" || status=$?
+    trap - EXIT
+    say "requirements of Python and clients, the explorer's module"
+    cat "$prepare_log"
+    rm -f "$prepare_log"
+    if [ "$status" != 0 ]; then
+        exit "$status"
     fi
 }
 
@@ -96,9 +122,7 @@ slurm() {
 # The Python package, and real clients in parallel, which mostly wait for browsers.
 python_and_clients() {
     say "the Python package, and real clients in parallel"
-    # The requirements of the clients are installed first, because only one process at a time may install packages. The
-    # programs are built first, so that no check waits for another's build.
-    tools/clients.sh setup
+    # The programs are built first, so that no check waits for another's build.
     build_test_program
     build_campaign
     local clients_log clients_pid python_status=0 clients_status=0
@@ -130,14 +154,18 @@ done
 
 case ${1:-} in
 '')
+    prepare
     lints
     tests ci
+    finish_preparing
     core_in_browser
     python_and_clients
     ;;
 all)
+    prepare
     lints
     tests all
+    finish_preparing
     core_in_browser
     python_and_clients
     slurm
