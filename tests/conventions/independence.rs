@@ -92,6 +92,7 @@ const INTEGRATOR: CrateLayers = CrateLayers {
         "system",
         "method",
         "interior",
+        "inside_step",
         "gap_search",
         "event_location",
         "radau5",

@@ -5,14 +5,15 @@ use std::fmt::Debug;
 use super::clock::Clock;
 use super::control::{Controller, ToleranceSchedule};
 use super::event_location::{Found, SearchMemory, may_have_passed, search_step};
+use super::inside_step::{InsideMemory, StepEvaluator, observe};
 use super::layout::{Layout, copy};
-use super::method::{Attempt, Method, Refinement, StepStart};
+use super::method::{Attempt, Method, StepStart};
 use super::stall::{Chatter, StallDetector};
 use super::state::{Observer, Step, StepTools};
 use super::step_attempts::{
     AcceptedStep, EventLocation, KEPT_ATTEMPTS, LocationAttempt, MIN_STEP_S, StepAttempts, simultaneous_events,
 };
-use super::{Counters, Dense, EventSet, Hybrid, Linearised, State, Tolerances, error_weight};
+use super::{Counters, EventSet, Hybrid, Linearised, State, Tolerances, error_weight};
 
 /// Options of an integration.
 #[derive(Clone, Copy, Debug)]
@@ -74,15 +75,6 @@ const MIN_APPROACH_STEP_S: f64 = 1e-11;
 const INVALID_MODE_CUT: f64 = 0.5;
 /// Reduction of a step in which a sticking contact unloads.
 const UNLOADING_CUT: f64 = 0.4;
-/// Scaled error of a partial step above which the interpolant is more accurate.
-const MAX_RESOLVED_ERROR: f64 = 10.0;
-/// Error of a cubic through the ends of a step, relative to the absolute tolerance of coordinates, above which observers see
-/// parts of it.
-const MAX_CUBIC_ERROR: f64 = 10.0;
-/// Largest number of parts of a step.
-const MAX_PARTS: f64 = 16.0;
-/// Number of states inside a step that are kept for further readings.
-const MAX_REFINED_STATES: usize = 16;
 
 /// Integrates from `t0` to `t_end` and locates every event; the method is chosen at compile time.
 pub fn integrate<Y, K, O>(
@@ -651,200 +643,4 @@ impl<L: Layout, M: Clone + Debug, K: Method<L>> Run<L, M, K> {
         self.method.restart();
         self.controller.restart();
     }
-}
-
-/// Memory for states inside the last step.
-#[derive(Clone)]
-struct InsideMemory<L: Layout> {
-    dense: Dense<L>,
-    interpolated: State<L>,
-    /// Step that ends inside the last one.
-    resolved: Attempt<L>,
-    refinement: Refinement<L>,
-    /// Ends of a part of the step.
-    part: Option<[State<L>; 2]>,
-    /// States refined in the last step, with their fractions of it, and whether their quadratures are evaluated: the searches
-    /// of several contacts begin alike.
-    refined: Vec<(f64, bool, State<L>)>,
-    refined_count: usize,
-    /// Ends of separate steps, with their fractions of the last step: a peak is read twice.
-    resolved_ends: Vec<(f64, State<L>)>,
-    resolved_count: usize,
-}
-
-impl<L: Layout> InsideMemory<L> {
-    fn new(layout: L) -> Self {
-        Self {
-            dense: Dense::new(layout),
-            interpolated: State::zero(layout),
-            resolved: Attempt::new(layout),
-            refinement: Refinement::new(layout),
-            part: None,
-            refined: (0..MAX_REFINED_STATES).map(|_| (0.0, false, State::zero(layout))).collect(),
-            refined_count: 0,
-            resolved_ends: (0..MAX_REFINED_STATES).map(|_| (0.0, State::zero(layout))).collect(),
-            resolved_count: 0,
-        }
-    }
-}
-
-/// Evaluates states inside the step just taken, for an observer.
-struct StepEvaluator<'a, Y: Hybrid, K> {
-    method: &'a K,
-    resolver: &'a mut K,
-    origin: StepStart<'a, Y>,
-    size: f64,
-    /// Part of the step whose fractions the observer uses.
-    part: [f64; 2],
-    /// Whether the dense output is evaluated, and whether its quadratures are.
-    has_dense: bool,
-    has_quadratures: bool,
-    memory: &'a mut InsideMemory<Y::Layout>,
-}
-
-impl<'a, Y: Hybrid, K: Method<Y::Layout>> StepEvaluator<'a, Y, K> {
-    fn new(
-        (method, resolver): (&'a K, &'a mut K),
-        origin: StepStart<'a, Y>,
-        size: f64,
-        memory: &'a mut InsideMemory<Y::Layout>,
-    ) -> Self {
-        (memory.refined_count, memory.resolved_count) = (0, 0);
-        Self { method, resolver, origin, size, part: [0.0, 1.0], has_dense: false, has_quadratures: false, memory }
-    }
-
-    /// Fraction of the step, from one of the part.
-    fn of_step(&self, theta: f64) -> f64 {
-        let [from, to] = self.part;
-        if theta == 1.0 { to } else { from + theta * (to - from) }
-    }
-
-    /// Evaluates the dense output, with or without its quadratures.
-    fn evaluate_dense(&mut self, with_quadratures: bool) {
-        if self.has_dense && (self.has_quadratures || !with_quadratures) {
-            return;
-        }
-        (self.has_dense, self.has_quadratures) = (true, with_quadratures);
-        self.method.dense(with_quadratures.then_some(self.origin.linearised), &mut self.memory.dense);
-    }
-
-    /// Evaluates a refined state, with or without its quadratures.
-    fn refined(&mut self, theta: f64, with_quadratures: bool) -> &State<Y::Layout> {
-        let is_found = |(at, has_quadratures, _): &(f64, bool, State<Y::Layout>)| {
-            *at == theta && (*has_quadratures || !with_quadratures)
-        };
-        if let Some(index) = self.memory.refined[..self.memory.refined_count].iter().position(is_found) {
-            return &self.memory.refined[index].2;
-        }
-        self.evaluate_dense(with_quadratures);
-        let InsideMemory { dense, refinement, .. } = &mut *self.memory;
-        if !self.method.refine(&self.origin, dense, theta, refinement) {
-            self.resolve_inside(theta);
-            self.memory.refinement.state.copy_from(&self.memory.interpolated);
-        }
-        let InsideMemory { refinement: Refinement { state, .. }, refined, refined_count, .. } = &mut *self.memory;
-        if let Some((at, has_quadratures, refined)) = refined.get_mut(*refined_count) {
-            (*at, *has_quadratures) = (theta, with_quadratures);
-            refined.copy_from(state);
-            *refined_count += 1;
-        }
-        state
-    }
-
-    /// Evaluates the end of a separate step, or of the dense output if that step fails, in the interpolated state.
-    fn resolve_inside(&mut self, theta: f64) {
-        let InsideMemory { interpolated, resolved_ends, resolved_count, .. } = &mut *self.memory;
-        if let Some((_, end)) = resolved_ends[..*resolved_count].iter().find(|(at, _)| *at == theta) {
-            interpolated.copy_from(end);
-            return;
-        }
-        self.resolver.attempt(&self.origin, theta * self.size, &mut self.memory.resolved);
-        // A partial step may fail although the whole step succeeded: with friction that decreases with slip, some step
-        // size equals the reciprocal of a growth rate.
-        if self.memory.resolved.error <= MAX_RESOLVED_ERROR {
-            self.memory.interpolated.copy_from(&self.memory.resolved.end);
-        } else {
-            self.interpolate_step(theta);
-        }
-        let InsideMemory { interpolated, resolved_ends, resolved_count, .. } = &mut *self.memory;
-        if let Some((at, end)) = resolved_ends.get_mut(*resolved_count) {
-            *at = theta;
-            end.copy_from(interpolated);
-            *resolved_count += 1;
-        }
-    }
-
-    /// The dense output at a fraction of the step.
-    fn interpolate_step(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.evaluate_dense(true);
-        let InsideMemory { dense, interpolated, .. } = &mut *self.memory;
-        dense.write(theta, interpolated);
-        interpolated
-    }
-
-    /// Number of parts of a step on which cubics have the errors that are allowed.
-    fn count_parts(&mut self, step: &Step<Y::Layout>) -> usize {
-        let atol_q = self.origin.tolerances.atol_q;
-        let (start, end, middle) = (step.start, step.end, self.interpolate_step(0.5));
-        let mut error = 0.0_f64;
-        for i in 0..middle.q.as_ref().len() {
-            let cubic = 0.5 * (start.q[i] + end.q[i]) + 0.125 * step.h * (start.v[i] - end.v[i]);
-            error = error.max((middle.q[i] - cubic).abs());
-        }
-        // The error falls with the fourth power of the length.
-        let parts = (error / (MAX_CUBIC_ERROR * atol_q)).sqrt().sqrt().ceil();
-        parts.clamp(1.0, MAX_PARTS) as usize
-    }
-}
-
-impl<Y: Hybrid, K: Method<Y::Layout>> StepTools<Y::Layout> for StepEvaluator<'_, Y, K> {
-    fn interpolate(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.interpolate_step(self.of_step(theta))
-    }
-
-    fn refine(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.refined(self.of_step(theta), true)
-    }
-
-    fn refine_motion(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.refined(self.of_step(theta), false)
-    }
-
-    fn resolve(&mut self, theta: f64) -> &State<Y::Layout> {
-        self.resolve_inside(self.of_step(theta));
-        &self.memory.interpolated
-    }
-}
-
-/// Passes a step on to an observer, in equal parts if it is too long for a cubic: between the states that observers see,
-/// motions are read as cubics, and a force has one extremum at most. Returns whether the integration continues.
-fn observe<Y: Hybrid, K: Method<Y::Layout>, O: Observer<Y::Layout, Y::Mode>>(
-    step: &Step<Y::Layout>,
-    mode: &Y::Mode,
-    tools: &mut StepEvaluator<'_, Y, K>,
-    observer: &mut O,
-) -> bool {
-    let count = if tools.method.takes_long_steps() { tools.count_parts(step) } else { 1 };
-    if count == 1 {
-        return observer.step(step, mode, tools);
-    }
-    let at = |part: usize| part as f64 / count as f64;
-    let mut ends = tools.memory.part.take().unwrap_or_else(|| [step.start.clone(), step.end.clone()]);
-    ends[1].copy_from(step.start);
-    let mut time_s = step.t0;
-    for part in 0..count {
-        let [start, end] = &mut ends;
-        std::mem::swap(start, end);
-        let is_last = part + 1 == count;
-        end.copy_from(if is_last { step.end } else { tools.interpolate_step(at(part + 1)) });
-        tools.part = [at(part), at(part + 1)];
-        let t1 = if is_last { step.t1 } else { step.t0 + at(part + 1) * step.h };
-        let observed = Step { t0: time_s, t1, h: step.h / count as f64, start, end };
-        if !observer.step(&observed, mode, tools) {
-            return false;
-        }
-        time_s = t1;
-    }
-    tools.memory.part = Some(ends);
-    true
 }

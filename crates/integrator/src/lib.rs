@@ -16,6 +16,7 @@ mod driver;
 mod error_weight;
 mod event_location;
 mod gap_search;
+mod inside_step;
 mod interior;
 mod layout;
 mod linear;
