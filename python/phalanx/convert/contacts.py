@@ -123,10 +123,10 @@ def add_contacts(work: Projection) -> None:
                 apart.append(names)
                 continue
             if distance <= 0.0:
-                overlapping.append(f"{names} ({-1e3 * distance:.2g} mm)")
+                overlapping.append(f"{names} ({abs(1e3 * distance):.2g} mm)")
                 continue
         elif distance < -1e-3:
-            overlapping.append(f"{names} ({-1e3 * distance:.2g} mm)")
+            overlapping.append(f"{names} ({abs(1e3 * distance):.2g} mm)")
             continue
         if a.type == "ellipse" and b.type == "ellipse":
             work.report.lost("contacts", f"{names} are two ellipses, which cannot touch")
@@ -154,7 +154,7 @@ def add_contacts(work: Projection) -> None:
     else:
         for first, second, settings in own:
             _add(work, first, second, settings)
-    _report_pairs(work, "contacts that overlap at the start", overlapping, "they pass through each other")
+    _report_pairs(work, "contacts that touch or overlap at the start", overlapping, "they pass through each other")
     _report_pairs(work, "contacts beyond the largest number", far, "they are farthest apart at the start, and pass through each other")
     _report_pairs(work, "contacts side by side", apart, "they overlap in the projection only, and pass each other")
     for what in (name for name, is_lost in lost.items() if is_lost):

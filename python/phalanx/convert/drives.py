@@ -8,7 +8,7 @@ from typing import Literal
 import numpy
 
 from .contacts import stop_law
-from .planar import Actuator, Element, Rotor, Spring, SumLimit, Tendon, Terms
+from .planar import Actuator, Element, Joint, Rotor, Spring, SumLimit, Tendon, Terms
 from .projection import UNLIMITED, Projection
 from .read import extra, is_below, load_mujoco
 
@@ -43,28 +43,56 @@ def _add_range(work: Projection, t: int, label: str) -> None:
     bounds = [float(bound) for bound in model.tendon_range[t]]
     terms = work.sum_of_tendon(t)
     kinds = {joints[name].is_slide for name, _ in terms or []}
-    if not terms or len(kinds) > 1 or (len(terms) == 1 and joints[terms[0][0]].stop):
-        work.report.lost(label, f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}; nothing stops it at these lengths")
+    text = f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}"
+    if not terms or len(kinds) > 1:
+        work.report.lost(label, f"{text}; nothing stops it at these lengths")
         return
     start = {joint.name: float(work.start.qpos[model.jnt_qposadr[j]]) for j, joint in work.joints.items()}
     length = sum(factor * start[name] for name, factor in terms)
+    if _is_fixed(work, terms):
+        work.report.changed(label, f"{text} has no effect, because equalities fix its length at {length:.6g}")
+        return
     beyond = bounds[0] - length > 1e-9, length - bounds[1] > 1e-9
     if any(beyond):
-        work.report.lost(label, f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}: its length at the start, {length:.6g}, is beyond it")
+        work.report.lost(label, f"{text}: its length at the start, {length:.6g}, is beyond it")
     lower, upper = (None if outside or abs(bound) >= UNLIMITED else bound for bound, outside in zip(bounds, beyond, strict=True))
     if lower is None and upper is None:
         return
     (is_linear,) = kinds
+    joint, factor = joints[terms[0][0]], terms[0][1]
+    ends = [None if bound is None else bound / factor for bound in (lower, upper)]
+    ends = ends if factor > 0.0 else ends[::-1]
+    if len(terms) == 1 and joint.stop:
+        _narrow(work, joint, ends, label)
+        return
     settings = model.tendon_solref_lim[t], model.tendon_solimp_lim[t], float(model.tendon_invweight0[t])
-    stop = stop_law(work, *settings, is_linear, terms[0][1] if len(terms) == 1 else 1.0)
-    if len(terms) > 1:
+    stop = stop_law(work, *settings, is_linear, factor if len(terms) == 1 else 1.0)
+    if len(terms) == 1:
+        (joint.lower, joint.upper), joint.stop = ends, stop
+    else:
         name = work.names["limit"].new(work.source.name("tendon", t), f"tendon_{t}")
         work.mechanism.limits.append(SumLimit(name, terms, lower, upper, stop, is_linear))
-        return
-    (name, factor), joint = terms[0], joints[terms[0][0]]
-    ends = [None if bound is None else bound / factor for bound in (lower, upper)]
-    joint.lower, joint.upper = ends if factor > 0.0 else ends[::-1]
-    joint.stop = stop
+
+
+def _is_fixed(work: Projection, terms: Terms) -> bool:
+    """Whether couplings alone determine a sum of joint coordinates. A limit of such a sum would have no effect, and act at
+    rounding errors.
+    """
+    if not work.mechanism.couplings:
+        return False
+    names = [joint.name for joint in work.joints.values()]
+    rows = numpy.array([[dict(row).get(name, 0.0) for name in names] for row in (*(c.terms for c in work.mechanism.couplings), terms)])
+    factors = numpy.linalg.lstsq(rows[:-1].T, rows[-1], rcond=None)[0]
+    return bool(numpy.abs(rows[:-1].T @ factors - rows[-1]).max() < 1e-9 * numpy.abs(rows[-1]).max())
+
+
+def _narrow(work: Projection, joint: Joint, ends: list[float | None], label: str) -> None:
+    """Narrows the limits of a joint to those of its tendon; the law stays that of the joint."""
+    for side, end, sign in (("lower", ends[0], 1.0), ("upper", ends[1], -1.0)):
+        own = getattr(joint, side)
+        if end is not None and (own is None or sign * (end - own) > 0.0):
+            setattr(joint, side, end)
+            work.report.changed(label, f"its range is the {side} limit of the joint {joint.name}, with the stop of this joint")
 
 
 def _springs_of_tendon(work: Projection, t: int) -> tuple[float, float, float, float]:

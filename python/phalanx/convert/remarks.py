@@ -79,13 +79,13 @@ def _warn_about_joints(work: Projection) -> None:
             unit = "kg" if joint.is_slide else "kg m^2"
             work.report.warn(
                 f"joint {joint.name}",
-                f"its armature of {joint.armature:.4g} {unit} is {joint.armature / own:.0f} times the inertia of {body.name}; "
+                f"its armature of {joint.armature:.4g} {unit} is {joint.armature / own:.0f} times the inertia of its body; "
                 "check that it is that of the motor, and not a setting for the solver",
             )
         if joint.is_slide and joint.friction > 50.0 * 9.81 * body.mass:
             work.report.warn(
                 f"joint {joint.name}",
-                f"its frictionloss of {joint.friction:.4g} N is {joint.friction / (9.81 * body.mass):.0f} times the weight of {body.name}",
+                f"its frictionloss of {joint.friction:.4g} N is {joint.friction / (9.81 * body.mass):.0f} times the weight of its body",
             )
         if joint.friction:
             work.report.changed(
