@@ -261,6 +261,39 @@ class Refusals(unittest.TestCase):
         self.assertIn("roll", notes(conversion, "lost"))
         self.assert_refused(hand, "no body wrists", "wrist, palm, left, right", root="wrists")
 
+    def test_parts_that_are_planar_are_suggested(self):
+        def finger(name: str, turn: float) -> str:
+            tip = f'<body name="{name}_tip" pos="0.06 0 0"><joint name="{name}_tip" axis="0 -1 0"/>{LINK}</body>'
+            return f'<body name="{name}" euler="0 0 {turn}"><joint name="{name}" axis="0 -1 0" damping="1e-4"/>{LINK}{tip}</body>'
+
+        # Fingers that fan out: each is planar, with its own joint, its coupling and its drive.
+        fingers = finger("left", 0.0) + finger("right", 0.4)
+        rest = (
+            '<equality><joint joint1="left_tip" joint2="left" polycoef="0 0.5 0 0 0"/><joint joint1="right_tip" joint2="right"/></equality>'
+            '<actuator><motor name="l" joint="left"/><motor name="r" joint="right"/></actuator>'
+        )
+        hand = mjcf(f'<body name="palm" pos="0 0 0.1">{fingers}</body>', rest)
+        self.assert_refused(hand, 'branch="left" (or branch="right")')
+        conversion = convert(hand, branch="left", ctrl={"l": 0.02})
+        self.assertEqual([joint.name for joint in conversion.mechanism.joints], ["left", "left_tip"])
+        self.assertEqual((conversion.source.root, len(conversion.mechanism.couplings), len(conversion.mechanism.actuators)), ("palm", 1, 1))
+        lost = notes(conversion, "lost")
+        for item in ("joints outside of left: right, right_tip", "equality 1: it acts on joints outside of left", "actuator r"):
+            self.assertIn(item, lost)
+        found = free_motion(conversion.source, conversion.plane, conversion.mechanism, 0.05)
+        self.assertLess(max(found.values()), RIGID)
+        self.assert_refused(hand, "right of `branch` is not below left", root="left", branch=["right"])
+        self.assert_refused(hand, "no body thumb; its bodies are palm, left", branch="thumb")
+        # Parallel fingers are planar together.
+        parallel = mjcf(f'<body name="palm"><joint name="roll" axis="0 0 1"/>{LINK}{finger("left", 0.0)}{finger("right", 0.0)}</body>', "")
+        pair = convert(parallel, branch=["left", "right"])
+        self.assertEqual([joint.name for joint in pair.mechanism.joints], ["left", "left_tip", "right", "right_tip"])
+        # The last joint of an arm turns jaws in their own plane; their palm is the better root.
+        jaws = "".join(f'<body name="{name}"><joint name="{name}" type="slide" axis="{x} 0 0"/>{LINK}</body>' for name, x in (("a", 1), ("b", -1)))
+        arm = f'<body name="arm"><joint name="swing" axis="0 1 0"/>{LINK}<body name="wrist"><joint name="roll" axis="0 0 1"/>{LINK}'
+        arm = mjcf(f'<body name="base">{arm}<body name="palm" pos="0 0 0.1">{jaws}</body></body></body></body>')
+        self.assert_refused(arm, 'root="palm" (or root="arm")')
+
     def test_a_root_is_at_its_pose_of_the_key_frame(self):
         # The arm swings the palm by 0.5 rad, counter-clockwise, and rolls it about its own axis; a ball lies on the palm.
         arm = f'<body name="arm" pos="0.2 0 0.3"><joint name="swing" axis="0 -1 0"/>{LINK}<body name="wrist"><joint name="roll" axis="0 0 1"/>{LINK}'
@@ -298,6 +331,11 @@ class Refusals(unittest.TestCase):
         )
         self.assert_refused(mjcf(double), "body b has 2 joints (x, y)")
         self.assert_refused(mjcf('<body name="a"><joint name="a" axis="0 -1 0"/></body>'), "MuJoCo does not read", "give the moving body an inertial")
+        bare = "".join(f'<body name="{name}"><joint name="{name}" axis="0 -1 0"/></body>' for name in "xy")
+        self.assert_refused(mjcf(link + bare), "give each of these moving bodies (x, y) an inertial")
+        meshes = '<asset><mesh name="m" file="m.stl"/><mesh name="m" file="n.stl"/></asset>'
+        self.assert_refused(mjcf(link, meshes), "repeated name", "give one of them another name")
+        self.assert_refused(mjcf(link, '<default group="1"/>'), "unrecognized attribute", "remove this attribute")
         locked = '<equality><joint name="lock" joint1="a" polycoef="{} 0 0 0 0"/></equality>'
         self.assertEqual([joint.name for joint in convert(mjcf(link, locked.format(0))).mechanism.joints], ["b"])
         self.assert_refused(mjcf(link, locked.format(0.1)), "lock locks the joint a at 0.1")
@@ -554,6 +592,26 @@ class Reports(unittest.TestCase):
         (joint,) = (joint for joint in convert(mjcf(link, single)).mechanism.joints if joint.stop)
         self.assertEqual((joint.name, joint.lower, joint.upper), ("b", -0.25, 0.5))
 
+    def test_ranges_of_fixed_sums_have_no_effect(self):
+        links = "".join(f'<body name="{name}"><joint name="{name}" axis="0 -1 0"/>{LINK}</body>' for name in "abc")
+        terms = '<joint joint="a" coef="2"/><joint joint="b" coef="-1"/>'
+        rest = (
+            f'<tendon><fixed name="t" limited="true" range="0 1">{terms}</fixed><fixed name="free" limited="true" range="-1 1"><joint joint="a" coef="1"/>'
+            '<joint joint="c" coef="1"/></fixed></tendon><equality><tendon tendon1="t"/></equality>'
+        )
+        conversion = convert(mjcf(links, rest))
+        self.assertEqual([limit.name for limit in conversion.mechanism.limits], ["free"])
+        self.assertIn("tendon t: its range of 0 to 1 has no effect, because equalities fix its length at 0", notes(conversion, "changed"))
+
+    def test_a_tendon_narrows_the_range_of_its_joint(self):
+        link = f'<body name="a"><joint name="a" axis="0 -1 0" range="-1 1" limited="true"/>{LINK}</body>'
+        tendon = '<tendon><fixed name="t" limited="true" range="-1.6 4"><joint joint="a" coef="-2"/></fixed></tendon>'
+        conversion = convert(mjcf(link, tendon))
+        (joint,) = conversion.mechanism.joints
+        self.assertEqual((joint.lower, joint.upper, len(conversion.mechanism.laws)), (-1.0, 0.8, 1))
+        self.assertIn("tendon t: its range is the upper limit of the joint a", notes(conversion, "changed"))
+        self.assertNotIn("range", notes(conversion, "lost"))
+
     def test_an_integrator_keeps_its_activation(self):
         link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}</body><body name="b"><joint name="b" axis="0 -1 0"/>{LINK}</body>'
         drives = '<actuator><motor name="m" joint="b"/><intvelocity name="i" joint="a" kp="2" actrange="-1 1"/></actuator>'
@@ -575,6 +633,14 @@ class Reports(unittest.TestCase):
         path = next(tendon.path for tendon in conversion.mechanism.tendons if len(tendon.path) == 3)
         self.assertEqual((path[1].radius, path[1].turn), (0.008, "ccw"))
         phalanx.run(conversion.scene, duration=1e-3)
+
+    def test_missing_textures_and_impossible_inertias_do_not_matter(self):
+        assets = '<asset><texture name="t" type="2d" file="missing.png"/><material name="m" texture="t"/></asset>'
+        impossible = '<inertial pos="0.03 0 0" mass="0.02" diaginertia="1e-6 2e-6 6e-6"/><geom size="0.01" material="m"/>'
+        conversion = convert(mjcf(f'<body name="a"><joint name="a" axis="0 -1 0"/>{impossible}</body>', assets))
+        self.assertAlmostEqual(conversion.mechanism.bodies[0].inertia, 3e-6, delta=1e-15)
+        self.assertIn("body a: the largest moment of inertia exceeds the sum", notes(conversion, "warning"))
+        self.assertEqual(notes(conversion, "lost"), "")
 
     def test_suspicious_models_are_named(self):
         fragment = f'<mujoco><worldbody><body name="a"><joint name="a" axis="0 1 0" range="0 0.7"/>{LINK}</body></worldbody></mujoco>'

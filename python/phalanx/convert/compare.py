@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any
@@ -283,6 +283,7 @@ def compare_mujoco(
     *,
     plane: str | None = None,
     root: str | None = None,
+    branch: str | Sequence[str] = (),
     key: str | None = None,
     ctrl: Mapping[str, float] | None = None,
     cube: float | None = None,
@@ -302,5 +303,6 @@ def compare_mujoco(
     """
     if isinstance(model, Conversion):
         return compare(model, duration)
-    settings: dict[str, Any] = {"plane": plane, "root": root, "key": key, "ctrl": ctrl, "cube": cube, "cube_mass": cube_mass, "cube_at": cube_at}
+    settings: dict[str, Any] = {"plane": plane, "root": root, "branch": branch, "key": key, "ctrl": ctrl}
+    settings |= {"cube": cube, "cube_mass": cube_mass, "cube_at": cube_at}
     return compare(from_mjcf(model, **settings, duration=duration), duration)
