@@ -558,7 +558,7 @@ class Reports(unittest.TestCase):
             ' joint="a" coef="1"/></fixed><spatial name="ruler" limited="true" range="0 1"><site site="a"/><site site="b"/></spatial></tendon><equality><connect'
             ' name="idle" body1="a" body2="b" anchor="0 0 0" active="false"/><tendon name="reel"'
             ' tendon1="ruler"/></equality><actuator><general name="push" site="a" gear="1 0 0 0 0 0"/><muscle name="arm" joint="a"'
-            ' lengthrange="0 1"/><position name="slow" joint="b" timeconst="0.1"/><position name="winch" tendon="ruler"/><motor'
+            ' lengthrange="0 1"/><position name="slow" joint="b" timeconst="0.1"/><position name="winch" tendon="ruler" forcerange="-2 2"/><motor'
             ' name="shove" tendon="ruler"/><general name="runaway" joint="c" biastype="affine" biasprm="0 2 0"/></actuator><keyframe><key'
             ' name="start" qpos="0 0 0 0 0.6 0 0 1 0 0 0" ctrl="0 0 0 0 3 0"/></keyframe>'
         )
@@ -570,7 +570,7 @@ class Reports(unittest.TestCase):
             "tendon ruler: its range of 0 to 1", "tendon slack: its frictionloss", "tendon slack: its spring has a dead band from 0.1 to 0.3",
             "equality idle: it is not active", "equality reel: it acts on a spatial tendon",
             "actuator push: its transmission site", "actuator arm: mjGAIN_MUSCLE", "actuator slow: its activation dynamics (filterexact, 0.1 s)",
-            "actuator winch: a servo of the length of a cable", "actuator shove: at ctrl 3 it pushes with 3 N", "actuator runaway: its bias grows",
+            "actuator winch: its forcerange of -2 to 2", "actuator shove: at ctrl 3 it pushes with 3 N", "actuator runaway: its bias grows",
             "geom wall: a plane geom", "torsional and rolling friction", "option density: fluid forces",
         ):  # fmt: skip
             self.assertIn(item, lost)
@@ -611,6 +611,38 @@ class Reports(unittest.TestCase):
         self.assertEqual((joint.lower, joint.upper, len(conversion.mechanism.laws)), (-1.0, 0.8, 1))
         self.assertIn("tendon t: its range is the upper limit of the joint a", notes(conversion, "changed"))
         self.assertNotIn("range", notes(conversion, "lost"))
+
+    def test_springs_with_a_dead_band_are_elastic_limits(self):
+        link = f'<body name="b" pos="0.06 0 0"><joint name="b" axis="0 -1 0"/>{LINK}</body>'
+        link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}{link}</body>'
+        drives = '<actuator><motor name="m" joint="a"/><motor name="n" joint="b"/></actuator>'
+        for factors, sign in itertools.product(((2, -1), (1.5,), (-1.5,)), (1, -1)):
+            with self.subTest(factors=factors, sign=sign):
+                terms = "".join(f'<joint joint="{name}" coef="{factor}"/>' for name, factor in zip("ab", factors, strict=False))
+                tendon = f'<tendon><fixed name="t" stiffness="0.3" springlength="-0.1 0.2">{terms}</fixed></tendon>'
+                conversion = convert(mjcf(link, tendon + drives), ctrl={"m": 0.02 * sign, "n": -0.005 * sign}, duration=0.1)
+                self.assertIn("its spring has a dead band from -0.1 to 0.2: it is a pair of limits", notes(conversion, "changed"))
+                found = free_motion(conversion.source, conversion.plane, conversion.mechanism, 0.1)
+                # RK4 with a fixed step crosses the ends of the band.
+                self.assertLess(max(found.values()), 1e-6)
+                self.assertGreater(np.ptp(phalanx.run(conversion.scene)["a_rad"]), 0.1)
+
+    def test_a_servo_of_the_length_of_a_cable_is_its_spring(self):
+        tip = f'<body name="b" pos="0.06 0 0"><joint name="b" axis="0 -1 0" stiffness="0.02"/>{LINK}<site name="tip" pos="0.05 0 0.015"/></body>'
+        pulley = '<geom name="pulley" type="cylinder" fromto="0.03 -0.01 0 0.03 0.01 0" size="0.008" contype="0" conaffinity="0" mass="0"/>'
+        pulley += '<site name="side" pos="0.03 0 0.03"/><site name="peg" pos="0.06 0 0.02"/>'
+        world = f'<site name="base" pos="-0.03 0 0.02"/><body name="a"><joint name="a" axis="0 -1 0" damping="2e-3"/>{LINK}{pulley}{tip}</body>'
+        path = '<site site="base"/><geom geom="pulley" sidesite="side"/><site site="peg"/><site site="tip"/>'
+        for branch, divisor, ctrl, duration in ((path, 1, 0.17, 0.05), ('<pulley divisor="2"/><site site="base"/><site site="tip"/>', 2, 0.085, 0.02)):
+            with self.subTest(divisor=divisor):
+                servo = '<actuator><position name="s" tendon="t" kp="60" kv="0.5" gear="2"/></actuator>'
+                conversion = convert(mjcf(world, f'<tendon><spatial name="t">{branch}</spatial></tendon>{servo}'), ctrl={"s": ctrl})
+                (tendon,) = conversion.mechanism.tendons
+                expected = (240 / divisor**2, 2 / divisor**2, 0.085)
+                np.testing.assert_allclose((tendon.stiffness, tendon.damping, tendon.rest), expected, rtol=1e-12)
+                self.assertLess(max(free_motion(conversion.source, conversion.plane, conversion.mechanism, duration).values()), RIGID)
+                self.assertGreater(np.ptp(phalanx.run(conversion.scene, duration=duration)["b_rad"]), 0.5)
+                self.assertIn("actuator s: a servo of the length of a cable is the spring of t", notes(conversion, "changed"))
 
     def test_an_integrator_keeps_its_activation(self):
         link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}</body><body name="b"><joint name="b" axis="0 -1 0"/>{LINK}</body>'

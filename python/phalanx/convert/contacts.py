@@ -109,6 +109,7 @@ def add_contacts(work: Projection) -> None:
     neither overlap at the start nor lie side by side.
     """
     overlapping: list[str] = []
+    inside: list[str] = []
     apart: list[str] = []
     own: list[tuple[int, int, dict[str, Any]]] = []
     of_objects: list[tuple[float, int, int, dict[str, Any]]] = []
@@ -123,10 +124,10 @@ def add_contacts(work: Projection) -> None:
                 apart.append(names)
                 continue
             if distance <= 0.0:
-                overlapping.append(f"{names} ({abs(1e3 * distance):.2g} mm)")
+                overlapping.append(f"{names} ({abs(1e3 * distance):.3g} mm)")
                 continue
         elif distance < -1e-3:
-            overlapping.append(f"{names} ({abs(1e3 * distance):.2g} mm)")
+            inside.append(f"{names} ({abs(1e3 * distance):.3g} mm)")
             continue
         if a.type == "ellipse" and b.type == "ellipse":
             work.report.lost("contacts", f"{names} are two ellipses, which cannot touch")
@@ -155,6 +156,8 @@ def add_contacts(work: Projection) -> None:
         for first, second, settings in own:
             _add(work, first, second, settings)
     _report_pairs(work, "contacts that touch or overlap at the start", overlapping, "they pass through each other")
+    remedy = "place the object elsewhere (a cube of --cube: --cube-at), or open the hand by a key frame"
+    _report_pairs(work, "contacts of the object that overlap at the start", inside, f"they pass through each other; {remedy}")
     _report_pairs(work, "contacts beyond the largest number", far, "they are farthest apart at the start, and pass through each other")
     _report_pairs(work, "contacts side by side", apart, "they overlap in the projection only, and pass each other")
     for what in (name for name, is_lost in lost.items() if is_lost):
@@ -163,8 +166,12 @@ def add_contacts(work: Projection) -> None:
 
 def _report_pairs(work: Projection, name: str, pairs: list[str], effect: str) -> None:
     if pairs:
-        more = f" and {len(pairs) - _NAMED} more" if len(pairs) > _NAMED else ""
-        work.report.lost(name, f"{'; '.join(pairs[:_NAMED])}{more}: {effect}")
+        work.report.lost(name, f"{_some(pairs)}: {effect}")
+
+
+def _some(pairs: list[str]) -> str:
+    """The first pairs, and the number of the others."""
+    return "; ".join(pairs[:_NAMED]) + (f" and {len(pairs) - _NAMED} more" if len(pairs) > _NAMED else "")
 
 
 def _full_name(body: Body | None, outline: Outline) -> str:

@@ -7,8 +7,8 @@ from typing import Literal
 
 import numpy
 
-from .contacts import stop_law
-from .planar import Actuator, Element, Joint, Rotor, Spring, SumLimit, Tendon, Terms
+from .contacts import law_name, stop_law
+from .planar import Actuator, Element, Joint, Law, Rotor, Spring, SumLimit, Tendon, Terms
 from .projection import UNLIMITED, Projection
 from .read import extra, is_below, load_mujoco
 
@@ -115,7 +115,7 @@ def _add_fixed_tendon(work: Projection, t: int, label: str) -> None:
     joints, name = {joint.name: joint for joint in work.mechanism.joints}, work.source.name("tendon", t)
     is_linear = joints[terms[0][0]].is_slide
     if high - low > 1e-12 and stiffness != 0.0:
-        work.report.lost(label, f"its spring has a dead band from {low:.6g} to {high:.6g}, which has no equivalent")
+        _add_dead_band(work, t, label, terms, stiffness, (low, high))
         stiffness = 0.0
     if stiffness or damping:
         spring = Spring(work.names["spring"].new(name, f"tendon_{t}"), stiffness, damping, low if stiffness else 0.0, terms, is_linear=is_linear)
@@ -126,6 +126,31 @@ def _add_fixed_tendon(work: Projection, t: int, label: str) -> None:
             text = "its armature couples joints of several branches: MuJoCo leaves out the coupling, and the scene has it"
             work.report.changed(label, text)
         work.mechanism.rotors.append(Rotor(work.names["rotor"].new(name, f"tendon_{t}"), terms, armature, is_linear))
+
+
+def _add_dead_band(work: Projection, t: int, label: str, terms: Terms, stiffness: float, band: tuple[float, float]) -> None:
+    """A spring that acts outside of a band of its length: limits with an elastic law."""
+    joints = {joint.name: joint for joint in work.mechanism.joints}
+    joint, factor = joints[terms[0][0]], terms[0][1]
+    text = f"its spring has a dead band from {band[0]:.6g} to {band[1]:.6g}"
+    start = {joint.name: float(work.start.qpos[work.model.jnt_qposadr[j]]) for j, joint in work.joints.items()}
+    length = sum(each * start[name] for name, each in terms)
+    if not band[0] <= length <= band[1]:
+        work.report.lost(label, f"{text}: its length at the start, {length:.6g}, is outside, where the scene cannot begin")
+        return
+    if len(terms) == 1 and joint.stop:
+        work.report.lost(label, f"{text}, but the joint {joint.name} has stops; a joint has one pair of limits")
+        return
+    scale = factor**2 if len(terms) == 1 else 1.0
+    law = law_name(work, Law("", scale * stiffness, None, f"spring of {label} beyond its dead band", joint.is_slide, is_spring=True))
+    lower, upper = (None if abs(bound) >= UNLIMITED else bound for bound in band)
+    if len(terms) > 1:
+        name = work.names["limit"].new(work.source.name("tendon", t), f"tendon_{t}")
+        work.mechanism.limits.append(SumLimit(name, terms, lower, upper, law, joint.is_slide))
+    else:
+        ends = [None if bound is None else bound / factor for bound in (lower, upper)]
+        (joint.lower, joint.upper), joint.stop = ends if factor > 0.0 else ends[::-1], law
+    work.report.changed(label, f"{text}: it is a pair of limits with an elastic law")
 
 
 def _is_chain(work: Projection, joints: list[int]) -> bool:
@@ -144,6 +169,7 @@ def _add_spatial_tendon(work: Projection, t: int, label: str) -> None:
     if not moving:
         work.report.lost(label, "all its points are on one body, so that its length is constant")
         return
+    _report_heights(work, t, label)
     divisor, path = moving[0]
     if len(branches) == 1 and len(path) == 2 and divisor == 1.0 and (stiffness or damping) and (high == low or not stiffness):
         bodies, points = (path[0].body, path[1].body), (path[0].at, path[1].at)
@@ -175,18 +201,19 @@ def _add_spatial_tendon(work: Projection, t: int, label: str) -> None:
         work.cables.setdefault(t, []).append((own, divisor))
 
 
+def _report_heights(work: Projection, t: int, label: str) -> None:
+    model, wraps = work.model, range(int(work.model.tendon_adr[t]), int(work.model.tendon_adr[t] + work.model.tendon_num[t]))
+    sites = [model.wrap_objid[k] for k in wraps if model.wrap_type[k] == load_mujoco().mjtWrap.mjWRAP_SITE]
+    spread = float(numpy.ptp([work.plane.height(work.zero.site_xpos[site]) for site in sites]))
+    if spread > 1e-4:
+        text = f"its sites are up to {1e3 * spread:.3g} mm apart along the normal; the scene has the length in the plane"
+        work.report.changed(label, text)
+
+
 def _branches(work: Projection, t: int, label: str) -> list[tuple[float, list[Element]]]:
     """Paths of the branches of a spatial tendon, with the divisors of their tension."""
-    mujoco, model, plane, data = load_mujoco(), work.model, work.plane, work.zero
+    mujoco, model, data = load_mujoco(), work.model, work.zero
     first, count = int(model.tendon_adr[t]), int(model.tendon_num[t])
-    heights = [
-        plane.height(data.site_xpos[model.wrap_objid[k]]) for k in range(first, first + count) if model.wrap_type[k] == mujoco.mjtWrap.mjWRAP_SITE
-    ]
-    if max(heights) - min(heights) > 1e-4:
-        work.report.changed(
-            label,
-            f"its sites are up to {1e3 * (max(heights) - min(heights)):.3g} mm apart along the normal; the scene has the length in the plane",
-        )
     branches: list[tuple[float, list[Element]]] = [(1.0, [])]
     for k in range(first, first + count):
         kind, index = mujoco.mjtWrap(model.wrap_type[k]), int(model.wrap_objid[k])
@@ -406,7 +433,7 @@ def _add_pull(work: Projection, k: int, label: str, gear: float) -> None:
     """An actuator that pulls a cable; behind a pulley its tension is divided."""
     constant, by_length, by_rate, signal = _control(work, k)
     if by_length != 0.0 or by_rate != 0.0:
-        work.report.lost(label, "a servo of the length of a cable has no equivalent; the cable is not pulled")
+        _add_length_servo(work, k, label, gear)
         return
     if work.model.actuator_forcelimited[k]:
         constant = min(max(constant, float(work.model.actuator_forcerange[k, 0])), float(work.model.actuator_forcerange[k, 1]))
@@ -419,3 +446,23 @@ def _add_pull(work: Projection, k: int, label: str, gear: float) -> None:
         own = work.names["actuator"].new(f"{name}_{number}" if len(cables) > 1 and name else name, f"actuator_{k}")
         comment = f"ctrl {signal:g}, gear {gear:g}" + (f", divisor {divisor:g}" if divisor != 1.0 else "")
         work.mechanism.actuators.append(Actuator(own, tendon=cable, effort=tension / divisor, comments={"effort": comment}))
+
+
+def _add_length_servo(work: Projection, k: int, label: str, gear: float) -> None:
+    """A servo of the length of a cable, which is a spring and a damper of the cable."""
+    constant, by_length, by_rate, signal = _control(work, k)
+    cables = work.cables[int(work.model.actuator_trnid[k, 0])]
+    tendons = {tendon.name: tendon for tendon in work.mechanism.tendons}
+    (name, divisor), tendon = cables[0], tendons[cables[0][0]]
+    if len(cables) > 1 or by_length >= 0.0 or by_rate > 0.0 or gear == 0.0 or tendon.stiffness:
+        text = "a servo of the length of a cable with branches or a spring, or of its rate alone, has no equivalent; the cable is not pulled"
+        work.report.lost(label, text)
+        return
+    tendon.stiffness, tendon.damping = -by_length * (gear / divisor) ** 2, -by_rate * (gear / divisor) ** 2
+    tendon.rest = divisor * constant / (-by_length * gear) + 0.0
+    tendon.comment += f", pulled by the servo {work.source.name('actuator', k) or k}"
+    tendon.rest_comment = f"target at ctrl {signal:g}"
+    if work.model.actuator_forcelimited[k]:
+        low, high = work.model.actuator_forcerange[k]
+        work.report.lost(label, f"its forcerange of {low:g} to {high:g}; the tension of the cable has no limit")
+    work.report.changed(label, f"a servo of the length of a cable is the spring of {name}, which does not push below {tendon.rest:.6g} m")

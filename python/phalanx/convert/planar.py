@@ -150,6 +150,7 @@ class Tendon:
     damping: float = 0.0
     rest: float = 0.0
     comment: str = ""
+    rest_comment: str = "springlength"
 
 
 @dataclass
@@ -185,6 +186,8 @@ class Law:
     comment: str
     is_linear: bool = True
     """Whether its depth is a length; an angle for stops of hinges."""
+    is_spring: bool = False
+    """Whether it is a spring beyond a dead band, without damping."""
 
 
 @dataclass

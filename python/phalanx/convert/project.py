@@ -524,9 +524,10 @@ def _outline_name(work: Projection, geom: int, taken: Names) -> str:
 
 def _name_laws(work: Projection) -> None:
     """Replaces the keys of laws by names."""
-    stops = [law for law in work.mechanism.laws if law.friction is None]
+    springs = [law for law in work.mechanism.laws if law.is_spring]
+    stops = [law for law in work.mechanism.laws if law.friction is None and not law.is_spring]
     pads = [law for law in work.mechanism.laws if law.friction is not None]
-    for laws, base in ((stops, "stop"), (pads, "pad")):
+    for laws, base in ((stops, "stop"), (pads, "pad"), (springs, "band")):
         for number, law in enumerate(laws, 1):
             old, law.name = law.name, base if len(laws) == 1 else f"{base}_{number}"
             for joint in work.mechanism.joints:
@@ -535,6 +536,6 @@ def _name_laws(work: Projection) -> None:
                 limit.stop = law.name if limit.stop == old else limit.stop
             for contact in work.mechanism.contacts:
                 contact.law = law.name if contact.law == old else contact.law
-    if work.mechanism.laws:
+    if stops or pads:
         text = "solref and solimp have no equivalent: the laws have the stiffness of MuJoCo's static penetration, and a damping that is assumed"
         work.report.changed("contacts and limits", text)

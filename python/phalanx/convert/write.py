@@ -129,8 +129,9 @@ def scene_text(mechanism: Mechanism, header: Sequence[str], duration_s: float) -
         _write_terms(body, rotor.terms)
         body.text("inertia", _quantity(rotor.inertia, rotor.is_linear, _INERTIA))
         body.blank()
+    bands = {law.name for law in mechanism.laws if law.is_spring}
     for limit in mechanism.limits:
-        body.section(f"limits.{limit.name}", "range of a tendon")
+        body.section(f"limits.{limit.name}", "dead band of a tendon" if limit.stop in bands else "range of a tendon")
         _write_terms(body, limit.terms)
         for key, bound in (("lower", limit.lower), ("upper", limit.upper)):
             if bound is not None:
@@ -322,7 +323,7 @@ def _write_tendon(text: _Text, tendon: Tendon) -> None:
         text.text("stiffness", f"{number(tendon.stiffness)} N/m")
         if tendon.damping:
             text.text("damping", f"{number(tendon.damping)} N*s/m")
-        text.text("rest", length(tendon.rest), "springlength")
+        text.text("rest", length(tendon.rest), tendon.rest_comment)
     text.lines.append("path = [")
     for element in tendon.path:
         kind = f'pulley = "{element.body}"' if element.radius else f'eyelet = "{element.body}"'
@@ -376,7 +377,9 @@ def _write_law(text: _Text, law: Law) -> None:
     text.section(f"laws.{law.name}", law.comment)
     text.value("stiffness", number(law.stiffness))
     text.value("exponent", "1")
-    if law.friction is None:
+    if law.is_spring:
+        pass
+    elif law.friction is None:
         text.text("damping", STOP_DAMPING[law.is_linear], "assumed")
     else:
         text.text("damping", CONTACT_DAMPING, "assumed")
