@@ -425,6 +425,48 @@ class Contacts(unittest.TestCase):
         _, data = at_rest(text)
         self.assertLess(abs(1.0 / (conversion.mechanism.laws[0].stiffness * (-0.01 - data.qpos[0])) - 1), 0.006)
 
+    def test_cables_are_taut_at_the_end_of_their_range(self):
+        settings = 'limited="true" range="0 0.05" solreflimit="0.01 1" solimplimit="0.9 0.95 0.001"'
+        # A load of 1 N on the tendon of MuJoCo, for which the law is exact.
+        for branch, divisor, weight in (("", 1, 1.0), ('<pulley divisor="2"/>', 2, 0.5)):
+            with self.subTest(divisor=divisor):
+                # A ball hangs from a point; MuJoCo's length is that of the branch over the divisor.
+                ball = (
+                    '<site name="top" pos="0 0 0.3"/><body name="ball" pos="0 0 {}"><freejoint/><geom name="ball" size="0.01" mass="{}"/><site'
+                    ' name="eye"/></body><body name="a" pos="1 0 0"><joint name="a" axis="0 -1 0"/>{}</body>'
+                ).format(0.3 - 0.05 * divisor, weight / 9.81, LINK)
+                tendon = f'<tendon><spatial name="t" {settings}>{branch}<site site="top"/><site site="eye"/></spatial></tendon>'
+                text = mjcf(ball, f'{tendon}<keyframe><key qpos="0 0 {0.3 - 0.05 * divisor} 1 0 0 0 0"/></keyframe>')
+                text = text.replace('gravity="0 0 0"', 'gravity="0 0 -9.81" timestep="0.0005"')
+                conversion = convert(text, duration=0.5)
+                (cable,) = conversion.mechanism.tendons
+                self.assertAlmostEqual(cable.rest, 0.05 * divisor, delta=1e-15)
+                _, data = at_rest(text)
+                stretch = 0.3 - 0.05 * divisor - data.body("ball").xpos[2]
+                expected = weight / cable.stiffness
+                self.assertLess(abs(stretch / expected - 1), 0.006)
+                result = phalanx.run(conversion.scene)
+                self.assertAlmostEqual(result["ball_y_m"][-1], 0.3 - 0.05 * divisor - expected, delta=0.02 * expected)
+                self.assertIn("tendon t: the upper end of its range", notes(conversion, "changed"))
+
+    def test_tables_do_not_belong_to_the_hand(self):
+        slide = '<joint name="{0}" type="slide" axis="{1} 0 0"/><geom name="{0}" type="box" size="0.006 0.012 0.045" pos="0 0 0.045" mass="0.05"/>'
+        fingers = "".join(
+            f'<body name="{name}" pos="{x} 0 0.02">{slide.format(name, sign)}</body>' for name, x, sign in (("l", -0.04, 1), ("r", 0.04, -1))
+        )
+        palm = '<geom name="palm" type="box" size="0.06 0.03 0.02" mass="0.5"/>'
+        cube = '<body name="cube" pos="0 0 0.02"><freejoint/><geom name="cube" type="box" size="0.02 0.02 0.02" mass="0.1"/></body>'
+        table = '<geom name="table" type="box" size="1 1 0.1" pos="0 0 -0.1"/>'
+        conversion = convert(mjcf(f'{table}<body name="base" pos="0 0 0.14" quat="0 1 0 0">{palm}{fingers}</body>{cube}'))
+        self.assertIn('[grasp]\nsurroundings = ["ground.table"]', conversion.toml)
+        # Fingers that slide along the palm do not touch it.
+        self.assertIn("ground.palm and l.l (0 mm)", notes(conversion, "lost"))
+        touching = {frozenset(contact.between) for contact in conversion.mechanism.contacts}
+        self.assertIn(frozenset(("ground.palm", "cube.cube")), touching)
+        self.assertNotIn(frozenset(("ground.palm", "l.l")), touching)
+        plane = mjcf(f'<geom name="floor" type="plane" size="1 1 1"/>{palm.replace("0.5", "0")}{fingers}{cube}')
+        self.assertEqual(convert(plane).mechanism.surroundings, ["ground.floor"])
+
     def test_shapes_are_projected(self):
         turn = 'euler="0 -0.5235987755982988 0"'
         geoms = (
@@ -555,7 +597,7 @@ class Reports(unittest.TestCase):
         ball = '<body name="ball" pos="0.6 0 0"><freejoint name="free"/><geom name="ball" type="sphere" size="0.02" mass="0.1"/></body>'
         rest = (
             '<tendon><fixed name="slack" frictionloss="0.1" stiffness="2" springlength="0.1 0.3"><joint'
-            ' joint="a" coef="1"/></fixed><spatial name="ruler" limited="true" range="0 1"><site site="a"/><site site="b"/></spatial></tendon><equality><connect'
+            ' joint="a" coef="1"/></fixed><spatial name="ruler" limited="true" range="0.01 1"><site site="a"/><site site="b"/></spatial></tendon><equality><connect'
             ' name="idle" body1="a" body2="b" anchor="0 0 0" active="false"/><tendon name="reel"'
             ' tendon1="ruler"/></equality><actuator><general name="push" site="a" gear="1 0 0 0 0 0"/><muscle name="arm" joint="a"'
             ' lengthrange="0 1"/><position name="slow" joint="b" timeconst="0.1"/><position name="winch" tendon="ruler" forcerange="-2 2"/><motor'
@@ -567,7 +609,7 @@ class Reports(unittest.TestCase):
         lost = notes(conversion, "lost")
         for item in (
             "gravity: its part of 9.81", "body d: its gravity compensation", "joint d: its lower limit of 0.1", "joint d: the margin of its limits",
-            "tendon ruler: its range of 0 to 1", "tendon slack: its frictionloss", "tendon slack: its spring has a dead band from 0.1 to 0.3",
+            "tendon ruler: the lower end of its range, 0.01 m", "tendon slack: its frictionloss", "tendon slack: its spring has a dead band from 0.1 to 0.3",
             "equality idle: it is not active", "equality reel: it acts on a spatial tendon",
             "actuator push: its transmission site", "actuator arm: mjGAIN_MUSCLE", "actuator slow: its activation dynamics (filterexact, 0.1 s)",
             "actuator winch: its forcerange of -2 to 2", "actuator shove: at ctrl 3 it pushes with 3 N", "actuator runaway: its bias grows",

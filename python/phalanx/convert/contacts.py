@@ -24,6 +24,8 @@ STOP_DAMPING = ("0.2 s/rad", "3 s/m")
 BRISTLE_DAMPING = "100 N*s/m"
 # Contact points of a scene, at most (1000, with a reserve).
 _MAX_POINTS = 900
+# Outlines of the hand that are nearer at the start slide along each other, m: their contact would act at rounding errors.
+_TOUCHING_M = 1e-6
 # Pairs named in a line of the report.
 _NAMED = 4
 
@@ -51,9 +53,7 @@ def compliance(work: Projection, solref: Any, solimp: Any, inverse: float, load:
     """
     largest = min(max(float(solimp[1]), 1e-4), 0.9999)
     if solref[0] > 0.0:
-        constant = float(solref[0])
-        if not work.is_disabled("REFSAFE"):
-            constant = max(constant, 2.0 * float(work.model.opt.timestep))
+        constant = _time_constant(work, solref)
         k = 1.0 / (largest**2 * constant**2 * max(float(solref[1]), 1e-15) ** 2)
     else:
         k = -float(solref[0]) / largest**2
@@ -70,6 +70,22 @@ def compliance(work: Projection, solref: Any, solimp: Any, inverse: float, load:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if excess(middle) < 0.0 else (low, middle)
     return load / high, high
+
+
+def taut_cable(work: Projection, solref: Any, solimp: Any, inverse: float) -> tuple[float, float]:
+    """Stiffness and damping of a cable at the end of its range: those of MuJoCo's limit at a static load of 1 N.
+
+    The force F of a limit at the depth r satisfies (1 - d) A F = d (b r' + d k r), with b = 2/(dmax timeconst).
+    """
+    stiffness, depth = compliance(work, solref, solimp, inverse, STOP_LOAD)
+    largest, d = min(max(float(solimp[1]), 1e-4), 0.9999), impedance(solimp, depth)
+    b = -float(solref[1]) / largest if solref[0] <= 0.0 else 2.0 / (largest * _time_constant(work, solref))
+    return stiffness, d * b / ((1.0 - d) * max(inverse, 1e-15))
+
+
+def _time_constant(work: Projection, solref: Any) -> float:
+    constant = float(solref[0])
+    return constant if work.is_disabled("REFSAFE") else max(constant, 2.0 * float(work.model.opt.timestep))
 
 
 def law_name(work: Projection, law: Law) -> str:
@@ -123,8 +139,8 @@ def add_contacts(work: Projection) -> None:
             if min(a.depth[1], b.depth[1]) <= max(a.depth[0], b.depth[0]):
                 apart.append(names)
                 continue
-            if distance <= 0.0:
-                overlapping.append(f"{names} ({abs(1e3 * distance):.3g} mm)")
+            if distance <= _TOUCHING_M:
+                overlapping.append(f"{names} ({max(-1e3 * distance, 0.0) + 0.0:.3g} mm)")
                 continue
         elif distance < -1e-3:
             inside.append(f"{names} ({abs(1e3 * distance):.3g} mm)")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Literal
 
 import numpy
 
-from .contacts import law_name, stop_law
+from .contacts import law_name, stop_law, taut_cable
 from .planar import Actuator, Element, Joint, Law, Rotor, Spring, SumLimit, Tendon, Terms
 from .projection import UNLIMITED, Projection
 from .read import extra, is_below, load_mujoco
@@ -43,6 +44,9 @@ def _add_range(work: Projection, t: int, label: str) -> None:
     bounds = [float(bound) for bound in model.tendon_range[t]]
     terms = work.sum_of_tendon(t)
     kinds = {joints[name].is_slide for name, _ in terms or []}
+    if terms is None and model.wrap_type[model.tendon_adr[t]] != load_mujoco().mjtWrap.mjWRAP_JOINT:
+        work.ranges.add(t)
+        return
     text = f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}"
     if not terms or len(kinds) > 1:
         work.report.lost(label, f"{text}; nothing stops it at these lengths")
@@ -168,6 +172,7 @@ def _add_spatial_tendon(work: Projection, t: int, label: str) -> None:
     moving = [(divisor, path) for divisor, path in branches if len({element.body for element in path}) > 1]
     if not moving:
         work.report.lost(label, "all its points are on one body, so that its length is constant")
+        work.ranges.discard(t)
         return
     _report_heights(work, t, label)
     divisor, path = moving[0]
@@ -291,7 +296,32 @@ def add_actuators(work: Projection) -> None:
             )
             continue
         _add_drive(work, k, label, gear, terms)
+    _add_ranges_of_cables(work)
     _drop_idle_cables(work)
+
+
+def _add_ranges_of_cables(work: Projection) -> None:
+    """A cable that is taut at the upper end of its range."""
+    model, pulled = work.model, {actuator.tendon for actuator in work.mechanism.actuators}
+    tendons = {tendon.name: tendon for tendon in work.mechanism.tendons}
+    for t in sorted(work.ranges):
+        label, (low, high) = work.source.label("tendon", t), (float(bound) for bound in model.tendon_range[t])
+        cables = work.cables.get(t, [])
+        if len(cables) != 1:
+            work.report.lost(label, f"its range of {low:.6g} to {high:.6g}; nothing stops it at these lengths")
+            continue
+        if low > 0.0:
+            work.report.lost(label, f"the lower end of its range, {low:.6g} m: a cable does not push")
+        if high >= UNLIMITED:
+            continue
+        (name, divisor), tendon = cables[0], tendons[cables[0][0]]
+        if tendon.stiffness or name in pulled:
+            tendon = replace(tendon, name=work.names["tendon"].new(f"{name}_range", name))
+            work.mechanism.tendons.append(tendon)
+        stiffness, damping = taut_cable(work, model.tendon_solref_lim[t], model.tendon_solimp_lim[t], float(model.tendon_invweight0[t]))
+        tendon.stiffness, tendon.damping = (float(f"{value / divisor**2:.3g}") for value in (stiffness, damping))
+        tendon.rest, tendon.rest_comment, tendon.is_range = divisor * high, "upper end of the range", True
+        work.report.changed(label, f"the upper end of its range, {high:.6g} m, is the free length of a cable, with MuJoCo's static stretch at 1 N")
 
 
 def _drop_idle_cables(work: Projection) -> None:

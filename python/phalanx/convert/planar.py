@@ -151,6 +151,8 @@ class Tendon:
     rest: float = 0.0
     comment: str = ""
     rest_comment: str = "springlength"
+    is_range: bool = False
+    """Whether it is the upper end of a range, at which the cable is taut."""
 
 
 @dataclass
@@ -215,6 +217,8 @@ class Mechanism:
     actuators: list[Actuator] = field(default_factory=list)
     laws: list[Law] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)
+    surroundings: list[str] = field(default_factory=list)
+    """Outlines of the ground, as GROUND.OUTLINE, that are not part of the hand."""
 
 
 def friction_stiffness(friction: float) -> float:

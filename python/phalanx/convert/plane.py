@@ -29,6 +29,8 @@ class Plane:
     n: Numbers
     comment: str
     """The plane in words."""
+    root: int = 0
+    """Body of the model whose frame is that of the scene; 0 for the world."""
 
     def point(self, x: Any) -> Numbers:
         """Coordinates in the plane of a point of the world."""
@@ -98,7 +100,7 @@ def find_plane(source: Source, name: str | None = None) -> Plane:
     else:
         first, second = (", ".join(f"{number:.6g}" for number in frame.T @ axis) for axis in (e1, e2))
         words = f"x is ({first}) and y is ({second}) of {whose}"
-    plane = Plane(origin, e1, e2, numpy.cross(e1, e2), words)
+    plane = Plane(origin, e1, e2, numpy.cross(e1, e2), words, root)
     _check_axes(source, plane, hinges, slides)
     return plane
 

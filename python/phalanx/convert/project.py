@@ -39,6 +39,7 @@ def project(source: Source, plane: Plane) -> Mechanism:
     _choose_starts(work)
     _add_outlines(work)
     add_contacts(work)
+    _find_surroundings(work)
     _name_laws(work)
     add_remarks(work)
     return work.mechanism
@@ -520,6 +521,19 @@ def _outline_name(work: Projection, geom: int, taken: Names) -> str:
     if not name and model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
         name = work.source.name("mesh", int(model.geom_dataid[geom]))
     return taken.new(name, mujoco.mjtGeom(model.geom_type[geom]).name.removeprefix("mjGEOM_").lower())
+
+
+def _find_surroundings(work: Projection) -> None:
+    """Planes, and outlines of the world if the hand has a base of its own, do not belong to the hand."""
+    mujoco, model = load_mujoco(), work.model
+    has_base = work.plane.root > 0
+    touched = {name for contact in work.mechanism.contacts for name in contact.between}
+    for geom, (body, outline) in work.outlines.items():
+        is_of_world = has_base and model.geom_bodyid[geom] == 0
+        is_plane = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE
+        name = f"{GROUND}.{outline.name}"
+        if body is None and name in touched and (is_of_world or is_plane) and any(other.is_free for other in work.mechanism.bodies):
+            work.mechanism.surroundings.append(name)
 
 
 def _name_laws(work: Projection) -> None:

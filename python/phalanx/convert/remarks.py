@@ -98,7 +98,7 @@ def _warn_about_joints(work: Projection) -> None:
                 work.source.label("equality", k),
                 "its tendon also has a spring, which opens the soft constraint: in MuJoCo the joints move differently from an exact coupling",
             )
-    if not work.mechanism.actuators and not any(tendon.stiffness for tendon in work.mechanism.tendons):
+    if not work.mechanism.actuators and not any(tendon.stiffness and not tendon.is_range for tendon in work.mechanism.tendons):
         efforts = [f"{joint.name} {abs(model.jnt_actfrcrange[j]).max():g}" for j, joint in work.joints.items() if model.jnt_actfrclimited[j]]
         limits = f" (largest efforts of the model: {', '.join(efforts)}, in N m or N)" if efforts else ""
         work.report.warn("actuators", f"the scene has none: add a section [actuators.NAME]{limits}, or nothing closes the hand")

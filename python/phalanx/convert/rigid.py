@@ -88,6 +88,7 @@ def free_motion(source: Source, plane: Plane, mechanism: Mechanism, duration_s: 
     limits = [limit for limit in mechanism.limits if limit.stop in names]
     actuators = [replace(actuator, times=[], values=[]) for actuator in mechanism.actuators]
     free = replace(mechanism, joints=joints, actuators=actuators, contacts=[], laws=springs, limits=limits)
+    free.tendons = [tendon for tendon in mechanism.tendons if not tendon.is_range]
     scene = Scene.from_toml(scene_text(free, [], max(duration_s, times[-1])), "free.toml")
     result = run(scene, preset="reference", numeric_rate=1.0 / _SAMPLE_S)
     found: Numbers = numpy.array(positions)

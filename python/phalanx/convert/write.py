@@ -142,6 +142,10 @@ def scene_text(mechanism: Mechanism, header: Sequence[str], duration_s: float) -
         _write_actuator(body, actuator)
     for law in mechanism.laws:
         _write_law(body, law)
+    if mechanism.surroundings:
+        body.section("grasp")
+        body.value("surroundings", _quoted(mechanism.surroundings), "not part of the hand")
+        body.blank()
     _write_contacts(body, mechanism)
     text.blank()
     if parameters.values:
