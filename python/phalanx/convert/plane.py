@@ -79,8 +79,8 @@ def find_plane(source: Source, name: str | None = None) -> Plane:
     root = _root(source, hinges + slides)
     origin, frame = data.xpos[root].copy(), data.xmat[root].reshape(3, 3).copy()
     if not hinges and not slides:
-        at = f" below {source.root}" if source.root else ""
-        raise ConversionError(f"{source.path} has no hinge or slide{at}, so that there is no plane of motion; choose another --root")
+        at, remedy = (f" below {source.root}", "choose another --root") if source.root else ("", "give a model with joints")
+        raise ConversionError(f"{source.path} has no hinge or slide{at}, so that there is no plane of motion; {remedy}")
     name = "auto" if name is None else name.lower()
     if name != "auto":
         if name not in PLANES:

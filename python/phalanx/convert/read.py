@@ -167,8 +167,12 @@ def _is_of_rigid_body(body: Any) -> bool:
     return bool(2.0 * moments.max() <= moments.sum())
 
 
+_OF_A_PART = "if the file is a part of a larger model, give the file that includes it; or else correct it"
 # Remedies for errors of MuJoCo, by a part of their messages.
 _REMEDIES = {
+    "not found in": _OF_A_PART,
+    "unknown default class": _OF_A_PART,
+    "invalid qpos size": _OF_A_PART,
     "repeated name": "give one of them another name, also where it is used",
     "unrecognized attribute": "remove this attribute, which this version of MuJoCo does not have",
     "unrecognized element": "remove this element, which this version of MuJoCo does not have",
@@ -193,6 +197,10 @@ def _specification(mujoco: Any, file: Path, report: Report) -> Any:
         raise ConversionError(f"{file} is no XML file: {error}; give an MJCF or URDF file") from None
     if "xacro" in file.suffix or any("xacro" in str(element.tag) for element in top.iter()):
         raise ConversionError(f"{file} is a xacro file; convert it to URDF first: xacro {file.name} > model.urdf")
+    if top.tag == "mujocoinclude":
+        raise ConversionError(f"{file} is a part of a model (mujocoinclude); give the file that includes it")
+    if top.tag not in ("mujoco", "robot"):
+        raise ConversionError(f"{file} is neither MJCF nor URDF: its first element is <{top.tag}> in place of <mujoco> or <robot>")
     if top.tag != "robot":
         return mujoco.MjSpec.from_file(str(file))
     # Links behind fixed joints keep their names, and visual shapes stay.
