@@ -12,8 +12,9 @@ from .planar import GROUND, Actuator, Body, Contact, Joint, Law, Mechanism, Outl
 
 # Digits of a number: an error of 5e-13.
 _DIGITS = 12
-# Two lengths are the same parameter within this distance, m.
+# Two lengths are the same parameter within this distance, m, and a body is in its zero position within this angle, rad.
 _SAME_M = 1e-12
+_SAME_RAD = 1e-12
 # Time up to which the target of a servo without kp moves, s.
 _LONG_S = 1000.0
 
@@ -157,7 +158,11 @@ def scene_text(mechanism: Mechanism, header: Sequence[str], duration_s: float) -
 
 
 def _is_at_zero(mechanism: Mechanism) -> bool:
-    return all(body.is_free or (body.angle == 0.0 and body.at == body.origin) for body in mechanism.bodies)
+    return all(body.is_free or (abs(body.angle) <= _SAME_RAD and _are_same(body.at, body.origin)) for body in mechanism.bodies)
+
+
+def _are_same(a: Vector, b: Vector) -> bool:
+    return max(abs(a[0] - b[0]), abs(a[1] - b[1])) <= _SAME_M
 
 
 def _write_bodies(text: _Text, mechanism: Mechanism, parameters: _Parameters) -> dict[str, str]:
@@ -256,10 +261,10 @@ def _write_joints(text: _Text, mechanism: Mechanism, parameters: _Parameters, pi
             text.text("type", "prismatic")
         text.value("bodies", _quoted(joint.bodies))
         first, second = _world(mechanism, joint)
-        closed = max(abs(first[0] - second[0]), abs(first[1] - second[1])) <= _SAME_M
+        closed = _are_same(first, second)
         if is_at_zero and closed and not has_free & set(joint.bodies):
             at = next(
-                (pivots[name] for name in joint.bodies[::-1] if name in origins and max(abs(origins[name][k] - first[k]) for k in (0, 1)) <= _SAME_M),
+                (pivots[name] for name in joint.bodies[::-1] if name in origins and _are_same(origins[name], first)),
                 None,
             )
             text.value("at", at or _point(first))
