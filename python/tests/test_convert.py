@@ -463,7 +463,7 @@ class Contacts(unittest.TestCase):
         )
         palm = '<geom name="palm" type="box" size="0.06 0.03 0.02" mass="0.5"/>'
         cube = '<body name="cube" pos="0 0 0.02"><freejoint/><geom name="cube" type="box" size="0.02 0.02 0.02" mass="0.1"/></body>'
-        table = '<geom name="table" type="box" size="1 1 0.1" pos="0 0 -0.1"/>'
+        table = '<body name="desk"><geom name="table" type="box" size="1 1 0.1" pos="0 0 -0.1"/></body>'
         conversion = convert(mjcf(f'{table}<body name="base" pos="0 0 0.14" quat="0 1 0 0">{palm}{fingers}</body>{cube}'))
         self.assertIn('[grasp]\nsurroundings = ["ground.table"]', conversion.toml)
         # Fingers that slide along the palm do not touch it.
@@ -471,6 +471,8 @@ class Contacts(unittest.TestCase):
         touching = {frozenset(contact.between) for contact in conversion.mechanism.contacts}
         self.assertIn(frozenset(("ground.palm", "cube.cube")), touching)
         self.assertNotIn(frozenset(("ground.palm", "l.l")), touching)
+        mount = f'<body name="mount" pos="0 0 0.14"><geom name="flange" type="box" size="0.1 0.1 0.01"/><body name="base" quat="0 1 0 0">{palm}{fingers}</body></body>'
+        self.assertEqual(convert(mjcf(f"{mount}{cube}")).mechanism.surroundings, [])
         plane = mjcf(f'<geom name="floor" type="plane" size="1 1 1"/>{palm.replace("0.5", "0")}{fingers}{cube}')
         self.assertEqual(convert(plane).mechanism.surroundings, ["ground.floor"])
 
@@ -536,6 +538,18 @@ class Contacts(unittest.TestCase):
             lost = notes(conversion, "lost")
             self.assertIn("a.a and f.f (15 mm)", lost)
             self.assertIn("a.a and e.e", lost)
+
+    def test_an_ellipse_of_the_hand_becomes_a_polygon_for_another_ellipse(self):
+        egg = '<geom name="{}" type="ellipsoid" size="0.02 0.02 0.03"/>'
+        finger = f'<body name="a"><joint name="a" type="slide" axis="1 0 0"/>{LINK}{egg.format("tip")}</body>'
+        conversion = convert(mjcf(f'{finger}<body name="egg" pos="0.05 0 0"><freejoint/>{egg.format("skin")}</body>'), plane="xz")
+        tip, skin = (body.outlines[0] for body in conversion.mechanism.bodies)
+        self.assertEqual((tip.type, len(tip.points), skin.type), ("polygon", 32, "ellipse"))
+        # The shape does not change: half the width of the ellipse, up to its facets.
+        self.assertAlmostEqual(max(x for x, _ in tip.points) + tip.rounding, 0.02, delta=2e-4)
+        self.assertEqual([set(contact.between) for contact in conversion.mechanism.contacts], [{"a.tip", "egg.skin"}])
+        self.assertIn("a.tip: a polygon of 32 corners", notes(conversion, "changed"))
+        phalanx.run(conversion.scene, duration=1e-3)
 
     def test_the_nearest_pairs_are_kept_where_there_are_too_many(self):
         points = np.random.default_rng(0).normal(size=(200, 3))

@@ -18,7 +18,7 @@ from .outlines import ROUNDING_M, outline_of
 from .planar import GROUND, Body, Coupling, Joint, Mechanism, Spring, Terms
 from .plane import Plane
 from .projection import UNLIMITED, Names, Projection
-from .read import Numbers, Source, extra, load_mujoco
+from .read import Numbers, Source, extra, is_below, load_mujoco
 from .remarks import add_remarks
 
 # A constraint that is open by more is reported, m or rad.
@@ -524,15 +524,15 @@ def _outline_name(work: Projection, geom: int, taken: Names) -> str:
 
 
 def _find_surroundings(work: Projection) -> None:
-    """Planes, and outlines of the world if the hand has a base of its own, do not belong to the hand."""
-    mujoco, model = load_mujoco(), work.model
-    has_base = work.plane.root > 0
+    """Planes do not belong to the hand. If the hand has a base of its own, only what this carries, or stands on, does."""
+    mujoco, model, base = load_mujoco(), work.model, work.plane.root
     touched = {name for contact in work.mechanism.contacts for name in contact.between}
     for geom, (body, outline) in work.outlines.items():
-        is_of_world = has_base and model.geom_bodyid[geom] == 0
+        owner = int(model.geom_bodyid[geom])
+        is_of_hand = base == 0 or is_below(model, owner, base) or (owner > 0 and is_below(model, base, owner))
         is_plane = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE
         name = f"{GROUND}.{outline.name}"
-        if body is None and name in touched and (is_of_world or is_plane) and any(other.is_free for other in work.mechanism.bodies):
+        if body is None and name in touched and (is_plane or not is_of_hand) and any(other.is_free for other in work.mechanism.bodies):
             work.mechanism.surroundings.append(name)
 
 
