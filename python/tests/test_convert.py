@@ -745,6 +745,12 @@ class Reports(unittest.TestCase):
         self.assertIn("body a: its radius of gyration is 1e+03 mm, but its extent", text)
         self.assertIn("body a: its centre of mass is exactly in its joint", text)
         self.assertIn("joint a: its armature of 0.2 kg m^2 is 200 times", text)
+        rubbing = mjcf(
+            f'<body name="a"><joint name="a" axis="0 1 0" frictionloss="1"/>{LINK}<geom name="pad" type="box" size="0.05 0.01 0.01" mass="0"/>'
+            '<body name="coupler"><inertial pos="0 0 0" mass="1e-3" diaginertia="1e-8 1e-8 1e-8"/></body></body>'
+        )
+        self.assertIn("joint a: its frictionloss of 1 N m is 48 times the weight", notes(convert(rubbing), "warning"))
+        self.assertIn("body a: coupler has no joint that moves, and is a part of it", notes(convert(rubbing), "changed"))
         visual = (
             '<body name="a"><joint name="a" axis="0 1 0"/><geom type="box" size="0.02 0.01 0.01" pos="0.02 0 0" contype="0" conaffinity="0"/></body>'
         )

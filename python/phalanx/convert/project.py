@@ -195,6 +195,9 @@ def _add_bodies(work: Projection) -> None:
             velocity = numpy.zeros(6)
             mujoco.mj_objectVelocity(model, work.start, mujoco.mjtObj.mjOBJ_XBODY, group, velocity, 0)
             body.velocity, body.spin = _pair(plane.vector(velocity[3:])), float(plane.n @ velocity[:3])
+        if len(members) > 1 and not is_free:
+            what = "has no joint that moves, and is a part of it" if len(members) == 2 else "have no joint that moves, and are parts of it"
+            work.report.changed(label, f"{', '.join(body.members[1:])} {what}")
         if any(model.body_gravcomp[member] != 0.0 for member in members):
             work.report.lost(label, "its gravity compensation; it weighs as much as its mass")
         work.bodies[group] = body
