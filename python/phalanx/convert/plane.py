@@ -79,7 +79,9 @@ def find_plane(source: Source, name: str | None = None) -> Plane:
     root = _root(source, hinges + slides)
     origin, frame = data.xpos[root].copy(), data.xmat[root].reshape(3, 3).copy()
     if not hinges and not slides:
-        at, remedy = (f" below {source.root}", "choose another --root") if source.root else ("", "give a model with joints")
+        at, remedy = f" below {source.root}", "choose another --root, or take a body with its own joint by --branch"
+        if not source.root:
+            at, remedy = "", "give a model with joints"
         raise ConversionError(f"{source.path} has no hinge or slide{at}, so that there is no plane of motion; {remedy}")
     name = "auto" if name is None else name.lower()
     if name != "auto":
