@@ -758,6 +758,8 @@ class Reports(unittest.TestCase):
         degrees = f'<body name="a"><joint name="a" axis="0 1 0"/>{LINK}</body>'
         servo = '<actuator><position name="s" joint="a" kp="1" ctrlrange="0 90"/></actuator>'
         self.assertIn("actuator s: its ctrlrange ends at 90", notes(convert(mjcf(degrees, servo)), "warning"))
+        clipped = notes(convert(mjcf(degrees, servo), ctrl={"s": 100}), "changed")
+        self.assertIn("actuator s: its control signal of 100 is outside of its ctrlrange of 0 to 90, and is 90 in the scene", clipped)
         tilted = convert(
             mjcf(
                 f'<body name="a"><joint name="a" axis="0 1 0"/>{LINK}<body name="b" pos="0.1 0 0"><joint name="b" axis="0.01 1'

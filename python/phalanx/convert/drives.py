@@ -360,6 +360,9 @@ def _control(work: Projection, k: int) -> tuple[float, float, float, float]:
         signal = float(work.start.act[model.actuator_actadr[k]])
     elif model.actuator_ctrllimited[k] and not work.is_disabled("CLAMPCTRL"):
         low, high = (float(bound) for bound in model.actuator_ctrlrange[k])
+        if not low <= signal <= high:
+            text = f"its control signal of {signal:g} is outside of its ctrlrange of {low:g} to {high:g}, and is {min(max(signal, low), high):g} in the scene"
+            work.report.changed(work.source.label("actuator", k), text)
         signal = min(max(signal, low), high)
     bias = numpy.zeros(3)
     if model.actuator_biastype[k] == mujoco.mjtBias.mjBIAS_AFFINE:
