@@ -343,6 +343,8 @@ class Refusals(unittest.TestCase):
         locked = '<equality><joint name="lock" joint1="a" polycoef="{} 0 0 0 0"/></equality>'
         self.assertEqual([joint.name for joint in convert(mjcf(link, locked.format(0))).mechanism.joints], ["b"])
         self.assert_refused(mjcf(link, locked.format(0.1)), "lock locks the joint a at 0.1")
+        single = link.partition("</body>")[0] + "</body>"
+        self.assert_refused(mjcf(single, locked.format(0)), "no joint of the mechanism moves", "locks joint a")
         self.assert_refused(mjcf(""), "no hinge or slide")
         self.assert_refused("<mujoco", "no XML file")
         self.assert_refused("<mujocoinclude/>", "is a part of a model", "give the file that includes it")

@@ -33,6 +33,9 @@ def project(source: Source, plane: Plane) -> Mechanism:
     _merge_pinned(work)
     _add_bodies(work)
     _add_joints(work)
+    if not work.joints:
+        names = ", ".join(source.label("joint", j) for j in sorted(work.locked))
+        raise ConversionError(f"no joint of the mechanism moves: a weld, a second pin or an equality locks {names}; remove it, or choose another part")
     _add_equalities(work)
     add_tendons(work)
     add_actuators(work)
@@ -430,7 +433,7 @@ def _add_coupling(work: Projection, k: int, label: str, *, is_of_joints: bool) -
     if len(coupled) == 1:
         name, factor = coupled[0]
         remedy = "remove the joint from its body, which is drawn in this position" if abs(data[0]) < _OPEN else "remove it, and draw the body there"
-        raise ConversionError(f"{label} locks the joint {name} at {value / factor:.6g}; a scene has no locked joints: {remedy}")
+        raise ConversionError(f"{label} locks the joint {name} at {value / factor + 0.0:.6g}; a scene has no locked joints: {remedy}")
     if abs(data[0]) > _OPEN:
         work.report.changed(label, f"it is violated by {abs(data[0]):.4g} in the zero position; phalanx assembles the mechanism with it")
     work.rows.append(_row(work, coupled))
