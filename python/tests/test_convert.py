@@ -708,6 +708,16 @@ class Reports(unittest.TestCase):
                 self.assertLess(max(free_motion(conversion.source, conversion.plane, conversion.mechanism, duration).values()), RIGID)
                 self.assertGreater(np.ptp(phalanx.run(conversion.scene, duration=duration)["b_rad"]), 0.5)
                 self.assertIn("actuator s: a servo of the length of a cable is the spring of t", notes(conversion, "changed"))
+        # A pulley between two sites of its own body adds a constant to the length, which matters to a servo only.
+        path = '<site site="base"/><site site="peg"/><geom geom="pulley" sidesite="side"/><site site="lug"/><site site="tip"/>'
+        world = world.replace(tip, f'<site name="lug" pos="0.005 0 -0.02"/>{tip}')
+        lengths = {}
+        for drive, count in (('<position name="s" tendon="t" kp="60"/>', 5), ('<motor name="s" tendon="t"/>', 4)):
+            conversion = convert(mjcf(world, f'<tendon><spatial name="t">{path}</spatial></tendon><actuator>{drive}</actuator>'), ctrl={"s": 0.1})
+            self.assertEqual(len(conversion.mechanism.tendons[0].path), count)
+            lengths[count] = phalanx.run(conversion.scene, duration=1e-4)["t_length_m"][0]
+        self.assertAlmostEqual(lengths[5], conversion.source.zero.ten_length[0], delta=1e-12)
+        self.assertGreater(lengths[5] - lengths[4], 1e-4)
 
     def test_an_integrator_keeps_its_activation(self):
         link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}</body><body name="b"><joint name="b" axis="0 -1 0"/>{LINK}</body>'

@@ -219,6 +219,7 @@ def _branches(work: Projection, t: int, label: str) -> list[tuple[float, list[El
     """Paths of the branches of a spatial tendon, with the divisors of their tension."""
     mujoco, model, data = load_mujoco(), work.model, work.zero
     first, count = int(model.tendon_adr[t]), int(model.tendon_num[t])
+    needs_length = _needs_length(work, t)
     branches: list[tuple[float, list[Element]]] = [(1.0, [])]
     for k in range(first, first + count):
         kind, index = mujoco.mjtWrap(model.wrap_type[k]), int(model.wrap_objid[k])
@@ -229,19 +230,32 @@ def _branches(work: Projection, t: int, label: str) -> list[tuple[float, list[El
             branches[-1][1].append(Element(work.name_of(group), work.local(group, data.site_xpos[index])))
         else:
             sites = [int(model.wrap_objid[k - 1]), int(model.wrap_objid[k + 1])]
-            pulley = _pulley(work, index, sites, int(model.wrap_prm[k]), label)
+            pulley = _pulley(work, index, sites, int(model.wrap_prm[k]), label, needs_length)
             if pulley is not None:
                 branches[-1][1].append(pulley)
     return [(divisor, path) for divisor, path in branches if len(path) > 1]
 
 
-def _pulley(work: Projection, geom: int, sites: list[int], side: int, label: str) -> Element | None:
-    """The pulley of a cylinder or sphere between two sites; None if the cable does not pass it."""
+def _needs_length(work: Projection, t: int) -> bool:
+    """Whether forces depend on the length of a tendon: those of its spring, its range, or a servo."""
+    mujoco, model = load_mujoco(), work.model
+    servos = [
+        k
+        for k in range(model.nu)
+        if model.actuator_trntype[k] == mujoco.mjtTrn.mjTRN_TENDON and model.actuator_trnid[k, 0] == t and model.actuator_biasprm[k, 1] != 0.0
+    ]
+    return bool(t in work.ranges or servos or _springs_of_tendon(work, t)[0] != 0.0)
+
+
+def _pulley(work: Projection, geom: int, sites: list[int], side: int, label: str, needs_length: bool) -> Element | None:
+    """The pulley of a cylinder or sphere between two sites; None if the cable does not pass it, or if it only adds a constant
+    to a length that does not matter.
+    """
     model, plane, data = work.model, work.plane, work.zero
     group = int(work.group[model.geom_bodyid[geom]])
     groups = [int(work.group[model.site_bodyid[site]]) for site in sites]
     name = work.source.name("geom", geom) or str(geom)
-    if groups == [group, group]:
+    if groups == [group, group] and not needs_length:
         return None
     axis = data.geom_xmat[geom].reshape(3, 3)[:, 2]
     if model.geom_type[geom] == load_mujoco().mjtGeom.mjGEOM_CYLINDER and abs(axis @ plane.n) < numpy.cos(numpy.radians(1.0)):
