@@ -149,8 +149,8 @@ def add_contacts(work: Projection) -> None:
             # Two ellipses cannot touch; the object keeps its own.
             body, outline = (body_b, b) if body_a is not None and body_a.is_free else (body_a, a)
             deviation = facet(outline, work.rounding)
-            text = f"a polygon of {MAX_CORNERS} corners in place of an ellipse, because two ellipses cannot touch; it deviates by up to {1e6 * deviation:.0f} µm"
-            work.report.changed(_full_name(body, outline), text)
+            text = f"a polygon of {MAX_CORNERS} corners in place of an ellipse, because two ellipses cannot touch"
+            work.report.changed(_full_name(body, outline), f"{text}; it deviates by up to {1e6 * deviation:.0f} µm")
         lost["torsional and rolling friction"] |= settings["condim"] > 3
         lost["margins of geoms"] |= settings["margin"] != 0.0
         if is_of_object:
