@@ -2,7 +2,7 @@
 """Simulates a scene with MuJoCo and with phalanx, and prints time and difference of both.
 
     tools/mujoco_beside.py [SCENE] [--json FILE] [--repetitions N] [--steps S ...] [--published]
-    tools/mujoco_beside.py MODEL.xml [--root BODY] [--plane PLANE] [--ctrl NAME=VALUE ...] [--duration S] [--json FILE]
+    tools/mujoco_beside.py MODEL.xml [--root BODY] [--branch BODY ...] [--plane PLANE] [--ctrl NAME=VALUE ...] [--duration S] [--json FILE]
 
 SCENE is any scene file (default: scenes/experiment-95.toml). `phalanx scene export` writes its MuJoCo model: the same bodies, joints,
 springs and actuators. Loops are `connect` constraints, and contacts, limits and friction are MuJoCo's own: soft constraints with the
@@ -185,13 +185,13 @@ def own_row(scene, exact, columns, flags, repetitions):
     return {"method": "phalanx, analytic model", "step_s": None, **errors, "time_s": seconds}
 
 
-def model_rows(path, root, plane, controls, duration_s):
-    """Rows of the differences between a model of MuJoCo and its scene."""
+def model_rows(path, part, plane, controls, duration_s):
+    """Rows of the differences between a model of MuJoCo and its scene. `part` are the arguments root and branch."""
     import mujoco
     from phalanx.convert import from_mjcf
     from phalanx.convert.rigid import free_motion, rigid
 
-    conversion = from_mjcf(path, root=root, plane=plane, ctrl=controls)
+    conversion = from_mjcf(path, **part, plane=plane, ctrl=controls)
     slides = {joint.name for joint in conversion.mechanism.joints if joint.is_slide}
     by_euler = rigid(conversion.source, conversion.plane)
     by_euler.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
@@ -213,7 +213,7 @@ def model_rows(path, root, plane, controls, duration_s):
 def print_models(path, options):
     """Prints the table of a model of MuJoCo, and returns its rows."""
     controls = dict((name, float(value)) for name, _, value in (text.rpartition("=") for text in options.ctrl))
-    rows = model_rows(path, options.root, options.plane, controls, options.duration)
+    rows = model_rows(path, {"root": options.root, "branch": options.branch}, options.plane, controls, options.duration)
     print(f"{'MuJoCo':<24} {'step':>8} {'angles':>12} {'positions':>12}   after {1e3 * options.duration:g} ms of free motion")
     for row in rows:
         cells = ["–" if row[key] is None else f"{row[key]:.1e} {unit}" for key, unit in (("run_rad", "rad"), ("run_m", "m"))]
@@ -231,6 +231,7 @@ def main():
     parser.add_argument("--published", action="store_true", help="keep the default softness of MuJoCo's constraints")
     of_models = parser.add_argument_group("models of MuJoCo")
     of_models.add_argument("--root", metavar="BODY", help="body below which the mechanism is")
+    of_models.add_argument("--branch", action="append", default=[], metavar="BODY", help="body that moves with its own joint and what is below it")
     of_models.add_argument("--plane", metavar="PLANE", help="axes of the root's frame that are x and y of the scene")
     of_models.add_argument("--ctrl", action="append", default=[], metavar="NAME=VALUE", help="control signal of an actuator")
     of_models.add_argument("--duration", type=float, default=0.05, metavar="S", help="duration of the free motion, s (default: 0.05)")

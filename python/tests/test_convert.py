@@ -119,7 +119,8 @@ class Motions(unittest.TestCase):
     def test_the_orientation_of_a_model_in_space_has_no_effect(self):
         for path in MODELS:
             with self.subTest(model=path.stem):
-                base = phalanx.from_mjcf(path).mechanism
+                drawn = phalanx.from_mjcf(path)
+                base = drawn.mechanism
                 tree = ElementTree.parse(path)
                 world = tree.find("worldbody")
                 turned = ElementTree.Element("body", name="turned", pos="0.3 -0.2 0.5", quat="0.8 -0.4 0.2 0.4")
@@ -131,7 +132,10 @@ class Motions(unittest.TestCase):
                 option = tree.find("option")
                 gravity = np.array([float(part) for part in option.get("gravity").split()])
                 option.set("gravity", " ".join(map(str, rotation.reshape(3, 3) @ gravity)))
-                found = convert(ElementTree.tostring(tree.getroot(), encoding="unicode")).mechanism
+                conversion = convert(ElementTree.tostring(tree.getroot(), encoding="unicode"))
+                found = conversion.mechanism
+                # Rounding errors do not hide that joints are at the origins of their bodies.
+                self.assertEqual(conversion.toml.count("\nat = "), drawn.toml.count("\nat = "))
                 np.testing.assert_allclose(found.gravity, base.gravity, atol=1e-9)
                 for one, other in zip(found.bodies, base.bodies, strict=True):
                     np.testing.assert_allclose([one.mass, one.inertia, *one.com], [other.mass, other.inertia, *other.com], rtol=1e-9, atol=1e-10)
@@ -261,6 +265,39 @@ class Refusals(unittest.TestCase):
         self.assertIn("roll", notes(conversion, "lost"))
         self.assert_refused(hand, "no body wrists", "wrist, palm, left, right", root="wrists")
 
+    def test_parts_that_are_planar_are_suggested(self):
+        def finger(name: str, turn: float) -> str:
+            tip = f'<body name="{name}_tip" pos="0.06 0 0"><joint name="{name}_tip" axis="0 -1 0"/>{LINK}</body>'
+            return f'<body name="{name}" euler="0 0 {turn}"><joint name="{name}" axis="0 -1 0" damping="1e-4"/>{LINK}{tip}</body>'
+
+        # Fingers that fan out: each is planar, with its own joint, its coupling and its drive.
+        fingers = finger("left", 0.0) + finger("right", 0.4)
+        rest = (
+            '<equality><joint joint1="left_tip" joint2="left" polycoef="0 0.5 0 0 0"/><joint joint1="right_tip" joint2="right"/></equality>'
+            '<actuator><motor name="l" joint="left"/><motor name="r" joint="right"/></actuator>'
+        )
+        hand = mjcf(f'<body name="palm" pos="0 0 0.1">{fingers}</body>', rest)
+        self.assert_refused(hand, 'branch="left" (or branch="right")')
+        conversion = convert(hand, branch="left", ctrl={"l": 0.02})
+        self.assertEqual([joint.name for joint in conversion.mechanism.joints], ["left", "left_tip"])
+        self.assertEqual((conversion.source.root, len(conversion.mechanism.couplings), len(conversion.mechanism.actuators)), ("palm", 1, 1))
+        lost = notes(conversion, "lost")
+        for item in ("joints outside of left: right, right_tip", "equality 1: it acts on joints outside of left", "actuator r"):
+            self.assertIn(item, lost)
+        found = free_motion(conversion.source, conversion.plane, conversion.mechanism, 0.05)
+        self.assertLess(max(found.values()), RIGID)
+        self.assert_refused(hand, "right of `branch` is not below left", root="left", branch=["right"])
+        self.assert_refused(hand, "no body thumb; its bodies are palm, left", branch="thumb")
+        # Parallel fingers are planar together.
+        parallel = mjcf(f'<body name="palm"><joint name="roll" axis="0 0 1"/>{LINK}{finger("left", 0.0)}{finger("right", 0.0)}</body>', "")
+        pair = convert(parallel, branch=["left", "right"])
+        self.assertEqual([joint.name for joint in pair.mechanism.joints], ["left", "left_tip", "right", "right_tip"])
+        # The last joint of an arm turns jaws in their own plane; their palm is the better root.
+        jaws = "".join(f'<body name="{name}"><joint name="{name}" type="slide" axis="{x} 0 0"/>{LINK}</body>' for name, x in (("a", 1), ("b", -1)))
+        arm = f'<body name="arm"><joint name="swing" axis="0 1 0"/>{LINK}<body name="wrist"><joint name="roll" axis="0 0 1"/>{LINK}'
+        arm = mjcf(f'<body name="base">{arm}<body name="palm" pos="0 0 0.1">{jaws}</body></body></body></body>')
+        self.assert_refused(arm, 'root="palm" (or root="arm")')
+
     def test_a_root_is_at_its_pose_of_the_key_frame(self):
         # The arm swings the palm by 0.5 rad, counter-clockwise, and rolls it about its own axis; a ball lies on the palm.
         arm = f'<body name="arm" pos="0.2 0 0.3"><joint name="swing" axis="0 -1 0"/>{LINK}<body name="wrist"><joint name="roll" axis="0 0 1"/>{LINK}'
@@ -298,11 +335,21 @@ class Refusals(unittest.TestCase):
         )
         self.assert_refused(mjcf(double), "body b has 2 joints (x, y)")
         self.assert_refused(mjcf('<body name="a"><joint name="a" axis="0 -1 0"/></body>'), "MuJoCo does not read", "give the moving body an inertial")
+        bare = "".join(f'<body name="{name}"><joint name="{name}" axis="0 -1 0"/></body>' for name in "xy")
+        self.assert_refused(mjcf(link + bare), "give each of these moving bodies (x, y) an inertial")
+        meshes = '<asset><mesh name="m" file="m.stl"/><mesh name="m" file="n.stl"/></asset>'
+        self.assert_refused(mjcf(link, meshes), "repeated name", "give one of them another name")
+        self.assert_refused(mjcf(link, '<default group="1"/>'), "unrecognized attribute", "remove this attribute")
         locked = '<equality><joint name="lock" joint1="a" polycoef="{} 0 0 0 0"/></equality>'
         self.assertEqual([joint.name for joint in convert(mjcf(link, locked.format(0))).mechanism.joints], ["b"])
         self.assert_refused(mjcf(link, locked.format(0.1)), "lock locks the joint a at 0.1")
+        single = link.partition("</body>")[0] + "</body>"
+        self.assert_refused(mjcf(single, locked.format(0)), "no joint of the mechanism moves", "locks joint a")
         self.assert_refused(mjcf(""), "no hinge or slide")
         self.assert_refused("<mujoco", "no XML file")
+        self.assert_refused("<mujocoinclude/>", "is a part of a model", "give the file that includes it")
+        self.assert_refused("<sdf/>", "neither MJCF nor URDF", "<sdf>")
+        self.assert_refused(mjcf(link, '<contact><exclude body1="a" body2="z"/></contact>'), "if the file is a part of a larger model")
         self.assert_refused(mjcf(link), "no key frame open", key="open")
         self.assert_refused(mjcf(link), "no actuator motor", ctrl={"motor": 1.0})
         unnamed = convert(mjcf(link, '<actuator><motor joint="a"/></actuator>'), ctrl={"0": 0.5})
@@ -387,6 +434,50 @@ class Contacts(unittest.TestCase):
         _, data = at_rest(text)
         self.assertLess(abs(1.0 / (conversion.mechanism.laws[0].stiffness * (-0.01 - data.qpos[0])) - 1), 0.006)
 
+    def test_cables_are_taut_at_the_end_of_their_range(self):
+        settings = 'limited="true" range="0 0.05" solreflimit="0.01 1" solimplimit="0.9 0.95 0.001"'
+        # A load of 1 N on the tendon of MuJoCo, for which the law is exact.
+        for branch, divisor, weight in (("", 1, 1.0), ('<pulley divisor="2"/>', 2, 0.5)):
+            with self.subTest(divisor=divisor):
+                # A ball hangs from a point; MuJoCo's length is that of the branch over the divisor.
+                ball = (
+                    '<site name="top" pos="0 0 0.3"/><body name="ball" pos="0 0 {}"><freejoint/><geom name="ball" size="0.01" mass="{}"/><site'
+                    ' name="eye"/></body><body name="a" pos="1 0 0"><joint name="a" axis="0 -1 0"/>{}</body>'
+                ).format(0.3 - 0.05 * divisor, weight / 9.81, LINK)
+                tendon = f'<tendon><spatial name="t" {settings}>{branch}<site site="top"/><site site="eye"/></spatial></tendon>'
+                text = mjcf(ball, f'{tendon}<keyframe><key qpos="0 0 {0.3 - 0.05 * divisor} 1 0 0 0 0"/></keyframe>')
+                text = text.replace('gravity="0 0 0"', 'gravity="0 0 -9.81" timestep="0.0005"')
+                conversion = convert(text, duration=0.5)
+                (cable,) = conversion.mechanism.tendons
+                self.assertAlmostEqual(cable.rest, 0.05 * divisor, delta=1e-15)
+                _, data = at_rest(text)
+                stretch = 0.3 - 0.05 * divisor - data.body("ball").xpos[2]
+                expected = weight / cable.stiffness
+                self.assertLess(abs(stretch / expected - 1), 0.006)
+                result = phalanx.run(conversion.scene)
+                self.assertAlmostEqual(result["ball_y_m"][-1], 0.3 - 0.05 * divisor - expected, delta=0.02 * expected)
+                self.assertIn("tendon t: the upper end of its range", notes(conversion, "changed"))
+
+    def test_tables_do_not_belong_to_the_hand(self):
+        slide = '<joint name="{0}" type="slide" axis="{1} 0 0"/><geom name="{0}" type="box" size="0.006 0.012 0.045" pos="0 0 0.045" mass="0.05"/>'
+        fingers = "".join(
+            f'<body name="{name}" pos="{x} 0 0.02">{slide.format(name, sign)}</body>' for name, x, sign in (("l", -0.04, 1), ("r", 0.04, -1))
+        )
+        palm = '<geom name="palm" type="box" size="0.06 0.03 0.02" mass="0.5"/>'
+        cube = '<body name="cube" pos="0 0 0.02"><freejoint/><geom name="cube" type="box" size="0.02 0.02 0.02" mass="0.1"/></body>'
+        table = '<body name="desk"><geom name="table" type="box" size="1 1 0.1" pos="0 0 -0.1"/></body>'
+        conversion = convert(mjcf(f'{table}<body name="base" pos="0 0 0.14" quat="0 1 0 0">{palm}{fingers}</body>{cube}'))
+        self.assertIn('[grasp]\nsurroundings = ["ground.table"]', conversion.toml)
+        # Fingers that slide along the palm do not touch it.
+        self.assertIn("ground.palm and l.l (0 mm)", notes(conversion, "lost"))
+        touching = {frozenset(contact.between) for contact in conversion.mechanism.contacts}
+        self.assertIn(frozenset(("ground.palm", "cube.cube")), touching)
+        self.assertNotIn(frozenset(("ground.palm", "l.l")), touching)
+        mount = f'<body name="mount" pos="0 0 0.14"><geom name="flange" type="box" size="0.1 0.1 0.01"/><body name="base" quat="0 1 0 0">{palm}{fingers}</body></body>'
+        self.assertEqual(convert(mjcf(f"{mount}{cube}")).mechanism.surroundings, [])
+        plane = mjcf(f'<geom name="floor" type="plane" size="1 1 1"/>{palm.replace("0.5", "0")}{fingers}{cube}')
+        self.assertEqual(convert(plane).mechanism.surroundings, ["ground.floor"])
+
     def test_shapes_are_projected(self):
         turn = 'euler="0 -0.5235987755982988 0"'
         geoms = (
@@ -449,6 +540,18 @@ class Contacts(unittest.TestCase):
             lost = notes(conversion, "lost")
             self.assertIn("a.a and f.f (15 mm)", lost)
             self.assertIn("a.a and e.e", lost)
+
+    def test_an_ellipse_of_the_hand_becomes_a_polygon_for_another_ellipse(self):
+        egg = '<geom name="{}" type="ellipsoid" size="0.02 0.02 0.03"/>'
+        finger = f'<body name="a"><joint name="a" type="slide" axis="1 0 0"/>{LINK}{egg.format("tip")}</body>'
+        conversion = convert(mjcf(f'{finger}<body name="egg" pos="0.05 0 0"><freejoint/>{egg.format("skin")}</body>'), plane="xz")
+        tip, skin = (body.outlines[0] for body in conversion.mechanism.bodies)
+        self.assertEqual((tip.type, len(tip.points), skin.type), ("polygon", 32, "ellipse"))
+        # The shape does not change: half the width of the ellipse, up to its facets.
+        self.assertAlmostEqual(max(x for x, _ in tip.points) + tip.rounding, 0.02, delta=2e-4)
+        self.assertEqual([set(contact.between) for contact in conversion.mechanism.contacts], [{"a.tip", "egg.skin"}])
+        self.assertIn("a.tip: a polygon of 32 corners", notes(conversion, "changed"))
+        phalanx.run(conversion.scene, duration=1e-3)
 
     def test_the_nearest_pairs_are_kept_where_there_are_too_many(self):
         points = np.random.default_rng(0).normal(size=(200, 3))
@@ -517,10 +620,10 @@ class Reports(unittest.TestCase):
         ball = '<body name="ball" pos="0.6 0 0"><freejoint name="free"/><geom name="ball" type="sphere" size="0.02" mass="0.1"/></body>'
         rest = (
             '<tendon><fixed name="slack" frictionloss="0.1" stiffness="2" springlength="0.1 0.3"><joint'
-            ' joint="a" coef="1"/></fixed><spatial name="ruler" limited="true" range="0 1"><site site="a"/><site site="b"/></spatial></tendon><equality><connect'
+            ' joint="a" coef="1"/></fixed><spatial name="ruler" limited="true" range="0.01 1"><site site="a"/><site site="b"/></spatial></tendon><equality><connect'
             ' name="idle" body1="a" body2="b" anchor="0 0 0" active="false"/><tendon name="reel"'
             ' tendon1="ruler"/></equality><actuator><general name="push" site="a" gear="1 0 0 0 0 0"/><muscle name="arm" joint="a"'
-            ' lengthrange="0 1"/><position name="slow" joint="b" timeconst="0.1"/><position name="winch" tendon="ruler"/><motor'
+            ' lengthrange="0 1"/><position name="slow" joint="b" timeconst="0.1"/><position name="winch" tendon="ruler" forcerange="-2 2"/><motor'
             ' name="shove" tendon="ruler"/><general name="runaway" joint="c" biastype="affine" biasprm="0 2 0"/></actuator><keyframe><key'
             ' name="start" qpos="0 0 0 0 0.6 0 0 1 0 0 0" ctrl="0 0 0 0 3 0"/></keyframe>'
         )
@@ -529,10 +632,10 @@ class Reports(unittest.TestCase):
         lost = notes(conversion, "lost")
         for item in (
             "gravity: its part of 9.81", "body d: its gravity compensation", "joint d: its lower limit of 0.1", "joint d: the margin of its limits",
-            "tendon ruler: its range of 0 to 1", "tendon slack: its frictionloss", "tendon slack: its spring has a dead band from 0.1 to 0.3",
+            "tendon ruler: the lower end of its range, 0.01 m", "tendon slack: its frictionloss", "tendon slack: its spring has a dead band from 0.1 to 0.3",
             "equality idle: it is not active", "equality reel: it acts on a spatial tendon",
             "actuator push: its transmission site", "actuator arm: mjGAIN_MUSCLE", "actuator slow: its activation dynamics (filterexact, 0.1 s)",
-            "actuator winch: a servo of the length of a cable", "actuator shove: at ctrl 3 it pushes with 3 N", "actuator runaway: its bias grows",
+            "actuator winch: its forcerange of -2 to 2", "actuator shove: at ctrl 3 it pushes with 3 N", "actuator runaway: its bias grows",
             "geom wall: a plane geom", "torsional and rolling friction", "option density: fluid forces",
         ):  # fmt: skip
             self.assertIn(item, lost)
@@ -553,6 +656,68 @@ class Reports(unittest.TestCase):
         single = tendon.replace('<joint joint="a" coef="2"/>', "").replace('coef="-1"', 'coef="-2"')
         (joint,) = (joint for joint in convert(mjcf(link, single)).mechanism.joints if joint.stop)
         self.assertEqual((joint.name, joint.lower, joint.upper), ("b", -0.25, 0.5))
+
+    def test_ranges_of_fixed_sums_have_no_effect(self):
+        links = "".join(f'<body name="{name}"><joint name="{name}" axis="0 -1 0"/>{LINK}</body>' for name in "abc")
+        terms = '<joint joint="a" coef="2"/><joint joint="b" coef="-1"/>'
+        rest = (
+            f'<tendon><fixed name="t" limited="true" range="0 1">{terms}</fixed><fixed name="free" limited="true" range="-1 1"><joint joint="a" coef="1"/>'
+            '<joint joint="c" coef="1"/></fixed></tendon><equality><tendon tendon1="t"/></equality>'
+        )
+        conversion = convert(mjcf(links, rest))
+        self.assertEqual([limit.name for limit in conversion.mechanism.limits], ["free"])
+        self.assertIn("tendon t: its range of 0 to 1 has no effect, because equalities fix its length at 0", notes(conversion, "changed"))
+
+    def test_a_tendon_narrows_the_range_of_its_joint(self):
+        link = f'<body name="a"><joint name="a" axis="0 -1 0" range="-1 1" limited="true"/>{LINK}</body>'
+        tendon = '<tendon><fixed name="t" limited="true" range="-1.6 4"><joint joint="a" coef="-2"/></fixed></tendon>'
+        conversion = convert(mjcf(link, tendon))
+        (joint,) = conversion.mechanism.joints
+        self.assertEqual((joint.lower, joint.upper, len(conversion.mechanism.laws)), (-1.0, 0.8, 1))
+        self.assertIn("tendon t: its range is the upper limit of the joint a", notes(conversion, "changed"))
+        self.assertNotIn("range", notes(conversion, "lost"))
+
+    def test_springs_with_a_dead_band_are_elastic_limits(self):
+        link = f'<body name="b" pos="0.06 0 0"><joint name="b" axis="0 -1 0"/>{LINK}</body>'
+        link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}{link}</body>'
+        drives = '<actuator><motor name="m" joint="a"/><motor name="n" joint="b"/></actuator>'
+        for factors, sign in itertools.product(((2, -1), (1.5,), (-1.5,)), (1, -1)):
+            with self.subTest(factors=factors, sign=sign):
+                terms = "".join(f'<joint joint="{name}" coef="{factor}"/>' for name, factor in zip("ab", factors, strict=False))
+                tendon = f'<tendon><fixed name="t" stiffness="0.3" springlength="-0.1 0.2">{terms}</fixed></tendon>'
+                conversion = convert(mjcf(link, tendon + drives), ctrl={"m": 0.02 * sign, "n": -0.005 * sign}, duration=0.1)
+                self.assertIn("its spring has a dead band from -0.1 to 0.2: it is a pair of limits", notes(conversion, "changed"))
+                found = free_motion(conversion.source, conversion.plane, conversion.mechanism, 0.1)
+                # RK4 with a fixed step crosses the ends of the band.
+                self.assertLess(max(found.values()), 1e-6)
+                self.assertGreater(np.ptp(phalanx.run(conversion.scene)["a_rad"]), 0.1)
+
+    def test_a_servo_of_the_length_of_a_cable_is_its_spring(self):
+        tip = f'<body name="b" pos="0.06 0 0"><joint name="b" axis="0 -1 0" stiffness="0.02"/>{LINK}<site name="tip" pos="0.05 0 0.015"/></body>'
+        pulley = '<geom name="pulley" type="cylinder" fromto="0.03 -0.01 0 0.03 0.01 0" size="0.008" contype="0" conaffinity="0" mass="0"/>'
+        pulley += '<site name="side" pos="0.03 0 0.03"/><site name="peg" pos="0.06 0 0.02"/>'
+        world = f'<site name="base" pos="-0.03 0 0.02"/><body name="a"><joint name="a" axis="0 -1 0" damping="2e-3"/>{LINK}{pulley}{tip}</body>'
+        path = '<site site="base"/><geom geom="pulley" sidesite="side"/><site site="peg"/><site site="tip"/>'
+        for branch, divisor, ctrl, duration in ((path, 1, 0.17, 0.05), ('<pulley divisor="2"/><site site="base"/><site site="tip"/>', 2, 0.085, 0.02)):
+            with self.subTest(divisor=divisor):
+                servo = '<actuator><position name="s" tendon="t" kp="60" kv="0.5" gear="2"/></actuator>'
+                conversion = convert(mjcf(world, f'<tendon><spatial name="t">{branch}</spatial></tendon>{servo}'), ctrl={"s": ctrl})
+                (tendon,) = conversion.mechanism.tendons
+                expected = (240 / divisor**2, 2 / divisor**2, 0.085)
+                np.testing.assert_allclose((tendon.stiffness, tendon.damping, tendon.rest), expected, rtol=1e-12)
+                self.assertLess(max(free_motion(conversion.source, conversion.plane, conversion.mechanism, duration).values()), RIGID)
+                self.assertGreater(np.ptp(phalanx.run(conversion.scene, duration=duration)["b_rad"]), 0.5)
+                self.assertIn("actuator s: a servo of the length of a cable is the spring of t", notes(conversion, "changed"))
+        # A pulley between two sites of its own body adds a constant to the length, which matters to a servo only.
+        path = '<site site="base"/><site site="peg"/><geom geom="pulley" sidesite="side"/><site site="lug"/><site site="tip"/>'
+        world = world.replace(tip, f'<site name="lug" pos="0.005 0 -0.02"/>{tip}')
+        lengths = {}
+        for drive, count in (('<position name="s" tendon="t" kp="60"/>', 5), ('<motor name="s" tendon="t"/>', 4)):
+            conversion = convert(mjcf(world, f'<tendon><spatial name="t">{path}</spatial></tendon><actuator>{drive}</actuator>'), ctrl={"s": 0.1})
+            self.assertEqual(len(conversion.mechanism.tendons[0].path), count)
+            lengths[count] = phalanx.run(conversion.scene, duration=1e-4)["t_length_m"][0]
+        self.assertAlmostEqual(lengths[5], conversion.source.zero.ten_length[0], delta=1e-12)
+        self.assertGreater(lengths[5] - lengths[4], 1e-4)
 
     def test_an_integrator_keeps_its_activation(self):
         link = f'<body name="a"><joint name="a" axis="0 -1 0"/>{LINK}</body><body name="b"><joint name="b" axis="0 -1 0"/>{LINK}</body>'
@@ -576,6 +741,14 @@ class Reports(unittest.TestCase):
         self.assertEqual((path[1].radius, path[1].turn), (0.008, "ccw"))
         phalanx.run(conversion.scene, duration=1e-3)
 
+    def test_missing_textures_and_impossible_inertias_do_not_matter(self):
+        assets = '<asset><texture name="t" type="2d" file="missing.png"/><material name="m" texture="t"/></asset>'
+        impossible = '<inertial pos="0.03 0 0" mass="0.02" diaginertia="1e-6 2e-6 6e-6"/><geom size="0.01" material="m"/>'
+        conversion = convert(mjcf(f'<body name="a"><joint name="a" axis="0 -1 0"/>{impossible}</body>', assets))
+        self.assertAlmostEqual(conversion.mechanism.bodies[0].inertia, 3e-6, delta=1e-15)
+        self.assertIn("body a: the largest moment of inertia exceeds the sum", notes(conversion, "warning"))
+        self.assertEqual(notes(conversion, "lost"), "")
+
     def test_suspicious_models_are_named(self):
         fragment = f'<mujoco><worldbody><body name="a"><joint name="a" axis="0 1 0" range="0 0.7"/>{LINK}</body></worldbody></mujoco>'
         self.assertIn("ranges of hinges: all are below 5 deg", notes(convert(fragment), "warning"))
@@ -584,6 +757,12 @@ class Reports(unittest.TestCase):
         self.assertIn("body a: its radius of gyration is 1e+03 mm, but its extent", text)
         self.assertIn("body a: its centre of mass is exactly in its joint", text)
         self.assertIn("joint a: its armature of 0.2 kg m^2 is 200 times", text)
+        rubbing = mjcf(
+            f'<body name="a"><joint name="a" axis="0 1 0" frictionloss="1"/>{LINK}<geom name="pad" type="box" size="0.05 0.01 0.01" mass="0"/>'
+            '<body name="coupler"><inertial pos="0 0 0" mass="1e-3" diaginertia="1e-8 1e-8 1e-8"/></body></body>'
+        )
+        self.assertIn("joint a: its frictionloss of 1 N m is 48 times the weight", notes(convert(rubbing), "warning"))
+        self.assertIn("body a: coupler has no joint that moves, and is a part of it", notes(convert(rubbing), "changed"))
         visual = (
             '<body name="a"><joint name="a" axis="0 1 0"/><geom type="box" size="0.02 0.01 0.01" pos="0.02 0 0" contype="0" conaffinity="0"/></body>'
         )
@@ -591,6 +770,8 @@ class Reports(unittest.TestCase):
         degrees = f'<body name="a"><joint name="a" axis="0 1 0"/>{LINK}</body>'
         servo = '<actuator><position name="s" joint="a" kp="1" ctrlrange="0 90"/></actuator>'
         self.assertIn("actuator s: its ctrlrange ends at 90", notes(convert(mjcf(degrees, servo)), "warning"))
+        clipped = notes(convert(mjcf(degrees, servo), ctrl={"s": 100}), "changed")
+        self.assertIn("actuator s: its control signal of 100 is outside of its ctrlrange of 0 to 90, and is 90 in the scene", clipped)
         tilted = convert(
             mjcf(
                 f'<body name="a"><joint name="a" axis="0 1 0"/>{LINK}<body name="b" pos="0.1 0 0"><joint name="b" axis="0.01 1'

@@ -15,12 +15,14 @@ _DESCRIPTION = """\
 Convert a MuJoCo model (MJCF) or a URDF into a scene of a mechanism, and report what it lacks.
 
 All hinges of the mechanism must be parallel, and all slides perpendicular to them. --root takes a part of a model: the
-hand of an arm, a finger of a hand."""
+hand of an arm, a finger whose first joint does not matter. --branch takes a part with the joint of its first body: a
+finger, or several fingers, of a hand."""
 
 _EPILOG = """\
 examples:
   python -m phalanx.convert 2f85.xml --out my-gripper.toml
   python -m phalanx.convert panda.xml --root hand --plane yz --ctrl fingers=255 --out my-gripper.toml
+  python -m phalanx.convert hand.xml --branch index_proximal --out index.toml
   python -m phalanx.convert robot.urdf --root gripper_base --out my-gripper.toml
 
 exit status: 0 done; 2 bad input; the report is on the standard output."""
@@ -50,6 +52,13 @@ def _parser() -> argparse.ArgumentParser:
         help="axes of the root's frame that are x and y of the scene (default: found from the joints)",
     )
     add("--root", metavar="BODY", help="convert only what is below this body, which becomes the ground")
+    add(
+        "--branch",
+        action="append",
+        default=[],
+        metavar="BODY",
+        help="convert only this body, with its own joint, and what is below it, such as a finger; can be repeated",
+    )
     add("--key", metavar="NAME", help='key frame of the start (default: the first one; "" for the zero position)')
     add("--ctrl", type=_control, action="append", default=[], metavar="NAME=VALUE", help="control signal of an actuator; can be repeated")
     add("--cube", type=float, metavar="MM", help="add a cube with this edge, mm, between the ends of the fingers")
@@ -73,6 +82,7 @@ def main(arguments: list[str] | None = None) -> int:
             args.model,
             plane=args.plane,
             root=args.root,
+            branch=args.branch,
             key=args.key,
             ctrl=dict(args.ctrl),
             cube=None if args.cube is None else 1e-3 * args.cube,

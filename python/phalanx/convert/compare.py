@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from typing import Any
@@ -15,7 +15,7 @@ from .conversion import CUBE_KG, DURATION_S, Conversion, from_mjcf
 from .read import Source, load_mujoco
 from .rigid import free_motion
 
-# Interval of the samples of MuJoCo, s.
+# Interval of the samples of both simulations, s.
 _SAMPLE_S = 1e-3
 # The creep of the object, and whether it is held, are measured over this last part of the run.
 _LAST_PART = 0.2
@@ -107,7 +107,11 @@ def _force(value: float | None) -> str:
 
 
 def _speed(value: float | None) -> str:
-    return "–" if value is None else (f"{1e6 * value:.2g} µm/s" if value < 1e-4 else f"{1e3 * value:.2g} mm/s")
+    if value is None:
+        return "–"
+    if value < 1e-9:
+        return "< 0.001 µm/s"
+    return f"{1e6 * value:.2g} µm/s" if value < 1e-4 else f"{1e3 * value:.2g} mm/s"
 
 
 def _verdict(value: bool | None) -> str:
@@ -221,7 +225,7 @@ def _is_of_hinges(model: Any, equality: int, kind: Any) -> bool:
 def _phalanx(conversion: Conversion, duration_s: float) -> tuple[Side, Result | None]:
     side, result = Side(), None
     try:
-        result = run(conversion.scene, duration=duration_s)
+        result = run(conversion.scene, duration=duration_s, numeric_rate=1.0 / _SAMPLE_S)
     except RunError as error:
         result, side.reason = error.result, f"the run ended: {error}"
     if result is None:
@@ -283,6 +287,7 @@ def compare_mujoco(
     *,
     plane: str | None = None,
     root: str | None = None,
+    branch: str | Sequence[str] = (),
     key: str | None = None,
     ctrl: Mapping[str, float] | None = None,
     cube: float | None = None,
@@ -302,5 +307,6 @@ def compare_mujoco(
     """
     if isinstance(model, Conversion):
         return compare(model, duration)
-    settings: dict[str, Any] = {"plane": plane, "root": root, "key": key, "ctrl": ctrl, "cube": cube, "cube_mass": cube_mass, "cube_at": cube_at}
+    settings: dict[str, Any] = {"plane": plane, "root": root, "branch": branch, "key": key, "ctrl": ctrl}
+    settings |= {"cube": cube, "cube_mass": cube_mass, "cube_at": cube_at}
     return compare(from_mjcf(model, **settings, duration=duration), duration)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy
 
-from .outlines import ROUNDING_M, gap
+from .outlines import MAX_CORNERS, ROUNDING_M, facet, gap
 from .planar import GROUND, Body, Contact, Law, Outline
 from .projection import Projection
 from .read import load_mujoco
@@ -24,6 +24,8 @@ STOP_DAMPING = ("0.2 s/rad", "3 s/m")
 BRISTLE_DAMPING = "100 N*s/m"
 # Contact points of a scene, at most (1000, with a reserve).
 _MAX_POINTS = 900
+# Outlines of the hand that are nearer at the start slide along each other, m: their contact would act at rounding errors.
+_TOUCHING_M = 1e-6
 # Pairs named in a line of the report.
 _NAMED = 4
 
@@ -51,9 +53,7 @@ def compliance(work: Projection, solref: Any, solimp: Any, inverse: float, load:
     """
     largest = min(max(float(solimp[1]), 1e-4), 0.9999)
     if solref[0] > 0.0:
-        constant = float(solref[0])
-        if not work.is_disabled("REFSAFE"):
-            constant = max(constant, 2.0 * float(work.model.opt.timestep))
+        constant = _time_constant(work, solref)
         k = 1.0 / (largest**2 * constant**2 * max(float(solref[1]), 1e-15) ** 2)
     else:
         k = -float(solref[0]) / largest**2
@@ -70,6 +70,22 @@ def compliance(work: Projection, solref: Any, solimp: Any, inverse: float, load:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if excess(middle) < 0.0 else (low, middle)
     return load / high, high
+
+
+def taut_cable(work: Projection, solref: Any, solimp: Any, inverse: float) -> tuple[float, float]:
+    """Stiffness and damping of a cable at the end of its range: those of MuJoCo's limit at a static load of 1 N.
+
+    The force F of a limit at the depth r satisfies (1 - d) A F = d (b r' + d k r), with b = 2/(dmax timeconst).
+    """
+    stiffness, depth = compliance(work, solref, solimp, inverse, STOP_LOAD)
+    largest, d = min(max(float(solimp[1]), 1e-4), 0.9999), impedance(solimp, depth)
+    b = -float(solref[1]) / largest if solref[0] <= 0.0 else 2.0 / (largest * _time_constant(work, solref))
+    return stiffness, d * b / ((1.0 - d) * max(inverse, 1e-15))
+
+
+def _time_constant(work: Projection, solref: Any) -> float:
+    constant = float(solref[0])
+    return constant if work.is_disabled("REFSAFE") else max(constant, 2.0 * float(work.model.opt.timestep))
 
 
 def law_name(work: Projection, law: Law) -> str:
@@ -109,6 +125,7 @@ def add_contacts(work: Projection) -> None:
     neither overlap at the start nor lie side by side.
     """
     overlapping: list[str] = []
+    inside: list[str] = []
     apart: list[str] = []
     own: list[tuple[int, int, dict[str, Any]]] = []
     of_objects: list[tuple[float, int, int, dict[str, Any]]] = []
@@ -122,15 +139,18 @@ def add_contacts(work: Projection) -> None:
             if min(a.depth[1], b.depth[1]) <= max(a.depth[0], b.depth[0]):
                 apart.append(names)
                 continue
-            if distance <= 0.0:
-                overlapping.append(f"{names} ({-1e3 * distance:.2g} mm)")
+            if distance <= _TOUCHING_M:
+                overlapping.append(f"{names} ({max(-1e3 * distance, 0.0) + 0.0:.3g} mm)")
                 continue
         elif distance < -1e-3:
-            overlapping.append(f"{names} ({-1e3 * distance:.2g} mm)")
+            inside.append(f"{names} ({abs(1e3 * distance):.3g} mm)")
             continue
         if a.type == "ellipse" and b.type == "ellipse":
-            work.report.lost("contacts", f"{names} are two ellipses, which cannot touch")
-            continue
+            # Two ellipses cannot touch; the object keeps its own.
+            body, outline = (body_b, b) if body_a is not None and body_a.is_free else (body_a, a)
+            deviation = facet(outline, work.rounding)
+            text = f"a polygon of {MAX_CORNERS} corners in place of an ellipse, because two ellipses cannot touch"
+            work.report.changed(_full_name(body, outline), f"{text}; it deviates by up to {1e6 * deviation:.0f} µm")
         lost["torsional and rolling friction"] |= settings["condim"] > 3
         lost["margins of geoms"] |= settings["margin"] != 0.0
         if is_of_object:
@@ -154,7 +174,9 @@ def add_contacts(work: Projection) -> None:
     else:
         for first, second, settings in own:
             _add(work, first, second, settings)
-    _report_pairs(work, "contacts that overlap at the start", overlapping, "they pass through each other")
+    _report_pairs(work, "contacts that touch or overlap at the start", overlapping, "they pass through each other")
+    remedy = "place the object elsewhere (a cube of --cube: --cube-at), or open the hand by a key frame"
+    _report_pairs(work, "contacts of the object that overlap at the start", inside, f"they pass through each other; {remedy}")
     _report_pairs(work, "contacts beyond the largest number", far, "they are farthest apart at the start, and pass through each other")
     _report_pairs(work, "contacts side by side", apart, "they overlap in the projection only, and pass each other")
     for what in (name for name, is_lost in lost.items() if is_lost):
@@ -163,8 +185,12 @@ def add_contacts(work: Projection) -> None:
 
 def _report_pairs(work: Projection, name: str, pairs: list[str], effect: str) -> None:
     if pairs:
-        more = f" and {len(pairs) - _NAMED} more" if len(pairs) > _NAMED else ""
-        work.report.lost(name, f"{'; '.join(pairs[:_NAMED])}{more}: {effect}")
+        work.report.lost(name, f"{_some(pairs)}: {effect}")
+
+
+def _some(pairs: list[str]) -> str:
+    """The first pairs, and the number of the others."""
+    return "; ".join(pairs[:_NAMED]) + (f" and {len(pairs) - _NAMED} more" if len(pairs) > _NAMED else "")
 
 
 def _full_name(body: Body | None, outline: Outline) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any
@@ -62,6 +62,7 @@ def from_mjcf(
     *,
     plane: str | None = None,
     root: str | None = None,
+    branch: str | Sequence[str] = (),
     key: str | None = None,
     ctrl: Mapping[str, float] | None = None,
     cube: float | None = None,
@@ -76,7 +77,8 @@ def from_mjcf(
 
     plane: "xy", "xz", "yz", "yx", "zx" or "zy" of the root's frame; found from the axes of the joints by default. root:
     the body below which the mechanism is, and whose frame is that of the scene; by default the last fixed body that
-    carries all joints, or the base of a hand that floats. key: the key frame of the start; the first one by default, ""
+    carries all joints, or the base of a hand that floats. branch: a body, or several, that move with their own joints and
+    everything below them, such as the first link of a finger; all other joints stand still. key: the key frame of the start; the first one by default, ""
     for the zero position. ctrl: control signals by actuator, such as `{"fingers": 255}` (its number, "0", if it has no
     name); those of the key frame, or 0, by default. cube: edge of a cube, m, that is added to the model; cube_mass: its
     mass, kg; cube_at: its place in the plane, m, by default between the ends of the fingers. duration: of the scene, s.
@@ -84,10 +86,10 @@ def from_mjcf(
     Needs the package mujoco: `pip install "phalanx[mujoco]"`. Raises ConversionError (a ValueError) if MuJoCo refuses the
     model, or if it is not planar; the message names the joint and its axis.
     """
-    source, found, mechanism = _projected(path, plane, root, key, ctrl, None)
+    source, found, mechanism = _projected(path, plane, root, branch, key, ctrl, None)
     if cube is not None:
         extend = adder(source, found, mechanism, cube, cube_mass, cube_at)
-        source, found, mechanism = _projected(path, plane, root, key, ctrl, extend)
+        source, found, mechanism = _projected(path, plane, root, branch, key, ctrl, extend)
         if not mechanism.contacts:
             source.report.warn("the cube", "it touches nothing: the geoms of the model have contype and conaffinity 0, or overlap it at the start")
     toml = scene_text(mechanism, _header(mechanism, source, found, source.report), duration)
@@ -95,8 +97,14 @@ def from_mjcf(
 
 
 def _projected(
-    path: str | PathLike[str], plane: str | None, root: str | None, key: str | None, ctrl: Mapping[str, float] | None, extend: Any
+    path: str | PathLike[str],
+    plane: str | None,
+    root: str | None,
+    branch: str | Sequence[str],
+    key: str | None,
+    ctrl: Mapping[str, float] | None,
+    extend: Any,
 ) -> tuple[Source, Plane, Mechanism]:
-    source = read(path, root=root, key=key, ctrl=dict(ctrl or {}), extend=extend)
+    source = read(path, root=root, branch=branch, key=key, ctrl=dict(ctrl or {}), extend=extend)
     found = find_plane(source, plane)
     return source, found, project(source, found)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from typing import Literal
 
 import numpy
 
-from .contacts import stop_law
-from .planar import Actuator, Element, Rotor, Spring, SumLimit, Tendon, Terms
+from .contacts import law_name, stop_law, taut_cable
+from .planar import Actuator, Element, Joint, Law, Rotor, Spring, SumLimit, Tendon, Terms
 from .projection import UNLIMITED, Projection
 from .read import extra, is_below, load_mujoco
 
@@ -43,28 +44,59 @@ def _add_range(work: Projection, t: int, label: str) -> None:
     bounds = [float(bound) for bound in model.tendon_range[t]]
     terms = work.sum_of_tendon(t)
     kinds = {joints[name].is_slide for name, _ in terms or []}
-    if not terms or len(kinds) > 1 or (len(terms) == 1 and joints[terms[0][0]].stop):
-        work.report.lost(label, f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}; nothing stops it at these lengths")
+    if terms is None and model.wrap_type[model.tendon_adr[t]] != load_mujoco().mjtWrap.mjWRAP_JOINT:
+        work.ranges.add(t)
+        return
+    text = f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}"
+    if not terms or len(kinds) > 1:
+        work.report.lost(label, f"{text}; nothing stops it at these lengths")
         return
     start = {joint.name: float(work.start.qpos[model.jnt_qposadr[j]]) for j, joint in work.joints.items()}
     length = sum(factor * start[name] for name, factor in terms)
+    if _is_fixed(work, terms):
+        work.report.changed(label, f"{text} has no effect, because equalities fix its length at {length:.6g}")
+        return
     beyond = bounds[0] - length > 1e-9, length - bounds[1] > 1e-9
     if any(beyond):
-        work.report.lost(label, f"its range of {bounds[0]:.6g} to {bounds[1]:.6g}: its length at the start, {length:.6g}, is beyond it")
+        work.report.lost(label, f"{text}: its length at the start, {length:.6g}, is beyond it")
     lower, upper = (None if outside or abs(bound) >= UNLIMITED else bound for bound, outside in zip(bounds, beyond, strict=True))
     if lower is None and upper is None:
         return
     (is_linear,) = kinds
+    joint, factor = joints[terms[0][0]], terms[0][1]
+    ends = [None if bound is None else bound / factor for bound in (lower, upper)]
+    ends = ends if factor > 0.0 else ends[::-1]
+    if len(terms) == 1 and joint.stop:
+        _narrow(work, joint, ends, label)
+        return
     settings = model.tendon_solref_lim[t], model.tendon_solimp_lim[t], float(model.tendon_invweight0[t])
-    stop = stop_law(work, *settings, is_linear, terms[0][1] if len(terms) == 1 else 1.0)
-    if len(terms) > 1:
+    stop = stop_law(work, *settings, is_linear, factor if len(terms) == 1 else 1.0)
+    if len(terms) == 1:
+        (joint.lower, joint.upper), joint.stop = ends, stop
+    else:
         name = work.names["limit"].new(work.source.name("tendon", t), f"tendon_{t}")
         work.mechanism.limits.append(SumLimit(name, terms, lower, upper, stop, is_linear))
-        return
-    (name, factor), joint = terms[0], joints[terms[0][0]]
-    ends = [None if bound is None else bound / factor for bound in (lower, upper)]
-    joint.lower, joint.upper = ends if factor > 0.0 else ends[::-1]
-    joint.stop = stop
+
+
+def _is_fixed(work: Projection, terms: Terms) -> bool:
+    """Whether couplings alone determine a sum of joint coordinates. A limit of such a sum would have no effect, and act at
+    rounding errors.
+    """
+    if not work.mechanism.couplings:
+        return False
+    names = [joint.name for joint in work.joints.values()]
+    rows = numpy.array([[dict(row).get(name, 0.0) for name in names] for row in (*(c.terms for c in work.mechanism.couplings), terms)])
+    factors = numpy.linalg.lstsq(rows[:-1].T, rows[-1], rcond=None)[0]
+    return bool(numpy.abs(rows[:-1].T @ factors - rows[-1]).max() < 1e-9 * numpy.abs(rows[-1]).max())
+
+
+def _narrow(work: Projection, joint: Joint, ends: list[float | None], label: str) -> None:
+    """Narrows the limits of a joint to those of its tendon; the law stays that of the joint."""
+    for side, end, sign in (("lower", ends[0], 1.0), ("upper", ends[1], -1.0)):
+        own = getattr(joint, side)
+        if end is not None and (own is None or sign * (end - own) > 0.0):
+            setattr(joint, side, end)
+            work.report.changed(label, f"its range is the {side} limit of the joint {joint.name}, with the stop of this joint")
 
 
 def _springs_of_tendon(work: Projection, t: int) -> tuple[float, float, float, float]:
@@ -87,7 +119,7 @@ def _add_fixed_tendon(work: Projection, t: int, label: str) -> None:
     joints, name = {joint.name: joint for joint in work.mechanism.joints}, work.source.name("tendon", t)
     is_linear = joints[terms[0][0]].is_slide
     if high - low > 1e-12 and stiffness != 0.0:
-        work.report.lost(label, f"its spring has a dead band from {low:.6g} to {high:.6g}, which has no equivalent")
+        _add_dead_band(work, t, label, terms, stiffness, (low, high))
         stiffness = 0.0
     if stiffness or damping:
         spring = Spring(work.names["spring"].new(name, f"tendon_{t}"), stiffness, damping, low if stiffness else 0.0, terms, is_linear=is_linear)
@@ -98,6 +130,31 @@ def _add_fixed_tendon(work: Projection, t: int, label: str) -> None:
             text = "its armature couples joints of several branches: MuJoCo leaves out the coupling, and the scene has it"
             work.report.changed(label, text)
         work.mechanism.rotors.append(Rotor(work.names["rotor"].new(name, f"tendon_{t}"), terms, armature, is_linear))
+
+
+def _add_dead_band(work: Projection, t: int, label: str, terms: Terms, stiffness: float, band: tuple[float, float]) -> None:
+    """A spring that acts outside of a band of its length: limits with an elastic law."""
+    joints = {joint.name: joint for joint in work.mechanism.joints}
+    joint, factor = joints[terms[0][0]], terms[0][1]
+    text = f"its spring has a dead band from {band[0]:.6g} to {band[1]:.6g}"
+    start = {joint.name: float(work.start.qpos[work.model.jnt_qposadr[j]]) for j, joint in work.joints.items()}
+    length = sum(each * start[name] for name, each in terms)
+    if not band[0] <= length <= band[1]:
+        work.report.lost(label, f"{text}: its length at the start, {length:.6g}, is outside, where the scene cannot begin")
+        return
+    if len(terms) == 1 and joint.stop:
+        work.report.lost(label, f"{text}, but the joint {joint.name} has stops; a joint has one pair of limits")
+        return
+    scale = factor**2 if len(terms) == 1 else 1.0
+    law = law_name(work, Law("", scale * stiffness, None, f"spring of {label} beyond its dead band", joint.is_slide, is_spring=True))
+    lower, upper = (None if abs(bound) >= UNLIMITED else bound for bound in band)
+    if len(terms) > 1:
+        name = work.names["limit"].new(work.source.name("tendon", t), f"tendon_{t}")
+        work.mechanism.limits.append(SumLimit(name, terms, lower, upper, law, joint.is_slide))
+    else:
+        ends = [None if bound is None else bound / factor for bound in (lower, upper)]
+        (joint.lower, joint.upper), joint.stop = ends if factor > 0.0 else ends[::-1], law
+    work.report.changed(label, f"{text}: it is a pair of limits with an elastic law")
 
 
 def _is_chain(work: Projection, joints: list[int]) -> bool:
@@ -115,7 +172,9 @@ def _add_spatial_tendon(work: Projection, t: int, label: str) -> None:
     moving = [(divisor, path) for divisor, path in branches if len({element.body for element in path}) > 1]
     if not moving:
         work.report.lost(label, "all its points are on one body, so that its length is constant")
+        work.ranges.discard(t)
         return
+    _report_heights(work, t, label)
     divisor, path = moving[0]
     if len(branches) == 1 and len(path) == 2 and divisor == 1.0 and (stiffness or damping) and (high == low or not stiffness):
         bodies, points = (path[0].body, path[1].body), (path[0].at, path[1].at)
@@ -147,18 +206,20 @@ def _add_spatial_tendon(work: Projection, t: int, label: str) -> None:
         work.cables.setdefault(t, []).append((own, divisor))
 
 
+def _report_heights(work: Projection, t: int, label: str) -> None:
+    model, wraps = work.model, range(int(work.model.tendon_adr[t]), int(work.model.tendon_adr[t] + work.model.tendon_num[t]))
+    sites = [model.wrap_objid[k] for k in wraps if model.wrap_type[k] == load_mujoco().mjtWrap.mjWRAP_SITE]
+    spread = float(numpy.ptp([work.plane.height(work.zero.site_xpos[site]) for site in sites]))
+    if spread > 1e-4:
+        text = f"its sites are up to {1e3 * spread:.3g} mm apart along the normal; the scene has the length in the plane"
+        work.report.changed(label, text)
+
+
 def _branches(work: Projection, t: int, label: str) -> list[tuple[float, list[Element]]]:
     """Paths of the branches of a spatial tendon, with the divisors of their tension."""
-    mujoco, model, plane, data = load_mujoco(), work.model, work.plane, work.zero
+    mujoco, model, data = load_mujoco(), work.model, work.zero
     first, count = int(model.tendon_adr[t]), int(model.tendon_num[t])
-    heights = [
-        plane.height(data.site_xpos[model.wrap_objid[k]]) for k in range(first, first + count) if model.wrap_type[k] == mujoco.mjtWrap.mjWRAP_SITE
-    ]
-    if max(heights) - min(heights) > 1e-4:
-        work.report.changed(
-            label,
-            f"its sites are up to {1e3 * (max(heights) - min(heights)):.3g} mm apart along the normal; the scene has the length in the plane",
-        )
+    needs_length = _needs_length(work, t)
     branches: list[tuple[float, list[Element]]] = [(1.0, [])]
     for k in range(first, first + count):
         kind, index = mujoco.mjtWrap(model.wrap_type[k]), int(model.wrap_objid[k])
@@ -169,19 +230,32 @@ def _branches(work: Projection, t: int, label: str) -> list[tuple[float, list[El
             branches[-1][1].append(Element(work.name_of(group), work.local(group, data.site_xpos[index])))
         else:
             sites = [int(model.wrap_objid[k - 1]), int(model.wrap_objid[k + 1])]
-            pulley = _pulley(work, index, sites, int(model.wrap_prm[k]), label)
+            pulley = _pulley(work, index, sites, int(model.wrap_prm[k]), label, needs_length)
             if pulley is not None:
                 branches[-1][1].append(pulley)
     return [(divisor, path) for divisor, path in branches if len(path) > 1]
 
 
-def _pulley(work: Projection, geom: int, sites: list[int], side: int, label: str) -> Element | None:
-    """The pulley of a cylinder or sphere between two sites; None if the cable does not pass it."""
+def _needs_length(work: Projection, t: int) -> bool:
+    """Whether forces depend on the length of a tendon: those of its spring, its range, or a servo."""
+    mujoco, model = load_mujoco(), work.model
+    servos = [
+        k
+        for k in range(model.nu)
+        if model.actuator_trntype[k] == mujoco.mjtTrn.mjTRN_TENDON and model.actuator_trnid[k, 0] == t and model.actuator_biasprm[k, 1] != 0.0
+    ]
+    return bool(t in work.ranges or servos or _springs_of_tendon(work, t)[0] != 0.0)
+
+
+def _pulley(work: Projection, geom: int, sites: list[int], side: int, label: str, needs_length: bool) -> Element | None:
+    """The pulley of a cylinder or sphere between two sites; None if the cable does not pass it, or if it only adds a constant
+    to a length that does not matter.
+    """
     model, plane, data = work.model, work.plane, work.zero
     group = int(work.group[model.geom_bodyid[geom]])
     groups = [int(work.group[model.site_bodyid[site]]) for site in sites]
     name = work.source.name("geom", geom) or str(geom)
-    if groups == [group, group]:
+    if groups == [group, group] and not needs_length:
         return None
     axis = data.geom_xmat[geom].reshape(3, 3)[:, 2]
     if model.geom_type[geom] == load_mujoco().mjtGeom.mjGEOM_CYLINDER and abs(axis @ plane.n) < numpy.cos(numpy.radians(1.0)):
@@ -236,7 +310,32 @@ def add_actuators(work: Projection) -> None:
             )
             continue
         _add_drive(work, k, label, gear, terms)
+    _add_ranges_of_cables(work)
     _drop_idle_cables(work)
+
+
+def _add_ranges_of_cables(work: Projection) -> None:
+    """A cable that is taut at the upper end of its range."""
+    model, pulled = work.model, {actuator.tendon for actuator in work.mechanism.actuators}
+    tendons = {tendon.name: tendon for tendon in work.mechanism.tendons}
+    for t in sorted(work.ranges):
+        label, (low, high) = work.source.label("tendon", t), (float(bound) for bound in model.tendon_range[t])
+        cables = work.cables.get(t, [])
+        if len(cables) != 1:
+            work.report.lost(label, f"its range of {low:.6g} to {high:.6g}; nothing stops it at these lengths")
+            continue
+        if low > 0.0:
+            work.report.lost(label, f"the lower end of its range, {low:.6g} m: a cable does not push")
+        if high >= UNLIMITED:
+            continue
+        (name, divisor), tendon = cables[0], tendons[cables[0][0]]
+        if tendon.stiffness or name in pulled:
+            tendon = replace(tendon, name=work.names["tendon"].new(f"{name}_range", name))
+            work.mechanism.tendons.append(tendon)
+        stiffness, damping = taut_cable(work, model.tendon_solref_lim[t], model.tendon_solimp_lim[t], float(model.tendon_invweight0[t]))
+        tendon.stiffness, tendon.damping = (float(f"{value / divisor**2:.3g}") for value in (stiffness, damping))
+        tendon.rest, tendon.rest_comment, tendon.is_range = divisor * high, "upper end of the range", True
+        work.report.changed(label, f"the upper end of its range, {high:.6g} m, is the free length of a cable, with MuJoCo's static stretch at 1 N")
 
 
 def _drop_idle_cables(work: Projection) -> None:
@@ -275,6 +374,9 @@ def _control(work: Projection, k: int) -> tuple[float, float, float, float]:
         signal = float(work.start.act[model.actuator_actadr[k]])
     elif model.actuator_ctrllimited[k] and not work.is_disabled("CLAMPCTRL"):
         low, high = (float(bound) for bound in model.actuator_ctrlrange[k])
+        if not low <= signal <= high:
+            text = f"its control signal of {signal:g} is outside of its ctrlrange of {low:g} to {high:g}, and is {min(max(signal, low), high):g} in the scene"
+            work.report.changed(work.source.label("actuator", k), text)
         signal = min(max(signal, low), high)
     bias = numpy.zeros(3)
     if model.actuator_biastype[k] == mujoco.mjtBias.mjBIAS_AFFINE:
@@ -378,7 +480,7 @@ def _add_pull(work: Projection, k: int, label: str, gear: float) -> None:
     """An actuator that pulls a cable; behind a pulley its tension is divided."""
     constant, by_length, by_rate, signal = _control(work, k)
     if by_length != 0.0 or by_rate != 0.0:
-        work.report.lost(label, "a servo of the length of a cable has no equivalent; the cable is not pulled")
+        _add_length_servo(work, k, label, gear)
         return
     if work.model.actuator_forcelimited[k]:
         constant = min(max(constant, float(work.model.actuator_forcerange[k, 0])), float(work.model.actuator_forcerange[k, 1]))
@@ -391,3 +493,23 @@ def _add_pull(work: Projection, k: int, label: str, gear: float) -> None:
         own = work.names["actuator"].new(f"{name}_{number}" if len(cables) > 1 and name else name, f"actuator_{k}")
         comment = f"ctrl {signal:g}, gear {gear:g}" + (f", divisor {divisor:g}" if divisor != 1.0 else "")
         work.mechanism.actuators.append(Actuator(own, tendon=cable, effort=tension / divisor, comments={"effort": comment}))
+
+
+def _add_length_servo(work: Projection, k: int, label: str, gear: float) -> None:
+    """A servo of the length of a cable, which is a spring and a damper of the cable."""
+    constant, by_length, by_rate, signal = _control(work, k)
+    cables = work.cables[int(work.model.actuator_trnid[k, 0])]
+    tendons = {tendon.name: tendon for tendon in work.mechanism.tendons}
+    (name, divisor), tendon = cables[0], tendons[cables[0][0]]
+    if len(cables) > 1 or by_length >= 0.0 or by_rate > 0.0 or gear == 0.0 or tendon.stiffness:
+        text = "a servo of the length of a cable with branches or a spring, or of its rate alone, has no equivalent; the cable is not pulled"
+        work.report.lost(label, text)
+        return
+    tendon.stiffness, tendon.damping = -by_length * (gear / divisor) ** 2, -by_rate * (gear / divisor) ** 2
+    tendon.rest = divisor * constant / (-by_length * gear) + 0.0
+    tendon.comment += f", pulled by the servo {work.source.name('actuator', k) or k}"
+    tendon.rest_comment = f"target at ctrl {signal:g}"
+    if work.model.actuator_forcelimited[k]:
+        low, high = work.model.actuator_forcerange[k]
+        work.report.lost(label, f"its forcerange of {low:g} to {high:g}; the tension of the cable has no limit")
+    work.report.changed(label, f"a servo of the length of a cable is the spring of {name}, which does not push below {tendon.rest:.6g} m")

@@ -141,6 +141,17 @@ def _set_polygon(source: Source, made: Outline, points: Numbers, rounding: float
     made.type, made.points, made.rounding = "polygon", [_pair(numpy.round(point, _MESH_DECIMALS + 1)) for point in core], rounding
 
 
+def facet(ellipse: Outline, rounding: float) -> float:
+    """Makes an ellipse a polygon with round corners, and returns its largest deviation, m."""
+    points = core_of(ellipse, (0.0, 0.0))[0]
+    # The middle of a chord is nearer to the centre than the arc.
+    deviation = max(ellipse.sizes) * (1.0 - float(numpy.cos(numpy.pi / len(points))))
+    ellipse.rounding = min(rounding, _LARGEST_ROUNDING * _width(points))
+    ellipse.points = [_pair(corner) for corner in _eroded(points, ellipse.rounding)]
+    ellipse.type, ellipse.sizes, ellipse.angle = "polygon", (), 0.0
+    return deviation
+
+
 def convex_hull(points: Numbers) -> Numbers:
     """Corners of the convex hull, counter-clockwise."""
     ordered = sorted({(float(x), float(y)) for x, y in points})

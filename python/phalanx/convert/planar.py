@@ -150,6 +150,9 @@ class Tendon:
     damping: float = 0.0
     rest: float = 0.0
     comment: str = ""
+    rest_comment: str = "springlength"
+    is_range: bool = False
+    """Whether it is the upper end of a range, at which the cable is taut."""
 
 
 @dataclass
@@ -185,6 +188,8 @@ class Law:
     comment: str
     is_linear: bool = True
     """Whether its depth is a length; an angle for stops of hinges."""
+    is_spring: bool = False
+    """Whether it is a spring beyond a dead band, without damping."""
 
 
 @dataclass
@@ -212,6 +217,8 @@ class Mechanism:
     actuators: list[Actuator] = field(default_factory=list)
     laws: list[Law] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)
+    surroundings: list[str] = field(default_factory=list)
+    """Outlines of the ground, as GROUND.OUTLINE, that are not part of the hand."""
 
 
 def friction_stiffness(friction: float) -> float:

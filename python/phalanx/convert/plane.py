@@ -29,6 +29,8 @@ class Plane:
     n: Numbers
     comment: str
     """The plane in words."""
+    root: int = 0
+    """Body of the model whose frame is that of the scene; 0 for the world."""
 
     def point(self, x: Any) -> Numbers:
         """Coordinates in the plane of a point of the world."""
@@ -77,8 +79,10 @@ def find_plane(source: Source, name: str | None = None) -> Plane:
     root = _root(source, hinges + slides)
     origin, frame = data.xpos[root].copy(), data.xmat[root].reshape(3, 3).copy()
     if not hinges and not slides:
-        at = f" below {source.root}" if source.root else ""
-        raise ConversionError(f"{source.path} has no hinge or slide{at}, so that there is no plane of motion; choose another --root")
+        at, remedy = f" below {source.root}", "choose another --root, or take a body with its own joint by --branch"
+        if not source.root:
+            at, remedy = "", "give a model with joints"
+        raise ConversionError(f"{source.path} has no hinge or slide{at}, so that there is no plane of motion; {remedy}")
     name = "auto" if name is None else name.lower()
     if name != "auto":
         if name not in PLANES:
@@ -98,7 +102,7 @@ def find_plane(source: Source, name: str | None = None) -> Plane:
     else:
         first, second = (", ".join(f"{number:.6g}" for number in frame.T @ axis) for axis in (e1, e2))
         words = f"x is ({first}) and y is ({second}) of {whose}"
-    plane = Plane(origin, e1, e2, numpy.cross(e1, e2), words)
+    plane = Plane(origin, e1, e2, numpy.cross(e1, e2), words, root)
     _check_axes(source, plane, hinges, slides)
     return plane
 
@@ -190,23 +194,58 @@ def _check_axes(source: Source, plane: Plane, hinges: list[int], slides: list[in
 
 
 def _advice(source: Source) -> str:
-    """Bodies below which a model is planar."""
-    model = source.model
+    """Parts of a model that are planar."""
     found: list[str] = []
-    hinges, slides = moving_joints(source)
-    for body in range(1, model.nbody):
-        below = {other for other in range(body + 1, model.nbody) if is_below(model, other, body)}
-        own = [j for j in hinges if model.jnt_bodyid[j] in below]
-        sliding = [j for j in slides if model.jnt_bodyid[j] in below]
+    covered: list[int] = []
+    for body in range(1, source.model.nbody):
         name = source.name("body", body)
-        if not name or len(own) + len(sliding) == 0 or any(is_below(model, body, source.model.body(other).id) for other in found):
+        if not name or any(is_below(source.model, body, other) for other in covered):
             continue
-        axes = [source.zero.xaxis[j] for j in own]
-        planar = all(_degrees(axis, axes[0]) <= LARGEST_DEG for axis in axes)
-        if axes:
-            planar = planar and all(90.0 - _degrees(source.zero.xaxis[j], axes[0]) <= LARGEST_DEG for j in sliding)
-        if planar:
-            found.append(name)
+        own, below = _joints_of(source, body), _joints_below(source, body)
+        if not below and not own:
+            continue
+        if own and _are_planar(source, own + below):
+            found.append(f'--branch "{name}"')
+        elif below and _are_planar(source, below):
+            palm = _palm(source, body)
+            found += [f'--root "{source.name("body", other)}"' for other in dict.fromkeys((palm, body)) if source.name("body", other)]
+        else:
+            continue
+        covered.append(body)
     if not found:
         return "phalanx simulates planar mechanisms only"
-    return f'a part of it is planar: --root "{found[0]}"' + (f" (or {', '.join(found[1:6])})" if len(found) > 1 else "")
+    return f"a part of it is planar: {found[0]}" + (f" (or {', '.join(found[1:6])})" if len(found) > 1 else "")
+
+
+def _joints_of(source: Source, body: int) -> list[int]:
+    return [j for kind in moving_joints(source) for j in kind if source.model.jnt_bodyid[j] == body]
+
+
+def _joints_below(source: Source, body: int) -> list[int]:
+    model = source.model
+    return [j for kind in moving_joints(source) for j in kind if model.jnt_bodyid[j] != body and is_below(model, int(model.jnt_bodyid[j]), body)]
+
+
+def _palm(source: Source, body: int) -> int:
+    """The body below which a part branches into fingers, without the joints that turn it as a whole; the body itself if
+    all its joints are in the fingers.
+    """
+    model, palm = source.model, body
+    while True:
+        branches = [other for other in range(palm + 1, model.nbody) if model.body_parentid[other] == palm]
+        branches = [other for other in branches if _joints_of(source, other) or _joints_below(source, other)]
+        if len(branches) != 1:
+            break
+        palm = branches[0]
+    return palm if branches and len(_joints_below(source, palm)) < len(_joints_below(source, body)) else body
+
+
+def _are_planar(source: Source, joints: list[int]) -> bool:
+    """Whether hinges are parallel, slides perpendicular to them, and all bodies have one joint."""
+    mujoco, model, axes = load_mujoco(), source.model, source.zero.xaxis
+    hinges = [j for j in joints if model.jnt_type[j] == mujoco.mjtJoint.mjJNT_HINGE]
+    if len({int(model.jnt_bodyid[j]) for j in joints}) < len(joints):
+        return False
+    return all(
+        (_degrees(axes[j], axes[hinges[0]]) if j in hinges else 90.0 - _degrees(axes[j], axes[hinges[0]])) <= LARGEST_DEG for j in joints if hinges
+    )

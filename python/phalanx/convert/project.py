@@ -18,7 +18,7 @@ from .outlines import ROUNDING_M, outline_of
 from .planar import GROUND, Body, Coupling, Joint, Mechanism, Spring, Terms
 from .plane import Plane
 from .projection import UNLIMITED, Names, Projection
-from .read import Numbers, Source, extra, load_mujoco
+from .read import Numbers, Source, extra, is_below, load_mujoco
 from .remarks import add_remarks
 
 # A constraint that is open by more is reported, m or rad.
@@ -33,12 +33,16 @@ def project(source: Source, plane: Plane) -> Mechanism:
     _merge_pinned(work)
     _add_bodies(work)
     _add_joints(work)
+    if not work.joints:
+        names = ", ".join(source.label("joint", j) for j in sorted(work.locked))
+        raise ConversionError(f"no joint of the mechanism moves: a weld, a second pin or an equality locks {names}; remove it, or choose another part")
     _add_equalities(work)
     add_tendons(work)
     add_actuators(work)
     _choose_starts(work)
     _add_outlines(work)
     add_contacts(work)
+    _find_surroundings(work)
     _name_laws(work)
     add_remarks(work)
     return work.mechanism
@@ -194,6 +198,9 @@ def _add_bodies(work: Projection) -> None:
             velocity = numpy.zeros(6)
             mujoco.mj_objectVelocity(model, work.start, mujoco.mjtObj.mjOBJ_XBODY, group, velocity, 0)
             body.velocity, body.spin = _pair(plane.vector(velocity[3:])), float(plane.n @ velocity[:3])
+        if len(members) > 1 and not is_free:
+            what = "has no joint that moves, and is a part of it" if len(members) == 2 else "have no joint that moves, and are parts of it"
+            work.report.changed(label, f"{', '.join(body.members[1:])} {what}")
         if any(model.body_gravcomp[member] != 0.0 for member in members):
             work.report.lost(label, "its gravity compensation; it weighs as much as its mass")
         work.bodies[group] = body
@@ -426,7 +433,7 @@ def _add_coupling(work: Projection, k: int, label: str, *, is_of_joints: bool) -
     if len(coupled) == 1:
         name, factor = coupled[0]
         remedy = "remove the joint from its body, which is drawn in this position" if abs(data[0]) < _OPEN else "remove it, and draw the body there"
-        raise ConversionError(f"{label} locks the joint {name} at {value / factor:.6g}; a scene has no locked joints: {remedy}")
+        raise ConversionError(f"{label} locks the joint {name} at {value / factor + 0.0:.6g}; a scene has no locked joints: {remedy}")
     if abs(data[0]) > _OPEN:
         work.report.changed(label, f"it is violated by {abs(data[0]):.4g} in the zero position; phalanx assembles the mechanism with it")
     work.rows.append(_row(work, coupled))
@@ -522,11 +529,25 @@ def _outline_name(work: Projection, geom: int, taken: Names) -> str:
     return taken.new(name, mujoco.mjtGeom(model.geom_type[geom]).name.removeprefix("mjGEOM_").lower())
 
 
+def _find_surroundings(work: Projection) -> None:
+    """Planes do not belong to the hand. If the hand has a base of its own, only what this carries, or stands on, does."""
+    mujoco, model, base = load_mujoco(), work.model, work.plane.root
+    touched = {name for contact in work.mechanism.contacts for name in contact.between}
+    for geom, (body, outline) in work.outlines.items():
+        owner = int(model.geom_bodyid[geom])
+        is_of_hand = base == 0 or is_below(model, owner, base) or (owner > 0 and is_below(model, base, owner))
+        is_plane = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE
+        name = f"{GROUND}.{outline.name}"
+        if body is None and name in touched and (is_plane or not is_of_hand) and any(other.is_free for other in work.mechanism.bodies):
+            work.mechanism.surroundings.append(name)
+
+
 def _name_laws(work: Projection) -> None:
     """Replaces the keys of laws by names."""
-    stops = [law for law in work.mechanism.laws if law.friction is None]
+    springs = [law for law in work.mechanism.laws if law.is_spring]
+    stops = [law for law in work.mechanism.laws if law.friction is None and not law.is_spring]
     pads = [law for law in work.mechanism.laws if law.friction is not None]
-    for laws, base in ((stops, "stop"), (pads, "pad")):
+    for laws, base in ((stops, "stop"), (pads, "pad"), (springs, "band")):
         for number, law in enumerate(laws, 1):
             old, law.name = law.name, base if len(laws) == 1 else f"{base}_{number}"
             for joint in work.mechanism.joints:
@@ -535,6 +556,6 @@ def _name_laws(work: Projection) -> None:
                 limit.stop = law.name if limit.stop == old else limit.stop
             for contact in work.mechanism.contacts:
                 contact.law = law.name if contact.law == old else contact.law
-    if work.mechanism.laws:
+    if stops or pads:
         text = "solref and solimp have no equivalent: the laws have the stiffness of MuJoCo's static penetration, and a damping that is assumed"
         work.report.changed("contacts and limits", text)

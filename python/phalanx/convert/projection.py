@@ -73,6 +73,8 @@ class Projection:
         """Radius of the corners of outlines, m."""
         self.cables: dict[int, list[tuple[str, float]]] = {}
         """Cables of a spatial tendon, with their divisors."""
+        self.ranges: set[int] = set()
+        """Spatial tendons with a range."""
 
     def is_disabled(self, flag: str) -> bool:
         """Whether an option of the model disables a part of the simulation."""

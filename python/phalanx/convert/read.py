@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import warnings
 import xml.etree.ElementTree as Tree
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -73,13 +73,15 @@ def read(
     path: str | PathLike[str],
     *,
     root: str | None = None,
+    branch: str | Sequence[str] = (),
     key: str | None = None,
     ctrl: dict[str, float] | None = None,
     extend: Any = None,
 ) -> Source:
     """Reads an MJCF or URDF file, and places it at a key frame.
 
-    root: body below which the mechanism is; all other joints stand still. key: key frame of the start; the first one by
+    root: body below which the mechanism is; all other joints stand still. branch: bodies that move with their own joints
+    and everything below them; all other joints stand still. key: key frame of the start; the first one by
     default, "" for the zero position. ctrl: control signals by the names of actuators, or their numbers from 0 if they have none. extend: a function that adds to
     the specification.
 
@@ -89,17 +91,20 @@ def read(
     file, report = Path(path), Report()
     if not file.is_file():
         raise ConversionError(f"there is no file {file}; give the path of an MJCF or URDF file")
+    massless: list[str] = []
     try:
         with _warnings_in(mujoco, report):
             spec = _specification(mujoco, file, report)
             _drop_unreadable_meshes(spec, file, report)
+            _drop_textures(spec)
             if extend is not None:
                 extend(spec)
-            model = spec.compile()
+            massless = [body.name or "(no name)" for body in spec.bodies if body.joints and not body.explicitinertial and not body.geoms]
+            model = _compiled(spec, report)
     except ValueError as error:
         if isinstance(error, ConversionError):
             raise
-        raise ConversionError(f"MuJoCo does not read {file}: {str(error).strip()}; {_remedy(str(error), report)}") from None
+        raise ConversionError(f"MuJoCo does not read {file}: {str(error).strip()}; {_remedy(str(error), massless, report)}") from None
     numbers, chosen = _start(mujoco, model, key, file)
     names = [model.actuator(k).name or str(k) for k in range(model.nu)]
     for name, value in (ctrl or {}).items():
@@ -107,9 +112,14 @@ def read(
             raise ConversionError(f"{file} has no actuator {name}; its actuators are {', '.join(names) or '(none)'}")
         numbers["ctrl"][names.index(name)] = value
     frozen: set[str] = set()
-    top = _base(mujoco, model, file, report) if root is None else _find_root(mujoco, model, file, root)
+    branches = [_find_body(mujoco, model, file, name) for name in ([branch] if isinstance(branch, str) else branch)]
+    if root is not None:
+        top: int | None = _find_body(mujoco, model, file, root)
+    else:
+        top = _carrier(model, branches) if branches else _base(mujoco, model, file, report)
     if top is not None:
-        spec, model, numbers, frozen = _isolate(mujoco, spec, model, numbers, top, report)
+        _check_branches(model, file, top, branches)
+        spec, model, numbers, frozen = _isolate(mujoco, spec, model, numbers, top, branches, report)
     _warn_about_visual_mass(mujoco, spec, model, report)
     zero, start = mujoco.MjData(model), mujoco.MjData(model)
     mujoco.mj_forward(model, zero)
@@ -134,13 +144,50 @@ def _warnings_in(mujoco: Any, report: Report) -> Iterator[None]:
         mujoco.set_mju_user_warning(previous)
 
 
-def _remedy(message: str, report: Report) -> str:
+def _compiled(spec: Any, report: Report) -> Any:
+    """The model of a specification. Moments of inertia that no rigid body has are balanced by MuJoCo."""
+    try:
+        return spec.compile()
+    except ValueError as error:
+        if "balanceinertia" not in str(error):
+            raise
+    spec.compiler.balanceinertia = True
+    names = [body.name or "(no name)" for body in spec.bodies if body.explicitinertial and not _is_of_rigid_body(body)]
+    text = "the largest moment of inertia exceeds the sum of the others, which no rigid body has; MuJoCo replaces all three by their mean"
+    report.warn(f"body {', '.join(names)}", text)
+    return spec.compile()
+
+
+def _is_of_rigid_body(body: Any) -> bool:
+    """Whether the moments of inertia of a body satisfy A + B >= C."""
+    moments: Numbers = numpy.array(body.inertia)
+    if numpy.isfinite(body.fullinertia[0]):
+        xx, yy, zz, xy, xz, yz = body.fullinertia
+        moments = numpy.linalg.eigvalsh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return bool(2.0 * moments.max() <= moments.sum())
+
+
+_OF_A_PART = "if the file is a part of a larger model, give the file that includes it; or else correct it"
+# Remedies for errors of MuJoCo, by a part of their messages.
+_REMEDIES = {
+    "not found in": _OF_A_PART,
+    "unknown default class": _OF_A_PART,
+    "invalid qpos size": _OF_A_PART,
+    "repeated name": "give one of them another name, also where it is used",
+    "unrecognized attribute": "remove this attribute, which this version of MuJoCo does not have",
+    "unrecognized element": "remove this element, which this version of MuJoCo does not have",
+}
+
+
+def _remedy(message: str, massless: list[str], report: Report) -> str:
     """What to do about an error of MuJoCo."""
     if "mass and inertia" not in message:
-        return "correct the file, and open it in MuJoCo's viewer to check it"
-    meshes = [note.name for note in report.of("lost") if note.name.startswith("meshes")]
-    because = f" ({', '.join(meshes)} are left out)" if meshes else ""
-    return f"give the moving body an inertial, or a geom with a density{because}"
+        known = next((remedy for part, remedy in _REMEDIES.items() if part in message), "correct the file")
+        return f"{known}, and open it in MuJoCo's viewer to check it"
+    which = f"each of these moving bodies ({', '.join(massless)})" if len(massless) > 1 else "the moving body"
+    left_out = any(note.name.startswith("meshes") for note in report.of("lost"))
+    because = "; meshes that MuJoCo does not read are left out" if left_out else ""
+    return f"give {which} an inertial, or a geom with a density{because}"
 
 
 def _specification(mujoco: Any, file: Path, report: Report) -> Any:
@@ -150,6 +197,10 @@ def _specification(mujoco: Any, file: Path, report: Report) -> Any:
         raise ConversionError(f"{file} is no XML file: {error}; give an MJCF or URDF file") from None
     if "xacro" in file.suffix or any("xacro" in str(element.tag) for element in top.iter()):
         raise ConversionError(f"{file} is a xacro file; convert it to URDF first: xacro {file.name} > model.urdf")
+    if top.tag == "mujocoinclude":
+        raise ConversionError(f"{file} is a part of a model (mujocoinclude); give the file that includes it")
+    if top.tag not in ("mujoco", "robot"):
+        raise ConversionError(f"{file} is neither MJCF nor URDF: its first element is <{top.tag}> in place of <mujoco> or <robot>")
     if top.tag != "robot":
         return mujoco.MjSpec.from_file(str(file))
     # Links behind fixed joints keep their names, and visual shapes stay.
@@ -187,20 +238,28 @@ def _drop_unreadable_meshes(spec: Any, file: Path, report: Report) -> None:
         found = base / mesh.file
         if mesh.file and mesh.file not in spec.assets:
             if found.suffix.lower() not in _MESH_SUFFIXES:
-                reasons[mesh.name or found.stem] = f"{found.suffix or 'a file without suffix'} is no format that MuJoCo reads"
+                what = f"{found.suffix} is" if found.suffix else "a file without suffix has"
+                reasons[mesh.name or found.stem] = f"{what} no format that MuJoCo reads (save them as .stl or .obj)"
             elif not found.is_file():
-                reasons[mesh.name or found.stem] = f"there is no file {found}"
-    lost: dict[tuple[str, str], list[str]] = {}
+                reasons[mesh.name or found.stem] = f"the files are not in {found.parent}"
+    lost: dict[tuple[str, str], None] = {}
     for geom in list(spec.geoms):
         if geom.meshname in reasons:
-            lost.setdefault((geom.parent.name, reasons[geom.meshname]), []).append(geom.meshname)
+            lost[geom.parent.name or "world", reasons[geom.meshname]] = None
             spec.delete(geom)
     for mesh in list(spec.meshes):
         if (mesh.name or Path(mesh.file).stem) in reasons:
             spec.delete(mesh)
-    for (body, reason), meshes in lost.items():
-        effect = "the outlines, and the mass if the body has no inertial, are missing"
-        report.lost(f"meshes of body {body or 'world'}", f"{', '.join(meshes)}: {reason}; {effect}")
+    for body, reason in lost:
+        report.lost(f"meshes of body {body}", f"{reason}; the outlines, and the mass if the body has no inertial, are missing")
+
+
+def _drop_textures(spec: Any) -> None:
+    """Removes textures and skins, which have no effect on a scene, and whose files may be missing."""
+    for material in spec.materials:
+        material.textures = [""] * len(material.textures)
+    for element in [*spec.textures, *spec.skins]:
+        spec.delete(element)
 
 
 def _warn_about_visual_mass(mujoco: Any, spec: Any, model: Any, report: Report) -> None:
@@ -235,13 +294,29 @@ def _start(mujoco: Any, model: Any, key: str | None, file: Path) -> tuple[dict[s
     return {name: getattr(model, f"key_{name}")[index].copy() for name in zero}, chosen
 
 
-def _find_root(mujoco: Any, model: Any, file: Path, root: str) -> int:
-    """Index of the body that the user has chosen."""
-    top = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, root))
-    if top < 0:
+def _find_body(mujoco: Any, model: Any, file: Path, name: str) -> int:
+    """Index of a body that the user has chosen."""
+    found = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
+    if found < 0:
         names = ", ".join(name for name in (model.body(k).name for k in range(1, model.nbody)) if name)
-        raise ConversionError(f"{file} has no body {root}; its bodies are {names}")
-    return top
+        raise ConversionError(f"{file} has no body {name}; its bodies are {names}")
+    return found
+
+
+def _carrier(model: Any, branches: Sequence[int]) -> int:
+    """The last body that carries all branches."""
+    found = int(model.body_parentid[branches[0]])
+    while not all(is_below(model, int(model.body_parentid[body]), found) for body in branches):
+        found = int(model.body_parentid[found])
+    return found
+
+
+def _check_branches(model: Any, file: Path, top: int, branches: Sequence[int]) -> None:
+    for body in branches:
+        if body == top or not is_below(model, body, top):
+            raise ConversionError(
+                f'{file}: the body {model.body(body).name} of --branch is not below {model.body(top).name}, the body of --root; leave out --root'
+            )
 
 
 def _base(mujoco: Any, model: Any, file: Path, report: Report) -> int | None:
@@ -263,22 +338,23 @@ def _base(mujoco: Any, model: Any, file: Path, report: Report) -> int | None:
 
 
 def _isolate(
-    mujoco: Any, spec: Any, model: Any, numbers: dict[str, Numbers], top: int, report: Report
+    mujoco: Any, spec: Any, model: Any, numbers: dict[str, Numbers], top: int, branches: Sequence[int], report: Report
 ) -> tuple[Any, Any, dict[str, Numbers], set[str]]:
-    """Removes all joints that do not belong to the mechanism below a body, and everything that acts on them.
+    """Removes all joints that do not belong to the mechanism below a body, or to its branches if there are any, and
+    everything that acts on them.
 
     Joints of free objects stay. The root stands where it is at the start.
     """
-    root = model.body(top).name or str(top)
+    root = ", ".join(model.body(body).name or str(body) for body in branches or [top])
     data = mujoco.MjData(model)
     data.qpos[:] = numbers["qpos"]
     mujoco.mj_kinematics(model, data)
-    below = [False] * model.nbody
-    for body in range(top, model.nbody):
-        below[body] = body == top or below[model.body_parentid[body]]
+    starts = branches or [body for body in range(1, model.nbody) if model.body_parentid[body] == top]
+    moving = [any(is_below(model, body, start) for start in starts) for body in range(model.nbody)]
     owner = model.jnt_bodyid
-    objects = {body for body in range(1, model.nbody) if not below[body] and model.body_parentid[body] == 0 and is_free_body(mujoco, model, body)}
-    removed = [j for j in range(model.njnt) if (not below[owner[j]] or owner[j] == top) and owner[j] not in objects]
+    others = [body for body in range(1, model.nbody) if body != top and not moving[body] and model.body_parentid[body] == 0]
+    objects = {body for body in others if is_free_body(mujoco, model, body)}
+    removed = [j for j in range(model.njnt) if not moving[owner[j]] and owner[j] not in objects]
     kept = [j for j in range(model.njnt) if j not in removed]
     owners = {int(owner[j]) for j in removed} - {int(model.body_weldid[top])}
     frozen = {model.body(body).name for body in range(model.nbody) if int(model.body_weldid[body]) in owners}

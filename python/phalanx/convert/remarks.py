@@ -13,6 +13,8 @@ from .read import extra, load_mujoco
 
 # Ratio of armature and own inertia above which the armature is not that of a motor.
 _LARGEST_ARMATURE = 100.0
+# Ratio of frictionloss and weight of a body above which the friction is not that of a joint.
+_LARGEST_FRICTION = 20.0
 # Radius of gyration over the extent of a solid body.
 _GYRATION = (0.1, 0.7)
 
@@ -79,13 +81,15 @@ def _warn_about_joints(work: Projection) -> None:
             unit = "kg" if joint.is_slide else "kg m^2"
             work.report.warn(
                 f"joint {joint.name}",
-                f"its armature of {joint.armature:.4g} {unit} is {joint.armature / own:.0f} times the inertia of {body.name}; "
+                f"its armature of {joint.armature:.4g} {unit} is {joint.armature / own:.0f} times the inertia of its body; "
                 "check that it is that of the motor, and not a setting for the solver",
             )
-        if joint.is_slide and joint.friction > 50.0 * 9.81 * body.mass:
+        weight = 9.81 * body.mass * (1.0 if joint.is_slide else _extent(work, body))
+        if joint.friction > _LARGEST_FRICTION * weight > 0.0:
+            unit, lever = ("N", "") if joint.is_slide else ("N m", ", with its extent as lever")
             work.report.warn(
                 f"joint {joint.name}",
-                f"its frictionloss of {joint.friction:.4g} N is {joint.friction / (9.81 * body.mass):.0f} times the weight of {body.name}",
+                f"its frictionloss of {joint.friction:.4g} {unit} is {joint.friction / weight:.0f} times the weight of its body{lever}",
             )
         if joint.friction:
             work.report.changed(
@@ -98,7 +102,7 @@ def _warn_about_joints(work: Projection) -> None:
                 work.source.label("equality", k),
                 "its tendon also has a spring, which opens the soft constraint: in MuJoCo the joints move differently from an exact coupling",
             )
-    if not work.mechanism.actuators:
+    if not work.mechanism.actuators and not any(tendon.stiffness and not tendon.is_range for tendon in work.mechanism.tendons):
         efforts = [f"{joint.name} {abs(model.jnt_actfrcrange[j]).max():g}" for j, joint in work.joints.items() if model.jnt_actfrclimited[j]]
         limits = f" (largest efforts of the model: {', '.join(efforts)}, in N m or N)" if efforts else ""
         work.report.warn("actuators", f"the scene has none: add a section [actuators.NAME]{limits}, or nothing closes the hand")

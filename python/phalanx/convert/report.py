@@ -79,5 +79,5 @@ def _joined(notes: list[Note]) -> list[Note]:
 
 def _short(names: list[str]) -> list[str]:
     """Names with their kind only at the first: "joint a", "b"."""
-    kind = names[0].partition(" ")[0] + " "
+    kind = names[0].rpartition(" ")[0] + " "
     return names[:1] + [name.removeprefix(kind) for name in names[1:]]

@@ -80,9 +80,15 @@ def free_motion(source: Source, plane: Plane, mechanism: Mechanism, duration_s: 
         mujoco.mj_step(model, data, nstep=stride)
         times.append(float(data.time))
         positions.append(data.qpos.copy())
-    joints = [replace(joint, lower=None, upper=None, stop="", friction=0.0) for joint in mechanism.joints]
+    # Limits that are springs with a dead band act in free motion too.
+    springs = [law for law in mechanism.laws if law.is_spring]
+    names = {law.name for law in springs}
+    without = [joint if joint.stop in names else replace(joint, lower=None, upper=None, stop="") for joint in mechanism.joints]
+    joints = [replace(joint, friction=0.0) for joint in without]
+    limits = [limit for limit in mechanism.limits if limit.stop in names]
     actuators = [replace(actuator, times=[], values=[]) for actuator in mechanism.actuators]
-    free = replace(mechanism, joints=joints, actuators=actuators, contacts=[], laws=[], limits=[])
+    free = replace(mechanism, joints=joints, actuators=actuators, contacts=[], laws=springs, limits=limits)
+    free.tendons = [tendon for tendon in mechanism.tendons if not tendon.is_range]
     scene = Scene.from_toml(scene_text(free, [], max(duration_s, times[-1])), "free.toml")
     result = run(scene, preset="reference", numeric_rate=1.0 / _SAMPLE_S)
     found: Numbers = numpy.array(positions)

@@ -12,8 +12,9 @@ from .planar import GROUND, Actuator, Body, Contact, Joint, Law, Mechanism, Outl
 
 # Digits of a number: an error of 5e-13.
 _DIGITS = 12
-# Two lengths are the same parameter within this distance, m.
+# Two lengths are the same parameter within this distance, m, and a body is in its zero position within this angle, rad.
 _SAME_M = 1e-12
+_SAME_RAD = 1e-12
 # Time up to which the target of a servo without kp moves, s.
 _LONG_S = 1000.0
 
@@ -129,8 +130,9 @@ def scene_text(mechanism: Mechanism, header: Sequence[str], duration_s: float) -
         _write_terms(body, rotor.terms)
         body.text("inertia", _quantity(rotor.inertia, rotor.is_linear, _INERTIA))
         body.blank()
+    bands = {law.name for law in mechanism.laws if law.is_spring}
     for limit in mechanism.limits:
-        body.section(f"limits.{limit.name}", "range of a tendon")
+        body.section(f"limits.{limit.name}", "dead band of a tendon" if limit.stop in bands else "range of a tendon")
         _write_terms(body, limit.terms)
         for key, bound in (("lower", limit.lower), ("upper", limit.upper)):
             if bound is not None:
@@ -141,6 +143,10 @@ def scene_text(mechanism: Mechanism, header: Sequence[str], duration_s: float) -
         _write_actuator(body, actuator)
     for law in mechanism.laws:
         _write_law(body, law)
+    if mechanism.surroundings:
+        body.section("grasp")
+        body.value("surroundings", _quoted(mechanism.surroundings), "not part of the hand")
+        body.blank()
     _write_contacts(body, mechanism)
     text.blank()
     if parameters.values:
@@ -152,7 +158,11 @@ def scene_text(mechanism: Mechanism, header: Sequence[str], duration_s: float) -
 
 
 def _is_at_zero(mechanism: Mechanism) -> bool:
-    return all(body.is_free or (body.angle == 0.0 and body.at == body.origin) for body in mechanism.bodies)
+    return all(body.is_free or (abs(body.angle) <= _SAME_RAD and _are_same(body.at, body.origin)) for body in mechanism.bodies)
+
+
+def _are_same(a: Vector, b: Vector) -> bool:
+    return max(abs(a[0] - b[0]), abs(a[1] - b[1])) <= _SAME_M
 
 
 def _write_bodies(text: _Text, mechanism: Mechanism, parameters: _Parameters) -> dict[str, str]:
@@ -251,10 +261,10 @@ def _write_joints(text: _Text, mechanism: Mechanism, parameters: _Parameters, pi
             text.text("type", "prismatic")
         text.value("bodies", _quoted(joint.bodies))
         first, second = _world(mechanism, joint)
-        closed = max(abs(first[0] - second[0]), abs(first[1] - second[1])) <= _SAME_M
+        closed = _are_same(first, second)
         if is_at_zero and closed and not has_free & set(joint.bodies):
             at = next(
-                (pivots[name] for name in joint.bodies[::-1] if name in origins and max(abs(origins[name][k] - first[k]) for k in (0, 1)) <= _SAME_M),
+                (pivots[name] for name in joint.bodies[::-1] if name in origins and _are_same(origins[name], first)),
                 None,
             )
             text.value("at", at or _point(first))
@@ -322,7 +332,7 @@ def _write_tendon(text: _Text, tendon: Tendon) -> None:
         text.text("stiffness", f"{number(tendon.stiffness)} N/m")
         if tendon.damping:
             text.text("damping", f"{number(tendon.damping)} N*s/m")
-        text.text("rest", length(tendon.rest), "springlength")
+        text.text("rest", length(tendon.rest), tendon.rest_comment)
     text.lines.append("path = [")
     for element in tendon.path:
         kind = f'pulley = "{element.body}"' if element.radius else f'eyelet = "{element.body}"'
@@ -376,7 +386,9 @@ def _write_law(text: _Text, law: Law) -> None:
     text.section(f"laws.{law.name}", law.comment)
     text.value("stiffness", number(law.stiffness))
     text.value("exponent", "1")
-    if law.friction is None:
+    if law.is_spring:
+        pass
+    elif law.friction is None:
         text.text("damping", STOP_DAMPING[law.is_linear], "assumed")
     else:
         text.text("damping", CONTACT_DAMPING, "assumed")
