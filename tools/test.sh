@@ -19,8 +19,9 @@ cd "$(dirname "$0")/.."
 
 # Everything is built only once, so incremental artifacts would only fill the disk.
 export CARGO_INCREMENTAL=0
-# The module of the explorer is built by its own script, once.
+# The module of the explorer is built by its own script, once, and as fast as possible.
 export PHALANX_EXPLORER_MODULE=
+export CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16
 
 has_nextest() { cargo nextest --version >/dev/null 2>&1; }
 
