@@ -253,6 +253,9 @@ fn first_zero<Y: Hybrid, K: Method<Y::Layout>>(
         // Simultaneous crossings keep the first index.
         end = search.point(index, first.theta * (1.0 - SAME_CROSSING))?;
     }
+    if end.value >= 0.0 && search.rests(index, [start, end], tolerance)? {
+        return Ok(first);
+    }
     let zero = search.first_zero(index, [start, end], bound, tolerance)?;
     Ok(zero.map(|zero| Crossing { event_index: index, theta: zero.theta, negative_at: zero.negative_at }).or(first))
 }

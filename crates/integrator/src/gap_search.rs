@@ -15,6 +15,12 @@ use super::{CoordinateBounds, GapBound, GapBounds, Hybrid, Method};
 /// shortened. The value only ends the work of one step and is not tuned.
 const MAX_EVALUATIONS: u32 = 400;
 
+/// Intervals between the points at which the rate of a gap shows that it is at rest. A polynomial of degree 8, more than the
+/// rates of coordinates have, is between nine such points at most 11 times as large as there.
+const REST_INTERVALS: u32 = 8;
+/// Largest change over a step of a gap at rest, relative to the gap; 11 times this is less than 1.
+const REST_CHANGE: f64 = 0.05;
+
 /// A gap at a fraction of the step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Point {
@@ -109,6 +115,23 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> GapSearch<'a, Y, K> {
             return Err(Unresolved);
         }
         Ok(Point { theta, value: function.value, rate: function.rate * self.interior.dense().h })
+    }
+
+    /// Whether a gap hardly changes between two points, because a constraint holds it: no bound of rates tells this. It does if
+    /// its rates at these points and at some more between them are small, because coordinates are polynomials of lower degree.
+    pub fn rests(&self, index: usize, [left, right]: [Point; 2], tolerance: f64) -> Result<bool, Unresolved> {
+        let is_at_rest =
+            |Point { value, rate, .. }: Point| value >= -tolerance && rate.abs() <= tolerance.max(REST_CHANGE * value);
+        if !(is_at_rest(left) && is_at_rest(right)) {
+            return Ok(false);
+        }
+        let at = |k: u32| left.theta + f64::from(k) / f64::from(REST_INTERVALS) * (right.theta - left.theta);
+        for k in 1..REST_INTERVALS {
+            if !is_at_rest(self.point(index, at(k))?) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Returns the first zero of a gap between two points. Dips of less than `tolerance` below zero do not count.
