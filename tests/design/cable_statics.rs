@@ -311,12 +311,13 @@ fn a_blocked_cable_shares_its_tension_within_the_friction() {
     let found = balances(mechanism, DriveState::Blocked, None).expect("at rest");
     // The inertia of the second link has no moment.
     for (index, expected) in [(1, range[1] - torque), (3, torque - range[0])] {
-        let MechanismLimit::Limited { acceleration_m_s2, tensions_n, motion, .. } = &found[index].largest else {
+        let MechanismLimit::Limited { acceleration_m_s2, tensions_n, motion, rubbing, .. } = &found[index].largest
+        else {
             panic!("{found:?}")
         };
         let expected = expected / (MASS_KG * COM_M);
         assert!((acceleration_m_s2 - expected).abs() < 1e-7 * expected, "{acceleration_m_s2} {expected}");
         assert!((tensions_n[0] - first).abs() < 1e-7 * first, "{tensions_n:?}");
-        assert_eq!(motion.len(), 2);
+        assert_eq!((motion.len(), &rubbing[..]), (2, &["cord[2]".to_string()][..]));
     }
 }

@@ -142,6 +142,8 @@ pub enum MechanismLimit {
         limits: Vec<(f64, ContactMotion)>,
         /// Brakes and joints with friction, in their order, each with whether it slips.
         brakes: Vec<BrakeLoad>,
+        /// Places over which a cable with friction slips in this motion, by their names such as `flexor[2]`.
+        rubbing: Vec<String>,
         /// Tensions of the blocked cables where they are pulled, in the order of the tendons with an actuator; none at effort.
         tensions_n: Vec<f64>,
         /// The motion that a larger acceleration causes.
@@ -286,8 +288,8 @@ struct CableAtRest {
     /// Load against which a unit tension of each part acts: the gradient of its length, and its moment on the bodies of the
     /// places with friction at its ends.
     parts: Vec<DVector<f64>>,
-    /// exp(−μ_s ψ) of the place behind each part, except the last one.
-    ratios: Vec<f64>,
+    /// exp(−μ_s ψ) of the place behind each part, except the last one, and its element of the path.
+    places: Vec<(f64, usize)>,
     is_pulled: bool,
 }
 
@@ -355,7 +357,7 @@ impl<'a> Frame<'a> {
         let bends = settled_path(&tendon.path, |element| center_in(element, poses));
         let spools =
             |joints: &[(usize, f64)]| self.combination(&JointCombination { terms: joints.to_vec(), offset: 0.0 });
-        let (mut parts, mut ratios, mut terms) = (Vec::new(), Vec::new(), vec![spools(&tendon.joints)]);
+        let (mut parts, mut places, mut terms) = (Vec::new(), Vec::new(), vec![spools(&tendon.joints)]);
         let mut before = None;
         for [from, to] in strands(&bends) {
             let ends = [from, to].map(|element| &tendon.path[element]);
@@ -368,7 +370,7 @@ impl<'a> Frame<'a> {
                     let next = vec![-&moment];
                     terms.push(moment);
                     parts.push(self.sum(std::mem::replace(&mut terms, next).into_iter()));
-                    ratios.push(ratio);
+                    places.push((ratio, from));
                 }
             }
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
@@ -377,7 +379,7 @@ impl<'a> Frame<'a> {
         }
         terms.push(spools(&tendon.far_joints));
         parts.push(self.sum(terms.into_iter()));
-        CableAtRest { parts, ratios, is_pulled: tendon.actuator.is_some() }
+        CableAtRest { parts, places, is_pulled: tendon.actuator.is_some() }
     }
 
     /// Sum of loads. Parts below the rounding errors of the sum are zero: the columns of the programme are scaled, so that
@@ -469,17 +471,28 @@ impl<'a> Frame<'a> {
         // In the order of the equations: contacts, joint limits, blocked cables, friction of cables.
         let (contacts, others) = found.contacts.split_at(self.at_rest.contacts.len());
         let (limits, cables) = others.split_at(self.limits().count());
-        let blocked = &cables[..self.blocked_cables().count()];
+        let (blocked, frictions) = cables.split_at(self.blocked_cables().count());
         MechanismLimit::Limited {
             acceleration_m_s2: found.acceleration_m_s2,
             contacts: contacts.to_vec(),
             limits: limits.iter().map(|(effort, _, motion)| (*effort, *motion)).collect(),
             brakes: found.brakes,
+            rubbing: self.rubbing(frictions),
             tensions_n: blocked.iter().map(|(tension_n, ..)| *tension_n).collect(),
             motion: self.motion(&found.motion),
             yielding: self.yielding(&found.motion),
             gap: found.gap,
         }
+    }
+
+    /// Names of the places over which a cable slips: its tension is at one end of the range only. `ends` are both ends of all
+    /// places.
+    fn rubbing(&self, ends: &[(f64, f64, ContactMotion)]) -> Vec<String> {
+        let places = self.cables.iter().enumerate().flat_map(|(tendon, cable)| {
+            cable.places.iter().map(move |(_, element)| self.at_rest.mechanism.element_name(tendon, *element))
+        });
+        let slips = |ends: &[(f64, f64, ContactMotion)]| ends[0].2 != ends[1].2;
+        places.zip(ends.chunks(2)).filter(|(_, ends)| slips(ends)).map(|(name, _)| name).collect()
     }
 
     /// All columns of the equations of a motion at rest, except the driving load, and the size of the largest load.
@@ -527,7 +540,7 @@ impl<'a> Frame<'a> {
             number("mu_static", contact.mu, contact.mu >= 0.0, "must be finite, 0 or more")?;
         }
         let coordinates = self.basis.ncols();
-        let count = coordinates + self.cables.iter().map(|cable| cable.ratios.len()).sum::<usize>();
+        let count = coordinates + self.cables.iter().map(|cable| cable.places.len()).sum::<usize>();
         let padded = |mut load: Vec<f64>| {
             load.resize(count, 0.0);
             load
@@ -541,19 +554,19 @@ impl<'a> Frame<'a> {
         for (cable, tension_n) in self.cables.iter().zip(tensions_n) {
             if self.is_blocked(cable) {
                 let mut first = padded(self.reduced(&-&cable.parts[0]));
-                if !cable.ratios.is_empty() {
+                if !cable.places.is_empty() {
                     first[row] = 1.0;
                 }
                 forces.push(one_sided(first));
-            } else if !cable.ratios.is_empty() {
+            } else if !cable.places.is_empty() {
                 fixed[row] = *tension_n;
             }
-            for (k, ratio) in cable.ratios.iter().enumerate() {
+            for (k, (ratio, _)) in cable.places.iter().enumerate() {
                 let part = self.reduced(&-&cable.parts[k + 1]);
                 for [before, behind] in [[*ratio, 1.0], [1.0, *ratio]] {
                     let mut load = padded(part.iter().map(|load| behind * load).collect());
                     load[row] = -before;
-                    if k + 1 < cable.ratios.len() {
+                    if k + 1 < cable.places.len() {
                         load[row + 1] = behind;
                     }
                     frictions.push(one_sided(load));
