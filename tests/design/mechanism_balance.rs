@@ -156,9 +156,12 @@ fn random_case(seed: u64) -> Case {
     Case { mechanism, object: count, base, contacts, units }
 }
 
-/// Adds friction at places between the ends of cables.
+/// Adds friction at places between the ends of cables, and moves spools to their far ends.
 fn add_cable_friction(mechanism: &mut Mechanism, random: &mut Random) {
     for tendon in mechanism.tendons.iter_mut().filter(|tendon| tendon.path.len() > 2) {
+        if random.chance(0.5) {
+            std::mem::swap(&mut tendon.joints, &mut tendon.far_joints);
+        }
         let inner = 1..tendon.path.len() - 1;
         for element in &mut tendon.path[inner] {
             if !random.chance(0.7) {
@@ -273,7 +276,7 @@ fn scale_all(mechanism: &mut Mechanism, [mass, length]: [f64; 2]) {
         for element in &mut tendon.path {
             (element.point_m, element.radius_m) = (long(element.point_m), element.radius_m * length);
         }
-        tendon.joints.iter_mut().for_each(|(_, factor)| *factor *= length);
+        tendon.joints.iter_mut().chain(&mut tendon.far_joints).for_each(|(_, factor)| *factor *= length);
         (tendon.stiffness_n_per_m, tendon.rest_m) = (tendon.stiffness_n_per_m * mass / length, tendon.rest_m * length);
         if let Some(actuator) = &mut tendon.actuator {
             actuator.tension = actuator.tension.scaled(mass);
@@ -304,7 +307,7 @@ impl<'a> NewtonEuler<'a> {
         }));
         let of_joint = |joint: usize| mechanism.joints[joint].bodies;
         sets.extend(mechanism.tendons.iter().map(|tendon| {
-            let joints = tendon.joints.iter().flat_map(|(joint, _)| of_joint(*joint));
+            let joints = tendon.joints.iter().chain(&tendon.far_joints).flat_map(|(joint, _)| of_joint(*joint));
             tendon.path.iter().map(|element| element.body).chain(joints).collect()
         }));
         for _ in 0..mechanism.bodies.len() {
@@ -403,7 +406,10 @@ impl<'a> NewtonEuler<'a> {
                 let moment = tensions.get(k + 1).map_or(0.0, |next| radius(k + 1) * (next - tension));
                 self.push(&mut column, path[k + 1].body, scale(pull, -1.0), centers[k + 1], moment);
             }
-            tendon.joints.iter().for_each(|(joint, factor)| self.effort(&mut column, *joint, -factor * tensions[0]));
+            let last = tensions[tensions.len() - 1];
+            for (spools, tension) in [(&tendon.joints, tensions[0]), (&tendon.far_joints, last)] {
+                spools.iter().for_each(|(joint, factor)| self.effort(&mut column, *joint, -factor * tension));
+            }
             column
         };
         tensions.into_iter().map(column).collect()
