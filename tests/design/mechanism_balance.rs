@@ -410,6 +410,10 @@ impl<'a> NewtonEuler<'a> {
             for (spools, tension) in [(&tendon.joints, tensions[0]), (&tendon.far_joints, last)] {
                 spools.iter().for_each(|(joint, factor)| self.effort(&mut column, *joint, -factor * tension));
             }
+            // The forces of a cable on one body balance each other.
+            let largest = tensions.iter().fold(0.0f64, |largest, tension| largest.max(*tension));
+            let rounding = 1e-12 * largest / (0.5 * self.case.units[0]);
+            column.iter_mut().filter(|entry| entry.abs() <= rounding).for_each(|entry| *entry = 0.0);
             column
         };
         tensions.into_iter().map(column).collect()
@@ -474,10 +478,7 @@ impl<'a> NewtonEuler<'a> {
         }
         for (index, tendon) in mechanism.tendons.iter().enumerate() {
             let mut all = self.cable(tendon);
-            // The forces of a cable on one body balance each other.
             let newton = 0.5 * self.case.units[0];
-            let entries = all.iter_mut().flatten();
-            entries.filter(|entry| entry.abs() <= 1e-12 / newton).for_each(|entry| *entry = 0.0);
             if is_blocked && tendon.actuator.is_some() {
                 programme.columns.extend(all.into_iter().map(|column| (column, f64::INFINITY)));
                 continue;

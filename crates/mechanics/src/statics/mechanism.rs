@@ -32,6 +32,10 @@ const RANK_TOLERANCE: f64 = 1e-9;
 /// Parts of a generalised force below this part of the load are rounding.
 const LOAD_ROUNDING: f64 = 1e-13;
 
+/// Behind a place where the ratio of the tensions may be smaller than this, a cable has any tension: the programme has too few
+/// digits for the ratio.
+const SELF_LOCKING: f64 = 1e-8;
+
 /// Rates of actuators below this part of the largest rate are rounding.
 const RATE_ROUNDING: f64 = 1e-7;
 
@@ -365,6 +369,7 @@ impl<'a> Frame<'a> {
             let along = segment(ends, sub(centers[1], centers[0])).direction;
             if let Some((before, friction)) = before.replace(along).zip(ends[0].friction) {
                 let ratio = exp(-friction.mu_static * turn(ends[0], bends[from], [before, along]));
+                let ratio = if ratio < SELF_LOCKING { 0.0 } else { ratio };
                 if ratio < 1.0 {
                     let moment = self.row([(ends[0].body, [0.0, 0.0, ends[0].signed_radius_m()])].into_iter());
                     let next = vec![-&moment];
