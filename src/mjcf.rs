@@ -350,7 +350,8 @@ fn omissions_of_actuator(actuator: &Actuator) -> Vec<String> {
              {name}.commands"
         ));
     }
-    if let Command::Servo { rate_hz: Some(rate_hz), .. } = actuator.command {
+    let has_controller = actuator.powertrain.feedback.is_none();
+    if let (true, Command::Servo { rate_hz: Some(rate_hz), .. }) = (has_controller, &actuator.command) {
         all.push(format!("the controller of the actuator {name} is continuous: its rate of {rate_hz} Hz is missing"));
     }
     match actuator.command {

@@ -19,6 +19,7 @@ pub fn report_of<W>(model: Model, scene: &Scene, run: &FinishedRun<W>) -> RunRep
         criteria: run.criteria,
         grasp: run.grasp.as_ref(),
         rebounds: &run.rebounds,
+        cable_events: &run.cable_events,
         warnings: &run.warnings,
     };
     let error = run.stopped.clone().map(|(time_s, reason)| Failure { time_s, reason });

@@ -1,12 +1,13 @@
 //! Cables that lift off pulleys and rub on them: readings against the reference solutions, closed forms, and ends of runs.
 
 use phalanx::analytic::mechanism::{ElementReading, MechanismMode, MechanismModel};
+use phalanx::criteria::{CableEventKind, CableEvents};
 use phalanx::integrator::{
     Dynamic, Method, Observer, Options, State, Step, StepTools, SwitchedMethod, Tolerances, integrate_by,
 };
 use phalanx::law::friction_coefficient;
 use phalanx::scene::{Integrator, Preset, Scene, parse_any};
-use phalanx::trace::{self, Model, Sample};
+use phalanx::trace::{self, Decimated, Model, Sample};
 
 use crate::support::mechanism_cases::{ElementValues, MechanismCase, cable_cases};
 use crate::support::runs::CollectSink;
@@ -92,6 +93,40 @@ fn places_of_cables_agree_with_the_reference_solutions() {
         assert_eq!(elements.changes.len(), expected.len(), "{}: {:?}", case.name, elements.changes);
         for (found, expected) in elements.changes.iter().zip(&expected) {
             assert!((found.0 - expected.0).abs() < 1e-8 && found.1 == expected.1, "{found:?}, {expected:?}");
+        }
+    }
+}
+
+/// Lift-offs and returns in the criteria of a run, with and without selected samples, against the reference solutions.
+#[test]
+fn runs_list_the_events_of_cables() {
+    for case in cable_cases() {
+        let expected: Vec<(f64, &str, bool)> = case
+            .events
+            .iter()
+            .filter_map(|(time_s, name, rises)| Some((*time_s, name.strip_suffix(" wrap")?, *rises)))
+            .collect();
+        for (model, tolerance_s) in [(Model::Analytic, 2e-6), (Model::Engine, 2e-4)] {
+            let mut scene = case.scene();
+            scene.integrator = Integrator::preset(Preset::Reference);
+            let Some(sink) = CableEvents::for_mechanism(&case.mechanism) else {
+                assert!(expected.is_empty(), "{}", case.name);
+                continue;
+            };
+            let mut sinks = (sink.clone(), Decimated::new(scene.log.numeric_hz, sink));
+            trace::run(model, &scene, &mut sinks).unwrap_or_else(|error| panic!("{}: {error}", case.name));
+            sinks.1.end().expect("no error");
+            let (found, name) = (sinks.0.events(), format!("{model:?} {}", case.name));
+            assert_eq!(found, sinks.1.sink.events(), "{name}");
+            assert_eq!(found.len(), expected.len(), "{name}: {found:?}");
+            for (found, (time_s, place, returns)) in found.iter().zip(&expected) {
+                assert_eq!(
+                    (found.place.as_str(), found.event == CableEventKind::Returns),
+                    (*place, *returns),
+                    "{name}"
+                );
+                assert!((found.time_s - time_s).abs() < tolerance_s, "{name}: {found:?}, not {time_s}");
+            }
         }
     }
 }

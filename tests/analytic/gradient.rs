@@ -671,8 +671,32 @@ fn derivatives_of_drives_agree_with_differences() {
     for (key, value) in keys {
         assert_differences(key, &parameter(value, |value| spindle(key, value, &[])), 1e-3, 1e-5);
     }
-    // The current reaches its limit, and leaves it.
-    let limited = parameter(1.0, |value| spindle("current_limit", value, &[]));
-    let found = gradient_of(&limited);
-    println!("{:?} {:?}", found.end.reason, found.end.values.get("slide_position_m"));
+}
+
+/// The current reaches its limit, and leaves it. Without an inductance its rate jumps there, but not the force. With one, the rate
+/// of a state jumps, and the derivatives are refused.
+#[test]
+fn derivatives_across_a_current_limit_agree_with_differences_or_are_refused() {
+    let limits = ["0.7", "1.0", "2.0"];
+    for limit in limits {
+        let own = limit.parse().expect("a number");
+        for (key, value) in [("current_limit", own), ("voltage", 6.0), ("kp", 4e3), ("target", 4.5e-2), ("lead", 8e-3)]
+        {
+            let limited = |inductance: Option<f64>| {
+                parameter(value, move |value| {
+                    let mut scene = spindle(key, value, &[("current_limit", limit)]);
+                    let actuators = &mut scene.mechanism.as_mut().expect("a mechanism").actuators;
+                    actuators[0].powertrain.motor.as_mut().expect("a motor").inductance = inductance;
+                    scene
+                })
+            };
+            let resistive = limited(None);
+            let found = gradient_of(&resistive);
+            assert_eq!(found.end.reason, None, "{key} {limit}");
+            assert_differences(key, &resistive, 1e-3, 1e-5);
+            let inductive = gradient_of(&limited(Some(1e-3)));
+            let reason = inductive.end.reason.unwrap_or_default();
+            assert!(reason.contains("the accelerations jump at"), "{key} {limit}: {reason}");
+        }
+    }
 }

@@ -192,6 +192,79 @@ fn sampled_servos_equal_a_controller_in_the_loop() {
     assert!(moved.get("motor_torque_n_m").expect("a column") < 0.25);
 }
 
+/// A jaw on a spindle at this place, whose controller measures its distance from a point of the ground.
+fn jaw(at_mm: f64, sign: f64, rate: &str) -> Scene {
+    let text = format!(
+        r#"
+        kind = "mechanism"
+        duration = "20.5 ms"
+        gravity = ["0 m/s^2", "0 m/s^2"]
+        [bodies.jaw]
+        mass = "80 g"
+        inertia = "20 kg*mm^2"
+        guess = {{ at = ["{at_mm} mm", "0 mm"] }}
+        points.tip.at = ["-5 mm", "1 mm"]
+        [ground.points.pivot]
+        at = ["0 mm", "3 mm"]
+        [joints.slide]
+        type = "prismatic"
+        bodies = ["ground", "jaw"]
+        points = [["0 mm", "0 mm"], ["0 mm", "0 mm"]]
+        start = "{at_mm} mm"
+        [actuators.grip]
+        joint = "slide"
+        lead = "4 mm"
+        rotor = "1 g*cm^2"
+        efficiency = 0.7
+        loss_rate = "2 mm/s"
+        target = "30 mm"
+        kp = "4 V/mm"
+        kd = "20 V*s/m"
+        {rate}
+        motor = {{ torque_constant = "9 mN*m/A", resistance = "3 ohm", voltage = "12 V", inductance = "0.3 mH" }}
+        feedback = {{ distance = ["ground.pivot", "jaw.tip"], sign = {sign} }}
+        "#
+    );
+    scene::parse_any(&text, "jaw.toml").unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn sampled_servos_of_a_distance_equal_a_controller_in_the_loop() {
+    let [kp, kd, target, rate_hz] = [4e3, 20.0, 0.03, 1e3];
+    for (at_mm, sign) in [(40.0, 1.0), (-40.0, -1.0)] {
+        for model in [Model::Analytic, Model::Engine] {
+            let start = |scene: &Scene| Simulation::new(scene, model).unwrap_or_else(|error| panic!("{error}"));
+            let servo = jaw(at_mm, sign, "rate = \"1 kHz\"");
+            let duration_s = servo.duration_s;
+            let mut sampled = start(&servo);
+            (1..=7).for_each(|piece| advance_to(&mut sampled, duration_s * f64::from(piece) / 7.0));
+            let mut held = servo.clone();
+            let actuators = &mut held.mechanism.as_mut().expect("a mechanism").actuators;
+            actuators[0].command = Command::Effort(Profile::Constant { value: 0.0 });
+            let mut simulation = start(&held);
+            for sample in 0..21 {
+                let [distance, rate] = ["grip_distance_m", "grip_distance_rate_m_s"]
+                    .map(|column| simulation.get(column).expect("a column"));
+                let voltage = sign * (kp * (target - distance) - kd * rate);
+                simulation.set_torque("grip", voltage).expect("an input");
+                advance_to(&mut simulation, duration_s.min(f64::from(sample + 1) / rate_hz));
+            }
+            let what = format!("{model:?} {at_mm}");
+            let distance = |simulation: &Simulation| simulation.get("grip_distance_m").expect("a column");
+            // It has closed by several millimetres.
+            assert!(distance(&sampled) < 0.035, "{what}: {}", distance(&sampled));
+            assert_below((distance(&simulation) - distance(&sampled)).abs(), 1e-9, &what);
+            // At a high rate it is the continuous controller.
+            let ends = ["", "rate = \"50 kHz\""].map(|rate| {
+                let mut simulation = start(&jaw(at_mm, sign, rate));
+                advance_to(&mut simulation, duration_s);
+                distance(&simulation)
+            });
+            assert_below((ends[0] - ends[1]).abs(), 2e-5, &what);
+        }
+    }
+}
+
 #[test]
 fn the_end_of_the_scene_is_not_the_end_of_a_simulation() {
     let mut scene = experiment_95_at_reference();

@@ -196,6 +196,23 @@ fn a_mechanism_with_nine_motors_runs() {
     assert_contains(&summary, &["analytic model"]);
 }
 
+/// A run and its log list the lift-offs and returns of cables.
+#[test]
+fn runs_and_logs_list_the_events_of_cables() {
+    let scene = "scenes/mechanisms/tendon-hand.toml";
+    let log = path_in(&directory("cable-events"), "hand.mcap");
+    let run = run_json(&["run", scene, "--json", "--log", &log]);
+    let events = run["cable_events"].as_array().expect("events");
+    let count = |event: &str| events.iter().filter(|found| found["event"] == event).count();
+    assert_eq!([count("leaves"), count("returns")], [4, 4], "{events:?}");
+    assert_eq!(run["cable_events"], run_json(&["replay", &log, "--json"])["cable_events"]);
+    for text in [succeed(&["run", scene]), succeed(&["replay", &log])] {
+        assert_contains(&text, &["right_flexor[1]  leaves the pulley", "left_flexor[2]   returns"]);
+    }
+    // A cable that stays on its pulleys has none.
+    assert!(run_json(&["run", TENDON_FINGER, "--json"]).get("cable_events").is_none());
+}
+
 /// A MuJoCo model has the bodies, joints, loops, contacts and actuators of the scene.
 #[test]
 fn scenes_are_exported_for_mujoco() {

@@ -283,6 +283,112 @@ fn losses_are_named() {
     assert!(mujoco_model("discs", &discs, 1.0).expect_err("a light body").to_string().contains("too light"));
 }
 
+/// A lossy spindle with a motor and feedback, a geared arm with an applied voltage, and a rotor that turns with two joints.
+const DRIVES: &str = r#"
+kind = "mechanism"
+duration = "5 ms"
+gravity = ["0 m/s^2", "0 m/s^2"]
+[bodies.jaw]
+mass = "80 g"
+inertia = "20 kg*mm^2"
+guess = { at = ["40 mm", "0 mm"] }
+points.tip.at = ["-5 mm", "1 mm"]
+[bodies.arm]
+mass = "80 g"
+inertia = "20 kg*mm^2"
+[bodies.hand]
+mass = "80 g"
+inertia = "20 kg*mm^2"
+[ground.points.pivot]
+at = ["0 mm", "3 mm"]
+[joints.slide]
+type = "prismatic"
+bodies = ["ground", "jaw"]
+points = [["0 mm", "0 mm"], ["0 mm", "0 mm"]]
+start = "40 mm"
+[joints.arm]
+bodies = ["ground", "arm"]
+points = [["0 mm", "0 mm"], ["0 mm", "0 mm"]]
+start = "0 deg"
+armature = "1e-5 kg*m^2"
+[joints.hand]
+bodies = ["arm", "hand"]
+points = [["0 mm", "0 mm"], ["0 mm", "0 mm"]]
+start = "0 deg"
+[actuators.grip]
+joint = "slide"
+lead = "4 mm"
+rotor = "1 g*cm^2"
+efficiency = 0.7
+target = "30 mm"
+kp = "20 V/mm"
+rate = "2 kHz"
+motor = { torque_constant = "9 mN*m/A", resistance = "3 ohm", voltage = "12 V", inductance = "0.3 mH" }
+feedback = { distance = ["ground.pivot", "jaw.tip"] }
+[actuators.turn]
+joint = "arm"
+gear = 30
+rotor = "1 g*cm^2"
+motor = { torque_constant = "9 mN*m/A", resistance = "3 ohm", voltage = "12 V", current_limit = "2 A" }
+[actuators.both]
+joints = ["arm", "hand"]
+factors = [1, 1]
+gear = 10
+rotor = "1 g*cm^2"
+efficiency = 0.5
+loss_stiffness = "100 N*m/rad"
+torque = "5 N*mm"
+[actuators.direct]
+joint = "hand"
+torque = "5 N*mm"
+[limits.play]
+joints = ["arm", "hand"]
+factors = [1, -0.5]
+upper = "60 deg"
+stop = "stop"
+[laws.stop]
+stiffness = 1e6
+"#;
+
+#[test]
+fn losses_of_drives_are_named() {
+    let scene = scene::parse_any(DRIVES, "drives.toml").unwrap_or_else(|error| panic!("{error}"));
+    let model = export(&scene.name, &scene.mechanism().expect("a mechanism"), scene.duration_s);
+    assert_well_formed("drives", &model.xml);
+    let of = |name: &str| -> Vec<&String> {
+        model.omissions.iter().filter(|sentence| sentence.contains(&format!("the actuator {name}"))).collect()
+    };
+    for (name, parts) in [
+        (
+            "grip",
+            &[
+                "the loss of the gear",
+                "the inductance",
+                "the voltage limit",
+                "which measures a distance, is missing: its control is a torque",
+            ][..],
+        ),
+        ("turn", &[]),
+        ("both", &["the rotor", "the loss of the gear"]),
+        ("direct", &[]),
+    ] {
+        let found = of(name);
+        assert_eq!(found.len(), parts.len(), "{name}: {found:?}");
+        for part in parts {
+            assert!(found.iter().any(|sentence| sentence.contains(part)), "{name}, {part}: {found:?}");
+        }
+    }
+    // n² J beside the armature, the gear, k_t/R, −k_t k_e/R, and the limit k_t i of the torque; and the sum with its limit.
+    for part in [
+        "armature=\"9.999",
+        "biasprm=\"0 0 -2.69",
+        "gear=\"30\" forcerange=\"-0.018 0.018\"",
+        "<fixed name=\"play\" range=\"-1000 1.047",
+    ] {
+        assert!(model.xml.contains(part), "{part}: {}", model.xml);
+    }
+}
+
 /// A Python in which `import mujoco` works: `$MUJOCO_PYTHON`.
 fn load_in_mujoco(directory: &Path) {
     let python = std::env::var("MUJOCO_PYTHON").expect("MUJOCO_PYTHON names a Python with the package mujoco");

@@ -50,7 +50,7 @@ fn build_report(wall_s: f64, outcome: Option<&Outcome>, failure: Option<Failure>
         class_reason: ClassReason::Settled { tts_s: 6.883746e-3, rebound_percent: 0.0, loss: None },
     };
     let criteria = Some(criteria).filter(|_| failure.is_none());
-    let data = RunData { wall_s, outcome, criteria, grasp: None, rebounds: &[], warnings: &[] };
+    let data = RunData { wall_s, outcome, criteria, grasp: None, rebounds: &[], cable_events: &[], warnings: &[] };
     RunReport::new(&scene(), Model::Analytic, &data, failure)
 }
 

@@ -3,6 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use phalanx::law::{Bristle, FrictionKind};
 use phalanx::parallel::Monitor;
 use phalanx::scene::{self, Axis, Scene};
 use phalanx::statics::MechanismLimit;
@@ -194,6 +195,23 @@ fn shipped_grippers_hold_in_the_frame_of_their_base() {
         assert_eq!(study.base.as_deref(), Some(base), "{name}");
         assert_eq!(study.removed, removed, "{name}");
         assert!(study.results.iter().all(|result| result.drops.held.is_some()), "{name}: {:?}", study.results);
+    }
+}
+
+/// Friction of the cables helps to hold; in simulations as at rest.
+#[test]
+fn a_hand_with_rubbing_cables_holds_up_to_the_limit_at_rest() {
+    let mut scene = load("scenes/mechanisms/tendon-hand.toml");
+    for contact in &mut scene.mechanism.as_mut().expect("a mechanism").contacts {
+        let friction = contact.law.friction.as_mut().expect("friction");
+        friction.kind = FrictionKind::Bristle(Bristle { damping_n_s_per_m: 200.0, relaxation_s: 1e-3 });
+    }
+    let loads = Loads::Pulses { directions: 2, length_s: 100e-3 };
+    let plan = Plan { loads, slip_m: 0.5e-3, from_m_s2: 6.0, to_m_s2: 24.0, scan: 2, tolerance: 0.05, ..plan() };
+    for result in run_hold(&scene, plan).results {
+        let (held, failed) = result.slips.held.zip(result.slips.failed).expect("limits within the scan");
+        let at_rest = static_m_s2(&result);
+        assert!(held > 0.85 * at_rest && failed < 1.1 * at_rest, "{held} {failed} {at_rest}");
     }
 }
 

@@ -6,6 +6,7 @@
 mod support;
 
 mod assembly;
+mod cable_statics;
 mod closure;
 mod form_closure;
 mod grasp_firmness;

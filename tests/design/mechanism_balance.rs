@@ -1,7 +1,7 @@
 //! Balanced accelerations of random mechanisms: against a linear programme of the Newton–Euler equations of all bodies, with
 //! the forces in joints as unknowns, solved by another method.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use phalanx::drive::Profile;
 use phalanx::grasp::mechanism::{MechanismGraspRequest, mechanism_grasp};
@@ -105,6 +105,7 @@ fn random_case(seed: u64) -> Case {
     for body in &mut mechanism.bodies {
         body.mass_kg *= random.log_within(0.1, 10.0);
     }
+    add_cable_friction(&mut mechanism, &mut Random::for_seed(seed + 6_000_000));
     let units = [random.log_within(1e-3, 1e3), random.log_within(1e-2, 1e2)];
     let has_moving_base = mechanism.joints.iter().flat_map(|joint| joint.bodies).flatten();
     let has_moving_base = has_moving_base.into_iter().any(|body| mechanism.bodies[body].motion.is_some());
@@ -153,6 +154,29 @@ fn random_case(seed: u64) -> Case {
         });
     }
     Case { mechanism, object: count, base, contacts, units }
+}
+
+/// Adds friction at places between the ends of cables, and moves spools to their far ends.
+fn add_cable_friction(mechanism: &mut Mechanism, random: &mut Random) {
+    for tendon in mechanism.tendons.iter_mut().filter(|tendon| tendon.path.len() > 2) {
+        if random.chance(0.5) {
+            std::mem::swap(&mut tendon.joints, &mut tendon.far_joints);
+        }
+        let inner = 1..tendon.path.len() - 1;
+        for element in &mut tendon.path[inner] {
+            if !random.chance(0.7) {
+                continue;
+            }
+            let mu = random.log_within(1e-3, 3.0);
+            element.friction = Some(FrictionLaw {
+                mu_static: mu,
+                mu_dynamic: mu,
+                v_static_m_s: 1e-3,
+                v_dynamic_m_s: 2e-3,
+                kind: FrictionKind::Regularised,
+            });
+        }
+    }
 }
 
 /// Turns the axis of a slider to an angle in the world.
@@ -252,7 +276,7 @@ fn scale_all(mechanism: &mut Mechanism, [mass, length]: [f64; 2]) {
         for element in &mut tendon.path {
             (element.point_m, element.radius_m) = (long(element.point_m), element.radius_m * length);
         }
-        tendon.joints.iter_mut().for_each(|(_, factor)| *factor *= length);
+        tendon.joints.iter_mut().chain(&mut tendon.far_joints).for_each(|(_, factor)| *factor *= length);
         (tendon.stiffness_n_per_m, tendon.rest_m) = (tendon.stiffness_n_per_m * mass / length, tendon.rest_m * length);
         if let Some(actuator) = &mut tendon.actuator {
             actuator.tension = actuator.tension.scaled(mass);
@@ -265,6 +289,7 @@ struct NewtonEuler<'a> {
     case: &'a Case,
     /// First row of each body that is balanced.
     rows: Vec<Option<usize>>,
+    /// Number of these rows.
     count: usize,
 }
 
@@ -282,7 +307,7 @@ impl<'a> NewtonEuler<'a> {
         }));
         let of_joint = |joint: usize| mechanism.joints[joint].bodies;
         sets.extend(mechanism.tendons.iter().map(|tendon| {
-            let joints = tendon.joints.iter().flat_map(|(joint, _)| of_joint(*joint));
+            let joints = tendon.joints.iter().chain(&tendon.far_joints).flat_map(|(joint, _)| of_joint(*joint));
             tendon.path.iter().map(|element| element.body).chain(joints).collect()
         }));
         for _ in 0..mechanism.bodies.len() {
@@ -304,8 +329,9 @@ impl<'a> NewtonEuler<'a> {
         Self { case, rows, count }
     }
 
+    /// The rows of the bodies, and one for each cable.
     fn column(&self) -> Vec<f64> {
-        vec![0.0; self.count]
+        vec![0.0; self.count + self.case.mechanism.tendons.len()]
     }
 
     /// Adds a force at a point and a moment on a body.
@@ -343,22 +369,54 @@ impl<'a> NewtonEuler<'a> {
         column
     }
 
-    /// Adds the forces of a cable with a tension.
-    fn cable(&self, column: &mut [f64], tendon: &Tendon, tension: f64) {
+    /// Forces of a cable whose first tension is 1, with each tension behind a place with friction at either end of its range.
+    fn cable(&self, tendon: &Tendon) -> Vec<Vec<f64>> {
+        let path = &tendon.path;
         let centers: Vec<[f64; 2]> =
-            tendon.path.iter().map(|element| world(&self.case.mechanism, element.body, element.point_m)).collect();
-        for k in 1..centers.len() {
+            path.iter().map(|element| world(&self.case.mechanism, element.body, element.point_m)).collect();
+        let radius = |k: usize| path[k].side * path[k].radius_m;
+        // The tangent turns against the line of centres by the angle whose sine is the difference of the radii over their
+        // distance.
+        let tangent = |k: usize| {
             let between = sub(centers[k], centers[k - 1]);
-            let distance = between[0].hypot(between[1]);
-            // The tangent turns against the line of centres by the angle whose sine is the difference of the radii over
-            // their distance.
-            let radius = |k: usize| tendon.path[k].side * tendon.path[k].radius_m;
-            let turned = between[1].atan2(between[0]) - ((radius(k) - radius(k - 1)) / distance).asin();
-            let pull = [tension * turned.cos(), tension * turned.sin()];
-            self.push(column, tendon.path[k - 1].body, pull, centers[k - 1], 0.0);
-            self.push(column, tendon.path[k].body, scale(pull, -1.0), centers[k], 0.0);
+            between[1].atan2(between[0]) - ((radius(k) - radius(k - 1)) / between[0].hypot(between[1])).asin()
+        };
+        let angles: Vec<f64> = (1..path.len()).map(tangent).collect();
+        let mut tensions = vec![vec![1.0]];
+        for k in 1..path.len().saturating_sub(1) {
+            let bend = (angles[k] - angles[k - 1]).rem_euclid(TAU);
+            let wrap = match (path[k].radius_m > 0.0, path[k].side > 0.0) {
+                (false, _) => bend.min(TAU - bend),
+                (true, true) => bend,
+                (true, false) => TAU - bend,
+            };
+            let exponent = path[k].friction.map_or(0.0, |friction| friction.mu_static * wrap);
+            let ends = if exponent > 0.0 { vec![-exponent, exponent] } else { vec![0.0] };
+            let behind = |before: &Vec<f64>| {
+                let of = |end: &f64| [&before[..], &[before[k - 1] * end.exp()]].concat();
+                ends.iter().map(of).collect::<Vec<_>>()
+            };
+            tensions = tensions.iter().flat_map(behind).collect();
         }
-        tendon.joints.iter().for_each(|(joint, factor)| self.effort(column, *joint, -factor * tension));
+        let column = |tensions: Vec<f64>| {
+            let mut column = self.column();
+            for (k, (angle, tension)) in angles.iter().zip(&tensions).enumerate() {
+                let pull = [tension * angle.cos(), tension * angle.sin()];
+                self.push(&mut column, path[k].body, pull, centers[k], 0.0);
+                let moment = tensions.get(k + 1).map_or(0.0, |next| radius(k + 1) * (next - tension));
+                self.push(&mut column, path[k + 1].body, scale(pull, -1.0), centers[k + 1], moment);
+            }
+            let last = tensions[tensions.len() - 1];
+            for (spools, tension) in [(&tendon.joints, tensions[0]), (&tendon.far_joints, last)] {
+                spools.iter().for_each(|(joint, factor)| self.effort(&mut column, *joint, -factor * tension));
+            }
+            // The forces of a cable on one body balance each other.
+            let largest = tensions.iter().fold(0.0f64, |largest, tension| largest.max(*tension));
+            let rounding = 1e-12 * largest / (0.5 * self.case.units[0]);
+            column.iter_mut().filter(|entry| entry.abs() <= rounding).for_each(|entry| *entry = 0.0);
+            column
+        };
+        tensions.into_iter().map(column).collect()
     }
 
     /// The programme of the largest acceleration in a direction, with the unit of its first column, m/s².
@@ -418,20 +476,25 @@ impl<'a> NewtonEuler<'a> {
                 }
             }
         }
-        for tendon in &mechanism.tendons {
-            let mut column = self.column();
-            self.cable(&mut column, tendon, 1.0);
-            // The forces of a cable on one body balance each other.
-            let rounding = 1e-12 / (0.5 * self.case.units[0]);
-            column.iter_mut().filter(|entry| entry.abs() <= rounding).for_each(|entry| *entry = 0.0);
+        for (index, tendon) in mechanism.tendons.iter().enumerate() {
+            let mut all = self.cable(tendon);
+            let newton = 0.5 * self.case.units[0];
             if is_blocked && tendon.actuator.is_some() {
-                programme.columns.push((column, f64::INFINITY));
+                programme.columns.extend(all.into_iter().map(|column| (column, f64::INFINITY)));
                 continue;
             }
             let elongation = (length_in(mechanism, tendon, &poses(mechanism)) - tendon.rest_m).max(0.0);
             let pull = tendon.actuator.as_ref().map_or(0.0, |actuator| actuator.tension.at(TIME_S).0.max(0.0));
             let tension = tendon.stiffness_n_per_m * elongation + pull;
-            fixed.iter_mut().zip(&column).for_each(|(sum, part)| *sum += tension * part);
+            if let [column] = &all[..] {
+                fixed.iter_mut().zip(column).for_each(|(sum, part)| *sum += tension * part);
+                continue;
+            }
+            // The first tension is the sum of the weights of all columns.
+            let row = self.count + index;
+            fixed[row] = -tension / newton;
+            all.iter_mut().for_each(|column| column[row] = 1.0 / newton);
+            programme.columns.extend(all.into_iter().map(|column| (column, f64::INFINITY)));
         }
         for actuator in &mechanism.actuators {
             if is_blocked {

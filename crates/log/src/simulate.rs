@@ -11,7 +11,9 @@ use super::file::{LogError, LogFile, create};
 use super::metadata::{CHECK_NAME, RunInfo, check_entries};
 use super::threaded::ThreadedWriter;
 use phalanx_core::check::{self, Check};
-use phalanx_core::criteria::{Criteria, LinkOverlap, ObjectCriteria, Rebound, RunCriteria, RunCriteriaTracker};
+use phalanx_core::criteria::{
+    CableEvent, Criteria, LinkOverlap, ObjectCriteria, Rebound, RunCriteria, RunCriteriaTracker,
+};
 use phalanx_core::integrator::Reason;
 use phalanx_core::invariants::EnergyAudit;
 use phalanx_core::scene::Scene;
@@ -49,6 +51,8 @@ pub struct FinishedRun<W> {
     pub grasp: Option<ObjectCriteria>,
     /// Rebounds, one per pair of discs; empty for scenes with a finger.
     pub rebounds: Vec<Rebound>,
+    /// Lift-offs of cables from pulleys, and their returns.
+    pub cable_events: Vec<CableEvent>,
     /// Reasons to doubt the results, as sentences; also written to the log.
     pub warnings: Vec<String>,
     /// Result of the accuracy check; `None` if the run was not checked.
@@ -83,7 +87,8 @@ pub fn simulate<W: Write + Send + 'static>(
     let wall_s = start.elapsed().as_secs_f64();
     let last_sample = decimated.end().and_then(|()| decimated.sink.end());
     let RunSinks { log, criteria_tracker, audit, last_s, .. } = decimated.sink;
-    let RunCriteria { criteria, grasp, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
+    let RunCriteria { criteria, grasp, rebounds, overlaps, cable_events } =
+        criteria_tracker.sink.finish(result.is_ok());
     let verdict = criteria
         .as_ref()
         .map(Criteria::verdict)
@@ -123,7 +128,7 @@ pub fn simulate<W: Write + Send + 'static>(
         log.finish()
     };
     let log = log.map(close).transpose();
-    FinishedRun { result, stopped, criteria, grasp, rebounds, warnings, check, wall_s, log }
+    FinishedRun { result, stopped, criteria, grasp, rebounds, cable_events, warnings, check, wall_s, log }
 }
 
 /// All sinks of a run.

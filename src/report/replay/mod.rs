@@ -15,7 +15,7 @@ use super::document::{Failure, serialize_settings, settings_text};
 use super::object::ObjectReport;
 use super::states::States;
 use super::tables;
-use crate::criteria::{Criteria, Fate, RunCriteria};
+use crate::criteria::{CableEvent, Criteria, Fate, RunCriteria};
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, or_dash, row};
 use crate::format::report::{Report, ToReport, table};
@@ -75,6 +75,9 @@ pub struct ReplayReport {
     /// Contacts; those whose topics are missing are omitted. Peaks are taken from the samples, which include the peaks
     /// of the run.
     pub contacts: Option<Contacts>,
+    /// Lift-offs of cables from pulleys, and their returns; omitted without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cable_events: Vec<CableEvent>,
     /// Criteria of a finger. Null without an object or without a scene, if the log does not reach the end of a
     /// completed run, or if a required topic is missing.
     pub criteria: Option<Criteria>,
@@ -111,7 +114,8 @@ impl ReplayReport {
         warnings: Vec<String>,
     ) -> Self {
         let (schema, outcome, scene) = (&observer.schema, observer.outcome(), observer.bodies_scene());
-        let (criteria, grasp) = found.map_or((None, None), |found| (found.criteria, found.grasp));
+        let (criteria, grasp, cable_events) =
+            found.map_or((None, None, Vec::new()), |found| (found.criteria, found.grasp, found.cable_events));
         let entry = |key: &str| reading.metadata.get(key).cloned();
         let number = |key: &str| entry(key).and_then(|text| text.parse().ok());
         let (integrator, engine) = match settings(&reading.metadata).map(|settings| settings.solver) {
@@ -161,6 +165,7 @@ impl ReplayReport {
             error: ended.and_then(|ended| Some(Failure { time_s: ended.time_s, reason: ended.stopped.clone()? })),
             states,
             contacts,
+            cable_events,
             criteria,
             grasp: grasp.map(|found| Box::new(ObjectReport::new(&found, scene))),
             energy: outcome.map(|outcome| outcome.last.energy()).filter(|energy| !energy.kinetic_j.is_nan()),
@@ -265,6 +270,7 @@ impl ToReport for ReplayReport {
         sections.extend(last.into_iter().flat_map(|(last, end_s)| tables::states(last, end_s)));
         sections.extend([
             self.contacts.as_ref().map(tables::contacts).into(),
+            tables::cable_events(&self.cable_events).into(),
             self.energy.map(|energy| tables::energies(&energy, self.has_joints)).into(),
             self.criteria.as_ref().map(tables::criteria).into(),
             self.verification.as_ref().map(VerificationReport::section).into(),

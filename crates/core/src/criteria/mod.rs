@@ -12,11 +12,12 @@
 //!
 //! [`Tracker`] computes these criteria during a run and stores only the last sample.
 //!
-//! [`Rebounds`] computes the restitution of free discs.
+//! [`Rebounds`] computes the restitution of free discs, [`CableEvents`] lists when cables leave pulleys and return.
 //!
 //! The criteria of an object that a hand grasps are [`ObjectCriteria`], computed by [`ObjectTracker`]. [`is_form_closed`]
 //! decides form closure by a five-bar hand in a sample ([`gripper_closure`](crate::statics::gripper_closure)).
 
+mod cable_events;
 mod class;
 mod configuration;
 mod grasp;
@@ -30,6 +31,7 @@ use class::{is_in_position, is_positive};
 use segments::{Hermite, Segment, SegmentObserver, SegmentSplitter};
 use serde::Serialize;
 
+pub use cable_events::{CableEvent, CableEventKind, CableEvents};
 pub use class::{Class, ClassReason, Condition, EPSILON_RAD, FinalContact, Loss, RESOLUTION_S, rebound_percent};
 pub use configuration::{
     FinalAngles, StaticGrasp, grasp_configuration, is_form_closed, normal_forces, sample_force_closure,
@@ -275,6 +277,7 @@ pub struct RunCriteriaTracker {
     grasp: Option<ObjectTracker>,
     rebounds: Option<Rebounds>,
     overlaps: Option<LinkOverlaps>,
+    cable_events: Option<CableEvents>,
 }
 
 /// All criteria of a run.
@@ -288,6 +291,8 @@ pub struct RunCriteria {
     pub rebounds: Vec<Rebound>,
     /// Overlaps of the links of a gripper with obstacles for which the scene defines no contact.
     pub overlaps: Vec<LinkOverlap>,
+    /// Lift-offs of cables from pulleys, and their returns.
+    pub cable_events: Vec<CableEvent>,
 }
 
 impl RunCriteriaTracker {
@@ -302,6 +307,7 @@ impl RunCriteriaTracker {
             grasp: ObjectTracker::for_scene(scene),
             rebounds: scene.mechanism.as_ref().and_then(Rebounds::for_mechanism),
             overlaps: LinkOverlaps::for_scene(scene),
+            cable_events: scene.mechanism.as_ref().and_then(CableEvents::for_mechanism),
         }
     }
 
@@ -313,6 +319,7 @@ impl RunCriteriaTracker {
             grasp: self.grasp.filter(|_| completed).and_then(|tracker| tracker.criteria()),
             rebounds: self.rebounds.map(|found| found.pairs().to_vec()).unwrap_or_default(),
             overlaps: self.overlaps.as_ref().map(LinkOverlaps::overlaps).unwrap_or_default(),
+            cable_events: self.cable_events.map(|found| found.events().to_vec()).unwrap_or_default(),
         }
     }
 }
@@ -320,13 +327,15 @@ impl RunCriteriaTracker {
 impl Sink for RunCriteriaTracker {
     fn required_data(&self) -> RequiredData {
         let of_grasp = self.grasp.required_data().or(self.overlaps.required_data());
-        self.finger.required_data().or(of_grasp).or(self.rebounds.required_data())
+        let of_pairs = self.rebounds.required_data().or(self.cable_events.required_data());
+        self.finger.required_data().or(of_grasp).or(of_pairs)
     }
 
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.finger.sample(sample)?;
         self.grasp.sample(sample)?;
         self.overlaps.sample(sample)?;
+        self.cable_events.sample(sample)?;
         self.rebounds.sample(sample)
     }
 

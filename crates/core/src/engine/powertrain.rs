@@ -16,7 +16,7 @@ pub struct PlannedPowertrain {
     pub shaft: Coordinate,
     /// Torque or voltage over time, or the target of a controller.
     pub input: Profile,
-    /// What a controller measures.
+    /// What a controller measures; also without a controller, the distance of a feedback.
     pub measured: Option<Coordinate>,
     pub law: PowertrainLaw,
     /// Whether the feedback is a distance, which must not become 0.
@@ -94,7 +94,7 @@ impl PlannedPowertrain {
         Self {
             shaft,
             input: input.clone(),
-            measured: gains.map(|_| measured),
+            measured: (gains.is_some() || powertrain.feedback.is_some()).then_some(measured),
             law,
             is_distance: powertrain.feedback.is_some(),
             powertrain: powertrain.clone(),
@@ -104,7 +104,7 @@ impl PlannedPowertrain {
     /// Gap at time `t`, and its rate.
     fn gap(&self, t: f64, poses: &[BodyPose], velocities: &[Twist]) -> [f64; 2] {
         let (input, input_rate) = self.input.at(t);
-        match &self.measured {
+        match self.measured.as_ref().filter(|_| self.law.gains.is_some()) {
             None => [-input, -input_rate],
             Some(measured) => [measured.value(poses) - input, measured.row(poses).rate(velocities) - input_rate],
         }

@@ -15,7 +15,7 @@ const IMPACT_EXTENSION: f64 = 0.25;
 ///
 /// The first and the last sample are kept, and all samples on the grid. Of the other samples, it keeps:
 /// * those within an impact, and the one before the impact,
-/// * those before and after an event, and at each crossing of a threshold,
+/// * those before and after an event, or where a cable leaves a pulley or returns, and at each crossing of a threshold,
 /// * those at which a force or a penetration has a larger maximum than in any sample kept before,
 /// * one per grid interval.
 ///
@@ -113,7 +113,7 @@ impl<S: Sink> Sink for Decimated<S> {
             self.push_grid(sample);
             return Ok(());
         }
-        let (mut in_impact, mut past_peak) = (false, false);
+        let (mut in_impact, mut past_peak, mut changes) = (false, false, false);
         if let Some(before) = &self.latest {
             for (contact, emitted) in self.emitted_peaks.iter().enumerate() {
                 let ((f0, d0), (f1, d1)) =
@@ -122,11 +122,13 @@ impl<S: Sink> Sink for Decimated<S> {
                 in_impact |= change_per_interval > MIN_FORCE_CHANGE * f0.max(f1) * (now_s - before.time_s);
                 past_peak |= (f0 > emitted.0 && f1 < f0) || (d0 > emitted.1 && d1 < d0);
             }
+            let mut places = 0..sample.counts().elements;
+            changes = places.any(|place| before.cable_element(place).on != sample.cable_element(place).on);
         }
         if in_impact {
             self.impact_end_s = now_s + IMPACT_EXTENSION * self.interval_s;
         }
-        if in_impact || past_peak {
+        if in_impact || past_peak || changes {
             self.emit_latest()?;
         }
         self.emit_grid()?;
@@ -135,7 +137,7 @@ impl<S: Sink> Sink for Decimated<S> {
             None => self.latest = Some(sample.clone()),
         }
         self.is_emitted = false;
-        if self.after_event || now_s <= self.impact_end_s || now_s - self.emitted_s >= self.interval_s {
+        if self.after_event || changes || now_s <= self.impact_end_s || now_s - self.emitted_s >= self.interval_s {
             self.emit_latest()
         } else {
             Ok(())

@@ -1,10 +1,11 @@
 //! Servos that are computed at a rate: their effort is constant between two samples.
 
 use super::sample::Sample;
+use super::schema::DistanceState;
 use super::stepper::{Interruption, Stepper};
 use super::{Outcome, RunError, Sink, SinkError};
 use crate::drive::Profile;
-use crate::mechanism::{Command, JointCombination, Mechanism};
+use crate::mechanism::{Actuator, Command, JointCombination, Mechanism};
 use crate::scene::Scene;
 
 /// A servo that is computed at a rate.
@@ -13,6 +14,9 @@ struct SampledServo {
     /// Index of the actuator.
     actuator: usize,
     on: JointCombination,
+    /// Index among the distances of a sample, if it measures a distance in place of the coordinate.
+    distance: Option<usize>,
+    /// Gains with the sign of the feedback.
     gains: [f64; 2],
     target: Profile,
     rate_hz: f64,
@@ -25,32 +29,44 @@ impl SampledServo {
         self.next as f64 / self.rate_hz
     }
 
-    /// Effort before its limit, from the state of its joints.
+    /// Effort, or voltage of a motor, before its limit, from the state of its joints or its distance.
     fn effort(&self, sample: &Sample) -> f64 {
         let [kp, kd] = self.gains;
-        let coordinate = self.on.value(|joint| sample.joint_state(joint).angle_rad);
-        let rate = self.on.sum(|joint| sample.joint_state(joint).rate_rad_s);
+        let [value, rate] = match self.distance {
+            Some(index) => {
+                let DistanceState { distance_m, distance_rate_m_s } = sample.distance(index);
+                [distance_m, distance_rate_m_s]
+            }
+            None => {
+                let coordinate = self.on.value(|joint| sample.joint_state(joint).angle_rad);
+                [coordinate, self.on.sum(|joint| sample.joint_state(joint).rate_rad_s)]
+            }
+        };
         let (target, target_rate) = self.target.at(sample.time_s);
-        kp * (target - coordinate) + kd * (target_rate - rate)
+        kp * (target - value) + kd * (target_rate - rate)
     }
 }
 
 /// Sampled servos of a mechanism.
 fn sampled_servos(mechanism: &Mechanism) -> Vec<SampledServo> {
-    let actuators = mechanism.actuators.iter().enumerate();
-    actuators
-        .filter_map(|(index, actuator)| match &actuator.command {
-            Command::Servo { kp, kd, target, rate_hz: Some(rate_hz), .. } => Some(SampledServo {
-                actuator: index,
-                on: actuator.on.clone(),
-                gains: [*kp, *kd],
-                target: target.clone(),
-                rate_hz: *rate_hz,
-                next: 1,
-            }),
-            _ => None,
+    let mut distances = 0;
+    let servo = |(index, actuator): (usize, &Actuator)| {
+        let feedback = actuator.powertrain.feedback;
+        let distance = feedback.map(|_| distances);
+        distances += usize::from(distance.is_some());
+        let Command::Servo { kp, kd, target, rate_hz: Some(rate_hz), .. } = &actuator.command else { return None };
+        let sign = feedback.map_or(1.0, |feedback| feedback.sign);
+        Some(SampledServo {
+            actuator: index,
+            on: actuator.on.clone(),
+            distance,
+            gains: [sign * kp, sign * kd],
+            target: target.clone(),
+            rate_hz: *rate_hz,
+            next: 1,
         })
-        .collect()
+    };
+    mechanism.actuators.iter().enumerate().filter_map(servo).collect()
 }
 
 /// Whether a mechanism has servos that are computed at a rate.

@@ -30,8 +30,6 @@ pub enum StaticsError {
         .lever_m * 1e3
     )]
     NoLever { lever_m: f64 },
-    #[error("the tendon {tendon} has friction, and its tensions at rest depend on the motion before")]
-    CableFriction { tendon: String },
     #[error(
         "form closure could not be decided: {certificate} fails its check (the residual is {residual:.1e}, at most 1e-9 is \
          allowed); the grasp is on the boundary, change it slightly"

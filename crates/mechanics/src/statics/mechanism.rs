@@ -4,6 +4,10 @@
 //! space of their gradients; all other bodies are at rest relative to the base. Translations are divided by a typical
 //! length of the mechanism, so that they compare with rotations. A force with the load f on the bodies has the
 //! generalised force Bᵀ f.
+//!
+//! Behind a place with friction, a cable at rest has any tension from exp(−μ_s ψ) to exp(μ_s ψ) times the tension before it.
+//! Such places divide the cable into parts. The equations have one more row for each of them: the tension before the place is
+//! the sum of the tensions at both ends of the range.
 
 use super::balance::{
     BrakeLoad, Certified, Cone, ContactMotion, Equations, Largest, direction_at, largest_multiple, unit_direction,
@@ -12,12 +16,12 @@ use super::form_closure::{Certificate, decide_by_linear_program};
 use super::simplex::{LinearProgram, Outcome, Rule};
 use super::{FormClosure, Result, Roles, Row, StaticsError, Unilateral, Unknown};
 use crate::gripper::number;
-use crate::mechanism::tendon::{center_in, length_in, segment, settled_path, strands};
+use crate::mechanism::tendon::{center_in, length_in, segment, settled_path, strands, turn};
 use crate::mechanism::{
     JointCombination, Mechanism, Pose, Spring, SpringKind, Tendon, constraint_gradients, coordinate_gradient,
     coordinate_in, point_in,
 };
-use crate::numeric::elementary::hypot;
+use crate::numeric::elementary::{exp, hypot};
 use crate::numeric::plane::{cross, dot, scale, sub};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
@@ -27,6 +31,10 @@ const RANK_TOLERANCE: f64 = 1e-9;
 
 /// Parts of a generalised force below this part of the load are rounding.
 const LOAD_ROUNDING: f64 = 1e-13;
+
+/// Behind a place where the ratio of the tensions may be smaller than this, a cable has any tension: the programme has too few
+/// digits for the ratio.
+const SELF_LOCKING: f64 = 1e-8;
 
 /// Rates of actuators below this part of the largest rate are rounding.
 const RATE_ROUNDING: f64 = 1e-7;
@@ -81,7 +89,7 @@ pub struct LoadsAtRest {
     pub efforts: Vec<f64>,
     /// Ranges of the additional efforts of the actuators and their brakes.
     pub slack: Vec<[f64; 2]>,
-    /// Tensions of all cables, N. The tension of a cable whose actuator is blocked is arbitrary instead.
+    /// Tensions of all cables where they are pulled, N. The tension of a cable whose actuator is blocked is arbitrary instead.
     pub tensions_n: Vec<f64>,
 }
 
@@ -138,7 +146,9 @@ pub enum MechanismLimit {
         limits: Vec<(f64, ContactMotion)>,
         /// Brakes and joints with friction, in their order, each with whether it slips.
         brakes: Vec<BrakeLoad>,
-        /// Tensions of the blocked cables, in the order of the tendons with an actuator; none at effort.
+        /// Places over which a cable with friction slips in this motion, by their names such as `flexor[2]`.
+        rubbing: Vec<String>,
+        /// Tensions of the blocked cables where they are pulled, in the order of the tendons with an actuator; none at effort.
         tensions_n: Vec<f64>,
         /// The motion that a larger acceleration causes.
         motion: Vec<BodyMotion>,
@@ -167,7 +177,8 @@ pub fn mechanism_closure(at_rest: &MechanismAtRest<'_>) -> Result<MechanismClosu
     let unknowns = (0..count).map(|index| Unknown::Coordinate { index }).collect();
     let mut rates = Unilateral::new(unknowns, vec![1.0; count]);
     let contacts = at_rest.contacts.iter().map(|contact| frame.contact(contact)[0].clone());
-    let rows = contacts.chain(frame.limits()).chain(frame.blocked_cables());
+    let blocked = frame.blocked_cables().map(|cable| frame.reduced(&-cable.gradient()));
+    let rows = contacts.chain(frame.limits()).chain(blocked);
     for (index, row) in rows.enumerate() {
         rates.append(Row::Constraint { index }, &row);
     }
@@ -215,7 +226,7 @@ pub fn balance_at_rest_towards(
 /// Equations whose fixed load is balanced, or the unbalanced part of the loads, relative to the largest one.
 fn balanced_equations(frame: &Frame<'_>, loads: &LoadsAtRest) -> Result<std::result::Result<Equations, f64>> {
     let (mut equations, largest) = frame.equations_at_rest(loads)?;
-    let unbalanced = unbalanced(&equations)?;
+    let unbalanced = unbalanced(&equations, frame.basis.ncols())?;
     let size = unbalanced.iter().map(|part| part * part).sum::<f64>().sqrt();
     if size > MAX_REMAINDER * largest {
         return Ok(Err(size / largest));
@@ -224,8 +235,8 @@ fn balanced_equations(frame: &Frame<'_>, loads: &LoadsAtRest) -> Result<std::res
     Ok(Ok(equations))
 }
 
-/// The part of the fixed load that is left by the forces that balance most of it: of least sum of magnitudes.
-fn unbalanced(equations: &Equations) -> Result<Vec<f64>> {
+/// The part of the fixed load on the coordinates that is left by the forces that balance most of it: of least sum of magnitudes.
+fn unbalanced(equations: &Equations, coordinates: usize) -> Result<Vec<f64>> {
     let rows = equations.fixed.len();
     let mut columns: Vec<(Vec<f64>, [f64; 2], f64)> = Vec::new();
     let pushes = equations.contacts.iter().flat_map(Cone::edges);
@@ -234,7 +245,7 @@ fn unbalanced(equations: &Equations) -> Result<Vec<f64>> {
     let forces = columns.len();
     for sign in [1.0, -1.0] {
         let unit = |row: usize| (0..rows).map(|other| if other == row { sign } else { 0.0 }).collect();
-        columns.extend((0..rows).map(|row| (unit(row), [0.0, f64::INFINITY], -1.0)));
+        columns.extend((0..coordinates).map(|row| (unit(row), [0.0, f64::INFINITY], -1.0)));
     }
     let programme = LinearProgram {
         matrix: DMatrix::from_fn(rows, columns.len(), |row, column| columns[column].0[row]),
@@ -244,7 +255,7 @@ fn unbalanced(equations: &Equations) -> Result<Vec<f64>> {
     };
     for rule in [Rule::Steepest, Rule::First] {
         if let Some(Outcome::Optimal { x, .. }) = programme.solve(rule) {
-            return Ok((0..rows).map(|row| x[forces + rows + row] - x[forces + row]).collect());
+            return Ok((0..coordinates).map(|row| x[forces + coordinates + row] - x[forces + row]).collect());
         }
     }
     Err(StaticsError::Program { reason: "the least unbalanced load is not found".to_string() })
@@ -272,6 +283,25 @@ struct Frame<'a> {
     /// Typical length.
     length_m: f64,
     basis: DMatrix<f64>,
+    /// All cables, in the order of the tendons.
+    cables: Vec<CableAtRest>,
+}
+
+/// A cable at rest, divided by the places with friction.
+struct CableAtRest {
+    /// Load against which a unit tension of each part acts: the gradient of its length, and its moment on the bodies of the
+    /// places with friction at its ends.
+    parts: Vec<DVector<f64>>,
+    /// exp(−μ_s ψ) of the place behind each part, except the last one, and its element of the path.
+    places: Vec<(f64, usize)>,
+    is_pulled: bool,
+}
+
+impl CableAtRest {
+    /// Gradient of the length.
+    fn gradient(&self) -> DVector<f64> {
+        self.parts[1..].iter().fold(self.parts[0].clone(), |sum, part| sum + part)
+    }
 }
 
 impl<'a> Frame<'a> {
@@ -283,7 +313,7 @@ impl<'a> Frame<'a> {
         let first = points.first().copied().unwrap_or_default();
         let reach = points.iter().map(|point| hypot(point[0] - first[0], point[1] - first[1])).fold(0.0, f64::max);
         let length_m = if reach > 0.0 { reach } else { 1.0 };
-        let mut frame = Self { at_rest, drives, length_m, basis: DMatrix::zeros(0, 0) };
+        let mut frame = Self { at_rest, drives, length_m, basis: DMatrix::zeros(0, 0), cables: Vec::new() };
         let mut rows: Vec<DVector<f64>> = Vec::new();
         for (index, body) in mechanism.bodies.iter().enumerate() {
             let fixed = if !roles.is_balanced[index] { 0..3 } else { if body.rotates() { 3..3 } else { 2..3 } };
@@ -301,6 +331,7 @@ impl<'a> Frame<'a> {
             rows.extend(mechanism.actuators.iter().map(|actuator| frame.combination(&actuator.on)));
         }
         frame.basis = null_space(&rows, 3 * poses.len());
+        frame.cables = mechanism.tendons.iter().map(|tendon| frame.cable(tendon)).collect();
         frame
     }
 
@@ -325,20 +356,35 @@ impl<'a> Frame<'a> {
         self.sum(on.terms.iter().map(term))
     }
 
-    /// Gradient of the length of a tendon.
-    fn tendon(&self, tendon: &Tendon) -> DVector<f64> {
+    fn cable(&self, tendon: &Tendon) -> CableAtRest {
         let poses = self.at_rest.poses;
-        let spools = [&tendon.joints[..], &tendon.far_joints].concat();
-        let mut terms = vec![self.combination(&JointCombination { terms: spools, offset: 0.0 })];
-        for ends in strands(&settled_path(&tendon.path, |element| center_in(element, poses))) {
-            let ends = ends.map(|element| &tendon.path[element]);
-            let centers = [0, 1].map(|k: usize| center_in(ends[k], poses));
+        let bends = settled_path(&tendon.path, |element| center_in(element, poses));
+        let spools =
+            |joints: &[(usize, f64)]| self.combination(&JointCombination { terms: joints.to_vec(), offset: 0.0 });
+        let (mut parts, mut places, mut terms) = (Vec::new(), Vec::new(), vec![spools(&tendon.joints)]);
+        let mut before = None;
+        for [from, to] in strands(&bends) {
+            let ends = [from, to].map(|element| &tendon.path[element]);
+            let centers = ends.map(|element| center_in(element, poses));
             let along = segment(ends, sub(centers[1], centers[0])).direction;
+            if let Some((before, friction)) = before.replace(along).zip(ends[0].friction) {
+                let ratio = exp(-friction.mu_static * turn(ends[0], bends[from], [before, along]));
+                let ratio = if ratio < SELF_LOCKING { 0.0 } else { ratio };
+                if ratio < 1.0 {
+                    let moment = self.row([(ends[0].body, [0.0, 0.0, ends[0].signed_radius_m()])].into_iter());
+                    let next = vec![-&moment];
+                    terms.push(moment);
+                    parts.push(self.sum(std::mem::replace(&mut terms, next).into_iter()));
+                    places.push((ratio, from));
+                }
+            }
             for (k, sign) in [(0, -1.0), (1, 1.0)] {
                 terms.push(self.force(ends[k].body, centers[k], scale(along, sign)));
             }
         }
-        self.sum(terms.into_iter())
+        terms.push(spools(&tendon.far_joints));
+        parts.push(self.sum(terms.into_iter()));
+        CableAtRest { parts, places, is_pulled: tendon.actuator.is_some() }
     }
 
     /// Sum of loads. Parts below the rounding errors of the sum are zero: the columns of the programme are scaled, so that
@@ -384,11 +430,13 @@ impl<'a> Frame<'a> {
         reached.map(|limit| self.reduced(&(-limit.side * self.combination(&mechanism.limited(&limit)))))
     }
 
-    /// Generalised forces of unit tensions of the blocked cables, which can only pull.
-    fn blocked_cables(&self) -> impl Iterator<Item = Vec<f64>> + '_ {
-        let pulled = self.at_rest.mechanism.tendons.iter().filter(|tendon| tendon.actuator.is_some());
-        let blocked = pulled.filter(|_| self.drives == DriveState::Blocked);
-        blocked.map(|tendon| self.reduced(&-self.tendon(tendon)))
+    /// Cables with any tension, which can only pull.
+    fn blocked_cables(&self) -> impl Iterator<Item = &CableAtRest> {
+        self.cables.iter().filter(|cable| self.is_blocked(cable))
+    }
+
+    fn is_blocked(&self, cable: &CableAtRest) -> bool {
+        cable.is_pulled && self.drives == DriveState::Blocked
     }
 
     /// Generalised force of a uniform field, m/s², on all masses.
@@ -412,7 +460,8 @@ impl<'a> Frame<'a> {
     /// Solves the equations for an acceleration in a direction; `is_balanced` as in [`largest_multiple`].
     fn balance(&self, equations: &Equations, direction: [f64; 2], is_balanced: &mut bool) -> Result<MechanismBalance> {
         let direction = unit_direction(direction)?;
-        let driving = self.field(scale(direction, -1.0));
+        let mut driving = self.field(scale(direction, -1.0));
+        driving.resize(equations.fixed.len(), 0.0);
         let largest = match largest_multiple(&Equations { driving, ..equations.clone() }, is_balanced)? {
             Largest::Infeasible { motion } => {
                 MechanismLimit::Infeasible { motion: self.motion(&motion), yielding: self.yielding(&motion) }
@@ -424,19 +473,31 @@ impl<'a> Frame<'a> {
     }
 
     fn limit(&self, found: Certified) -> MechanismLimit {
-        // In the order of the equations: contacts, joint limits, blocked cables.
+        // In the order of the equations: contacts, joint limits, blocked cables, friction of cables.
         let (contacts, others) = found.contacts.split_at(self.at_rest.contacts.len());
-        let (limits, cables) = others.split_at(others.len() - self.blocked_cables().count());
+        let (limits, cables) = others.split_at(self.limits().count());
+        let (blocked, frictions) = cables.split_at(self.blocked_cables().count());
         MechanismLimit::Limited {
             acceleration_m_s2: found.acceleration_m_s2,
             contacts: contacts.to_vec(),
             limits: limits.iter().map(|(effort, _, motion)| (*effort, *motion)).collect(),
             brakes: found.brakes,
-            tensions_n: cables.iter().map(|(tension_n, ..)| *tension_n).collect(),
+            rubbing: self.rubbing(frictions),
+            tensions_n: blocked.iter().map(|(tension_n, ..)| *tension_n).collect(),
             motion: self.motion(&found.motion),
             yielding: self.yielding(&found.motion),
             gap: found.gap,
         }
+    }
+
+    /// Names of the places over which a cable slips: its tension is at one end of the range only. `ends` are both ends of all
+    /// places.
+    fn rubbing(&self, ends: &[(f64, f64, ContactMotion)]) -> Vec<String> {
+        let places = self.cables.iter().enumerate().flat_map(|(tendon, cable)| {
+            cable.places.iter().map(move |(_, element)| self.at_rest.mechanism.element_name(tendon, *element))
+        });
+        let slips = |ends: &[(f64, f64, ContactMotion)]| ends[0].2 != ends[1].2;
+        places.zip(ends.chunks(2)).filter(|(_, ends)| slips(ends)).map(|(name, _)| name).collect()
     }
 
     /// All columns of the equations of a motion at rest, except the driving load, and the size of the largest load.
@@ -445,12 +506,10 @@ impl<'a> Frame<'a> {
         let mut fixed = self.springs();
         let size = |load: &DVector<f64>| DVector::from_vec(self.reduced(load)).norm();
         let mut largest = size(&fixed).max(DVector::from_vec(self.field(mechanism.gravity_m_s2)).norm());
-        for (index, tendon) in mechanism.tendons.iter().enumerate() {
-            let is_blocked = tendon.actuator.is_some() && self.drives == DriveState::Blocked;
-            let tension_n = if is_blocked { 0.0 } else { loads.tensions_n[index] };
-            let load = -tension_n * self.tendon(tendon);
-            largest = largest.max(size(&load));
-            fixed += load;
+        for (cable, tension_n) in self.cables.iter().zip(&loads.tensions_n) {
+            let tension_n = if self.is_blocked(cable) { 0.0 } else { *tension_n };
+            largest = largest.max(size(&(-tension_n * cable.gradient())));
+            fixed += -tension_n * &cable.parts[0];
         }
         let mut drives = Vec::new();
         for (index, actuator) in mechanism.actuators.iter().enumerate() {
@@ -462,37 +521,73 @@ impl<'a> Frame<'a> {
                 drives.push((self.reduced(&on), loads.slack[index]));
             }
         }
-        Ok((self.with_contacts(&fixed, drives)?, largest))
+        Ok((self.with_contacts(&fixed, &loads.tensions_n, drives)?, largest))
     }
 
     /// All columns of the equations, except the driving load.
     fn equations(&self) -> Result<Equations> {
         let MechanismAtRest { mechanism, poses, time_s, .. } = self.at_rest;
         let mut fixed = self.springs();
-        self.add_efforts(&efforts(mechanism, poses, *time_s), &mut fixed);
-        self.with_contacts(&fixed, self.brakes().collect())
+        let tensions_n = self.add_efforts(&efforts(mechanism, poses, *time_s), &mut fixed);
+        self.with_contacts(&fixed, &tensions_n, self.brakes().collect())
     }
 
-    /// Equations with the fixed load and these drives, the friction of joints, the weight, and the cones of contacts.
-    fn with_contacts(&self, fixed: &DVector<f64>, drives: Vec<(Vec<f64>, [f64; 2])>) -> Result<Equations> {
+    /// Equations with the fixed load and these drives, the friction of joints, the weight, the cones of contacts, and the
+    /// cables. The fixed load contains the tensions of cables without friction, and those of the first parts of the others.
+    fn with_contacts(
+        &self,
+        fixed: &DVector<f64>,
+        tensions_n: &[f64],
+        drives: Vec<(Vec<f64>, [f64; 2])>,
+    ) -> Result<Equations> {
         let MechanismAtRest { mechanism, contacts, .. } = self.at_rest;
-        if let Some(tendon) = mechanism.tendons.iter().find(|tendon| tendon.has_friction()) {
-            return Err(StaticsError::CableFriction { tendon: tendon.name.clone() });
-        }
         for contact in *contacts {
             number("mu_static", contact.mu, contact.mu >= 0.0, "must be finite, 0 or more")?;
         }
-        let weight = self.field(mechanism.gravity_m_s2);
-        let fixed = self.reduced(fixed).iter().zip(&weight).map(|(load, weight)| load + weight).collect();
-        let cones = contacts.iter().map(|contact| Cone { columns: self.contact(contact), mu: contact.mu });
         let coordinates = self.basis.ncols();
-        let of_limit = |normal: Vec<f64>| Cone { columns: [normal, vec![0.0; coordinates]], mu: 0.0 };
+        let count = coordinates + self.cables.iter().map(|cable| cable.places.len()).sum::<usize>();
+        let padded = |mut load: Vec<f64>| {
+            load.resize(count, 0.0);
+            load
+        };
+        let one_sided = |normal: Vec<f64>| Cone { columns: [normal, vec![0.0; count]], mu: 0.0 };
+        let weight = self.field(mechanism.gravity_m_s2);
+        let mut fixed = padded(self.reduced(fixed).iter().zip(&weight).map(|(load, weight)| load + weight).collect());
+        let cones = contacts.iter().map(|contact| Cone { columns: self.contact(contact).map(padded), mu: contact.mu });
+        let mut forces: Vec<Cone> = cones.chain(self.limits().map(|limit| one_sided(padded(limit)))).collect();
+        let (mut row, mut frictions) = (coordinates, Vec::new());
+        for (cable, tension_n) in self.cables.iter().zip(tensions_n) {
+            if self.is_blocked(cable) {
+                let mut first = padded(self.reduced(&-&cable.parts[0]));
+                if !cable.places.is_empty() {
+                    first[row] = 1.0;
+                }
+                forces.push(one_sided(first));
+            } else if !cable.places.is_empty() {
+                fixed[row] = *tension_n;
+            }
+            for (k, (ratio, _)) in cable.places.iter().enumerate() {
+                let part = self.reduced(&-&cable.parts[k + 1]);
+                for [before, behind] in [[*ratio, 1.0], [1.0, *ratio]] {
+                    let mut load = padded(part.iter().map(|load| behind * load).collect());
+                    load[row] = -before;
+                    if k + 1 < cable.places.len() {
+                        load[row + 1] = behind;
+                    }
+                    frictions.push(one_sided(load));
+                }
+                row += 1;
+            }
+        }
+        forces.extend(frictions);
+        let drives = drives.into_iter().chain(self.joint_friction()).map(|(load, range)| (padded(load), range));
+        let lengths = (0..count).map(|row| if row < coordinates { self.length_m } else { 1.0 });
         Ok(Equations {
-            contacts: cones.chain(self.limits().chain(self.blocked_cables()).map(of_limit)).collect(),
-            drives: drives.into_iter().chain(self.joint_friction()).collect(),
+            contacts: forces,
+            drives: drives.collect(),
             fixed,
             driving: Vec::new(),
-            lengths: vec![self.length_m; coordinates],
+            lengths: lengths.collect(),
         })
     }
 
@@ -514,23 +609,26 @@ impl<'a> Frame<'a> {
         mechanism.springs.iter().map(load).fold(DVector::zeros(3 * poses.len()), |sum, load| sum + load)
     }
 
-    /// Adds the load of the actuators of joints and of all cables that are not blocked.
-    fn add_efforts(&self, efforts: &[f64], load: &mut DVector<f64>) {
+    /// Adds the load of the actuators of joints and of all cables that are not blocked, and returns the tensions of all cables
+    /// where they are pulled.
+    fn add_efforts(&self, efforts: &[f64], load: &mut DVector<f64>) -> Vec<f64> {
         let MechanismAtRest { mechanism, poses, .. } = self.at_rest;
         let (of_joints, of_tendons) = efforts.split_at(mechanism.actuators.len());
         let mut of_tendons = of_tendons.iter();
-        for tendon in &mechanism.tendons {
-            let pull = tendon.actuator.as_ref().and_then(|_| of_tendons.next());
-            if pull.is_some() && self.drives == DriveState::Blocked {
-                continue;
-            }
+        let mut tensions_n = Vec::with_capacity(self.cables.len());
+        for (tendon, cable) in mechanism.tendons.iter().zip(&self.cables) {
+            let pull = tendon.actuator.as_ref().and_then(|_| of_tendons.next()).unwrap_or(&0.0);
             let elongation = (length_in(mechanism, tendon, poses) - tendon.rest_m).max(0.0);
-            let tension_n = tendon.stiffness_n_per_m * elongation + pull.unwrap_or(&0.0);
-            *load += -tension_n * self.tendon(tendon);
+            let tension_n = tendon.stiffness_n_per_m * elongation + pull;
+            tensions_n.push(tension_n);
+            if !self.is_blocked(cable) {
+                *load += -tension_n * &cable.parts[0];
+            }
         }
         for (actuator, effort) in mechanism.actuators.iter().zip(of_joints) {
             *load += *effort * self.combination(&actuator.on);
         }
+        tensions_n
     }
 
     /// Generalised forces of unit torques of the brakes, with the ranges of their torques. A blocked actuator has none.
@@ -550,20 +648,25 @@ impl<'a> Frame<'a> {
         })
     }
 
+    /// Scaled velocities of all bodies from the rates of all rows, of which the first are those of the coordinates.
+    fn velocities(&self, rates: &[f64]) -> DVector<f64> {
+        &self.basis * DVector::from_column_slice(&rates[..self.basis.ncols()])
+    }
+
     /// Actuators whose coordinates move: those of joints, then those of tendons.
     fn yielding(&self, rates: &[f64]) -> Vec<usize> {
-        let all = &self.basis * DVector::from_column_slice(rates);
+        let all = self.velocities(rates);
         let mechanism = self.at_rest.mechanism;
         let of_joints = mechanism.actuators.iter().map(|actuator| self.combination(&actuator.on));
-        let of_tendons = mechanism.tendons.iter().filter(|tendon| tendon.actuator.is_some());
-        let rows = of_joints.chain(of_tendons.map(|tendon| self.tendon(tendon))).enumerate();
+        let of_tendons = self.cables.iter().filter(|cable| cable.is_pulled);
+        let rows = of_joints.chain(of_tendons.map(CableAtRest::gradient)).enumerate();
         let moving = rows.filter(|(_, row)| row.dot(&all).abs() > RATE_ROUNDING * row.norm() * all.norm());
         moving.map(|(index, _)| index).collect()
     }
 
     /// Velocities of all bodies, with a largest translation or rotation (times the typical length) of 1 mm/s.
     fn motion(&self, rates: &[f64]) -> Vec<BodyMotion> {
-        let all = &self.basis * DVector::from_column_slice(rates);
+        let all = self.velocities(rates);
         let largest = all.amax().max(f64::MIN_POSITIVE);
         let clear = |rate: f64| if rate.abs() < 1e-9 * largest { 0.0 } else { 1e-3 * rate / largest };
         let body = |part: &[f64]| [clear(part[0]), clear(part[1]), clear(part[2]) / self.length_m];

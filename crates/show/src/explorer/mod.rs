@@ -208,7 +208,8 @@ fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
     let Listeners { mut criteria_tracker, mut audit, .. } = decimated.sink;
     let _ = criteria_tracker.end().and_then(|()| audit.end());
     let energy = audit.sink.violation().map(|breach| breach.to_string());
-    let RunCriteria { criteria, grasp, rebounds, overlaps } = criteria_tracker.sink.finish(result.is_ok());
+    let RunCriteria { criteria, grasp, rebounds, overlaps, cable_events } =
+        criteria_tracker.sink.finish(result.is_ok());
     let (outcome, error) = match result {
         Ok(outcome) => (Some(outcome), None),
         Err(RunError::Simulation { failure, partial_outcome }) => {
@@ -218,7 +219,8 @@ fn simulate(scene: &Scene, sink: &mut impl Sink) -> RunReport {
     };
     let warnings: Vec<String> = energy.into_iter().chain(overlaps.iter().map(LinkOverlap::sentence)).collect();
     let (outcome, grasp) = (outcome.as_ref(), grasp.as_ref());
-    let data = RunData { wall_s: 0.0, outcome, criteria, grasp, rebounds: &rebounds, warnings: &warnings };
+    let (rebounds, cable_events, warnings) = (&rebounds[..], &cable_events[..], &warnings[..]);
+    let data = RunData { wall_s: 0.0, outcome, criteria, grasp, rebounds, cable_events, warnings };
     RunReport::new(scene, Model::Analytic, &data, error)
 }
 

@@ -9,7 +9,7 @@ use super::contacts::Contacts;
 use super::object::ObjectReport;
 use super::states::States;
 use super::tables;
-use crate::criteria::{Criteria, ObjectCriteria, Rebound, scene_static_grasp};
+use crate::criteria::{CableEvent, Criteria, ObjectCriteria, Rebound, scene_static_grasp};
 use crate::format::numbers::{G_M_S2, format_number};
 use crate::format::{Report, ToReport, format_duration};
 use crate::playback::PlayedGrasp;
@@ -41,6 +41,9 @@ pub struct RunReport {
     #[serde(flatten)]
     pub states: States,
     pub contacts: Option<Contacts>,
+    /// Lift-offs of cables from pulleys, and their returns; omitted without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cable_events: Vec<CableEvent>,
     /// Criteria of a finger; null if there is no object, if the finger cannot grasp it, or if the run was not
     /// completed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -126,6 +129,8 @@ pub struct RunData<'a> {
     pub grasp: Option<&'a ObjectCriteria>,
     /// Rebounds of pairs of discs.
     pub rebounds: &'a [Rebound],
+    /// Lift-offs of cables from pulleys, and their returns.
+    pub cable_events: &'a [CableEvent],
     /// Reasons to doubt the results.
     pub warnings: &'a [String],
 }
@@ -165,6 +170,7 @@ impl RunReport {
             wall_s: data.wall_s,
             states: States::new(&schema, outcome, Some(scene)),
             contacts: outcome.map(|outcome| Contacts::new(&schema, outcome, data.rebounds)),
+            cable_events: data.cable_events.to_vec(),
             criteria: finger.then_some(criteria),
             no_criteria: finger.then(|| no_criteria(scene, error.is_none()).filter(|_| criteria.is_none())),
             grasp: roles.is_ok().then(|| data.grasp.map(|found| Box::new(ObjectReport::new(found, Some(scene))))),
@@ -210,7 +216,11 @@ impl RunReport {
                 tables::contacts(&contacts.touched_without(|index| grasp.has_point(index)))
             }
         }));
-        sections.extend([grasp.actuators().into(), grasp.motion().into()]);
+        sections.extend([
+            tables::cable_events(&self.cable_events).into(),
+            grasp.actuators().into(),
+            grasp.motion().into(),
+        ]);
         let end_s = self.end_s.unwrap_or_default();
         match all {
             true => sections.extend(tables::states(&self.states, end_s)),
@@ -245,6 +255,7 @@ impl ToReport for RunReport {
         sections.extend(tables::states(&self.states, self.end_s.unwrap_or_default()));
         sections.extend([
             self.contacts.as_ref().map(tables::contacts).into(),
+            tables::cable_events(&self.cable_events).into(),
             self.energy.map(|energy| tables::energies(&energy, self.has_joints)).into(),
             self.criteria.flatten().as_ref().map(tables::criteria).into(),
             no_criteria.map(|reason| format!("no class: {reason}\n")).into(),

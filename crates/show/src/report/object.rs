@@ -337,6 +337,7 @@ fn describe_failure(failure: &Failure) -> String {
         (&failure.tilting, ["tilts", "tilt"]),
         (&failure.separating, ["comes apart", "come apart"]),
         (&failure.yielding, ["yields", "yield"]),
+        (&failure.rubbing, ["rubs", "rub"]),
     ];
     let moving = parts.into_iter().filter(|(names, _)| !names.is_empty());
     let text: Vec<String> =

@@ -3,7 +3,7 @@
 use super::contacts::{Contacts, SurfaceReport};
 use super::named::Named;
 use super::states::{BodyReport, JointReport, State, States};
-use crate::criteria::Criteria;
+use crate::criteria::{CableEvent, CableEventKind, Criteria};
 use crate::format::format_duration;
 use crate::format::numbers::{format_number, or_dash, row, zero_below_resolution};
 use crate::format::report::{Column, Report, table, table_of};
@@ -158,6 +158,26 @@ pub fn contacts(contacts: &Contacts) -> Report {
         ));
     }
     text
+}
+
+/// Largest number of rows of the table of the events of cables.
+const MAX_CABLE_EVENTS: usize = 12;
+
+/// Builds the table of the first events of cables; `None` without any.
+pub fn cable_events(events: &[CableEvent]) -> Option<Report> {
+    events.first()?;
+    let line = |event: &CableEvent| {
+        let verb = match event.event {
+            CableEventKind::Leaves => "leaves the pulley",
+            CableEventKind::Returns => "returns",
+        };
+        row([&event.place, verb, &milliseconds(Some(event.time_s))])
+    };
+    let rows: Vec<_> =
+        [row(["cable", "", "at, ms"])].into_iter().chain(events.iter().take(MAX_CABLE_EVENTS).map(line)).collect();
+    let more = events.len().saturating_sub(MAX_CABLE_EVENTS);
+    let rest = if more > 0 { format!("and {more} more events, which --json lists\n") } else { String::new() };
+    Some(table(&rows).with(rest))
 }
 
 /// Builds the table of the energies. `has_motor` is true for fingers, which have a motor and a spring, and false for

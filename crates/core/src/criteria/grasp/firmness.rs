@@ -70,6 +70,9 @@ pub struct Failure {
     pub separating: Vec<String>,
     /// Names of the actuators that move against their effort.
     pub yielding: Vec<String>,
+    /// Names of the places over which a cable with friction slips.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rubbing: Vec<String>,
 }
 
 /// Returns how firmly the object is held at the end. `None` unless the object is held or carried, and for a scene
@@ -135,10 +138,10 @@ impl<'a> Posture<'a> {
     }
 
     /// What moves beyond a limit.
-    fn failure(&self, contacts: &[(f64, f64, ContactMotion)], yielding: &[usize]) -> Failure {
+    fn failure(&self, contacts: &[(f64, f64, ContactMotion)], yielding: &[usize], rubbing: &[String]) -> Failure {
         let mut names: Vec<&String> = self.names.iter().collect();
         names.dedup();
-        let mut failure = Failure::default();
+        let mut failure = Failure { rubbing: rubbing.to_vec(), ..Failure::default() };
         for name in names {
             let of_pair = contacts.iter().zip(&self.names).filter(|(_, other)| *other == name);
             let motions: Vec<ContactMotion> = of_pair.map(|((.., motion), _)| *motion).collect();
@@ -183,8 +186,8 @@ fn margin(posture: &Posture<'_>, drives: DriveState, loads: &LoadsAtRest) -> Mar
             }
             MechanismLimit::Unlimited => {}
             // The rounding of a programme without any margin may be negative.
-            MechanismLimit::Limited { acceleration_m_s2, contacts, yielding, .. } => {
-                limits.push((balance.direction, acceleration_m_s2.max(0.0), (contacts, yielding)));
+            MechanismLimit::Limited { acceleration_m_s2, contacts, yielding, rubbing, .. } => {
+                limits.push((balance.direction, acceleration_m_s2.max(0.0), (contacts, yielding, rubbing)));
             }
         }
     }
@@ -196,7 +199,7 @@ fn margin(posture: &Posture<'_>, drives: DriveState, loads: &LoadsAtRest) -> Mar
         directions_rad: worst.iter().map(|(direction, ..)| angle(*direction)).collect(),
         failure: worst
             .first()
-            .map(|(.., (contacts, yielding))| posture.failure(contacts, yielding))
+            .map(|(.., (contacts, yielding, rubbing))| posture.failure(contacts, yielding, rubbing))
             .unwrap_or_default(),
     }
 }

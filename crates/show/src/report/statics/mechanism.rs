@@ -65,6 +65,7 @@ impl<'a> MechanismStaticsReport<'a> {
                 acceleration_m_s2,
                 contacts,
                 brakes: loads,
+                rubbing,
                 tensions_n,
                 motion,
                 yielding,
@@ -88,6 +89,7 @@ impl<'a> MechanismStaticsReport<'a> {
                     .with("leaves", self.contacts_that(contacts, ContactMotion::Separates))
                     .with("brakes_slip", slipping.collect::<Vec<_>>())
                     .with("actuators_yield", self.yielding(yielding))
+                    .with_some("cables_rub", (!rubbing.is_empty()).then_some(rubbing))
                     .with("forces", forces.collect::<Vec<_>>())
                     .with_some("tensions", (!tensions_n.is_empty()).then(|| tensions.collect::<Vec<_>>()))
                     .with("motion", motion_documents(&self.grasp.bodies, motion))
@@ -106,7 +108,7 @@ impl<'a> MechanismStaticsReport<'a> {
                 let moving = moving.map(|(name, _)| name.as_str()).collect();
                 ("not at rest".to_string(), vec![("moves", moving), ("yields", self.yielding(yielding))])
             }
-            MechanismLimit::Limited { acceleration_m_s2, contacts, brakes: loads, yielding, .. } => {
+            MechanismLimit::Limited { acceleration_m_s2, contacts, brakes: loads, yielding, rubbing, .. } => {
                 let numbers = |motion| self.numbers_that(contacts, motion).join(" ");
                 let [slip, leave] = [ContactMotion::Slips, ContactMotion::Separates].map(numbers);
                 let slipping = brakes.iter().zip(loads).filter(|(_, load)| load.slips);
@@ -114,7 +116,8 @@ impl<'a> MechanismStaticsReport<'a> {
                 let contacts = [("slip", slip), ("leave", leave)];
                 let contacts = contacts.into_iter().filter(|(_, numbers)| !numbers.is_empty());
                 let contacts: Vec<String> = contacts.map(|(verb, numbers)| format!("{verb} {numbers}")).collect();
-                let others = [("brake", slipping), ("yields", self.yielding(yielding))];
+                let rubbing = rubbing.iter().map(String::as_str).collect();
+                let others = [("brake", slipping), ("yields", self.yielding(yielding)), ("rubs", rubbing)];
                 let acceleration = format_number(acceleration_m_s2 / G_M_S2, 4);
                 return [acceleration, causes(contacts, others.to_vec())];
             }

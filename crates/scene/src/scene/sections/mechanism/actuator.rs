@@ -220,10 +220,6 @@ pub(super) fn actuator(name: &str, section: &SectionInput<'_>, known: &Known<'_>
         }
         Command::Effort(profile?)
     };
-    if settings.rate.is_some() && section.subsection("feedback").is_present() {
-        let message = format!("`{}` is for controllers of a coordinate, not of a distance", section.path("rate"));
-        return section.refuse("rate", message, "not with `feedback`", "remove it: the controller is then continuous");
-    }
     let limit = match (units.has_motor, &command) {
         (true, Command::Effort(_)) => None,
         (true, Command::Servo { .. }) => {

@@ -41,7 +41,8 @@ pub(super) fn sum_limit(name: &str, section: &SectionInput<'_>, known: &Known<'_
             section.path("joints"),
             known.joints[on.terms[place].0]
         );
-        let help = "name joints of one kind; couple the slider to a joint that turns with it, and limit that";
+        let help = "name joints of one kind; or couple the slider to a joint that turns with it ([couplings.NAME] with factors = \
+                    [1, -0.01] for 10 mm per radian), and limit that joint";
         return section.refuse("joints", message, "angles and lengths", help);
     }
     let units_fit = check_units(section, linear, of);
