@@ -478,3 +478,68 @@ fn a_jaw_that_turns_far_in_one_step_touches_its_object() {
     assert!((found_s - expected_s).abs() < 1e-9, "{found_s} {expected_s}");
     assert!((expected_s - 35.520_887e-3).abs() < 1e-9, "{expected_s}");
 }
+
+/// Two jaws on one line that move at a ratio of their speeds, pushed by 1 N; the second one is ahead by `gap_m`. Their direction
+/// is not along an axis, so that a constant gap has rounding errors.
+fn coupled_jaws(ratio: f64, gap_m: f64, degrees: f64) -> String {
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let jaw = |name: &str, along: f64| {
+        let [x, y] = [cos * along, sin * along].map(|coordinate| format!("{coordinate:?} m"));
+        format!(
+            "[bodies.{name}]\nmass = \"50 g\"\ninertia = \"2e-5 kg*m^2\"\nguess = {{ at = [\"{x}\", \"{y}\"] }}\n[bodies.{name}.outlines.pad]\n\
+             type = \"box\"\nsize = [\"20 mm\", \"20 mm\"]\nangle = \"{degrees} deg\"\nrounding = \"1 mm\"\n[joints.{name}]\ntype = \"prismatic\"\n\
+             bodies = [\"ground\", \"{name}\"]\npoints = [[\"{x}\", \"{y}\"], [\"0 m\", \"0 m\"]]\naxis = \"{degrees} deg\"\nstart = \"0 m\"\n"
+        )
+    };
+    format!(
+        "kind = \"mechanism\"\nduration = \"20 ms\"\n{}{}[couplings.ratio]\njoints = [\"first\", \"second\"]\nfactors = [{ratio:?}, -1]\n\
+         [actuators.push]\njoint = \"first\"\nforce = \"1 N\"\n[laws.hard]\nstiffness = 1e6\nexponent = 1.5\n[[contacts]]\n\
+         between = [\"first.pad\", \"second.pad\"]\nlaw = \"hard\"\n",
+        jaw("first", 0.0),
+        jaw("second", 0.02 + gap_m),
+    )
+}
+
+/// No bound of rates tells that jaws stay apart which a coupling moves together. Steps are long nevertheless, and jaws that hardly
+/// approach each other touch in time.
+#[test]
+fn gaps_that_a_constraint_holds_do_not_shorten_steps() {
+    for degrees in [0.0, 30.0, 77.3] {
+        for gap_m in [1e-15, 1e-12, 1e-9, 1e-6] {
+            let scene = parse_any(&coupled_jaws(1.0, gap_m, degrees), "jaws.toml").expect("a scene");
+            let outcome = trace::run(Model::Analytic, &scene, &mut ()).expect("a run");
+            assert!(outcome.work.steps < 60, "{degrees}, {gap_m}: {} steps", outcome.work.steps);
+            if gap_m > 1e-13 {
+                assert!(outcome.contacts.iter().all(|contact| contact.first_s.is_none()), "{degrees}, {gap_m}");
+            }
+        }
+        for (slower, gap_m) in [(1e-2, 1e-9), (1e-3, 1e-9), (1e-3, 1e-6), (1e-4, 1e-8), (1e-5, 1e-9)] {
+            let ratio = 1.0 - slower;
+            let scene = parse_any(&coupled_jaws(ratio, gap_m, degrees), "jaws.toml").expect("a scene");
+            let outcome = trace::run(Model::Analytic, &scene, &mut ()).expect("a run");
+            let found_s =
+                outcome.contacts.iter().filter_map(|contact| contact.first_s).reduce(f64::min).expect("a touch");
+            let mass = 0.05 * (1.0 + ratio * ratio);
+            let expected_s = (2.0 * mass * gap_m / slower).sqrt();
+            let rate_m_s = slower * expected_s / mass;
+            let allowed_s = MAX_DELAY_S + GAP_TOLERANCE_M / rate_m_s;
+            assert!((found_s - expected_s).abs() < allowed_s, "{degrees}, {slower}, {gap_m}: {found_s} {expected_s}");
+        }
+    }
+}
+
+/// A limit of a sum that a coupling fixes.
+#[test]
+fn a_limit_of_a_constant_sum_does_not_shorten_steps() {
+    let limit = |lower: &str| {
+        coupled_jaws(1.0, 1e-3, 0.0)
+            + &format!(
+                "[limits.sum]\njoints = [\"first\", \"second\"]\nfactors = [1, -1]\nlower = \"{lower}\"\nstop = \"hard\"\n"
+            )
+    };
+    for lower in ["0 m", "-1e-15 m", "-1e-9 m"] {
+        let scene = parse_any(&limit(lower), "jaws.toml").expect("a scene");
+        let outcome = trace::run(Model::Analytic, &scene, &mut ()).expect("a run");
+        assert!(outcome.work.steps < 60, "{lower}: {} steps", outcome.work.steps);
+    }
+}
