@@ -5,9 +5,9 @@ use FingerContact::{Distal, Limit, Proximal};
 use crate::support::laws::{self, BOTH_MODELS, THESIS_FRICTION, THESIS_NORMAL, disc, free_translation};
 use crate::support::reference_cases::reference_case;
 use crate::support::synthetic;
-use phalanx::invariants::{Finding, Invariant, Invariants};
+use phalanx::invariants::{EnergyAudit, Finding, Invariant, Invariants};
 use phalanx::law::ContactLaw;
-use phalanx::scene::{LogSettings, ObjectMotion, Response, Scene, Stepping};
+use phalanx::scene::{LogSettings, ObjectMotion, Response, Scene, Stepping, parse_any};
 use phalanx::trace::{
     self, BodyState, ContactSample, Energy, FingerContact, FingerState, Model, Sample, Sink, SinkError,
 };
@@ -323,5 +323,24 @@ struct AllInvariants(Vec<Invariants>);
 impl Sink for AllInvariants {
     fn sample(&mut self, sample: &Sample) -> Result<(), SinkError> {
         self.0.iter_mut().try_for_each(|invariants| invariants.sample(sample))
+    }
+}
+
+/// A body at rest that touches a plane exchanges only rounding errors of its position: no energy is created.
+#[test]
+fn rounding_errors_of_a_body_at_rest_are_no_energy() {
+    let scene = parse_any(
+        "kind = \"mechanism\"\nduration = \"50 ms\"\ngravity = [\"0 m/s^2\", \"0 m/s^2\"]\n[bodies.block]\nmass = \"50 g\"\n\
+         inertia = \"2e-5 kg*m^2\"\nstart = { at = [\"0 mm\", \"10 mm\"] }\n[bodies.block.outlines.skin]\ntype = \"box\"\n\
+         size = [\"20 mm\", \"20 mm\"]\nrounding = \"1 mm\"\n[ground.outlines.floor]\ntype = \"half_plane\"\nnormal = [0, 1]\n\
+         [laws.hard]\nstiffness = 1e6\n[[contacts]]\nbetween = [\"block.skin\", \"ground.floor\"]\nlaw = \"hard\"\n",
+        "block.toml",
+    )
+    .expect("a scene");
+    for model in [Model::Analytic, Model::Engine] {
+        let mut audit = EnergyAudit::new(model, &scene);
+        let outcome = trace::run(model, &scene, &mut audit).expect("a run");
+        assert!(outcome.contacts.iter().any(|contact| contact.first_s == Some(0.0)), "{model:?}: no touch");
+        assert_eq!(audit.violation(), None, "{model:?}");
     }
 }

@@ -206,6 +206,8 @@ impl Tolerances {
 
 /// Relative rounding error of stored energies.
 const ROUNDING: f64 = 1e-10;
+/// Energies of this size come from rounding errors, as those of a body at rest that touches another one, J.
+const NEGLIGIBLE_J: f64 = 1e-26;
 /// Smallest fraction of the exchanged energy that counts as missing: the tolerance of the everyday preset.
 const MIN_TOLERANCE: f64 = 1e-4;
 /// [`MIN_TOLERANCE`] for rapier's own contact, whose energy has no error bound: rigid impacts of discs conserve energy
@@ -267,7 +269,7 @@ impl EnergyAudit {
     /// Scale of energy differences, J: the largest energy exchanged so far, plus the rounding error of the stored
     /// energies.
     pub fn scale_j(&self) -> f64 {
-        self.max_exchanged_j + ROUNDING * self.max_stored_j
+        self.max_exchanged_j + ROUNDING * self.max_stored_j + NEGLIGIBLE_J
     }
 
     pub fn record(&mut self, time_s: f64, energy: &Energy) {
