@@ -4,7 +4,8 @@
 # Usage: tools/explorer.sh [--install | OUT.html]
 # Uses the toolchain's target if it is installed (rustup target add wasm32-unknown-unknown), otherwise Debian's compiler, which
 # builds std from source. $OPTIMISE=1 runs Binaryen's wasm-opt (Debian: binaryen), which makes the module a tenth smaller in a
-# minute. $FEATURES: additional features; `figures` is for tests of the core.
+# minute. $FEATURES: additional features; `figures` is for tests of the core. $EXPLORER_PROFILE: another profile of Cargo than `release`;
+# `checks` builds faster.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -25,9 +26,10 @@ browser_target "the explorer"
 built=${CARGO_TARGET_DIR:-target}
 mkdir -p "$built"
 built=$(cd "$built" && pwd)
+profile=${EXPLORER_PROFILE:-release}
 say "explorer: the module"
-"${build[@]}" --release --locked --quiet --manifest-path crates/explorer/Cargo.toml ${FEATURES:+--features "$FEATURES"} --target "$target" --target-dir "$built/wasm"
-module=$built/wasm/$target/release/phalanx_explorer.wasm
+"${build[@]}" --profile "$profile" --locked --quiet --manifest-path crates/explorer/Cargo.toml ${FEATURES:+--features "$FEATURES"} --target "$target" --target-dir "$built/wasm"
+module=$built/wasm/$target/$profile/phalanx_explorer.wasm
 if [ -n "${OPTIMISE:-}" ]; then
     wasm-opt -O2 --enable-bulk-memory --enable-nontrapping-float-to-int --enable-sign-ext --enable-mutable-globals "$module" -o "$module.small"
     module=$module.small

@@ -21,7 +21,9 @@ cd "$(dirname "$0")/.."
 export CARGO_INCREMENTAL=0
 # The module of the explorer is built by its own script, once, and as fast as possible.
 export PHALANX_EXPLORER_MODULE=
-export CARGO_PROFILE_RELEASE_LTO=off CARGO_PROFILE_RELEASE_CODEGEN_UNITS=16
+export EXPLORER_PROFILE=checks
+# Without line numbers in backtraces, the tests are built faster.
+export CARGO_PROFILE_DEV_DEBUG=false
 
 has_nextest() { cargo nextest --version >/dev/null 2>&1; }
 

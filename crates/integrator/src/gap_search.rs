@@ -195,8 +195,9 @@ impl<'a, Y: Hybrid, K: Method<Y::Layout>> GapSearch<'a, Y, K> {
 /// Largest number of evaluations in the search of a root.
 const MAX_ROOT_EVALUATIONS: usize = 80;
 
-/// Ratio of the value at a root that is found to the tolerance of the event.
-pub(crate) const ROOT_TOLERANCE: f64 = 0.1;
+/// Ratio of the value at a root that is found to the tolerance of the event. Times of events are smooth functions of parameters
+/// only if they do not depend on the search.
+pub(crate) const ROOT_TOLERANCE: f64 = 1e-6;
 
 /// Returns a root of `value` between two points with their values; the first value is not negative, and the second one is.
 /// The root is the far end of a tight bracket, or a point with a value between 0 and `tolerance`.
