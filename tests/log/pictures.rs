@@ -130,15 +130,16 @@ fn arrows_match_forces_and_disappear_without_force() {
     for message in messages_on_topic(&messages, "/forces") {
         let update = update(message);
         // Times of messages are whole nanoseconds; several samples may belong to one.
-        let at_time = samples.iter().filter(|sample| (sample.time_s * 1e9).round() as u64 == message.1);
+        let mut at_time = samples.iter().filter(|sample| (sample.time_s * 1e9).round() as u64 == message.1);
         let has_lengths = |sample: &&Sample| {
-            let contacts = [FingerContact::Proximal, FingerContact::Distal].map(|contact| sample.finger_contact(contact));
+            let contacts =
+                [FingerContact::Proximal, FingerContact::Distal].map(|contact| sample.finger_contact(contact));
             update.entities.iter().zip(contacts).all(|(entity, contact)| {
                 let length = entity.arrows.first().map_or(0.0, |arrow| arrow.shaft_length + arrow.head_length);
                 (length - if contact.normal_n > 0.0 { drawing.arrow_m(contact.normal_n) } else { 0.0 }).abs() < 1e-12
             })
         };
-        let sample = at_time.into_iter().rfind(has_lengths).expect("a sample with the forces of the picture");
+        let sample = at_time.rfind(has_lengths).expect("a sample with the forces of the picture");
         assert_eq!(update.entities.iter().map(|entity| entity.id.as_str()).collect::<Vec<_>>(), ["proximal", "distal"]);
         for (entity, contact) in update
             .entities
