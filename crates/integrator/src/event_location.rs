@@ -202,7 +202,7 @@ fn first_sampled_crossing<Y: Hybrid, K: Method<Y::Layout>>(
     };
     for index in (0..may_cross.len()).filter(|index| may_cross[*index]) {
         let value = |theta: f64| interior.function(index, theta).value;
-        let tolerance = interior.system.event_tolerance(index, interior.mode);
+        let tolerance = || interior.system.event_tolerance(index, interior.mode);
         let ends = [(0.0, start[index].value), (1.0, end[index].value)];
         let is_negative_at_end = end[index].value < 0.0;
         let bracket = match search_of(index) {
@@ -210,7 +210,7 @@ fn first_sampled_crossing<Y: Hybrid, K: Method<Y::Layout>>(
             RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce if dips[index] => {
                 let separation =
                     separates(index).then(|| find_separation(&|theta| interior.function(index, theta).is_separated));
-                let values = (ends.map(|end| end.1), tolerance);
+                let values = (ends.map(|end| end.1), tolerance());
                 first_dip(values, separation, &mut |sample| at_sample(index, sample), &value)
             }
             RootSearch::Interior | RootSearch::Smooth | RootSearch::FadingForce => None,
@@ -228,7 +228,7 @@ fn first_sampled_crossing<Y: Hybrid, K: Method<Y::Layout>>(
         if first.is_some_and(|f| f.theta < high.0 && value(f.theta * (1.0 - SAME_CROSSING)) >= 0.0) {
             continue;
         }
-        let theta = find_root(&value, [low, high], ROOT_TOLERANCE * tolerance);
+        let theta = find_root(&value, [low, high], ROOT_TOLERANCE * tolerance());
         if first.is_none_or(|f| theta < f.theta) {
             first = Some(Crossing { event_index: index, theta, negative_at: high.0 });
         }
@@ -404,13 +404,8 @@ fn find_negative(
         let is_apart = (vertex - inner.0).abs() >= MIN_DISTANCE * width;
         let beside = inner.0 + (MIN_DISTANCE * width).copysign(larger - inner.0);
         let theta = match iteration % 2 == 0 && vertex.is_finite() {
-            true => {
-                if is_apart {
-                    vertex
-                } else {
-                    beside
-                }
-            }
+            true if is_apart => vertex,
+            true => beside,
             false => section,
         };
         let other = at(theta);
